@@ -11,6 +11,7 @@ use std::process::ExitCode;
 
 use clap::Parser as _;
 use myointent_research::cli::Cli;
+use recordings::npy;
 use recordings::synthetic::{self, SynthOptions};
 use serde_json::Value;
 use shared::intent::Intent;
@@ -193,17 +194,6 @@ fn fields(line: &str) -> Vec<String> {
     text.split(',').map(str::to_owned).collect()
 }
 
-/// An npy file of one byte a sample and channel, or of names of 7 letters.
-fn npy(descr: &str, shape: &str, data: &[u8]) -> Vec<u8> {
-    let header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({shape}), }}");
-    let length = (header.len() + 11).next_multiple_of(64) - 10;
-    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    bytes.extend((length as u16).to_le_bytes());
-    bytes.extend(format!("{header:<width$}\n", width = length - 1).as_bytes());
-    bytes.extend(data);
-    bytes
-}
-
 /// Synthetic recordings of other people than those of [`recordings`] as files of roshambo, whose subject 06 is a test person.
 fn roshambo(folder: &Path, subjects: &[&str]) -> PathBuf {
     let options = SynthOptions {
@@ -237,11 +227,11 @@ fn roshambo(folder: &Path, subjects: &[&str]) -> PathBuf {
         };
         write(
             "emg",
-            npy("|i1", &format!("{count}, 8"), &samples.collect::<Vec<_>>()),
+            npy::encode("|i1", &[count, 8], &samples.collect::<Vec<_>>()),
         );
         write(
             "ann",
-            npy("|S7", &format!("{count},"), &names.collect::<Vec<_>>()),
+            npy::encode("|S7", &[count], &names.collect::<Vec<_>>()),
         );
     }
     data

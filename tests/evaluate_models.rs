@@ -11,7 +11,7 @@ use evaluation::model_evaluation::{
     ModelEvaluation, NamedModel, Selection, Turn, Worn, evaluate_models,
 };
 use presets::LabelLag;
-use recordings::{LoadOptions, load};
+use recordings::{LoadOptions, load, npy};
 use shared::intent::{Intent, Vocabulary};
 use shared::model::dimensions::Dimensions;
 use shared::model::file::Model;
@@ -489,13 +489,6 @@ fn cued(late: usize, seed: u64) -> (Vec<Sample>, Vec<&'static str>) {
     (samples, cues)
 }
 
-/// The bytes of a npy file.
-fn npy(descr: &str, shape: &str, data: &[u8]) -> Vec<u8> {
-    let header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({shape}), }}");
-    let header = format!("{header:117}\n");
-    [b"\x93NUMPY\x01\0\x76\0", header.as_bytes(), data].concat()
-}
-
 /// Writes recordings of people as roshambo publishes them.
 fn as_roshambo(folder: &Path, people: &[(&str, usize)]) {
     fs::create_dir_all(folder).unwrap();
@@ -513,16 +506,12 @@ fn as_roshambo(folder: &Path, people: &[(&str, usize)]) {
         let path = |what: &str| folder.join(format!("subject{person}_session01_{what}.npy"));
         fs::write(
             path("emg"),
-            npy("<i8", &format!("{}, {CHANNELS}", cues.len()), &bytes),
+            npy::encode("<i8", &[cues.len(), CHANNELS], &bytes),
         )
         .unwrap();
         fs::write(
             path("ann"),
-            npy(
-                "|S7",
-                &format!("{},", cues.len()),
-                &names.collect::<Vec<u8>>(),
-            ),
+            npy::encode("|S7", &[cues.len()], &names.collect::<Vec<u8>>()),
         )
         .unwrap();
     }

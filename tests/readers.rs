@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use recordings::{Library, LoadOptions, Recording, load};
+use recordings::{Library, LoadOptions, Recording, load, npy};
 use shared::intent::Intent;
 use shared::units::Sample;
 use tempfile::TempDir;
@@ -150,11 +150,7 @@ fn npy_of(person: u32, columns: usize) -> Vec<u8> {
         })
         .map(i8::cast_unsigned)
         .collect();
-    let header = format!("{{'descr': '|i1', 'fortran_order': False, 'shape': (700, {columns}), }}");
-    let mut bytes = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
-    bytes.extend(format!("{header:<117}\n").bytes());
-    bytes.extend(data);
-    bytes
+    npy::encode("|i1", &[700, columns], &data)
 }
 
 const METADATA: &str = r#"{"continuous": false,

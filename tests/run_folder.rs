@@ -163,9 +163,8 @@ fn a_student_of_another_split_is_neither_evaluated_nor_quantized() {
     let bench = Bench::new("other-split");
     let fold = |number| ["--protocol", "2-fold", "--fold", number];
     succeeds(&bench.begin("train", "run", &fold("1")));
-    succeeds(&bench.on("distill", "run", &[]));
     succeeds(&bench.on("quantize", "run", &[]));
-    let second = [&fold("2")[..], &["--overwrite"]].concat();
+    let second = [&fold("2")[..], &["--overwrite", "--teacher-only"]].concat();
     succeeds(&bench.begin("train", "run", &second));
     fails(
         &bench.on("evaluate", "run", &[]),
@@ -175,7 +174,7 @@ fn a_student_of_another_split_is_neither_evaluated_nor_quantized() {
         &bench.on("quantize", "run", &[]),
         "student.bpk does not belong",
     );
-    succeeds(&bench.on("distill", "run", &[]));
+    succeeds(&bench.on("train", "run", &["--resume"]));
     // The model file is still the first student's.
     fails(
         &bench.on("evaluate", "run", &[]),
@@ -189,11 +188,10 @@ fn a_student_of_another_split_is_neither_evaluated_nor_quantized() {
 fn a_student_does_not_belong_to_a_teacher_that_it_did_not_learn_from() {
     let bench = Bench::new("other-teacher");
     succeeds(&bench.begin("train", "run", &[]));
-    succeeds(&bench.on("distill", "run", &[]));
     succeeds(&bench.on("quantize", "run", &[]));
     let preset = bench.edited(&[("stride = 600", "stride = 300")]);
-    let line = bench.begin_with("train", preset.to_str().unwrap(), "run", &["--overwrite"]);
-    succeeds(&line);
+    let only = ["--overwrite", "--teacher-only"];
+    succeeds(&bench.begin_with("train", preset.to_str().unwrap(), "run", &only));
     fails(
         &bench.on("evaluate", "run", &[]),
         "student.bpk does not belong",
@@ -327,17 +325,21 @@ fn figures_of_another_model_are_not_written_into_the_runs_own() {
 }
 
 #[test]
-fn another_teacher_share_makes_another_student() {
-    let bench = Bench::new("share");
-    succeeds(&bench.begin("train", "run", &[]));
-    succeeds(&bench.on("distill", "run", &[]));
-    fails(
-        &bench.on("distill", "run", &["--teacher-share", "0.25", "--resume"]),
-        "(distillation.teacher_share 0.5 / 0.25)",
-    );
-    succeeds(&bench.on("distill", "run", &["--teacher-share", "0.25"]));
-    succeeds(&bench.on("distill", "run", &["--resume"]));
-    succeeds(&bench.on("quantize", "run", &[]));
+fn a_preset_without_a_teacher_trains_one_if_asked() {
+    let bench = Bench::new("extra");
+    let preset = bench.edited(&[("teacher_share = 0.5", "teacher_share = 0.0")]);
+    let begin = |run, more: &[&str]| {
+        succeeds(&bench.begin_with("train", preset.to_str().unwrap(), run, more));
+    };
+    let has = |run: &str, name: &str| bench.path(run).join(name).exists();
+    begin("student", &[]);
+    assert!(!has("student", "teacher.bpk") && has("student", "student.bpk"));
+    begin("both", &["--teacher", "--labels-only"]);
+    assert!(has("both", "teacher.bpk") && has("both", "student-alone.bpk"));
+    begin("teacher", &["--teacher-only"]);
+    assert!(has("teacher", "teacher.bpk") && !has("teacher", "student.bpk"));
+    succeeds(&bench.on("train", "teacher", &["--resume"]));
+    assert!(has("teacher", "student.bpk"));
 }
 
 #[test]
@@ -361,7 +363,7 @@ fn an_ensemble_goes_on_where_it_was_interrupted() {
             fs::remove_file(run.join(format!("{name}.{ending}"))).unwrap();
         }
     }
-    succeeds(&bench.on("distill", "run", &["--resume"]));
+    succeeds(&bench.on("train", "run", &["--resume"]));
     succeeds(&bench.on("quantize", "run", &[]));
     assert!(content("student.intent") == whole);
 }
@@ -437,11 +439,8 @@ fn an_interrupted_command_advises_what_it_has() {
         message.contains("the same command and --resume"),
         "{message}"
     );
-    // Not complete: there is no teacher to go on with.
-    fails(
-        &bench.on("distill", "run", &[]),
-        "no teacher to distil from",
-    );
+    // Not complete: there is nothing to quantize.
+    fails(&bench.on("quantize", "run", &[]), "not trained yet");
 }
 
 #[test]

@@ -90,7 +90,6 @@ fn a_run_goes_through_all_steps_and_repeats() {
     for run in ["first", "again"] {
         let [preset, data] = [&preset, &data].map(|path| path.to_str().unwrap());
         on_gpu("train", run, &["--preset", preset, "--data", data]);
-        on_gpu("distill", run, &[]);
         on_gpu("quantize", run, &[]);
     }
     let bytes = fs::read(file("first")).unwrap();

@@ -2,20 +2,22 @@
 
 mod install;
 
-pub use self::install::{ModelFile, Unfit, install};
+use self::install::REGION_BYTES;
+pub use self::install::{ModelFile, install};
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use serial2::SerialPort;
+use shared::model::file::ModelError;
 use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
 use shared::uart_line::answer::{Answer, Refusal};
 use shared::uart_line::command::Command;
 use shared::uart_line::line::{Line, LineReader};
 
 /// Baud rate of the board's UART.
-pub(crate) const BAUD: u32 = 115_200;
+const BAUD: u32 = 115_200;
 /// Longest time that one read waits for bytes.
 const WAIT: Duration = Duration::from_millis(20);
 /// Longest time to wait for an answer. A board answers within a second, after the lines already queued for the UART.
@@ -23,7 +25,7 @@ const ANSWER: Duration = Duration::from_secs(2);
 /// Number of times a command is sent before the board counts as silent.
 const ATTEMPTS: u32 = 3;
 
-/// Why a board did not do what it was asked for.
+/// Error of a command to a board, or of an installation.
 #[derive(Debug, thiserror::Error)]
 pub enum BoardError {
     /// The port cannot be opened.
@@ -99,6 +101,17 @@ pub enum BoardError {
     /// The caller stopped the installation.
     #[error("stopped before the board had all of it")]
     Stopped,
+    /// The file is no model file, or no board has room for the model.
+    #[error("no board can run this file, and nothing was sent: {0}")]
+    Unfit(#[from] ModelError),
+    /// The file is longer than a board's flash region.
+    #[error(
+        "{length} bytes, a board has room for {REGION_BYTES}, and nothing was sent: train a smaller model"
+    )]
+    Long {
+        /// Length of the file in bytes.
+        length: usize,
+    },
 }
 
 fn runs(model: Option<u32>) -> String {
@@ -106,6 +119,27 @@ fn runs(model: Option<u32>) -> String {
         Some(model) => format!("runs model {model:08x}"),
         None => "runs none".to_owned(),
     }
+}
+
+/// Opens a serial port without the bytes that arrived before, which are out of date.
+pub(crate) fn open_port(
+    path: &Path,
+    read: Duration,
+    write: Duration,
+) -> std::io::Result<SerialPort> {
+    let mut port = SerialPort::open(path, BAUD)?;
+    port.set_read_timeout(read)?;
+    port.set_write_timeout(write)?;
+    port.discard_input_buffer()?;
+    Ok(port)
+}
+
+/// Whether an error of a read only means that no byte came in time.
+pub(crate) fn is_timeout(error: &std::io::Error) -> bool {
+    matches!(
+        error.kind(),
+        ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted
+    )
 }
 
 /// Connection to a board on a serial port.
@@ -126,15 +160,7 @@ impl Board {
     /// # Errors
     /// [`BoardError::Open`].
     pub fn open(path: &Path) -> Result<Self, BoardError> {
-        let open = || {
-            let mut port = SerialPort::open(path, BAUD)?;
-            port.set_read_timeout(WAIT)?;
-            port.set_write_timeout(ANSWER)?;
-            // Bytes that arrived before are out of date.
-            port.discard_input_buffer()?;
-            Ok(port)
-        };
-        let port = open().map_err(|source| BoardError::Open {
+        let port = open_port(path, WAIT, ANSWER).map_err(|source| BoardError::Open {
             path: path.to_owned(),
             source,
         })?;
@@ -233,11 +259,7 @@ impl Board {
                         }
                     }
                 }
-                Err(error)
-                    if matches!(
-                        error.kind(),
-                        ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted
-                    ) => {}
+                Err(error) if is_timeout(&error) => {}
                 Err(error) => return Err(self.lost(error)),
             }
         }
@@ -248,7 +270,10 @@ impl Board {
     ///
     /// # Errors
     /// The port is lost.
-    pub fn aligned(&mut self, within: Duration) -> Result<Option<AlignmentReport>, BoardError> {
+    pub(crate) fn aligned(
+        &mut self,
+        within: Duration,
+    ) -> Result<Option<AlignmentReport>, BoardError> {
         // The report comes before the answer to the command.
         if let Some(report) = self.unavailable.take() {
             return Ok(Some(report));

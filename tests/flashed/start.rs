@@ -31,6 +31,39 @@ fn a_board_says_why_it_starts_and_who_it_is() -> anyhow::Result<()> {
 }
 
 #[test]
+fn the_uart_runs_on_the_crystal() -> anyhow::Result<()> {
+    let test = "the_uart_runs_on_the_crystal";
+    for built in [Image::Nrf52840S140, Image::Nrf52832S132] {
+        let Some(image) = chip::image(test, built) else {
+            return Ok(());
+        };
+        let mut board = Board::new(built, image, Setting::default());
+        board.send("IDENTIFY");
+        board.wait_for("$OK,IDENTIFY", 1000)?;
+        let softdevice = board.machine.softdevice.as_ref();
+        assert!(softdevice.is_some_and(|softdevice| softdevice.keeps_crystal));
+    }
+    Ok(())
+}
+
+#[test]
+fn the_reset_button_is_no_watchdog() -> anyhow::Result<()> {
+    let test = "the_reset_button_is_no_watchdog";
+    let Some(image) = chip::image(test, Image::Nrf52840S140) else {
+        return Ok(());
+    };
+    let mut board = Board::new(Image::Nrf52840S140, image, Setting::default());
+    board.wait_for("started by power or reset", 1000)?;
+    let before = board.text().len();
+    board.machine.reset(Reset::Pin);
+    board.run_ms(1000)?;
+    let text = board.text();
+    let after = text.get(before..).unwrap_or(&text);
+    assert!(after.contains("started by power or reset"), "{text}");
+    Ok(())
+}
+
+#[test]
 fn a_blank_chip_sets_its_reset_pin_and_starts_again() -> anyhow::Result<()> {
     let test = "a_blank_chip_sets_its_reset_pin_and_starts_again";
     let Some(image) = chip::image(test, Image::Nrf52840S140) else {
@@ -43,6 +76,8 @@ fn a_blank_chip_sets_its_reset_pin_and_starts_again() -> anyhow::Result<()> {
     let mut board = Board::new(Image::Nrf52840S140, image, setting);
     board.wait_for("# myointent ", 1000)?;
     assert_eq!(starts(&board), [Reset::Power, Reset::Software]);
+    // The chip was reset to set UICR, not after a panic.
+    board.wait_for("started by power or reset", 1000)?;
     let chip = board.machine.chip();
     assert_eq!([chip.uicr(0x200), chip.uicr(0x204)], [18, 18]);
     assert_eq!(chip.uicr(APPROTECT) & 0xff, 0x5a);

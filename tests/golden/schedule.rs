@@ -4,7 +4,7 @@ use burn::tensor::Device;
 use myointent_tests::golden;
 use presets::Preset;
 use presets::masking::Task;
-use presets::schedule::{LearningRate, LrSchedule};
+use presets::training::{LearningRate, LrSchedule};
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use recordings::corpus::{Corpus, Stream};

@@ -8,7 +8,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use clap::Parser as _;
-use myointent::board::{BoardError, ModelFile, Unfit, install};
+use myointent::board::{BoardError, ModelFile, install};
 use myointent::cli::Cli;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -480,7 +480,7 @@ fn a_file_that_no_board_can_run_is_refused_before_anything_is_sent() {
         b"",
         b"a file",
     ] {
-        assert!(matches!(ModelFile::new(wrong), Err(Unfit::Model(_))));
+        assert!(matches!(ModelFile::new(wrong), Err(BoardError::Unfit(_))));
     }
     assert!(ModelFile::new(&new).is_ok());
 }

@@ -7,7 +7,7 @@
 
 use std::ops::ControlFlow;
 
-use recordings::lead_in::padded;
+use recordings::corpus::padded;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::{Model, ModelError};
 use shared::model::{Encode, LookBackLogits};

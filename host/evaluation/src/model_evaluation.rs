@@ -29,8 +29,8 @@ use crate::{
 use recordings::labels::lag::LabelLag;
 use recordings::labels::set_lag::Lag;
 use recordings::labels::set_lag::lags;
-use recordings::losses::bridge_lost_notifications;
-use recordings::split::circles;
+use recordings::split::predefined;
+use recordings::synthetic::losses::bridge_lost_notifications;
 use recordings::{DataSet, Library, Recording};
 
 /// Selection of the people to evaluate on, and settings of the evaluation.
@@ -134,7 +134,7 @@ pub fn evaluate_models(
     let vocabulary = common_vocabulary(models, &parsed)?;
     let labelled = labelled(library, vocabulary);
     let (mut subjects, left_out) = subjects(models, &parsed, &labelled, selection)?;
-    let lags = lags(&labelled, selection.label_lag, &circles::is_training);
+    let lags = lags(&labelled, selection.label_lag, &predefined::is_training);
     let worn: BTreeMap<String, Alignment> = subjects
         .iter()
         .enumerate()

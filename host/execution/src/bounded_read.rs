@@ -20,7 +20,7 @@ pub const CHECKPOINT: u64 = 1024 * MIB;
 /// Maximum size of a preset, in bytes.
 pub const PRESET: u64 = MIB;
 
-/// Why a file is not read.
+/// Reason why a file is not read.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub(crate) enum Refusal {
     /// A folder, a device or a pipe.

@@ -1,13 +1,14 @@
 //! Validity of the values of a preset.
 
-mod distillation;
+mod memory;
 mod numbers;
+mod student;
 
 use shared::intent::Vocabulary;
-use shared::units::{LOOK_BACK, MAX_ENTRY_MARGIN, PATCH, WINDOW, WINDOW_PATCHES};
+use shared::units::{LOOK_BACK, MAX_ENTRY_MARGIN, PATCH, WINDOW};
 
-use super::memory::LIMIT;
 use super::{EntryMargins, Preset};
+use memory::LIMIT;
 
 /// Maximum number of epochs of a training.
 const EPOCHS: usize = 1_000_000;
@@ -114,29 +115,6 @@ impl Preset {
                 "teacher_training.ema_decay",
                 training.ema_decay,
                 "0 or more, below 1",
-            ),
-        ]
-        .into_iter()
-        .flatten()
-        .next()
-    }
-
-    fn invalid_student(&self) -> Option<Invalid> {
-        let student = &self.student;
-        [
-            require(
-                are_heads(student.heads, student.d_model),
-                "student.heads",
-                student.heads,
-                "a divisor of d_model",
-            ),
-            require(
-                student.span > 0
-                    && student.layers > 0
-                    && student.receptive_field() <= WINDOW_PATCHES + 1 - LOOK_BACK,
-                "student.span",
-                student.receptive_field(),
-                "layers * (span - 1) + 1 of at most 55 patches",
             ),
         ]
         .into_iter()

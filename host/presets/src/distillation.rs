@@ -1,11 +1,12 @@
-//! Settings of a student's training: knowledge distillation from the teacher's logits or from an ensemble of students,
-//! and the labels.
+//! Dimensions of a student, and settings of its training: knowledge distillation from the teacher's logits or from an
+//! ensemble of students, and the labels. They do not need the library that trains it, since `tests/fuzz` reads presets
+//! too.
 
 use serde::{Deserialize, Serialize};
+use shared::model::dimensions::Companding;
 
 use crate::augmentation::Augmentation;
-use crate::schedule::LrSchedule;
-use crate::training::TrainConfig;
+use crate::training::{LrSchedule, TrainConfig};
 
 /// Name of the run's files: `student.bpk` is the checkpoint of the lowest validation loss.
 pub const NAME: &str = "student";
@@ -15,6 +16,39 @@ pub const LABELS_ONLY: &str = "student-alone";
 pub const MEMBERS: [&str; 8] = [
     "member-1", "member-2", "member-3", "member-4", "member-5", "member-6", "member-7", "member-8",
 ];
+
+/// Dimensions of a student.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StudentConfig {
+    /// Width of a token; a patch is a token.
+    pub d_model: usize,
+    /// Attention heads; divides `d_model`.
+    pub heads: usize,
+    /// Encoder layers.
+    pub layers: usize,
+    /// Patches that a patch attends to, itself included.
+    pub span: usize,
+    /// Companding of the input.
+    pub companding: Companding,
+    /// Whether a board has to have room for it; otherwise only a PC runs it.
+    #[serde(default = "yes")]
+    pub board: bool,
+}
+
+const fn yes() -> bool {
+    true
+}
+
+impl StudentConfig {
+    /// Number of patches that influence an output of the encoder.
+    #[must_use]
+    pub(crate) fn receptive_field(&self) -> usize {
+        // A preset may hold any integers.
+        let before = self.layers.saturating_mul(self.span.saturating_sub(1));
+        before.saturating_add(1)
+    }
+}
 
 /// Settings of a student's training.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -74,7 +108,7 @@ impl Distillation {
 
     /// Settings for a student that learns from the labels alone.
     #[must_use]
-    pub fn on_labels(&self) -> Self {
+    pub(crate) fn on_labels(&self) -> Self {
         Self {
             teacher_share: 0.0,
             ensemble: None,

@@ -5,33 +5,23 @@
 pub mod augmentation;
 mod check;
 pub mod config;
-#[cfg(test)]
-mod damage;
 pub mod distillation;
+#[cfg(any(test, feature = "testing"))]
+pub mod invariants;
 pub mod lineage;
 pub mod masking;
-mod memory;
-#[cfg(any(test, feature = "testing"))]
-pub mod promises;
 pub mod resolve;
-pub mod schedule;
 mod source;
-mod streams;
-pub mod student;
 pub mod teacher;
-pub mod teacher_training;
-pub mod template;
 pub mod training;
 
 use serde::{Deserialize, Serialize};
 use shared::intent::{Intent, MAX_CLASSES, Vocabulary};
 use shared::stream::preprocess::{Median, Preprocessing};
 
-use crate::distillation::Distillation;
-use crate::schedule::LrSchedule;
-use crate::student::StudentConfig;
-use crate::teacher::{LoraConfig, TeacherConfig};
-use crate::teacher_training::TeacherTraining;
+use crate::distillation::{Distillation, StudentConfig};
+use crate::teacher::{LoraConfig, TeacherConfig, TeacherTraining};
+use crate::training::LrSchedule;
 use recordings::DataSet;
 pub use recordings::labels::lag::LabelLag;
 use recordings::movement::OtherMovement;

@@ -11,10 +11,8 @@ use serde::Serialize;
 use shared::intent::Intent;
 
 use crate::config::{CONFIG, Fold, ResolvedConfig};
-use crate::distillation::{self, Distillation};
-use crate::student::StudentConfig;
-use crate::teacher::TeacherConfig;
-use crate::teacher_training::TeacherTraining;
+use crate::distillation::{self, Distillation, StudentConfig};
+use crate::teacher::{self, TeacherConfig, TeacherTraining};
 use crate::{DataSelection, Smoothing};
 use execution::bounded_read;
 use execution::fingerprint::Fingerprint;
@@ -60,7 +58,7 @@ struct StudentInputs<'a> {
 
 /// Inputs that decide the scores of a run's models.
 #[derive(Serialize)]
-struct Everything<'a> {
+struct ResultInputs<'a> {
     variant: &'a str,
     fold: Option<Fold>,
     teacher: TeacherInputs<'a>,
@@ -73,7 +71,7 @@ impl ResolvedConfig {
     /// Fingerprint of what results are made from: the whole configuration.
     #[must_use]
     pub fn fingerprint(&self) -> Fingerprint {
-        Fingerprint::of(&Everything {
+        Fingerprint::of(&ResultInputs {
             variant: &self.variant,
             fold: self.fold,
             teacher: self.teacher_inputs(),
@@ -131,7 +129,7 @@ impl ResolvedConfig {
     /// # Errors
     /// When they are missing or not this run's.
     pub fn teaching_weights(&self, run: &RunFolder) -> Result<Fingerprint, RunError> {
-        run.weights_fingerprint(crate::teacher_training::NAME, self.teacher_lineage())
+        run.weights_fingerprint(teacher::NAME, self.teacher_lineage())
     }
 
     /// Fingerprint of what the teacher is made from.
@@ -231,7 +229,7 @@ pub fn start_weights(start: &Path) -> Result<Fingerprint, RunError> {
     if start.is_dir() {
         let folder = RunFolder::existing(start)?;
         let origin = ResolvedConfig::load(&folder)?;
-        return folder.weights_fingerprint(crate::teacher_training::NAME, origin.teacher_lineage());
+        return folder.weights_fingerprint(teacher::NAME, origin.teacher_lineage());
     }
     let bytes = bounded_read::read(start, bounded_read::CHECKPOINT)
         .map_err(|source| RunError::io(start, source))?;

@@ -1,22 +1,25 @@
 //! Resolution of a preset and the recordings found to the configuration of a run.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
+use shared::intent::Intent;
+use shared::units::{CHANNELS, Sample};
 use thiserror::Error;
 
 use crate::Preset;
 use crate::config::{Fold, ResolvedConfig};
 use crate::lineage;
-use crate::template;
 use execution::revision::revision;
 use execution::run_folder::RunError;
+use recordings::alignment::{open_hand, template};
 use recordings::folds::{self, Protocol};
+use recordings::labels::compensation::Compensation;
 use recordings::labels::set_lag::lags;
-use recordings::split::{self, Assignment, Role, Split, SplitError, circles};
+use recordings::split::{self, Assignment, Role, Split, SplitError, predefined};
 use recordings::{Library, Recording};
 
 /// A fold of a cross-validation, before the number of folds is known.
@@ -28,7 +31,7 @@ pub struct FoldChoice {
     pub number: usize,
 }
 
-/// Why a preset cannot be resolved.
+/// Error of resolving a preset.
 #[derive(Debug, Error)]
 pub enum ConfigError {
     /// The split cannot be made.
@@ -116,7 +119,7 @@ impl ResolvedConfig {
             start_weights: None,
             git_revision: revision().map(str::to_owned),
         };
-        config.template = template::of_training_people(&config, &labelled);
+        config.template = template_of_training_people(&config, &labelled);
         Ok(config)
     }
 
@@ -202,7 +205,9 @@ pub fn fold_people(preset: &Preset, library: &Library, folds: usize) -> Vec<Vec<
 pub fn test_people(preset: &Preset, library: &Library) -> Vec<String> {
     let labelled = with_labels(preset, library).into_iter();
     let people = labelled.map(|recording| recording.subject.clone());
-    let people: BTreeSet<String> = people.filter(|subject| circles::is_test(subject)).collect();
+    let people: BTreeSet<String> = people
+        .filter(|subject| predefined::is_test(subject))
+        .collect();
     people.into_iter().collect()
 }
 
@@ -220,7 +225,7 @@ fn developers<'r>(recordings: &[&'r Recording]) -> impl Iterator<Item = &'r Reco
     recordings
         .iter()
         .copied()
-        .filter(|recording| !circles::is_test(&recording.subject))
+        .filter(|recording| !predefined::is_test(&recording.subject))
 }
 
 /// Roles of the subjects. With a fold, the preset's lists become the fold's, so that they are saved with the run.
@@ -241,7 +246,7 @@ fn split(
         held_out_share: data.held_out_share,
         validation: &data.validation,
         validation_share: data.validation_share,
-        circles: fold.is_none(),
+        predefined: fold.is_none(),
     };
     let mut split = split::assign(recordings.iter().copied(), &assignment)?;
     if data.most_subjects > 0 {
@@ -261,6 +266,51 @@ fn split(
         split.training = kept;
     }
     Ok(split)
+}
+
+/// Numbers of the alignment template of a run's training people; none if too few of them open the hand.
+fn template_of_training_people(
+    config: &ResolvedConfig,
+    labelled: &[&Recording],
+) -> Option<Vec<i16>> {
+    let read = |recording: &Recording| {
+        let compensation = config.compensation(recording);
+        (config.samples(recording), compensation)
+    };
+    let is_seen =
+        |recording: &&Recording| config.split.role(&recording.subject) == Some(Role::Training);
+    let seen = labelled.iter().copied().filter(is_seen);
+    let bytes = template(&opens(seen, read))?.to_bytes();
+    let numbers = bytes.as_chunks::<2>().0.iter();
+    Some(numbers.map(|&two| i16::from_le_bytes(two)).collect())
+}
+
+/// Open hand of each person who opens it; `read` gives a recording's samples and its lag compensation.
+pub fn opens<'r>(
+    recordings: impl Iterator<Item = &'r Recording>,
+    read: impl Fn(&Recording) -> (Vec<Sample>, Compensation),
+) -> Vec<[f64; CHANNELS]> {
+    let mut by_person: BTreeMap<&str, Vec<&Recording>> = BTreeMap::new();
+    for recording in recordings {
+        let own = by_person.entry(&recording.subject).or_default();
+        own.push(recording);
+    }
+    by_person
+        .into_values()
+        .filter_map(|own| {
+            let streams: Vec<(Vec<Sample>, Vec<Option<Intent>>)> = own
+                .iter()
+                .map(|recording| {
+                    let (samples, compensation) = read(recording);
+                    (samples, recording.compensated(compensation).labels)
+                })
+                .collect();
+            let borrowed = streams
+                .iter()
+                .map(|(samples, labels)| (samples.as_slice(), labels.as_slice()));
+            open_hand(borrowed)
+        })
+        .collect()
 }
 
 #[cfg(any(test, feature = "testing"))]

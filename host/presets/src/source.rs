@@ -15,7 +15,7 @@ pub const BUILT_IN: [(&str, &str); 3] = [
     ("paper", include_str!("../paper.toml")),
 ];
 
-/// Why a preset cannot be used.
+/// Error of finding or reading a preset.
 #[derive(Debug, Error)]
 pub enum PresetError {
     /// The name is neither built in nor that of a readable file.

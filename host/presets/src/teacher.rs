@@ -1,8 +1,17 @@
-//! Dimensions of a teacher and of its adapters, as a preset has them. They do not need the library that trains it,
-//! since `tests/fuzz` reads presets too.
+//! Dimensions of a teacher and of its adapters, and settings of its training. They do not need the library that trains
+//! it, since `tests/fuzz` reads presets too.
 
 use serde::{Deserialize, Serialize};
 use shared::model::dimensions::Companding;
+
+use super::masking::Task;
+use crate::augmentation::Augmentation;
+use crate::training::{LrSchedule, TrainConfig};
+
+/// Name of the run's files: `teacher.bpk` is the checkpoint of the lowest validation loss.
+pub const NAME: &str = "teacher";
+/// Name of the files of a training with LoRA, before the adapters are merged into the teacher.
+pub const ADAPTED: &str = "teacher-lora";
 
 /// Dimensions of a teacher.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -66,5 +75,48 @@ impl WindowShape {
     #[must_use]
     pub const fn tokens(self) -> usize {
         self.window / self.patch
+    }
+}
+
+/// Settings of a teacher's training.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TeacherTraining {
+    /// Samples between the starts of two windows.
+    pub stride: usize,
+    /// Passes over all examples.
+    pub epochs: usize,
+    /// Examples per step.
+    pub batch: usize,
+    /// Peak learning rate.
+    pub learning_rate: f64,
+    /// Schedule of the learning rate: a warm-up for a fresh model, constant for fine-tuning, as in the paper.
+    pub lr_schedule: LrSchedule,
+    /// Decoupled weight decay, on every parameter.
+    pub weight_decay: f32,
+    /// Decay of the exponential moving average of the weights that is saved; 0, as in the paper, saves the weights
+    /// themselves.
+    #[serde(default)]
+    pub ema_decay: f64,
+    /// Tasks; each window is presented once as each of them.
+    pub tasks: Vec<Task>,
+    /// Augmentation of the training windows; none in the paper.
+    pub augmentation: Option<Augmentation>,
+    /// LoRA adapters, which are trained while the weights that training starts from stay as they are; none: no
+    /// adapters.
+    pub lora: Option<LoraConfig>,
+}
+
+impl TeacherTraining {
+    /// The settings of the training loop.
+    pub fn train_config(&self, seed: u64) -> TrainConfig {
+        TrainConfig {
+            epochs: self.epochs,
+            learning_rate: self.learning_rate,
+            lr_schedule: self.lr_schedule,
+            weight_decay: self.weight_decay,
+            ema_decay: self.ema_decay,
+            seed,
+        }
     }
 }

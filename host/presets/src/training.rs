@@ -1,8 +1,6 @@
-//! Settings of the training loop.
+//! Settings of the training loop, and its learning-rate schedule.
 
-use serde::Serialize;
-
-use super::schedule::LrSchedule;
+use serde::{Deserialize, Serialize};
 
 /// Settings of a model's training.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -20,4 +18,77 @@ pub struct TrainConfig {
     pub ema_decay: f64,
     /// Seed of every random draw.
     pub seed: u64,
+}
+
+/// Shape of the learning rate over the steps of a training.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LrSchedule {
+    /// Linear warm-up over this fraction of the steps, then linear decay to 0.
+    WarmUp(f64),
+    /// A constant rate.
+    Constant,
+}
+
+/// Learning rate at every step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LearningRate {
+    peak: f64,
+    /// Steps of the warm-up, and steps until the rate is 0; none for a constant rate.
+    ramp: Option<(usize, usize)>,
+}
+
+impl LearningRate {
+    /// A schedule over `total` steps that reaches `peak`.
+    ///
+    /// With a warm-up, as in the reference, the first step has rate 0, and so do steps beyond `total`.
+    #[must_use]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a fraction of a number of steps"
+    )]
+    pub fn new(peak: f64, lr_schedule: LrSchedule, total: usize) -> Self {
+        let ramp = match lr_schedule {
+            LrSchedule::WarmUp(share) => Some(((share * total as f64) as usize, total)),
+            LrSchedule::Constant => None,
+        };
+        Self { peak, ramp }
+    }
+
+    /// Rate at a step, counted from 0.
+    #[must_use]
+    pub fn rate(&self, step: usize) -> f64 {
+        let Some((warm_up, total)) = self.ramp else {
+            return self.peak;
+        };
+        if step < warm_up {
+            return self.peak * step as f64 / warm_up as f64;
+        }
+        let left = total.saturating_sub(step) as f64;
+        self.peak * left / total.saturating_sub(warm_up).max(1) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rises_from_zero_to_the_peak_and_falls_back_to_zero() {
+        let schedule = LearningRate::new(1e-4, LrSchedule::WarmUp(0.05), 1000);
+        let close = |step, rate: f64| (schedule.rate(step) - rate).abs() < 1e-15;
+        assert!(close(0, 0.0));
+        assert!(close(25, 0.5e-4));
+        assert!(close(50, 1e-4));
+        assert!(close(525, 0.5e-4));
+        assert!(close(1000, 0.0));
+        assert!(close(1200, 0.0));
+    }
+
+    #[test]
+    fn a_constant_rate_is_constant_from_the_first_step_on() {
+        let schedule = LearningRate::new(1e-4, LrSchedule::Constant, 10);
+        assert!([0, 5, 10, 100].map(|step| schedule.rate(step)) == [1e-4; 4]);
+    }
 }

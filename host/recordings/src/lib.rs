@@ -10,32 +10,30 @@
 
 pub mod alignment;
 pub mod corpus;
-mod electrodes;
 pub mod examiner;
-pub mod finding;
 pub mod labels;
-pub mod lead_in;
 pub mod library;
-pub mod losses;
-pub mod movement;
 pub mod readers;
 mod recording;
 mod seed;
 #[cfg(feature = "download")]
 pub mod source;
-pub mod splice;
 pub mod split;
 pub mod statistics;
 pub mod synthetic;
 
+pub use corpus::splice;
 pub use examiner::copies::Repeat;
-pub use finding::{Finding, Scale, Severity};
+pub use examiner::finding;
+pub use examiner::finding::{Finding, Scale, Severity};
 pub use labels::runs::{Run, runs};
 pub use library::{Ignored, Library, LoadOptions, load};
-pub use movement::{Movement, MovementKind};
-pub use readers::error::{Fault, LoadError, Place};
+pub use readers::error::excerpt::printable;
+pub use readers::error::{Damage, Fault, LoadError, Place};
 pub use readers::npy;
-pub use readers::why::Why;
+pub use readers::open::SkipReason;
 pub use recording::by_data_set;
+pub use recording::movement;
+pub use recording::movement::{Movement, MovementKind};
 pub use recording::{DataSet, Recording, Timing};
 pub use split::folds;

@@ -5,14 +5,14 @@ use std::time::{Duration, Instant};
 
 use shared::installation::{BLOCK_BYTES, Block, PAGE_BYTES, Progress, Transfer};
 use shared::model::encoder::DeviceEncoder;
-use shared::model::file::{Model, ModelError};
+use shared::model::file::Model;
 use shared::uart_line::answer::{Answer, Refusal};
 use shared::uart_line::command::Command;
 
 use super::{Board, BoardError};
 
 /// Size of a board's flash region in bytes, as in `memory.x`.
-const REGION_BYTES: usize = 160 * 1024;
+pub(super) const REGION_BYTES: usize = 160 * 1024;
 /// Time without progress after which a lost board is given up.
 const PATIENCE: Duration = Duration::from_secs(30);
 /// Begins without progress after which a board is given up: it restarts each time.
@@ -24,22 +24,6 @@ const MOST_BLOCKS: u32 = MOST_BEGINS * (1 + (PAGE_BYTES / BLOCK_BYTES) as u32);
 const MOST_DOUBTS: u32 = 3;
 /// Pause between two attempts to open the port.
 const AGAIN: Duration = Duration::from_millis(100);
-
-/// Why a file is not sent.
-#[derive(Debug, thiserror::Error)]
-pub enum Unfit {
-    /// The file is no model file, or no board has room for the model.
-    #[error("no board can run this file, and nothing was sent: {0}")]
-    Model(#[from] ModelError),
-    /// The file is longer than a board's flash region.
-    #[error(
-        "{length} bytes, a board has room for {REGION_BYTES}, and nothing was sent: train a smaller model"
-    )]
-    Length {
-        /// Length of the file in bytes.
-        length: usize,
-    },
-}
 
 /// Model file that a board can run.
 #[derive(Clone, Copy, Debug)]
@@ -53,7 +37,7 @@ impl<'f> ModelFile<'f> {
     ///
     /// # Errors
     /// When a board would refuse the file.
-    pub fn new(bytes: &'f [u8]) -> Result<Self, Unfit> {
+    pub fn new(bytes: &'f [u8]) -> Result<Self, BoardError> {
         let model = Model::parse(bytes)?;
         DeviceEncoder::new(&model)?;
         let bytes = &bytes[..model.length];
@@ -66,7 +50,7 @@ impl<'f> ModelFile<'f> {
                     checksum: u32::from_le_bytes(checksum),
                 },
             }),
-            _ => Err(Unfit::Length {
+            _ => Err(BoardError::Long {
                 length: bytes.len(),
             }),
         }
@@ -99,13 +83,13 @@ pub fn install(
     mut report: impl FnMut(u32),
 ) -> Result<(), BoardError> {
     let mut board = Board::open(path)?;
-    let mut effort = Effort::new(file.blocks());
+    let mut budget = RetryBudget::new(file.blocks());
     loop {
-        match board.send_model(file, &stopped, &mut effort, &mut report) {
+        match board.send_model(file, &stopped, &mut budget, &mut report) {
             Err(error @ (BoardError::Lost { .. } | BoardError::Silent { .. })) => {
                 // Tries until the board answers again or the time is over.
                 board = loop {
-                    if effort.is_hopeless() {
+                    if budget.is_exhausted() {
                         return Err(error);
                     }
                     if stopped() {
@@ -123,7 +107,7 @@ pub fn install(
 }
 
 /// Commands sent since the board last made progress.
-struct Effort {
+struct RetryBudget {
     /// Number of blocks in the file.
     of: u32,
     /// Greatest number of blocks that the board had; none before its first answer.
@@ -133,7 +117,7 @@ struct Effort {
     blocks: u32,
 }
 
-impl Effort {
+impl RetryBudget {
     fn new(of: u32) -> Self {
         Self {
             of,
@@ -182,7 +166,7 @@ impl Effort {
     }
 
     /// Whether to give up a lost board.
-    fn is_hopeless(&self) -> bool {
+    fn is_exhausted(&self) -> bool {
         self.furthest.is_none() || self.since.elapsed() > PATIENCE
     }
 }
@@ -193,10 +177,10 @@ impl Board {
         &mut self,
         file: ModelFile<'_>,
         stopped: &impl Fn() -> bool,
-        effort: &mut Effort,
+        budget: &mut RetryBudget,
         report: &mut impl FnMut(u32),
     ) -> Result<(), BoardError> {
-        let mut progress = self.begin(file, effort)?;
+        let mut progress = self.begin(file, budget)?;
         let mut may_begin_again = true;
         let mut doubts = 0;
         loop {
@@ -217,13 +201,13 @@ impl Board {
                     let expected = file.checksum();
                     return Err(BoardError::OtherModel { expected, found });
                 }
-                progress = self.begin(file, effort)?;
+                progress = self.begin(file, budget)?;
                 continue;
             };
             // A board never asks for a block past the end. If one did, it would refuse the block sent here.
             let before = file.transfer.before(number.min(file.blocks()));
-            effort.reached(before);
-            effort.block()?;
+            budget.reached(before);
+            budget.block()?;
             report(before);
             let block = Command::Block(number, Block::of(file.bytes, number));
             let answer = self.ask(block, |answer| {
@@ -232,11 +216,11 @@ impl Board {
             });
             progress = match answer {
                 // The board has restarted.
-                Err(BoardError::Refused(Refusal::NotBegun)) => self.begin(file, effort)?,
+                Err(BoardError::Refused(Refusal::NotBegun)) => self.begin(file, budget)?,
                 // The old content of its flash does not match its journal.
                 Err(BoardError::Refused(Refusal::Model)) if number != 0 && may_begin_again => {
                     may_begin_again = false;
-                    self.begin(file, effort)?
+                    self.begin(file, budget)?
                 }
                 Err(BoardError::Refused(Refusal::Model)) => {
                     let reason = self.reason.take();
@@ -252,8 +236,12 @@ impl Board {
     }
 
     /// Begins or continues the installation; returns what is missing.
-    fn begin(&mut self, file: ModelFile<'_>, effort: &mut Effort) -> Result<Progress, BoardError> {
-        effort.begin()?;
+    fn begin(
+        &mut self,
+        file: ModelFile<'_>,
+        budget: &mut RetryBudget,
+    ) -> Result<Progress, BoardError> {
+        budget.begin()?;
         self.ask(Command::Install(file.transfer), missing)
     }
 }

@@ -7,7 +7,7 @@ use shared::uart_line::flag;
 
 use execution::progress;
 use recordings::finding::grouped;
-pub use recordings::readers::excerpt::printable;
+pub use recordings::printable;
 use recordings::{Library, LoadError, LoadOptions, load};
 
 /// Parses the arm for an alignment: 0 or 1 for mirrored.

@@ -7,13 +7,13 @@ use serde::Serialize;
 use shared::intent::Intent;
 use shared::units::SAMPLE_PERIOD_MS;
 
-use crate::record::told::Told;
-use crate::record::{Recorded, recorded};
+use crate::record::quality::FindingText;
+use crate::record::{PersonQuality, quality_by_person};
 use evaluation::report::Table;
 use recordings::Library;
 use recordings::finding::Group;
 pub use recordings::library::inspection::{Files, Inspection, SetInspection};
-pub use recordings::readers::excerpt::printable;
+pub use recordings::printable;
 
 /// Greatest number of files listed with the same finding; `--json` lists all.
 const SHOWN: usize = 4;
@@ -35,21 +35,24 @@ struct Guided {
     good: bool,
     /// Number of labelled stretches of each class.
     counts: BTreeMap<&'static str, usize>,
-    findings: Vec<Told>,
+    findings: Vec<FindingText>,
 }
 
 impl Recordings {
     pub(super) fn new(library: &Library) -> Self {
         Self {
             inspection: Inspection::new(library),
-            guided: recorded(library).into_iter().map(Guided::from).collect(),
+            guided: quality_by_person(library)
+                .into_iter()
+                .map(Guided::from)
+                .collect(),
         }
     }
 }
 
-impl From<Recorded> for Guided {
-    fn from(recorded: Recorded) -> Self {
-        let Recorded {
+impl From<PersonQuality> for Guided {
+    fn from(recorded: PersonQuality) -> Self {
+        let PersonQuality {
             person,
             files,
             quality,
@@ -59,7 +62,7 @@ impl From<Recorded> for Guided {
             files,
             seconds: quality.seconds,
             good: quality.is_good_enough(),
-            findings: quality.findings.iter().map(Told::from).collect(),
+            findings: quality.findings.iter().map(FindingText::from).collect(),
             counts: quality.counts,
         }
     }
@@ -84,7 +87,7 @@ impl fmt::Display for Guided {
             self.files,
             counts.join(", ")
         )?;
-        for Told {
+        for FindingText {
             severity,
             text,
             advice,

@@ -19,7 +19,7 @@ use execution::progress;
 use execution::run_folder::write_whole;
 use recordings::finding::{Group, grouped};
 use recordings::labels::lag::LabelLag;
-use recordings::losses::MOST_PERCENT;
+use recordings::synthetic::losses::MOST_PERCENT;
 
 /// Which of the recordings below `--data` a model file is evaluated on.
 #[derive(Debug, Args)]

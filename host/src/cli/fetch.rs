@@ -9,7 +9,7 @@ use clap::Args;
 use super::contents::{Recordings, tables};
 use evaluation::report::Table;
 use execution::progress;
-pub use recordings::readers::excerpt::printable;
+pub use recordings::printable;
 use recordings::source::{
     Address, Download, Plan, Received, SOURCES, Servers, Source, download, free, plan,
     put_in_place, source,

@@ -10,7 +10,7 @@ use shared::model::file::{List, Model};
 use shared::stream::smoother::AggregationMode;
 
 use crate::cli::read_model;
-pub use recordings::readers::excerpt::printable;
+pub use recordings::printable;
 
 /// Arguments of `info`.
 #[derive(Debug, Args)]

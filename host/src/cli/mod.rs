@@ -14,8 +14,6 @@ mod info;
 mod killed;
 mod live;
 mod output;
-#[cfg(feature = "train")]
-mod personalize;
 mod predict;
 mod presets;
 mod record;
@@ -25,6 +23,8 @@ mod score;
 #[cfg(feature = "train")]
 pub mod steps;
 mod template;
+#[cfg(not(feature = "train"))]
+mod untrained;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -32,19 +32,15 @@ use std::process::ExitCode;
 use anyhow::Context as _;
 use clap::{Parser, Subcommand};
 
-#[cfg(feature = "train")]
-use self::personalize::{KEPT, NotWritten};
-#[cfg(feature = "train")]
-use self::steps::{distill, export, quantize, quickstart, train};
+#[cfg(not(feature = "train"))]
+use self::untrained as steps;
+#[cfg(not(feature = "train"))]
+pub(crate) use self::untrained::WITHOUT_TRAINING;
 use ::presets::PresetError;
 use ::presets::resolve::ConfigError;
 use execution::run_folder::RunError;
 use execution::{bounded_read, progress};
-pub use recordings::readers::excerpt::printable;
-#[cfg(feature = "train")]
-use training::run::StepError;
-#[cfg(feature = "train")]
-use training::run::personalize::PersonalizeError;
+pub use recordings::printable;
 
 /// Intent detection from Myo recordings: train, distil, quantize, evaluate, replay, look.
 #[derive(Debug, Parser)]
@@ -60,11 +56,8 @@ use training::run::personalize::PersonalizeError;
                   myointent record --person me --demo                        one's own recordings, guided, on a page\n\n\
                   Step by step, each into the same run folder:\n  \
                   myointent train --preset cpu --data DIR --run runs/mine\n  \
-                  myointent distill --run runs/mine\n  \
                   myointent quantize --run runs/mine\n  \
                   myointent evaluate --run runs/mine\n\n\
-                  With preset cpu the student learns from four other students and the labels. `quickstart --preset cpu` trains\n\
-                  no teacher. Step by step, `train` makes the run folder, with a teacher that this student does not use.\n\
                   docs/presets.md explains every setting of a preset.\n\n\
                   Exit codes: 0 done, 1 failed, 2 wrong arguments, 3 `personalize` keeps the old model, 130 interrupted."
 )]
@@ -75,25 +68,12 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Train, quantize and evaluate in one command, in a few minutes on two cores.
-    #[cfg(feature = "train")]
-    Quickstart(quickstart::Arguments),
+    /// Commands that train.
+    #[command(flatten)]
+    Steps(steps::Command),
     /// Inspect recordings, or write synthetic ones.
     #[command(subcommand)]
     Data(data::Command),
-    /// Train the teacher, a masked transformer.
-    #[cfg(feature = "train")]
-    Train(train::Arguments),
-    /// Train the student on the teacher's soft targets and the labels, weighted by the preset's `teacher_share`.
-    #[cfg(feature = "train")]
-    Distill(distill::Arguments),
-    /// Quantize the student and write the model file.
-    #[cfg(feature = "train")]
-    Quantize(quantize::Arguments),
-    /// Write the teacher's weights as safetensors, with the names of ReactEMG's code; the model file for a board is
-    /// written by `quantize`.
-    #[cfg(feature = "train")]
-    Export(export::Arguments),
     /// Evaluate a run's models on its held-out subjects, or model files on any recordings.
     Evaluate(evaluate::Arguments),
     /// Write one printable page on one or several runs or model files, side by side.
@@ -112,9 +92,6 @@ enum Command {
     Score(score::Arguments),
     /// Show the header of a model file.
     Info(info::Arguments),
-    /// Tune a model file on one person's own recordings, and keep it only if it is not worse.
-    #[cfg(feature = "train")]
-    Personalize(personalize::Arguments),
     /// Make the alignment template of a model file anew, from the people whom the model has seen.
     Template(template::Arguments),
     /// Move the operating point of a model file: the margins of its confidence gate.
@@ -127,26 +104,6 @@ enum Command {
     Completions(completions::Arguments),
     /// Write the manual's pages.
     Man(completions::ManArguments),
-    /// Commands that this program was built without.
-    #[cfg(not(feature = "train"))]
-    #[command(
-        hide = true,
-        aliases = ["quickstart", "distill", "quantize", "export", "personalize"],
-        disable_help_flag = true
-    )]
-    Train(Untrained),
-}
-
-/// Advice for a command that needs the training feature.
-#[cfg(not(feature = "train"))]
-pub(crate) const WITHOUT_TRAINING: &str = "this program was built without training; `cargo run --release -- COMMAND` builds and runs all of it";
-
-/// Arguments of a command that this program was built without.
-#[cfg(not(feature = "train"))]
-#[derive(Debug, clap::Args)]
-struct Untrained {
-    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
-    _arguments: Vec<std::ffi::OsString>,
 }
 
 impl Cli {
@@ -156,17 +113,8 @@ impl Cli {
         crate::declare_revision();
         let advice = self.command.advice();
         let result = match self.command {
-            #[cfg(feature = "train")]
-            Command::Quickstart(arguments) => quickstart::run(&arguments),
+            Command::Steps(command) => command.run(),
             Command::Data(command) => data::run(command),
-            #[cfg(feature = "train")]
-            Command::Train(arguments) => train::run(&arguments),
-            #[cfg(feature = "train")]
-            Command::Distill(arguments) => distill::run(&arguments),
-            #[cfg(feature = "train")]
-            Command::Quantize(arguments) => quantize::run(&arguments),
-            #[cfg(feature = "train")]
-            Command::Export(arguments) => export::run(&arguments),
             Command::Evaluate(arguments) => evaluate::run(&arguments),
             Command::Report(arguments) => report::run(&arguments),
             Command::Replay(arguments) => replay::run(&arguments),
@@ -176,23 +124,23 @@ impl Cli {
             Command::Predict(arguments) => predict::run(&arguments),
             Command::Score(arguments) => score::run(arguments),
             Command::Info(arguments) => info::run(&arguments),
-            #[cfg(feature = "train")]
-            Command::Personalize(arguments) => personalize::run(&arguments),
             Command::Template(arguments) => template::run(&arguments),
             Command::Gate(arguments) => gate::run(&arguments),
             Command::Board(arguments) => board::run(&arguments),
             Command::Presets(arguments) => presets::run(&arguments),
             Command::Completions(arguments) => completions::run(&arguments),
             Command::Man(arguments) => completions::run_man(&arguments),
-            #[cfg(not(feature = "train"))]
-            Command::Train(_) => Err(anyhow::anyhow!(WITHOUT_TRAINING)),
         };
         match result {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
             Err(error) => {
                 // That the old model is kept is a result, not an error.
-                let start = if keeps_the_old(&error) { "" } else { "error: " };
+                let start = if steps::keeps_the_old(&error) {
+                    ""
+                } else {
+                    "error: "
+                };
                 let message = printable_lines(&format!("{error:#}"));
                 progress::log(&format!("{start}{message}"));
                 let interrupted = is_interrupt(&error);
@@ -209,8 +157,7 @@ impl Command {
     /// Advice after an interrupt.
     const fn advice(&self) -> &'static str {
         match self {
-            #[cfg(feature = "train")]
-            Self::Quickstart(_) | Self::Train(_) | Self::Distill(_) => {
+            Self::Steps(command) if command.resumes() => {
                 "to continue, give the same command and --resume (without --overwrite)"
             }
             _ => "to try again, give the same command",
@@ -229,7 +176,7 @@ fn printable_lines(message: &str) -> String {
 pub fn exit_code(error: &anyhow::Error, interrupted: bool) -> ExitCode {
     if interrupted {
         ExitCode::from(130)
-    } else if keeps_the_old(error) {
+    } else if steps::keeps_the_old(error) {
         ExitCode::from(KEPT)
     } else if is_wrong_argument(error) {
         ExitCode::from(2)
@@ -238,42 +185,16 @@ pub fn exit_code(error: &anyhow::Error, interrupted: bool) -> ExitCode {
     }
 }
 
-/// Whether `personalize` decided to keep the old model.
-#[cfg(feature = "train")]
-fn keeps_the_old(error: &anyhow::Error) -> bool {
-    let refused = error.downcast_ref::<PersonalizeError>();
-    matches!(error.downcast_ref(), Some(NotWritten::Worse { .. }))
-        || refused.is_some_and(PersonalizeError::keeps_the_old)
-}
-
 /// Whether the user interrupted.
 #[must_use]
 pub fn is_interrupt(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| {
-        cause.downcast_ref().is_some_and(RunError::is_interrupt) || is_interrupted_step(cause)
+        cause.downcast_ref().is_some_and(RunError::is_interrupt) || steps::is_interrupt(cause)
     })
 }
 
-#[cfg(feature = "train")]
-fn is_interrupted_step(cause: &(dyn std::error::Error + 'static)) -> bool {
-    let personalize = cause.downcast_ref();
-    cause.downcast_ref().is_some_and(StepError::is_interrupt)
-        || personalize.is_some_and(PersonalizeError::is_interrupt)
-}
-
-/// Exit code of `personalize`; unused without training.
-#[cfg(not(feature = "train"))]
+/// Exit code if `personalize` keeps the old model.
 const KEPT: u8 = 3;
-
-#[cfg(not(feature = "train"))]
-const fn keeps_the_old(_: &anyhow::Error) -> bool {
-    false
-}
-
-#[cfg(not(feature = "train"))]
-fn is_interrupted_step(_: &(dyn std::error::Error + 'static)) -> bool {
-    false
-}
 
 /// Whether an argument has an impossible value that the parser accepts.
 fn is_wrong_argument(error: &anyhow::Error) -> bool {
@@ -319,25 +240,5 @@ mod tests {
             }
             assert!(error.contains("model.intent"), "{error}");
         }
-    }
-
-    #[cfg(not(feature = "train"))]
-    #[test]
-    fn without_training_its_commands_and_options_say_what_to_build() {
-        for line in [
-            "train --preset cpu --run runs/mine",
-            "quickstart",
-            "personalize --model a.intent --data mine --help",
-        ] {
-            let words = std::iter::once("myointent").chain(line.split(' '));
-            let command = Cli::try_parse_from(words).unwrap().command;
-            assert!(matches!(command, Command::Train(_)), "{line}");
-        }
-        let words = ["myointent", "evaluate", "--model", "a.intent"];
-        let Command::Evaluate(arguments) = Cli::try_parse_from(words).unwrap().command else {
-            panic!("another command");
-        };
-        let error = evaluate::run(&arguments).unwrap_err().to_string();
-        assert!(error.contains(WITHOUT_TRAINING), "{error}");
     }
 }

@@ -11,7 +11,7 @@ use super::live::{SourceArguments, listen, serve};
 use super::read_model;
 use crate::live::{Options, RecordOptions};
 use crate::record::protocol::{self, BUILT_IN, Course, Protocol};
-use crate::record::{self, Kept};
+use crate::record::{self, Conversion};
 use execution::progress;
 #[cfg(feature = "train")]
 use training::backend::BackendArguments;
@@ -141,7 +141,7 @@ fn recover(folder: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn told(kept: &Kept) -> String {
+fn told(kept: &Conversion) -> String {
     let mut text = format!(
         "{:.0} s are kept in {} files",
         kept.quality.seconds,

@@ -23,7 +23,7 @@ use recordings::Library;
 #[cfg(feature = "train")]
 use {
     evaluation::report::several::ReportedRun,
-    recordings::split::circles::is_test,
+    recordings::split::predefined::is_test,
     training::{
         backend::BackendArguments,
         run::{context::RunContext, evaluate::kept},

@@ -11,11 +11,11 @@ use crate::cli::output::refuse_existing;
 use crate::cli::read_model;
 use evaluation::EvaluationError;
 use execution::run_folder::write_whole;
-use presets::template::opens;
+use presets::resolve::opens;
 use recordings::alignment::{FEWEST_PEOPLE, template};
 use recordings::labels::lag::LabelLag;
 use recordings::labels::set_lag::lags;
-use recordings::split::circles;
+use recordings::split::predefined;
 use recordings::{Library, Recording};
 use shared::model::file::Model;
 
@@ -82,7 +82,7 @@ fn model_with_template(file: &[u8], library: &Library) -> anyhow::Result<(Vec<u8
         .iter()
         .filter(|recording| seen.contains(&recording.subject.as_str()))
         .collect();
-    let lags = lags(&own, LabelLag::default(), &circles::is_training);
+    let lags = lags(&own, LabelLag::default(), &predefined::is_training);
     let opens = opens(own.iter().copied(), |recording| {
         let lag = &lags[&recording.data_set];
         (recording.aligned_samples(), lag.of_recording(recording))

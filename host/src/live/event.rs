@@ -10,9 +10,11 @@ use shared::uart_line::alignment::AlignmentReport;
 use shared::uart_line::answer::{Binding, Counts, Identity};
 use shared::units::Sample;
 
-use super::lead::ViewerId;
-use super::outcome::{Installing, Kept, Tuning};
+use super::outcome::{InstallationState, SessionResult, TuningState};
 use crate::record::session::View;
+
+/// Number of a viewer.
+pub(crate) type ViewerId = u64;
 
 /// Message to viewers. Times `at` are milliseconds of the server's clock; samples are numbered as on the UART.
 #[derive(Clone, PartialEq, Debug, Serialize)]
@@ -125,11 +127,11 @@ pub(crate) enum Event {
     /// Viewer who leads the session; null if nobody does.
     Lead { viewer: Option<ViewerId> },
     /// Recordings that were kept of the session.
-    Kept(Kept),
+    Kept(SessionResult),
     /// Progress or result of tuning a model on the recordings.
-    Tuning(Tuning),
+    Tuning(TuningState),
     /// Progress or result of installing the tuned model on the board.
-    Installing(Installing),
+    Installing(InstallationState),
     /// End of the program.
     End,
 }

@@ -80,7 +80,7 @@ impl Hub {
 
     /// Hands samples, sources and alignments to a recorder as well. The queue is not bounded: the recorder is faster than
     /// the samples.
-    pub(crate) fn record(&self, recorder: Sender<Event>) {
+    pub(crate) fn attach_recorder(&self, recorder: Sender<Event>) {
         self.lock().recorder = Some(recorder);
     }
 
@@ -91,11 +91,11 @@ impl Hub {
         };
         let message: Message = text.into();
         let mut state = self.lock();
-        let is_taken = matches!(
+        let is_recorded = matches!(
             event,
             Event::Samples { .. } | Event::Source { .. } | Event::Alignment { .. }
         );
-        if let Some(recorder) = state.recorder.as_ref().filter(|_| is_taken) {
+        if let Some(recorder) = state.recorder.as_ref().filter(|_| is_recorded) {
             // The recorder may have ended.
             let _ = recorder.send(event.clone());
         }

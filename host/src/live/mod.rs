@@ -14,11 +14,9 @@
 
 mod event;
 mod hub;
-mod lead;
-mod lines;
+mod json_lines;
 mod outcome;
 mod recorder;
-mod scores;
 mod server;
 mod source;
 
@@ -35,19 +33,19 @@ use shared::model::file::Model;
 
 use self::event::Event;
 use self::hub::Hub;
-use self::lines::Lines;
+use self::json_lines::JsonLines;
 pub use self::recorder::RecordOptions;
-use self::recorder::{Recorder, Wish};
-use self::server::Server;
+use self::recorder::{Recorder, RecorderRequest};
 use self::server::access::Access;
 use self::server::rights::Mode;
+use self::server::{Requests, Server};
 pub use self::source::Source;
-use self::source::{Asked, Context, Request, Stop};
+use self::source::{Context, SharedCue, SourceRequest, Stop};
 
 /// Shipped three-class model.
 const SHIPPED: &[u8] = include_bytes!("../../../models/three-class.intent");
 
-/// Number of requests that may wait for the source.
+/// Number of requests that may wait for the source, and for the recorder.
 const REQUESTS: usize = 16;
 /// Stack size of the source's thread in bytes: room for the state of the largest accepted model.
 const STACK: usize = 16 << 20;
@@ -70,7 +68,7 @@ pub struct Options {
 struct Stream {
     hub: Arc<Hub>,
     stop: Stop,
-    requests: SyncSender<Request>,
+    requests: SyncSender<SourceRequest>,
     source: JoinHandle<anyhow::Result<()>>,
 }
 
@@ -79,8 +77,8 @@ impl Stream {
         hub: Arc<Hub>,
         source: Source,
         model: Option<Vec<u8>>,
-        played: Option<(Asked, u32)>,
-        (requests, received): (SyncSender<Request>, Receiver<Request>),
+        cue_and_speed: Option<(SharedCue, u32)>,
+        (requests, received): (SyncSender<SourceRequest>, Receiver<SourceRequest>),
     ) -> anyhow::Result<Self> {
         if let Some(bytes) = &model {
             let model = Model::parse(bytes).context("the model is refused")?;
@@ -95,7 +93,7 @@ impl Stream {
         let source = std::thread::Builder::new()
             .name("source".to_owned())
             .stack_size(STACK)
-            .spawn(move || source.run(model, played, &context))?;
+            .spawn(move || source.run(model, cue_and_speed, &context))?;
         Ok(Self {
             hub,
             stop,
@@ -115,14 +113,14 @@ impl Stream {
 }
 
 /// Running recorder, and its stop handle.
-type Recording = (Stop, JoinHandle<anyhow::Result<()>>);
+type RecorderThread = (Stop, JoinHandle<anyhow::Result<()>>);
 
 /// Page that is being served.
 #[derive(Debug)]
 pub struct Live {
     stream: Stream,
     server: Server,
-    recording: Option<Recording>,
+    recorder: Option<RecorderThread>,
     url: String,
 }
 
@@ -136,48 +134,60 @@ pub fn start(options: Options) -> anyhow::Result<Live> {
     let hub = Arc::new(Hub::new());
     let requests = mpsc::sync_channel(REQUESTS);
     let mode = Mode::of(&options.source, options.record.is_some());
-    let (mut recording, mut wishes, mut played) = (None, None, None);
+    let (mut recorder_thread, mut recorder_requests, mut cue_and_speed) = (None, None, None);
     if let Some(record) = options.record {
-        let asked = Asked::default();
-        played = Some((asked.clone(), record.speed));
+        let cue = SharedCue::default();
+        cue_and_speed = Some((cue.clone(), record.speed));
         let recorder = Recorder {
             source: options.source.described(),
             port: match &options.source {
                 Source::Port(path) => Some(path.clone()),
                 _ => None,
             },
-            requests: requests.0.clone(),
+            source_requests: requests.0.clone(),
             option: options.source.option(),
             model: options.model.clone().unwrap_or_else(|| SHIPPED.to_vec()),
             options: record,
             hub: hub.clone(),
-            asked,
+            cue,
         };
-        let (running, sender) = record_beside(&hub, recorder)?;
-        recording = Some(running);
-        wishes = Some(sender);
+        let (thread, sender) = start_recorder(&hub, recorder)?;
+        recorder_thread = Some(thread);
+        recorder_requests = Some(sender);
     }
-    let stream = Stream::start(hub.clone(), options.source, options.model, played, requests)?;
-    let requests = stream.requests.clone();
-    let server = Server::start(listener, access, mode, hub, requests, wishes)?;
+    let stream = Stream::start(
+        hub.clone(),
+        options.source,
+        options.model,
+        cue_and_speed,
+        requests,
+    )?;
+    let requests = Requests {
+        source: stream.requests.clone(),
+        recorder: recorder_requests,
+    };
+    let server = Server::start(listener, access, mode, hub, requests)?;
     Ok(Live {
         stream,
         server,
-        recording,
+        recorder: recorder_thread,
         url,
     })
 }
 
-/// Starts a recorder; the returned sender takes its wishes.
-fn record_beside(hub: &Hub, recorder: Recorder) -> anyhow::Result<(Recording, SyncSender<Wish>)> {
+/// Starts a recorder; the returned sender takes requests to it.
+fn start_recorder(
+    hub: &Hub,
+    recorder: Recorder,
+) -> anyhow::Result<(RecorderThread, SyncSender<RecorderRequest>)> {
     let stop = Stop::default();
     let stopped = stop.clone();
-    let (events, heard) = mpsc::channel();
-    let (sender, wishes) = mpsc::sync_channel(16);
-    hub.record(events);
+    let (events, received) = mpsc::channel();
+    let (sender, requests) = mpsc::sync_channel(REQUESTS);
+    hub.attach_recorder(events);
     let thread = std::thread::Builder::new()
         .name("recorder".to_owned())
-        .spawn(move || recorder.run(&heard, &wishes, &stopped))?;
+        .spawn(move || recorder.run(&received, &requests, &stopped))?;
     Ok(((stop, thread), sender))
 }
 
@@ -196,7 +206,7 @@ fn bind(address: SocketAddr) -> anyhow::Result<(TcpListener, Access)> {
 /// # Errors
 /// When the model is refused, the address cannot be listened on, the source ends by an error or the output cannot be
 /// written. An output that its reader has closed is a [`std::io::ErrorKind::BrokenPipe`].
-pub fn print(
+pub(crate) fn print(
     source: Source,
     model: Option<Vec<u8>>,
     listen: Option<SocketAddr>,
@@ -207,14 +217,17 @@ pub fn print(
     let page = listen.map(bind).transpose()?;
     let hub = Arc::new(Hub::new());
     // Started before the source, so that no event is missed.
-    let lines = Lines::start(hub.clone(), output)?;
+    let lines = JsonLines::start(hub.clone(), output)?;
     let mode = Mode::of(&source, false);
     let requests = mpsc::sync_channel(REQUESTS);
     let stream = Stream::start(hub.clone(), source, model, None, requests)?;
     let server = page.map(|(listener, access)| {
         opened(&access.url());
-        let requests = stream.requests.clone();
-        Server::start(listener, access, mode, hub.clone(), requests, None)
+        let requests = Requests {
+            source: stream.requests.clone(),
+            recorder: None,
+        };
+        Server::start(listener, access, mode, hub.clone(), requests)
     });
     let server = server.transpose()?;
     while !(over() || stream.source.is_finished() || lines.is_finished()) {
@@ -236,11 +249,9 @@ impl Live {
     }
 
     /// Whether the source has ended by an error, or an unattended session is over.
-    #[must_use]
-    pub fn is_over(&self) -> bool {
-        let recording = self.recording.as_ref();
-        self.stream.source.is_finished()
-            || recording.is_some_and(|(_, recorder)| recorder.is_finished())
+    pub(crate) fn is_over(&self) -> bool {
+        let recorder = self.recorder.as_ref();
+        self.stream.source.is_finished() || recorder.is_some_and(|(_, thread)| thread.is_finished())
     }
 
     /// Ends source and server; viewers are told.
@@ -251,7 +262,7 @@ impl Live {
         let hub = self.stream.hub.clone();
         let mut result = self.stream.stop();
         // The source has stopped: the recorder gets its last sample.
-        if let Some((stop, thread)) = self.recording {
+        if let Some((stop, thread)) = self.recorder {
             stop.request();
             // The panic was printed already.
             let recorded = thread.join().unwrap_or_else(|_| {
@@ -268,7 +279,6 @@ impl Live {
 }
 
 /// Whether an address is reachable from this machine alone.
-#[must_use]
-pub const fn is_local(address: IpAddr) -> bool {
+pub(crate) const fn is_local(address: IpAddr) -> bool {
     address.to_canonical().is_loopback()
 }

@@ -2,11 +2,11 @@
 
 use serde::Serialize;
 
-use crate::record::told::Told;
+use crate::record::quality::FindingText;
 
 /// Result of a session that was kept.
 #[derive(Clone, PartialEq, Debug, Serialize)]
-pub(crate) struct Kept {
+pub(crate) struct SessionResult {
     pub(crate) good: bool,
     pub(crate) seconds: f64,
     pub(crate) folder: String,
@@ -15,7 +15,7 @@ pub(crate) struct Kept {
     pub(crate) counts: Vec<(&'static str, usize)>,
     /// Number of trials that are not used.
     pub(crate) bad: usize,
-    pub(crate) findings: Vec<Told>,
+    pub(crate) findings: Vec<FindingText>,
     pub(crate) inspect: String,
     pub(crate) personalize: String,
     pub(crate) install: String,
@@ -23,7 +23,7 @@ pub(crate) struct Kept {
 
 /// Measure of both models on the part held back.
 #[derive(Clone, PartialEq, Debug, Serialize)]
-pub(crate) struct Row {
+pub(crate) struct MeasureRow {
     pub(crate) measure: &'static str,
     pub(crate) before: Option<f64>,
     pub(crate) after: Option<f64>,
@@ -31,7 +31,7 @@ pub(crate) struct Row {
 
 /// State of a tuning.
 #[derive(Clone, PartialEq, Debug, Default, Serialize)]
-pub(crate) struct Tuning {
+pub(crate) struct TuningState {
     /// `running`, `better`, `worse` or `failed`.
     pub(crate) state: &'static str,
     /// Explanation and advice.
@@ -39,16 +39,16 @@ pub(crate) struct Tuning {
     /// Number of steps done, and of all; 0 of 0 while no tuning runs.
     pub(crate) steps: usize,
     pub(crate) of: usize,
-    pub(crate) rows: Vec<Row>,
+    pub(crate) rows: Vec<MeasureRow>,
     /// Commands to run next.
     pub(crate) commands: Vec<String>,
-    /// Whether the source is a serial port, on which [`Installing`] can follow.
+    /// Whether the source is a serial port, on which [`InstallationState`] can follow.
     pub(crate) installs: bool,
 }
 
 /// State of an installation of the tuned model on the board.
 #[derive(Clone, PartialEq, Debug, Serialize)]
-pub(crate) struct Installing {
+pub(crate) struct InstallationState {
     /// `running`, `done` or `failed`.
     pub(crate) state: &'static str,
     /// Explanation and advice.
@@ -58,7 +58,7 @@ pub(crate) struct Installing {
     pub(crate) of: u32,
 }
 
-impl Installing {
+impl InstallationState {
     /// State of an installation before the board's first answer.
     pub(crate) fn running(text: &str) -> Self {
         Self {

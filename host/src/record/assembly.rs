@@ -11,7 +11,7 @@ use shared::stream::alignment::Alignment;
 use shared::units::{Sample, SampleIndex};
 
 use super::journal::Entry;
-use super::session::{Bad, Continuity, Continuous};
+use super::session::{Continuity, GapDetector, RejectReason, has_reached};
 use recordings::labels::cued::{Hold, follow};
 use recordings::labels::motion::motions;
 
@@ -21,56 +21,53 @@ const REST_AROUND: usize = 100;
 /// Recording; each list but `holds` has one entry a sample.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(crate) struct Part {
-    /// Number of the round, from 1.
-    pub round: u32,
     /// Samples as received; a bridged one repeats the one before.
-    pub samples: Vec<Sample>,
+    pub(crate) samples: Vec<Sample>,
     /// Index in the stream.
-    pub index: Vec<u32>,
+    pub(crate) index: Vec<u32>,
     /// Whether the sample never came.
-    pub bridged: Vec<bool>,
+    pub(crate) bridged: Vec<bool>,
     /// Placement of the armband, as the board was aligned.
-    pub placements: Vec<Alignment>,
+    pub(crate) placements: Vec<Alignment>,
     /// Cue.
-    pub cues: Vec<Option<Intent>>,
+    pub(crate) cues: Vec<Option<Intent>>,
     /// Number of the attempt; 0 outside of trials.
-    pub trials: Vec<u32>,
+    pub(crate) trials: Vec<u32>,
     /// Label of the muscle; none if it is unknown or the trial is not used.
-    pub labels: Vec<Option<Intent>>,
+    pub(crate) labels: Vec<Option<Intent>>,
     /// Holds of the trials that are used.
-    pub holds: Vec<Hold>,
+    pub(crate) holds: Vec<Hold>,
 }
 
 /// Recordings of a session.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub(crate) struct Take {
+pub(crate) struct Assembly {
     /// Recordings in order; none is empty.
-    pub parts: Vec<Part>,
+    pub(crate) parts: Vec<Part>,
     /// Trials that are not used, by their number, with the reason.
-    pub bad: BTreeMap<u32, Bad>,
+    pub(crate) rejected: BTreeMap<u32, RejectReason>,
     /// Number of samples known to be missing.
-    pub lost: u64,
+    pub(crate) lost: u64,
     /// Whether the session came to its end.
-    pub complete: bool,
+    pub(crate) complete: bool,
 }
 
-impl Take {
+impl Assembly {
     /// Classes that every model has, and those of the cues.
-    pub fn classes(&self) -> Vec<Intent> {
+    pub(crate) fn classes(&self) -> Vec<Intent> {
         let cues = self.parts.iter().flat_map(|part| &part.cues);
         let always = [Intent::Relax, Intent::Open, Intent::Close];
-        let asked = always.iter().chain(cues.flatten());
-        let asked: BTreeSet<usize> = asked.map(|intent| intent.class()).collect();
-        asked.into_iter().filter_map(Intent::from_class).collect()
+        let intents = always.iter().chain(cues.flatten());
+        let intents: BTreeSet<usize> = intents.map(|intent| intent.class()).collect();
+        intents.into_iter().filter_map(Intent::from_class).collect()
     }
 }
 
 /// Assembles the recordings of a journal.
-pub(crate) fn assemble(entries: &[Entry]) -> Take {
-    let mut take = Take::default();
-    let mut stream = Continuous::default();
+pub(crate) fn assemble(entries: &[Entry]) -> Assembly {
+    let mut assembly = Assembly::default();
+    let mut stream = GapDetector::default();
     let mut stretch = Stretch::default();
-    let mut round = 0;
     for entry in entries {
         match entry {
             Entry::Begin(_) => {}
@@ -81,14 +78,14 @@ pub(crate) fn assemble(entries: &[Entry]) -> Take {
                 match stream.take(first, count) {
                     Continuity::Next => {}
                     Continuity::Bridged(missing) => {
-                        take.lost += u64::from(missing);
+                        assembly.lost += u64::from(missing);
                         stretch.bridge(missing);
                     }
                     Continuity::Lost(missing) => {
-                        take.lost += u64::from(missing);
-                        take.parts.extend(stretch.end(&mut round));
+                        assembly.lost += u64::from(missing);
+                        assembly.parts.extend(stretch.end());
                     }
-                    Continuity::Restart => take.parts.extend(stretch.end(&mut round)),
+                    Continuity::Restart => assembly.parts.extend(stretch.end()),
                 }
                 stretch.push(first, &samples);
             }
@@ -96,26 +93,26 @@ pub(crate) fn assemble(entries: &[Entry]) -> Take {
                 stretch.placement = Alignment::new(*turn, *mirrored);
             }
             Entry::Break => {
-                take.parts.extend(stretch.end(&mut round));
-                stream = Continuous::default();
+                assembly.parts.extend(stretch.end());
+                stream = GapDetector::default();
             }
-            Entry::Round { number, at } => stretch.rounds.push((*at, *number)),
+            Entry::Round { at, .. } => stretch.rounds.push(*at),
             Entry::Cue { at, cue, trial } => {
                 stretch
                     .cues
                     .push((*at, Entry::intent(cue.as_ref()), *trial));
             }
-            Entry::Bad { trial, why } => {
-                take.bad.insert(*trial, *why);
+            Entry::Rejected { trial, why } => {
+                assembly.rejected.insert(*trial, *why);
             }
-            Entry::Over => take.complete = true,
+            Entry::Over => assembly.complete = true,
         }
     }
-    take.parts.extend(stretch.end(&mut round));
-    for part in &mut take.parts {
-        part.label(&take.bad);
+    assembly.parts.extend(stretch.end());
+    for part in &mut assembly.parts {
+        part.label(&assembly.rejected);
     }
-    take
+    assembly
 }
 
 /// Samples without a gap, with their cues and rounds; a cue may be written before its first sample.
@@ -128,7 +125,8 @@ struct Stretch {
     /// Placement from the next sample on.
     placement: Alignment,
     cues: Vec<(u32, Option<Intent>, u32)>,
-    rounds: Vec<(u32, u32)>,
+    /// First sample of each round.
+    rounds: Vec<u32>,
     /// Cue and trial in force before the first of `cues`.
     carried: (Option<Intent>, u32),
 }
@@ -153,32 +151,33 @@ impl Stretch {
     }
 
     /// Ends the stretch: returns its recordings, one a round.
-    fn end(&mut self, round: &mut u32) -> Vec<Part> {
+    fn end(&mut self) -> Vec<Part> {
         let mut parts: Vec<Part> = Vec::new();
         let (mut cue, mut trial) = self.carried;
         let (mut cues, mut rounds) = (self.cues.iter().peekable(), self.rounds.iter().peekable());
         let mut begins = true;
-        for (place, (&sample, &bridged)) in self.samples.iter().zip(&self.bridged).enumerate() {
-            let index = self.first.wrapping_add(place as u32);
-            while let Some((_, number)) = rounds.next_if(|(at, _)| has_come(*at, index)) {
-                *round = *number;
+        for (offset, (&sample, &bridged)) in self.samples.iter().zip(&self.bridged).enumerate() {
+            let index = SampleIndex(self.first).plus(offset as u32);
+            while rounds
+                .next_if(|at| has_reached(index, SampleIndex(**at)))
+                .is_some()
+            {
                 begins = true;
             }
-            while let Some((_, next, number)) = cues.next_if(|(at, ..)| has_come(*at, index)) {
+            while let Some((_, next, number)) =
+                cues.next_if(|(at, ..)| has_reached(index, SampleIndex(*at)))
+            {
                 (cue, trial) = (*next, *number);
             }
             if begins {
-                parts.push(Part {
-                    round: *round,
-                    ..Part::default()
-                });
+                parts.push(Part::default());
                 begins = false;
             }
             if let Some(part) = parts.last_mut() {
                 part.samples.push(sample);
-                part.index.push(index);
+                part.index.push(index.0);
                 part.bridged.push(bridged);
-                part.placements.push(self.placements[place]);
+                part.placements.push(self.placements[offset]);
                 part.cues.push(cue);
                 part.trials.push(trial);
             }
@@ -195,11 +194,6 @@ impl Stretch {
         };
         parts
     }
-}
-
-/// Whether an index is `at` or after it; correct across a wrap.
-const fn has_come(at: u32, index: u32) -> bool {
-    index.wrapping_sub(at) <= u32::MAX / 2
 }
 
 impl Part {
@@ -223,7 +217,7 @@ impl Part {
         files
     }
 
-    fn label(&mut self, bad: &BTreeMap<u32, Bad>) {
+    fn label(&mut self, rejected: &BTreeMap<u32, RejectReason>) {
         let followed = follow(&self.samples, &motions(&self.cues));
         self.labels = followed
             .motions
@@ -231,11 +225,11 @@ impl Part {
             .map(|motion| motion.label())
             .collect();
         for (label, trial) in self.labels.iter_mut().zip(&self.trials) {
-            if bad.contains_key(trial) {
+            if rejected.contains_key(trial) {
                 *label = None;
             }
         }
-        let used = |hold: &Hold| !bad.contains_key(&self.trials[hold.samples.start]);
+        let used = |hold: &Hold| !rejected.contains_key(&self.trials[hold.samples.start]);
         self.holds = followed.holds.into_iter().filter(used).collect();
     }
 }

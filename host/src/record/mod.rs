@@ -9,14 +9,15 @@
 //! `live` drives a session: samples of its source go in, cues for its page come out.
 
 mod assembly;
-pub mod journal;
-mod keep;
-mod layout;
+mod conversion;
+mod error;
+pub(crate) mod journal;
+mod person_quality;
 pub mod protocol;
-pub mod quality;
-mod recorded;
-pub mod session;
-pub(crate) mod told;
+pub(crate) mod quality;
+pub(crate) mod session;
 
-pub use self::keep::{KeepError, Kept, keep, recover};
-pub use self::recorded::{Recorded, recorded};
+pub(crate) use self::conversion::convert;
+pub use self::conversion::{Conversion, recover};
+pub use self::error::RecordError;
+pub(crate) use self::person_quality::{PersonQuality, quality_by_person};

@@ -1,9 +1,7 @@
 //! Protocols of recording sessions: which gestures, in which order and for how long, as a TOML file.
 //!
 //! Guided: a sequence of classes, from rest to rest, in rounds; each round is a recording. Free: the person names the gestures
-//! by keys. A trial is a rest and the gestures up to the next rest; it is repeated as a whole.
-
-mod error;
+//! by keys. A cue block is a rest and the gestures up to the next rest; it is repeated as a whole.
 
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
@@ -13,11 +11,11 @@ use serde::Deserialize;
 use shared::intent::Intent;
 use shared::units::SAMPLE_RATE_HZ;
 
-pub use self::error::{ProtocolError, ProtocolFault};
+use super::RecordError;
 use execution::bounded_read;
 
 /// Built-in protocols: name and TOML text.
-pub const BUILT_IN: [(&str, &str); 5] = [
+pub(crate) const BUILT_IN: [(&str, &str); 5] = [
     ("quick", include_str!("../../protocols/quick.toml")),
     (
         "quick-five",
@@ -32,37 +30,37 @@ pub const BUILT_IN: [(&str, &str); 5] = [
 const SECONDS: RangeInclusive<f64> = 1.0..=60.0;
 /// Seconds of pause before a round.
 const PAUSE: RangeInclusive<f64> = 1.0..=120.0;
-/// Hours of a session: a journal has room for it, even if each trial is repeated once.
+/// Hours of a session: a journal has room for it, even if each block is repeated once.
 const HOURS: RangeInclusive<f64> = 0.0..=8.0;
 const MOST_ROUNDS: u32 = 50;
 /// Greatest number of classes in a sequence.
 const MOST_STEPS: usize = 500;
 
-/// Step of a trial: a class and its duration.
+/// Step of a cue block: a class and its duration.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Step {
+pub(crate) struct Step {
     /// The class.
-    pub intent: Intent,
+    pub(crate) intent: Intent,
     /// Duration in samples.
-    pub samples: u32,
+    pub(crate) samples: u32,
 }
 
-/// Rest and the gestures after it; the last trial of a round is only a rest.
+/// Rest and the gestures after it; the last block of a round is only a rest.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Trial {
+pub(crate) struct CueBlock {
     /// Steps: at least one, rest first.
-    pub steps: Vec<Step>,
+    pub(crate) steps: Vec<Step>,
 }
 
 /// Course of a session.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub enum Course {
-    /// Trials in order, in each of several rounds.
+pub(crate) enum Course {
+    /// Cue blocks in order, in each of several rounds.
     Guided {
         /// Number of rounds, at least one.
         rounds: u32,
-        /// Trials, at least one with a gesture.
-        trials: Vec<Trial>,
+        /// Cue blocks, at least one with a gesture.
+        blocks: Vec<CueBlock>,
     },
     /// Free choice of the person among these gestures.
     Free {
@@ -75,16 +73,17 @@ pub enum Course {
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Protocol {
     /// Name of the built-in protocol or of the file.
-    pub name: String,
+    pub(crate) name: String,
     /// Samples of pause before each round.
-    pub pause: u32,
+    pub(crate) pause: u32,
     /// Course of the session.
-    pub course: Course,
+    pub(crate) course: Course,
 }
 
+/// Keys of a protocol's TOML file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Text {
+struct ProtocolFile {
     rounds: Option<u32>,
     pause: f64,
     sequence: Option<Vec<String>>,
@@ -97,54 +96,58 @@ impl Protocol {
     ///
     /// # Errors
     /// When there is no such protocol, or it is invalid.
-    pub fn find(name: &str) -> Result<Self, ProtocolError> {
+    pub(crate) fn find(name: &str) -> Result<Self, RecordError> {
         Self::parse(name, &text(name)?)
     }
 
     /// Parses the text of a protocol; `name` is for messages.
     ///
     /// # Errors
-    /// [`ProtocolError::Toml`] with line and column, or [`ProtocolError::Wrong`].
-    pub fn parse(name: &str, text: &str) -> Result<Self, ProtocolError> {
-        let found: Text = toml::from_str(text).map_err(|error| ProtocolError::Toml {
+    /// [`RecordError::Toml`] with line and column, or the first reason why the protocol is impossible.
+    pub fn parse(name: &str, text: &str) -> Result<Self, RecordError> {
+        let file: ProtocolFile = toml::from_str(text).map_err(|error| RecordError::Toml {
             name: name.to_owned(),
             error: error.to_string().trim_end().to_owned(),
         })?;
-        let wrong = |fault| ProtocolError::Wrong {
-            name: name.to_owned(),
-            fault,
-        };
         let stem = Path::new(name).file_stem().unwrap_or_default();
         let protocol = Self {
             name: stem.to_string_lossy().into_owned(),
-            course: found.course().map_err(wrong)?,
-            pause: samples(bounded("pause", found.pause, &PAUSE).map_err(wrong)?),
+            course: file.course(name)?,
+            pause: samples(bounded(name, "pause", file.pause, &PAUSE)?),
         };
         let hours = protocol.samples().unwrap_or(0) as f64 / f64::from(3600 * SAMPLE_RATE_HZ);
-        bounded("hours of a session", hours, &HOURS).map_err(wrong)?;
+        bounded(name, "hours of a session", hours, &HOURS)?;
         Ok(protocol)
     }
 
+    /// Whether the person chooses the gestures.
+    pub(crate) const fn is_free(&self) -> bool {
+        matches!(self.course, Course::Free { .. })
+    }
+
+    /// Names of the classes of the protocol, in class order.
+    pub(crate) fn class_names(&self) -> Vec<&'static str> {
+        self.intents().into_iter().map(Intent::name).collect()
+    }
+
     /// Classes of the protocol, in class order.
-    #[must_use]
-    pub fn intents(&self) -> Vec<Intent> {
-        let asked = |intent: &Intent| match &self.course {
-            Course::Guided { trials, .. } => {
-                let mut steps = trials.iter().flat_map(|trial| &trial.steps);
+    pub(crate) fn intents(&self) -> Vec<Intent> {
+        let is_used = |intent: &Intent| match &self.course {
+            Course::Guided { blocks, .. } => {
+                let mut steps = blocks.iter().flat_map(|block| &block.steps);
                 steps.any(|step| step.intent == *intent)
             }
             Course::Free { gestures } => gestures.contains(intent),
         };
-        Intent::ALL.into_iter().filter(asked).collect()
+        Intent::ALL.into_iter().filter(is_used).collect()
     }
 
-    /// Samples of the session without a repeated trial; none if it is free.
-    #[must_use]
-    pub fn samples(&self) -> Option<u64> {
-        let Course::Guided { rounds, trials } = &self.course else {
+    /// Samples of the session without a repeated block; none if it is free.
+    pub(crate) fn samples(&self) -> Option<u64> {
+        let Course::Guided { rounds, blocks } = &self.course else {
             return None;
         };
-        let steps = trials.iter().flat_map(|trial| &trial.steps);
+        let steps = blocks.iter().flat_map(|block| &block.steps);
         let round: u64 = steps.map(|step| u64::from(step.samples)).sum();
         Some(u64::from(*rounds) * (round + u64::from(self.pause)))
     }
@@ -154,108 +157,138 @@ impl Protocol {
 ///
 /// # Errors
 /// When there is no such protocol or the file cannot be read.
-pub fn text(name: &str) -> Result<String, ProtocolError> {
+pub fn text(name: &str) -> Result<String, RecordError> {
     if let Some((_, text)) = BUILT_IN.iter().find(|(known, _)| *known == name) {
         return Ok((*text).to_owned());
     }
     let path = Path::new(name);
     if !path.exists() {
-        return Err(ProtocolError::Unknown {
+        return Err(RecordError::UnknownProtocol {
             name: name.to_owned(),
         });
     }
-    bounded_read::read_text(path, bounded_read::PRESET).map_err(|error| ProtocolError::Unreadable {
-        name: name.to_owned(),
-        error: error.to_string(),
+    bounded_read::read_text(path, bounded_read::PRESET).map_err(|error| {
+        RecordError::UnreadableProtocol {
+            name: name.to_owned(),
+            error: error.to_string(),
+        }
     })
 }
 
-impl Text {
-    fn course(&self) -> Result<Course, ProtocolFault> {
-        match (&self.sequence, &self.gestures) {
-            (Some(sequence), None) => self.guided(sequence),
-            (None, Some(gestures)) => self.free(gestures),
-            (Some(_), Some(_)) => Err(ProtocolFault::Kind { found: "both" }),
-            (None, None) => Err(ProtocolFault::Kind { found: "neither" }),
-        }
+impl ProtocolFile {
+    /// Course that the keys describe; `name` is for messages.
+    fn course(&self, name: &str) -> Result<Course, RecordError> {
+        let found = match (&self.sequence, &self.gestures) {
+            (Some(sequence), None) => return self.guided(name, sequence),
+            (None, Some(gestures)) => return self.free(name, gestures),
+            (Some(_), Some(_)) => "both",
+            (None, None) => "neither",
+        };
+        let name = name.to_owned();
+        Err(RecordError::Course { name, found })
     }
 
-    fn guided(&self, sequence: &[String]) -> Result<Course, ProtocolFault> {
+    fn guided(&self, name: &str, sequence: &[String]) -> Result<Course, RecordError> {
         let rounds = self.rounds.unwrap_or(1);
-        bounded("rounds", f64::from(rounds), &(1.0..=f64::from(MOST_ROUNDS)))?;
         bounded(
+            name,
+            "rounds",
+            f64::from(rounds),
+            &(1.0..=f64::from(MOST_ROUNDS)),
+        )?;
+        bounded(
+            name,
             "classes in the sequence",
             sequence.len() as f64,
             &(3.0..=MOST_STEPS as f64),
         )?;
         let none = BTreeMap::new();
         let seconds = self.seconds.as_ref().unwrap_or(&none);
-        for (name, &value) in seconds {
-            intent(name)?;
-            bounded(&format!("seconds of {name}"), value, &SECONDS)?;
+        for (class, &value) in seconds {
+            intent(name, class)?;
+            bounded(name, &format!("seconds of {class}"), value, &SECONDS)?;
         }
-        let mut trials: Vec<Trial> = Vec::new();
+        let ends = || RecordError::Ends {
+            name: name.to_owned(),
+        };
+        let mut blocks: Vec<CueBlock> = Vec::new();
         let mut last = None;
-        for name in sequence {
-            let intent = intent(name)?;
+        for class in sequence {
+            let intent = intent(name, class)?;
             if last == Some(intent) {
-                let class = intent.name();
-                return Err(ProtocolFault::Twice { class });
+                return Err(RecordError::Twice {
+                    name: name.to_owned(),
+                    class: intent.name(),
+                });
             }
             last = Some(intent);
-            let own = seconds.get(intent.name());
+            let Some(&own) = seconds.get(intent.name()) else {
+                return Err(RecordError::NoSeconds {
+                    name: name.to_owned(),
+                    missing: intent.name(),
+                });
+            };
             let step = Step {
                 intent,
-                samples: samples(*own.ok_or(ProtocolFault::NoSeconds {
-                    missing: intent.name(),
-                })?),
+                samples: samples(own),
             };
-            match trials.last_mut() {
-                Some(trial) if intent != Intent::Relax => trial.steps.push(step),
-                None if intent != Intent::Relax => return Err(ProtocolFault::Ends),
-                _ => trials.push(Trial { steps: vec![step] }),
+            match blocks.last_mut() {
+                Some(block) if intent != Intent::Relax => block.steps.push(step),
+                None if intent != Intent::Relax => return Err(ends()),
+                _ => blocks.push(CueBlock { steps: vec![step] }),
             }
         }
         if last != Some(Intent::Relax) {
-            return Err(ProtocolFault::Ends);
+            return Err(ends());
         }
-        Ok(Course::Guided { rounds, trials })
+        Ok(Course::Guided { rounds, blocks })
     }
 
-    fn free(&self, names: &[String]) -> Result<Course, ProtocolFault> {
+    fn free(&self, name: &str, classes: &[String]) -> Result<Course, RecordError> {
         for (key, given) in [
             ("rounds", self.rounds.is_some()),
             ("seconds", self.seconds.is_some()),
         ] {
             if given {
-                return Err(ProtocolFault::Meaningless { key });
+                let name = name.to_owned();
+                return Err(RecordError::Meaningless { name, key });
             }
         }
-        let found = names.iter().map(|name| intent(name));
-        let gestures: Vec<Intent> = found.collect::<Result<_, _>>()?;
-        let mut sorted = gestures.clone();
-        sorted.sort_unstable();
-        sorted.dedup();
-        if sorted.first() != Some(&Intent::Relax)
-            || sorted.len() < 2
-            || sorted.len() != gestures.len()
+        let found = classes.iter().map(|class| intent(name, class));
+        let mut gestures: Vec<Intent> = found.collect::<Result<_, _>>()?;
+        gestures.sort_unstable();
+        gestures.dedup();
+        if gestures.first() != Some(&Intent::Relax)
+            || gestures.len() < 2
+            || gestures.len() != classes.len()
         {
-            return Err(ProtocolFault::Gestures);
+            let name = name.to_owned();
+            return Err(RecordError::Gestures { name });
         }
-        Ok(Course::Free { gestures: sorted })
+        Ok(Course::Free { gestures })
     }
 }
 
-fn intent(name: &str) -> Result<Intent, ProtocolFault> {
-    let found = name.to_owned();
-    Intent::from_name(name).ok_or(ProtocolFault::Class { found })
+/// Class of a name in the protocol `name`.
+fn intent(name: &str, class: &str) -> Result<Intent, RecordError> {
+    Intent::from_name(class).ok_or_else(|| RecordError::Class {
+        name: name.to_owned(),
+        found: class.to_owned(),
+    })
 }
 
-fn bounded(what: &str, found: f64, range: &RangeInclusive<f64>) -> Result<f64, ProtocolFault> {
+/// Checks a number of the protocol `name` and returns it.
+fn bounded(
+    name: &str,
+    what: &str,
+    found: f64,
+    range: &RangeInclusive<f64>,
+) -> Result<f64, RecordError> {
     if range.contains(&found) {
         return Ok(found);
     }
-    Err(ProtocolFault::Number {
+    Err(RecordError::Number {
+        name: name.to_owned(),
         what: what.to_owned(),
         least: *range.start(),
         most: *range.end(),

@@ -2,13 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use serde::Serialize;
 use shared::intent::Intent;
 use shared::units::{CHANNELS, SAMPLE_PERIOD_MS};
 
-use super::assembly::{Part, Take};
+use super::assembly::{Assembly, Part};
 use recordings::Severity;
-pub use recordings::examiner::electrodes::{SATURATED, SILENT, levels, saturation};
-pub use recordings::labels::cued::Follow;
+use recordings::examiner::electrodes::{SATURATED, SILENT, levels, saturation};
+use recordings::labels::cued::Reaction;
 use recordings::runs;
 use recordings::statistics::median;
 
@@ -24,7 +25,7 @@ const LEAST_CONTRAST: f64 = 0.4;
 
 /// Flaw of a session.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
-pub enum Finding {
+pub(crate) enum Finding {
     /// No sample was recorded.
     #[error("nothing was recorded")]
     Nothing,
@@ -96,8 +97,7 @@ pub enum Finding {
 
 impl Finding {
     /// Severity of the finding.
-    #[must_use]
-    pub fn severity(&self) -> Severity {
+    pub(crate) fn severity(&self) -> Severity {
         match self {
             Self::Nothing | Self::Silent { .. } | Self::NoContrast { .. } => Severity::Serious,
             Self::Seldom { found, .. } if *found < FEWEST => Severity::Serious,
@@ -109,8 +109,7 @@ impl Finding {
     }
 
     /// Advice to the person.
-    #[must_use]
-    pub const fn advice(&self) -> &'static str {
+    pub(crate) const fn advice(&self) -> &'static str {
         match self {
             Self::Nothing => "begin the session and do what it asks for to its end",
             Self::Seldom { .. } => {
@@ -136,48 +135,65 @@ impl Finding {
     }
 }
 
+/// Finding as text, with its severity.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize)]
+pub(crate) struct FindingText {
+    pub(crate) severity: Severity,
+    pub(crate) text: String,
+    pub(crate) advice: &'static str,
+}
+
+impl From<&Finding> for FindingText {
+    fn from(finding: &Finding) -> Self {
+        Self {
+            severity: finding.severity(),
+            text: finding.to_string(),
+            advice: finding.advice(),
+        }
+    }
+}
+
 /// Quality of recordings.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Quality {
+pub(crate) struct Quality {
     /// Findings, the worst first.
-    pub findings: Vec<Finding>,
+    pub(crate) findings: Vec<Finding>,
     /// Number of labelled stretches of each class.
-    pub counts: BTreeMap<&'static str, usize>,
+    pub(crate) counts: BTreeMap<&'static str, usize>,
     /// Duration of all recordings in seconds.
-    pub seconds: f64,
+    pub(crate) seconds: f64,
 }
 
 impl Quality {
     /// Whether nothing serious was found.
-    #[must_use]
-    pub fn is_good_enough(&self) -> bool {
+    pub(crate) fn is_good_enough(&self) -> bool {
         let mut findings = self.findings.iter();
         findings.all(|finding| finding.severity() < Severity::Serious)
     }
 }
 
 /// Judges the recordings of one session, or all of a person's together.
-pub(crate) fn judge(take: &Take, damaged: bool) -> Quality {
-    let samples: usize = take.parts.iter().map(|part| part.samples.len()).sum();
+pub(crate) fn judge(assembly: &Assembly, damaged: bool) -> Quality {
+    let samples: usize = assembly.parts.iter().map(|part| part.samples.len()).sum();
     let seconds = samples as f64 * f64::from(SAMPLE_PERIOD_MS) / 1000.0;
     let mut findings = Vec::new();
-    let classes = take.classes();
+    let classes = assembly.classes();
     let counts = classes
         .iter()
-        .map(|&intent| (intent.name(), count(take, intent)))
+        .map(|&intent| (intent.name(), count(assembly, intent)))
         .collect::<BTreeMap<_, _>>();
     if samples == 0 {
         findings.push(Finding::Nothing);
     } else {
-        gestures(take, &classes, &mut findings);
-        electrodes(&take.parts, &mut findings);
-        let percent = 100.0 * take.lost as f64 / (samples as f64 + take.lost as f64);
+        gestures(assembly, &classes, &mut findings);
+        electrodes(&assembly.parts, &mut findings);
+        let percent = 100.0 * assembly.lost as f64 / (samples as f64 + assembly.lost as f64);
         if percent > 100.0 * LOSSES {
-            let samples = take.lost;
+            let samples = assembly.lost;
             findings.push(Finding::Lost { samples, percent });
         }
     }
-    if !take.complete {
+    if !assembly.complete {
         findings.push(Finding::Early);
     }
     if damaged {
@@ -191,8 +207,8 @@ pub(crate) fn judge(take: &Take, damaged: bool) -> Quality {
     }
 }
 
-fn count(take: &Take, intent: Intent) -> usize {
-    let parts = take.parts.iter();
+fn count(assembly: &Assembly, intent: Intent) -> usize {
+    let parts = assembly.parts.iter();
     let labelled = |part: &Part| {
         let runs = runs(&part.labels).into_iter();
         runs.filter(|run| run.label == Some(intent)).count()
@@ -200,23 +216,23 @@ fn count(take: &Take, intent: Intent) -> usize {
     parts.map(labelled).sum()
 }
 
-fn gestures(take: &Take, classes: &[Intent], findings: &mut Vec<Finding>) {
+fn gestures(assembly: &Assembly, classes: &[Intent], findings: &mut Vec<Finding>) {
     let mut late = Vec::new();
     for &intent in classes.iter().filter(|&&intent| intent != Intent::Relax) {
         let class = intent.name();
         let (mut of, mut unfollowed, mut contrasts) = (0, 0, Vec::new());
-        for hold in take.parts.iter().flat_map(|part| &part.holds) {
+        for hold in assembly.parts.iter().flat_map(|part| &part.holds) {
             let cued = hold.gestures.iter().zip(&hold.contrasts);
             for (_, &contrast) in cued.filter(|((_, own), _)| own.label() == Some(intent)) {
                 of += 1;
                 contrasts.push(contrast);
-                match hold.follow {
-                    Follow::Followed(samples) => late.push(f64::from(samples)),
-                    Follow::Weak | Follow::Elsewhere => unfollowed += 1,
+                match hold.reaction {
+                    Reaction::Followed(samples) => late.push(f64::from(samples)),
+                    Reaction::Weak | Reaction::Elsewhere => unfollowed += 1,
                 }
             }
         }
-        let found = count(take, intent);
+        let found = count(assembly, intent);
         if found < ENOUGH {
             let expected = if found < FEWEST { FEWEST } else { ENOUGH };
             findings.push(Finding::Seldom {

@@ -1,5 +1,5 @@
 //! Seconds of a training step of teacher and student and of a window's inference, for comparison with
-//! PyTorch by `host/benches/torch/compare.py`.
+//! PyTorch by `host/training/benches/torch/compare.py`.
 //!
 //! The arguments are a preset and the teacher's batch size. For each line of input it prints a line of
 //! JSON: for `step` the seconds of the teacher's training step (batch, forward, backward, AdamW) on two
@@ -35,7 +35,7 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 fn main() -> anyhow::Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [name, batch] = arguments.as_slice() else {
-        println!("usage: training_step PRESET BATCH; see host/benches/torch/compare.py");
+        println!("usage: training_step PRESET BATCH; see host/training/benches/torch/compare.py");
         return Ok(());
     };
     let mut preset = Preset::find(name).map_err(|e| anyhow!("{e}"))?;

@@ -45,6 +45,7 @@ bind_interrupts!(struct Interrupts {
 });
 
 /// Bits of RESETREAS (nRF52840 product specification, section 5.3.7.9).
+const RESET_BY_PIN: u32 = 1 << 0;
 const RESET_BY_WATCHDOG: u32 = 1 << 1;
 const RESET_BY_SOFTWARE: u32 = 1 << 2;
 
@@ -121,11 +122,14 @@ fn reset_reason() -> ResetReason {
     pac::POWER.resetreas().write_value(reasons);
     let end = previous_end();
     match reasons.0 {
+        // First: the pin may set the other bits too (nRF52840 erratum 136, nRF52832 erratum 136).
+        bits if bits & RESET_BY_PIN != 0 => ResetReason::Power,
         bits if bits & RESET_BY_WATCHDOG != 0 => ResetReason::Watchdog,
         bits if bits & RESET_BY_SOFTWARE != 0 && end == End::StackOverflow => {
             ResetReason::StackOverflow
         }
-        bits if bits & RESET_BY_SOFTWARE != 0 => ResetReason::Software,
+        // A blank chip is reset once, before the program has run, to set its registers in UICR.
+        bits if bits & RESET_BY_SOFTWARE != 0 && end != End::Unknown => ResetReason::Software,
         _ => ResetReason::Power,
     }
 }

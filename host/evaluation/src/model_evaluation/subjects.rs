@@ -6,7 +6,7 @@ use shared::model::file::Model;
 use super::Selection;
 use super::named_model::NamedModel;
 use crate::EvaluationError;
-use recordings::split::{circles, expand};
+use recordings::split::{expand, predefined};
 use recordings::{Recording, folds};
 
 /// A subject in the results.
@@ -46,7 +46,7 @@ pub(super) fn subjects(
         if !is_named && !named.is_empty() {
             continue;
         }
-        let test = circles::is_test(subject);
+        let test = predefined::is_test(subject);
         let saw = |model: &Model<'_>| {
             let mut seen = model.header.provenance.subjects_seen.iter();
             seen.any(|seen| seen == subject)

@@ -8,6 +8,7 @@
 //! ```
 
 use std::fs;
+use std::io::ErrorKind;
 use std::path::Path;
 
 use serde::de::DeserializeOwned;
@@ -86,7 +87,7 @@ impl Artefact {
     ///
     /// # Errors
     /// When the header cannot be written as JSON.
-    pub fn encode(&self) -> Result<Vec<u8>, serde_json::Error> {
+    fn encode(&self) -> Result<Vec<u8>, serde_json::Error> {
         let content: Vec<u8> = self
             .parts
             .iter()
@@ -113,7 +114,7 @@ impl Artefact {
     ///
     /// # Errors
     /// A description of the damage: another format, a part cut off, another checksum.
-    pub fn decode(bytes: &[u8]) -> Result<Self, String> {
+    fn decode(bytes: &[u8]) -> Result<Self, String> {
         let text = bytes.strip_prefix(MAGIC).ok_or("it has another format")?;
         let end = text.iter().position(|&byte| byte == b'\n');
         let (header, content) = text.split_at(end.ok_or("its header is cut off")?);
@@ -153,7 +154,10 @@ impl RunFolder {
     /// # Errors
     /// When the file is missing or damaged.
     pub fn load_artefact(&self, path: &Path) -> Result<Artefact, RunError> {
-        let bytes = fs::read(path).map_err(|source| RunError::io(path, source))?;
+        let bytes = fs::read(path).map_err(|source| match source.kind() {
+            ErrorKind::NotFound => RunError::NotTrained { path: path.into() },
+            _ => RunError::io(path, source),
+        })?;
         Artefact::decode(&bytes).map_err(|reason| RunError::content(path, reason))
     }
 

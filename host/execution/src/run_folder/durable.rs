@@ -21,10 +21,7 @@ const PARTIAL: &str = ".partial";
 /// # Errors
 /// When the file cannot be written.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), RunError> {
-    write(path, bytes).map_err(|source| RunError::Io {
-        path: path.to_owned(),
-        source,
-    })
+    write(path, bytes).map_err(|source| RunError::io(path, source))
 }
 
 fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-/// Why a run folder cannot be used, or a run cannot go on.
+/// Error of a run folder, or of a run that cannot go on.
 #[derive(Debug, Error)]
 pub enum RunError {
     /// A file cannot be read or written.
@@ -14,6 +14,12 @@ pub enum RunError {
         path: PathBuf,
         /// The cause.
         source: std::io::Error,
+    },
+    /// A model has not been trained.
+    #[error("{path}: not trained yet; `myointent train --run {run} --resume` trains the models of a run", run = .path.parent().unwrap_or(.path).display())]
+    NotTrained {
+        /// File of the model's weights.
+        path: PathBuf,
     },
     /// A file does not have the expected content.
     #[error(

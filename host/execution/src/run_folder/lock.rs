@@ -26,10 +26,7 @@ impl Lock {
     /// [`RunError::Locked`] if another process has it.
     pub(super) fn of(folder: &Path) -> Result<Self, RunError> {
         let path = folder.join(LOCK);
-        let io = |source| RunError::Io {
-            path: path.clone(),
-            source,
-        };
+        let io = |source| RunError::io(&path, source);
         let mut file = OpenOptions::new()
             .read(true)
             .write(true)

@@ -2,8 +2,8 @@
 
 use super::{Invalid, require};
 use crate::Preset;
-use crate::schedule::LrSchedule;
 use crate::teacher::LoraConfig;
+use crate::training::LrSchedule;
 
 /// Largest learning rate that single precision holds with room for a step. A training that diverges with less is
 /// stopped by its loss.

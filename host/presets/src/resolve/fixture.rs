@@ -11,7 +11,7 @@ use crate::config::ResolvedConfig;
 
 /// Recordings of people p1, p2, p3... of a data set, one labelled recording each.
 #[must_use]
-pub fn people(data_set: DataSet, count: usize) -> Vec<Recording> {
+pub(crate) fn people(data_set: DataSet, count: usize) -> Vec<Recording> {
     (1..=count)
         .map(|person| Recording {
             data_set,
@@ -31,7 +31,7 @@ pub fn people(data_set: DataSet, count: usize) -> Vec<Recording> {
 
 /// Library with two data sets of the user's own.
 #[must_use]
-pub fn library() -> Library {
+pub(crate) fn library() -> Library {
     Library {
         recordings: [people(DataSet::ReactEmg, 5), people(DataSet::Synthetic, 4)].concat(),
         ..Library::default()
@@ -43,7 +43,7 @@ pub fn library() -> Library {
 /// # Panics
 /// If the preset is not built in.
 #[must_use]
-pub fn preset(held_out: &[&str], validation: &[&str]) -> Preset {
+pub(crate) fn preset(held_out: &[&str], validation: &[&str]) -> Preset {
     let mut preset = Preset::find("quickstart").unwrap();
     preset.data.data_sets.clear();
     let owned = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
@@ -52,7 +52,8 @@ pub fn preset(held_out: &[&str], validation: &[&str]) -> Preset {
     preset
 }
 
-/// Configuration of [`preset`] on [`library`].
+/// Configuration of the preset `quickstart` on two data sets of the user's own, with these people held out and these to
+/// validate with.
 ///
 /// # Errors
 /// As [`ResolvedConfig::new`].

@@ -5,6 +5,7 @@
 mod matrix;
 mod open_hand;
 mod openings;
+mod rotation;
 mod template;
 
 pub use open_hand::open_hand;

@@ -19,7 +19,7 @@ struct Density {
     precision: Matrix,
 }
 
-/// Template from people's [profiles](super::open_hand), with the armband as worn in training; none from fewer than
+/// Template from people's [profiles](super::open_hand()), with the armband as worn in training; none from fewer than
 /// [`FEWEST_PEOPLE`].
 ///
 /// The covariance is shrunk to a multiple of the identity. Rotating people until they agree would make a sharper

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use shared::units::CHANNELS;
 
 use super::signal::{Signal, mean};
-use crate::finding::Finding;
+use crate::examiner::finding::Finding;
 
 /// Names of columns that say from which armband a row came.
 const DEVICES: [&str; 10] = [

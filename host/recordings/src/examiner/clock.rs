@@ -2,8 +2,6 @@
 
 use shared::units::SAMPLE_RATE_HZ;
 
-use super::clock_text;
-
 /// Names of columns that say when a row was sampled; a unit may follow.
 const TIMES: [&str; 9] = [
     "time",
@@ -87,9 +85,9 @@ pub(crate) struct Clock {
     times: Vec<f64>,
 }
 
-/// Judgement of a clock.
+/// Timebase that a clock gives.
 #[derive(Clone, PartialEq, Debug)]
-pub(crate) enum Says {
+pub(crate) enum Timebase {
     /// Rate of the rows, and gaps between them.
     Rate {
         /// Rows per second, gaps left out.
@@ -98,7 +96,7 @@ pub(crate) enum Says {
         gaps: Vec<(usize, f64)>,
     },
     /// No rate: the times do not rise, or no unit fits.
-    Nothing,
+    Unclear,
 }
 
 /// Kind of a column.
@@ -177,7 +175,7 @@ impl Clock {
 
     /// Adds a row's text. A text that is no time becomes NaN, and the clock then gives no rate.
     pub fn push(&mut self, text: &str) {
-        self.times.push(clock_text::parse(text).unwrap_or(f64::NAN));
+        self.times.push(seconds_of(text).unwrap_or(f64::NAN));
     }
 
     /// Clock of the rows that are kept.
@@ -206,10 +204,10 @@ impl Clock {
     }
 
     /// Rate and gaps of the rows by this clock.
-    pub fn says(&self) -> Says {
+    pub fn timebase(&self) -> Timebase {
         let times = self.unwrapped();
         let Some(period) = period(&times).filter(|period| *period > 0.0) else {
-            return Says::Nothing;
+            return Timebase::Unclear;
         };
         let per_second = if self.counts() {
             f64::from(SAMPLE_RATE_HZ)
@@ -218,13 +216,13 @@ impl Clock {
         } else {
             let fits = |(_, per_second): &&(&[&str], f64)| PERIODS.contains(&(period / per_second));
             let Some((_, per_second)) = UNITS.iter().find(fits) else {
-                return Says::Nothing;
+                return Timebase::Unclear;
             };
             *per_second
         };
         let seconds: Vec<f64> = times.iter().map(|time| time / per_second).collect();
         let period = period / per_second;
-        Says::Rate {
+        Timebase::Rate {
             hz: 1.0 / period,
             gaps: gaps(&seconds, period),
         }
@@ -294,4 +292,56 @@ fn gaps(seconds: &[f64], period: f64) -> Vec<(usize, f64)> {
         }
     }
     gaps
+}
+
+/// Seconds in a day.
+const DAY: f64 = 86_400.0;
+
+/// Parses a number, a date with a time of day, or a time of day, as seconds.
+fn seconds_of(text: &str) -> Option<f64> {
+    let text = text.trim().trim_matches('"');
+    if let Ok(number) = text.parse::<f64>() {
+        return number.is_finite().then_some(number);
+    }
+    let (date, time) = match text.split_once(['T', ' ']) {
+        Some((date, time)) => (days(date)?, time.trim_start()),
+        None => (0.0, text),
+    };
+    Some(date * DAY + time_of_day(time)?)
+}
+
+/// Days of a date such as `2021-03-04` since a fixed day.
+fn days(text: &str) -> Option<f64> {
+    let mut parts = text.split(['-', '/', '.']).map(str::parse::<u32>);
+    let mut next = || parts.next()?.ok();
+    let (year, month, day) = (next()?, next()?, next()?);
+    if !(1..=12).contains(&month) || !(1..=31).contains(&day) || year > 9999 {
+        return None;
+    }
+    // Days from March on, as calendars are computed: leap days come last in a year.
+    let (year, month) = if month < 3 {
+        (year.checked_sub(1)?, month + 9)
+    } else {
+        (year, month - 3)
+    };
+    let leaps = year / 4 + year / 400 - year / 100;
+    Some(f64::from(365 * year + leaps + (153 * month + 2) / 5 + day))
+}
+
+/// Seconds of a time of day such as `12:30:05.125`; a time zone behind it is ignored.
+fn time_of_day(text: &str) -> Option<f64> {
+    let text = text.trim_end_matches('Z');
+    let zone = text.rfind(['+', '-']).filter(|&at| at > 0);
+    let text = zone.map_or(text, |at| &text[..at]).trim_end();
+    let mut parts = text.split(':');
+    let mut next = || {
+        parts
+            .next()?
+            .parse::<f64>()
+            .ok()
+            .filter(|part| *part >= 0.0)
+    };
+    let (hours, minutes, seconds) = (next()?, next()?, next()?);
+    let whole = parts.next().is_none() && hours.fract() == 0.0 && minutes.fract() == 0.0;
+    (whole && minutes < 60.0 && seconds < 61.0).then_some(3600.0 * hours + 60.0 * minutes + seconds)
 }

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 use shared::units::{SAMPLE_RATE_HZ, Sample};
 
-use crate::finding::Finding;
+use crate::examiner::finding::Finding;
 use crate::recording::Recording;
 
 /// Average number of pairs of rows from one cut to the next.

@@ -3,7 +3,7 @@
 use shared::units::{CHANNELS, Sample};
 
 use super::signal::Signal;
-use crate::finding::Finding;
+use crate::examiner::finding::Finding;
 
 /// Share of a channel's samples at -128 or 127 above which it is reported as saturated.
 pub const SATURATED: f64 = 0.02;

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use shared::units::{CHANNELS, SAMPLE_RATE_HZ, Sample};
 
-use crate::finding::Finding;
+use crate::examiner::finding::Finding;
 
 /// Frequencies of the mains.
 const MAINS_HZ: [usize; 2] = [50, 60];

@@ -3,7 +3,7 @@
 //! | module | question |
 //! | --- | --- |
 //! | `scale` | are the values counts of the armband? |
-//! | `clock`, `clock_text` | what does a column of times say: the rate, gaps? |
+//! | `clock` | what does a column of times say: the rate, gaps? |
 //! | `repeats` | do rows come twice? |
 //! | `rows` | which rows are samples, and where does the recording break? |
 //! | `bands` | are the rows or columns those of two armbands? |
@@ -16,9 +16,9 @@
 
 pub(crate) mod bands;
 pub(crate) mod clock;
-mod clock_text;
 pub(crate) mod copies;
 pub mod electrodes;
+pub mod finding;
 mod hum;
 pub(crate) mod repeats;
 pub(crate) mod rows;
@@ -27,7 +27,7 @@ mod signal;
 
 use shared::units::WINDOW;
 
-use super::finding::Finding;
+use self::finding::Finding;
 use super::recording::{DataSet, Recording};
 use signal::Signal;
 

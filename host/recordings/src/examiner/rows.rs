@@ -8,10 +8,10 @@ use std::ops::Range;
 use shared::units::{SAMPLE_RATE_HZ, Sample, WINDOW};
 
 use super::FEWEST;
-use super::clock::{Clock, Says};
+use super::clock::{Clock, Timebase};
 use super::repeats::{Repeats, first_of_each, judge, standstill};
 use super::signal::{Signal, mean};
-use crate::finding::Finding;
+use crate::examiner::finding::Finding;
 use crate::recording::Recording;
 
 /// Largest deviation of a clock's rate, as a share, that is not reported: the armband's own is within 2 %.
@@ -58,9 +58,9 @@ impl Rows {
         let mut pieces = Vec::from_iter(std::iter::once(0..rows));
         if let Some(clock) = &clock {
             let column = clock.name.clone();
-            match clock.says() {
-                Says::Nothing => findings.push(Finding::ClockUnclear { column }),
-                Says::Rate { hz, gaps } => {
+            match clock.timebase() {
+                Timebase::Unclear => findings.push(Finding::ClockUnclear { column }),
+                Timebase::Rate { hz, gaps } => {
                     judge_rate(hz, &column, &mut findings)?;
                     pieces = split(rows, &gaps);
                     if let Some(&(row, seconds)) = gaps
@@ -155,8 +155,8 @@ fn kept(
     let clock = clock
         .filter(|clock| !clock.counts())
         .map(|clock| clock.kept(&keep));
-    let at_200_hz = match clock.as_ref().map(Clock::says) {
-        Some(Says::Rate { hz, .. }) => (hz / f64::from(SAMPLE_RATE_HZ) - 1.0).abs() < OFF,
+    let at_200_hz = match clock.as_ref().map(Clock::timebase) {
+        Some(Timebase::Rate { hz, .. }) => (hz / f64::from(SAMPLE_RATE_HZ) - 1.0).abs() < OFF,
         _ => left.len() >= FEWEST && mean(&Signal::of(&left).autocorrelations(1, 0, 1)) < RELATED,
     };
     if !at_200_hz {

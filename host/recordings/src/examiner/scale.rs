@@ -1,6 +1,6 @@
 //! Scale of values that should be counts: -128 to 127, whole.
 
-use crate::finding::{Finding, Scale};
+use crate::examiner::finding::{Finding, Scale};
 
 /// Maximum number of rows whose values are kept to find their step.
 const KEPT: usize = 4096;
@@ -26,9 +26,9 @@ const KNOWN: [(f64, &str); 8] = [
     (256.0, "counts times 256, the bytes of each value exchanged"),
 ];
 
-/// Judge of the scale of a file's values, row by row.
+/// Detector of the scale of a file's values, row by row.
 #[derive(Clone, PartialEq, Debug)]
-pub(crate) struct Judge {
+pub(crate) struct ScaleDetector {
     values: Vec<f64>,
     rows: usize,
     counts: usize,
@@ -37,7 +37,7 @@ pub(crate) struct Judge {
     whole: bool,
 }
 
-impl Default for Judge {
+impl Default for ScaleDetector {
     fn default() -> Self {
         Self {
             values: Vec::new(),
@@ -50,7 +50,7 @@ impl Default for Judge {
     }
 }
 
-impl Judge {
+impl ScaleDetector {
     /// Adds the channels of a row.
     pub fn push(&mut self, row: &[f64]) {
         let is_count = |value: &f64| {

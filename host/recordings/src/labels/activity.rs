@@ -21,7 +21,7 @@ use std::ops::Range;
 use shared::units::Sample;
 
 use super::envelope::Envelope;
-use super::motion::{Motion, Truth};
+use super::motion::{GroundTruth, Motion};
 use crate::recording::{DataSet, Recording, Timing};
 use crate::statistics::median;
 
@@ -64,9 +64,9 @@ pub(crate) fn labelled(
     let subject = format!("{}/{person}", data_set.name());
     let truth = label(&samples, motion);
     let notes = truth.is_none().then(|| WEAK.to_owned());
-    let truth = truth.unwrap_or_else(|| Truth {
+    let truth = truth.unwrap_or_else(|| GroundTruth {
         labels: vec![None; samples.len()],
-        ..Truth::default()
+        ..GroundTruth::default()
     });
     Recording {
         other_movement: truth.other_movement,
@@ -79,7 +79,7 @@ pub(crate) fn labelled(
 /// Labels samples of one motion: relax where the muscle is quiet, `motion` where it is active.
 ///
 /// The result is none if the contrast is too weak.
-fn label(samples: &[Sample], motion: Motion) -> Option<Truth> {
+fn label(samples: &[Sample], motion: Motion) -> Option<GroundTruth> {
     let motions = activity(samples)?
         .into_iter()
         .map(|activity| match activity {
@@ -210,7 +210,7 @@ mod tests {
 
     use super::*;
     use crate::labels::runs::runs;
-    use crate::movement::MovementKind;
+    use crate::recording::movement::MovementKind;
 
     const REST: i8 = 3;
 

@@ -4,10 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use super::cued::follow;
 use super::lag;
-use super::motion::{Motion, Truth, motions};
+use super::motion::{GroundTruth, Motion, motions};
 use super::runs::runs;
-use crate::movement::Movement;
 use crate::recording::Recording;
+use crate::recording::movement::Movement;
 
 /// Minimum length in samples of an unknown stretch between two rests that counts as a movement: 0.5 s.
 const MOVEMENT: usize = 100;
@@ -34,7 +34,7 @@ impl Recording {
     /// wrong too.
     #[must_use]
     pub fn compensated(&self, compensation: Compensation) -> Self {
-        let Truth {
+        let GroundTruth {
             labels,
             other_movement,
         } = match compensation {
@@ -49,13 +49,13 @@ impl Recording {
     }
 
     /// Labels and other movement, moved `samples` later.
-    fn later(&self, samples: usize) -> Truth {
+    fn later(&self, samples: usize) -> GroundTruth {
         let length = self.labels.len();
         let movements = self.other_movement.iter().map(|movement| Movement {
             samples: lag::compensated_range(&movement.samples, samples, length),
             ..movement.clone()
         });
-        Truth {
+        GroundTruth {
             labels: lag::compensated(&self.labels, samples),
             // Movement that would begin after the end of the recording is dropped.
             other_movement: movements.filter(|own| !own.samples.is_empty()).collect(),
@@ -63,7 +63,7 @@ impl Recording {
     }
 
     /// Labels and other movement where the muscle follows its cues.
-    fn followed(&self) -> Truth {
+    fn followed(&self) -> GroundTruth {
         let mut cues = motions(&self.labels);
         for movement in &self.other_movement {
             cues[movement.samples.clone()].fill(Motion::Other(movement.kind));
@@ -118,8 +118,8 @@ mod tests {
     use shared::intent::Intent;
 
     use super::*;
-    use crate::movement::MovementKind;
     use crate::recording::DataSet;
+    use crate::recording::movement::MovementKind;
 
     const R: Option<Intent> = Some(Intent::Relax);
     const O: Option<Intent> = Some(Intent::Open);

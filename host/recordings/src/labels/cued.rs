@@ -30,7 +30,7 @@ const LATE: usize = 300;
 
 /// Reaction of a muscle to a cue.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Follow {
+pub enum Reaction {
     /// The muscle followed, this many samples after the cue.
     Followed(i32),
     /// The muscle hardly rose above rest.
@@ -47,7 +47,7 @@ pub struct Hold {
     /// The gestures, with the first sample of each.
     pub gestures: Vec<(usize, Motion)>,
     /// Reaction of the muscle.
-    pub follow: Follow,
+    pub reaction: Reaction,
     /// Samples for which the muscle was active because of the cue, if it followed.
     pub active: Option<Range<usize>>,
     /// Rise of the muscle above rest for each gesture: natural logarithm of the ratio of amplitudes.
@@ -121,12 +121,12 @@ impl Segment {
         motions: &mut [Motion],
     ) -> Hold {
         let activity = activity(&samples[self.from..self.to]);
-        let (follow, active) = match &activity {
-            None => (Follow::Weak, None),
+        let (reaction, active) = match &activity {
+            None => (Reaction::Weak, None),
             Some(activity) => self.followed(activity),
         };
-        let late = match follow {
-            Follow::Followed(late) => usize::try_from(late).unwrap_or(0),
+        let late = match reaction {
+            Reaction::Followed(late) => usize::try_from(late).unwrap_or(0),
             _ => 0,
         };
         let gestures: Vec<(usize, Motion)> =
@@ -155,13 +155,13 @@ impl Segment {
             samples: self.hold.clone(),
             contrasts: cued.iter().map(contrast).collect(),
             gestures,
-            follow,
+            reaction,
             active,
         }
     }
 
     /// Reaction of the muscle, and the samples for which it was active because of the cue.
-    fn followed(&self, activity: &[Activity]) -> (Follow, Option<Range<usize>>) {
+    fn followed(&self, activity: &[Activity]) -> (Reaction, Option<Range<usize>>) {
         let is_active = |at: &usize| activity[at - self.from] == Activity::Active;
         let first = self.hold.start.saturating_sub(EARLY).max(self.from);
         let last = (self.hold.start + LATE).min(self.hold.end);
@@ -170,7 +170,7 @@ impl Segment {
         // A muscle that is active before this time already does not follow the cue.
         let onset = onset.filter(|&at| at > first || first == self.from && self.from == 0);
         let (Some(onset), true) = (onset, 2 * inside >= self.hold.len()) else {
-            return (Follow::Elsewhere, None);
+            return (Reaction::Elsewhere, None);
         };
         let mut end = onset;
         for at in onset..self.to {
@@ -181,7 +181,7 @@ impl Segment {
         }
         let late = onset as i64 - self.hold.start as i64;
         let late = i32::try_from(late).unwrap_or(0);
-        (Follow::Followed(late), Some(onset..end))
+        (Reaction::Followed(late), Some(onset..end))
     }
 
     /// Median envelope of a cue's later half minus that of the rest before it.
@@ -245,8 +245,8 @@ mod tests {
         let [first, second] = &found.holds[..] else {
             panic!("{found:?}");
         };
-        assert!(matches!(first.follow, Follow::Followed(late @ 70..=90) if late > 0));
-        assert!(matches!(second.follow, Follow::Followed(40..=60)));
+        assert!(matches!(first.reaction, Reaction::Followed(late @ 70..=90) if late > 0));
+        assert!(matches!(second.reaction, Reaction::Followed(40..=60)));
         assert!(first.contrasts[0] > 1.0 && first.gestures == [(600, O)]);
     }
 
@@ -271,7 +271,7 @@ mod tests {
             &muscle(cues.len(), std::slice::from_ref(&(1950..2700))),
             &cues,
         );
-        assert_eq!(found.holds[0].follow, Follow::Weak);
+        assert_eq!(found.holds[0].reaction, Reaction::Weak);
         assert!(
             found.motions[600..1300]
                 .iter()
@@ -286,7 +286,7 @@ mod tests {
         let cues = cues(&[(R, 600), (O, 700), (R, 800)]);
         for loud in [1250..1700, 300..1000, 700..900] {
             let found = follow(&muscle(cues.len(), std::slice::from_ref(&loud)), &cues);
-            assert_eq!(found.holds[0].follow, Follow::Elsewhere, "{loud:?}");
+            assert_eq!(found.holds[0].reaction, Reaction::Elsewhere, "{loud:?}");
             let gesture = found.motions.iter().filter(|motion| **motion == O).count();
             assert_eq!(gesture, 0, "{loud:?}");
         }

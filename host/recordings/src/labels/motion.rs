@@ -2,7 +2,7 @@
 
 use shared::intent::Intent;
 
-use crate::movement::{Movement, MovementKind};
+use crate::recording::movement::{Movement, MovementKind};
 
 /// Motion at one sample.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -39,12 +39,12 @@ pub fn motions(cues: &[Option<Intent>]) -> Vec<Motion> {
 
 /// Labels and other movement of a recording, as [`Recording`](crate::Recording) holds them.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
-pub(crate) struct Truth {
+pub(crate) struct GroundTruth {
     pub labels: Vec<Option<Intent>>,
     pub other_movement: Vec<Movement>,
 }
 
-impl FromIterator<Motion> for Truth {
+impl FromIterator<Motion> for GroundTruth {
     /// Collects the motion of each sample.
     fn from_iter<I: IntoIterator<Item = Motion>>(motions: I) -> Self {
         let mut truth = Self::default();
@@ -72,7 +72,7 @@ mod tests {
         const POINT: Motion = Motion::Other(Point);
         const THUMB: Motion = Motion::Other(ThumbUp);
         let motions = [POINT, POINT, Motion::Unknown, POINT, THUMB, Motion::RELAX];
-        let truth: Truth = motions.into_iter().collect();
+        let truth: GroundTruth = motions.into_iter().collect();
         let relax = Some(Intent::Relax);
         assert_eq!(truth.labels, [None, None, None, None, None, relax]);
         let expected = [(Point, 0..2), (Point, 3..4), (ThumbUp, 4..5)];

@@ -22,7 +22,7 @@ impl<L> Run<L> {
 
     /// Middle sample.
     #[must_use]
-    pub const fn middle(&self) -> usize {
+    pub(crate) const fn middle(&self) -> usize {
         usize::midpoint(self.start, self.end)
     }
 }

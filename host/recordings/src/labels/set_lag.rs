@@ -12,7 +12,7 @@ use shared::units::SAMPLE_PERIOD_MS;
 use super::compensation::Compensation;
 use super::lag::{LabelLag, LagEstimate, estimate};
 use crate::recording::{DataSet, Recording, Timing};
-use crate::split::circles::Circles;
+use crate::split::predefined::PredefinedSplit;
 
 /// People on whose recordings a constant lag was estimated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -29,7 +29,7 @@ pub enum Basis {
 
 /// Numbers of recordings with movement, by way of compensation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Ways {
+pub struct CompensationCounts {
     /// Recordings compensated by each cue's own lag.
     pub each_cue: usize,
     /// Recordings compensated by the constant.
@@ -53,7 +53,7 @@ pub struct Lag {
     pub estimate: Option<LagEstimate>,
     /// Numbers of recordings, by way of compensation.
     #[serde(default)]
-    pub recordings: Ways,
+    pub recordings: CompensationCounts,
 }
 
 impl Lag {
@@ -92,7 +92,7 @@ impl Lag {
             otherwise: if each_cue { constant } else { 0 },
             basis,
             estimate,
-            recordings: Ways {
+            recordings: CompensationCounts {
                 each_cue: if each_cue { rested } else { 0 },
                 constant: by_constant.len(),
                 muscle: timed(Timing::Muscle).count(),
@@ -146,7 +146,7 @@ fn measured(
     }
     // Nobody in a user's own recordings has a role.
     if training.is_empty()
-        && Circles::of(data_set).is_none()
+        && PredefinedSplit::of(data_set).is_none()
         && let Some(found) = estimate(recordings)
     {
         return (Basis::PeopleAtHand(people(recordings)), Some(found));
@@ -173,7 +173,7 @@ impl fmt::Display for Lag {
                 )
             }
         };
-        let Ways {
+        let CompensationCounts {
             each_cue,
             constant: by_constant,
             muscle,

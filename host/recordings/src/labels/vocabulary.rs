@@ -3,7 +3,7 @@
 use shared::intent::{Intent, Vocabulary};
 
 use super::runs::runs;
-use crate::movement::{Movement, MovementKind};
+use crate::recording::movement::{Movement, MovementKind};
 use crate::recording::{DataSet, Recording};
 
 impl Recording {

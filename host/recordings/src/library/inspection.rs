@@ -8,14 +8,14 @@ use shared::units::SAMPLE_RATE_HZ;
 
 use super::Library;
 use crate::examiner::electrodes::saturation;
-use crate::finding::{Finding, Group, grouped};
+use crate::examiner::finding::{Finding, Group, grouped};
 use crate::labels::lag::{self, LabelLag, LagEstimate};
 use crate::labels::runs::{Run, runs};
 use crate::labels::set_lag::Lag;
 use crate::readers::error::LoadError;
-use crate::readers::why::Why;
+use crate::readers::open::SkipReason;
 use crate::recording::{DataSet, Recording, by_data_set};
-use crate::split::circles;
+use crate::split::predefined;
 
 /// Contents of one data set.
 #[derive(Clone, PartialEq, Debug, serde::Serialize)]
@@ -104,10 +104,10 @@ fn taken(library: &Library) -> Vec<Files> {
 }
 
 fn ignored(library: &Library) -> Vec<Files> {
-    let mut by_reason: BTreeMap<Why, BTreeSet<&Path>> = BTreeMap::new();
+    let mut by_reason: BTreeMap<SkipReason, BTreeSet<&Path>> = BTreeMap::new();
     for ignored in &library.ignored {
         by_reason
-            .entry(ignored.why)
+            .entry(ignored.reason)
             .or_default()
             .insert(&ignored.path);
     }
@@ -179,7 +179,7 @@ fn inspect(data_set: DataSet, recordings: &[&Recording]) -> SetInspection {
             data_set,
             recordings,
             LabelLag::default(),
-            &circles::is_training,
+            &predefined::is_training,
         ),
     }
 }
@@ -237,10 +237,10 @@ mod tests {
             ignored: ["LICENSE", "notes.txt", "README"]
                 .map(|name| Ignored {
                     path: name.into(),
-                    why: if name.ends_with(".txt") {
-                        Why::Layout
+                    reason: if name.ends_with(".txt") {
+                        SkipReason::Layout
                     } else {
-                        Why::Ending
+                        SkipReason::Ending
                     },
                 })
                 .into(),
@@ -295,8 +295,8 @@ mod tests {
         assert_eq!(taken, [("react-emg".to_owned(), 1, PathBuf::new())]);
         assert!(inspection.taken[0].recognised_by.contains("gt"));
         let expected = [
-            (Why::Ending.to_string(), 2, "LICENSE".into()),
-            (Why::Layout.to_string(), 1, "notes.txt".into()),
+            (SkipReason::Ending.to_string(), 2, "LICENSE".into()),
+            (SkipReason::Layout.to_string(), 1, "notes.txt".into()),
         ];
         assert_eq!(told(&inspection.ignored), expected);
     }

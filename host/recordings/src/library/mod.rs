@@ -13,14 +13,14 @@ use shared::stream::normalizer::Normalizer;
 
 use super::examiner::copies::{self, Repeat};
 use super::examiner::examine;
-use super::finding::Finding;
 use super::labels::timing;
+use super::readers::error::excerpt::excerpt;
 use super::readers::error::{Damage, LoadError};
-use super::readers::excerpt::excerpt;
+use super::readers::open::SkipReason;
 use super::readers::open::{Found, Request, open};
 use super::readers::path::left_arm;
-use super::readers::why::Why;
 use super::recording::{DataSet, Recording};
+use crate::examiner::finding::Finding;
 
 /// Options of [`load`].
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
@@ -58,7 +58,7 @@ pub struct Ignored {
     /// The file.
     pub path: PathBuf,
     /// Reason why it is not read.
-    pub why: Why,
+    pub reason: SkipReason,
 }
 
 /// Reads every recording at or below a path: a folder of many sets, one set, or one file.
@@ -90,7 +90,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
         match found {
             Ok((_, Found::Recordings(recordings))) => library.recordings.extend(recordings),
             Ok((_, Found::Part)) => {}
-            Ok((path, Found::Nothing(why))) => library.ignored.push(Ignored { path, why }),
+            Ok((path, Found::Nothing(reason))) => library.ignored.push(Ignored { path, reason }),
             Err(error) if !(options.strict || alone && error.is_refusal()) => {
                 library.skipped.push(error);
             }
@@ -175,14 +175,14 @@ impl Library {
 
 /// Files that were passed over, by reason.
 fn passed_over(ignored: &[Ignored]) -> String {
-    let mut by_reason: BTreeMap<Why, Vec<&Path>> = BTreeMap::new();
-    for Ignored { path, why } in ignored {
-        by_reason.entry(*why).or_default().push(path);
+    let mut by_reason: BTreeMap<SkipReason, Vec<&Path>> = BTreeMap::new();
+    for Ignored { path, reason } in ignored {
+        by_reason.entry(*reason).or_default().push(path);
     }
-    let told = by_reason.into_iter().map(|(why, paths)| {
+    let told = by_reason.into_iter().map(|(reason, paths)| {
         let count = paths.len();
         let first = paths[0].file_name().unwrap_or_default().to_string_lossy();
-        format!("{count} {why}, such as {}", excerpt(&first))
+        format!("{count} {reason}, such as {}", excerpt(&first))
     });
     let told: Vec<String> = told.collect();
     if told.is_empty() {
@@ -194,10 +194,9 @@ fn passed_over(ignored: &[Ignored]) -> String {
 /// The path, absolute so that folder names are known, and the files at or below it in path order, or why one cannot be
 /// read.
 fn files(path: &Path) -> Result<(PathBuf, Vec<Result<PathBuf, LoadError>>), LoadError> {
-    let root = path.canonicalize().map_err(|source| LoadError::Io {
-        path: path.to_owned(),
-        source,
-    })?;
+    let root = path
+        .canonicalize()
+        .map_err(|source| LoadError::io(path, source))?;
     let mut files = Vec::new();
     for entry in walkdir::WalkDir::new(&root)
         .follow_links(true)
@@ -208,10 +207,13 @@ fn files(path: &Path) -> Result<(PathBuf, Vec<Result<PathBuf, LoadError>>), Load
             Ok(entry) if !entry.file_type().is_dir() => files.push(Ok(entry.into_path())),
             Ok(_) => {}
             // A dangling link, a circle of links, or an unreadable folder.
-            Err(error) => files.push(Err(LoadError::Io {
-                path: error.path().unwrap_or(path).to_owned(),
-                source: error.into(),
-            })),
+            Err(error) => {
+                let path = error.path().unwrap_or(path).to_owned();
+                files.push(Err(LoadError::Io {
+                    path,
+                    source: error.into(),
+                }));
+            }
         }
     }
     Ok((root, files))

@@ -20,17 +20,17 @@ pub(super) fn by_folder(base: &Path, recordings: &mut [Recording]) -> Vec<String
     let own: Vec<usize> = (0..recordings.len())
         .filter(|&at| is_own(recordings[at].data_set))
         .collect();
-    let mut places: Vec<Place> = own
+    let mut places: Vec<Folders> = own
         .iter()
-        .map(|&at| Place::of(base, &recordings[at].path))
+        .map(|&at| Folders::of(base, &recordings[at].path))
         .collect();
     if places.is_empty() {
         return Vec::new();
     }
     let shared = without_shared(&mut places);
-    places.iter_mut().for_each(Place::leave_sessions);
+    places.iter_mut().for_each(Folders::leave_sessions);
     join_below(&mut places);
-    let taken: BTreeSet<String> = places.iter().map(Place::person).collect();
+    let taken: BTreeSet<String> = places.iter().map(Folders::person).collect();
     let top = name_of(&base.join(shared), &taken);
     let prefixes = prefixes(&places, own.iter().map(|&at| &recordings[at]));
     for (&at, place) in own.iter().zip(&places) {
@@ -73,14 +73,14 @@ fn text(name: &OsStr) -> String {
 }
 
 /// Folders of a recording below the requested one.
-struct Place {
+struct Folders {
     /// Folders that name the person.
     person: Vec<String>,
     /// Folders that name a session.
     sessions: Vec<String>,
 }
 
-impl Place {
+impl Folders {
     fn of(base: &Path, path: &Path) -> Self {
         let below = above(path).strip_prefix(base).unwrap_or(Path::new(""));
         Self {
@@ -122,10 +122,10 @@ impl Place {
 }
 
 /// Takes out the folders that all paths begin with, but for the last folder of a path, and returns them.
-fn without_shared(places: &mut [Place]) -> PathBuf {
+fn without_shared(places: &mut [Folders]) -> PathBuf {
     let mut shared = PathBuf::new();
     while let Some(first) = places[0].person.first().cloned() {
-        let begins = |place: &Place| place.person.len() > 1 && place.person[0] == first;
+        let begins = |place: &Folders| place.person.len() > 1 && place.person[0] == first;
         if !places.iter().all(begins) {
             break;
         }
@@ -138,7 +138,7 @@ fn without_shared(places: &mut [Place]) -> PathBuf {
 }
 
 /// Assigns everything below a folder with recordings to that folder's person.
-fn join_below(places: &mut [Place]) {
+fn join_below(places: &mut [Folders]) {
     let direct: BTreeSet<Vec<String>> = places
         .iter()
         .filter(|place| !place.person.is_empty())
@@ -166,7 +166,7 @@ fn name_of(base: &Path, taken: &BTreeSet<String>) -> String {
 }
 
 /// Whether the names of the files in the requested folder tell several people apart: `s3_grasp_1.csv`.
-fn prefixes<'r>(places: &[Place], recordings: impl Iterator<Item = &'r Recording>) -> bool {
+fn prefixes<'r>(places: &[Folders], recordings: impl Iterator<Item = &'r Recording>) -> bool {
     let loose = places.iter().zip(recordings);
     let loose = loose.filter(|(place, _)| place.person.is_empty() && place.sessions.is_empty());
     let found: Vec<Option<&str>> = loose.map(|(_, own)| prefix(&own.path)).collect();
@@ -181,7 +181,7 @@ fn prefix(path: &Path) -> Option<&str> {
 }
 
 /// Sentences on the choices.
-fn told(people: &BTreeSet<&str>, places: &[Place], prefixes: bool) -> Vec<String> {
+fn told(people: &BTreeSet<&str>, places: &[Folders], prefixes: bool) -> Vec<String> {
     let by = if prefixes { "file name" } else { "folder" };
     let mut told = vec![format!(
         "people: {}, by {by}: {}",

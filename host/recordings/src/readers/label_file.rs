@@ -9,7 +9,6 @@ use std::path::Path;
 use shared::intent::Intent;
 
 use super::error::{Damage, Fault, LoadError};
-use super::labels::{from_number, from_text};
 use super::npy::{self, Values};
 use super::table;
 use execution::bounded_read;
@@ -44,11 +43,8 @@ impl Purpose {
 /// # Errors
 /// [`LoadError::Io`], or [`LoadError::Damaged`] with the line or byte of the first invalid label.
 pub fn read(path: &Path, purpose: Purpose) -> Result<Vec<Option<Intent>>, LoadError> {
-    let bytes =
-        bounded_read::read(path, bounded_read::RECORDING).map_err(|source| LoadError::Io {
-            path: path.to_owned(),
-            source,
-        })?;
+    let bytes = bounded_read::read(path, bounded_read::RECORDING)
+        .map_err(|source| LoadError::io(path, source))?;
     // A byte order mark, as some editors write it.
     let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes);
     parse(bytes, purpose).map_err(|damage| damage.in_file(path))
@@ -136,6 +132,37 @@ fn array(bytes: &[u8]) -> Result<Vec<Option<Intent>>, Damage> {
             .map(|(row, name)| from_text(name).map_err(damage(row)))
             .collect(),
     }
+}
+
+/// Label of a class number, 0 to 5, or -1 for none.
+pub(crate) fn from_number(value: f64) -> Result<Option<Intent>, Fault> {
+    let fault = || Fault::Label {
+        expected: "-1, 0, 1, 2, 3, 4, 5",
+        found: value.to_string(),
+    };
+    if value == -1.0 {
+        return Ok(None);
+    }
+    let class = (value.fract() == 0.0 && value >= 0.0).then_some(value as usize);
+    class
+        .and_then(Intent::from_class)
+        .map(Some)
+        .ok_or_else(fault)
+}
+
+/// Label of an intent's name, of a class number, or for none of `none`, -1 or an empty field.
+pub(crate) fn from_text(text: &str) -> Result<Option<Intent>, Fault> {
+    if text.is_empty() || text == "none" {
+        return Ok(None);
+    }
+    if let Some(intent) = Intent::from_name(text) {
+        return Ok(Some(intent));
+    }
+    let fault = || Fault::Label {
+        expected: "-1 to 5, an intent's name, or none",
+        found: text.to_owned(),
+    };
+    from_number(text.parse().map_err(|_| fault())?).map_err(|_| fault())
 }
 
 #[cfg(test)]

@@ -2,12 +2,12 @@
 
 mod rows;
 
+use std::fmt;
 use std::path::Path;
 
 use super::error::{Damage, Fault, LoadError};
 use super::formats::{cote_allard, epn, myoup, react_emg, roshambo, wang_myo};
 use super::npy::{self, Values};
-use super::why::Why;
 use super::{mat, table};
 use crate::examiner::bands;
 use crate::recording::{DataSet, Recording};
@@ -21,7 +21,37 @@ pub enum Found {
     /// Part of a recording whose samples are in another file.
     Part,
     /// No recording that is read, and why.
-    Nothing(Why),
+    Nothing(SkipReason),
+}
+
+/// Reason why a file is passed over without an error.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SkipReason {
+    /// The ending is not that of recordings: licences, notes, settings.
+    Ending,
+    /// The content is in none of the layouts.
+    Layout,
+    /// Eight channels, but of no known set, and labels or person are unknown.
+    UnknownSet,
+    /// The data set is not wanted.
+    NotWanted,
+    /// It is another copy of what is read: untrimmed, or a copy of another person's file.
+    Copy,
+}
+
+impl fmt::Display for SkipReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Ending => "no npy, csv, txt, dat, json or mat",
+            Self::Layout => "in none of the layouts",
+            Self::UnknownSet => {
+                "eight channels, but of no known set and without labels: give such a file by itself"
+            }
+            Self::NotWanted => "of a data set that is not asked for",
+            Self::Copy => "a copy of another file",
+        })
+    }
 }
 
 /// Request for the recordings of one file.
@@ -40,13 +70,10 @@ pub(crate) fn open(
 ) -> Result<Found, LoadError> {
     // What only the name decides: headerless binary could be anything.
     if extension(path).is_none() {
-        return Ok(Found::Nothing(Why::Ending));
+        return Ok(Found::Nothing(SkipReason::Ending));
     }
     let bytes = bounded_read::read(path, bounded_read::RECORDING);
-    let bytes = bytes.map_err(|source| LoadError::Io {
-        path: path.to_owned(),
-        source,
-    })?;
+    let bytes = bytes.map_err(|source| LoadError::io(path, source))?;
     of_bytes(path, &bytes, request)
 }
 
@@ -64,7 +91,7 @@ pub fn of_bytes(
     request: &Request<impl Fn(DataSet) -> bool>,
 ) -> Result<Found, LoadError> {
     let Some(extension) = extension(path) else {
-        return Ok(Found::Nothing(Why::Ending));
+        return Ok(Found::Nothing(SkipReason::Ending));
     };
     let damage = |damage: Damage| damage.in_file(path);
     let kind = FileKind::of(bytes);
@@ -109,7 +136,7 @@ impl<W: Fn(DataSet) -> bool> Request<W> {
         read: impl FnOnce() -> Result<Vec<Recording>, LoadError>,
     ) -> Result<Found, LoadError> {
         if !(self.wants)(data_set) {
-            return Ok(Found::Nothing(Why::NotWanted));
+            return Ok(Found::Nothing(SkipReason::NotWanted));
         }
         let recordings = read()?;
         // What is left of a damaged file may be a valid file without samples.
@@ -137,7 +164,7 @@ impl<W: Fn(DataSet) -> bool> Request<W> {
             };
             Err(Damage::of_file(fault).in_file(path))
         } else {
-            Ok(Found::Nothing(Why::Layout))
+            Ok(Found::Nothing(SkipReason::Layout))
         }
     }
 
@@ -149,7 +176,7 @@ impl<W: Fn(DataSet) -> bool> Request<W> {
         if self.alone {
             self.several(DataSet::ReactEmg, read)
         } else {
-            Ok(Found::Nothing(Why::UnknownSet))
+            Ok(Found::Nothing(SkipReason::UnknownSet))
         }
     }
 }
@@ -203,7 +230,7 @@ fn array(
                 found: array.describe(),
             })))
         }
-        _ => Ok(Found::Nothing(Why::Layout)),
+        _ => Ok(Found::Nothing(SkipReason::Layout)),
     }
 }
 
@@ -219,7 +246,7 @@ fn matrices(
     }
     if let Some(person) = myoup::person_of_mat(path) {
         if person == myoup::COPIED {
-            return Ok(Found::Nothing(Why::Copy));
+            return Ok(Found::Nothing(SkipReason::Copy));
         }
         return request.one(DataSet::Myoup, || {
             let matrices = mat::parse(bytes).map_err(damage)?;

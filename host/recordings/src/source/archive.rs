@@ -9,7 +9,7 @@ use std::path::{Component, Path, PathBuf};
 
 use flate2::read::GzDecoder;
 
-use super::error::ArchiveError;
+use super::error::FetchError;
 use execution::file_kind::FileKind;
 
 /// Bounds of an archive's content.
@@ -82,8 +82,8 @@ pub(super) fn unpack(
     archive: &Path,
     folder: &Path,
     bounds: Bounds,
-) -> Result<Unpacked, ArchiveError> {
-    let damaged = |source: io::Error| ArchiveError::Damaged {
+) -> Result<Unpacked, FetchError> {
+    let damaged = |source: io::Error| FetchError::Damaged {
         archive: archive.to_owned(),
         source,
     };
@@ -101,7 +101,7 @@ pub(super) fn unpack(
         Ok(Kind::Tar) => target.tar(BufReader::new(file))?,
         Ok(Kind::TarGz) => target.tar(GzDecoder::new(BufReader::new(file)))?,
         Err(found) => {
-            return Err(ArchiveError::Kind {
+            return Err(FetchError::NoArchive {
                 archive: archive.to_owned(),
                 found,
             });
@@ -120,7 +120,7 @@ struct Target<'a> {
 }
 
 impl Target<'_> {
-    fn zip(&mut self, mut file: BufReader<File>) -> Result<(), ArchiveError> {
+    fn zip(&mut self, mut file: BufReader<File>) -> Result<(), FetchError> {
         file.seek(SeekFrom::Start(0))
             .map_err(|source| self.damaged(source))?;
         let mut archive =
@@ -145,7 +145,7 @@ impl Target<'_> {
         Ok(())
     }
 
-    fn tar(&mut self, file: impl Read) -> Result<(), ArchiveError> {
+    fn tar(&mut self, file: impl Read) -> Result<(), FetchError> {
         let mut archive = tar::Archive::new(file);
         let entries = archive.entries().map_err(|source| self.damaged(source))?;
         for entry in entries {
@@ -165,10 +165,10 @@ impl Target<'_> {
         Ok(())
     }
 
-    fn count(&mut self) -> Result<(), ArchiveError> {
+    fn count(&mut self) -> Result<(), FetchError> {
         self.entries += 1;
         if self.entries > self.bounds.entries {
-            return Err(ArchiveError::TooLarge {
+            return Err(FetchError::TooLarge {
                 most: self.bounds.entries,
                 what: "files",
             });
@@ -176,24 +176,24 @@ impl Target<'_> {
         Ok(())
     }
 
-    fn make_folder(&self, name: &str) -> Result<(), ArchiveError> {
+    fn make_folder(&self, name: &str) -> Result<(), FetchError> {
         let path = self.folder.join(inside(name)?);
-        fs::create_dir_all(&path).map_err(|source| refused(&path, source))
+        fs::create_dir_all(&path).map_err(|source| FetchError::io(&path, source))
     }
 
-    fn write(&mut self, name: &str, content: &mut impl Read) -> Result<(), ArchiveError> {
+    fn write(&mut self, name: &str, content: &mut impl Read) -> Result<(), FetchError> {
         let path = self.folder.join(inside(name)?);
         if let Some(parent) = path.parent() {
-            fs::create_dir_all(parent).map_err(|source| refused(parent, source))?;
+            fs::create_dir_all(parent).map_err(|source| FetchError::io(parent, source))?;
         }
         // A second file of the name, even if only its case differs, writes over nothing.
         let mut file = File::create_new(&path).map_err(|source| {
             if source.kind() == io::ErrorKind::AlreadyExists {
-                ArchiveError::Twice {
+                FetchError::Twice {
                     name: name.to_owned(),
                 }
             } else {
-                refused(&path, source)
+                FetchError::io(&path, source)
             }
         })?;
         // Bytes are counted as they come, whatever number the archive states.
@@ -201,7 +201,7 @@ impl Target<'_> {
         let copied = io::copy(&mut content.take(left + 1), &mut file);
         let copied = copied.map_err(|source| self.damaged(source))?;
         if copied > left {
-            return Err(ArchiveError::TooLarge {
+            return Err(FetchError::TooLarge {
                 most: self.bounds.bytes,
                 what: "bytes",
             });
@@ -211,26 +211,19 @@ impl Target<'_> {
         Ok(())
     }
 
-    fn damaged(&self, source: io::Error) -> ArchiveError {
-        ArchiveError::Damaged {
+    fn damaged(&self, source: io::Error) -> FetchError {
+        FetchError::Damaged {
             archive: self.archive.to_owned(),
             source,
         }
     }
 }
 
-fn refused(path: &Path, source: io::Error) -> ArchiveError {
-    ArchiveError::Io {
-        path: path.to_owned(),
-        source,
-    }
-}
-
 /// The path of an entry below the folder.
-fn inside(name: &str) -> Result<PathBuf, ArchiveError> {
+fn inside(name: &str) -> Result<PathBuf, FetchError> {
     /// Maximum depth of folders.
     const DEPTH: usize = 32;
-    let escapes = || ArchiveError::Escapes {
+    let escapes = || FetchError::Escapes {
         name: name.to_owned(),
     };
     // Some programs on Windows write their own separator.

@@ -1,4 +1,4 @@
-//! Why recordings were not fetched.
+//! Errors of downloading and unpacking recordings.
 
 use std::io;
 use std::path::PathBuf;
@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use super::checksum::Checksum;
 use execution::file_kind::FileKind;
 
-/// Why recordings were not fetched.
+/// Error of downloading or unpacking recordings.
 #[derive(Debug, thiserror::Error)]
 pub enum FetchError {
     /// The server cannot be reached.
@@ -79,9 +79,44 @@ pub enum FetchError {
         /// Reason.
         reason: String,
     },
-    /// The archive cannot be unpacked.
-    #[error(transparent)]
-    Archive(#[from] ArchiveError),
+    /// The file is neither kind of archive.
+    #[error("{archive}: expected a zip, tar or tar.gz archive, found {found}", archive = archive.display())]
+    NoArchive {
+        /// The file.
+        archive: PathBuf,
+        /// Kind of the file.
+        found: FileKind,
+    },
+    /// A name leads out of the folder, or is one that no file system takes.
+    #[error(
+        "the archive has a file named {name:?}, which leads out of its folder: nothing of it is unpacked"
+    )]
+    Escapes {
+        /// The name.
+        name: String,
+    },
+    /// Two files have one name.
+    #[error("the archive has {name:?} twice: nothing of it is unpacked")]
+    Twice {
+        /// The name.
+        name: String,
+    },
+    /// The archive holds more than any data set has, or than such an archive can honestly hold.
+    #[error("the archive holds more than {most} {what}: nothing of it is unpacked")]
+    TooLarge {
+        /// Bound.
+        most: u64,
+        /// Unit of the bound.
+        what: &'static str,
+    },
+    /// The archive is damaged, encrypted, or of an unknown kind of compression.
+    #[error("{archive}: {source}", archive = archive.display())]
+    Damaged {
+        /// The file.
+        archive: PathBuf,
+        /// Error of the library.
+        source: io::Error,
+    },
     /// The archive holds other files.
     #[error(
         "expected recordings of {data_set} ({expected}), found {found}: is it the right archive? Nothing of it is kept"
@@ -118,55 +153,4 @@ impl FetchError {
             source,
         }
     }
-}
-
-/// Why an archive is not unpacked. Nothing of it is left.
-#[derive(Debug, thiserror::Error)]
-pub enum ArchiveError {
-    /// The file is neither kind of archive.
-    #[error("{archive}: expected a zip, tar or tar.gz archive, found {found}", archive = archive.display())]
-    Kind {
-        /// The file.
-        archive: PathBuf,
-        /// Kind of the file.
-        found: FileKind,
-    },
-    /// A name leads out of the folder, or is one that no file system takes.
-    #[error(
-        "the archive has a file named {name:?}, which leads out of its folder: nothing of it is unpacked"
-    )]
-    Escapes {
-        /// The name.
-        name: String,
-    },
-    /// Two files have one name.
-    #[error("the archive has {name:?} twice: nothing of it is unpacked")]
-    Twice {
-        /// The name.
-        name: String,
-    },
-    /// The archive holds more than any data set has, or than such an archive can honestly hold.
-    #[error("the archive holds more than {most} {what}: nothing of it is unpacked")]
-    TooLarge {
-        /// Bound.
-        most: u64,
-        /// Unit of the bound.
-        what: &'static str,
-    },
-    /// The archive is damaged, encrypted, or of an unknown kind of compression.
-    #[error("{archive}: {source}", archive = archive.display())]
-    Damaged {
-        /// The file.
-        archive: PathBuf,
-        /// Error of the library.
-        source: io::Error,
-    },
-    /// The file system refuses.
-    #[error("{path}: {source}", path = path.display())]
-    Io {
-        /// File or folder.
-        path: PathBuf,
-        /// Reason.
-        source: io::Error,
-    },
 }

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 pub use archive::Unpacked;
 pub use catalogue::{Address, SOURCES, Source, source};
 pub use checksum::Checksum;
-pub use error::{ArchiveError, FetchError};
+pub use error::FetchError;
 pub use plan::{Download, Plan, Servers, plan};
 
 use super::library::{LoadOptions, load};

@@ -35,7 +35,7 @@ enum Answer {
 
 /// Notes on a file that was received in part.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-struct Known {
+struct PartialDownload {
     url: String,
     /// `ETag` or `Last-Modified`: the file is unchanged as long as this is.
     version: Option<String>,
@@ -113,9 +113,9 @@ impl<'a> Transfer<'a> {
     }
 
     /// Notes on the kept bytes; none if they are of another address.
-    fn known(&self) -> Option<Known> {
+    fn known(&self) -> Option<PartialDownload> {
         let text = fs::read_to_string(&self.notes).ok()?;
-        let known: Known = serde_json::from_str(&text).ok()?;
+        let known: PartialDownload = serde_json::from_str(&text).ok()?;
         (known.url == self.of.url).then_some(known)
     }
 
@@ -135,7 +135,7 @@ impl<'a> Transfer<'a> {
         }
     }
 
-    fn ask(&self, kept: u64, known: Option<&Known>) -> Result<Answer, FetchError> {
+    fn ask(&self, kept: u64, known: Option<&PartialDownload>) -> Result<Answer, FetchError> {
         let url = &self.of.url;
         let mut request = agent(url).get(url);
         if kept > 0 {
@@ -173,7 +173,7 @@ impl<'a> Transfer<'a> {
         let length = header(&response, "content-length").and_then(|own| own.parse::<u64>().ok());
         let total = self.of.size.or(length.map(|length| kept + length));
         let most = self.of.size.unwrap_or(MOST);
-        let known = Known {
+        let known = PartialDownload {
             url: self.of.url.clone(),
             version: header(&response, "etag")
                 // A weak tag promises no equal bytes.

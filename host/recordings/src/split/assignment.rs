@@ -4,8 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use rand::seq::SliceRandom;
 
-use super::circles::{Circles, in_circle, is_test};
-use super::error::SplitError;
+use super::predefined::{PredefinedSplit, is_listed, is_test};
 use super::{Split, folds};
 use crate::recording::{DataSet, Recording};
 use crate::seed;
@@ -25,14 +24,14 @@ pub struct Assignment<'a> {
     pub validation_share: f64,
     /// Whether `host/recordings/people.toml` assigns development people too: not in a cross-validation, whose folds are
     /// listed.
-    pub circles: bool,
+    pub predefined: bool,
 }
 
 /// Assigns the subjects of the recordings to their roles.
 ///
 /// Each data set holds out and validates with its listed subjects. A set without a listed subject takes those of
-/// `host/recordings/people.toml` ([`Circles`]). A set that this does not name draws its share, at least one subject, from three
-/// subjects on. Test people have no other role, unless they are listed as held out.
+/// `host/recordings/people.toml` ([`PredefinedSplit`]). A set that this does not name draws its share, at least one
+/// subject, from three subjects on. Test people have no other role, unless they are listed as held out.
 ///
 /// # Errors
 /// See [`SplitError`].
@@ -57,7 +56,7 @@ pub fn assign<'r>(
     }
     let mut split = Split::default();
     for (&data_set, known) in &subjects {
-        let circles = Circles::of(data_set).filter(|_| assignment.circles);
+        let predefined = PredefinedSplit::of(data_set).filter(|_| assignment.predefined);
         let mut rest: Vec<&str> = known.clone();
         let test = take(&mut rest, |subject| {
             is_test(subject) && !listed_out.contains(subject)
@@ -74,14 +73,14 @@ pub fn assign<'r>(
         let held_out = choose(
             &mut rest,
             &listed_out,
-            circles.map(|circles| &circles.settings[..]),
+            predefined.map(|predefined| &predefined.settings[..]),
             |rest| draw(assignment.held_out_share, rest),
         );
         rest.extend(reserved);
         let validation = choose(
             &mut rest,
             &listed_in,
-            circles.map(|circles| &circles.checkpoint[..]),
+            predefined.map(|predefined| &predefined.checkpoint[..]),
             |rest| draw(assignment.validation_share, rest),
         );
         for (role, people) in [
@@ -112,13 +111,13 @@ pub fn assign<'r>(
 fn choose<'s>(
     rest: &mut Vec<&'s str>,
     listed: &BTreeSet<&str>,
-    circle: Option<&[String]>,
+    predefined: Option<&[String]>,
     draw: impl FnOnce(&[&str]) -> Vec<String>,
 ) -> Vec<&'s str> {
     let named = take(rest, |subject| listed.contains(subject));
-    match circle {
+    match predefined {
         _ if !named.is_empty() => named,
-        Some(circle) => take(rest, |subject| in_circle(circle, subject)),
+        Some(list) => take(rest, |subject| is_listed(list, subject)),
         None => {
             let drawn = draw(rest);
             take(rest, |subject| drawn.iter().any(|name| name == subject))
@@ -180,6 +179,34 @@ fn unknown(list: &'static str, name: &str, subjects: &BTreeMap<DataSet, Vec<&str
         name: name.to_owned(),
         nearest: known.join(", "),
     }
+}
+
+/// Error of an assignment of people to roles.
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+pub enum SplitError {
+    /// A name that no recording bears.
+    #[error(
+        "{list} names {name:?}, which is no subject and no data set of these recordings; nearest: {nearest}"
+    )]
+    Unknown {
+        /// Name of the list.
+        list: &'static str,
+        /// The unknown name.
+        name: String,
+        /// Known names that resemble it most.
+        nearest: String,
+    },
+    /// One subject in two lists.
+    #[error("{0} is listed in data.held_out and in data.validation: take it from one list")]
+    TwoRoles(String),
+    /// A test person listed for validation.
+    #[error(
+        "{0} is a test person (host/recordings/people.toml) and cannot validate: name another in data.validation"
+    )]
+    TestPerson(String),
+    /// No subject left to train on.
+    #[error("no training subject is left: hold out or validate on fewer, or add recordings")]
+    NothingToTrainOn,
 }
 
 #[cfg(test)]

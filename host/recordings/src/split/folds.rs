@@ -38,15 +38,10 @@ impl fmt::Display for Protocol {
     }
 }
 
-/// A protocol of an unknown name.
-#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
-#[error("expected `loso`, or `4-fold` with any number from 2 on, found {0:?}")]
-pub struct ProtocolError(String);
-
 impl FromStr for Protocol {
-    type Err = ProtocolError;
+    type Err = String;
 
-    fn from_str(text: &str) -> Result<Self, ProtocolError> {
+    fn from_str(text: &str) -> Result<Self, String> {
         if text == "loso" {
             return Ok(Self::LeaveOneSubjectOut);
         }
@@ -54,7 +49,9 @@ impl FromStr for Protocol {
             .and_then(|folds| folds.parse().ok())
             .filter(|&folds| folds >= 2)
             .map(Self::LeaveGroupsOut)
-            .ok_or_else(|| ProtocolError(text.to_owned()))
+            .ok_or_else(|| {
+                format!("expected `loso`, or `4-fold` with any number from 2 on, found {text:?}")
+            })
     }
 }
 

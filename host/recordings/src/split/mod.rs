@@ -4,12 +4,10 @@
 //! would measure recognition of a person.
 
 mod assignment;
-pub mod circles;
-mod error;
 pub mod folds;
+pub mod predefined;
 
-pub use self::assignment::{Assignment, assign, expand};
-pub use self::error::SplitError;
+pub use self::assignment::{Assignment, SplitError, assign, expand};
 use super::recording::Recording;
 
 /// Role of a subject.

@@ -6,17 +6,17 @@
 //! neighbouring samples correlated as in real recordings. Labels are cues that the muscle follows
 //! late. Results on it show that the code works, nothing about people.
 
-mod cues;
 mod follower;
+pub mod losses;
 mod wearer;
 
 use std::path::{Path, PathBuf};
 
+use rand::{Rng, RngExt as _};
 use shared::intent::{Intent, Vocabulary};
 use shared::stream::normalizer::Normalizer;
 use shared::units::{CHANNELS, SAMPLE_PERIOD_MS, SAMPLE_RATE_HZ};
 
-use self::cues::cues;
 pub use self::follower::Follower;
 use self::wearer::Wearer;
 use super::labels::timing;
@@ -77,10 +77,7 @@ pub fn write(options: &SynthOptions, folder: &Path) -> Result<Vec<PathBuf>, RunE
             let person = recording.subject.rsplit('/').next().unwrap_or_default();
             let folder = folder.join(person);
             if let Err(source) = std::fs::create_dir_all(&folder) {
-                return Err(RunError::Io {
-                    path: folder,
-                    source,
-                });
+                return Err(RunError::io(&folder, source));
             }
             let path = folder.join(format!("{}.csv", recording.name));
             write_whole(&path, csv(&recording, &muscle).as_bytes())?;
@@ -132,6 +129,38 @@ fn csv(recording: &Recording, muscle: &[Intent]) -> String {
         text += &format!(",{}\n", muscle.class());
     }
     text
+}
+
+/// Label of every sample, what the person is cued to do: rests and gestures of random length, sometimes gesture to gesture.
+fn cues(vocabulary: Vocabulary, samples: usize, random: &mut impl Rng) -> Vec<Intent> {
+    let gestures = &vocabulary.intents()[1..];
+    let mut cues = Vec::with_capacity(samples);
+    let mut intent = Intent::Relax;
+    while cues.len() < samples {
+        let length = if intent == Intent::Relax {
+            200..600
+        } else {
+            240..800
+        };
+        let length = random.random_range(length).min(samples - cues.len());
+        cues.extend(std::iter::repeat_n(intent, length));
+        let direct = intent == Intent::Relax || random.random_bool(0.2);
+        intent = if direct {
+            other_than(intent, gestures, random)
+        } else {
+            Intent::Relax
+        };
+    }
+    cues
+}
+
+fn other_than(intent: Intent, gestures: &[Intent], random: &mut impl Rng) -> Intent {
+    loop {
+        let next = gestures[random.random_range(0..gestures.len())];
+        if next != intent {
+            return next;
+        }
+    }
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use anyhow::Context as _;
 use clap::{Args, ValueEnum};
 use execution::interrupt::Interrupt;
 use execution::run_folder::{RunFolder, write_whole};
-use recordings::split::circles::is_test;
+use recordings::split::predefined::is_test;
 use recordings::{Library, LoadOptions, load};
 use shared::model::file::Model;
 use training::backend::BackendArguments;

@@ -19,7 +19,7 @@ use presets::resolve::{FoldChoice, fold_people, test_people};
 use recordings::Library;
 use recordings::folds::Protocol;
 use recordings::split::Role;
-use recordings::split::circles::is_test;
+use recordings::split::predefined::is_test;
 use training::run::StepError;
 use training::run::context::RunContext;
 
@@ -171,10 +171,7 @@ impl CrossValidation<'_> {
                 contender,
                 fold: job.fold,
             });
-            if !path
-                .join(weights_file(presets::teacher_training::NAME))
-                .exists()
-            {
+            if !path.join(weights_file(presets::teacher::NAME)).exists() {
                 let only = start.name();
                 return Err(JobError::NoStart { path, only });
             }

@@ -5,10 +5,9 @@ use evaluation::{Candidate, EvaluatedRecording, constant};
 use shared::intent::MAX_CLASSES;
 use training::run::candidates::teacher_candidate;
 use training::run::context::RunContext;
-use training::run::distill::distill;
 use training::run::evaluate::energy_detector;
 use training::run::quantize::{MODEL, quantize};
-use training::run::train::train;
+use training::run::train::{Extra, train, train_teacher};
 
 use super::contender::Kind;
 use super::job::{CrossValidation, Job};
@@ -27,10 +26,7 @@ impl CrossValidation<'_> {
     ) -> Result<(Candidate, Vec<EvaluatedRecording>), JobError> {
         match job.contender.kind {
             Kind::Student => {
-                if context.config.preset.distillation.needs_teacher() {
-                    train(context)?;
-                }
-                distill(context)?;
+                train(context, Extra::default())?;
                 let model = NamedModel {
                     name: job.contender.name().to_owned(),
                     bytes: quantize(context, &context.folder.file(MODEL))?,
@@ -42,7 +38,7 @@ impl CrossValidation<'_> {
                 ))
             }
             Kind::Teacher(teacher) => {
-                train(context)?;
+                train_teacher(context)?;
                 let recordings = recordings();
                 let mut candidate = teacher_candidate(context, teacher.name(), &recordings)?;
                 // As in the paper, the teacher has no gate and knows no movement outside the vocabulary.

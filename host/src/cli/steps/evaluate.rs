@@ -6,7 +6,7 @@ use anyhow::bail;
 use evaluation::report::labels;
 use evaluation::report::run_report::{self, REPORT};
 use evaluation::report::scores::tables;
-use recordings::split::circles::is_test;
+use recordings::split::predefined::is_test;
 use training::run::evaluate::{evaluate, no_more};
 use training::run::quantize::ModelFile;
 

@@ -34,7 +34,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// When the run folder holds no teacher or the file cannot be written.
-pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let (mut folder, config) = find_run(&arguments.run)?;
     match &arguments.out {
         Some(out) => refuse_existing(out)?,

@@ -1,12 +1,12 @@
-//! Commands that need the training feature: the steps of a run, and all of them at once.
+//! Commands that need the training feature: the steps of a run, all of them at once, and tuning.
 
-pub(super) mod distill;
 pub(super) mod evaluate;
-pub(super) mod export;
+mod export;
+mod personalize;
 pub(super) mod predict;
-pub(super) mod quantize;
-pub(super) mod quickstart;
-pub(super) mod train;
+mod quantize;
+mod quickstart;
+mod train;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -14,16 +14,67 @@ use std::path::{Path, PathBuf};
 use ::presets::Preset;
 use ::presets::config::ResolvedConfig;
 use anyhow::Context as _;
-use clap::Args;
+use clap::{Args, Subcommand};
 use evaluation::report::labels;
 use execution::interrupt::Interrupt;
 use execution::progress;
 use execution::run_folder::RunFolder;
 use recordings::{Library, LoadError, LoadOptions, load, synthetic};
 use training::backend::BackendArguments;
+use training::run::StepError;
 use training::run::context::RunContext;
+use training::run::personalize::PersonalizeError;
 
 use super::arguments::{log_found, refused};
+use personalize::NotWritten;
+
+/// Commands of a program that trains.
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    /// Train, quantize and evaluate in one command, in a few minutes on two cores.
+    Quickstart(quickstart::Arguments),
+    /// Train what the preset asks for: the student, and first the teacher or the ensemble that it learns from.
+    Train(train::Arguments),
+    /// Quantize the student and write the model file.
+    Quantize(quantize::Arguments),
+    /// Write the teacher's weights as safetensors, with the names of ReactEMG's code; the model file for a board is
+    /// written by `quantize`.
+    Export(export::Arguments),
+    /// Tune a model file on one person's own recordings, and keep it only if it is not worse.
+    Personalize(personalize::Arguments),
+}
+
+impl Command {
+    /// Runs the command.
+    pub(super) fn run(&self) -> anyhow::Result<()> {
+        match self {
+            Self::Quickstart(arguments) => quickstart::run(arguments),
+            Self::Train(arguments) => train::run(arguments),
+            Self::Quantize(arguments) => quantize::run(arguments),
+            Self::Export(arguments) => export::run(arguments),
+            Self::Personalize(arguments) => personalize::run(arguments),
+        }
+    }
+
+    /// Whether `--resume` continues the command after an interrupt.
+    pub(super) const fn resumes(&self) -> bool {
+        matches!(self, Self::Quickstart(_) | Self::Train(_))
+    }
+}
+
+/// Whether `personalize` decided to keep the old model.
+pub(super) fn keeps_the_old(error: &anyhow::Error) -> bool {
+    let refused = error.downcast_ref::<PersonalizeError>();
+    matches!(error.downcast_ref(), Some(NotWritten::Worse { .. }))
+        || refused.is_some_and(PersonalizeError::keeps_the_old)
+}
+
+/// Whether the user interrupted a step.
+pub(super) fn is_interrupt(cause: &(dyn std::error::Error + 'static)) -> bool {
+    let personalize = cause.downcast_ref();
+    cause.downcast_ref().is_some_and(StepError::is_interrupt)
+        || personalize.is_some_and(PersonalizeError::is_interrupt)
+}
 
 /// Which recordings to read.
 #[derive(Clone, Debug, Args)]

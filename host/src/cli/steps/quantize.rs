@@ -13,7 +13,7 @@ use training::run::quantize::{MODEL, quantize};
 /// Arguments of `quantize`.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// Run folder of `myointent distill`.
+    /// Run folder of `myointent train`.
     #[arg(long, value_name = "DIR", default_value = "runs/latest")]
     run: PathBuf,
     /// Model file to write; there must be none of this name.
@@ -29,7 +29,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// When the run folder holds no student or the file cannot be written.
-pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(out) = &arguments.out {
         refuse_existing(out)?;
     }

@@ -16,10 +16,9 @@ use presets::Preset;
 use presets::config::ResolvedConfig;
 use training::backend::BackendArguments;
 use training::run::context::RunContext;
-use training::run::distill::distill;
 use training::run::evaluate::{INTEGER, Results, evaluate, no_more};
 use training::run::quantize::{MODEL, ModelFile, quantize};
-use training::run::train::train;
+use training::run::train::{Extra, train};
 
 /// Arguments of `quickstart`.
 #[derive(Debug, Args)]
@@ -64,16 +63,17 @@ pub struct Arguments {
 ///
 /// # Errors
 /// When recordings, preset or folder cannot be used.
-pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut preset = Preset::find(arguments.preset.as_deref().unwrap_or("quickstart"))?;
     preset.seed = arguments.seed.unwrap_or(preset.seed);
     let context = begin(arguments, preset)?;
     log_start(&context);
 
-    if arguments.teacher || context.config.preset.distillation.needs_teacher() {
-        train(&context)?;
-    }
-    distill(&context)?;
+    let extra = Extra {
+        teacher: arguments.teacher,
+        ..Extra::default()
+    };
+    train(&context, extra)?;
     let model = context.folder.file(MODEL);
     quantize(&context, &model)?;
     let file = ModelFile::of_run(&context)?;

@@ -1,8 +1,7 @@
-//! `myointent train`: the teacher.
+//! `myointent train`: the models that a preset asks for.
 
 use std::io::Write as _;
 use std::path::PathBuf;
-use training::run::start::start_from;
 
 use clap::Args;
 
@@ -10,14 +9,15 @@ use super::{DataArguments, log_labels, resume_run};
 use execution::interrupt::Interrupt;
 use execution::progress;
 use execution::run_folder::RunFolder;
-use presets::Preset;
 use presets::config::ResolvedConfig;
 use presets::resolve::FoldChoice;
+use presets::{Preset, distillation, teacher};
 use recordings::Library;
 use recordings::folds::Protocol;
 use training::backend::BackendArguments;
 use training::run::context::RunContext;
-use training::run::train;
+use training::run::start::start_from;
+use training::run::train::{Extra, train, train_teacher};
 
 /// Arguments of `train`.
 #[derive(Debug, Args)]
@@ -35,6 +35,15 @@ pub struct Arguments {
     /// Run folder to write checkpoints and metrics to.
     #[arg(long, value_name = "DIR", default_value = "runs/latest")]
     run: PathBuf,
+    /// Train the teacher even if the preset's student does not learn from it.
+    #[arg(hide_short_help = true, long)]
+    teacher: bool,
+    /// Train the teacher alone; `--resume` trains the student later.
+    #[arg(hide_short_help = true, long, conflicts_with = "labels_only")]
+    teacher_only: bool,
+    /// Train a second student on the labels alone, for comparison with the distilled one.
+    #[arg(hide_short_help = true, long)]
+    labels_only: bool,
     /// Fine-tune the teacher of this run, or a checkpoint of the reference (.pth, .safetensors), with the
     /// preset's fine-tuning settings.
     #[arg(hide_short_help = true, long, value_name = "RUN|FILE")]
@@ -72,11 +81,11 @@ pub struct Arguments {
     backend: BackendArguments,
 }
 
-/// Trains the teacher.
+/// Trains the models.
 ///
 /// # Errors
 /// When recordings, preset or folder cannot be used.
-pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let context = if arguments.resume {
         let repeated = repeated(arguments).then(|| resolve(arguments));
         let (run, data) = (&arguments.run, &arguments.data);
@@ -89,8 +98,18 @@ pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         context.config.split.held_out.join(", ")
     ));
     log_labels(&context.config);
-    train::train(&context)?;
-    let weights = context.folder.weights_path(presets::teacher_training::NAME);
+    let name = if arguments.teacher_only {
+        train_teacher(&context)?;
+        teacher::NAME
+    } else {
+        let extra = Extra {
+            teacher: arguments.teacher,
+            labels_only: arguments.labels_only,
+        };
+        train(&context, extra)?;
+        distillation::NAME
+    };
+    let weights = context.folder.weights_path(name);
     writeln!(std::io::stdout(), "{}", weights.display())?;
     Ok(())
 }

@@ -1,6 +1,6 @@
-// How the armband sits: a section of the forearm with the model's eight places round it, and which electrode is on each.
+// Placement of the armband: a section of the forearm with the model's eight places round it, and which electrode is on each.
 
-import { CHANNELS } from "./seen.js";
+import { CHANNELS } from "./history.js";
 
 const SVG = "http://www.w3.org/2000/svg";
 const [WIDE, HIGH] = [74, 68];

@@ -36,9 +36,9 @@ export class Clock {
 
   /** Samples up to `end` (exclusive) came at `at`. */
   samples(end, at) {
-    const seen = end - (at * RATE) / 1000;
-    const jump = this.#stream === null || Math.abs(seen - this.#stream) > RATE / 4;
-    this.#stream = jump ? seen : this.#stream + 0.02 * (seen - this.#stream);
+    const position = end - (at * RATE) / 1000;
+    const jump = this.#stream === null || Math.abs(position - this.#stream) > RATE / 4;
+    this.#stream = jump ? position : this.#stream + 0.02 * (position - this.#stream);
   }
 
   /** How long ago a position of the stream was recorded, ms. */

@@ -1,17 +1,16 @@
 // The page: takes messages from the program, draws, and passes on what the viewer asks for.
 
 import { Armband } from "./armband.js";
-import { CHANNELS, Seen } from "./seen.js";
+import { CHANNELS, SampleHistory, csv } from "./history.js";
 import { Clock, RATE } from "./clock.js";
 import { Panel, alignmentText } from "./panel.js";
 import { Session } from "./session.js";
 import { Steps } from "./steps.js";
 import { Traces } from "./traces.js";
-import { csv, download, fileName } from "./save.js";
 
 const find = (id) => document.getElementById(id);
 const clock = new Clock();
-const seen = new Seen();
+const history = new SampleHistory();
 const panel = new Panel();
 const traces = new Traces(find("traces"));
 const armband = new Armband(find("armband"), find("placement"));
@@ -72,24 +71,24 @@ const TAKE = {
   },
   samples(message) {
     const end = message.first + message.emg.length;
-    seen.samples(message.first, message.emg, message.truth);
+    history.samples(message.first, message.emg, message.truth);
     clock.samples(end, message.at);
     arrived.push([message.at, message.emg.length]);
     panel.truth(message.truth?.at(-1));
   },
   report(message) {
     newest = message.is_label && message.valid ? message : message.is_label ? newest : null;
-    seen.report(message);
+    history.report(message);
     panel.report(message);
   },
-  scores: (message) => seen.scores.push(message),
+  scores: (message) => history.scores.push(message),
   alignment(message) {
-    seen.placed = message.turn + 8 * message.mirrored;
+    history.placed = message.turn + 8 * message.mirrored;
     placed(message.turn, message.mirrored, alignmentText(message), message.state === "waiting");
   },
-  mark: (message) => seen.marks.push(message),
+  mark: (message) => history.marks.push(message),
   session(message) {
-    seen.cue(message.from ?? seen.end ?? 0, message.cue);
+    history.cue(message.from ?? history.end ?? 0, message.cue);
     session.show(message);
   },
   lead: (message) => session.lead(message),
@@ -118,7 +117,7 @@ function lost(text) {
 function noStream() {
   newest = null;
   panel.noLabel("no stream");
-  seen.placed = 0;
+  history.placed = 0;
   placed(0, false, "not known", false);
 }
 
@@ -170,17 +169,17 @@ const actions = {
     panel.notice(paused === null ? "" : "paused: arrow keys move by half a second; the stream is still recorded");
   },
   mark() {
-    if (seen.end !== null) {
+    if (history.end !== null) {
       marks += 1;
-      const sample = Math.max(0, Math.round(paused ?? seen.end - 1));
+      const sample = Math.max(0, Math.round(paused ?? history.end - 1));
       say({ do: "mark", sample, text: `mark ${marks}` });
     }
   },
   save() {
-    const { text, seconds } = csv(seen);
+    const { text, seconds } = csv(history);
     const name = fileName(new Date());
     download(name, text);
-    const gap = seen.stretch()[0] > seen.first ? ", from the last gap on" : "";
+    const gap = history.stretch()[0] > history.first ? ", from the last gap on" : "";
     panel.notice(`saved ${seconds.toFixed(1)} s${gap}: ${name}`);
   },
   align: () => say({ do: aligning ? "cancel" : "align" }),
@@ -207,23 +206,23 @@ addEventListener("keydown", (event) => {
   if (paused !== null && (event.key === "ArrowLeft" || event.key === "ArrowRight")) {
     event.preventDefault();
     const step = event.key === "ArrowLeft" ? -RATE / 2 : RATE / 2;
-    paused = Math.min(seen.end ?? 0, Math.max(seen.first, paused + step));
+    paused = Math.min(history.end ?? 0, Math.max(history.first, paused + step));
     held = null;
   }
 });
 
 /** Where the picture ends: with the stream, evenly; without motion in steps of a second, ahead of it. */
 function edge() {
-  const end = seen.end ?? 0;
+  const end = history.end ?? 0;
   const position = Math.min(end, clock.position() ?? end);
   return still.matches ? Math.ceil(position / RATE) * RATE : position;
 }
 
 function frame() {
   session.frame(edge());
-  traces.draw(seen, paused ?? edge(), paused === null ? newest : held);
+  traces.draw(history, paused ?? edge(), paused === null ? newest : held);
   // Of what is drawn for the first time: from its arrival at the program to the picture.
-  const end = Math.min(seen.end ?? 0, edge());
+  const end = Math.min(history.end ?? 0, edge());
   if (paused === null && connected && end > shown) {
     latencies.push(Math.max(0, clock.age(end)));
   }
@@ -243,19 +242,35 @@ function numbers() {
   const [first, last] = [arrived[0], arrived.at(-1)];
   const samples = arrived.slice(1).reduce((sum, [, count]) => sum + count, 0);
   panel.number("rate", samples ? ((1000 * samples) / (last[0] - first[0])).toFixed(0) : "0");
-  find("mark").disabled = find("save").disabled = seen.end === null;
+  find("mark").disabled = find("save").disabled = history.end === null;
 }
 
 function activity() {
-  const end = seen.end ?? 0;
+  const end = history.end ?? 0;
   const levels = new Array(CHANNELS).fill(0);
-  const from = Math.max(seen.first, end - RATE / 4);
+  const from = Math.max(history.first, end - RATE / 4);
   for (let sample = from; sample < end; sample += 1) {
     for (let channel = 0; channel < CHANNELS; channel += 1) {
-      levels[channel] += Math.abs(seen.value(sample, channel)) / (end - from) / 40;
+      levels[channel] += Math.abs(history.value(sample, channel)) / (end - from) / 40;
     }
   }
   armband.activity(levels);
+}
+
+/** Hands a text to the browser as a file. */
+function download(name, text) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([text], { type: "text/csv" }));
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+}
+
+/** live_20261123_051200.csv */
+function fileName(date) {
+  const two = (number) => String(number).padStart(2, "0");
+  const day = `${date.getFullYear()}${two(date.getMonth() + 1)}${two(date.getDate())}`;
+  return `live_${day}_${two(date.getHours())}${two(date.getMinutes())}${two(date.getSeconds())}.csv`;
 }
 
 panel.legend(null);

@@ -1,4 +1,4 @@
-// Words and numbers beside the picture. The document is touched where something has changed alone.
+// Texts and numbers beside the traces. Only what has changed is written to the document.
 
 const CAUSES = {
   boot: "started; needs 3 s of samples",

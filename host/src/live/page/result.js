@@ -1,4 +1,4 @@
-// What came of a session: whether it is good enough, why not, and what comes next.
+// Result of a session: whether it is good enough, why not, and what comes next.
 
 const find = (id) => document.getElementById(id);
 

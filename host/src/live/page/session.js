@@ -3,6 +3,7 @@
 import { RATE } from "./clock.js";
 import { draw, words } from "./gestures.js";
 import { Result } from "./result.js";
+import { CLASSES } from "./history.js";
 
 const HELD = {
   person: "Waiting for you",
@@ -26,7 +27,6 @@ const HINTS = {
 
 const KEYS = { b: "bind", k: "skip", Enter: "begin", r: "repeat", h: "hold", e: "finish", t: "tune", i: "install", n: "again" };
 const BUTTONS = ["begin", "repeat", "hold", "finish"];
-const CLASSES = ["relax", "open", "close", "wave-in", "wave-out", "pinch"];
 
 const find = (id) => document.getElementById(id);
 const still = matchMedia("(prefers-reduced-motion: reduce)");

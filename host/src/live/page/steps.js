@@ -1,4 +1,4 @@
-// The way to a model of one's own: which steps are done, which one is now; and what connecting, binding and aligning ask for.
+// Steps to a model of one's own: which are done, which one is now; and what connecting, binding and aligning ask for.
 
 import { outcome, placement } from "./panel.js";
 

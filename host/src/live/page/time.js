@@ -1,4 +1,4 @@
-// What lies across all lanes: seconds, marks, and what the newest label waited for.
+// Time axis and lines across all lanes: seconds, marks, and the samples that the newest label waited for.
 
 import { RATE } from "./clock.js";
 
@@ -28,10 +28,10 @@ export function axis({ pen, colours, from, to, x, left, width }, top, height) {
 }
 
 /** Dotted lines with their texts. */
-export function marks({ pen, colours, seen, from, to, x, width }, bottom) {
+export function marks({ pen, colours, history, from, to, x, width }, bottom) {
   pen.strokeStyle = pen.fillStyle = colours.ink;
   pen.lineWidth = 1;
-  for (const { sample, text } of seen.marks) {
+  for (const { sample, text } of history.marks) {
     if (sample < from || sample > to) {
       continue;
     }

@@ -1,6 +1,6 @@
 // The picture: eight traces, scores, the recording's labels, the emitted ones, look-ahead and hold, all over one time.
 
-import { CHANNELS, lastUpTo } from "./seen.js";
+import { CHANNELS, lastUpTo } from "./history.js";
 import { RATE } from "./clock.js";
 import { axis, grid, marks, ruler } from "./time.js";
 
@@ -53,7 +53,7 @@ export class Traces {
   }
 
   /** Draws what was seen up to a position, in samples; `newest` is the label whose look-ahead and hold are shown, or null. */
-  draw(seen, position, newest) {
+  draw(history, position, newest) {
     const pen = this.#context;
     const { clientWidth: width, clientHeight: height } = this.#canvas;
     pen.clearRect(0, 0, width, height);
@@ -61,12 +61,12 @@ export class Traces {
     pen.textBaseline = "middle";
     const span = this.seconds * RATE;
     const view = {
-      seen, pen, colours: this.#colours, width, left: GUTTER, from: position - span, to: position,
+      history, pen, colours: this.#colours, width, left: GUTTER, from: position - span, to: position,
       x: (sample) => GUTTER + ((sample - position + span) / span) * (width - GUTTER - 1),
     };
     const { scores, label, ruler: rule, axis: bottom, gap } = HEIGHTS;
     const withScores = this.model !== null && this.scores;
-    const rest = (withScores ? scores + gap : 0) + (seen.hasTruth ? label + gap : 0) + label + gap + rule + bottom + gap;
+    const rest = (withScores ? scores + gap : 0) + (history.hasTruth ? label + gap : 0) + label + gap + rule + bottom + gap;
     const lane = (height - rest) / CHANNELS;
     grid(view, height - bottom);
     this.#adapt(view);
@@ -78,7 +78,7 @@ export class Traces {
       this.#scores(view, top, scores);
       top += scores + gap;
     }
-    if (seen.hasTruth) {
+    if (history.hasTruth) {
       this.#truth(view, top, label);
       top += label + gap;
     }
@@ -98,9 +98,9 @@ export class Traces {
   // The strongest sample in view decides; a weaker view changes the scale after a while alone, or it would flicker.
   #adapt(view) {
     let most = 0;
-    for (let sample = Math.max(view.seen.first, Math.ceil(view.from)); sample < Math.min(view.seen.end, view.to); sample += 2) {
+    for (let sample = Math.max(view.history.first, Math.ceil(view.from)); sample < Math.min(view.history.end, view.to); sample += 2) {
       for (let channel = 0; channel < CHANNELS; channel += 1) {
-        most = Math.max(most, Math.abs(view.seen.value(sample, channel)));
+        most = Math.max(most, Math.abs(view.history.value(sample, channel)));
       }
     }
     const needed = SCALES.find((scale) => scale >= most) ?? 128;
@@ -130,14 +130,14 @@ export class Traces {
     pen.lineJoin = "bevel";
     pen.beginPath();
     let drawing = false;
-    const first = Math.max(view.seen.first, Math.ceil(view.from));
-    const end = Math.min(view.seen.end ?? 0, Math.floor(view.to) + 1);
+    const first = Math.max(view.history.first, Math.ceil(view.from));
+    const end = Math.min(view.history.end ?? 0, Math.floor(view.to) + 1);
     for (let sample = first; sample < end; sample += 1) {
-      if (!view.seen.has(sample)) {
+      if (!view.history.has(sample)) {
         drawing = false;
         continue;
       }
-      const [x, y] = [view.x(sample), middle - gain * view.seen.value(sample, channel)];
+      const [x, y] = [view.x(sample), middle - gain * view.history.value(sample, channel)];
       if (drawing) {
         pen.lineTo(x, y);
       } else {
@@ -157,7 +157,7 @@ export class Traces {
     this.#caption("0", top + height - 5);
     pen.strokeStyle = this.#colours.line;
     pen.strokeRect(view.left + 0.5, Math.round(top) + 0.5, view.width - view.left - 1, height);
-    const start = Math.max(0, lastUpTo(view.seen.scores, "instant", view.from) - 1);
+    const start = Math.max(0, lastUpTo(view.history.scores, "instant", view.from) - 1);
     names.forEach((name, place) => {
       pen.strokeStyle = this.#colours[name];
       pen.lineWidth = name === "other" ? 1.2 : 2;
@@ -168,8 +168,8 @@ export class Traces {
       pen.clip();
       pen.beginPath();
       let last = -Infinity;
-      for (let at = start; at < view.seen.scores.length; at += 1) {
-        const { instant, scores } = view.seen.scores[at];
+      for (let at = start; at < view.history.scores.length; at += 1) {
+        const { instant, scores } = view.history.scores[at];
         if (instant > view.to) {
           break;
         }
@@ -212,12 +212,12 @@ export class Traces {
 
   #truth(view, top, height) {
     this.#caption("cue", top + height / 2);
-    const end = Math.min(view.seen.end, Math.floor(view.to));
-    let from = Math.max(view.seen.first, Math.ceil(view.from));
+    const end = Math.min(view.history.end, Math.floor(view.to));
+    let from = Math.max(view.history.first, Math.ceil(view.from));
     while (from < end) {
-      const name = view.seen.truthAt(from);
+      const name = view.history.truthAt(from);
       let to = from + 1;
-      while (to < end && view.seen.truthAt(to) === name) {
+      while (to < end && view.history.truthAt(to) === name) {
         to += 1;
       }
       if (name) {
@@ -229,7 +229,7 @@ export class Traces {
 
   #labels(view, top, height) {
     this.#caption("label", top + height / 2);
-    const { labels } = view.seen;
+    const { labels } = view.history;
     let at = Math.max(0, lastUpTo(labels, "from", view.from));
     while (at < labels.length && labels[at].from < view.to) {
       const { from, label, valid, cause } = labels[at];

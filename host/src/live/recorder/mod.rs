@@ -1,7 +1,7 @@
 //! Recorder of a session: a thread that takes samples from the hub, leads through a protocol and writes a journal. Neither
 //! source nor viewers wait for it or its disk.
 
-mod told;
+mod summary;
 #[cfg_attr(not(feature = "train"), path = "untrained.rs")]
 mod tuning;
 mod writing;
@@ -15,16 +15,16 @@ use shared::units::{Millis, Sample, SampleIndex};
 #[cfg(feature = "train")]
 use training::backend::Device;
 
-use self::tuning::Heard;
+use self::tuning::TuningProgress;
 use super::event::Event;
 use super::hub::Hub;
-use super::outcome::Installing;
-use super::source::{Asked, Request, Stop};
+use super::outcome::InstallationState;
+use super::source::{SharedCue, SourceRequest, Stop};
 use crate::record::journal::{Entry, Journal};
 use crate::record::protocol::Protocol;
-use crate::record::session::{Action, Held, Input, Session, View};
+use crate::record::session::{Action, HoldReason, Input, Session, View};
 
-/// Longest wait for samples between two checks for wishes: too short to notice.
+/// Longest wait for samples between two checks for requests: too short to notice.
 const WAIT: Duration = Duration::from_millis(20);
 
 /// Settings of a recording session.
@@ -47,15 +47,15 @@ pub struct RecordOptions {
     pub unattended: bool,
 }
 
-/// Request of a viewer to the recorder.
+/// Request to the recorder.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Wish {
+pub(crate) enum RecorderRequest {
     /// Action on the session in progress.
     Action(Action),
     /// The leader has left the page.
     LeaderLeft,
     /// Begin another session.
-    Again,
+    NewSession,
     /// Tune the model on all of the person's recordings.
     Tune,
     /// Install the tuned model on the board.
@@ -71,7 +71,7 @@ pub(super) struct Recorder {
     /// Serial port of the board that the tuned model is for; none without a board.
     pub(super) port: Option<PathBuf>,
     /// Channel for requests to the source.
-    pub(super) requests: SyncSender<Request>,
+    pub(super) source_requests: SyncSender<SourceRequest>,
     /// Command-line option of the source, for the commands that are shown.
     #[cfg_attr(not(feature = "train"), expect(dead_code, reason = "of the tune step"))]
     pub(super) option: String,
@@ -79,73 +79,75 @@ pub(super) struct Recorder {
     #[cfg_attr(not(feature = "train"), expect(dead_code, reason = "of the tune step"))]
     pub(super) model: Vec<u8>,
     pub(super) hub: std::sync::Arc<Hub>,
-    /// Current request to a simulated person.
-    pub(super) asked: Asked,
+    /// Cue for a simulated person.
+    pub(super) cue: SharedCue,
 }
 
 /// State of a running recorder.
-struct Running {
+struct RunningRecorder {
     recorder: Recorder,
     session: Session,
     journal: Option<Journal>,
-    told: Option<View>,
+    /// View that viewers know; none after a change of the texts.
+    published: Option<View>,
     /// Placement of the armband, as the board is aligned.
     placement: Alignment,
     trouble: String,
     /// Warning about the journal, shown until the person continues.
     notice: String,
     /// Earlier sessions without recordings.
-    unkept: Vec<Unkept>,
-    tuning: Option<Receiver<Heard>>,
+    unconverted: Vec<Unconverted>,
+    tuning: Option<Receiver<TuningProgress>>,
     /// Bytes of the newest tuned model file.
     tuned: Option<Vec<u8>>,
 }
 
 /// Session without recordings.
 #[derive(Debug)]
-struct Unkept {
+struct Unconverted {
     /// Journal to try again; none if its writing failed.
     journal: Option<PathBuf>,
     /// Message that viewers got.
-    told: String,
+    message: String,
 }
 
 impl Recorder {
     /// Leads through sessions until it is stopped or an unattended session is over; then ends and keeps the one in progress.
+    ///
     /// # Errors
     /// When an unattended session cannot be written, or a journal could not be made into recordings.
     pub(super) fn run(
         self,
         events: &Receiver<Event>,
-        wishes: &Receiver<Wish>,
+        requests: &Receiver<RecorderRequest>,
         stop: &Stop,
     ) -> anyhow::Result<()> {
         let session = Session::new(self.options.protocol.clone());
-        let mut running = Running {
+        let mut running = RunningRecorder {
             recorder: self,
             session,
             journal: None,
-            told: None,
+            published: None,
             placement: Alignment::NONE,
             trouble: String::new(),
             notice: String::new(),
-            unkept: Vec::new(),
+            unconverted: Vec::new(),
             tuning: None,
             tuned: None,
         };
-        let mut led = Ok(());
+        let mut result = Ok(());
         loop {
-            running.tell();
+            running.publish_changes();
             // Read before the events: what was published before a stop is still taken.
             let stopped = stop.requested();
-            for wish in wishes.try_iter() {
-                running.wish(wish);
+            for request in requests.try_iter() {
+                running.handle_request(request);
             }
             match events.recv_timeout(WAIT) {
                 Ok(event) => {
-                    running.event(event);
+                    running.handle_event(event);
                     for event in events.try_iter().take(64) {
-                        running.event(event);
+                        running.handle_event(event);
                     }
                 }
                 Err(RecvTimeoutError::Timeout) if !stopped => {
@@ -156,46 +158,47 @@ impl Recorder {
             }
             running.flush();
             if running.recorder.options.unattended {
-                match running.lead() {
+                match running.advance_unattended() {
                     Ok(false) => {}
-                    Ok(true) => break,
-                    Err(error) => {
-                        led = Err(error);
+                    ended => {
+                        result = ended.map(drop);
                         break;
                     }
                 }
             }
         }
         if running.journal.is_some() {
-            running.wish(Wish::Action(Action::Finish));
-            running.tell();
+            running.handle_request(RecorderRequest::Action(Action::Finish));
+            running.publish_changes();
         }
-        running.keep_the_rest().and(led)
+        running.retry_conversions().and(result)
     }
 }
 
-impl Running {
+impl RunningRecorder {
     fn now(&self) -> Millis {
         self.recorder.hub.millis()
     }
 
-    fn event(&mut self, event: Event) {
+    fn handle_event(&mut self, event: Event) {
         let now = self.now();
         match event {
             Event::Samples { first, emg, .. } => self.samples(now, SampleIndex(first), &emg),
             Event::Source {
                 connected: false, ..
             } => {
-                self.place(Alignment::NONE);
-                self.handle(now, Input::Hold(Held::SourceLost));
+                self.set_placement(Alignment::NONE);
+                self.handle(now, Input::Hold(HoldReason::SourceLost));
             }
-            Event::Alignment { turn, mirrored, .. } => self.place(Alignment::new(turn, mirrored)),
+            Event::Alignment { turn, mirrored, .. } => {
+                self.set_placement(Alignment::new(turn, mirrored))
+            }
             _ => {}
         }
     }
 
     /// Sets the placement of the armband from the next sample on.
-    fn place(&mut self, placement: Alignment) {
+    fn set_placement(&mut self, placement: Alignment) {
         if self.placement != placement {
             self.placement = placement;
             self.write_placement();
@@ -213,28 +216,28 @@ impl Running {
         let before = self.session.is_running();
         let count = emg.len() as u32;
         self.session.handle(now, Input::Samples { first, count });
-        self.write_down();
+        self.write_outputs();
         // Samples that end a session belong to it; samples that hold it belong to another stream.
-        let kept = self.session.is_running() || before && self.session.is_over();
+        let is_kept = self.session.is_running() || before && self.session.is_over();
         if let Some(journal) = &mut self.journal
-            && kept
+            && is_kept
         {
             journal.samples(first, emg);
         }
         self.end_if_over();
-        self.recorder.asked.read(first.plus(count));
+        self.recorder.cue.read(first.plus(count));
     }
 
     fn handle(&mut self, now: Millis, input: Input) {
         self.session.handle(now, input);
-        self.write_down();
+        self.write_outputs();
         self.end_if_over();
     }
 
-    fn wish(&mut self, wish: Wish) {
+    fn handle_request(&mut self, request: RecorderRequest) {
         let now = self.now();
-        match wish {
-            Wish::Action(action) => {
+        match request {
+            RecorderRequest::Action(action) => {
                 if action == Action::Begin && self.journal.is_none() && !self.create() {
                     return;
                 }
@@ -243,42 +246,42 @@ impl Running {
                 }
                 self.handle(now, Input::Action(action));
             }
-            Wish::LeaderLeft => self.handle(now, Input::Hold(Held::LeaderLeft)),
-            Wish::Again if self.session.is_over() => {
+            RecorderRequest::LeaderLeft => self.handle(now, Input::Hold(HoldReason::LeaderLeft)),
+            RecorderRequest::NewSession if self.session.is_over() => {
                 self.session = Session::new(self.recorder.options.protocol.clone());
                 self.trouble.clear();
                 self.notice.clear();
                 self.recorder.hub.forget_session();
             }
-            Wish::Tune if self.tuning.is_none() && self.journal.is_none() => self.tune(),
-            Wish::Install if self.journal.is_none() => self.install(),
-            Wish::Again | Wish::Tune | Wish::Install => {}
+            RecorderRequest::Tune if self.tuning.is_none() && self.journal.is_none() => self.tune(),
+            RecorderRequest::Install if self.journal.is_none() => self.install(),
+            RecorderRequest::NewSession | RecorderRequest::Tune | RecorderRequest::Install => {}
         }
     }
 
     /// Begins an unattended session when samples come, and continues it after a hold. Returns whether it is over.
-    fn lead(&mut self) -> anyhow::Result<bool> {
+    fn advance_unattended(&mut self) -> anyhow::Result<bool> {
         let is_over = self.session.is_over() && self.journal.is_none();
         if !is_over && !self.session.is_running() && self.session.has_stream() {
-            self.wish(Wish::Action(Action::Begin));
+            self.handle_request(RecorderRequest::Action(Action::Begin));
         }
         anyhow::ensure!(self.trouble.is_empty(), "{}", self.trouble);
         Ok(is_over)
     }
 
     /// Tells viewers about changes.
-    pub(super) fn tell(&mut self) {
+    pub(super) fn publish_changes(&mut self) {
         let view = self.session.view();
-        if self.told.as_ref() != Some(&view) {
-            let told = [&self.trouble, &self.notice];
-            let trouble = told.into_iter().find(|text| !text.is_empty());
+        if self.published.as_ref() != Some(&view) {
+            let texts = [&self.trouble, &self.notice];
+            let trouble = texts.into_iter().find(|text| !text.is_empty());
             self.recorder.hub.publish(&Event::Session {
                 view: view.clone(),
                 trouble: trouble.cloned().unwrap_or_default(),
             });
-            self.told = Some(view);
+            self.published = Some(view);
         }
-        self.tell_tuning();
+        self.publish_tuning();
     }
 
     /// Asks the board's thread to install the tuned model; that thread reports the result.
@@ -286,13 +289,11 @@ impl Running {
         let (Some(tuned), Some(_)) = (&self.tuned, &self.recorder.port) else {
             return;
         };
-        let begun = Installing::running("waiting for the board");
+        let begun = InstallationState::running("waiting for the board");
         self.recorder.hub.publish(&Event::Installing(begun));
+        let request = SourceRequest::Install(tuned.clone());
         // A source that takes no requests is ending.
-        let _ = self
-            .recorder
-            .requests
-            .try_send(Request::Install(tuned.clone()));
+        let _ = self.recorder.source_requests.try_send(request);
     }
 }
 

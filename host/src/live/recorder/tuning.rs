@@ -3,10 +3,10 @@
 use std::path::Path;
 use std::sync::mpsc;
 
-use super::Running;
-use super::told::{free, install};
+use super::RunningRecorder;
+use super::summary::{free_path, install_command};
 use crate::live::event::Event;
-use crate::live::outcome::{Row, Tuning};
+use crate::live::outcome::{MeasureRow, TuningState};
 use evaluation::Measure;
 use execution::interrupt::Interrupt;
 use execution::run_folder::write_whole;
@@ -22,18 +22,18 @@ const SHOWN: [(Measure, &str); 4] = [
 ];
 
 /// Message for viewers, and the model file if it is kept.
-type Outcome = (Tuning, Option<Vec<u8>>);
+type Outcome = (TuningState, Option<Vec<u8>>);
 
 /// Message from the tuning thread.
 #[derive(Debug)]
-pub(super) enum Heard {
+pub(super) enum TuningProgress {
     /// Number of steps done.
     Steps(usize),
     /// Result.
     Ended(Outcome),
 }
 
-impl Running {
+impl RunningRecorder {
     /// Starts the tuning thread.
     pub(super) fn tune(&mut self) {
         let folder = self.recorder.folder();
@@ -42,9 +42,9 @@ impl Running {
         let (sender, receiver) = mpsc::channel();
         let installs = self.recorder.port.is_some();
         self.tuned = None;
-        let out = free(&folder, &self.recorder.options.person);
+        let out = free_path(&folder, &self.recorder.options.person);
         let next = vec![
-            install(&self.recorder, &out),
+            install_command(&self.recorder, &out),
             format!(
                 "myointent live {} --model {}",
                 self.recorder.option,
@@ -53,12 +53,12 @@ impl Running {
         ];
         let work = move || {
             // The recorder may have ended.
-            let report = |steps| drop(sender.send(Heard::Steps(steps)));
-            let ended = match tuned(&model, &folder, &device, report) {
-                Ok(done) => told(done, &out, next, installs),
+            let report = |steps| drop(sender.send(TuningProgress::Steps(steps)));
+            let ended = match tune(&model, &folder, &device, report) {
+                Ok(done) => outcome(done, &out, next, installs),
                 Err(error) => (failed(error), None),
             };
-            let _ = sender.send(Heard::Ended(ended));
+            let _ = sender.send(TuningProgress::Ended(ended));
         };
         let thread = std::thread::Builder::new().name("tuning".to_owned());
         let state = match thread.spawn(work) {
@@ -72,43 +72,43 @@ impl Running {
     }
 
     /// Tells viewers the progress and the result.
-    pub(super) fn tell_tuning(&mut self) {
-        while let Some(heard) = self
+    pub(super) fn publish_tuning(&mut self) {
+        while let Some(progress) = self
             .tuning
             .as_ref()
             .and_then(|tuning| tuning.try_recv().ok())
         {
-            let told = match heard {
-                Heard::Steps(steps) => running(steps),
-                Heard::Ended((told, tuned)) => {
+            let state = match progress {
+                TuningProgress::Steps(steps) => running(steps),
+                TuningProgress::Ended((state, tuned)) => {
                     self.tuning = None;
                     self.tuned = tuned;
-                    told
+                    state
                 }
             };
-            self.recorder.hub.publish(&Event::Tuning(told));
+            self.recorder.hub.publish(&Event::Tuning(state));
         }
     }
 }
 
 /// State after this many steps.
-fn running(steps: usize) -> Tuning {
+fn running(steps: usize) -> TuningState {
     let of = TuningSettings::default().steps;
     let text = if steps == of {
         "both models are judged on what was held back"
     } else {
         "on all of this person's recordings"
     };
-    Tuning {
+    TuningState {
         state: "running",
         text: text.to_owned(),
         steps,
         of,
-        ..Tuning::default()
+        ..TuningState::default()
     }
 }
 
-fn tuned(
+fn tune(
     model: &[u8],
     folder: &Path,
     device: &training::backend::Device,
@@ -128,47 +128,49 @@ fn tuned(
     .map_err(|error| error.to_string())
 }
 
-fn failed(text: String) -> Tuning {
-    Tuning {
+fn failed(text: String) -> TuningState {
+    TuningState {
         state: "failed",
         text,
-        ..Tuning::default()
+        ..TuningState::default()
     }
 }
 
-fn told(done: Personalized, out: &Path, next: Vec<String>, installs: bool) -> Outcome {
+fn outcome(done: Personalized, out: &Path, next: Vec<String>, installs: bool) -> Outcome {
     let [old, new, _] = &done.scores;
     let mean = |measure: Measure, score| measure.mean(score).map(|own| own.mean);
-    let rows = SHOWN.map(|(measure, name)| Row {
+    let rows = SHOWN.map(|(measure, name)| MeasureRow {
         measure: name,
         before: mean(measure, old),
         after: mean(measure, new),
     });
-    let held = format!(
+    let judged_on = format!(
         "on the {:.0} s held back, after {:.0} s to tune on",
         done.judged_seconds, done.tuned_seconds
     );
-    let judged = Tuning {
+    let judged = TuningState {
         rows: rows.to_vec(),
-        ..Tuning::default()
+        ..TuningState::default()
     };
     let doubt = match &done.doubt[..] {
         "" => String::new(),
         doubt => format!(" {doubt}."),
     };
     if let Some(why) = done.worse() {
-        let worse = Tuning {
+        let worse = TuningState {
             state: "worse",
-            text: format!("{held} {why}. Nothing is written; more recordings may help.{doubt}"),
+            text: format!(
+                "{judged_on} {why}. Nothing is written; more recordings may help.{doubt}"
+            ),
             ..judged
         };
         return (worse, None);
     }
     match write_whole(out, &done.bytes) {
         Ok(()) => {
-            let better = Tuning {
+            let better = TuningState {
                 state: "better",
-                text: format!("not worse {held}. It is in {}.{doubt}", out.display()),
+                text: format!("not worse {judged_on}. It is in {}.{doubt}", out.display()),
                 commands: next,
                 installs,
                 ..judged

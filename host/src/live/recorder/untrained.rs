@@ -1,25 +1,25 @@
 //! Tune step of a program built without training: it tells viewers so.
 
-use super::Running;
+use super::RunningRecorder;
 use crate::cli::WITHOUT_TRAINING;
 use crate::live::event::Event;
-use crate::live::outcome::Tuning;
+use crate::live::outcome::TuningState;
 
 /// Message from the tuning thread; there is none.
 #[derive(Debug)]
-pub(super) enum Heard {}
+pub(super) enum TuningProgress {}
 
-impl Running {
+impl RunningRecorder {
     /// Tells viewers that the program was built without training.
     pub(super) fn tune(&mut self) {
         self.tuned = None;
-        self.recorder.hub.publish(&Event::Tuning(Tuning {
+        self.recorder.hub.publish(&Event::Tuning(TuningState {
             state: "failed",
             text: WITHOUT_TRAINING.to_owned(),
-            ..Tuning::default()
+            ..TuningState::default()
         }));
     }
 
     /// Does nothing: no tuning runs.
-    pub(super) const fn tell_tuning(&self) {}
+    pub(super) const fn publish_tuning(&self) {}
 }

@@ -5,17 +5,17 @@ use std::time::SystemTime;
 
 use shared::intent::Intent;
 
-use super::told::told;
-use super::{RecordOptions, Running, Unkept};
+use super::summary::summary;
+use super::{RecordOptions, RunningRecorder, Unconverted};
 use crate::live::event::Event;
-use crate::record::journal::{ENDING, Entry, Flushed, Header, Journal, WriteError};
-use crate::record::keep;
-use crate::record::protocol::Course;
-use crate::record::session::{Action, Held, Input, Output};
+use crate::record::RecordError;
+use crate::record::convert;
+use crate::record::journal::{ENDING, Entry, FlushOutcome, Header, Journal};
+use crate::record::session::{Action, HoldReason, Input, Output};
 use execution::progress;
 use execution::run_folder::utc;
 
-impl Running {
+impl RunningRecorder {
     /// Creates a journal. Returns false on failure, which viewers are told.
     pub(super) fn create(&mut self) -> bool {
         if self.session.is_over() {
@@ -23,7 +23,7 @@ impl Running {
         }
         if !self.session.has_stream() {
             "no samples have come yet: begin when the traces move".clone_into(&mut self.trouble);
-            self.told = None;
+            self.published = None;
             return false;
         }
         let RecordOptions {
@@ -41,18 +41,18 @@ impl Running {
             person: person.clone(),
             protocol: protocol.name.clone(),
             classes: protocol
-                .intents()
+                .class_names()
                 .into_iter()
-                .map(|intent| intent.name().to_owned())
+                .map(str::to_owned)
                 .collect(),
-            free: matches!(protocol.course, Course::Free { .. }),
+            free: protocol.is_free(),
             source,
             synthetic,
         };
-        let made = std::fs::create_dir_all(&folder)
+        let created = std::fs::create_dir_all(&folder)
             .map_err(|error| format!("{}: {error}", folder.display()));
-        let journal =
-            made.and_then(|()| Journal::create(&path, header).map_err(|error| error.to_string()));
+        let journal = created
+            .and_then(|()| Journal::create(&path, header).map_err(|error| error.to_string()));
         match journal {
             Ok(journal) => {
                 self.journal = Some(journal);
@@ -62,20 +62,20 @@ impl Running {
             }
             Err(error) => {
                 self.trouble = format!("the recording cannot begin: {error}");
-                self.told = None;
+                self.published = None;
                 false
             }
         }
     }
 
     /// Writes the session's outputs to the journal, and passes cues to the demo.
-    pub(super) fn write_down(&mut self) {
+    pub(super) fn write_outputs(&mut self) {
         while let Some(output) = self.session.poll() {
             if let Output::Cue { cue, .. } = output {
-                self.recorder.asked.set(cue.unwrap_or(Intent::Relax));
+                self.recorder.cue.set(cue.unwrap_or(Intent::Relax));
             }
             if let Output::Pause | Output::Over = output {
-                self.recorder.asked.set(Intent::Relax);
+                self.recorder.cue.set(Intent::Relax);
             }
             if let Some(journal) = &mut self.journal {
                 journal.entry(&Entry::of(output));
@@ -89,29 +89,29 @@ impl Running {
             return;
         };
         match journal.flush(now) {
-            Ok(Flushed::InPlace) if journal.is_full() => {
+            Ok(FlushOutcome::InPlace) if journal.is_full() => {
                 self.note(
                     "a session cannot last longer: it is ended and kept; record another one"
                         .to_owned(),
                 );
                 self.handle(now, Input::Action(Action::Finish));
             }
-            Ok(Flushed::InPlace) => self.is_well(),
-            Ok(Flushed::Anew { gone }) => {
+            Ok(FlushOutcome::InPlace) => self.clear_trouble(),
+            Ok(FlushOutcome::Rewritten { gone }) => {
                 let path = journal.path().display();
                 let text = format!(
                     "{} was deleted, moved or replaced: all of the session was written anew to {path}. If it was moved, what was \
                     written before is in the moved file, too",
                     gone.display()
                 );
-                self.is_well();
+                self.clear_trouble();
                 self.note(text);
-                self.handle(now, Input::Hold(Held::Gone));
+                self.handle(now, Input::Hold(HoldReason::Gone));
             }
             Err(error) => {
-                let held = match error {
-                    WriteError::Gone { .. } => Held::Gone,
-                    _ => Held::Disk,
+                let reason = match error {
+                    RecordError::Gone { .. } => HoldReason::Gone,
+                    _ => HoldReason::Disk,
                 };
                 let trouble = format!(
                     "{error}; what was recorded is kept while this program runs, and writing is tried again"
@@ -120,16 +120,16 @@ impl Running {
                 if self.trouble.is_empty() {
                     self.fail(trouble);
                 }
-                self.handle(now, Input::Hold(held));
+                self.handle(now, Input::Hold(reason));
             }
         }
     }
 
     /// Clears the error: the journal is written again.
-    fn is_well(&mut self) {
+    fn clear_trouble(&mut self) {
         if !self.trouble.is_empty() {
             self.trouble.clear();
-            self.told = None;
+            self.published = None;
         }
     }
 
@@ -137,14 +137,14 @@ impl Running {
     fn note(&mut self, text: String) {
         progress::log(&format!("warning: {text}"));
         self.notice = text;
-        self.told = None;
+        self.published = None;
     }
 
     /// Sets an error for viewers and logs it; it stays until writing succeeds.
     fn fail(&mut self, text: String) {
         progress::log(&format!("warning: {text}"));
         self.trouble = text;
-        self.told = None;
+        self.published = None;
     }
 
     pub(super) fn end_if_over(&mut self) {
@@ -155,39 +155,39 @@ impl Running {
             return;
         };
         // Told before the journal is closed, which takes a moment.
-        self.tell();
+        self.publish_changes();
         match journal.close() {
-            Ok(path) => self.keep(path),
+            Ok(path) => self.convert(path),
             Err(error) => {
-                let told = match error {
-                    WriteError::Elsewhere { .. } => error.to_string(),
+                let message = match error {
+                    RecordError::Elsewhere { .. } => error.to_string(),
                     _ => format!("{error}. {NEXT_START}"),
                 };
-                self.unkept.push(Unkept {
+                self.unconverted.push(Unconverted {
                     journal: None,
-                    told: told.clone(),
+                    message: message.clone(),
                 });
-                self.fail(told);
+                self.fail(message);
             }
         }
     }
 
     /// Makes recordings of a complete journal.
-    fn keep(&mut self, path: PathBuf) {
-        match keep(&path) {
-            Ok(kept) => {
-                let kept = told(&kept, &self.recorder);
-                self.recorder.hub.publish(&Event::Kept(kept));
+    fn convert(&mut self, path: PathBuf) {
+        match convert(&path) {
+            Ok(conversion) => {
+                let result = summary(&conversion, &self.recorder);
+                self.recorder.hub.publish(&Event::Kept(result));
             }
             Err(error) => {
-                let told = format!(
+                let message = format!(
                     "{error}. What was recorded is in {}. {NEXT_START}",
                     path.display()
                 );
-                self.fail(told.clone());
-                self.unkept.push(Unkept {
+                self.fail(message.clone());
+                self.unconverted.push(Unconverted {
                     journal: Some(path),
-                    told,
+                    message,
                 });
             }
         }
@@ -197,12 +197,12 @@ impl Running {
     ///
     /// # Errors
     /// When a session is not kept; the message names the journals.
-    pub(super) fn keep_the_rest(&mut self) -> anyhow::Result<()> {
+    pub(super) fn retry_conversions(&mut self) -> anyhow::Result<()> {
         let mut left = Vec::new();
-        for unkept in self.unkept.drain(..) {
-            let kept = unkept.journal.as_deref().map(keep);
-            if !matches!(kept, Some(Ok(_))) {
-                left.push(unkept.told);
+        for unconverted in self.unconverted.drain(..) {
+            let converted = unconverted.journal.as_deref().map(convert);
+            if !matches!(converted, Some(Ok(_))) {
+                left.push(unconverted.message);
             }
         }
         anyhow::ensure!(left.is_empty(), "{}", left.join("\n"));

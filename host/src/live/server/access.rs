@@ -20,7 +20,7 @@ pub(crate) struct Access {
     token: Option<String>,
 }
 
-/// Why a request is not answered.
+/// Reason why a request is not answered.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub(crate) enum Denied {
     /// Foreign name, or an address of another machine.
@@ -102,7 +102,7 @@ impl Authority {
 
 /// Request that is answered.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(super) struct Allowed<'p> {
+pub(super) struct AllowedRequest<'p> {
     /// Path without the token and the slashes around.
     pub(super) path: &'p str,
     /// Name of this server in the browser.
@@ -139,7 +139,7 @@ impl Access {
         &self,
         path: &'p str,
         headers: &HeaderMap,
-    ) -> Result<Allowed<'p>, Denied> {
+    ) -> Result<AllowedRequest<'p>, Denied> {
         let host = headers
             .get(header::HOST)
             .and_then(|host| host.to_str().ok())
@@ -167,7 +167,7 @@ impl Access {
                 path
             }
         };
-        Ok(Allowed {
+        Ok(AllowedRequest {
             path,
             host: host.to_owned(),
         })

@@ -11,7 +11,7 @@ const CROSS_ORIGIN_RESOURCE_POLICY: HeaderName =
     HeaderName::from_static("cross-origin-resource-policy");
 
 /// Path, MIME type and text of each file.
-const FILES: [(&str, &str, &str); 17] = [
+const FILES: [(&str, &str, &str); 15] = [
     ("", HTML, include_str!("../page/index.html")),
     (
         "icon.svg",
@@ -20,14 +20,12 @@ const FILES: [(&str, &str, &str); 17] = [
     ),
     ("live.css", CSS, include_str!("../page/live.css")),
     ("session.css", CSS, include_str!("../page/session.css")),
-    ("steps.css", CSS, include_str!("../page/steps.css")),
     ("live.js", SCRIPT, include_str!("../page/live.js")),
     ("armband.js", SCRIPT, include_str!("../page/armband.js")),
     ("clock.js", SCRIPT, include_str!("../page/clock.js")),
     ("gestures.js", SCRIPT, include_str!("../page/gestures.js")),
     ("panel.js", SCRIPT, include_str!("../page/panel.js")),
-    ("save.js", SCRIPT, include_str!("../page/save.js")),
-    ("seen.js", SCRIPT, include_str!("../page/seen.js")),
+    ("history.js", SCRIPT, include_str!("../page/history.js")),
     ("result.js", SCRIPT, include_str!("../page/result.js")),
     ("session.js", SCRIPT, include_str!("../page/session.js")),
     ("steps.js", SCRIPT, include_str!("../page/steps.js")),

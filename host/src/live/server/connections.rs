@@ -27,31 +27,31 @@ const REQUESTS: Duration = Duration::from_secs(30);
 
 /// Listener that closes excess connections at once.
 #[derive(Debug)]
-pub(super) struct Bounded {
+pub(super) struct LimitedListener {
     inner: TcpListener,
-    open: Open,
+    open: OpenConnections,
 }
 
-impl Bounded {
+impl LimitedListener {
     pub(super) fn new(inner: TcpListener) -> Self {
-        let open = Open::default();
+        let open = OpenConnections::default();
         Self { inner, open }
     }
 }
 
-impl Listener for Bounded {
+impl Listener for LimitedListener {
     type Io = Connection;
     type Addr = SocketAddr;
 
     async fn accept(&mut self) -> (Connection, SocketAddr) {
         loop {
             let (stream, address) = Listener::accept(&mut self.inner).await;
-            if let Some(place) = self.open.place(address.ip()) {
+            if let Some(permit) = self.open.permit(address.ip()) {
                 let connection = Connection {
                     stream,
                     end: Box::pin(sleep(REQUESTS)),
-                    kept: Kept::default(),
-                    _place: place,
+                    upgraded: Upgraded::default(),
+                    _permit: permit,
                 };
                 return (connection, address);
             }
@@ -65,16 +65,16 @@ impl Listener for Bounded {
 
 /// Number of open connections of each network.
 #[derive(Clone, Debug, Default)]
-struct Open(Arc<Mutex<HashMap<IpAddr, usize>>>);
+struct OpenConnections(Arc<Mutex<HashMap<IpAddr, usize>>>);
 
-impl Open {
+impl OpenConnections {
     fn lock(&self) -> MutexGuard<'_, HashMap<IpAddr, usize>> {
         // A panic leaves nothing half-changed.
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Reserves a place for a connection from this address; none if there are too many.
-    fn place(&self, address: IpAddr) -> Option<Place> {
+    /// Returns a permit for a connection from this address; none if there are too many.
+    fn permit(&self, address: IpAddr) -> Option<Permit> {
         let network = network(address);
         let mut open = self.lock();
         let own = open.get(&network).copied().unwrap_or(0);
@@ -82,7 +82,7 @@ impl Open {
             return None;
         }
         open.insert(network, own + 1);
-        Some(Place {
+        Some(Permit {
             network,
             open: self.clone(),
         })
@@ -99,14 +99,14 @@ fn network(address: IpAddr) -> IpAddr {
     }
 }
 
-/// Place of one connection, freed on drop.
+/// Permit of one connection, freed on drop.
 #[derive(Debug)]
-struct Place {
+struct Permit {
     network: IpAddr,
-    open: Open,
+    open: OpenConnections,
 }
 
-impl Drop for Place {
+impl Drop for Permit {
     fn drop(&mut self) {
         let mut open = self.open.lock();
         if let Some(own) = open.get_mut(&self.network) {
@@ -120,18 +120,18 @@ impl Drop for Place {
 
 /// Whether a connection is a viewer's, which has no time limit.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Kept(Arc<AtomicBool>);
+pub(super) struct Upgraded(Arc<AtomicBool>);
 
-impl Kept {
+impl Upgraded {
     /// Removes the connection's time limit.
-    pub(super) fn keep(&self) {
+    pub(super) fn set(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
 }
 
-impl Connected<IncomingStream<'_, Bounded>> for Kept {
-    fn connect_info(stream: IncomingStream<'_, Bounded>) -> Self {
-        stream.io().kept.clone()
+impl Connected<IncomingStream<'_, LimitedListener>> for Upgraded {
+    fn connect_info(stream: IncomingStream<'_, LimitedListener>) -> Self {
+        stream.io().upgraded.clone()
     }
 }
 
@@ -140,15 +140,15 @@ impl Connected<IncomingStream<'_, Bounded>> for Kept {
 pub(super) struct Connection {
     stream: TcpStream,
     end: Pin<Box<Sleep>>,
-    kept: Kept,
-    _place: Place,
+    upgraded: Upgraded,
+    _permit: Permit,
 }
 
 impl Connection {
     /// Stream before the time is over; an error after it, which wakes a waiting reader.
     fn stream(&mut self, context: &mut Context<'_>) -> io::Result<Pin<&mut TcpStream>> {
-        let is_kept = self.kept.0.load(Ordering::Relaxed);
-        if !is_kept && self.end.as_mut().poll(context).is_ready() {
+        let is_upgraded = self.upgraded.0.load(Ordering::Relaxed);
+        if !is_upgraded && self.end.as_mut().poll(context).is_ready() {
             return Err(io::ErrorKind::TimedOut.into());
         }
         Ok(Pin::new(&mut self.stream))
@@ -205,26 +205,26 @@ mod tests {
 
     #[test]
     fn an_address_has_its_share_and_all_together_their_bound() {
-        let open = Open::default();
-        let mut places: Vec<_> = (0..MOST_OF_ADDRESS)
-            .map(|_| open.place(ip("127.0.0.1")).unwrap())
+        let open = OpenConnections::default();
+        let mut permits: Vec<_> = (0..MOST_OF_ADDRESS)
+            .map(|_| open.permit(ip("127.0.0.1")).unwrap())
             .collect();
         // One address, also written as IPv6.
         for same in ["127.0.0.1", "::ffff:127.0.0.1"] {
-            assert!(open.place(ip(same)).is_none(), "{same}");
+            assert!(open.permit(ip(same)).is_none(), "{same}");
         }
         for other in 1..MOST / MOST_OF_ADDRESS {
             let network = format!("2001:db8:0:{other}::");
-            places.extend(
+            permits.extend(
                 (0..MOST_OF_ADDRESS)
-                    .map(|host| open.place(ip(&format!("{network}{host:x}"))).unwrap()),
+                    .map(|host| open.permit(ip(&format!("{network}{host:x}"))).unwrap()),
             );
         }
-        assert_eq!(places.len(), MOST);
-        assert!(open.place(ip("192.168.0.2")).is_none());
-        places.swap_remove(0);
-        assert!(open.place(ip("192.168.0.2")).is_some());
-        places.clear();
+        assert_eq!(permits.len(), MOST);
+        assert!(open.permit(ip("192.168.0.2")).is_none());
+        permits.swap_remove(0);
+        assert!(open.permit(ip("192.168.0.2")).is_some());
+        permits.clear();
         assert!(open.lock().is_empty());
     }
 }

@@ -3,9 +3,9 @@
 pub(crate) mod access;
 mod assets;
 mod connections;
-mod rate;
+mod message;
+mod rate_limit;
 pub(crate) mod rights;
-mod said;
 mod viewer;
 
 use std::net::TcpListener;
@@ -24,12 +24,11 @@ use axum::response::{IntoResponse as _, Response};
 use tokio::sync::{Semaphore, watch};
 
 use self::access::{Access, Denied};
-use self::connections::{Bounded, Kept};
-use self::rights::Mode;
+use self::connections::{LimitedListener, Upgraded};
+use self::rights::{Lead, Mode};
 use super::hub::Hub;
-use super::lead::Lead;
-use super::recorder::Wish;
-use super::source::Request;
+use super::recorder::RecorderRequest;
+use super::source::SourceRequest;
 
 /// Greatest number of viewers.
 const MOST_VIEWERS: usize = 16;
@@ -38,15 +37,22 @@ const MAX_REQUEST_BYTES: usize = 1024;
 /// Time that viewers have to take the last message.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Shared state of all requests.
+/// Channels for the requests of viewers.
 #[derive(Debug)]
-struct Served {
+pub(crate) struct Requests {
+    pub(crate) source: SyncSender<SourceRequest>,
+    /// Channel to the recorder; none for `live`.
+    pub(crate) recorder: Option<SyncSender<RecorderRequest>>,
+}
+
+/// State that all connections share.
+#[derive(Debug)]
+struct ServerState {
     hub: Arc<Hub>,
     access: Access,
     mode: Mode,
-    requests: SyncSender<Request>,
-    wishes: Option<SyncSender<Wish>>,
-    lead: Arc<Lead>,
+    requests: Requests,
+    lead: Lead,
     ids: AtomicU64,
     viewers: Arc<Semaphore>,
     stop: watch::Receiver<bool>,
@@ -69,8 +75,7 @@ impl Server {
         access: Access,
         mode: Mode,
         hub: Arc<Hub>,
-        requests: SyncSender<Request>,
-        wishes: Option<SyncSender<Wish>>,
+        requests: Requests,
     ) -> std::io::Result<Self> {
         let runtime = tokio::runtime::Builder::new_current_thread()
             .enable_io()
@@ -79,21 +84,20 @@ impl Server {
         listener.set_nonblocking(true)?;
         let listener = {
             let _within = runtime.enter();
-            Bounded::new(tokio::net::TcpListener::from_std(listener)?)
+            LimitedListener::new(tokio::net::TcpListener::from_std(listener)?)
         };
         let (stop, stopped) = watch::channel(false);
-        let served = Served {
+        let state = ServerState {
             hub,
             access,
             mode,
             requests,
-            wishes,
-            lead: Arc::default(),
+            lead: Lead::default(),
             ids: AtomicU64::new(1),
             viewers: Arc::new(Semaphore::new(MOST_VIEWERS)),
             stop: stopped.clone(),
         };
-        let router = Router::new().fallback(answer).with_state(Arc::new(served));
+        let router = Router::new().fallback(answer).with_state(Arc::new(state));
         let thread = std::thread::Builder::new()
             .name("server".to_owned())
             .spawn(move || {
@@ -102,7 +106,7 @@ impl Server {
                     let _ = stopped.wait_for(|stop| *stop).await;
                 };
                 runtime.block_on(async {
-                    let service = router.into_make_service_with_connect_info::<Kept>();
+                    let service = router.into_make_service_with_connect_info::<Upgraded>();
                     let serve = axum::serve(listener, service).into_future();
                     tokio::select! {
                         _ = serve => {}
@@ -124,14 +128,14 @@ impl Server {
 
 /// Checks a request and answers it.
 async fn answer(
-    State(served): State<Arc<Served>>,
-    ConnectInfo(connection): ConnectInfo<Kept>,
+    State(state): State<Arc<ServerState>>,
+    ConnectInfo(connection): ConnectInfo<Upgraded>,
     method: Method,
     uri: Uri,
     headers: HeaderMap,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Response {
-    let allowed = match served.access.check(uri.path(), &headers) {
+    let allowed = match state.access.check(uri.path(), &headers) {
         Ok(allowed) => allowed,
         Err(denied) => return refuse(&denied),
     };
@@ -145,25 +149,20 @@ async fn answer(
         Ok(upgrade) => upgrade,
         Err(rejection) => return rejection.into_response(),
     };
-    let Ok(place) = served.viewers.clone().try_acquire_owned() else {
+    let Ok(permit) = state.viewers.clone().try_acquire_owned() else {
         return StatusCode::SERVICE_UNAVAILABLE.into_response();
     };
     let viewer = viewer::Viewer {
-        hub: served.hub.clone(),
-        mode: served.mode,
-        requests: served.requests.clone(),
-        wishes: served.wishes.clone(),
-        lead: served.lead.clone(),
-        id: served.ids.fetch_add(1, Ordering::Relaxed),
-        stop: served.stop.clone(),
+        id: state.ids.fetch_add(1, Ordering::Relaxed),
+        server: state,
     };
     upgrade
         .max_message_size(MAX_REQUEST_BYTES)
         .max_frame_size(MAX_REQUEST_BYTES)
         .on_upgrade(async move |socket| {
-            connection.keep();
+            connection.set();
             viewer.serve(socket).await;
-            drop(place);
+            drop(permit);
         })
 }
 

@@ -1,5 +1,9 @@
-//! Rights of viewers, by the mode of the program: one table, repeated in docs/live.md.
+//! Rights of viewers, by the mode of the program: one table, repeated in docs/live.md. One viewer leads a recording session,
+//! and all others watch.
 
+use std::sync::{Mutex, PoisonError};
+
+use crate::live::event::ViewerId;
 use crate::live::source::Source;
 
 /// Mode of the program.
@@ -32,7 +36,7 @@ impl Mode {
 pub(super) enum Right {
     /// Every viewer.
     All,
-    /// The viewer who leads the session; the first to ask does.
+    /// Viewer who leads the session; the first to ask does.
     Leader,
     /// Refusal for everybody, with the reason.
     Nobody(&'static str),
@@ -61,11 +65,34 @@ const TABLE: [(&str, [Right; 4]); 8] = [
 ];
 
 /// Right to a request; nobody for an unknown one.
-pub(super) fn of(asked: &str, mode: Mode) -> Right {
-    let row = TABLE.iter().find(|(name, _)| *name == asked);
+pub(super) fn of(request: &str, mode: Mode) -> Right {
+    let row = TABLE.iter().find(|(name, _)| *name == request);
     row.map_or(Nobody("there is no such request"), |(_, rights)| {
         rights[mode as usize]
     })
+}
+
+/// Viewer who leads: the first to send a request to the session, until it leaves the page.
+#[derive(Debug, Default)]
+pub(crate) struct Lead(Mutex<Option<ViewerId>>);
+
+impl Lead {
+    /// Claims the lead. Returns whether the viewer leads, and whether that is new.
+    pub(crate) fn claim(&self, viewer: ViewerId) -> (bool, bool) {
+        let mut lead = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_new = lead.is_none();
+        (*lead.get_or_insert(viewer) == viewer, is_new)
+    }
+
+    /// Releases the lead of a viewer that has left. Returns whether it led.
+    pub(crate) fn release(&self, viewer: ViewerId) -> bool {
+        let mut lead = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let led = *lead == Some(viewer);
+        if led {
+            *lead = None;
+        }
+        led
+    }
 }
 
 #[cfg(test)]
@@ -89,12 +116,22 @@ mod tests {
 
     #[test]
     fn a_pairing_and_an_installation_are_for_the_session_of_a_board_alone() {
-        for asked in ["bind", "install"] {
+        for request in ["bind", "install"] {
             for mode in [Mode::Live, Mode::Replay, Mode::Record] {
-                assert!(matches!(of(asked, mode), Nobody(_)), "{asked} {mode:?}");
+                assert!(matches!(of(request, mode), Nobody(_)), "{request} {mode:?}");
             }
-            assert_eq!(of(asked, Mode::RecordBoard), Leader);
+            assert_eq!(of(request, Mode::RecordBoard), Leader);
         }
         assert!(matches!(of("reboot", Mode::RecordBoard), Nobody(_)));
+    }
+
+    #[test]
+    fn the_first_leads_until_it_leaves() {
+        let lead = Lead::default();
+        assert_eq!(lead.claim(1), (true, true));
+        assert_eq!(lead.claim(2), (false, false));
+        assert_eq!(lead.claim(1), (true, false));
+        assert!(!lead.release(2) && lead.release(1));
+        assert_eq!(lead.claim(2), (true, true));
     }
 }

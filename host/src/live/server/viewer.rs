@@ -1,32 +1,30 @@
 //! Connection of one viewer: messages to it, and requests from it.
 
 use std::sync::Arc;
-use std::sync::mpsc::SyncSender;
 use std::time::{Duration, Instant};
 
 use axum::body::Bytes;
 use axum::extract::ws::{Message as Frame, WebSocket};
 use shared::intent::Intent;
 use tokio::sync::broadcast::error::TryRecvError;
-use tokio::sync::watch;
 use tokio::time::{MissedTickBehavior, interval, interval_at, timeout};
 
-use super::rate::{Heard, Rate};
-use super::rights::{self, Mode, Right};
-use super::said::Said;
-use crate::live::event::Event;
-use crate::live::hub::{Hub, Message, Subscription};
-use crate::live::lead::{Lead, ViewerId};
-use crate::live::recorder::Wish;
-use crate::live::source::Request;
+use super::ServerState;
+use super::message::ViewerMessage;
+use super::rate_limit::{Admission, RateLimit};
+use super::rights::{self, Right};
+use crate::live::event::{Event, ViewerId};
+use crate::live::hub::{Message, Subscription};
+use crate::live::recorder::RecorderRequest;
+use crate::live::source::SourceRequest;
 use crate::record::session::Action;
 
 /// Time for which messages are collected: half a frame of a screen.
-const TOGETHER: Duration = Duration::from_millis(8);
+const COLLECT: Duration = Duration::from_millis(8);
 /// Time after which a viewer that takes nothing is gone.
-const GONE: Duration = Duration::from_secs(20);
+const SEND_TIMEOUT: Duration = Duration::from_secs(20);
 /// Pause between two pings. A viewer that is cut off does not answer, and its connection ends.
-const BEAT: Duration = Duration::from_secs(60);
+const PING_PERIOD: Duration = Duration::from_secs(60);
 
 const UNKNOWN: &str = "there is no such request: load the page again, it may be of another version";
 const TOO_OFTEN: &str = "asked too often: at most 20 requests at once and 10 a second are heard";
@@ -38,80 +36,78 @@ const MAX_MARK: usize = 80;
 /// State of a viewer's connection.
 #[derive(Debug)]
 pub(super) struct Viewer {
-    pub(super) hub: Arc<Hub>,
-    pub(super) mode: Mode,
-    pub(super) requests: SyncSender<Request>,
-    /// Channel to the recorder, if there is one.
-    pub(super) wishes: Option<SyncSender<Wish>>,
-    pub(super) lead: Arc<Lead>,
     pub(super) id: ViewerId,
-    pub(super) stop: watch::Receiver<bool>,
+    pub(super) server: Arc<ServerState>,
 }
 
 /// Event that wakes the connection.
-enum Woken {
+enum Wakeup {
     Stop,
-    Said(Option<Result<Frame, axum::Error>>),
+    Received(Option<Result<Frame, axum::Error>>),
     Tick,
-    Beat,
+    Ping,
 }
 
 impl Viewer {
     /// Serves until the viewer leaves or the program ends.
     pub(super) async fn serve(self, socket: WebSocket) {
-        self.attend(socket).await;
-        if self.lead.release(self.id) {
-            self.hub.publish(&Event::Lead { viewer: None });
-            if let Some(wishes) = &self.wishes {
-                let _ = wishes.try_send(Wish::LeaderLeft);
-            }
+        self.run(socket).await;
+        if self.server.lead.release(self.id) {
+            self.server.hub.publish(&Event::Lead { viewer: None });
+            // Without a recorder, or with a full queue, nobody waits for the leader.
+            let _ = self.request_recorder(RecorderRequest::LeaderLeft);
         }
     }
 
-    async fn attend(&self, mut socket: WebSocket) {
-        let mut stop = self.stop.clone();
-        let mut subscription = self.hub.subscribe();
+    async fn run(&self, mut socket: WebSocket) {
+        let mut stop = self.server.stop.clone();
+        let mut subscription = self.server.hub.subscribe();
         let hello = self.hello();
         let known = std::mem::take(&mut subscription.known);
         if !send(&mut socket, std::iter::once(hello).chain(known)).await {
             return;
         }
-        let mut ticks = interval(TOGETHER);
+        let mut ticks = interval(COLLECT);
         ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
-        let mut beats = interval_at(tokio::time::Instant::now() + BEAT, BEAT);
-        let mut rate = Rate::new(Instant::now());
+        let mut pings = interval_at(tokio::time::Instant::now() + PING_PERIOD, PING_PERIOD);
+        let mut rate_limit = RateLimit::new(Instant::now());
         loop {
             // The borrows of the branches end here: a guard of `stop` must not be held across a send.
-            let woken = tokio::select! {
+            let wakeup = tokio::select! {
                 biased;
-                _ = stop.wait_for(|stop| *stop) => Woken::Stop,
+                _ = stop.wait_for(|stop| *stop) => Wakeup::Stop,
                 // Polled before the viewer's messages: a viewer that sends many still gets its own.
-                _ = ticks.tick() => Woken::Tick,
-                _ = beats.tick() => Woken::Beat,
-                said = socket.recv() => Woken::Said(said),
+                _ = ticks.tick() => Wakeup::Tick,
+                _ = pings.tick() => Wakeup::Ping,
+                message = socket.recv() => Wakeup::Received(message),
             };
-            let stays = match woken {
-                Woken::Stop => break,
-                Woken::Tick => self.tell(&mut socket, &mut subscription).await,
-                Woken::Beat => is_sent(&mut socket, Frame::Ping(Bytes::new())).await,
-                Woken::Said(Some(Ok(Frame::Text(text)))) => {
-                    self.hear(&mut socket, &mut rate, &text).await
+            let stays = match wakeup {
+                Wakeup::Stop => break,
+                Wakeup::Tick => self.send_following(&mut socket, &mut subscription).await,
+                Wakeup::Ping => is_sent(&mut socket, Frame::Ping(Bytes::new())).await,
+                Wakeup::Received(Some(Ok(Frame::Text(text)))) => {
+                    self.handle_message(&mut socket, &mut rate_limit, &text)
+                        .await
                 }
-                Woken::Said(Some(Ok(Frame::Ping(_) | Frame::Pong(_)))) => true,
-                Woken::Said(_) => false,
+                Wakeup::Received(Some(Ok(Frame::Ping(_) | Frame::Pong(_)))) => true,
+                Wakeup::Received(_) => false,
             };
             if !stays {
                 return;
             }
         }
         // The end of the program was published before.
-        if self.tell(&mut socket, &mut subscription).await {
-            let _ = timeout(TOGETHER, socket.send(Frame::Close(None))).await;
+        if self.send_following(&mut socket, &mut subscription).await {
+            let _ = timeout(COLLECT, socket.send(Frame::Close(None))).await;
         }
     }
 
     /// Sends the messages since the last call; false if the viewer is gone.
-    async fn tell(&self, socket: &mut WebSocket, subscription: &mut Subscription) -> bool {
+    async fn send_following(
+        &self,
+        socket: &mut WebSocket,
+        subscription: &mut Subscription,
+    ) -> bool {
         let mut messages = Vec::new();
         loop {
             match subscription.following.try_recv() {
@@ -119,7 +115,7 @@ impl Viewer {
                 Err(TryRecvError::Empty | TryRecvError::Closed) => break,
                 Err(TryRecvError::Lagged(messages_lost)) => {
                     // The topics known may be older than the lost messages.
-                    let skipped = self.hub.resubscribe(subscription, messages_lost);
+                    let skipped = self.server.hub.resubscribe(subscription, messages_lost);
                     messages.clear();
                     messages.push(skipped);
                     messages.append(&mut subscription.known);
@@ -130,42 +126,49 @@ impl Viewer {
     }
 
     /// Handles a message: does it or refuses it. Returns false if the viewer is gone or the message is malformed.
-    async fn hear(&self, socket: &mut WebSocket, rate: &mut Rate, text: &str) -> bool {
-        let Ok(said) = serde_json::from_str::<Said>(text) else {
+    async fn handle_message(
+        &self,
+        socket: &mut WebSocket,
+        rate_limit: &mut RateLimit,
+        text: &str,
+    ) -> bool {
+        let Ok(message) = serde_json::from_str::<ViewerMessage>(text) else {
             refuse(socket, "", UNKNOWN).await;
             return false;
         };
-        let name = said.name();
-        match rate.ask(Instant::now()) {
-            Heard::Yes => {}
-            Heard::Refused => return refuse(socket, name, TOO_OFTEN).await,
-            Heard::Ignored => {
+        let name = message.name();
+        match rate_limit.admit(Instant::now()) {
+            Admission::Admitted => {}
+            Admission::Refused => return refuse(socket, name, TOO_OFTEN).await,
+            Admission::Ignored => {
                 // The other viewers get a turn between many requests.
                 tokio::task::yield_now().await;
                 return true;
             }
         }
-        let done = self.may(name).and_then(|()| match said {
-            Said::Ping { .. } => Ok(()),
-            Said::Mark { sample, ref text } => {
+        let done = self.authorize(name).and_then(|()| match message {
+            ViewerMessage::Ping { .. } => Ok(()),
+            ViewerMessage::Mark { sample, ref text } => {
                 let letters = text.chars().filter(|letter| !letter.is_control());
                 let text = letters.take(MAX_MARK).collect();
-                self.hub.publish(&Event::Mark { sample, text });
+                self.server.hub.publish(&Event::Mark { sample, text });
                 Ok(())
             }
-            Said::Align => self.request(Request::Align),
-            Said::Cancel => self.request(Request::CancelAlignment),
-            Said::Bind => self.request(Request::Bind),
-            Said::Session { wish } => self.wish(wish.wish()),
-            Said::Gesture { ref class } => match Intent::from_name(class) {
-                Some(intent) => self.wish(Wish::Action(Action::Mark(intent))),
+            ViewerMessage::Align => self.request_source(SourceRequest::Align),
+            ViewerMessage::Cancel => self.request_source(SourceRequest::CancelAlignment),
+            ViewerMessage::Bind => self.request_source(SourceRequest::Bind),
+            ViewerMessage::Session { command } => self.request_recorder(command.request()),
+            ViewerMessage::Gesture { ref class } => match Intent::from_name(class) {
+                Some(intent) => {
+                    self.request_recorder(RecorderRequest::Action(Action::Mark(intent)))
+                }
                 None => Err(UNKNOWN),
             },
         });
-        match (done, said) {
+        match (done, message) {
             (Err(why), _) => refuse(socket, name, why).await,
-            (Ok(()), Said::Ping { sent }) => {
-                let now = self.hub.now();
+            (Ok(()), ViewerMessage::Ping { sent }) => {
+                let now = self.server.hub.now();
                 let pong = serde_json::json!({ "type": "pong", "sent": sent, "now": now });
                 send(socket, [pong.to_string().into()]).await
             }
@@ -177,15 +180,15 @@ impl Viewer {
     ///
     /// # Errors
     /// The reason, in words.
-    fn may(&self, name: &str) -> Result<(), &'static str> {
-        match rights::of(name, self.mode) {
+    fn authorize(&self, name: &str) -> Result<(), &'static str> {
+        match rights::of(name, self.server.mode) {
             Right::All => Ok(()),
             Right::Nobody(why) => Err(why),
             Right::Leader => {
-                let (leads, is_new) = self.lead.claim(self.id);
+                let (leads, is_new) = self.server.lead.claim(self.id);
                 if is_new {
                     let viewer = Some(self.id);
-                    self.hub.publish(&Event::Lead { viewer });
+                    self.server.hub.publish(&Event::Lead { viewer });
                 }
                 leads.then_some(()).ok_or(WATCHES)
             }
@@ -193,20 +196,22 @@ impl Viewer {
     }
 
     /// Passes a request to the source.
-    fn request(&self, request: Request) -> Result<(), &'static str> {
-        self.requests.try_send(request).map_err(|_| BUSY)
+    fn request_source(&self, request: SourceRequest) -> Result<(), &'static str> {
+        let source = &self.server.requests.source;
+        source.try_send(request).map_err(|_| BUSY)
     }
 
-    /// Passes a wish to the session.
-    fn wish(&self, wish: Wish) -> Result<(), &'static str> {
-        let wishes = self.wishes.as_ref().ok_or(BUSY)?;
-        wishes.try_send(wish).map_err(|_| BUSY)
+    /// Passes a request to the recorder.
+    fn request_recorder(&self, request: RecorderRequest) -> Result<(), &'static str> {
+        let recorder = self.server.requests.recorder.as_ref().ok_or(BUSY)?;
+        recorder.try_send(request).map_err(|_| BUSY)
     }
 
     fn hello(&self) -> Message {
         let version = env!("CARGO_PKG_VERSION");
-        let now = self.hub.now();
-        serde_json::json!({ "type": "hello", "version": version, "now": now, "you": self.id, "record": self.wishes.is_some() })
+        let now = self.server.hub.now();
+        let record = self.server.requests.recorder.is_some();
+        serde_json::json!({ "type": "hello", "version": version, "now": now, "you": self.id, "record": record })
             .to_string()
             .into()
     }
@@ -233,5 +238,5 @@ async fn send(socket: &mut WebSocket, messages: impl IntoIterator<Item = Message
 
 /// Sends a frame; false if the viewer is gone.
 async fn is_sent(socket: &mut WebSocket, frame: Frame) -> bool {
-    matches!(timeout(GONE, socket.send(frame)).await, Ok(Ok(())))
+    matches!(timeout(SEND_TIMEOUT, socket.send(frame)).await, Ok(Ok(())))
 }

@@ -1,10 +1,8 @@
 //! A board on a serial port or pseudo-terminal. The port is opened again after it was lost or used for an installation.
 
-mod installation;
-
 use std::cell::RefCell;
 use std::io::ErrorKind;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
@@ -16,11 +14,12 @@ use shared::stream::alignment::Arm;
 use shared::uart_line::command::{AlignCommand, BindCommand, Command};
 use shared::units::Millis;
 
-use super::dialogue::{Dialogue, Heard, Losses};
-use super::scored::Scored;
-use super::{Context, Request};
-use crate::board::BAUD;
+use super::dialogue::{BoardEvent, Dialogue, Losses};
+use super::scored_pipeline::ScoredPipeline;
+use super::{Context, SourceRequest};
+use crate::board::{self, ModelFile};
 use crate::live::event::Event;
+use crate::live::outcome::InstallationState;
 
 /// Longest time that one read waits for bytes: the longest delay that a page sees.
 const WAIT: Duration = Duration::from_millis(10);
@@ -33,13 +32,13 @@ const NOTHING_YET: &str = "open; nothing heard yet";
 
 /// Board on a serial port.
 #[derive(Debug)]
-pub(crate) struct Board {
+pub(crate) struct BoardSource {
     pub(crate) path: PathBuf,
     /// Bytes of a model file, for the scores; none shows no scores.
     pub(crate) model: Option<Vec<u8>>,
 }
 
-impl Board {
+impl BoardSource {
     /// Reads the board until it is stopped. After an installation, the scores are those of the new model.
     ///
     /// # Errors
@@ -47,8 +46,8 @@ impl Board {
     pub(crate) fn run(mut self, context: &Context) -> anyhow::Result<()> {
         let mut losses = Losses::default();
         while let Some(model) = self.show(context, &mut losses)? {
-            self.tell(context, false, "a model is being installed");
-            if installation::install(&self.path, &model, context) {
+            self.publish(context, false, "a model is being installed");
+            if install(&self.path, &model, context) {
                 self.model = Some(model);
             }
         }
@@ -64,7 +63,7 @@ impl Board {
         let encoder = HostEncoder::new(&model)?;
         let outputs = RefCell::default();
         let mut state = encoder.fresh();
-        let scored = Scored::new(&model, encoder, &mut state, &outputs)?;
+        let scored = ScoredPipeline::new(&model, encoder, &mut state, &outputs)?;
         context.hub.publish(&Event::of_model(&model));
         Ok(self.read(context, losses, Some(scored)))
     }
@@ -73,45 +72,45 @@ impl Board {
         &self,
         context: &Context,
         losses: &mut Losses,
-        mut scored: Option<Scored<'_, E>>,
+        mut scored: Option<ScoredPipeline<'_, E>>,
     ) -> Option<Vec<u8>> {
         let mut missing = String::new();
         while !context.stop.requested() {
-            let ended = match self.open() {
+            let ended = match board::open_port(&self.path, WAIT, WRITE) {
                 Ok(port) => {
                     missing.clear();
-                    if let model @ Some(_) = installation::asked_before(context) {
+                    if let model @ Some(_) = early_installation(context) {
                         return model;
                     }
-                    self.tell(context, false, NOTHING_YET);
-                    let session = Session {
+                    self.publish(context, false, NOTHING_YET);
+                    let session = BoardConnection {
                         context,
                         port,
                         dialogue: Dialogue::new(now(context), *losses),
-                        told: NOTHING_YET,
+                        published: NOTHING_YET,
                         scored: scored.as_mut(),
                     };
                     let (ended, counted) = session.run(self);
                     *losses = counted;
                     ended
                 }
-                Err(error) => Ended::Lost(error),
+                Err(error) => ConnectionEnd::Lost(error),
             };
             if context.stop.requested() {
                 break;
             }
             context.hub.forget_stream();
             let lost = match ended {
-                Ended::Installs(model) => return Some(model),
-                Ended::Lost(error) if error.kind() == ErrorKind::UnexpectedEof => {
+                ConnectionEnd::Installs(model) => return Some(model),
+                ConnectionEnd::Lost(error) if error.kind() == ErrorKind::UnexpectedEof => {
                     "the port was closed".to_owned()
                 }
-                Ended::Lost(error) => error.to_string(),
+                ConnectionEnd::Lost(error) => error.to_string(),
             };
             let detail = format!("{lost}; looking for it again");
             // An unchanged error is told once.
             if detail != missing {
-                self.tell(context, false, &detail);
+                self.publish(context, false, &detail);
                 missing = detail;
             }
             wait(context, AGAIN);
@@ -119,16 +118,7 @@ impl Board {
         None
     }
 
-    fn open(&self) -> std::io::Result<SerialPort> {
-        let mut port = SerialPort::open(&self.path, BAUD)?;
-        port.set_read_timeout(WAIT)?;
-        port.set_write_timeout(WRITE)?;
-        // Bytes that arrived before are out of date.
-        port.discard_input_buffer()?;
-        Ok(port)
-    }
-
-    fn tell(&self, context: &Context, connected: bool, detail: &str) {
+    fn publish(&self, context: &Context, connected: bool, detail: &str) {
         context.hub.publish(&Event::Source {
             kind: "port",
             name: self.path.display().to_string(),
@@ -139,46 +129,46 @@ impl Board {
 }
 
 /// Reason why a connection ended.
-enum Ended {
+enum ConnectionEnd {
     /// The port is lost, or the program was stopped.
     Lost(std::io::Error),
     /// Model to install; the port is free for it.
     Installs(Vec<u8>),
 }
 
-impl From<std::io::Error> for Ended {
+impl From<std::io::Error> for ConnectionEnd {
     fn from(error: std::io::Error) -> Self {
         Self::Lost(error)
     }
 }
 
 /// State of one connection.
-struct Session<'c, 'r, E: Encode> {
+struct BoardConnection<'c, 'r, E: Encode> {
     context: &'c Context,
     port: SerialPort,
     dialogue: Dialogue,
     /// State of the board that viewers know; empty while it is heard.
-    told: &'static str,
-    scored: Option<&'c mut Scored<'r, E>>,
+    published: &'static str,
+    scored: Option<&'c mut ScoredPipeline<'r, E>>,
 }
 
-impl<E: Encode> Session<'_, '_, E> {
+impl<E: Encode> BoardConnection<'_, '_, E> {
     /// Runs until the port is lost or needed, or the program is stopped. Also returns the losses on the line.
-    fn run(mut self, board: &Board) -> (Ended, Losses) {
+    fn run(mut self, board: &BoardSource) -> (ConnectionEnd, Losses) {
         let mut buffer = [0; 4096];
         let ended = loop {
             if self.context.stop.requested() {
                 self.leave();
-                break Ended::Lost(ErrorKind::Interrupted.into());
+                break ConnectionEnd::Lost(ErrorKind::Interrupted.into());
             }
             if let Err(ended) = self.commands() {
                 break ended;
             }
             match self.port.read(&mut buffer) {
-                Ok(0) => break Ended::Lost(ErrorKind::UnexpectedEof.into()),
+                Ok(0) => break ConnectionEnd::Lost(ErrorKind::UnexpectedEof.into()),
                 Ok(length) => self.bytes(&buffer[..length]),
-                Err(error) if is_patient(&error) => {}
-                Err(error) => break Ended::Lost(error),
+                Err(error) if board::is_timeout(&error) => {}
+                Err(error) => break ConnectionEnd::Lost(error),
             }
             self.watch(board);
         };
@@ -188,18 +178,18 @@ impl<E: Encode> Session<'_, '_, E> {
         (ended, self.dialogue.losses())
     }
 
-    fn commands(&mut self) -> Result<(), Ended> {
+    fn commands(&mut self) -> Result<(), ConnectionEnd> {
         while let Some(command) = self.dialogue.command(now(self.context)) {
             self.send(command)?;
         }
         while let Ok(request) = self.context.requests.try_recv() {
             self.send(match request {
-                Request::Align => Command::Align(AlignCommand::Begin(Arm::Unknown)),
-                Request::CancelAlignment => Command::Align(AlignCommand::Cancel),
-                Request::Bind => Command::Bind(BindCommand::Begin),
-                Request::Install(model) => {
+                SourceRequest::Align => Command::Align(AlignCommand::Begin(Arm::Unknown)),
+                SourceRequest::CancelAlignment => Command::Align(AlignCommand::Cancel),
+                SourceRequest::Bind => Command::Bind(BindCommand::Begin),
+                SourceRequest::Install(model) => {
                     self.leave();
-                    return Err(Ended::Installs(model));
+                    return Err(ConnectionEnd::Installs(model));
                 }
             })?;
         }
@@ -219,18 +209,18 @@ impl<E: Encode> Session<'_, '_, E> {
         let hub = &self.context.hub;
         let now = now(self.context);
         let scored = &mut self.scored;
-        self.dialogue.bytes(now, hub.now(), bytes, |heard| {
+        self.dialogue.bytes(now, hub.now(), bytes, |event| {
             let Some(scored) = scored else {
-                if let Heard::Event(event) = heard {
+                if let BoardEvent::Publish(event) = event {
                     hub.publish(&event);
                 }
                 return;
             };
-            match heard {
-                Heard::Event(event) => hub.publish(&event),
-                Heard::Restart => drop(scored.disconnected(now)),
-                Heard::Alignment(alignment) => scored.set_alignment(alignment),
-                Heard::Samples(report, missing) => {
+            match event {
+                BoardEvent::Publish(event) => hub.publish(&event),
+                BoardEvent::Restart => drop(scored.disconnected(now)),
+                BoardEvent::Alignment(alignment) => scored.set_alignment(alignment),
+                BoardEvent::Samples(report, missing) => {
                     match missing {
                         Some(0) => {}
                         Some(missing) => drop(scored.gap(now, missing)),
@@ -249,9 +239,9 @@ impl<E: Encode> Session<'_, '_, E> {
     }
 
     /// Tells viewers when a board is heard, and when it no longer is.
-    fn watch(&mut self, board: &Board) {
-        let heard = self.dialogue.has_heard();
-        let state = match (heard, self.dialogue.is_silent(now(self.context))) {
+    fn watch(&mut self, board: &BoardSource) {
+        let is_heard = self.dialogue.has_received();
+        let state = match (is_heard, self.dialogue.is_silent(now(self.context))) {
             (true, false) => "",
             (true, true) => "no line for 5 s: is the board still powered?",
             (false, false) => NOTHING_YET,
@@ -259,19 +249,61 @@ impl<E: Encode> Session<'_, '_, E> {
                 "no line of a board for 5 s: is this its port, and does no other program read it?"
             }
         };
-        if state != self.told {
-            self.told = state;
-            board.tell(self.context, state.is_empty(), state);
+        if state != self.published {
+            self.published = state;
+            board.publish(self.context, state.is_empty(), state);
         }
     }
 }
 
-/// Whether an error only means that no byte came in time.
-fn is_patient(error: &std::io::Error) -> bool {
-    matches!(
-        error.kind(),
-        ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted
-    )
+/// Takes the model to install that was asked for before there was a connection. Drops all other requests.
+fn early_installation(context: &Context) -> Option<Vec<u8>> {
+    let installs = |request: &SourceRequest| matches!(request, SourceRequest::Install(_));
+    match context.requests.try_iter().filter(installs).last() {
+        Some(SourceRequest::Install(model)) => Some(model),
+        _ => None,
+    }
+}
+
+/// Installs a model and tells viewers its progress and result. Returns whether it is in use now.
+fn install(path: &Path, model: &[u8], context: &Context) -> bool {
+    let publish = |state| context.hub.publish(&Event::Installing(state));
+    let running = InstallationState::running("outputs are safe until the board has all of it");
+    publish(running.clone());
+    let send = || -> anyhow::Result<u32> {
+        let file = ModelFile::new(model)?;
+        let stopped = || context.stop.requested();
+        let of = file.blocks();
+        let mut published = None;
+        board::install(path, file, stopped, |blocks| {
+            // Viewers need the progress in percent only.
+            let percent = 100 * blocks / of.max(1);
+            if published.replace(percent) != Some(percent) {
+                let running = running.clone();
+                publish(InstallationState {
+                    blocks,
+                    of,
+                    ..running
+                });
+            }
+        })?;
+        Ok(file.checksum())
+    };
+    let sent = send();
+    let is_installed = sent.is_ok();
+    publish(match sent {
+        Ok(checksum) => InstallationState {
+            state: "done",
+            text: format!("model {checksum:08x} is on the board and in use"),
+            ..running
+        },
+        Err(error) => InstallationState {
+            state: "failed",
+            text: format!("{error:#}. Install again: it goes on where this one ended"),
+            ..running
+        },
+    });
+    is_installed
 }
 
 fn now(context: &Context) -> Millis {

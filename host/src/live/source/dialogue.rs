@@ -2,7 +2,6 @@
 
 mod schedule;
 
-use shared::myo::Following;
 use shared::stream::alignment::Alignment;
 use shared::uart_line::answer::Answer;
 use shared::uart_line::command::Command;
@@ -10,7 +9,7 @@ use shared::uart_line::emg::EmgReport;
 use shared::uart_line::line::{Line, LineReader};
 use shared::units::{Millis, SampleIndex};
 
-use self::schedule::Schedule;
+use self::schedule::CommandSchedule;
 use crate::live::event::Event;
 
 /// Time without a line after which no board is connected. A board answers every command.
@@ -18,9 +17,9 @@ const SILENCE_MS: u32 = 5_000;
 
 /// Content of a received line.
 #[derive(Clone, PartialEq, Debug)]
-pub(super) enum Heard {
+pub(super) enum BoardEvent {
     /// Event for viewers.
-    Event(Event),
+    Publish(Event),
     /// Two samples, and the number missing before them; none for a new stream.
     Samples(EmgReport, Option<u32>),
     /// Alignment in force on the board.
@@ -29,22 +28,28 @@ pub(super) enum Heard {
     Restart,
 }
 
-/// State of the connection to a board.
+/// Dialogue with a board.
 #[derive(Debug)]
 pub(super) struct Dialogue {
     reader: LineReader,
+    state: State,
+}
+
+/// State of the connection to a board.
+#[derive(Debug)]
+struct State {
     began: Millis,
-    heard: Option<Millis>,
-    samples: Option<Millis>,
-    schedule: Schedule,
+    last_line: Option<Millis>,
+    last_samples: Option<Millis>,
+    schedule: CommandSchedule,
     /// Alignment in force; none while unknown.
     alignment: Option<Alignment>,
     /// Number of the next line.
-    number: Option<u32>,
+    next_number: Option<u32>,
     /// Index of the next sample.
-    next: Option<SampleIndex>,
+    next_sample: Option<SampleIndex>,
     losses: Losses,
-    told: Option<Losses>,
+    reported: Option<Losses>,
 }
 
 /// Losses on the line.
@@ -58,37 +63,38 @@ pub(super) struct Losses {
 impl Dialogue {
     /// State at the beginning of a connection; continues the losses of earlier ones.
     pub(super) fn new(now: Millis, losses: Losses) -> Self {
-        Self {
-            reader: LineReader::new(),
+        let state = State {
             began: now,
-            heard: None,
-            samples: None,
-            schedule: Schedule::default(),
+            last_line: None,
+            last_samples: None,
+            schedule: CommandSchedule::default(),
             alignment: None,
-            number: None,
-            next: None,
+            next_number: None,
+            next_sample: None,
             losses,
-            told: None,
-        }
+            reported: None,
+        };
+        let reader = LineReader::new();
+        Self { reader, state }
     }
 
     pub(super) const fn losses(&self) -> Losses {
-        self.losses
+        self.state.losses
     }
 
     /// Whether no line has come for 5 s.
     pub(super) fn is_silent(&self, now: Millis) -> bool {
-        now.elapsed_since(self.heard.unwrap_or(self.began)) >= SILENCE_MS
+        now.elapsed_since(self.state.last_line.unwrap_or(self.state.began)) >= SILENCE_MS
     }
 
     /// Whether a line has come since the beginning.
-    pub(super) const fn has_heard(&self) -> bool {
-        self.heard.is_some()
+    pub(super) const fn has_received(&self) -> bool {
+        self.state.last_line.is_some()
     }
 
     /// Returns the next command that is due; to be called until there is none.
     pub(super) fn command(&mut self, now: Millis) -> Option<Command> {
-        self.schedule.command(now, self.samples)
+        self.state.schedule.command(now, self.state.last_samples)
     }
 
     /// Takes received bytes. `at` is the time in the events for viewers.
@@ -97,79 +103,108 @@ impl Dialogue {
         now: Millis,
         at: f64,
         bytes: &[u8],
-        mut output: impl FnMut(Heard),
+        mut output: impl FnMut(BoardEvent),
     ) {
+        let Self { reader, state } = self;
         for &byte in bytes {
-            match self.reader.push(byte) {
-                None => continue,
-                Some(Err(_)) => self.losses.damaged = self.losses.damaged.saturating_add(1),
-                Some(Ok(line)) => {
-                    self.heard = Some(now);
-                    // The borrow of the reader ends before `take`.
-                    let news = News::of(line, at);
-                    self.take(now, news, &mut output);
-                }
+            match reader.push(byte) {
+                None => {}
+                Some(Err(_)) => state.losses.damaged = state.losses.damaged.saturating_add(1),
+                Some(Ok(line)) => state.line(now, at, line, &mut output),
             }
         }
-        if self.told != Some(self.losses) {
-            self.told = Some(self.losses);
+        if state.reported != Some(state.losses) {
+            state.reported = Some(state.losses);
             let Losses {
                 damaged,
                 missing,
                 samples,
-            } = self.losses;
-            output(Heard::Event(Event::Line {
+            } = state.losses;
+            output(BoardEvent::Publish(Event::Line {
                 damaged,
                 missing,
                 samples,
             }));
         }
     }
+}
 
-    fn take(&mut self, now: Millis, news: News, output: &mut impl FnMut(Heard)) {
-        if let Some(number) = news.number {
-            let restarted = self.number.is_some_and(|next| is_before(number, next));
-            if restarted {
-                self.next = None;
-                self.schedule.restart();
-                self.alignment = None;
-                output(Heard::Restart);
-            } else {
-                let missing = self.number.map_or(0, |next| number.wrapping_sub(next));
-                self.losses.missing = self.losses.missing.saturating_add(missing);
+impl State {
+    fn line(&mut self, now: Millis, at: f64, line: Line<'_>, output: &mut impl FnMut(BoardEvent)) {
+        self.last_line = Some(now);
+        let event = match line {
+            Line::Report(report) => {
+                self.number(report.sequence, output);
+                Event::of_report(at, &report)
             }
-            self.number = Some(number.wrapping_add(1));
+            Line::Alignment(report) => {
+                self.number(report.sequence, output);
+                self.alignment = Some(report.alignment);
+                output(BoardEvent::Alignment(report.alignment));
+                Event::of_alignment(at, &report)
+            }
+            Line::Emg(report) => {
+                self.last_samples = Some(now);
+                let missing = self.missing(report.first);
+                self.next_sample = Some(report.first.plus(report.samples.len() as u32));
+                self.losses.samples = self.losses.samples.saturating_add(missing.unwrap_or(0));
+                output(BoardEvent::Samples(report, missing));
+                Event::Samples {
+                    at,
+                    first: report.first.0,
+                    emg: report.samples.to_vec(),
+                    truth: None,
+                }
+            }
+            // The alignment was made before this connection, or its report was lost.
+            Line::Answer(Answer::Alignment(alignment)) if self.alignment != Some(alignment) => {
+                self.alignment = Some(alignment);
+                output(BoardEvent::Alignment(alignment));
+                Event::of_placement(at, alignment)
+            }
+            Line::Answer(Answer::Binding(binding)) => {
+                self.schedule.follows(binding.following);
+                Event::of_binding(&binding)
+            }
+            Line::Answer(Answer::Identity(identity)) => Event::of_identity(&identity),
+            Line::Answer(Answer::Counts(counts)) => Event::of_counts(&counts),
+            // Refusal of a viewer's request: an alignment or a pairing.
+            Line::Answer(Answer::Refused(why)) => Event::Comment {
+                at,
+                text: format!("the board refuses: {why}"),
+            },
+            Line::Answer(
+                Answer::Align(_)
+                | Answer::Alignment(_)
+                | Answer::Raw(_)
+                | Answer::Gate(_)
+                | Answer::Install(_),
+            ) => return,
+            Line::Comment(text) => Event::Comment {
+                at,
+                text: text.trim().to_owned(),
+            },
+        };
+        output(BoardEvent::Publish(event));
+    }
+
+    /// Takes the number of a line, which tells of lost lines and of a restart.
+    fn number(&mut self, number: u32, output: &mut impl FnMut(BoardEvent)) {
+        if self.next_number.is_some_and(|next| is_before(number, next)) {
+            self.next_sample = None;
+            self.schedule.restart();
+            self.alignment = None;
+            output(BoardEvent::Restart);
+        } else {
+            let missing = self.next_number.map_or(0, |next| number.wrapping_sub(next));
+            self.losses.missing = self.losses.missing.saturating_add(missing);
         }
-        if let Some(following) = news.following {
-            self.schedule.follows(following);
-        }
-        if let Some(alignment) = news.alignment {
-            self.alignment = Some(alignment);
-            output(Heard::Alignment(alignment));
-        }
-        // The alignment was made before this connection, or its report was lost.
-        if let Some((at, alignment)) = news.placement
-            && self.alignment != Some(alignment)
-        {
-            self.alignment = Some(alignment);
-            output(Heard::Alignment(alignment));
-            output(Heard::Event(Event::of_placement(at, alignment)));
-        }
-        if let Some(report) = news.emg {
-            self.samples = Some(now);
-            let missing = self.missing(report.first);
-            self.next = Some(report.first.plus(report.samples.len() as u32));
-            self.losses.samples = self.losses.samples.saturating_add(missing.unwrap_or(0));
-            output(Heard::Samples(report, missing));
-        }
-        if let Some(event) = news.event {
-            output(Heard::Event(event));
-        }
+        self.next_number = Some(number.wrapping_add(1));
     }
 
     /// Number of samples missing before `first`; none if it begins a stream.
     fn missing(&self, first: SampleIndex) -> Option<u32> {
-        let next = self.next?;
+        let next = self.next_sample?;
         (!is_before(first.0, next.0)).then(|| first.since(next))
     }
 }
@@ -177,84 +212,6 @@ impl Dialogue {
 /// Whether a count went backwards; correct across a wrap.
 const fn is_before(count: u32, expected: u32) -> bool {
     count.wrapping_sub(expected) > u32::MAX / 2
-}
-
-/// Content of one line.
-#[derive(Default)]
-struct News {
-    number: Option<u32>,
-    emg: Option<EmgReport>,
-    alignment: Option<Alignment>,
-    following: Option<Following>,
-    /// Answer to the question for the alignment, and its time.
-    placement: Option<(f64, Alignment)>,
-    event: Option<Event>,
-}
-
-impl News {
-    fn of(line: Line<'_>, at: f64) -> Self {
-        match line {
-            Line::Report(report) => Self {
-                number: Some(report.sequence),
-                event: Some(Event::of_report(at, &report)),
-                ..Self::default()
-            },
-            Line::Alignment(report) => Self {
-                number: Some(report.sequence),
-                alignment: Some(report.alignment),
-                event: Some(Event::of_alignment(at, &report)),
-                ..Self::default()
-            },
-            Line::Emg(report) => Self {
-                emg: Some(report),
-                event: Some(Event::Samples {
-                    at,
-                    first: report.first.0,
-                    emg: report.samples.to_vec(),
-                    truth: None,
-                }),
-                ..Self::default()
-            },
-            Line::Answer(Answer::Alignment(alignment)) => Self {
-                placement: Some((at, alignment)),
-                ..Self::default()
-            },
-            Line::Answer(Answer::Binding(binding)) => Self {
-                following: Some(binding.following),
-                event: Some(Event::of_binding(&binding)),
-                ..Self::default()
-            },
-            Line::Answer(answer) => Self {
-                event: Self::of_answer(answer, at),
-                ..Self::default()
-            },
-            Line::Comment(text) => Self {
-                event: Some(Event::Comment {
-                    at,
-                    text: text.trim().to_owned(),
-                }),
-                ..Self::default()
-            },
-        }
-    }
-
-    fn of_answer(answer: Answer<'_>, at: f64) -> Option<Event> {
-        match answer {
-            Answer::Identity(identity) => Some(Event::of_identity(&identity)),
-            Answer::Counts(counts) => Some(Event::of_counts(&counts)),
-            // Refusals of a viewer's request: an alignment or a pairing.
-            Answer::Refused(why) => Some(Event::Comment {
-                at,
-                text: format!("the board refuses: {why}"),
-            }),
-            Answer::Align(_)
-            | Answer::Alignment(_)
-            | Answer::Raw(_)
-            | Answer::Binding(_)
-            | Answer::Gate(_)
-            | Answer::Install(_) => None,
-        }
-    }
 }
 
 #[cfg(test)]

@@ -1,12 +1,13 @@
 //! Sources of a stream: a recording in real time, a board, or an armband. Each runs on its own thread until it is stopped.
 
-mod asked;
 #[cfg(any(feature = "bluetooth", test))]
 pub(crate) mod bluetooth;
 mod board;
 mod dialogue;
-mod recorded;
-mod scored;
+mod playback;
+mod scored_pipeline;
+mod scores;
+mod shared_cue;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -15,9 +16,9 @@ use std::sync::mpsc::Receiver;
 
 use shared::myo::Address;
 
-pub(crate) use self::asked::Asked;
-use self::board::Board;
-use self::recorded::{Played, Recorded};
+use self::board::BoardSource;
+use self::playback::{Playback, SampleSource};
+pub(crate) use self::shared_cue::SharedCue;
 use super::SHIPPED;
 use super::hub::Hub;
 use recordings::synthetic::{self, Follower, SynthOptions};
@@ -68,35 +69,35 @@ impl Source {
     pub(super) fn run(
         self,
         model: Option<Vec<u8>>,
-        played: Option<(Asked, u32)>,
+        cue_and_speed: Option<(SharedCue, u32)>,
         context: &Context,
     ) -> anyhow::Result<()> {
-        let speed = played.as_ref().map_or(1, |(_, speed)| *speed);
-        let recorded = |kind, name, played, model: Option<Vec<u8>>| Recorded {
+        let speed = cue_and_speed.as_ref().map_or(1, |(_, speed)| *speed);
+        let playback = |kind, name, samples, model: Option<Vec<u8>>| Playback {
             kind,
             name,
             model: model.unwrap_or_else(|| SHIPPED.to_vec()),
-            played,
+            samples,
             speed,
         };
-        let of = |recording: Recording| Played::Recording {
+        let of = |recording: Recording| SampleSource::Recording {
             samples: recording.samples,
             labels: recording.labels,
         };
         match self {
-            Self::Port(path) => Board { path, model }.run(context),
+            Self::Port(path) => BoardSource { path, model }.run(context),
             Self::Bluetooth(address) => follow(address, model, context),
             Self::Replay(recording) => {
                 let name = recording.full_name();
-                recorded("replay", name, of(*recording), model).run(context)
+                playback("replay", name, of(*recording), model).run(context)
             }
             Self::Demo => {
                 let name = "synthetic, of nobody".to_owned();
-                let emg = match played {
-                    Some((asked, _)) => Played::Person(Box::new(Follower::new("demo")), asked),
+                let emg = match cue_and_speed {
+                    Some((cue, _)) => SampleSource::Person(Box::new(Follower::new("demo")), cue),
                     None => of(demo()),
                 };
-                recorded("demo", name, emg, model).run(context)
+                playback("demo", name, emg, model).run(context)
             }
         }
     }
@@ -104,7 +105,7 @@ impl Source {
 
 /// Request to a source.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(crate) enum Request {
+pub(crate) enum SourceRequest {
     /// Begin an alignment.
     Align,
     /// Cancel the alignment in progress.
@@ -119,7 +120,7 @@ pub(crate) enum Request {
 #[derive(Debug)]
 pub(crate) struct Context {
     pub(crate) hub: Arc<Hub>,
-    pub(crate) requests: Receiver<Request>,
+    pub(crate) requests: Receiver<SourceRequest>,
     pub(crate) stop: Stop,
 }
 
@@ -145,7 +146,7 @@ fn follow(
     context: &Context,
 ) -> anyhow::Result<()> {
     let model = model.unwrap_or_else(|| SHIPPED.to_vec());
-    self::bluetooth::Armband { address, model }.run(context)
+    self::bluetooth::ArmbandSource { address, model }.run(context)
 }
 
 /// Fails: the program was built without Bluetooth.

@@ -45,11 +45,11 @@ fn every_sample_has_the_cue_of_its_index_wherever_that_is_written() {
         quiet(120, 20),
     ];
     for entries in [before, after] {
-        let take = assemble(&entries);
-        let [part] = &take.parts[..] else {
-            panic!("{take:?}");
+        let assembly = assemble(&entries);
+        let [part] = &assembly.parts[..] else {
+            panic!("{assembly:?}");
         };
-        assert_eq!((part.round, part.samples.len(), take.lost), (1, 40, 0));
+        assert_eq!((part.samples.len(), assembly.lost), (40, 0));
         assert!(part.cues[..10].iter().all(Option::is_none));
         assert!(part.cues[10..].iter().all(|cue| *cue == R));
         assert_eq!((part.trials[9], part.trials[10]), (0, 1));
@@ -73,9 +73,9 @@ fn each_sample_has_the_placement_that_was_in_force_when_it_came() {
         // A gap begins another recording with the same placement.
         quiet(100, 20),
     ];
-    let take = assemble(&entries);
-    let [first, second] = &take.parts[..] else {
-        panic!("{take:?}");
+    let assembly = assemble(&entries);
+    let [first, second] = &assembly.parts[..] else {
+        panic!("{assembly:?}");
     };
     let placed = Alignment::new(3, false);
     assert_eq!(first.placements[..20], [Alignment::NONE; 20]);
@@ -104,8 +104,8 @@ fn five_missing_samples_are_bridged_and_said_and_six_begin_another_recording() {
             .iter()
             .all(|sample| *sample == part.samples[19])
     );
-    let said: Vec<usize> = (0..45).filter(|&at| part.bridged[at]).collect();
-    assert_eq!(said, [20, 21, 22, 23, 24]);
+    let bridged: Vec<usize> = (0..45).filter(|&at| part.bridged[at]).collect();
+    assert_eq!(bridged, [20, 21, 22, 23, 24]);
     let split = assemble(&entries(26));
     let lengths: Vec<_> = split.parts.iter().map(|part| part.samples.len()).collect();
     assert_eq!((lengths, split.lost), (vec![20, 20], 6));
@@ -114,7 +114,7 @@ fn five_missing_samples_are_bridged_and_said_and_six_begin_another_recording() {
 
 #[test]
 fn a_break_and_a_round_begin_another_recording() {
-    let take = assemble(&[
+    let assembly = assemble(&[
         Entry::Round { number: 1, at: 0 },
         cue(0, R, 1),
         quiet(0, 20),
@@ -126,13 +126,13 @@ fn a_break_and_a_round_begin_another_recording() {
         cue(14, None, 0),
         Entry::Over,
     ]);
-    let found: Vec<_> = take
+    let found: Vec<_> = assembly
         .parts
         .iter()
-        .map(|part| (part.round, part.index[0], part.samples.len()))
+        .map(|part| (part.index[0], part.samples.len()))
         .collect();
-    assert_eq!(found, [(1, 0, 20), (1, 4, 10), (2, 14, 10)]);
-    assert!(take.complete && take.lost == 0);
+    assert_eq!(found, [(0, 20), (4, 10), (14, 10)]);
+    assert!(assembly.complete && assembly.lost == 0);
 }
 
 #[test]
@@ -148,8 +148,8 @@ fn samples_of_a_bad_trial_stay_and_have_no_label() {
             noise(1300, 500, 3),
         ];
         if bad {
-            let (trial, why) = (1, Bad::Person);
-            entries.push(Entry::Bad { trial, why });
+            let (trial, why) = (1, RejectReason::Person);
+            entries.push(Entry::Rejected { trial, why });
         }
         entries.push(Entry::Over);
         assemble(&entries)

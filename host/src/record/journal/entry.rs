@@ -7,39 +7,39 @@ use serde::{Deserialize, Serialize};
 use shared::intent::Intent;
 use shared::units::{CHANNELS, Sample, SampleIndex};
 
-use crate::record::session::{Bad, Output};
+use crate::record::session::{Output, RejectReason};
 
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 /// Version of the format described here.
-pub(super) const FORMAT: u32 = 1;
+pub(in crate::record) const FORMAT: u32 = 1;
 
 /// Description of a session.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
-pub struct Header {
+pub(crate) struct Header {
     /// Version of the journal's format.
-    pub format: u32,
+    pub(crate) format: u32,
     /// Version of the program.
-    pub version: String,
+    pub(crate) version: String,
     /// Time of the beginning, UTC.
-    pub began: String,
+    pub(crate) began: String,
     /// Name of the person.
-    pub person: String,
+    pub(crate) person: String,
     /// Name of the protocol.
-    pub protocol: String,
+    pub(crate) protocol: String,
     /// Classes of the protocol.
-    pub classes: Vec<String>,
+    pub(crate) classes: Vec<String>,
     /// Whether the session is free: the person names the gestures.
-    pub free: bool,
+    pub(crate) free: bool,
     /// Source of the samples.
-    pub source: String,
+    pub(crate) source: String,
     /// Whether the samples are synthetic.
-    pub synthetic: bool,
+    pub(crate) synthetic: bool,
 }
 
 /// Entry of a journal.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(tag = "is", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Entry {
+pub(crate) enum Entry {
     /// Header, the first line.
     Begin(Header),
     /// Consecutive samples, 16 hexadecimal digits each.
@@ -75,11 +75,12 @@ pub enum Entry {
         trial: u32,
     },
     /// Rejection of a trial.
-    Bad {
+    #[serde(rename = "bad")]
+    Rejected {
         /// Number of the trial.
         trial: u32,
         /// Reason.
-        why: Bad,
+        why: RejectReason,
     },
     /// Regular end of the session.
     Over,
@@ -87,8 +88,7 @@ pub enum Entry {
 
 impl Entry {
     /// Entry for an output of a session.
-    #[must_use]
-    pub fn of(output: Output) -> Self {
+    pub(crate) fn of(output: Output) -> Self {
         match output {
             Output::Round { number, at } => Self::Round { number, at: at.0 },
             Output::Cue { at, cue, trial } => Self::Cue {
@@ -96,15 +96,14 @@ impl Entry {
                 cue: cue.map(|intent| intent.name().to_owned()),
                 trial,
             },
-            Output::Bad { trial, why } => Self::Bad { trial, why },
+            Output::Rejected { trial, why } => Self::Rejected { trial, why },
             Output::Pause => Self::Break,
             Output::Over => Self::Over,
         }
     }
 
     /// Entry of consecutive samples from an index on.
-    #[must_use]
-    pub fn samples(first: SampleIndex, samples: &[Sample]) -> Self {
+    pub(crate) fn samples(first: SampleIndex, samples: &[Sample]) -> Self {
         let mut emg = String::with_capacity(samples.len() * 2 * CHANNELS);
         for value in samples.iter().flatten() {
             // Writing to a string cannot fail.
@@ -115,8 +114,7 @@ impl Entry {
     }
 
     /// Decodes the samples of their digits; none if the text is malformed.
-    #[must_use]
-    pub fn decoded(emg: &str) -> Option<Vec<Sample>> {
+    pub(crate) fn decoded(emg: &str) -> Option<Vec<Sample>> {
         let value = |pair: &[u8; 2]| {
             let text = std::str::from_utf8(pair).ok()?;
             u8::from_str_radix(text, 16).ok().map(u8::cast_signed)
@@ -128,8 +126,7 @@ impl Entry {
     }
 
     /// Class of a cue by its name.
-    #[must_use]
-    pub fn intent(cue: Option<&String>) -> Option<Intent> {
+    pub(crate) fn intent(cue: Option<&String>) -> Option<Intent> {
         Intent::from_name(cue?)
     }
 

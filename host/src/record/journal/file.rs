@@ -10,10 +10,12 @@ use std::path::{Path, PathBuf};
 use shared::units::{Millis, Sample, SampleIndex};
 
 use super::entry::FORMAT;
-use super::error::{JournalError, LARGEST, WriteError, folder};
-use super::name::{free, is_named, lock, name, unnamed};
+use super::name::{create_unnamed, free_name, is_named, lock, set_name};
 use super::{Contents, Entry, Header, Writer, read};
+use crate::record::error::{RecordError, folder};
 
+/// Greatest length of a journal in bytes: 20 hours.
+pub(in crate::record) const LARGEST: u64 = 256 << 20;
 /// Pause between two synchronizations to the disk: a power failure loses so much.
 const SYNC_MS: u32 = 1_000;
 /// Length in bytes at which a session has to end, so that data waiting for the disk still fits.
@@ -23,11 +25,11 @@ const SECOND: usize = 3_500;
 
 /// Result of a flush.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub enum Flushed {
+pub(crate) enum FlushOutcome {
     /// The file is where it was.
     InPlace,
     /// The file had lost its name and was written anew, under this name or another one.
-    Anew {
+    Rewritten {
         /// Former name of the file.
         gone: PathBuf,
     },
@@ -35,7 +37,7 @@ pub enum Flushed {
 
 /// Journal that is being written.
 #[derive(Debug)]
-pub struct Journal {
+pub(crate) struct Journal {
     path: PathBuf,
     writer: Writer<File>,
     synced: Option<Millis>,
@@ -50,17 +52,14 @@ impl Journal {
     ///
     /// # Errors
     /// When a file of that name exists or the file cannot be written.
-    pub fn create(path: &Path, mut header: Header) -> Result<Self, JournalError> {
-        let failed = |source| JournalError::Io {
-            path: path.to_owned(),
-            source,
-        };
-        let (unnamed, file) = unnamed(path).map_err(failed)?;
+    pub(crate) fn create(path: &Path, mut header: Header) -> Result<Self, RecordError> {
+        let failed = RecordError::io(path);
+        let (unnamed, file) = create_unnamed(path).map_err(failed)?;
         lock(path, &file)?;
         let mut writer = Writer::new(file);
         header.format = FORMAT;
         writer.entry(&Entry::Begin(header));
-        let named = writer.flush().and_then(|()| name(&unnamed, path));
+        let named = writer.flush().and_then(|()| set_name(&unnamed, path));
         named.map_err(|error| {
             let _ = fs::remove_file(&unnamed);
             failed(error)
@@ -74,24 +73,22 @@ impl Journal {
     }
 
     /// Path of the file.
-    #[must_use]
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
     /// Takes samples; [`flush`](Self::flush) writes them, a tenth of a second at a time.
-    pub fn samples(&mut self, first: SampleIndex, samples: &[Sample]) {
+    pub(crate) fn samples(&mut self, first: SampleIndex, samples: &[Sample]) {
         self.writer.samples(first, samples);
     }
 
     /// Takes an entry of another kind.
-    pub fn entry(&mut self, entry: &Entry) {
+    pub(crate) fn entry(&mut self, entry: &Entry) {
         self.writer.entry(entry);
     }
 
     /// Whether the session has to end: a longer journal could not be read.
-    #[must_use]
-    pub fn is_full(&self) -> bool {
+    pub(crate) fn is_full(&self) -> bool {
         let length = self.writer.get_ref().metadata();
         length.is_ok_and(|file| file.len() > FULL)
     }
@@ -100,8 +97,8 @@ impl Journal {
     ///
     /// # Errors
     /// When the disk takes no more. Data not yet taken is kept for the next call.
-    pub fn flush(&mut self, now: Millis) -> Result<Flushed, WriteError> {
-        let mut flushed = Flushed::InPlace;
+    pub(crate) fn flush(&mut self, now: Millis) -> Result<FlushOutcome, RecordError> {
+        let mut flushed = FlushOutcome::InPlace;
         if !is_named(self.writer.get_ref(), &self.path) {
             let gone = self.path.clone();
             // A long journal is not copied in vain many times a second.
@@ -110,12 +107,12 @@ impl Journal {
                 Err(ErrorKind::ResourceBusy.into())
             } else {
                 self.refused = Some(now);
-                self.write_anew(folder(&gone))
+                self.rewrite(folder(&gone))
             };
             if let Err(source) = anew {
-                return Err(WriteError::Gone { path: gone, source });
+                return Err(RecordError::Gone { path: gone, source });
             }
-            flushed = Flushed::Anew { gone };
+            flushed = FlushOutcome::Rewritten { gone };
         }
         self.refused = None;
         let is_due = |last: Millis| now.elapsed_since(last) >= SYNC_MS;
@@ -124,8 +121,7 @@ impl Journal {
             written = self.writer.get_ref().sync_data();
             self.synced = Some(now);
         }
-        let path = self.path.clone();
-        written.map_err(|source| WriteError::Disk { path, source })?;
+        written.map_err(RecordError::io(&self.path))?;
         Ok(flushed)
     }
 
@@ -133,23 +129,23 @@ impl Journal {
     ///
     /// # Errors
     /// When the disk takes no more: what was written before can be read.
-    pub fn close(mut self) -> Result<PathBuf, WriteError> {
+    pub(crate) fn close(mut self) -> Result<PathBuf, RecordError> {
         self.writer.close();
         let path = self.path.clone();
         let mut elsewhere = false;
         if !is_named(self.writer.get_ref(), &path)
-            && let Err(source) = self.write_anew(folder(&path))
+            && let Err(source) = self.rewrite(folder(&path))
         {
             // The samples are saved elsewhere: they would be lost when the program ends.
-            if self.write_anew(&std::env::temp_dir()).is_err() {
-                return Err(WriteError::Gone { path, source });
+            if self.rewrite(&std::env::temp_dir()).is_err() {
+                return Err(RecordError::Gone { path, source });
             }
             elsewhere = true;
         }
         let written = self.writer.flush();
         written
             .and_then(|()| self.writer.get_ref().sync_all())
-            .map_err(|source| WriteError::Cut {
+            .map_err(|source| RecordError::Cut {
                 path: self.path.clone(),
                 seconds: self.writer.pending().div_ceil(SECOND),
                 source,
@@ -158,29 +154,29 @@ impl Journal {
         let _ = self.writer.get_ref().unlock();
         let found = self.path;
         if elsewhere {
-            return Err(WriteError::Elsewhere { path, found });
+            return Err(RecordError::Elsewhere { path, found });
         }
         Ok(found)
     }
 
     /// Copies the journal into a file of the same name in a folder, or of the next free name.
-    fn write_anew(&mut self, folder: &Path) -> io::Result<()> {
+    fn rewrite(&mut self, folder: &Path) -> io::Result<()> {
         fs::create_dir_all(folder)?;
         let wanted = folder.join(self.path.file_name().unwrap_or_default());
-        let path = free(&wanted);
-        let (unnamed, mut file) = unnamed(&path)?;
+        let path = free_name(&wanted);
+        let (unnamed, mut file) = create_unnamed(&path)?;
         // Nobody else knows this file yet.
         let _ = file.try_lock();
         let mut old = self.writer.get_ref();
         let copied = old.rewind().and_then(|()| io::copy(&mut old, &mut file));
         let named = copied
             .and_then(|_| file.sync_all())
-            .and_then(|()| name(&unnamed, &path));
+            .and_then(|()| set_name(&unnamed, &path));
         if let Err(error) = named {
             let _ = fs::remove_file(&unnamed);
             return Err(error);
         }
-        self.writer.go_on_in(file);
+        self.writer.redirect(file);
         self.path = path;
         Ok(())
     }
@@ -190,17 +186,14 @@ impl Journal {
 ///
 /// # Errors
 /// When it cannot be read, is being written, or is no journal of this format.
-pub fn open(path: &Path) -> Result<(File, Header, Contents), JournalError> {
-    let failed = |source| JournalError::Io {
-        path: path.to_owned(),
-        source,
-    };
+pub(crate) fn open(path: &Path) -> Result<(File, Header, Contents), RecordError> {
+    let failed = RecordError::io(path);
     let file = File::open(path).map_err(failed)?;
     lock(path, &file)?;
     let found = file.metadata().map_err(failed)?.len();
     if found > LARGEST {
         let path = path.to_owned();
-        return Err(JournalError::Large { path, found });
+        return Err(RecordError::Large { path, found });
     }
     let mut bytes = Vec::new();
     // Read through the locked handle.
@@ -212,19 +205,19 @@ pub fn open(path: &Path) -> Result<(File, Header, Contents), JournalError> {
     if contents.entries.is_empty() {
         let path = path.to_owned();
         return Err(if contents.damaged {
-            JournalError::Headless { path }
+            RecordError::Headless { path }
         } else {
-            JournalError::Empty { path }
+            RecordError::Empty { path }
         });
     }
     match contents.entries.remove(0) {
         Entry::Begin(header) if header.format == FORMAT => Ok((file, header, contents)),
-        Entry::Begin(header) => Err(JournalError::Format {
+        Entry::Begin(header) => Err(RecordError::Format {
             path: path.to_owned(),
             found: header.format,
             version: header.version,
         }),
-        _ => Err(JournalError::Headless {
+        _ => Err(RecordError::Headless {
             path: path.to_owned(),
         }),
     }

@@ -2,31 +2,30 @@
 //! valid up to its last whole line. It becomes recordings at the end of the session or at the next start.
 
 mod entry;
-mod error;
 mod file;
 mod name;
 mod writer;
 
-pub use self::entry::{Entry, Header};
-pub use self::error::{JournalError, WriteError};
-pub use self::file::{Flushed, Journal, open};
-pub use self::name::ENDING;
-pub use self::writer::Writer;
+pub(super) use self::entry::FORMAT;
+pub(crate) use self::entry::{Entry, Header};
+pub(super) use self::file::LARGEST;
+pub(crate) use self::file::{FlushOutcome, Journal, open};
+pub(crate) use self::name::ENDING;
+pub(crate) use self::writer::Writer;
 
 /// Contents of a journal up to the first damage.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub struct Contents {
+pub(crate) struct Contents {
     /// Entries in order.
-    pub entries: Vec<Entry>,
+    pub(crate) entries: Vec<Entry>,
     /// Number of bytes after the last whole line.
-    pub left_off: usize,
+    pub(crate) left_off: usize,
     /// Whether these bytes are more than one unfinished line: the disk has damaged them.
-    pub damaged: bool,
+    pub(crate) damaged: bool,
 }
 
 /// Reads a journal up to the first line that is not whole.
-#[must_use]
-pub fn read(bytes: &[u8]) -> Contents {
+pub(crate) fn read(bytes: &[u8]) -> Contents {
     let mut contents = Contents::default();
     let mut rest = bytes;
     while let Some(end) = rest.iter().position(|&byte| byte == b'\n') {

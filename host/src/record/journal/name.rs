@@ -4,15 +4,15 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-use super::error::JournalError;
+use crate::record::RecordError;
 
 /// File extension of a journal.
-pub const ENDING: &str = "journal";
+pub(crate) const ENDING: &str = "journal";
 /// File extension until a journal is locked and has its first line: no start takes such a file.
 const UNNAMED: &str = "journal.new";
 
 /// Creates a file that has no journal's name yet; returns its name, too.
-pub(super) fn unnamed(path: &Path) -> io::Result<(PathBuf, File)> {
+pub(super) fn create_unnamed(path: &Path) -> io::Result<(PathBuf, File)> {
     let unnamed = path.with_extension(UNNAMED);
     let mut options = OpenOptions::new();
     let file = options.read(true).append(true).create_new(true);
@@ -20,7 +20,7 @@ pub(super) fn unnamed(path: &Path) -> io::Result<(PathBuf, File)> {
 }
 
 /// Gives a file the name of a journal. Only the session that created the unnamed file gets here.
-pub(super) fn name(unnamed: &Path, path: &Path) -> io::Result<()> {
+pub(super) fn set_name(unnamed: &Path, path: &Path) -> io::Result<()> {
     if path.symlink_metadata().is_ok() {
         return Err(ErrorKind::AlreadyExists.into());
     }
@@ -28,7 +28,7 @@ pub(super) fn name(unnamed: &Path, path: &Path) -> io::Result<()> {
 }
 
 /// Finds a free name: `anna_….journal`, `anna_…-2.journal`.
-pub(super) fn free(wanted: &Path) -> PathBuf {
+pub(super) fn free_name(wanted: &Path) -> PathBuf {
     let stem = wanted.file_stem().unwrap_or_default().to_string_lossy();
     let mut path = wanted.to_owned();
     let mut number = 1_u32;
@@ -57,10 +57,10 @@ pub(super) fn is_named(_: &File, path: &Path) -> bool {
 }
 
 /// Locks a journal, so that no other start takes it.
-pub(super) fn lock(path: &Path, file: &File) -> Result<(), JournalError> {
+pub(super) fn lock(path: &Path, file: &File) -> Result<(), RecordError> {
     match file.try_lock() {
         Ok(()) => Ok(()),
-        Err(TryLockError::WouldBlock) => Err(JournalError::Busy {
+        Err(TryLockError::WouldBlock) => Err(RecordError::Busy {
             path: path.to_owned(),
         }),
         // Not every file system has locks. Without them, the time in the names keeps two sessions apart.

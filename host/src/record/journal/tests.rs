@@ -6,7 +6,8 @@ use shared::intent::Intent;
 use shared::units::{CHANNELS, Millis, Sample, SampleIndex};
 
 use super::*;
-use crate::record::session::{Bad, Output};
+use crate::record::RecordError;
+use crate::record::session::{Output, RejectReason};
 
 fn header() -> Header {
     Header {
@@ -40,8 +41,8 @@ fn fill<W: Write>(writer: &mut Writer<W>, count: u32) {
         }
         writer.samples(SampleIndex(at), &[sample(at), sample(at + 1)]);
     }
-    let (trial, why) = (2, Bad::Person);
-    writer.entry(&Entry::of(Output::Bad { trial, why }));
+    let (trial, why) = (2, RejectReason::Person);
+    writer.entry(&Entry::of(Output::Rejected { trial, why }));
     writer.entry(&Entry::Over);
 }
 
@@ -189,9 +190,9 @@ fn a_journal_is_new_and_one_session_s_alone() {
     journal.flush(Millis(0)).unwrap();
     assert!(matches!(
         Journal::create(&path, header()),
-        Err(JournalError::Io { .. })
+        Err(RecordError::Io { .. })
     ));
-    assert!(matches!(open(&path), Err(JournalError::Busy { .. })));
+    assert!(matches!(open(&path), Err(RecordError::Busy { .. })));
     journal.close().unwrap();
     let (_lock, found, contents) = open(&path).unwrap();
     assert_eq!(
@@ -279,11 +280,11 @@ fn a_folder_that_cannot_be_written_is_tried_again_and_at_the_end_the_journal_is_
         fs::create_dir(&folder).unwrap();
         let mut journal = Journal::create(&folder.join(name), header()).unwrap();
         journal.samples(SampleIndex(0), &[sample(0); 20]);
-        assert_eq!(journal.flush(Millis(0)).unwrap(), Flushed::InPlace);
+        assert_eq!(journal.flush(Millis(0)).unwrap(), FlushOutcome::InPlace);
         fs::remove_dir_all(&folder).unwrap();
         fs::write(&folder, "somebody's").unwrap();
         let refused = journal.flush(Millis(20)).unwrap_err();
-        assert!(matches!(refused, WriteError::Gone { .. }), "{refused}");
+        assert!(matches!(refused, RecordError::Gone { .. }), "{refused}");
         journal.samples(SampleIndex(20), &[sample(20); 20]);
         journal
     };
@@ -293,15 +294,15 @@ fn a_folder_that_cannot_be_written_is_tried_again_and_at_the_end_the_journal_is_
     journal.flush(Millis(40)).unwrap_err();
     let gone = folder.join("a.journal");
     let anew = journal.flush(Millis(1040)).unwrap();
-    assert_eq!(anew, Flushed::Anew { gone: gone.clone() });
-    assert_eq!(journal.flush(Millis(1060)).unwrap(), Flushed::InPlace);
+    assert_eq!(anew, FlushOutcome::Rewritten { gone: gone.clone() });
+    assert_eq!(journal.flush(Millis(1060)).unwrap(), FlushOutcome::InPlace);
     assert_eq!(journal.close().unwrap(), gone);
     assert_eq!(samples(&open(&gone).unwrap().2).len(), 40);
     fs::remove_dir_all(&folder).unwrap();
 
     let name = format!("elsewhere-{}.journal", std::process::id());
     let ended = begin(&name).close().unwrap_err();
-    let WriteError::Elsewhere { found, .. } = &ended else {
+    let RecordError::Elsewhere { found, .. } = &ended else {
         panic!("{ended}");
     };
     assert!(ended.to_string().contains(found.to_str().unwrap()));
@@ -329,11 +330,11 @@ fn a_journal_beyond_what_is_read_is_refused_and_not_cut() {
     std::fs::write(&path, journal(60)).unwrap();
     let file = std::fs::File::options().append(true).open(&path).unwrap();
     file.set_len((256 << 20) + 335).unwrap();
-    let told = match open(&path) {
+    let error = match open(&path) {
         Ok((_, _, contents)) => panic!("{} bytes left off", contents.left_off),
         Err(error) => error.to_string(),
     };
-    assert!(told.contains("256 MiB"), "{told}");
+    assert!(error.contains("256 MiB"), "{error}");
 }
 
 proptest::proptest! {

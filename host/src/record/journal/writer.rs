@@ -13,7 +13,7 @@ const MOST_PENDING: usize = 16 << 20;
 
 /// Writer of a journal's lines.
 #[derive(Debug)]
-pub struct Writer<W> {
+pub(crate) struct Writer<W> {
     out: W,
     /// Bytes not yet taken; begins within a line if the output took a part of it.
     pending: Vec<u8>,
@@ -23,7 +23,7 @@ pub struct Writer<W> {
 
 impl<W: Write> Writer<W> {
     /// Creates a writer to an empty file.
-    pub const fn new(out: W) -> Self {
+    pub(crate) const fn new(out: W) -> Self {
         Self {
             out,
             pending: Vec::new(),
@@ -33,7 +33,7 @@ impl<W: Write> Writer<W> {
     }
 
     /// Takes consecutive samples. Beyond the limit they are dropped, which leaves a gap in their index.
-    pub fn samples(&mut self, first: SampleIndex, samples: &[Sample]) {
+    pub(crate) fn samples(&mut self, first: SampleIndex, samples: &[Sample]) {
         if self.pending.len() > MOST_PENDING {
             return;
         }
@@ -51,13 +51,13 @@ impl<W: Write> Writer<W> {
     }
 
     /// Takes an entry of another kind, after the samples before it.
-    pub fn entry(&mut self, entry: &Entry) {
+    pub(crate) fn entry(&mut self, entry: &Entry) {
         self.close();
         self.pending.extend_from_slice(entry.line().as_bytes());
     }
 
     /// Ends the line of samples.
-    pub fn close(&mut self) {
+    pub(crate) fn close(&mut self) {
         if !self.samples.is_empty() {
             let entry = Entry::samples(self.first, &self.samples);
             self.samples.clear();
@@ -69,7 +69,7 @@ impl<W: Write> Writer<W> {
     ///
     /// # Errors
     /// When the output takes no more. Bytes not yet taken are kept for the next call.
-    pub fn flush(&mut self) -> io::Result<()> {
+    pub(crate) fn flush(&mut self) -> io::Result<()> {
         while !self.pending.is_empty() {
             match self.out.write(&self.pending) {
                 Ok(0) => return Err(ErrorKind::WriteZero.into()),
@@ -82,17 +82,17 @@ impl<W: Write> Writer<W> {
     }
 
     /// Continues in another output that has all bytes taken so far.
-    pub fn go_on_in(&mut self, out: W) {
+    pub(crate) fn redirect(&mut self, out: W) {
         self.out = out;
     }
 
     /// Number of bytes not yet taken.
-    pub const fn pending(&self) -> usize {
+    pub(crate) const fn pending(&self) -> usize {
         self.pending.len()
     }
 
     /// Output of the writer.
-    pub const fn get_ref(&self) -> &W {
+    pub(crate) const fn get_ref(&self) -> &W {
         &self.out
     }
 }

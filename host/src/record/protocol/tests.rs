@@ -1,34 +1,33 @@
 use super::*;
 
-fn wrong(text: &str) -> ProtocolFault {
-    match Protocol::parse("mine.toml", text) {
-        Err(ProtocolError::Wrong { fault, .. }) => fault,
-        other => panic!("{other:?}"),
-    }
+/// Reason why a protocol is refused, without the name of its file.
+fn refusal(text: &str) -> String {
+    let error = Protocol::parse("mine.toml", text).unwrap_err().to_string();
+    error.strip_prefix("mine.toml: ").unwrap().to_owned()
 }
 
 const SHORT: &str = "rounds = 2\npause = 3\nsequence = [\"relax\", \"open\", \"close\", \"relax\", \"close\", \"relax\"]\n\
     [seconds]\nrelax = 2\nopen = 1.5\nclose = 1\n";
 
 #[test]
-fn a_sequence_is_divided_into_trials_at_each_rest() {
+fn a_sequence_is_divided_into_cue_blocks_at_each_rest() {
     let protocol = Protocol::parse("some/mine.toml", SHORT).unwrap();
     let step = |intent, samples| Step { intent, samples };
     let rest = step(Intent::Relax, 400);
-    let trial = |steps: &[Step]| Trial {
+    let block = |steps: &[Step]| CueBlock {
         steps: steps.to_vec(),
     };
-    let trials = vec![
-        trial(&[rest, step(Intent::Open, 300), step(Intent::Close, 200)]),
-        trial(&[rest, step(Intent::Close, 200)]),
-        trial(&[rest]),
+    let blocks = vec![
+        block(&[rest, step(Intent::Open, 300), step(Intent::Close, 200)]),
+        block(&[rest, step(Intent::Close, 200)]),
+        block(&[rest]),
     ];
     assert_eq!(
         protocol,
         Protocol {
             name: "mine".to_owned(),
             pause: 600,
-            course: Course::Guided { rounds: 2, trials },
+            course: Course::Guided { rounds: 2, blocks },
         }
     );
     assert_eq!(protocol.samples(), Some(2 * (600 + 1900)));
@@ -40,12 +39,12 @@ fn a_sequence_is_divided_into_trials_at_each_rest() {
 fn every_built_in_protocol_has_each_gesture_as_often_as_personalize_needs() {
     for (name, _) in BUILT_IN {
         let protocol = Protocol::find(name).unwrap();
-        let Course::Guided { rounds, trials } = &protocol.course else {
+        let Course::Guided { rounds, blocks } = &protocol.course else {
             assert_eq!((name, protocol.samples()), ("free", None));
             continue;
         };
         for intent in protocol.intents() {
-            let steps = trials.iter().flat_map(|trial| &trial.steps);
+            let steps = blocks.iter().flat_map(|block| &block.steps);
             let once = steps.filter(|step| step.intent == intent).count();
             // Twice in the last round, which is held back, and twice before it.
             assert!(*rounds >= 2 && once >= 2, "{name}: {intent:?}");
@@ -60,12 +59,12 @@ fn every_built_in_protocol_has_each_gesture_as_often_as_personalize_needs() {
 #[test]
 fn the_paper_s_sequence_is_the_paper_s() {
     let protocol = Protocol::find("paper").unwrap();
-    let Course::Guided { trials, .. } = protocol.course else {
+    let Course::Guided { blocks, .. } = protocol.course else {
         panic!("guided");
     };
-    let letters: String = trials
+    let letters: String = blocks
         .iter()
-        .flat_map(|trial| &trial.steps)
+        .flat_map(|block| &block.steps)
         .map(|step| step.intent.name()[..1].to_uppercase())
         .collect();
     assert_eq!(letters, "ROCORORCR");
@@ -78,9 +77,11 @@ fn what_cannot_be_done_is_refused_with_its_reason() {
         assert_ne!(text, SHORT);
         text
     };
-    let number = |text: &str| match wrong(text) {
-        ProtocolFault::Number { what, .. } => what,
-        other => panic!("{other:?}"),
+    let number = |text: &str| {
+        let refusal = refusal(text);
+        let (what, bounds) = refusal.split_once(": ").unwrap();
+        assert!(bounds.starts_with("expected "), "{refusal}");
+        what.to_owned()
     };
     assert_eq!(number(&edit("rounds = 2", "rounds = 0")), "rounds");
     assert_eq!(number(&edit("pause = 3", "pause = 0")), "pause");
@@ -92,26 +93,33 @@ fn what_cannot_be_done_is_refused_with_its_reason() {
         "rounds = 5\npause = 3\nsequence = [\"relax\", {turns}]\n[seconds]\nrelax = 60\nopen = 60\n"
     );
     assert_eq!(number(&long), "hours of a session");
-    assert_eq!(
-        wrong(&edit("open = 1.5\n", "")),
-        ProtocolFault::NoSeconds { missing: "open" }
-    );
-    assert_eq!(
-        wrong(&edit("\"open\", \"close\"", "\"fist\"")),
-        ProtocolFault::Class {
-            found: "fist".to_owned()
-        }
-    );
-    assert_eq!(
-        wrong(&edit("\"open\", \"close\"", "\"open\", \"open\"")),
-        ProtocolFault::Twice { class: "open" }
-    );
-    assert_eq!(wrong(&edit("[\"relax\", ", "[")), ProtocolFault::Ends);
-    assert_eq!(wrong(&edit(", \"relax\"]", "]")), ProtocolFault::Ends);
     let both = format!("gestures = [\"relax\", \"open\"]\n{SHORT}");
-    assert_eq!(wrong(&both), ProtocolFault::Kind { found: "both" });
-    let neither = "pause = 3\n";
-    assert_eq!(wrong(neither), ProtocolFault::Kind { found: "neither" });
+    let ends = "the sequence must begin and end with relax";
+    let course = "expected either `sequence` (guided) or `gestures` (free), found";
+    for (text, expected) in [
+        (
+            edit("open = 1.5\n", ""),
+            "[seconds] has no open, which the sequence asks for",
+        ),
+        (
+            edit("\"open\", \"close\"", "\"fist\""),
+            "\"fist\" is no class: expected relax, open, close, wave-in, wave-out, pinch",
+        ),
+        (
+            edit("\"open\", \"close\"", "\"open\", \"open\""),
+            "open follows itself: ask for it once, for longer",
+        ),
+        (edit("[\"relax\", ", "["), ends),
+        (edit(", \"relax\"]", "]"), ends),
+        (both, &format!("{course} both")),
+        ("pause = 3\n".to_owned(), &format!("{course} neither")),
+        (
+            "pause = 3\nrounds = 2\ngestures = [\"relax\", \"open\"]\n".to_owned(),
+            "`rounds` means nothing in a free protocol",
+        ),
+    ] {
+        assert_eq!(refusal(&text), expected);
+    }
     for gestures in [
         "[]",
         "[\"relax\"]",
@@ -119,10 +127,12 @@ fn what_cannot_be_done_is_refused_with_its_reason() {
         "[\"relax\", \"open\", \"open\"]",
     ] {
         let text = format!("pause = 3\ngestures = {gestures}\n");
-        assert_eq!(wrong(&text), ProtocolFault::Gestures, "{gestures}");
+        assert_eq!(
+            refusal(&text),
+            "expected relax and at least one gesture, each once in `gestures`",
+            "{gestures}"
+        );
     }
-    let text = "pause = 3\nrounds = 2\ngestures = [\"relax\", \"open\"]\n";
-    assert_eq!(wrong(text), ProtocolFault::Meaningless { key: "rounds" });
 }
 
 #[test]

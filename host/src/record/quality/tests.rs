@@ -10,7 +10,7 @@ use crate::record::session::Output;
 const CLASSES: [Intent; 3] = [Intent::Relax, Intent::Open, Intent::Close];
 
 /// Session with this many holds of open and close each; `amplitude` gives a channel's amplitude in a class.
-fn take(holds: usize, mut amplitude: impl FnMut(usize, Intent) -> i8) -> Take {
+fn assembly(holds: usize, mut amplitude: impl FnMut(usize, Intent) -> i8) -> Assembly {
     let mut random = ChaCha8Rng::seed_from_u64(3);
     let mut entries = vec![Entry::Round { number: 1, at: 0 }];
     let mut at = 0;
@@ -45,8 +45,8 @@ fn loud(_: usize, intent: Intent) -> i8 {
     if intent == Intent::Relax { 3 } else { 40 }
 }
 
-fn found(take: &Take) -> Vec<String> {
-    let findings = judge(take, false).findings;
+fn found(assembly: &Assembly) -> Vec<String> {
+    let findings = judge(assembly, false).findings;
     findings
         .iter()
         .map(|finding| format!("{:?} {finding}", finding.severity()))
@@ -55,33 +55,38 @@ fn found(take: &Take) -> Vec<String> {
 
 #[test]
 fn a_good_session_is_good_enough() {
-    let take = take(8, loud);
-    let quality = judge(&take, false);
+    let assembly = assembly(8, loud);
+    let quality = judge(&assembly, false);
     assert!(quality.is_good_enough(), "{quality:?}");
     assert_eq!((quality.counts["open"], quality.counts["close"]), (8, 8));
-    assert_eq!(found(&take).len(), 1, "the lag alone: {:?}", found(&take));
+    assert_eq!(
+        found(&assembly).len(),
+        1,
+        "the lag alone: {:?}",
+        found(&assembly)
+    );
 }
 
 #[test]
 fn too_few_gestures_are_counted() {
-    assert!(found(&take(5, loud)).contains(&"Serious open 5 times, 6 are needed".to_owned()));
-    assert!(found(&take(7, loud)).contains(&"Warning close 7 times, 8 are needed".to_owned()));
+    assert!(found(&assembly(5, loud)).contains(&"Serious open 5 times, 6 are needed".to_owned()));
+    assert!(found(&assembly(7, loud)).contains(&"Warning close 7 times, 8 are needed".to_owned()));
 }
 
 #[test]
 fn a_silent_and_a_saturated_electrode_are_named_as_the_armband_counts() {
-    let take = take(8, |channel, intent| match channel {
+    let assembly = assembly(8, |channel, intent| match channel {
         2 => 0,
         5 if intent != Intent::Relax => 127,
         _ => loud(channel, intent),
     });
-    let found = found(&take);
+    let found = found(&assembly);
     assert!(
         found.contains(&"Serious channel 3 is silent".to_owned()),
         "{found:?}"
     );
     // Noise of -127 to 127 saturates less than 2 % of the samples: this channel is clipped.
-    let mut clipped = take;
+    let mut clipped = assembly;
     for sample in &mut clipped.parts[0].samples {
         sample[5] = sample[5].saturating_mul(4);
     }
@@ -96,7 +101,7 @@ fn a_silent_and_a_saturated_electrode_are_named_as_the_armband_counts() {
 
 #[test]
 fn a_gesture_like_rest_and_one_that_is_sometimes_forgotten_are_told_apart() {
-    let weak = take(8, |channel, intent| {
+    let weak = assembly(8, |channel, intent| {
         if intent == Intent::Open {
             3
         } else {
@@ -111,7 +116,7 @@ fn a_gesture_like_rest_and_one_that_is_sometimes_forgotten_are_told_apart() {
         "{found:?}"
     );
     let mut calls = 0;
-    let forgotten = take(8, |channel, intent| {
+    let forgotten = assembly(8, |channel, intent| {
         calls += usize::from(intent == Intent::Open);
         // Only the first holds.
         if intent == Intent::Open && calls <= 8 * 600 {
@@ -129,7 +134,7 @@ fn a_gesture_like_rest_and_one_that_is_sometimes_forgotten_are_told_apart() {
 
 #[test]
 fn losses_an_early_end_and_nothing_at_all_are_said() {
-    let mut lossy = take(8, loud);
+    let mut lossy = assembly(8, loud);
     lossy.lost = 2_500;
     assert!(
         found(&lossy)[0].starts_with("Serious 2500 samples were lost, 12."),
@@ -140,7 +145,10 @@ fn losses_an_early_end_and_nothing_at_all_are_said() {
     assert!(found(&lossy)[0].starts_with("Warning 600 samples were lost"));
     lossy.complete = false;
     assert!(found(&lossy).contains(&"Note the session ended early".to_owned()));
-    assert_eq!(found(&Take::default())[0], "Serious nothing was recorded");
+    assert_eq!(
+        found(&Assembly::default())[0],
+        "Serious nothing was recorded"
+    );
 }
 
 #[test]
@@ -159,7 +167,7 @@ fn every_finding_says_what_to_do() {
 
 #[test]
 fn a_free_session_without_a_gesture_is_not_good_enough() {
-    let take = take(0, loud);
-    let quality = judge(&take, false);
+    let assembly = assembly(0, loud);
+    let quality = judge(&assembly, false);
     assert!(!quality.is_good_enough(), "{quality:?}");
 }

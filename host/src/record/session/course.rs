@@ -3,31 +3,31 @@
 use shared::intent::Intent;
 use shared::units::SampleIndex;
 
-use super::input::{Bad, Held, Output};
+use super::input::{HoldReason, Output, RejectReason};
 use super::{Phase, Session};
-use crate::record::protocol::Course;
+use crate::record::protocol::{Course, Step};
 
 impl Session {
     pub(super) const fn is_guided(&self) -> bool {
-        matches!(self.protocol.course, Course::Guided { .. })
+        !self.protocol.is_free()
     }
 
     pub(super) fn begin_round(&mut self, at: SampleIndex) {
         self.round += 1;
         let number = self.round;
         self.outputs.push_back(Output::Round { number, at });
-        self.guided.begin_round();
-        self.before = None;
+        self.schedule.begin_round();
+        self.previous = None;
         self.ready(at);
     }
 
     pub(super) fn ready(&mut self, at: SampleIndex) {
         let end = at.plus(self.protocol.pause);
         self.phase = Phase::Ready { from: at, end };
-        self.ask(at, None, 0);
+        self.set_cue(at, None, 0);
     }
 
-    pub(super) fn ask(&mut self, at: SampleIndex, cue: Option<Intent>, trial: u32) {
+    pub(super) fn set_cue(&mut self, at: SampleIndex, cue: Option<Intent>, trial: u32) {
         self.cue = cue;
         self.trial = trial;
         self.outputs.push_back(Output::Cue { at, cue, trial });
@@ -39,34 +39,30 @@ impl Session {
             self.free(at, Intent::Relax);
             return;
         }
-        match self.guided.begin_trial() {
+        match self.schedule.begin_block() {
             Some(step) => {
                 self.trials += 1;
-                let trial = self.trials;
-                self.ask(at, Some(step.intent), trial);
-                self.phase = Phase::Cued {
-                    from: at,
-                    end: Some(at.plus(step.samples)),
-                };
+                self.begin_step(at, step, self.trials);
             }
-            None if self.round < self.guided.rounds() => {
+            None if self.round < self.schedule.rounds() => {
                 self.begin_round(at);
             }
             None => self.over(),
         }
     }
 
+    fn begin_step(&mut self, at: SampleIndex, step: Step, trial: u32) {
+        self.set_cue(at, Some(step.intent), trial);
+        let end = Some(at.plus(step.samples));
+        self.phase = Phase::Cued { from: at, end };
+    }
+
     pub(super) fn next_step(&mut self, at: SampleIndex) {
-        if let Some(step) = self.guided.next_step() {
-            let trial = self.trial;
-            self.ask(at, Some(step.intent), trial);
-            self.phase = Phase::Cued {
-                from: at,
-                end: Some(at.plus(step.samples)),
-            };
+        if let Some(step) = self.schedule.next_step() {
+            self.begin_step(at, step, self.trial);
         } else {
             self.lost_in_a_row = 0;
-            self.before = Some(self.trial);
+            self.previous = Some(self.trial);
             self.next_trial(at);
         }
     }
@@ -74,12 +70,12 @@ impl Session {
     /// Sets the cue of a free session: a rest begins a trial, as in a guided one.
     pub(super) fn free(&mut self, at: SampleIndex, intent: Intent) {
         if intent == Intent::Relax || self.trial == 0 {
-            self.before = (self.trial > 0).then_some(self.trial);
+            self.previous = (self.trial > 0).then_some(self.trial);
             self.trials += 1;
             self.trial = self.trials;
         }
         let trial = self.trial;
-        self.ask(at, Some(intent), trial);
+        self.set_cue(at, Some(intent), trial);
         self.phase = Phase::Cued {
             from: at,
             end: None,
@@ -97,16 +93,16 @@ impl Session {
 
     /// Rejects a trial on request: the current one, or the previous one during the rest after it.
     pub(super) fn repeat(&mut self, at: SampleIndex) {
-        match self.before.take() {
+        match self.previous.take() {
             Some(before) if self.cue == Some(Intent::Relax) => {
                 self.bad += 1;
-                let (trial, why) = (before, Bad::Person);
-                self.outputs.push_back(Output::Bad { trial, why });
-                self.guided.put_back_both();
+                let (trial, why) = (before, RejectReason::Person);
+                self.outputs.push_back(Output::Rejected { trial, why });
+                self.schedule.put_back_both();
                 self.trial = 0;
             }
             _ => {
-                self.fail(Bad::Person);
+                self.fail(RejectReason::Person);
             }
         }
         if self.is_guided() {
@@ -117,25 +113,25 @@ impl Session {
     }
 
     /// Rejects the current trial, which becomes due again.
-    pub(super) fn fail(&mut self, why: Bad) {
+    pub(super) fn fail(&mut self, why: RejectReason) {
         if self.trial > 0 {
             self.bad += 1;
             let trial = self.trial;
-            self.outputs.push_back(Output::Bad { trial, why });
-            self.guided.put_back();
-            self.before = None;
+            self.outputs.push_back(Output::Rejected { trial, why });
+            self.schedule.put_back();
+            self.previous = None;
             self.trial = 0;
         }
     }
 
-    pub(super) fn hold(&mut self, why: Held) {
+    pub(super) fn hold(&mut self, why: HoldReason) {
         if matches!(self.phase, Phase::Cued { .. }) && self.trial > 0 {
-            let lost = matches!(why, Held::Losses);
+            let lost = matches!(why, HoldReason::Losses);
             // Losses have rejected the trial before.
             if !lost {
                 self.fail(match why {
-                    Held::SourceLost | Held::Silent => Bad::Lost,
-                    _ => Bad::Interrupted,
+                    HoldReason::SourceLost | HoldReason::Silent => RejectReason::Lost,
+                    _ => RejectReason::Interrupted,
                 });
             }
         }
@@ -149,7 +145,7 @@ impl Session {
     pub(super) fn finish(&mut self) {
         let cued = matches!(self.phase, Phase::Cued { .. });
         if cued && self.is_guided() && self.cue != Some(Intent::Relax) {
-            self.fail(Bad::Interrupted);
+            self.fail(RejectReason::Interrupted);
         }
         self.over();
     }

@@ -5,7 +5,7 @@ use shared::units::SampleIndex;
 
 /// Input of a session.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Input {
+pub(crate) enum Input {
     /// Samples from the source.
     Samples {
         /// Index of the first sample.
@@ -16,14 +16,14 @@ pub enum Input {
     /// Passage of time.
     Tick,
     /// Hold of the session until the person continues.
-    Hold(Held),
+    Hold(HoldReason),
     /// Action of the person.
     Action(Action),
 }
 
 /// Action of the person.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Action {
+pub(crate) enum Action {
     /// Begin or continue.
     Begin,
     /// Reject the last trial and repeat it.
@@ -36,10 +36,10 @@ pub enum Action {
     Mark(Intent),
 }
 
-/// Why a session waits.
+/// Reason why a session is held.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Held {
+pub(crate) enum HoldReason {
     /// The person asked for it.
     Person,
     /// The leader has left the page.
@@ -56,10 +56,10 @@ pub enum Held {
     Gone,
 }
 
-/// Why a trial is not used.
+/// Reason why a trial is not used.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Bad {
+pub(crate) enum RejectReason {
     /// The person rejected it.
     Person,
     /// The trial was interrupted.
@@ -70,7 +70,7 @@ pub enum Bad {
 
 /// Output for the journal.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Output {
+pub(crate) enum Output {
     /// Round: a new recording begins at a sample.
     Round {
         /// Number of the round, from 1.
@@ -88,11 +88,11 @@ pub enum Output {
         trial: u32,
     },
     /// Rejection of a trial.
-    Bad {
+    Rejected {
         /// Number of the trial.
         trial: u32,
         /// Reason.
-        why: Bad,
+        why: RejectReason,
     },
     /// Pause: samples are not kept until the next round or cue.
     Pause,

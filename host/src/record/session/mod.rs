@@ -9,21 +9,21 @@
 //! Time is the stream's: a cue begins and ends at a sample, so that the page and the journal agree to the sample, and the
 //! session is held while the stream stands still. The clock only tells that it does.
 
+mod continuity;
 mod course;
-mod guided;
 mod input;
-mod stream;
-pub mod view;
+mod schedule;
+pub(crate) mod view;
 
 use std::collections::VecDeque;
 
 use shared::intent::Intent;
 use shared::units::{Millis, SampleIndex};
 
-use self::guided::Guided;
-pub use self::input::{Action, Bad, Held, Input, Output};
-pub use self::stream::{BRIDGED, Continuity, Continuous};
-pub use self::view::View;
+pub(crate) use self::continuity::{Continuity, GapDetector, has_reached};
+pub(crate) use self::input::{Action, HoldReason, Input, Output, RejectReason};
+use self::schedule::RoundSchedule;
+pub(crate) use self::view::View;
 use super::protocol::Protocol;
 
 /// Time without samples after which a session is held: longer than delays of a busy PC.
@@ -45,65 +45,64 @@ enum Phase {
         from: SampleIndex,
         end: Option<SampleIndex>,
     },
-    Held(Held),
+    Held(HoldReason),
     Over,
 }
 
 /// Recording session.
 #[derive(Debug)]
-pub struct Session {
+pub(crate) struct Session {
     protocol: Protocol,
     phase: Phase,
-    guided: Guided,
+    schedule: RoundSchedule,
     /// Current cue and number of the attempt.
     cue: Option<Intent>,
     trial: u32,
     /// Number of the previous attempt.
-    before: Option<u32>,
+    previous: Option<u32>,
     trials: u32,
     bad: u32,
     lost_in_a_row: u32,
-    stream: Continuous,
+    stream: GapDetector,
     /// Time of the last samples.
-    heard: Option<Millis>,
+    last_samples: Option<Millis>,
     round: u32,
     outputs: VecDeque<Output>,
 }
 
 impl Session {
     /// Creates a session that waits for its beginning.
-    #[must_use]
-    pub fn new(protocol: Protocol) -> Self {
+    pub(crate) fn new(protocol: Protocol) -> Self {
         Self {
-            guided: Guided::new(&protocol.course),
+            schedule: RoundSchedule::new(&protocol.course),
             protocol,
             phase: Phase::Waiting,
             cue: None,
             trial: 0,
-            before: None,
+            previous: None,
             trials: 0,
             bad: 0,
             lost_in_a_row: 0,
-            stream: Continuous::default(),
-            heard: None,
+            stream: GapDetector::default(),
+            last_samples: None,
             round: 0,
             outputs: VecDeque::new(),
         }
     }
 
     /// Takes an input. Drain [`poll`](Self::poll) before the next call.
-    pub fn handle(&mut self, now: Millis, input: Input) {
+    pub(crate) fn handle(&mut self, now: Millis, input: Input) {
         match input {
             Input::Samples { first, count } => self.samples(now, first, count),
             Input::Tick => {
-                let silent = |heard: Millis| now.elapsed_since(heard) >= SILENCE_MS;
-                if self.is_running() && self.heard.is_some_and(silent) {
-                    self.hold(Held::Silent);
+                let silent = |last: Millis| now.elapsed_since(last) >= SILENCE_MS;
+                if self.is_running() && self.last_samples.is_some_and(silent) {
+                    self.hold(HoldReason::Silent);
                 }
             }
             Input::Hold(why) => {
-                if why == Held::SourceLost {
-                    self.stream = Continuous::default();
+                if why == HoldReason::SourceLost {
+                    self.stream = GapDetector::default();
                 }
                 // A session that does not run needs no hold.
                 if self.is_running() {
@@ -115,41 +114,32 @@ impl Session {
     }
 
     /// Returns the next output.
-    pub fn poll(&mut self) -> Option<Output> {
+    pub(crate) fn poll(&mut self) -> Option<Output> {
         self.outputs.pop_front()
     }
 
     /// Whether samples are kept: from the countdown of a round on, but not while the session waits.
-    #[must_use]
-    pub const fn is_running(&self) -> bool {
+    pub(crate) const fn is_running(&self) -> bool {
         matches!(self.phase, Phase::Ready { .. } | Phase::Cued { .. })
     }
 
     /// Whether samples have come, so that a session can begin.
-    #[must_use]
-    pub const fn has_stream(&self) -> bool {
+    pub(crate) const fn has_stream(&self) -> bool {
         self.stream.next().is_some()
     }
 
     /// Whether the session has ended.
-    #[must_use]
-    pub const fn is_over(&self) -> bool {
+    pub(crate) const fn is_over(&self) -> bool {
         matches!(self.phase, Phase::Over)
     }
 
-    /// Class of the current cue.
-    #[must_use]
-    pub const fn cue(&self) -> Option<Intent> {
-        self.cue
-    }
-
     fn samples(&mut self, now: Millis, first: SampleIndex, count: u32) {
-        self.heard = Some(now);
+        self.last_samples = Some(now);
         match self.stream.take(first, count) {
             Continuity::Next | Continuity::Bridged(_) => {}
             Continuity::Restart => {
                 if self.is_running() {
-                    self.hold(Held::SourceLost);
+                    self.hold(HoldReason::SourceLost);
                 }
             }
             Continuity::Lost(_) => self.lost(first),
@@ -157,8 +147,8 @@ impl Session {
         let end = first.plus(count);
         loop {
             match self.phase {
-                Phase::Ready { end: at, .. } if is_reached(at, end) => self.next_trial(at),
-                Phase::Cued { end: Some(at), .. } if is_reached(at, end) => self.next_step(at),
+                Phase::Ready { end: at, .. } if has_reached(end, at) => self.next_trial(at),
+                Phase::Cued { end: Some(at), .. } if has_reached(end, at) => self.next_step(at),
                 _ => break,
             }
         }
@@ -168,10 +158,10 @@ impl Session {
     fn lost(&mut self, first: SampleIndex) {
         match self.phase {
             Phase::Cued { .. } => {
-                self.fail(Bad::Lost);
+                self.fail(RejectReason::Lost);
                 self.lost_in_a_row += 1;
                 if self.lost_in_a_row >= MOST_LOST {
-                    self.hold(Held::Losses);
+                    self.hold(HoldReason::Losses);
                 } else if self.is_guided() {
                     self.next_trial(first);
                 } else {
@@ -201,17 +191,14 @@ impl Session {
                 self.ready(at);
             }
             (Action::Repeat, Phase::Cued { .. }) => self.repeat(at),
-            (Action::Hold, Phase::Ready { .. } | Phase::Cued { .. }) => self.hold(Held::Person),
+            (Action::Hold, Phase::Ready { .. } | Phase::Cued { .. }) => {
+                self.hold(HoldReason::Person)
+            }
             (Action::Finish, _) => self.finish(),
             (Action::Mark(intent), Phase::Cued { .. }) => self.mark(at, intent),
             _ => {}
         }
     }
-}
-
-/// Whether a stream that ends at `end` has reached a sample; correct across a wrap.
-const fn is_reached(at: SampleIndex, end: SampleIndex) -> bool {
-    end.0.wrapping_sub(at.0) <= u32::MAX / 2
 }
 
 #[cfg(test)]

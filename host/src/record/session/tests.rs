@@ -6,41 +6,41 @@ const SHORT: &str = "rounds = 2\npause = 3\nsequence = [\"relax\", \"open\", \"c
 const FREE: &str = "pause = 1\ngestures = [\"relax\", \"open\", \"close\"]\n";
 
 /// Session, stream and outputs: `R1@0 -@0 open1@5` is a round, no cue, and a cue with its trial, each with its sample.
-struct Played {
+struct Driver {
     session: Session,
     now: u32,
     next: u32,
-    said: Vec<String>,
+    outputs: Vec<String>,
 }
 
-impl Played {
+impl Driver {
     fn new(text: &str) -> Self {
         let session = Session::new(Protocol::parse("mine.toml", text).unwrap());
         Self {
             session,
             now: 0,
             next: 1000,
-            said: Vec::new(),
+            outputs: Vec::new(),
         }
     }
 
     fn begun(text: &str) -> Self {
-        let mut played = Self::new(text);
-        played.samples(2);
-        played.act(Action::Begin);
-        played
+        let mut driver = Self::new(text);
+        driver.samples(2);
+        driver.act(Action::Begin);
+        driver
     }
 
     fn handle(&mut self, input: Input) {
         self.session.handle(Millis(self.now), input);
         while let Some(output) = self.session.poll() {
-            self.said.push(match output {
+            self.outputs.push(match output {
                 Output::Round { number, at } => format!("R{number}@{}", at.0),
                 Output::Cue { at, cue, trial } => {
                     let name = cue.map_or("-", Intent::name);
                     format!("{name}{trial}@{}", at.0)
                 }
-                Output::Bad { trial, why } => format!("bad{trial}:{why:?}"),
+                Output::Rejected { trial, why } => format!("bad{trial}:{why:?}"),
                 Output::Pause => "pause".to_owned(),
                 Output::Over => "over".to_owned(),
             });
@@ -65,248 +65,248 @@ impl Played {
         self.next += count;
     }
 
-    fn said(&mut self) -> String {
-        std::mem::take(&mut self.said).join(" ")
+    fn outputs(&mut self) -> String {
+        std::mem::take(&mut self.outputs).join(" ")
     }
 }
 
 #[test]
 fn cues_begin_and_end_at_their_samples() {
-    let mut played = Played::begun(SHORT);
-    assert_eq!(played.said(), "R1@1002 -0@1002");
-    played.samples(600);
-    assert_eq!(played.said(), "relax1@1602");
-    played.samples(1900);
+    let mut driver = Driver::begun(SHORT);
+    assert_eq!(driver.outputs(), "R1@1002 -0@1002");
+    driver.samples(600);
+    assert_eq!(driver.outputs(), "relax1@1602");
+    driver.samples(1900);
     assert_eq!(
-        played.said(),
+        driver.outputs(),
         "open1@2002 close1@2302 relax2@2502 close2@2902 relax3@3102 R2@3502 -0@3502"
     );
-    played.samples(2500);
-    let said = played.said();
-    assert!(said.starts_with("relax4@4102 open4@4502"), "{said}");
-    assert!(said.ends_with("relax6@5602 over"), "{said}");
-    assert!(played.session.is_over() && !played.session.is_running());
-    played.samples(100);
-    played.act(Action::Repeat);
-    assert_eq!(played.said(), "");
+    driver.samples(2500);
+    let outputs = driver.outputs();
+    assert!(outputs.starts_with("relax4@4102 open4@4502"), "{outputs}");
+    assert!(outputs.ends_with("relax6@5602 over"), "{outputs}");
+    assert!(driver.session.is_over() && !driver.session.is_running());
+    driver.samples(100);
+    driver.act(Action::Repeat);
+    assert_eq!(driver.outputs(), "");
 }
 
 #[test]
 fn a_batch_that_goes_beyond_several_cues_begins_each_at_its_sample() {
-    let mut played = Played::begun(SHORT);
-    played.said();
-    let first = SampleIndex(played.next);
-    played.handle(Input::Samples { first, count: 1101 });
-    assert_eq!(played.said(), "relax1@1602 open1@2002");
+    let mut driver = Driver::begun(SHORT);
+    driver.outputs();
+    let first = SampleIndex(driver.next);
+    driver.handle(Input::Samples { first, count: 1101 });
+    assert_eq!(driver.outputs(), "relax1@1602 open1@2002");
 }
 
 #[test]
 fn a_gesture_that_went_wrong_is_repeated_from_its_rest_on() {
-    let mut played = Played::begun(SHORT);
-    played.samples(600 + 500);
-    played.said();
-    played.act(Action::Repeat);
-    assert_eq!(played.said(), "bad1:Person relax2@2102");
-    played.samples(900);
-    assert_eq!(played.said(), "open2@2502 close2@2802 relax3@3002");
+    let mut driver = Driver::begun(SHORT);
+    driver.samples(600 + 500);
+    driver.outputs();
+    driver.act(Action::Repeat);
+    assert_eq!(driver.outputs(), "bad1:Person relax2@2102");
+    driver.samples(900);
+    assert_eq!(driver.outputs(), "open2@2502 close2@2802 relax3@3002");
     // A repeat in the rest after a gesture rejects that gesture.
-    played.samples(100);
-    played.act(Action::Repeat);
-    assert_eq!(played.said(), "bad2:Person relax4@3102");
-    played.samples(900);
-    assert_eq!(played.said(), "open4@3502 close4@3802 relax5@4002");
+    driver.samples(100);
+    driver.act(Action::Repeat);
+    assert_eq!(driver.outputs(), "bad2:Person relax4@3102");
+    driver.samples(900);
+    assert_eq!(driver.outputs(), "open4@3502 close4@3802 relax5@4002");
     // A second repeat rejects no earlier gesture.
-    played.act(Action::Repeat);
-    played.said();
-    played.act(Action::Repeat);
-    assert_eq!(played.said(), "bad6:Person relax7@4002");
+    driver.act(Action::Repeat);
+    driver.outputs();
+    driver.act(Action::Repeat);
+    assert_eq!(driver.outputs(), "bad6:Person relax7@4002");
 }
 
 #[test]
 fn every_trial_of_a_round_is_done_however_many_are_repeated() {
-    let mut played = Played::begun(SHORT);
+    let mut driver = Driver::begun(SHORT);
     for _ in 0..40 {
-        played.samples(370);
-        if played.session.view().phase == "cued" && played.session.view().bad < 7 {
-            played.act(Action::Repeat);
+        driver.samples(370);
+        if driver.session.view().phase == "cued" && driver.session.view().bad < 7 {
+            driver.act(Action::Repeat);
         }
     }
-    assert!(played.session.is_over());
-    let said = played.said();
-    let bad: Vec<&str> = said
+    assert!(driver.session.is_over());
+    let outputs = driver.outputs();
+    let bad: Vec<&str> = outputs
         .split(' ')
         .filter_map(|one| one.strip_prefix("bad")?.split(':').next())
         .collect();
     let good = |name: &str| {
-        let cues = said.split(' ').filter(|one| one.starts_with(name));
+        let cues = outputs.split(' ').filter(|one| one.starts_with(name));
         let trials = cues.map(|one| one[name.len()..].split('@').next().unwrap());
         trials.filter(|trial| !bad.contains(trial)).count()
     };
     assert_eq!(
         (bad.len(), good("open"), good("close")),
         (7, 2, 4),
-        "{said}"
+        "{outputs}"
     );
 }
 
 #[test]
 fn six_lost_samples_fail_a_trial_and_five_do_not() {
-    let mut played = Played::begun(SHORT);
-    played.samples(1100);
-    played.said();
-    played.lose(5);
-    played.samples(2);
-    assert_eq!(played.said(), "");
-    played.lose(6);
-    played.samples(2);
-    assert_eq!(played.said(), "bad1:Lost relax2@2115");
+    let mut driver = Driver::begun(SHORT);
+    driver.samples(1100);
+    driver.outputs();
+    driver.lose(5);
+    driver.samples(2);
+    assert_eq!(driver.outputs(), "");
+    driver.lose(6);
+    driver.samples(2);
+    assert_eq!(driver.outputs(), "bad1:Lost relax2@2115");
 }
 
 #[test]
 fn losses_in_trial_after_trial_hold_the_session() {
-    let mut played = Played::begun(SHORT);
-    played.samples(700);
+    let mut driver = Driver::begun(SHORT);
+    driver.samples(700);
     for _ in 0..3 {
-        played.lose(20);
-        played.samples(100);
+        driver.lose(20);
+        driver.samples(100);
     }
-    let view = played.session.view();
+    let view = driver.session.view();
     assert_eq!(
         (view.phase, view.why, view.bad),
-        ("held", Some(Held::Losses), 3)
+        ("held", Some(HoldReason::Losses), 3)
     );
-    assert!(played.said().ends_with("bad3:Lost pause"));
+    assert!(driver.outputs().ends_with("bad3:Lost pause"));
     // Samples continue, and no cue comes until the person continues.
-    played.samples(1000);
-    assert_eq!(played.said(), "");
-    played.act(Action::Begin);
-    played.samples(1100);
-    let said = played.said();
+    driver.samples(1000);
+    assert_eq!(driver.outputs(), "");
+    driver.act(Action::Begin);
+    driver.samples(1100);
+    let outputs = driver.outputs();
     assert!(
-        said.starts_with("-0@") && said.contains(" relax4@") && said.contains("open4@"),
-        "{said}"
+        outputs.starts_with("-0@") && outputs.contains(" relax4@") && outputs.contains("open4@"),
+        "{outputs}"
     );
 }
 
 #[test]
 fn a_stream_that_stands_or_goes_holds_the_session_and_the_trial_is_asked_for_again() {
     for (input, why) in [
-        (Input::Tick, Held::Silent),
-        (Input::Hold(Held::SourceLost), Held::SourceLost),
-        (Input::Hold(Held::LeaderLeft), Held::LeaderLeft),
-        (Input::Hold(Held::Disk), Held::Disk),
-        (Input::Hold(Held::Gone), Held::Gone),
-        (Input::Action(Action::Hold), Held::Person),
+        (Input::Tick, HoldReason::Silent),
+        (Input::Hold(HoldReason::SourceLost), HoldReason::SourceLost),
+        (Input::Hold(HoldReason::LeaderLeft), HoldReason::LeaderLeft),
+        (Input::Hold(HoldReason::Disk), HoldReason::Disk),
+        (Input::Hold(HoldReason::Gone), HoldReason::Gone),
+        (Input::Action(Action::Hold), HoldReason::Person),
     ] {
-        let mut played = Played::begun(SHORT);
-        played.samples(1100);
-        played.said();
-        played.now += 1999;
-        played.handle(Input::Tick);
-        assert_eq!(played.said(), "");
-        played.now += 1;
-        played.handle(input);
-        let said = played.said();
+        let mut driver = Driver::begun(SHORT);
+        driver.samples(1100);
+        driver.outputs();
+        driver.now += 1999;
+        driver.handle(Input::Tick);
+        assert_eq!(driver.outputs(), "");
+        driver.now += 1;
+        driver.handle(input);
+        let outputs = driver.outputs();
         assert!(
-            said.starts_with("bad1:") && said.ends_with(" pause"),
-            "{why:?}: {said}"
+            outputs.starts_with("bad1:") && outputs.ends_with(" pause"),
+            "{why:?}: {outputs}"
         );
-        assert_eq!(played.session.view().why, Some(why));
-        played.next += 5000;
-        played.samples(2);
-        played.act(Action::Begin);
-        played.samples(600);
-        let said = played.said();
-        let at = played.next - 602 + 2;
-        assert_eq!(said, format!("-0@{at} relax2@{}", at + 600), "{why:?}");
+        assert_eq!(driver.session.view().why, Some(why));
+        driver.next += 5000;
+        driver.samples(2);
+        driver.act(Action::Begin);
+        driver.samples(600);
+        let outputs = driver.outputs();
+        let at = driver.next - 602 + 2;
+        assert_eq!(outputs, format!("-0@{at} relax2@{}", at + 600), "{why:?}");
     }
 }
 
 #[test]
 fn a_count_that_goes_back_is_another_stream() {
-    let mut played = Played::begun(SHORT);
-    played.samples(1100);
-    played.said();
-    played.next = 0;
-    played.samples(2);
-    assert_eq!(played.said(), "bad1:Lost pause");
-    assert_eq!(played.session.view().why, Some(Held::SourceLost));
+    let mut driver = Driver::begun(SHORT);
+    driver.samples(1100);
+    driver.outputs();
+    driver.next = 0;
+    driver.samples(2);
+    assert_eq!(driver.outputs(), "bad1:Lost pause");
+    assert_eq!(driver.session.view().why, Some(HoldReason::SourceLost));
 }
 
 #[test]
 fn a_stream_whose_count_wraps_is_the_same_stream() {
-    let mut played = Played::new(SHORT);
-    played.next = u32::MAX - 801;
-    played.samples(2);
-    played.act(Action::Begin);
-    played.said();
-    played.samples(1100);
-    assert_eq!(played.said(), "relax1@4294967096 open1@200");
+    let mut driver = Driver::new(SHORT);
+    driver.next = u32::MAX - 801;
+    driver.samples(2);
+    driver.act(Action::Begin);
+    driver.outputs();
+    driver.samples(1100);
+    assert_eq!(driver.outputs(), "relax1@4294967096 open1@200");
 }
 
 #[test]
 fn without_a_stream_nothing_begins_and_it_can_be_ended() {
-    let mut played = Played::new(SHORT);
-    played.act(Action::Begin);
+    let mut driver = Driver::new(SHORT);
+    driver.act(Action::Begin);
     assert_eq!(
-        (played.said().as_str(), played.session.view().phase),
+        (driver.outputs().as_str(), driver.session.view().phase),
         ("", "waiting")
     );
-    played.act(Action::Finish);
-    assert_eq!(played.said(), "over");
+    driver.act(Action::Finish);
+    assert_eq!(driver.outputs(), "over");
 }
 
 #[test]
 fn who_ends_a_session_in_a_gesture_loses_that_gesture_alone() {
-    let mut played = Played::begun(SHORT);
-    played.samples(600 + 1300);
-    played.said();
-    played.act(Action::Finish);
-    assert_eq!(played.said(), "bad2:Interrupted over");
-    let mut played = Played::begun(SHORT);
-    played.samples(600 + 1000);
-    played.said();
-    played.act(Action::Finish);
-    assert_eq!(played.said(), "over");
+    let mut driver = Driver::begun(SHORT);
+    driver.samples(600 + 1300);
+    driver.outputs();
+    driver.act(Action::Finish);
+    assert_eq!(driver.outputs(), "bad2:Interrupted over");
+    let mut driver = Driver::begun(SHORT);
+    driver.samples(600 + 1000);
+    driver.outputs();
+    driver.act(Action::Finish);
+    assert_eq!(driver.outputs(), "over");
 }
 
 #[test]
 fn in_a_free_session_the_person_says_what_is_done() {
-    let mut played = Played::begun(FREE);
-    played.samples(200);
-    assert_eq!(played.said(), "R1@1002 -0@1002 relax1@1202");
-    played.samples(100);
-    played.act(Action::Mark(Intent::Open));
-    played.act(Action::Mark(Intent::Open));
+    let mut driver = Driver::begun(FREE);
+    driver.samples(200);
+    assert_eq!(driver.outputs(), "R1@1002 -0@1002 relax1@1202");
+    driver.samples(100);
+    driver.act(Action::Mark(Intent::Open));
+    driver.act(Action::Mark(Intent::Open));
     // A gesture that is not in the protocol is ignored.
-    played.act(Action::Mark(Intent::Pinch));
-    played.samples(300);
-    played.act(Action::Mark(Intent::Close));
-    played.samples(300);
-    played.act(Action::Mark(Intent::Relax));
-    assert_eq!(played.said(), "open1@1302 close1@1602 relax2@1902");
-    played.act(Action::Repeat);
-    assert_eq!(played.said(), "bad1:Person relax3@1902");
-    assert_eq!(played.session.view().left, None);
-    played.act(Action::Finish);
-    assert_eq!(played.said(), "over");
+    driver.act(Action::Mark(Intent::Pinch));
+    driver.samples(300);
+    driver.act(Action::Mark(Intent::Close));
+    driver.samples(300);
+    driver.act(Action::Mark(Intent::Relax));
+    assert_eq!(driver.outputs(), "open1@1302 close1@1602 relax2@1902");
+    driver.act(Action::Repeat);
+    assert_eq!(driver.outputs(), "bad1:Person relax3@1902");
+    assert_eq!(driver.session.view().left, None);
+    driver.act(Action::Finish);
+    assert_eq!(driver.outputs(), "over");
 }
 
 #[test]
 fn the_time_that_is_left_is_what_it_takes() {
-    let mut played = Played::new(SHORT);
-    assert_eq!(played.session.view().left, Some(5000));
-    played.samples(2);
-    played.act(Action::Begin);
-    let begin = played.next;
-    while !played.session.is_over() {
-        let view = played.session.view();
-        let passed = played.next - begin;
+    let mut driver = Driver::new(SHORT);
+    assert_eq!(driver.session.view().left, Some(5000));
+    driver.samples(2);
+    driver.act(Action::Begin);
+    let begin = driver.next;
+    while !driver.session.is_over() {
+        let view = driver.session.view();
+        let passed = driver.next - begin;
         let own = view.from.unwrap() - begin;
         assert_eq!(view.left, Some(u64::from(5000 - own)), "{passed} {view:?}");
-        played.samples(2);
+        driver.samples(2);
     }
-    assert_eq!(played.session.view().left, Some(0));
+    assert_eq!(driver.session.view().left, Some(0));
 }
 
 proptest::proptest! {
@@ -316,30 +316,30 @@ proptest::proptest! {
         inputs in proptest::collection::vec((0_u8..12, 0_u32..700), 0..120),
         free: bool,
     ) {
-        let mut played = Played::new(if free { FREE } else { SHORT });
+        let mut driver = Driver::new(if free { FREE } else { SHORT });
         for (kind, value) in inputs {
             match kind {
-                0..=3 => played.samples(value),
-                4 => played.lose(value % 12),
-                5 => played.now += value,
-                6 => played.act(Action::Begin),
-                7 => played.act(Action::Repeat),
-                8 => played.act(if value < 40 { Action::Finish } else { Action::Hold }),
-                9 => played.act(Action::Mark(Intent::ALL[value as usize % 6])),
-                10 => played.handle(Input::Tick),
-                _ => played.handle(Input::Hold(Held::SourceLost)),
+                0..=3 => driver.samples(value),
+                4 => driver.lose(value % 12),
+                5 => driver.now += value,
+                6 => driver.act(Action::Begin),
+                7 => driver.act(Action::Repeat),
+                8 => driver.act(if value < 40 { Action::Finish } else { Action::Hold }),
+                9 => driver.act(Action::Mark(Intent::ALL[value as usize % 6])),
+                10 => driver.handle(Input::Tick),
+                _ => driver.handle(Input::Hold(HoldReason::SourceLost)),
             }
-            let view = played.session.view();
+            let view = driver.session.view();
             proptest::prop_assert_eq!(view.phase == "cued", view.cue.is_some());
             proptest::prop_assert!(view.done <= view.trials);
         }
-        let said = played.said();
+        let outputs = driver.outputs();
         // No trial is rejected twice, and nothing follows the end.
-        let mut bad: Vec<&str> = said.split(' ').filter(|one| one.starts_with("bad")).collect();
+        let mut bad: Vec<&str> = outputs.split(' ').filter(|one| one.starts_with("bad")).collect();
         let count = bad.len();
         bad.sort_unstable();
         bad.dedup();
-        proptest::prop_assert_eq!(bad.len(), count, "{}", said);
-        proptest::prop_assert!(said.find("over").is_none_or(|at| at + 4 == said.len()), "{}", said);
+        proptest::prop_assert_eq!(bad.len(), count, "{}", outputs);
+        proptest::prop_assert!(outputs.find("over").is_none_or(|at| at + 4 == outputs.len()), "{}", outputs);
     }
 }

@@ -3,62 +3,60 @@
 use serde::Serialize;
 use shared::intent::Intent;
 
-use super::{Held, Phase, Session};
-use crate::record::protocol::Course;
+use super::{HoldReason, Phase, Session};
 
 /// Number of steps that are shown ahead.
 const AHEAD: usize = 6;
 
 /// Coming step.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
-pub struct Coming {
+pub(crate) struct UpcomingStep {
     /// Class to perform.
-    pub cue: &'static str,
+    pub(crate) cue: &'static str,
     /// Duration in samples.
-    pub samples: u32,
+    pub(crate) samples: u32,
 }
 
 /// State of a session for a page.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
-pub struct View {
+pub(crate) struct View {
     /// Phase: `waiting`, `ready`, `cued`, `held` or `over`.
-    pub phase: &'static str,
+    pub(crate) phase: &'static str,
     /// Name of the protocol.
-    pub protocol: String,
+    pub(crate) protocol: String,
     /// Whether the session is free.
-    pub free: bool,
+    pub(crate) free: bool,
     /// Classes of the protocol.
-    pub classes: Vec<&'static str>,
+    pub(crate) classes: Vec<&'static str>,
     /// Reason for the hold, if it is held.
-    pub why: Option<Held>,
+    pub(crate) why: Option<HoldReason>,
     /// Class of the current cue.
-    pub cue: Option<&'static str>,
+    pub(crate) cue: Option<&'static str>,
     /// First sample of the countdown or the cue.
-    pub from: Option<u32>,
+    pub(crate) from: Option<u32>,
     /// Sample after the last one of the countdown or the cue; none for a cue of a free session.
-    pub end: Option<u32>,
+    pub(crate) end: Option<u32>,
     /// Coming steps of this round.
-    pub coming: Vec<Coming>,
+    pub(crate) coming: Vec<UpcomingStep>,
     /// Number of the round, from 1; 0 before the beginning.
-    pub round: u32,
+    pub(crate) round: u32,
     /// Number of rounds; 0 in a free session.
-    pub rounds: u32,
+    pub(crate) rounds: u32,
     /// Number of trials of the round that are done.
-    pub done: usize,
+    pub(crate) done: usize,
     /// Number of trials of a round.
-    pub trials: usize,
+    pub(crate) trials: usize,
     /// Number of trials that are not used.
-    pub bad: u32,
+    pub(crate) bad: u32,
     /// Whether a trial can be repeated.
-    pub can_repeat: bool,
+    pub(crate) can_repeat: bool,
     /// Samples from `from` to the end of the session; none in a free session.
-    pub left: Option<u64>,
+    pub(crate) left: Option<u64>,
 }
 
 impl Session {
     /// State of the session for a page.
-    #[must_use]
-    pub fn view(&self) -> View {
+    pub(crate) fn view(&self) -> View {
         let (phase, why, from, end) = match self.phase {
             Phase::Waiting => ("waiting", None, None, None),
             Phase::Ready { from, end } => ("ready", None, Some(from), Some(end)),
@@ -66,30 +64,25 @@ impl Session {
             Phase::Held(why) => ("held", Some(why), None, None),
             Phase::Over => ("over", None, None, None),
         };
-        let (done, trials) = self.guided.progress();
-        let coming = self.guided.coming().take(AHEAD);
+        let (done, trials) = self.schedule.progress();
+        let coming = self.schedule.upcoming().take(AHEAD);
         View {
             phase,
             protocol: self.protocol.name.clone(),
-            free: matches!(self.protocol.course, Course::Free { .. }),
-            classes: self
-                .protocol
-                .intents()
-                .into_iter()
-                .map(Intent::name)
-                .collect(),
+            free: self.protocol.is_free(),
+            classes: self.protocol.class_names(),
             why,
             cue: self.cue.map(Intent::name),
             from: from.map(|at| at.0),
             end: end.map(|at| at.0),
             coming: coming
-                .map(|step| Coming {
+                .map(|step| UpcomingStep {
                     cue: step.intent.name(),
                     samples: step.samples,
                 })
                 .collect(),
             round: self.round,
-            rounds: self.guided.rounds(),
+            rounds: self.schedule.rounds(),
             done: if self.round == 0 { 0 } else { done },
             trials,
             bad: self.bad,
@@ -108,11 +101,11 @@ impl Session {
         if self.round == 0 {
             return Some(whole);
         }
-        let rest = u64::from(self.guided.rounds() - self.round);
-        let rounds = rest * (pause + self.guided.round_samples());
+        let rest = u64::from(self.schedule.rounds() - self.round);
+        let rounds = rest * (pause + self.schedule.round_samples());
         let round: u64 = self
-            .guided
-            .coming()
+            .schedule
+            .upcoming()
             .map(|step| u64::from(step.samples))
             .sum();
         let present = match self.phase {

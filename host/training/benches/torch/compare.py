@@ -1,6 +1,6 @@
 """Time of training steps and of inference in this project and in PyTorch, measured alternately.
 
-    python host/benches/torch/compare.py [--rounds 9]
+    python host/training/benches/torch/compare.py [--rounds 9]
 
 Needs `pip install torch numpy safetensors`; builds the bench `training_step` itself. Each round measures
 a step and a window of either program, so that other load on the machine affects both. Processor time

@@ -1,6 +1,6 @@
 """Seconds of a training step of teacher and student and of a window's inference in PyTorch, for compare.py.
 
-    python host/benches/torch/step.py paper 8
+    python host/training/benches/torch/step.py paper 8
 
 Prints a line with a JSON object for each line of input: for `step` the seconds of a training step
 (forward, backward, AdamW) on two threads, for `student` those of the student's, for `window` those of one window's inference on one thread.

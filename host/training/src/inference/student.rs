@@ -7,7 +7,7 @@ use shared::units::{CHANNELS, CleanSample, LOOK_BACK, PATCH, WINDOW_PATCHES};
 use crate::optimization::tensor::read_back;
 use crate::student::model::Student;
 use presets::augmentation::Variation;
-use recordings::lead_in::padded;
+use recordings::corpus::padded;
 
 /// Logits of a float student at every whole patch of a stream.
 ///

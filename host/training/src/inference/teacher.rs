@@ -8,7 +8,7 @@ use crate::optimization::tensor::read_back;
 use crate::teacher::model::{Teacher, TeacherInput};
 use crate::teacher::window::WindowShape;
 use presets::augmentation::Variation;
-use recordings::lead_in::padded;
+use recordings::corpus::padded;
 
 /// Logits of a teacher at every whole patch of a stream.
 ///

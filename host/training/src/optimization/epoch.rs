@@ -9,7 +9,7 @@ use super::optimizer::gradients;
 use execution::interrupt::Interrupt;
 use execution::progress;
 use execution::run_folder::RunError;
-use presets::schedule::LearningRate;
+use presets::training::LearningRate;
 
 /// Epoch of a training.
 pub(super) struct Epoch<'a> {

@@ -18,7 +18,7 @@ use execution::interrupt::Interrupt;
 use execution::progress;
 use execution::run_folder::EpochMetrics;
 use execution::run_folder::{RunError, RunFolder};
-use presets::schedule::LearningRate;
+use presets::training::LearningRate;
 pub use presets::training::TrainConfig;
 
 /// Time between checkpoints within an epoch: the most that an interruption loses.

@@ -9,7 +9,7 @@ use super::learner::Learner;
 use super::optimizer::optimizer;
 use execution::interrupt::Interrupt;
 use execution::run_folder::RunError;
-use presets::schedule::LearningRate;
+use presets::training::LearningRate;
 
 /// Trains a model for one epoch; none if the user interrupts. `report` gets the number of steps done.
 ///

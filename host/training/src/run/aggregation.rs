@@ -35,8 +35,8 @@ pub(super) fn aggregation(context: &RunContext) -> Result<LookAhead, StepError> 
     let weights = if context.has(distillation::NAME) {
         let lineage = config.student_lineage(distillation::NAME, folder)?;
         folder.weights_fingerprint(distillation::NAME, lineage)?
-    } else if context.has(presets::teacher_training::NAME) {
-        folder.weights_fingerprint(presets::teacher_training::NAME, config.teacher_lineage())?
+    } else if context.has(presets::teacher::NAME) {
+        folder.weights_fingerprint(presets::teacher::NAME, config.teacher_lineage())?
     } else {
         return Ok(LookAhead::AllRows);
     };

@@ -146,7 +146,7 @@ pub fn load_teacher(
     let preset = &config.preset;
     folder
         .load_model(
-            presets::teacher_training::NAME,
+            presets::teacher::NAME,
             config.teacher_lineage(),
             Teacher::new(&preset.teacher, preset.classes, device),
         )

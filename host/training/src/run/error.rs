@@ -43,12 +43,6 @@ pub enum StepError {
     /// There is no model to evaluate.
     #[error("no model in this run folder: train one first")]
     NoModel,
-    /// There is no teacher to distil from.
-    #[error("{path}: no teacher to distil from; run `myointent train` first")]
-    NoTeacher {
-        /// File of the teacher's weights.
-        path: PathBuf,
-    },
     /// The configuration is invalid.
     #[error(transparent)]
     Config(#[from] ConfigError),

@@ -139,7 +139,7 @@ fn candidates(
     more: MoreCandidates<'_>,
 ) -> Result<Vec<Candidate>, StepError> {
     let mut candidates = Vec::new();
-    if context.has(presets::teacher_training::NAME) {
+    if context.has(presets::teacher::NAME) {
         candidates.extend(if_own(teacher_candidate(context, TEACHER, recordings))?);
     }
     candidates.extend(more(recordings)?);

@@ -3,7 +3,6 @@
 mod aggregation;
 pub mod candidates;
 pub mod context;
-pub mod distill;
 mod error;
 pub mod evaluate;
 pub mod personalize;
@@ -11,6 +10,8 @@ mod preflight;
 pub mod quantize;
 mod soft_targets;
 pub mod start;
+mod student;
+mod teacher;
 pub mod train;
 
 pub use error::StepError;

@@ -37,12 +37,8 @@ mod tests {
         config.save(&run).unwrap();
         let device = burn::tensor::Device::default();
         let teacher = Teacher::new(&config.preset.teacher, config.preset.classes, &device);
-        run.save_model(
-            presets::teacher_training::NAME,
-            config.teacher_lineage(),
-            &teacher,
-        )
-        .unwrap();
+        run.save_model(presets::teacher::NAME, config.teacher_lineage(), &teacher)
+            .unwrap();
         folder
     }
 

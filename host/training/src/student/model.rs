@@ -7,7 +7,7 @@ use burn::tensor::{Device, Tensor};
 use shared::model::dimensions::Companding;
 use shared::units::{CHANNELS, LOOK_BACK, PATCH};
 
-pub use presets::student::StudentConfig;
+pub use presets::distillation::StudentConfig;
 
 /// Constant added to a variance before its root is taken.
 pub(super) const NORM_EPSILON: f64 = 1e-5;

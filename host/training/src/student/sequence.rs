@@ -8,8 +8,7 @@ use shared::units::{CHANNELS, PATCH, WINDOW_PATCHES};
 
 use presets::augmentation::Variation;
 use presets::distillation::Distillation;
-use recordings::corpus::{Corpus, patch_labels};
-use recordings::lead_in::padded;
+use recordings::corpus::{Corpus, padded, patch_labels};
 
 /// Stream cut into patches, with a lead-in of one window in front.
 pub(super) struct Sequence {

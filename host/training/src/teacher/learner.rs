@@ -17,7 +17,7 @@ use crate::optimization::tensor::{best_class, read_back};
 use crate::weights::Weights as _;
 use execution::run_folder::RunError;
 use presets::augmentation::Variation;
-use presets::teacher_training::{ADAPTED, NAME, TeacherTraining};
+use presets::teacher::{ADAPTED, NAME, TeacherTraining};
 use recordings::corpus::Corpus;
 
 /// Training problem of a teacher.

@@ -1,7 +1,7 @@
 //! Presets: what is accepted can be trained with, and is the same after it was written and read again.
 
 use crate::input::Input;
-use presets::promises::check;
+use presets::invariants::check;
 use presets::{BUILT_IN, Preset};
 
 /// Values that no preset has, and some of which another key has.

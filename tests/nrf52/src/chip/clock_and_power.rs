@@ -77,7 +77,8 @@ impl ClockAndPower {
         // RESETREAS (5.3.7.9): bits stay until they are cleared.
         let bit = match why {
             Reset::Power => 0,
-            Reset::Pin => 1,
+            // With the bits that erratum 136 may set beside it: watchdog, software, lockup.
+            Reset::Pin => 0xf,
             Reset::Watchdog => 1 << 1,
             Reset::Software => 1 << 2,
         };

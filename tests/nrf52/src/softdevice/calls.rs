@@ -7,6 +7,7 @@ pub mod call {
     pub const SOFTDEVICE_IS_ENABLED: u8 = 18;
     pub const FLASH_PAGE_ERASE: u8 = 40;
     pub const FLASH_WRITE: u8 = 41;
+    pub const CLOCK_HFCLK_REQUEST: u8 = 66;
     pub const EVT_GET: u8 = 75;
     pub const BLE_ENABLE: u8 = 96;
     pub const BLE_EVT_GET: u8 = 97;

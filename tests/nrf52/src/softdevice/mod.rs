@@ -92,6 +92,8 @@ pub struct SoftDevice {
     pub received: Vec<(u64, usize)>,
     /// Most events that waited at a time.
     pub most_waiting: usize,
+    /// Whether the program has asked for the high-frequency crystal between radio events too.
+    pub keeps_crystal: bool,
     /// Where the other side of the link stops answering: everything the SoftDevice does.
     pub is_silent: bool,
 }
@@ -114,6 +116,7 @@ impl SoftDevice {
             armbands,
             received: Vec::new(),
             most_waiting: 0,
+            keeps_crystal: false,
             is_silent: false,
         }
     }
@@ -130,6 +133,7 @@ impl SoftDevice {
         }
         self.is_enabled = false;
         self.speaks_bluetooth = false;
+        self.keeps_crystal = false;
         self.events.clear();
         self.chip_events.clear();
         self.interrupts = false;
@@ -202,6 +206,10 @@ impl SoftDevice {
             }
             call::FLASH_PAGE_ERASE => self.erase(first, chip),
             call::FLASH_WRITE => return self.write(arguments, chip),
+            call::CLOCK_HFCLK_REQUEST => {
+                self.keeps_crystal = true;
+                answer::SUCCESS
+            }
             call::EVT_GET => match self.chip_events.pop_front() {
                 Some(event) => {
                     give(&memory, first, &event.to_le_bytes())?;

@@ -8,10 +8,10 @@ use shared::intent::Intent;
 use shared::stream::normalizer::Normalizer;
 use shared::units::CHANNELS;
 
-use crate::labels::motion::{Motion, Truth};
-use crate::movement::MovementKind;
+use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::{Damage, Fault};
 use crate::readers::path::{folder, stem};
+use crate::recording::movement::MovementKind;
 use crate::recording::{DataSet, Recording, Timing};
 
 const ROW_BYTES: usize = 2 * CHANNELS;
@@ -57,7 +57,7 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<Recording, Damage> {
         }
         samples.push(sample);
     }
-    let Truth {
+    let GroundTruth {
         labels,
         other_movement,
     } = samples.iter().map(|_| motion(class)).collect();
@@ -109,7 +109,7 @@ const fn motion(class: usize) -> Motion {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::movement::Movement;
+    use crate::recording::movement::Movement;
 
     const PATH: &str = "/d/EvaluationDataset/Male3/Test0/classe_13.dat";
 

@@ -1,9 +1,9 @@
-//! EMG-EPN-612: one JSON per user, 150 trials in `trainingSamples`, 150 in `testingSamples`.
+//! EMG-EPN-612: one JSON per user, 150 repetitions in `trainingSamples`, 150 in `testingSamples`.
 //!
 //! Written from the public descriptions of the set, without a copy of it, and tested on small
-//! files of the same structure. A trial has `gestureName`, `emg` with `ch1`..`ch8`, and the place
+//! files of the same structure. A repetition has `gestureName`, `emg` with `ch1`..`ch8`, and the place
 //! of the gesture as `groundTruth` (0 or 1 per sample) or `groundTruthIndex` (first and last sample,
-//! 1 first). `noGesture` has neither and is rest throughout; trials without a name are unlabelled.
+//! 1 first). `noGesture` has neither and is rest throughout; repetitions without a name are unlabelled.
 //! The same user number in the training and the testing part is two people.
 
 use std::collections::BTreeMap;
@@ -22,13 +22,13 @@ use crate::recording::{DataSet, Recording, Timing};
 #[derive(Deserialize)]
 struct User {
     #[serde(default, rename = "trainingSamples")]
-    training: BTreeMap<String, Trial>,
+    training: BTreeMap<String, Repetition>,
     #[serde(default, rename = "testingSamples")]
-    testing: BTreeMap<String, Trial>,
+    testing: BTreeMap<String, Repetition>,
 }
 
 #[derive(Deserialize)]
-struct Trial {
+struct Repetition {
     #[serde(rename = "gestureName")]
     gesture: Option<String>,
     #[serde(rename = "groundTruth")]
@@ -58,14 +58,14 @@ pub(crate) fn read(path: &Path, text: &str) -> Result<Vec<Recording>, Damage> {
         ("testingSamples", user.testing),
     ];
     let mut recordings = Vec::new();
-    for (part, trials) in parts {
-        let mut trials: Vec<_> = trials.into_iter().collect();
-        trials.sort_by_key(|(key, _)| index(key));
-        for (key, trial) in trials {
+    for (part, repetitions) in parts {
+        let mut repetitions: Vec<_> = repetitions.into_iter().collect();
+        repetitions.sort_by_key(|(key, _)| index(key));
+        for (key, repetition) in repetitions {
             let name = format!("{part}/{key}");
             let damage = |fault: Fault| Damage::of_file(Fault::Json(format!("{name}: {fault}")));
-            let samples = samples(&trial).map_err(damage)?;
-            let (labels, note) = labels(&trial, samples.len()).map_err(damage)?;
+            let samples = samples(&repetition).map_err(damage)?;
+            let (labels, note) = labels(&repetition, samples.len()).map_err(damage)?;
             recordings.push(Recording {
                 data_set: DataSet::EmgEpn612,
                 subject: subject.clone(),
@@ -99,7 +99,7 @@ fn subject(path: &Path) -> Option<String> {
     Some(format!("emg-epn-612/{part}-{user}"))
 }
 
-/// Number `N` of a key `idx_N`, by which trials keep the order of recording.
+/// Number `N` of a key `idx_N`, by which repetitions keep the order of recording.
 fn index(key: &str) -> usize {
     key.rsplit('_')
         .next()
@@ -107,12 +107,12 @@ fn index(key: &str) -> usize {
         .unwrap_or(usize::MAX)
 }
 
-fn samples(trial: &Trial) -> Result<Vec<Sample>, Fault> {
+fn samples(repetition: &Repetition) -> Result<Vec<Sample>, Fault> {
     let mut channels = Vec::with_capacity(CHANNELS);
     for number in 1..=CHANNELS {
         let name = format!("ch{number}");
         let missing = || Fault::Json(format!("emg has no {name}"));
-        channels.push(trial.emg.get(&name).ok_or_else(missing)?);
+        channels.push(repetition.emg.get(&name).ok_or_else(missing)?);
     }
     let count = channels[0].len();
     if let Some(other) = channels.iter().find(|channel| channel.len() != count) {
@@ -132,8 +132,8 @@ fn samples(trial: &Trial) -> Result<Vec<Sample>, Fault> {
 
 type Labels = (Vec<Option<Intent>>, Option<&'static str>);
 
-fn labels(trial: &Trial, samples: usize) -> Result<Labels, Fault> {
-    let Some(gesture) = &trial.gesture else {
+fn labels(repetition: &Repetition, samples: usize) -> Result<Labels, Fault> {
+    let Some(gesture) = &repetition.gesture else {
         return Ok((vec![None; samples], Some("no gesture name: unlabelled")));
     };
     let intent = match gesture.as_str() {
@@ -152,7 +152,7 @@ fn labels(trial: &Trial, samples: usize) -> Result<Labels, Fault> {
         }
     };
     let label = |active| Some(if active { intent } else { Intent::Relax });
-    if let Some(active) = trial.active.as_ref().and_then(numbers) {
+    if let Some(active) = repetition.active.as_ref().and_then(numbers) {
         if active.len() != samples {
             return Err(Fault::LabelCount {
                 samples,
@@ -167,7 +167,7 @@ fn labels(trial: &Trial, samples: usize) -> Result<Labels, Fault> {
             None,
         ));
     }
-    if let Some(&[first, last]) = trial.bounds.as_ref().and_then(numbers).as_deref() {
+    if let Some(&[first, last]) = repetition.bounds.as_ref().and_then(numbers).as_deref() {
         // The set was made in MATLAB: positions count from 1 and the last belongs to the gesture.
         let active = |at: usize| (first..=last).contains(&(at as f64 + 1.0));
         return Ok(((0..samples).map(|at| label(active(at))).collect(), None));
@@ -191,21 +191,23 @@ mod tests {
     use super::*;
     use crate::readers::error::Place;
 
-    fn trial(fields: &str) -> String {
+    fn repetition(fields: &str) -> String {
         let channels: Vec<_> = (1..=8)
             .map(|c| format!("\"ch{c}\": [{c}, -{c}, 0, 127]"))
             .collect();
         format!("{{{fields} \"emg\": {{{}}}}}", channels.join(", "))
     }
 
-    fn user(trials: &[String]) -> String {
-        let trials: Vec<_> = trials
+    fn user(repetitions: &[String]) -> String {
+        let repetitions: Vec<_> = repetitions
             .iter()
             .enumerate()
             .map(|(i, t)| format!("\"idx_{}\": {t}", i + 1))
             .collect();
-        let trials = trials.join(",\n");
-        format!("{{\"userInfo\": {{\"name\": \"user7\"}},\n\"trainingSamples\": {{{trials}}}}}")
+        let repetitions = repetitions.join(",\n");
+        format!(
+            "{{\"userInfo\": {{\"name\": \"user7\"}},\n\"trainingSamples\": {{{repetitions}}}}}"
+        )
     }
 
     const PATH: &str = "/d/testingJSON/user7/user7.json";
@@ -213,11 +215,11 @@ mod tests {
     #[test]
     fn labels_are_the_gesture_where_it_lies_and_rest_around() {
         let text = user(&[
-            trial("\"gestureName\": \"pinch\", \"groundTruth\": [0, 1, 1, 0],"),
-            trial("\"gestureName\": \"fist\", \"groundTruthIndex\": [3, 4],"),
-            trial("\"gestureName\": \"noGesture\","),
-            trial("\"gestureName\": \"open\","),
-            trial(""),
+            repetition("\"gestureName\": \"pinch\", \"groundTruth\": [0, 1, 1, 0],"),
+            repetition("\"gestureName\": \"fist\", \"groundTruthIndex\": [3, 4],"),
+            repetition("\"gestureName\": \"noGesture\","),
+            repetition("\"gestureName\": \"open\","),
+            repetition(""),
         ]);
         let recordings = read(Path::new(PATH), &text).unwrap();
         let classes = |index: usize| -> Vec<i8> {
@@ -234,25 +236,27 @@ mod tests {
 
     #[test]
     fn trials_keep_their_order_beyond_nine() {
-        let trials: Vec<_> = (0..11)
-            .map(|_| trial("\"gestureName\": \"noGesture\","))
+        let repetitions: Vec<_> = (0..11)
+            .map(|_| repetition("\"gestureName\": \"noGesture\","))
             .collect();
-        let recordings = read(Path::new(PATH), &user(&trials)).unwrap();
+        let recordings = read(Path::new(PATH), &user(&repetitions)).unwrap();
         assert_eq!(recordings[9].name, "trainingSamples/idx_10");
     }
 
     #[test]
     fn faults_name_the_trial_or_the_line() {
-        let wrong = user(&[trial("\"gestureName\": \"fist\", \"groundTruth\": [0, 1],")]);
+        let wrong = user(&[repetition(
+            "\"gestureName\": \"fist\", \"groundTruth\": [0, 1],",
+        )]);
         let damage = read(Path::new(PATH), &wrong).unwrap_err();
         assert!(
             damage.fault.to_string().contains("trainingSamples/idx_1"),
             "{damage:?}"
         );
-        let cut = user(&[trial("")]);
+        let cut = user(&[repetition("")]);
         let damage = read(Path::new(PATH), &cut[..cut.len() - 4]).unwrap_err();
         assert_eq!(damage.place, Place::Line(2));
-        let unknown = user(&[trial("\"gestureName\": \"wink\",")]);
+        let unknown = user(&[repetition("\"gestureName\": \"wink\",")]);
         assert!(read(Path::new(PATH), &unknown).is_err());
     }
 }

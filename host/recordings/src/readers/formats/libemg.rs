@@ -8,9 +8,9 @@ use shared::intent::Intent;
 use shared::units::Sample;
 
 use super::react_emg::own;
-use crate::labels::motion::{Motion, Truth};
-use crate::movement::MovementKind;
+use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::Damage;
+use crate::recording::movement::MovementKind;
 use crate::recording::{DataSet, Recording};
 use execution::bounded_read;
 
@@ -58,7 +58,7 @@ pub(crate) fn motion(class: &str) -> Option<Motion> {
 pub(crate) fn read(path: &Path, samples: Vec<Sample>, metadata: &str) -> Result<Recording, Damage> {
     let class = class_name(metadata, path);
     let motion = class.as_deref().map(|class| (class, motion(class)));
-    let truth: Truth = samples
+    let truth: GroundTruth = samples
         .iter()
         .map(|_| {
             motion

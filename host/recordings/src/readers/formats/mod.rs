@@ -13,3 +13,36 @@ pub(crate) mod roshambo;
 pub(crate) mod ss_stm;
 pub(crate) mod uci_gestures;
 pub(crate) mod wang_myo;
+
+use crate::recording::DataSet;
+
+impl DataSet {
+    /// Properties that a file is recognised by as one of the set.
+    #[must_use]
+    pub const fn recognised_by(self) -> &'static str {
+        match self {
+            Self::Roshambo => {
+                "subject*_emg.npy (n, 8) of integers with *_ann.npy, a gesture's name per sample"
+            }
+            Self::SsStm => "subN/MxTy.csv, eight decimals a row (count / 128)",
+            Self::CoteAllard => "classe_N.dat, int16, eight values a sample",
+            Self::MyoReadings => {
+                "12345-1/G.txt, eight integers and the label a row; below a folder left_hand mirrored"
+            }
+            Self::OneSubjectMyo => "its published samples, classes in metadata.json",
+            Self::WangMyo => {
+                "EMG_SN/1_fist.npy (n, 8), or EMG_SN/..._1_x.mat with data (count / 128)"
+            }
+            Self::MyoRps => "csv with index,timestamp,0,...,7, named sN_r_1-rock-0-emg.csv",
+            Self::Myoup => "sN/e2_emg.npy with e2_ann.npy, or sNe2.mat with emg and pulse",
+            Self::Epn => "userN/training/001_fist.npy (n, 8)",
+            Self::UciGestures => "01/1_raw_data_*.txt with time, channel1..channel8, class",
+            Self::EmgEpn612 => "JSON per user with trainingSamples, testingSamples",
+            Self::ReactEmg => {
+                "your own: a table with eight channels by name (emg_0..emg_7, label in gt), or LibEMG's csv with \
+                 metadata.json; and ReactEMG's sN_*.npy (n, 9)"
+            }
+            Self::Synthetic => "as react-emg, with a column synthetic_muscle",
+        }
+    }
+}

@@ -11,13 +11,13 @@ use shared::stream::alignment::Alignment;
 use shared::stream::normalizer::Normalizer;
 use shared::units::Sample;
 
+use crate::examiner::finding::Finding;
 use crate::examiner::repeats::first_of_each;
-use crate::finding::Finding;
-use crate::labels::motion::{Motion, Truth};
-use crate::movement::MovementKind;
+use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::{Damage, Fault};
 use crate::readers::path::{folder, is_number, left_arm, stem};
 use crate::readers::table;
+use crate::recording::movement::MovementKind;
 use crate::recording::{DataSet, Recording, Timing};
 
 /// People whose labels do not mark when the gesture happens, and why.
@@ -133,7 +133,7 @@ fn recording(path: &Path, text: &str) -> Result<Recording, Damage> {
     if gestures && WEAK.contains(&person) {
         notes.push("little muscle signal in the gestures".to_owned());
     }
-    let Truth {
+    let GroundTruth {
         labels,
         other_movement,
     } = motions.into_iter().collect();
@@ -188,8 +188,8 @@ fn drop_polling_repeats(samples: &mut Vec<Sample>, motions: &mut Vec<Motion>) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::movement::Movement;
     use crate::readers::error::Place;
+    use crate::recording::movement::Movement;
 
     #[test]
     fn either_line_end_and_spaces_are_taken() {

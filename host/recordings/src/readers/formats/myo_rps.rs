@@ -8,10 +8,10 @@ use shared::intent::Intent;
 
 use crate::labels::activity::labelled;
 use crate::labels::motion::Motion;
-use crate::movement::MovementKind;
 use crate::readers::error::{Damage, Fault};
 use crate::readers::path::stem;
 use crate::readers::table;
+use crate::recording::movement::MovementKind;
 use crate::recording::{DataSet, Recording};
 
 const HEADER: &str = "index,timestamp,0,1,2,3,4,5,6,7";

@@ -9,13 +9,13 @@ use std::path::Path;
 use shared::intent::Intent;
 use shared::units::{SAMPLE_RATE_HZ, Sample};
 
-use crate::labels::motion::{Motion, Truth};
-use crate::movement::MovementKind;
+use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::{Damage, Fault, LoadError};
 use crate::readers::mat::Matrix;
 use crate::readers::npy::{self, Array, Values};
 use crate::readers::path::{numbered, stem};
 use crate::readers::table;
+use crate::recording::movement::MovementKind;
 use crate::recording::{DataSet, Recording};
 
 /// Samples around a pulse that are no rest.
@@ -145,7 +145,7 @@ fn recording(path: &Path, person: &str, samples: Vec<Sample>, gestures: &[usize]
         }
         start = end;
     }
-    let Truth {
+    let GroundTruth {
         labels,
         other_movement,
     } = motions.into_iter().collect();

@@ -14,13 +14,13 @@ use shared::stream::alignment::Alignment;
 use shared::stream::normalizer::Normalizer;
 use shared::units::{CHANNELS, Sample};
 
-use crate::readers::beside::Beside;
-use crate::readers::columns::Columns;
+use crate::readers::error::excerpt::excerpt;
 use crate::readers::error::{Damage, Fault};
-use crate::readers::excerpt::excerpt;
-use crate::readers::labels::{from_number, from_text};
+use crate::readers::label_file::{from_number, from_text};
 use crate::readers::npy::{Array, Values};
 use crate::readers::path::{is_number, left_arm, stem};
+use crate::readers::table::auxiliary::AuxiliaryColumns;
+use crate::readers::table::columns::Columns;
 use crate::readers::table::{self, Samples};
 use crate::recording::{DataSet, Recording, Timing};
 
@@ -49,7 +49,7 @@ pub(crate) fn read_csv(
         .position(TURN_COLUMN)
         .zip(columns.position(MIRRORED_COLUMN));
     let (mut samples, mut labels, mut has_numbers) = (Samples::default(), Vec::new(), false);
-    let (mut placed, mut beside) = (Vec::new(), Beside::find(columns));
+    let (mut placed, mut auxiliary) = (Vec::new(), AuxiliaryColumns::find(columns));
     for (line, row) in table::rows(text).skip(columns.first_line - 1) {
         let at_line = |fault| Damage::at_line(line, fault);
         let fields = columns.separator.fields(row);
@@ -67,7 +67,7 @@ pub(crate) fn read_csv(
             *count = number(column)?;
         }
         samples.push(&counts, columns.channels[0] + 1, at_line);
-        beside.push(columns.separator, &fields);
+        auxiliary.push(columns.separator, &fields);
         let placement = match placements {
             None => Alignment::NONE,
             Some((turn, mirrored)) => {
@@ -104,12 +104,14 @@ pub(crate) fn read_csv(
             excerpt(label)
         ));
     }
-    divided(recording, &beside)
+    divided(recording, &auxiliary)
 }
 
 /// The recording, or its pieces where its clock leaps.
-fn divided(recording: Recording, beside: &Beside) -> Result<Vec<Recording>, Damage> {
-    let rows = beside.rows(&recording.samples).map_err(Damage::refused)?;
+fn divided(recording: Recording, auxiliary: &AuxiliaryColumns) -> Result<Vec<Recording>, Damage> {
+    let rows = auxiliary
+        .rows(&recording.samples)
+        .map_err(Damage::refused)?;
     Ok(rows.apply(recording))
 }
 
@@ -159,14 +161,14 @@ pub(crate) fn read_npy(path: &Path, array: &Array) -> Result<Vec<Recording>, Dam
         samples.push(&values[1..], 2, in_row);
     }
     let recording = own(path, DataSet::ReactEmg, samples.finish()?, labels)?;
-    divided(recording, &Beside::default())
+    divided(recording, &AuxiliaryColumns::default())
 }
 
 /// Samples without labels, of a file that is asked for by its name.
 pub(crate) fn unlabelled(path: &Path, samples: Vec<Sample>) -> Result<Vec<Recording>, Damage> {
     let labels = vec![None; samples.len()];
     let recording = own(path, DataSet::ReactEmg, samples, labels)?;
-    divided(recording, &Beside::default())
+    divided(recording, &AuxiliaryColumns::default())
 }
 
 /// Recording of a person whom the file alone does not name.
@@ -210,7 +212,7 @@ mod tests {
 
     fn read_csv(path: &Path, text: &str) -> Result<Recording, Damage> {
         let columns =
-            Columns::of(text).map_err(|unlike| Damage::at_line(unlike.line, unlike.fault))?;
+            Columns::of(text).map_err(|error| Damage::at_line(error.line, error.fault))?;
         Ok(super::read_csv(path, text, &columns)?.remove(0))
     }
 

@@ -9,12 +9,12 @@ use shared::intent::Intent;
 use shared::stream::normalizer::Normalizer;
 use shared::units::CHANNELS;
 
-use crate::labels::motion::{Motion, Truth};
-use crate::movement::MovementKind;
+use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::{Damage, Fault, LoadError};
 use crate::readers::npy::{self, Array, Values};
 use crate::readers::path::stem;
 use crate::readers::table;
+use crate::recording::movement::MovementKind;
 use crate::recording::{DataSet, Recording, Timing};
 
 /// Whether an array holds samples of the set: whole numbers, (n, 8), in a file `subject*_emg.npy`.
@@ -44,7 +44,7 @@ pub(crate) fn read(path: &Path, array: &Array) -> Result<Recording, LoadError> {
     let samples = table::samples(array).map_err(damage)?;
     let (partner, annotations) = npy::partner(path, &format!("{name}_ann.npy"))?;
     let motions = motions(&annotations).map_err(|damage| damage.in_file(&partner))?;
-    let Truth {
+    let GroundTruth {
         labels,
         other_movement,
     } = motions.into_iter().collect();
@@ -114,7 +114,7 @@ fn notes(person: &str, session: &str) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::movement::Movement;
+    use crate::recording::movement::Movement;
 
     /// Four samples, each channel the number of the sample, with these annotations.
     fn read_with(annotations: &[u8], count: usize, tag: &str) -> Result<Recording, LoadError> {

@@ -8,11 +8,11 @@ use std::path::Path;
 use shared::intent::Intent;
 use shared::stream::normalizer::Normalizer;
 
-use crate::labels::motion::{Motion, Truth};
-use crate::movement::MovementKind;
+use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::{Damage, Fault};
 use crate::readers::path::{numbered, stem};
 use crate::readers::table;
+use crate::recording::movement::MovementKind;
 use crate::recording::{DataSet, Recording, Timing};
 
 /// First sample of the motion, and of the rest after it.
@@ -41,7 +41,7 @@ pub(crate) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
             samples.len()
         ));
     }
-    let Truth {
+    let GroundTruth {
         labels,
         other_movement,
     } = truth(motion, samples.len());
@@ -78,7 +78,7 @@ fn motion_number(name: &str) -> Option<usize> {
     motion.parse().ok().filter(|m| (1..=8).contains(m))
 }
 
-fn truth(motion: usize, samples: usize) -> Truth {
+fn truth(motion: usize, samples: usize) -> GroundTruth {
     let (gesture, after) = match motion {
         1 => (Motion::RELAX, Motion::RELAX),
         2 => (Motion::Intent(Intent::WaveIn), Motion::RELAX),
@@ -104,7 +104,7 @@ fn truth(motion: usize, samples: usize) -> Truth {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::movement::Movement;
+    use crate::recording::movement::Movement;
 
     fn text(rows: usize) -> String {
         "-0.015625,0.9921875,-1,0,0,0,0,0.0546875\n".repeat(rows)

@@ -9,11 +9,11 @@ use std::path::Path;
 use shared::intent::Intent;
 use shared::units::{CHANNELS, SAMPLE_PERIOD_MS, Sample};
 
-use crate::labels::motion::{Motion, Truth};
-use crate::movement::MovementKind;
+use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::{Damage, Fault};
 use crate::readers::path::{folder, is_number, stem};
 use crate::readers::table;
+use crate::recording::movement::MovementKind;
 use crate::recording::{DataSet, Recording};
 
 /// Largest gap between two rows, in ms: 175 in the published files.
@@ -64,7 +64,7 @@ pub(crate) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
         .into_iter()
         .map(|row| (row.sample, motion(row.class)))
         .unzip();
-    let Truth {
+    let GroundTruth {
         labels,
         other_movement,
     } = motions.into_iter().collect();

@@ -10,12 +10,12 @@ use shared::units::Sample;
 
 use crate::labels::activity::labelled;
 use crate::labels::motion::Motion;
-use crate::movement::MovementKind;
 use crate::readers::error::{Damage, Fault};
 use crate::readers::mat::Matrix;
 use crate::readers::npy::Array;
 use crate::readers::path::{numbered, stem};
 use crate::readers::table;
+use crate::recording::movement::MovementKind;
 use crate::recording::{DataSet, Recording};
 
 /// Gestures by number, from 1 on. Grasps are too near to a fist, and a tripod to a pinch, to be labelled.

@@ -4,17 +4,16 @@ use std::path::Path;
 
 use super::{Found, KINDS, Request};
 use crate::examiner::bands;
-use crate::finding::Finding;
-use crate::readers::columns::Columns;
+use crate::examiner::finding::Finding;
 use crate::readers::error::{Damage, Fault, LoadError};
 use crate::readers::formats::{
     emg_epn, libemg, myo_readings, myo_rps, one_subject_myo, react_emg, ss_stm, uci_gestures,
 };
-use crate::readers::separator::Separator;
-use crate::readers::shape::Shape;
+use crate::readers::open::SkipReason;
 use crate::readers::table;
-use crate::readers::text;
-use crate::readers::why::Why;
+use crate::readers::table::columns::Columns;
+use crate::readers::table::separator::Separator;
+use crate::readers::table::shape::Shape;
 use crate::recording::{DataSet, Recording};
 use execution::file_kind::FileKind;
 
@@ -59,20 +58,43 @@ fn encoded(
                 expected,
                 found: kind,
             };
-            (text::of_utf16(bytes), Damage::of_file(fault))
+            (beginning_of_utf16(bytes), Damage::of_file(fault))
         }
         (_, Err(error)) => {
             let at = error.valid_up_to() as u64;
-            (text::of_utf8(bytes), Damage::at_byte(at, Fault::Text))
+            (beginning_of_utf8(bytes), Damage::at_byte(at, Fault::Text))
         }
     };
-    let is_meant = Columns::of(&text).map_or_else(|unlike| unlike.is_meant, |_| true);
+    let is_meant = Columns::of(&text).map_or_else(|error| error.is_meant, |_| true);
     // Control characters are in no text of one byte a character.
     let is_text = || kind == FileKind::Utf16 || !bytes.iter().any(|byte| matches!(byte, 0..=8));
     if is_meant || request.alone && is_text() {
         return Err(fault.in_file(path));
     }
     request.nothing(path, kind)
+}
+
+/// Bytes of a text in another encoding that are decoded, to tell what it would be.
+const BEGINNING: usize = 8192;
+
+/// Beginning of a UTF-16 text, with or without a byte order mark.
+fn beginning_of_utf16(bytes: &[u8]) -> String {
+    // Without a mark: the first character of every text format here is ASCII.
+    let is_big = matches!(bytes, [0xfe, 0xff, ..] | [0, _, ..]);
+    let (units, _) = bytes[..bytes.len().min(BEGINNING)].as_chunks::<2>();
+    let read = if is_big {
+        u16::from_be_bytes
+    } else {
+        u16::from_le_bytes
+    };
+    let units: Vec<u16> = units.iter().map(|&unit| read(unit)).collect();
+    let text = String::from_utf16_lossy(&units);
+    text.trim_start_matches('\u{feff}').to_owned()
+}
+
+/// Beginning of a text that is UTF-8 but for some characters.
+fn beginning_of_utf8(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(&bytes[..bytes.len().min(BEGINNING)]).into_owned()
 }
 
 /// Reads rows of numbers.
@@ -111,11 +133,11 @@ pub(super) fn of_text(
         Ok(columns) => request.several(DataSet::ReactEmg, || {
             react_emg::read_csv(path, text, &columns).map_err(damage)
         }),
-        Err(_) if !(request.wants)(DataSet::ReactEmg) => Ok(Found::Nothing(Why::NotWanted)),
-        Err(unlike) if request.alone || unlike.is_meant => {
-            Err(damage(Damage::at_line(unlike.line, unlike.fault)))
+        Err(_) if !(request.wants)(DataSet::ReactEmg) => Ok(Found::Nothing(SkipReason::NotWanted)),
+        Err(error) if request.alone || error.is_meant => {
+            Err(damage(Damage::at_line(error.line, error.fault)))
         }
-        Err(_) => Ok(Found::Nothing(Why::Layout)),
+        Err(_) => Ok(Found::Nothing(SkipReason::Layout)),
     }
 }
 
@@ -160,4 +182,21 @@ fn bare(
         });
     }
     request.unknown(|| recording.map_err(damage))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_byte_orders_are_decoded() {
+        for bytes in [
+            &b"\xff\xfe1\0,\0"[..],
+            b"1\0,\0",
+            b"\x001\x00,",
+            b"\xfe\xff\x001\x00,",
+        ] {
+            assert_eq!(beginning_of_utf16(bytes), "1,", "{bytes:?}");
+        }
+    }
 }

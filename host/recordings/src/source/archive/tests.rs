@@ -38,7 +38,7 @@ fn gz(bytes: &[u8]) -> Vec<u8> {
 }
 
 /// Unpacks bytes into `inside` of a new folder, which is returned with the result.
-fn unpacked(bytes: &[u8], bounds: Bounds) -> (tempfile::TempDir, Result<Unpacked, ArchiveError>) {
+fn unpacked(bytes: &[u8], bounds: Bounds) -> (tempfile::TempDir, Result<Unpacked, FetchError>) {
     let folder = tempfile::tempdir().unwrap();
     let archive = folder.path().join("archive");
     fs::write(&archive, bytes).unwrap();
@@ -84,14 +84,14 @@ fn a_name_that_leads_out_refuses_the_archive_and_writes_nothing_outside() {
         let bytes = tar(&[(name, b"x")]);
         let (folder, result) = unpacked(&bytes, bounds());
         assert!(
-            matches!(result, Err(ArchiveError::Escapes { .. })),
+            matches!(result, Err(FetchError::Escapes { .. })),
             "{name}: {result:?}"
         );
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2, "{name}");
         assert!(!Path::new(absolute).exists());
         let (_folder, result) = unpacked(&zip(&[(name, b"x")]), bounds());
         assert!(
-            matches!(result, Err(ArchiveError::Escapes { .. })),
+            matches!(result, Err(FetchError::Escapes { .. })),
             "{name}: {result:?}"
         );
     }
@@ -132,7 +132,7 @@ fn bytes_are_counted_as_they_come_and_files_too() {
         let (_folder, result) = unpacked(&bytes, few);
         assert!(matches!(
             result,
-            Err(ArchiveError::TooLarge { most: 1000, .. })
+            Err(FetchError::TooLarge { most: 1000, .. })
         ));
     }
     let one = Bounds {
@@ -140,17 +140,14 @@ fn bytes_are_counted_as_they_come_and_files_too() {
         ..bounds()
     };
     let (_folder, result) = unpacked(&zip(&[("a", b""), ("b", b"")]), one);
-    assert!(matches!(
-        result,
-        Err(ArchiveError::TooLarge { most: 1, .. })
-    ));
+    assert!(matches!(result, Err(FetchError::TooLarge { most: 1, .. })));
 }
 
 #[test]
 fn the_same_name_twice_is_refused() {
     let (_folder, result) = unpacked(&tar(&[("a", b"1"), ("./a", b"2")]), bounds());
     assert!(
-        matches!(result, Err(ArchiveError::Twice { .. })),
+        matches!(result, Err(FetchError::Twice { .. })),
         "{result:?}"
     );
 }
@@ -162,10 +159,13 @@ fn what_is_cut_or_no_archive_is_refused() {
         .collect();
     let whole = gz(&tar(&[("a", &content)]));
     let (_folder, cut) = unpacked(&whole[..whole.len() / 2], bounds());
-    assert!(matches!(cut, Err(ArchiveError::Damaged { .. })), "{cut:?}");
+    assert!(matches!(cut, Err(FetchError::Damaged { .. })), "{cut:?}");
     let whole = zip(&[("a", &content)]);
     let (_folder, cut) = unpacked(&whole[..whole.len() - 10], bounds());
-    assert!(matches!(cut, Err(ArchiveError::Damaged { .. })), "{cut:?}");
+    assert!(matches!(cut, Err(FetchError::Damaged { .. })), "{cut:?}");
     let (_folder, none) = unpacked(b"gt,emg_0\n", bounds());
-    assert!(matches!(none, Err(ArchiveError::Kind { .. })), "{none:?}");
+    assert!(
+        matches!(none, Err(FetchError::NoArchive { .. })),
+        "{none:?}"
+    );
 }

@@ -32,13 +32,13 @@ fn shares(seed: u64) -> Assignment<'static> {
         seed,
         held_out_share: 0.3,
         validation_share: 0.2,
-        circles: true,
+        predefined: true,
         ..Assignment::default()
     }
 }
 
 #[test]
-fn the_committed_circles_decide_for_the_sets_that_they_name() {
+fn the_predefined_split_decides_for_the_sets_that_it_names() {
     let all = people(DataSet::Roshambo, &ROSHAMBO);
     let split = assign(&all, &shares(1)).unwrap();
     assert_eq!(split.test, ["roshambo/06"]);
@@ -71,7 +71,7 @@ fn other_sets_draw_by_the_seed_and_do_not_depend_on_one_another() {
 }
 
 #[test]
-fn lists_come_before_circles_and_draws() {
+fn lists_come_before_the_predefined_split_and_draws() {
     let all = people(DataSet::Roshambo, &ROSHAMBO);
     let [held_out, validation] = ["roshambo/01", "roshambo/03"].map(|name| vec![name.to_owned()]);
     let listed = Assignment {
@@ -111,7 +111,7 @@ fn a_test_person_is_evaluated_where_listed_and_never_validates() {
 }
 
 #[test]
-fn a_fold_replaces_the_circles_of_development_but_not_the_test_people() {
+fn a_fold_replaces_the_predefined_development_people_but_not_the_test_people() {
     let all = people(DataSet::Roshambo, &ROSHAMBO);
     let fold = ["roshambo/01".to_owned(), "roshambo/08".to_owned()];
     let split = assign(
@@ -119,7 +119,7 @@ fn a_fold_replaces_the_circles_of_development_but_not_the_test_people() {
         &Assignment {
             held_out: &fold,
             held_out_share: 0.0,
-            circles: false,
+            predefined: false,
             ..shares(1)
         },
     )

@@ -12,7 +12,7 @@ use super::data::TrainingData;
 use super::{Setup, TrainingError};
 use crate::baselines::networks::Network;
 use crate::baselines::windows::Window;
-use presets::schedule::LrSchedule;
+use presets::training::LrSchedule;
 use training::optimization::dropout::Dropout;
 use training::optimization::fit::{TrainConfig, Training};
 use training::optimization::learner::{Learner, SHARDS, WeightedMetric};

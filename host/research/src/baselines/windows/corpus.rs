@@ -4,8 +4,7 @@ use shared::intent::Intent;
 use shared::units::{CleanSample, Sample};
 
 use super::frame_layout::FrameLayout;
-use recordings::corpus::Corpus;
-use recordings::lead_in::lead_in;
+use recordings::corpus::{Corpus, lead_in};
 
 /// Number of samples in front of a stream: a multiple of the lead-in's patch, so that the newest 600 are those of every
 /// other model, and enough for ED-TCN's 625.
@@ -117,8 +116,7 @@ impl WindowedCorpus {
 mod tests {
     use super::*;
     use crate::baselines::Baseline;
-    use recordings::corpus::Stream;
-    use recordings::lead_in::padded;
+    use recordings::corpus::{Stream, padded};
     use shared::intent::Vocabulary;
 
     fn corpus() -> Corpus {

@@ -12,7 +12,7 @@ use shared::myo::{Action, Address, Uuid};
 use tokio::sync::mpsc::{UnboundedReceiver, unbounded_channel};
 
 use super::link::{Link, Notifications, characteristic, on_air};
-use super::radio::{Heard, Radio, advertising_data};
+use super::radio::{Radio, RadioEvent, advertising_data};
 
 /// Signal strength that stands for an unknown one, as in the session.
 const RSSI_UNKNOWN: i8 = 127;
@@ -20,7 +20,7 @@ const RSSI_UNKNOWN: i8 = 127;
 /// Starts the stack on a thread of its own.
 pub(super) fn open() -> anyhow::Result<Radio> {
     let (actions, wanted) = unbounded_channel();
-    let (sender, heard) = mpsc::channel();
+    let (sender, events) = mpsc::channel();
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_all()
         .build()?;
@@ -29,14 +29,17 @@ pub(super) fn open() -> anyhow::Result<Radio> {
         .spawn(move || {
             if let Err(error) = runtime.block_on(run(wanted, &sender)) {
                 // The session may have ended.
-                let _ = sender.send(Heard::Gone(format!("{error:#}")));
+                let _ = sender.send(RadioEvent::Gone(format!("{error:#}")));
             }
         })?;
-    Ok(Radio { actions, heard })
+    Ok(Radio { actions, events })
 }
 
 /// Carries out actions until their channel ends.
-async fn run(mut wanted: UnboundedReceiver<Action>, sender: &Sender<Heard>) -> anyhow::Result<()> {
+async fn run(
+    mut wanted: UnboundedReceiver<Action>,
+    sender: &Sender<RadioEvent>,
+) -> anyhow::Result<()> {
     let manager = Manager::new().await.context("no Bluetooth service")?;
     let adapters = manager.adapters().await?;
     let central = adapters
@@ -51,7 +54,7 @@ async fn run(mut wanted: UnboundedReceiver<Action>, sender: &Sender<Heard>) -> a
         notifications: None,
     };
     loop {
-        let heard = tokio::select! {
+        let event = tokio::select! {
             action = wanted.recv() => match action {
                 Some(action) => adapter.carry_out(action, &mut wanted).await,
                 None => {
@@ -61,19 +64,19 @@ async fn run(mut wanted: UnboundedReceiver<Action>, sender: &Sender<Heard>) -> a
             },
             event = events.next() => {
                 let event = event.context("the Bluetooth service has ended")?;
-                adapter.happened(event).await
+                adapter.handle(event).await
             }
             value = next(&mut adapter.notifications) => value,
         };
-        if let Some(heard) = heard {
+        if let Some(event) = event {
             // A session that has ended closes the other channel too.
-            let _ = sender.send(heard);
+            let _ = sender.send(event);
         }
     }
 }
 
 /// Waits for the next notification of the armband.
-async fn next(notifications: &mut Option<Notifications>) -> Option<Heard> {
+async fn next(notifications: &mut Option<Notifications>) -> Option<RadioEvent> {
     let Some(stream) = notifications else {
         return pending().await;
     };
@@ -83,7 +86,7 @@ async fn next(notifications: &mut Option<Notifications>) -> Option<Heard> {
         return None;
     };
     let bytes = value.value;
-    characteristic(value.uuid).map(|characteristic| Heard::Notification {
+    characteristic(value.uuid).map(|characteristic| RadioEvent::Notification {
         characteristic,
         bytes,
     })
@@ -103,14 +106,14 @@ impl Adapter {
         &mut self,
         action: Action,
         wanted: &mut UnboundedReceiver<Action>,
-    ) -> Option<Heard> {
+    ) -> Option<RadioEvent> {
         match action {
             Action::Scan => {
                 let control =
                     uuid::Uuid::from_u128(u128::from_le_bytes(Uuid::CONTROL.to_le_bytes()));
                 let services = vec![control];
                 let started = self.central.start_scan(ScanFilter { services }).await;
-                started.err().map(|_| Heard::ScanEnded)
+                started.err().map(|_| RadioEvent::ScanEnded)
             }
             Action::StopScan => {
                 // A scan that does not run cannot be stopped.
@@ -122,45 +125,49 @@ impl Adapter {
                 let was_connected = self.link.is_some();
                 self.disconnect().await;
                 Some(if was_connected {
-                    Heard::Disconnected
+                    RadioEvent::Disconnected
                 } else {
-                    Heard::ConnectFailed
+                    RadioEvent::ConnectFailed
                 })
             }
             operation => {
-                let heard = match &mut self.link {
+                let event = match &mut self.link {
                     Some(link) => {
                         unless_ended(link.operate(operation, &mut self.notifications), wanted).await
                     }
-                    None => Some(Heard::Failed),
+                    None => Some(RadioEvent::Failed),
                 };
-                let heard = match heard {
-                    Some(heard) => heard,
+                let event = match event {
+                    Some(event) => event,
                     None => {
                         self.disconnect().await;
-                        Heard::Disconnected
+                        RadioEvent::Disconnected
                     }
                 };
-                Some(heard)
+                Some(event)
             }
         }
     }
 
-    async fn connect(&mut self, address: Address, wanted: &mut UnboundedReceiver<Action>) -> Heard {
+    async fn connect(
+        &mut self,
+        address: Address,
+        wanted: &mut UnboundedReceiver<Action>,
+    ) -> RadioEvent {
         let Some(id) = self.known.get(&address.bytes) else {
-            return Heard::ConnectFailed;
+            return RadioEvent::ConnectFailed;
         };
         let Ok(peripheral) = self.central.peripheral(id).await else {
-            return Heard::ConnectFailed;
+            return RadioEvent::ConnectFailed;
         };
         match unless_ended(peripheral.connect(), wanted).await {
             Some(Ok(())) => {
                 self.link = Some(Link::new(peripheral));
-                Heard::Connected
+                RadioEvent::Connected
             }
             Some(Err(_)) | None => {
                 let _ = peripheral.disconnect().await;
-                Heard::ConnectFailed
+                RadioEvent::ConnectFailed
             }
         }
     }
@@ -174,7 +181,7 @@ impl Adapter {
     }
 
     /// Handles an event of the stack.
-    async fn happened(&mut self, event: CentralEvent) -> Option<Heard> {
+    async fn handle(&mut self, event: CentralEvent) -> Option<RadioEvent> {
         match event {
             CentralEvent::DeviceDiscovered(id) | CentralEvent::DeviceUpdated(id) => {
                 let peripheral = self.central.peripheral(&id).await.ok()?;
@@ -183,7 +190,7 @@ impl Adapter {
                 self.known.insert(address.bytes, id);
                 let rssi = properties.rssi.and_then(|rssi| i8::try_from(rssi).ok());
                 let services = properties.services.iter();
-                Some(Heard::Advertisement {
+                Some(RadioEvent::Advertisement {
                     address,
                     rssi: rssi.unwrap_or(RSSI_UNKNOWN),
                     data: advertising_data(services.copied().map(on_air)),
@@ -193,7 +200,7 @@ impl Adapter {
                 let link = self.link.take_if(|link| link.peripheral.id() == id)?;
                 self.notifications = None;
                 drop(link);
-                Some(Heard::Disconnected)
+                Some(RadioEvent::Disconnected)
             }
             _ => None,
         }

@@ -7,7 +7,7 @@ use btleplug::platform::Peripheral;
 use futures_util::Stream;
 use shared::myo::{Action, Characteristic, Uuid};
 
-use super::radio::Heard;
+use super::radio::RadioEvent;
 
 /// Notifications of all subscribed characteristics.
 pub(super) type Notifications = Pin<Box<dyn Stream<Item = ValueNotification> + Send>>;
@@ -43,7 +43,7 @@ impl Link {
         &mut self,
         operation: Action,
         notifications: &mut Option<Notifications>,
-    ) -> Heard {
+    ) -> RadioEvent {
         let answer = match operation {
             Action::Discover => self.discover().await,
             Action::Read(characteristic) => self.read(characteristic).await,
@@ -55,17 +55,17 @@ impl Link {
             }
             _ => None,
         };
-        answer.unwrap_or(Heard::Failed)
+        answer.unwrap_or(RadioEvent::Failed)
     }
 
-    async fn discover(&mut self) -> Option<Heard> {
+    async fn discover(&mut self) -> Option<RadioEvent> {
         self.peripheral.discover_services().await.ok()?;
         let remotes = self.peripheral.characteristics().into_iter();
         self.found = remotes
             .filter_map(|remote| Some((characteristic(remote.uuid)?, remote)))
             .collect();
         let found = self.found.iter().map(|(characteristic, _)| *characteristic);
-        Some(Heard::Discovered(found.collect()))
+        Some(RadioEvent::Discovered(found.collect()))
     }
 
     fn remote(&self, wanted: Characteristic) -> Option<&Remote> {
@@ -73,30 +73,30 @@ impl Link {
         found.find_map(|(characteristic, remote)| (*characteristic == wanted).then_some(remote))
     }
 
-    async fn read(&self, characteristic: Characteristic) -> Option<Heard> {
+    async fn read(&self, characteristic: Characteristic) -> Option<RadioEvent> {
         let bytes = self.peripheral.read(self.remote(characteristic)?).await;
-        bytes.ok().map(Heard::Read)
+        bytes.ok().map(RadioEvent::Read)
     }
 
-    async fn write(&self, characteristic: Characteristic, bytes: &[u8]) -> Option<Heard> {
+    async fn write(&self, characteristic: Characteristic, bytes: &[u8]) -> Option<RadioEvent> {
         let remote = self.remote(characteristic)?;
         // The armband ignores a write without response.
         let written = self
             .peripheral
             .write(remote, bytes, WriteType::WithResponse);
-        written.await.ok().map(|()| Heard::Done)
+        written.await.ok().map(|()| RadioEvent::Done)
     }
 
     async fn subscribe(
         &self,
         characteristic: Characteristic,
         notifications: &mut Option<Notifications>,
-    ) -> Option<Heard> {
+    ) -> Option<RadioEvent> {
         if notifications.is_none() {
             *notifications = Some(self.peripheral.notifications().await.ok()?);
         }
         let remote = self.remote(characteristic)?;
         let subscribed = self.peripheral.subscribe(remote).await;
-        subscribed.ok().map(|()| Heard::Done)
+        subscribed.ok().map(|()| RadioEvent::Done)
     }
 }

@@ -21,14 +21,14 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, bail};
 use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
-use shared::myo::{Action, Address, Event, MyoSession, Phase, Settings};
+use shared::myo::{self, Action, Address, MyoSession, Phase, Settings};
 use shared::pipeline::Reports;
 use shared::units::{Millis, Sample, SampleIndex};
 
-use self::radio::{Heard, Radio};
+use self::radio::{Radio, RadioEvent};
 use super::Context;
-use super::scored::Scored;
-use crate::live::event::Event as Told;
+use super::scored_pipeline::ScoredPipeline;
+use crate::live::event::Event;
 use execution::revision::revision;
 
 /// Pause between two ticks of the session, as on a board.
@@ -36,13 +36,13 @@ const TICK: Duration = Duration::from_millis(50);
 
 /// Armband to follow, and the model that labels its samples.
 #[derive(Debug)]
-pub(crate) struct Armband {
+pub(crate) struct ArmbandSource {
     /// Address of the armband; none for the one with the strongest signal.
     pub(crate) address: Option<Address>,
     pub(crate) model: Vec<u8>,
 }
 
-impl Armband {
+impl ArmbandSource {
     /// Follows the armband until it is stopped.
     ///
     /// # Errors
@@ -57,57 +57,57 @@ impl Armband {
         let encoder = HostEncoder::new(&model)?;
         let outputs = RefCell::default();
         let mut state = encoder.fresh();
-        let mut scored = Scored::new(&model, encoder, &mut state, &outputs)?;
-        context.hub.publish(&Told::of_model(&model));
-        let report = Told::of_report(context.hub.now(), &scored.state_report());
+        let mut scored = ScoredPipeline::new(&model, encoder, &mut state, &outputs)?;
+        context.hub.publish(&Event::of_model(&model));
+        let report = Event::of_report(context.hub.now(), &scored.state_report());
         context.hub.publish(&report);
         let session = MyoSession::new(Settings {
             pinned: self.address,
             follow_strongest: true,
             ..Settings::default()
         });
-        Running {
+        ArmbandSession {
             context,
             radio,
             session,
             scored,
             next: SampleIndex(0),
             streams: false,
-            told: None,
+            published: None,
         }
         .run()
     }
 }
 
 /// State of a running session.
-struct Running<'c, 'r> {
+struct ArmbandSession<'c, 'r> {
     context: &'c Context,
     radio: &'c Radio,
     session: MyoSession,
-    scored: Scored<'r, HostEncoder<'r>>,
+    scored: ScoredPipeline<'r, HostEncoder<'r>>,
     /// Index of the next sample.
     next: SampleIndex,
     /// Whether samples have come since the connection was established.
     streams: bool,
     /// Source and board that viewers were told last.
-    told: Option<(Told, Told)>,
+    published: Option<(Event, Event)>,
 }
 
-impl Running<'_, '_> {
+impl ArmbandSession<'_, '_> {
     fn run(mut self) -> anyhow::Result<()> {
         let mut due = Instant::now();
         while !self.context.stop.requested() {
-            self.tell();
+            self.publish_changes();
             self.scored.requests(self.context);
             let wait = due.saturating_duration_since(Instant::now());
-            match self.radio.heard.recv_timeout(wait) {
-                Ok(Heard::Gone(why)) => bail!("Bluetooth: {why}"),
-                Ok(heard) => self.handle(heard.event()),
+            match self.radio.events.recv_timeout(wait) {
+                Ok(RadioEvent::Gone(why)) => bail!("Bluetooth: {why}"),
+                Ok(event) => self.handle(event.as_event()),
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => bail!("Bluetooth has ended"),
             }
             if Instant::now() >= due {
-                self.handle(Event::Tick);
+                self.handle(myo::Event::Tick);
                 due = Instant::now() + TICK;
             }
         }
@@ -120,7 +120,7 @@ impl Running<'_, '_> {
         self.context.hub.millis()
     }
 
-    fn handle(&mut self, event: Event<'_>) {
+    fn handle(&mut self, event: myo::Event<'_>) {
         let mut actions = Vec::new();
         let now = self.now();
         self.session
@@ -128,7 +128,7 @@ impl Running<'_, '_> {
         for action in actions {
             self.act(action);
         }
-        if event == Event::Tick {
+        if event == myo::Event::Tick {
             let reports = self.scored.tick(now);
             self.report(reports);
         }
@@ -158,7 +158,7 @@ impl Running<'_, '_> {
     fn samples(&mut self, pair: [Sample; 2]) {
         let (now, at) = (self.now(), self.context.hub.now());
         self.streams = true;
-        self.context.hub.publish(&Told::Samples {
+        self.context.hub.publish(&Event::Samples {
             at,
             first: self.next.0,
             emg: pair.to_vec(),
@@ -173,13 +173,13 @@ impl Running<'_, '_> {
 
     fn report(&self, reports: Reports) {
         for report in reports {
-            let told = Told::of_report(self.context.hub.now(), &report);
-            self.context.hub.publish(&told);
+            let event = Event::of_report(self.context.hub.now(), &report);
+            self.context.hub.publish(&event);
         }
     }
 
     /// Tells viewers about changes of the armband.
-    fn tell(&mut self) {
+    fn publish_changes(&mut self) {
         let armband = self.session.armband();
         let detail = match self.session.phase() {
             Phase::Streaming if self.streams => "",
@@ -190,13 +190,13 @@ impl Running<'_, '_> {
                 "looking for it: wear it, and move the hand if it sleeps"
             }
         };
-        let source = Told::Source {
+        let source = Event::Source {
             kind: "bluetooth",
             name: armband.map_or_else(|| "any armband".to_owned(), |address| address.to_string()),
             connected: self.streams,
             detail: detail.to_owned(),
         };
-        let board = Told::Board {
+        let board = Event::Board {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             revision: revision().unwrap_or_default().to_owned(),
             image: "this computer".to_owned(),
@@ -207,11 +207,11 @@ impl Running<'_, '_> {
             firmware: None,
             battery: self.session.battery(),
         };
-        let told = (source, board);
-        if self.told.as_ref() != Some(&told) {
-            self.context.hub.publish(&told.0);
-            self.context.hub.publish(&told.1);
-            self.told = Some(told);
+        let newest = (source, board);
+        if self.published.as_ref() != Some(&newest) {
+            self.context.hub.publish(&newest.0);
+            self.context.hub.publish(&newest.1);
+            self.published = Some(newest);
         }
     }
 }

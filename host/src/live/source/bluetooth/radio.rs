@@ -11,16 +11,16 @@ pub(super) struct Radio {
     /// Actions for the stack, in order, without those for the pipeline. Closing the channel ends the stack.
     pub(super) actions: UnboundedSender<Action>,
     /// Results of actions, and events of the stack.
-    pub(super) heard: Receiver<Heard>,
+    pub(super) events: Receiver<RadioEvent>,
 }
 
-/// An [`Event`] that owns its bytes.
+/// Event of the stack: an [`Event`] that owns its bytes, or the loss of the adapter.
 #[cfg_attr(
     not(feature = "bluetooth"),
     expect(dead_code, reason = "the adapter alone says some of them")
 )]
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(super) enum Heard {
+pub(super) enum RadioEvent {
     Advertisement {
         address: Address,
         rssi: i8,
@@ -42,9 +42,9 @@ pub(super) enum Heard {
     Gone(String),
 }
 
-impl Heard {
+impl RadioEvent {
     /// Event as the session takes it.
-    pub(super) fn event(&self) -> Event<'_> {
+    pub(super) fn as_event(&self) -> Event<'_> {
         match self {
             Self::Advertisement {
                 address,

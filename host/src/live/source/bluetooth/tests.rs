@@ -19,7 +19,7 @@ const FIRMWARE: [u8; 8] = [1, 0, 5, 0, 0xb2, 0x07, 2, 0];
 /// Armband and stack, simulated.
 struct Peripheral {
     actions: UnboundedReceiver<Action>,
-    heard: Sender<Heard>,
+    events: Sender<RadioEvent>,
     samples: Vec<Sample>,
     /// Number of notifications after which the link is lost, once.
     lost_after: Option<usize>,
@@ -31,36 +31,36 @@ struct Peripheral {
 impl Peripheral {
     /// Answers actions until the session ends. Returns their names.
     fn run(mut self) -> Vec<&'static str> {
-        let mut asked = Vec::new();
+        let mut actions_taken = Vec::new();
         while let Some(action) = self.actions.blocking_recv() {
-            let (name, heard) = match action {
+            let (name, event) = match action {
                 Action::Scan => ("scan", Some(advertisement())),
                 Action::StopScan => ("stop", None),
-                Action::Connect(_) => ("connect", Some(Heard::Connected)),
+                Action::Connect(_) => ("connect", Some(RadioEvent::Connected)),
                 Action::Discover => {
                     let all = Characteristic::ALL.into_iter().collect();
-                    ("discover", Some(Heard::Discovered(all)))
+                    ("discover", Some(RadioEvent::Discovered(all)))
                 }
                 Action::Read(Characteristic::FirmwareVersion) => {
-                    ("firmware", Some(Heard::Read(FIRMWARE.to_vec())))
+                    ("firmware", Some(RadioEvent::Read(FIRMWARE.to_vec())))
                 }
-                Action::Read(_) => ("battery", Some(Heard::Read(vec![80]))),
-                Action::Subscribe(_) => ("subscribe", Some(Heard::Done)),
+                Action::Read(_) => ("battery", Some(RadioEvent::Read(vec![80]))),
+                Action::Subscribe(_) => ("subscribe", Some(RadioEvent::Done)),
                 Action::Write(_, payload) if payload.as_slice() == [1, 3, 2, 0, 0] => {
-                    let _ = self.heard.send(Heard::Done);
+                    let _ = self.events.send(RadioEvent::Done);
                     self.stream();
                     ("stream", None)
                 }
-                Action::Write(..) => ("write", Some(Heard::Done)),
-                Action::Disconnect => ("disconnect", Some(Heard::Disconnected)),
+                Action::Write(..) => ("write", Some(RadioEvent::Done)),
+                Action::Disconnect => ("disconnect", Some(RadioEvent::Disconnected)),
                 other => panic!("{other:?} is for the pipeline"),
             };
-            asked.push(name);
-            if let Some(heard) = heard {
-                let _ = self.heard.send(heard);
+            actions_taken.push(name);
+            if let Some(event) = event {
+                let _ = self.events.send(event);
             }
         }
-        asked
+        actions_taken
     }
 
     /// Sends the recording from its current position, on the four characteristics in turn.
@@ -72,7 +72,7 @@ impl Peripheral {
                 .map(|&value| value.cast_unsigned())
                 .collect();
             let characteristic = Characteristic::ALL[2 + self.lane];
-            let _ = self.heard.send(Heard::Notification {
+            let _ = self.events.send(RadioEvent::Notification {
                 characteristic,
                 bytes: emg,
             });
@@ -85,7 +85,7 @@ impl Peripheral {
                 .take_if(|&mut after| after == self.sent)
                 .is_some()
             {
-                let _ = self.heard.send(Heard::Disconnected);
+                let _ = self.events.send(RadioEvent::Disconnected);
                 self.lane = 0;
                 return;
             }
@@ -94,8 +94,8 @@ impl Peripheral {
 }
 
 /// Advertisement like a real one: padded name, flags, and the service that is searched for.
-fn advertisement() -> Heard {
-    Heard::Advertisement {
+fn advertisement() -> RadioEvent {
+    RadioEvent::Advertisement {
         address: Address::parse(ADDRESS).unwrap(),
         rssi: -50,
         data: advertising_data([Uuid::CONTROL.to_le_bytes()]),
@@ -112,10 +112,10 @@ struct Started {
 
 fn start(address: Option<Address>, samples: &[Sample], lost_after: Option<usize>) -> Started {
     let (actions, wanted) = unbounded_channel();
-    let (sender, heard) = mpsc::channel();
+    let (sender, events) = mpsc::channel();
     let peripheral = Peripheral {
         actions: wanted,
-        heard: sender,
+        events: sender,
         samples: samples.to_vec(),
         lost_after,
         sent: 0,
@@ -128,13 +128,13 @@ fn start(address: Option<Address>, samples: &[Sample], lost_after: Option<usize>
         requests: mpsc::channel().1,
         stop: stop.clone(),
     };
-    let armband = Armband {
+    let armband = ArmbandSource {
         address,
         model: SHIPPED.to_vec(),
     };
     let session = std::thread::Builder::new()
         .stack_size(crate::live::STACK)
-        .spawn(move || armband.run_on(&Radio { actions, heard }, &context))
+        .spawn(move || armband.run_on(&Radio { actions, events }, &context))
         .unwrap();
     Started {
         hub,
@@ -173,7 +173,7 @@ fn labels(samples: &[Sample]) -> Vec<Value> {
     let model = Model::parse(&file).unwrap();
     let encoder = HostEncoder::new(&model).unwrap();
     let (outputs, mut state) = (RefCell::default(), encoder.fresh());
-    let mut scored = Scored::new(&model, encoder, &mut state, &outputs).unwrap();
+    let mut scored = ScoredPipeline::new(&model, encoder, &mut state, &outputs).unwrap();
     let reports = samples.iter().enumerate().flat_map(|(place, &sample)| {
         scored
             .sample(Millis(0), SampleIndex(place as u32), sample)
@@ -218,7 +218,7 @@ fn an_armband_is_followed_and_labelled_as_on_a_board_and_found_again_when_it_is_
     }
     started.stop.request();
     started.session.join().unwrap().unwrap();
-    let asked = started.peripheral.join().unwrap();
+    let actions_taken = started.peripheral.join().unwrap();
     assert_eq!(emg, samples);
     // Labels of the first connection; the first report is of the state before it.
     let expected = labels(&samples[..2 * half]);
@@ -230,8 +230,14 @@ fn an_armband_is_followed_and_labelled_as_on_a_board_and_found_again_when_it_is_
     );
     connected.dedup();
     assert_eq!(connected, [false, true, false, true]);
-    assert_eq!(asked.iter().filter(|name| **name == "connect").count(), 2);
-    assert_eq!(asked.last(), Some(&"disconnect"));
+    assert_eq!(
+        actions_taken
+            .iter()
+            .filter(|name| **name == "connect")
+            .count(),
+        2
+    );
+    assert_eq!(actions_taken.last(), Some(&"disconnect"));
 }
 
 #[test]
@@ -244,29 +250,29 @@ fn an_armband_of_an_address_is_connected_to_at_its_first_advertisement() {
     while !is_shown(&messages.recv_timeout(Duration::from_secs(60)).unwrap()) {}
     started.stop.request();
     started.session.join().unwrap().unwrap();
-    let asked = started.peripheral.join().unwrap();
-    assert_eq!(asked[..2], ["scan", "stop"]);
-    assert!(asked.contains(&"stream"), "{asked:?}");
+    let actions_taken = started.peripheral.join().unwrap();
+    assert_eq!(actions_taken[..2], ["scan", "stop"]);
+    assert!(actions_taken.contains(&"stream"), "{actions_taken:?}");
 }
 
 #[test]
 fn an_adapter_that_is_gone_ends_the_session_with_its_reason() {
     let (actions, _wanted) = unbounded_channel();
-    let (sender, heard) = mpsc::channel();
+    let (sender, events) = mpsc::channel();
     sender
-        .send(Heard::Gone("it is switched off".to_owned()))
+        .send(RadioEvent::Gone("it is switched off".to_owned()))
         .unwrap();
     let context = Context {
         hub: Arc::new(Hub::new()),
         requests: mpsc::channel().1,
         stop: Stop::default(),
     };
-    let armband = Armband {
+    let armband = ArmbandSource {
         address: None,
         model: SHIPPED.to_vec(),
     };
     let thread = std::thread::Builder::new().stack_size(crate::live::STACK);
-    let session = thread.spawn(move || armband.run_on(&Radio { actions, heard }, &context));
+    let session = thread.spawn(move || armband.run_on(&Radio { actions, events }, &context));
     let error = session.unwrap().join().unwrap().unwrap_err();
     assert!(error.to_string().contains("switched off"), "{error}");
 }

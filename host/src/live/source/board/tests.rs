@@ -77,23 +77,25 @@ fn installed(answer: Answer<'static>, wanted: &[u8]) -> Vec<Value> {
     };
     let source = std::thread::Builder::new()
         .stack_size(crate::live::STACK)
-        .spawn(move || Board { path, model: None }.run(&context))
+        .spawn(move || BoardSource { path, model: None }.run(&context))
         .unwrap();
-    let mut told = Vec::new();
+    let mut messages = Vec::new();
     let mut connections = 0;
     let end = Instant::now() + Duration::from_secs(60);
     while connections < 2 {
-        assert!(Instant::now() < end, "{told:?}");
+        assert!(Instant::now() < end, "{messages:?}");
         match following.try_recv() {
             Ok(message) => {
                 let message: Value = serde_json::from_str(&message).unwrap();
                 if message["type"] == "source" && message["connected"] == true {
                     connections += 1;
                     if connections == 1 {
-                        requests.send(Request::Install(wanted.to_vec())).unwrap();
+                        requests
+                            .send(SourceRequest::Install(wanted.to_vec()))
+                            .unwrap();
                     }
                 }
-                told.push(message);
+                messages.push(message);
             }
             Err(TryRecvError::Empty) => std::thread::sleep(WAIT),
             Err(error) => panic!("{error}"),
@@ -102,7 +104,7 @@ fn installed(answer: Answer<'static>, wanted: &[u8]) -> Vec<Value> {
     stop.request();
     source.join().unwrap().unwrap();
     thread.join().unwrap();
-    told
+    messages
 }
 
 #[test]
@@ -117,12 +119,12 @@ fn what_was_asked_for_before_the_board_was_there_is_not_done_once_it_is() {
         requests: received,
         stop: stop.clone(),
     };
-    for early in [Request::Align, Request::Bind] {
+    for early in [SourceRequest::Align, SourceRequest::Bind] {
         requests.send(early).unwrap();
     }
     let source = std::thread::Builder::new()
         .stack_size(crate::live::STACK)
-        .spawn(move || Board { path, model: None }.run(&context))
+        .spawn(move || BoardSource { path, model: None }.run(&context))
         .unwrap();
     let end = Instant::now() + Duration::from_secs(60);
     let is_heard = |message: &str| message.contains(r#""connected":true"#);
@@ -138,40 +140,40 @@ fn what_was_asked_for_before_the_board_was_there_is_not_done_once_it_is() {
 }
 
 /// Last message of a kind.
-fn last<'t>(told: &'t [Value], kind: &str) -> Option<&'t Value> {
-    told.iter().rfind(|message| message["type"] == kind)
+fn last<'t>(messages: &'t [Value], kind: &str) -> Option<&'t Value> {
+    messages.iter().rfind(|message| message["type"] == kind)
 }
 
 #[test]
 fn a_model_that_a_board_takes_is_the_one_whose_scores_are_shown() {
-    let told = installed(Answer::Install(Progress::Installed), SHIPPED);
-    let installing = last(&told, "installing").unwrap();
+    let messages = installed(Answer::Install(Progress::Installed), SHIPPED);
+    let installing = last(&messages, "installing").unwrap();
     assert_eq!(installing["state"], "done", "{installing}");
     // On the heap, which aligns it as a model requires.
     let file = SHIPPED.to_vec();
     let blocks = ModelFile::new(&file).unwrap().blocks();
     let whole = |message: &&Value| message["blocks"] == blocks && message["of"] == blocks;
-    assert_eq!(told.iter().filter(whole).count(), 1, "{told:?}");
+    assert_eq!(messages.iter().filter(whole).count(), 1, "{messages:?}");
     assert_eq!(
-        last(&told, "model").unwrap()["classes"],
+        last(&messages, "model").unwrap()["classes"],
         serde_json::json!(["relax", "open", "close"])
     );
 }
 
 #[test]
 fn a_model_that_a_board_refuses_is_said_so_and_the_board_is_read_again() {
-    let told = installed(Answer::Refused(Refusal::Length), SHIPPED);
-    let installing = last(&told, "installing").unwrap();
+    let messages = installed(Answer::Refused(Refusal::Length), SHIPPED);
+    let installing = last(&messages, "installing").unwrap();
     assert_eq!(installing["state"], "failed", "{installing}");
     let text = installing["text"].as_str().unwrap();
     assert!(text.starts_with("the board refuses: "), "{text}");
-    assert_eq!(last(&told, "model"), None);
+    assert_eq!(last(&messages, "model"), None);
 }
 
 #[test]
 fn a_file_that_no_board_can_run_is_not_sent() {
-    let told = installed(Answer::Install(Progress::Installed), &SHIPPED[..999]);
-    let installing = last(&told, "installing").unwrap();
+    let messages = installed(Answer::Install(Progress::Installed), &SHIPPED[..999]);
+    let installing = last(&messages, "installing").unwrap();
     assert_eq!(installing["state"], "failed", "{installing}");
     let text = installing["text"].as_str().unwrap();
     assert!(text.starts_with("no board can run this file"), "{text}");

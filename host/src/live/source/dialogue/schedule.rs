@@ -16,7 +16,7 @@ const RAW_MS: u32 = 1_000;
 
 /// Time of the last command of each kind.
 #[derive(Debug, Default)]
-pub(super) struct Schedule {
+pub(super) struct CommandSchedule {
     raw: Option<Millis>,
     counters: Option<Millis>,
     identify: Option<Millis>,
@@ -25,7 +25,7 @@ pub(super) struct Schedule {
     is_unbound: bool,
 }
 
-impl Schedule {
+impl CommandSchedule {
     /// Returns the next command that is due; to be called until there is none. `samples` is the time of the last ones.
     pub(super) fn command(&mut self, now: Millis, samples: Option<Millis>) -> Option<Command> {
         let due = |last: Option<Millis>, period| {

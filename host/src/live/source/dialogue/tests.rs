@@ -3,7 +3,7 @@
 use super::schedule::IDENTIFY_MS;
 use super::*;
 use proptest::prelude::*;
-use shared::myo::Address;
+use shared::myo::{Address, Following};
 use shared::stream::safe_state::{Cause, Status};
 use shared::uart_line::answer::Binding;
 use shared::uart_line::command::{AlignCommand, BindCommand};
@@ -35,17 +35,17 @@ fn dialogue() -> Dialogue {
     Dialogue::new(Millis(0), Losses::default())
 }
 
-fn heard(dialogue: &mut Dialogue, text: &[u8]) -> Vec<Heard> {
+fn events(dialogue: &mut Dialogue, text: &[u8]) -> Vec<BoardEvent> {
     let mut all = Vec::new();
-    dialogue.bytes(Millis(0), 0.0, text, |heard| all.push(heard));
+    dialogue.bytes(Millis(0), 0.0, text, |event| all.push(event));
     all
 }
 
 /// Number of samples missing before each notification that was heard.
 fn missing(dialogue: &mut Dialogue, lines: &[String]) -> Vec<Option<u32>> {
-    let heard = heard(dialogue, lines.concat().as_bytes());
-    let missing = heard.into_iter().filter_map(|heard| match heard {
-        Heard::Samples(_, missing) => Some(missing),
+    let events = events(dialogue, lines.concat().as_bytes());
+    let missing = events.into_iter().filter_map(|event| match event {
+        BoardEvent::Samples(_, missing) => Some(missing),
         _ => None,
     });
     missing.collect()
@@ -71,8 +71,8 @@ fn lost_samples_and_lines_are_counted() {
 fn a_restarted_board_begins_another_stream_and_nothing_is_missing() {
     let mut dialogue = dialogue();
     let lines = [report(70_000), emg(9_000), report(0), emg(0), emg(2)];
-    let found = heard(&mut dialogue, lines.concat().as_bytes());
-    assert!(found.contains(&Heard::Restart));
+    let found = events(&mut dialogue, lines.concat().as_bytes());
+    assert!(found.contains(&BoardEvent::Restart));
     assert_eq!(dialogue.losses(), Losses::default());
     // The stream counts as new even if the line of its start is lost.
     assert_eq!(missing(&mut dialogue, &[emg(0)]), [None]);
@@ -89,10 +89,10 @@ fn numbers_go_on_over_their_wrap() {
 #[test]
 fn the_board_is_asked_in_turn_and_for_samples_again_while_none_come() {
     let mut dialogue = dialogue();
-    let mut asked = Vec::new();
+    let mut commands = Vec::new();
     for now in 0..4_000 {
         while let Some(command) = dialogue.command(Millis(now)) {
-            asked.push((now, command));
+            commands.push((now, command));
         }
         // Samples come from 1.5 to 2.5 s.
         if (1_500..2_500).contains(&now) && now % 10 == 0 {
@@ -109,7 +109,7 @@ fn the_board_is_asked_in_turn_and_for_samples_again_while_none_come() {
         (2_000, Command::Counters),
         (3_490, Command::Raw(true)),
     ];
-    assert_eq!(asked, expected);
+    assert_eq!(commands, expected);
     let later = dialogue.command(Millis(IDENTIFY_MS));
     assert_eq!(later, Some(Command::Identify));
 }
@@ -120,39 +120,39 @@ fn an_alignment_that_was_made_before_is_told_once_and_asked_for_again_after_a_re
     let alignment = Alignment::new(3, false);
     let answer = Answer::Alignment(alignment).to_string();
     let answer = answer.as_bytes();
-    let told = [
-        Heard::Alignment(alignment),
-        Heard::Event(Event::of_placement(0.0, alignment)),
+    let expected = [
+        BoardEvent::Alignment(alignment),
+        BoardEvent::Publish(Event::of_placement(0.0, alignment)),
     ];
     let found = |dialogue: &mut Dialogue| {
-        let mut all = heard(dialogue, answer);
-        all.retain(|heard| !matches!(heard, Heard::Event(Event::Line { .. })));
+        let mut all = events(dialogue, answer);
+        all.retain(|event| !matches!(event, BoardEvent::Publish(Event::Line { .. })));
         all
     };
-    assert_eq!(found(&mut dialogue), told);
+    assert_eq!(found(&mut dialogue), expected);
     assert_eq!(found(&mut dialogue), []);
     while dialogue.command(Millis(0)).is_some() {}
-    heard(&mut dialogue, [report(7), report(0)].concat().as_bytes());
+    events(&mut dialogue, [report(7), report(0)].concat().as_bytes());
     let next = dialogue.command(Millis(1));
     assert_eq!(next, Some(Command::Align(AlignCommand::State)));
-    assert_eq!(found(&mut dialogue), told);
+    assert_eq!(found(&mut dialogue), expected);
 }
 
 #[test]
 fn a_board_that_follows_nobody_is_asked_every_second_and_a_bound_one_seldom() {
     let mut dialogue = dialogue();
-    let mut asked = |following: Following, from: u32| {
+    let mut commands = |following: Following, from: u32| {
         let binding = Binding {
             following,
             is_kept: true,
         };
-        let told = heard(
+        let published = events(
             &mut dialogue,
             Answer::Binding(binding).to_string().as_bytes(),
         );
         assert!(
-            told.contains(&Heard::Event(Event::of_binding(&binding))),
-            "{told:?}"
+            published.contains(&BoardEvent::Publish(Event::of_binding(&binding))),
+            "{published:?}"
         );
         let mut times = Vec::new();
         for now in from..from + 5_000 {
@@ -164,10 +164,13 @@ fn a_board_that_follows_nobody_is_asked_every_second_and_a_bound_one_seldom() {
         }
         times
     };
-    assert_eq!(asked(Following::Nobody, 0), [0, 1_000, 2_000, 3_000, 4_000]);
-    assert_eq!(asked(Following::Pairing, 5_000).len(), 5);
+    assert_eq!(
+        commands(Following::Nobody, 0),
+        [0, 1_000, 2_000, 3_000, 4_000]
+    );
+    assert_eq!(commands(Following::Pairing, 5_000).len(), 5);
     let armband = Address::parse("FA:12:34:56:78:9A").unwrap();
-    assert!(asked(Following::Bound(armband), 10_000).is_empty());
+    assert!(commands(Following::Bound(armband), 10_000).is_empty());
 }
 
 #[test]
@@ -176,9 +179,9 @@ fn five_seconds_without_a_line_are_a_silence() {
     assert!(!dialogue.is_silent(Millis(4_999)) && dialogue.is_silent(Millis(5_000)));
     // Noise does not count as a board.
     dialogue.bytes(Millis(4_000), 0.0, b"login: \xff\r\n", |_| {});
-    assert!(!dialogue.has_heard() && dialogue.is_silent(Millis(5_000)));
+    assert!(!dialogue.has_received() && dialogue.is_silent(Millis(5_000)));
     dialogue.bytes(Millis(6_000), 0.0, report(0).as_bytes(), |_| {});
-    assert!(dialogue.has_heard() && !dialogue.is_silent(Millis(10_999)));
+    assert!(dialogue.has_received() && !dialogue.is_silent(Millis(10_999)));
 }
 
 proptest! {
@@ -196,8 +199,8 @@ proptest! {
         bytes.extend(emg(100).bytes());
         let mut dialogue = dialogue();
         let (mut received, mut last) = (0, None);
-        for heard in heard(&mut dialogue, &bytes) {
-            if let Heard::Samples(report, _) = heard {
+        for event in events(&mut dialogue, &bytes) {
+            if let BoardEvent::Samples(report, _) = event {
                 prop_assert_eq!(report.samples[0], [report.first.0 as i8; 8]);
                 received += 2;
                 last = Some(report.first.0);
@@ -214,6 +217,6 @@ proptest! {
 
     #[test]
     fn arbitrary_bytes_never_panic(bytes: Vec<u8>) {
-        heard(&mut dialogue(), &bytes);
+        events(&mut dialogue(), &bytes);
     }
 }

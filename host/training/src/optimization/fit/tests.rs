@@ -9,7 +9,7 @@ use super::*;
 use crate::optimization::learner::WeightedMetric;
 use crate::optimization::tensor::read_back;
 use execution::run_folder::kill;
-use presets::schedule::LrSchedule;
+use presets::training::LrSchedule;
 
 /// Learns `y = 2 x`. Its validation loss is lowest at `y = x`, so the best epoch is in the middle.
 struct Line {

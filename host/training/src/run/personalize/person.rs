@@ -8,7 +8,7 @@ use super::error::PersonalizeError;
 use evaluation::EvaluatedRecording;
 use recordings::labels::lag::LabelLag;
 use recordings::labels::set_lag::Lag;
-use recordings::split::circles;
+use recordings::split::predefined;
 use recordings::{DataSet, Library, Recording};
 
 /// Recording in the two forms that are needed.
@@ -83,7 +83,7 @@ impl Person {
         };
         let is_training = |person: &str| {
             let mut seen = model.provenance.subjects_seen.iter();
-            person != subject && circles::is_training(person) && seen.any(|own| own == person)
+            person != subject && predefined::is_training(person) && seen.any(|own| own == person)
         };
         let others = library.recordings.iter();
         let at_hand: Vec<&Recording> = others

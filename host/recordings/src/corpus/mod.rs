@@ -1,0 +1,159 @@
+//! Corpus of a training: streams of cleaned EMG with labels.
+
+pub mod splice;
+
+use std::ops::Range;
+
+use shared::intent::{Intent, Vocabulary};
+use shared::stream::preprocess::{Median, clean};
+use shared::units::{CleanSample, PATCH, SAMPLE_RATE_HZ, Sample, WINDOW};
+
+use crate::recording::Recording;
+
+/// One continuous stream: a recording, or pieces of one subject's recordings joined.
+#[derive(Clone, Debug)]
+pub struct Stream {
+    /// Samples as the armband sends them, 200 Hz: input of most of the baselines.
+    pub raw: Vec<Sample>,
+    /// Cleaned samples.
+    pub emg: Vec<CleanSample>,
+    /// The intent at each sample, within the vocabulary; none where it is unknown.
+    pub labels: Vec<Option<Intent>>,
+    /// Movement outside the vocabulary, if it is a class: ranges of samples, in order.
+    pub other_movement: Vec<Range<usize>>,
+}
+
+impl Stream {
+    /// Stream of samples, cleaned with the paper's median, with one label each and no movement outside the vocabulary.
+    #[must_use]
+    pub fn new(raw: Vec<Sample>, labels: Vec<Option<Intent>>) -> Self {
+        Self {
+            emg: clean(raw.iter().copied(), Median::Three).collect(),
+            raw,
+            labels,
+            other_movement: Vec::new(),
+        }
+    }
+
+    /// Whether most of each patch is movement outside the vocabulary; a partial last patch is left out.
+    #[must_use]
+    pub fn other_movement_patches(&self) -> Vec<bool> {
+        let mut samples = vec![false; self.labels.len()];
+        for range in &self.other_movement {
+            samples[range.clone()].fill(true);
+        }
+        samples
+            .chunks_exact(PATCH)
+            .map(|patch| 2 * patch.iter().filter(|&&other| other).count() > PATCH)
+            .collect()
+    }
+}
+
+impl From<Recording> for Stream {
+    /// Stream of a whole recording, whose [`other_movement`](Recording::other_movement) must be all movement outside
+    /// the vocabulary that is a class.
+    fn from(recording: Recording) -> Self {
+        let movements = recording.other_movement.into_iter();
+        Self {
+            other_movement: movements.map(|movement| movement.samples).collect(),
+            ..Self::new(recording.samples, recording.labels)
+        }
+    }
+}
+
+/// All streams of one side of a split.
+#[derive(Clone, Debug)]
+pub struct Corpus {
+    /// The classes that labels are taken from.
+    pub vocabulary: Vocabulary,
+    /// Whether movement outside the vocabulary is a class of its own; otherwise it is unknown.
+    pub other: bool,
+    /// The streams; order is part of a run's reproducibility.
+    pub streams: Vec<Stream>,
+}
+
+impl Corpus {
+    /// Cleans all streams with this filter instead of the paper's.
+    #[must_use]
+    pub fn with_median(mut self, median: Median) -> Self {
+        if median != Median::Three {
+            for stream in &mut self.streams {
+                stream.emg = clean(stream.raw.iter().copied(), median).collect();
+            }
+        }
+        self
+    }
+
+    /// Duration of all streams, in seconds.
+    #[must_use]
+    pub fn seconds(&self) -> f64 {
+        self.streams
+            .iter()
+            .map(|stream| stream.emg.len())
+            .sum::<usize>() as f64
+            / f64::from(SAMPLE_RATE_HZ)
+    }
+}
+
+/// The label of most of a patch's samples; none if most have none.
+#[must_use]
+fn patch_label(labels: &[Option<Intent>]) -> Option<Intent> {
+    Intent::ALL
+        .into_iter()
+        .map(|intent| {
+            (
+                labels
+                    .iter()
+                    .filter(|&&label| label == Some(intent))
+                    .count(),
+                intent,
+            )
+        })
+        .filter(|&(count, _)| 2 * count > labels.len())
+        .map(|(_, intent)| intent)
+        .next()
+}
+
+/// The label of each patch; a partial last patch is left out.
+#[must_use]
+pub fn patch_labels(labels: &[Option<Intent>]) -> Vec<Option<Intent>> {
+    labels.chunks_exact(PATCH).map(patch_label).collect()
+}
+
+/// Stream with a full window in front: its first patch of 10 samples, sixty times.
+///
+/// Every model then has an output for every sample of a short recording. The lead-in is the first patch, which every
+/// output of a model knows, so no output depends on samples after its own patch. docs/decisions.md has what was
+/// measured.
+#[must_use]
+pub fn padded(emg: &[CleanSample]) -> Vec<CleanSample> {
+    lead_in(emg, WINDOW)
+}
+
+/// Stream of any kind with `length` samples in front: its first patch, repeated.
+#[must_use]
+pub fn lead_in<T: Copy>(samples: &[T], length: usize) -> Vec<T> {
+    let lead = &samples[..samples.len().min(PATCH)];
+    lead.iter()
+        .cycle()
+        .take(if lead.is_empty() { 0 } else { length })
+        .chain(samples)
+        .copied()
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_patch_takes_the_label_of_its_majority() {
+        let relax = Some(Intent::Relax);
+        let close = Some(Intent::Close);
+        let mut labels = [relax; 10];
+        labels[..6].fill(close);
+        assert_eq!(patch_label(&labels), close);
+        labels[..5].fill(None);
+        assert_eq!(patch_label(&labels), None);
+    }
+}

@@ -1,0 +1,235 @@
+//! Spliced recordings of a few hand-written ones.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use shared::intent::Intent;
+
+use super::holds::HOLD;
+use super::{SpliceOptions, splice};
+use crate::labels::compensation::Compensation;
+use crate::labels::runs::{Run, runs};
+use crate::recording::movement::{Movement, MovementKind, mask};
+use crate::recording::{DataSet, Recording};
+
+const R: Option<Intent> = Some(Intent::Relax);
+const O: Option<Intent> = Some(Intent::Open);
+const C: Option<Intent> = Some(Intent::Close);
+
+/// Every sample carries its label's number, so that a cut at the wrong place shows.
+fn recording(subject: &str, sequence: &[(Option<Intent>, usize)]) -> Recording {
+    let labels: Vec<_> = sequence
+        .iter()
+        .flat_map(|&(label, count)| vec![label; count])
+        .collect();
+    Recording {
+        data_set: DataSet::Synthetic,
+        subject: subject.into(),
+        name: "r".into(),
+        path: PathBuf::new(),
+        samples: labels.iter().map(|&label| [mark(label); 8]).collect(),
+        labels,
+        notes: Vec::new(),
+        other_movement: Vec::new(),
+        timing: crate::Timing::Cues,
+        findings: Vec::new(),
+        wearer: shared::stream::normalizer::Normalizer::new(),
+    }
+}
+
+fn mark(label: Option<Intent>) -> i8 {
+    label.map_or(-1, |intent| intent.class() as i8)
+}
+
+const OPTIONS: SpliceOptions = SpliceOptions {
+    samples: 4321,
+    count: 2,
+    other: false,
+    seed: 42,
+};
+
+/// Rock, rest, paper, rest, scissor, rest.
+fn roshambo() -> Recording {
+    let round = [
+        (C, 400),
+        (R, 200),
+        (O, 400),
+        (R, 200),
+        (None, 400),
+        (R, 200),
+    ];
+    recording("a", &round.repeat(3))
+}
+
+#[test]
+fn steady_recordings_come_in_between_transitions() {
+    let cued = recording("a", &[(R, 400), (C, 400), (R, 400)]);
+    let mut steady = recording("a", &[(R, 3000)]);
+    steady.samples.fill([77; 8]);
+    let options = SpliceOptions {
+        samples: 20_000,
+        ..OPTIONS
+    };
+    let spliced = splice(&[&cued, &steady], &options);
+    let marked = spliced[0]
+        .samples
+        .iter()
+        .zip(&spliced[0].labels)
+        .filter(|(sample, _)| **sample == [77; 8]);
+    let labels: BTreeSet<_> = marked.clone().map(|(_, &label)| label).collect();
+    assert_eq!(labels, BTreeSet::from([R]));
+    assert!(marked.count() > 1000);
+}
+
+#[test]
+fn samples_keep_their_labels_and_the_length_is_exact() {
+    let spliced = splice(&[&roshambo()], &OPTIONS);
+    assert_eq!(spliced.len(), 2);
+    for recording in &spliced {
+        assert_eq!(
+            (recording.samples.len(), recording.labels.len()),
+            (4321, 4321)
+        );
+        let marks = recording.samples.iter().zip(&recording.labels);
+        assert!(
+            marks
+                .into_iter()
+                .all(|(sample, &label)| sample[0] == mark(label))
+        );
+    }
+    assert_ne!(spliced[0].labels, spliced[1].labels);
+    assert_eq!(spliced, splice(&[&roshambo()], &OPTIONS));
+}
+
+#[test]
+fn the_order_is_broken_and_only_recorded_transitions_occur() {
+    let options = SpliceOptions {
+        samples: 200_000,
+        count: 1,
+        ..OPTIONS
+    };
+    let spliced = splice(&[&roshambo()], &options);
+    let found = runs(&spliced[0].labels);
+    let gestures: Vec<_> = found.iter().map(|r| r.label).filter(|&l| l != R).collect();
+    let pairs: BTreeSet<_> = gestures.windows(2).map(|p| (p[0], p[1])).collect();
+    assert_eq!(pairs.len(), 9, "every gesture follows every gesture");
+    assert!(found.windows(2).all(|p| p[0].label == R || p[1].label == R));
+    let whole = &found[1..found.len() - 1];
+    let lengths: Vec<_> = whole.iter().map(Run::samples).collect();
+    assert!(lengths.iter().all(|length| (100..=600).contains(length)));
+    assert!(lengths.iter().min() < Some(&120) && lengths.iter().max() > Some(&550));
+}
+
+#[test]
+fn samples_and_labels_are_cut_together() {
+    let late = recording("a", &[(R, 300), (C, 300), (R, 300)].repeat(4))
+        .compensated(Compensation::Constant(20));
+    let spliced = &splice(&[&late], &OPTIONS)[0];
+    let wrong = spliced.samples.iter().zip(&spliced.labels);
+    let wrong = wrong
+        .filter(|(sample, label)| sample[0] != mark(**label))
+        .count();
+    let changes = runs(&spliced.labels).len() - 1;
+    assert!(
+        wrong >= 20 * (changes - 1) && wrong <= 20 * (changes + 1),
+        "{wrong} {changes}"
+    );
+}
+
+#[test]
+fn motions_without_a_known_end_do_not_stop_the_walk() {
+    let close = recording("a", &[(R, 200), (C, 400), (R, 400)]);
+    let unknown = recording("a", &[(R, 200), (None, 800)]);
+    let spliced = splice(&[&close, &unknown], &OPTIONS);
+    assert_eq!(spliced.len(), 2);
+    assert!(spliced[0].labels.iter().all(Option::is_some));
+}
+
+#[test]
+fn steady_holds_are_joined_with_and_without_rest_between() {
+    let holds: Vec<_> = [R, O, C]
+        .map(|label| recording("a", &[(label, 1000)]))
+        .into();
+    let options = SpliceOptions {
+        samples: 100_000,
+        count: 1,
+        ..OPTIONS
+    };
+    let spliced = splice(&holds.iter().collect::<Vec<_>>(), &options);
+    let found = runs(&spliced[0].labels);
+    let pairs: BTreeSet<_> = found.windows(2).map(|p| (p[0].label, p[1].label)).collect();
+    assert_eq!(
+        pairs.len(),
+        6,
+        "rest, open and close all follow one another"
+    );
+    let whole = &found[1..found.len() - 1];
+    assert!(whole.iter().all(|run| HOLD.contains(&run.samples())));
+    assert_eq!(spliced[0].samples.len(), 100_000);
+}
+
+#[test]
+fn subjects_are_not_mixed_and_unlabelled_ones_left_out() {
+    let people = [
+        roshambo(),
+        recording("b", &[(None, 5000)]),
+        recording("c", &[(R, 900)]),
+    ];
+    let spliced = splice(&people.iter().collect::<Vec<_>>(), &OPTIONS);
+    assert!(spliced.iter().all(|r| r.subject == "a"));
+}
+
+#[test]
+fn movement_outside_the_vocabulary_is_spliced_as_a_gesture_and_marked() {
+    let mut cued = recording("a", &[(R, 300), (C, 300), (R, 300), (None, 300), (R, 300)]);
+    cued.other_movement = vec![Movement::new(MovementKind::Point, 900..1200)];
+    let mut steady = recording("a", &[(None, 1000)]);
+    steady.samples.fill([55; 8]);
+    steady.other_movement = vec![Movement::new(MovementKind::Point, 0..1000)];
+    let splice_all = |other| {
+        let options = SpliceOptions {
+            samples: 40_000,
+            other,
+            ..OPTIONS
+        };
+        splice(&[&cued, &steady], &options).swap_remove(0)
+    };
+    let marked = splice_all(true);
+    let others = mask(&marked.other_movement, marked.labels.len());
+    let found = |mark: i8| -> BTreeSet<_> {
+        let samples = marked.samples.iter().zip(&marked.labels).zip(&others);
+        let samples = samples.filter(|((sample, _), _)| sample[0] == mark);
+        samples
+            .map(|((_, &label), &other)| (label, other))
+            .collect()
+    };
+    // The movement is there, in transitions and in holds, always marked; the gesture keeps its label.
+    assert_eq!(found(mark(None)), BTreeSet::from([(None, true)]));
+    assert_eq!(found(55), BTreeSet::from([(None, true)]));
+    assert_eq!(found(mark(C)), BTreeSet::from([(C, false)]));
+    let unknown = splice_all(false);
+    assert!(unknown.labels.contains(&None) && unknown.other_movement.is_empty());
+    assert!(unknown.samples.iter().all(|sample| sample[0] != 55));
+}
+
+#[test]
+fn a_person_of_steady_holds_alone_has_other_movement_between_them() {
+    let mut other = recording("a", &[(None, 1000)]);
+    other.other_movement = vec![Movement::new(MovementKind::Point, 0..1000)];
+    let holds = [
+        recording("a", &[(R, 1000)]),
+        recording("a", &[(C, 1000)]),
+        other,
+    ];
+    let options = SpliceOptions {
+        samples: 20_000,
+        other: true,
+        ..OPTIONS
+    };
+    let spliced = &splice(&holds.iter().collect::<Vec<_>>(), &options)[0];
+    let others = mask(&spliced.other_movement, spliced.labels.len());
+    let of_other = spliced.samples.iter().zip(&others);
+    let of_other = of_other.filter(|(sample, _)| sample[0] == mark(None));
+    assert!(of_other.clone().count() > 2000);
+    assert!(of_other.into_iter().all(|(_, &other)| other));
+}

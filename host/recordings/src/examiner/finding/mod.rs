@@ -1,0 +1,289 @@
+//! Findings of the examiner in a recording, with text and advice.
+
+mod advice;
+mod groups;
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+use shared::units::{CHANNELS, SAMPLE_RATE_HZ, Sample, WINDOW};
+
+pub use groups::{Group, grouped};
+
+/// Severity of a finding.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Severity {
+    /// Information only.
+    Note,
+    /// The recording is usable, but has a defect.
+    Warning,
+    /// Results on the recording are unreliable.
+    Serious,
+}
+
+impl Severity {
+    /// Name in tables.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Note => "note",
+            Self::Warning => "warning",
+            Self::Serious => "serious",
+        }
+    }
+}
+
+/// Scale of values that should be counts.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Scale {
+    /// Whole multiples of the value of one count.
+    Step {
+        /// The value of one count.
+        step: f64,
+        /// Name of the scale, if it is a known one.
+        known: Option<&'static str>,
+    },
+    /// Bytes without a sign, 0 to 255: those above 127 are negative counts.
+    Unsigned,
+    /// Bytes with 128 added, 0 to 255.
+    Offset,
+    /// Values that are multiples of no step.
+    Unknown,
+}
+
+impl Scale {
+    /// Description of the values.
+    pub(crate) fn words(self) -> String {
+        match self {
+            Self::Step {
+                known: Some(known), ..
+            } => known.to_owned(),
+            Self::Step { step, known: None } => format!("whole multiples of {step}"),
+            Self::Unsigned => "bytes without a sign".to_owned(),
+            Self::Offset => "bytes with 128 added".to_owned(),
+            Self::Unknown => "filtered, normalized, or of another device".to_owned(),
+        }
+    }
+
+    /// Advice on converting the values to counts.
+    pub(crate) fn advice(self) -> String {
+        match self {
+            Self::Step { step, .. } if step < 1.0 => {
+                format!("multiply by {} and round", (1.0 / step).round())
+            }
+            Self::Step { step, .. } => format!("divide by {step}"),
+            Self::Unsigned => "subtract 256 from each value above 127".to_owned(),
+            Self::Offset => "subtract 128 from each value".to_owned(),
+            Self::Unknown => "export the armband's own samples, as they came".to_owned(),
+        }
+    }
+}
+
+/// Defect of a recording. Channels and rows count from 1, but the channels of [`Hum`](Self::Hum) from 0.
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+pub enum Finding {
+    /// A limit of the data set that its reader knows.
+    #[error("{0}")]
+    Known(String),
+    /// Fewer samples than a window.
+    #[error("{samples} samples: a label needs {WINDOW} and the model's look-ahead")]
+    Short {
+        /// Samples of the recording.
+        samples: usize,
+    },
+    /// Values that are no counts.
+    #[error(
+        "expected the armband's counts, whole numbers from -128 to 127; found values from {least} to {most}: {}",
+        scale.words()
+    )]
+    Scale {
+        /// Scale of the values.
+        scale: Scale,
+        /// Least value.
+        least: f64,
+        /// Largest value.
+        most: f64,
+    },
+    /// All samples are the same.
+    #[error("expected samples that change, found {sample:?} throughout")]
+    Constant {
+        /// The constant sample.
+        sample: Sample,
+    },
+    /// All values are on one side of zero.
+    #[error(
+        "expected EMG around zero, found values on one side only: rectified, or its envelope (EMG mode 1)"
+    )]
+    OneSided,
+    /// Most values at the ends of the range.
+    #[error("expected EMG, found {percent:.0} % of all values at -128 or 127")]
+    Clipped {
+        /// Share of the values, in percent.
+        percent: f64,
+    },
+    /// Too few channels have a signal of their own.
+    #[error("expected {CHANNELS} channels, found {own} with a signal of their own")]
+    FewChannels {
+        /// Channels that are neither silent nor copies.
+        own: usize,
+    },
+    /// A channel is silent.
+    #[error("channel {channel} is silent")]
+    Dead {
+        /// The channel.
+        channel: usize,
+    },
+    /// A channel is a copy of another.
+    #[error("channel {channel} says the same as channel {of}")]
+    SameChannel {
+        /// The channel that is a copy.
+        channel: usize,
+        /// The channel that it equals.
+        of: usize,
+    },
+    /// A channel is at the ends of its range.
+    #[error("channel {channel} is saturated in {percent:.0} % of the samples")]
+    Saturated {
+        /// The channel.
+        channel: usize,
+        /// Share of the channel's samples, in percent.
+        percent: f64,
+    },
+    /// Mains hum is in the signal.
+    #[error(
+        "mains hum: up to {percent:.0} % of a channel's power is at {hz} Hz, in {} of {CHANNELS} channels",
+        channels.len()
+    )]
+    Hum {
+        /// Frequency of the mains.
+        hz: usize,
+        /// Channels with hum, from 0.
+        channels: Vec<usize>,
+        /// Share of the worst channel's power, in percent.
+        percent: f64,
+    },
+    /// The clock gives another rate.
+    #[error("expected {SAMPLE_RATE_HZ} rows a second, found {hz:.0} by column \"{column}\"")]
+    Rate {
+        /// The clock's column.
+        column: String,
+        /// Rows a second.
+        hz: f64,
+    },
+    /// The clock has gaps, or goes back.
+    #[error(
+        "column \"{column}\" leaps {gaps} times, by {seconds:.2} s at row {row}: read as {pieces} recordings"
+    )]
+    Gap {
+        /// The clock's column.
+        column: String,
+        /// Number of leaps.
+        gaps: usize,
+        /// Row after the largest leap.
+        row: usize,
+        /// Largest leap in seconds; negative if the times go back.
+        seconds: f64,
+        /// Number of recordings that the rows are read as.
+        pieces: usize,
+    },
+    /// The clock is not understood.
+    #[error(
+        "column \"{column}\" is not used: its values are no times, do not rise, or have no known unit"
+    )]
+    ClockUnclear {
+        /// The clock's column.
+        column: String,
+    },
+    /// Repeats of an even polling were left out.
+    #[error(
+        "each sample is there {times:.2} times, evenly: polled faster than {SAMPLE_RATE_HZ} Hz; {dropped} repeats are left out"
+    )]
+    Polled {
+        /// Mean rows per sample.
+        times: f64,
+        /// Rows left out.
+        dropped: usize,
+    },
+    /// Repeats are even, but the samples are not at 200 Hz.
+    #[error(
+        "each row is there {times:.2} times, and what is left without repeats is not at {SAMPLE_RATE_HZ} Hz: samples are missing"
+    )]
+    Held {
+        /// Mean rows per sample.
+        times: f64,
+    },
+    /// Repeats have no pattern.
+    #[error(
+        "{percent:.0} % of the rows repeat the one before in no pattern: as many samples may be lost"
+    )]
+    Repeats {
+        /// Share of the rows that repeat, in percent.
+        percent: f64,
+    },
+    /// The samples do not change for a long time.
+    #[error("the samples stand still for {seconds:.1} s from row {row} on")]
+    Standstill {
+        /// First row of the standstill.
+        row: usize,
+        /// Duration in seconds.
+        seconds: f64,
+    },
+    /// Neighbours are not 5 ms apart.
+    #[error(
+        "samples hardly correlate with the next ({correlation:.2}; -0.2 to -0.4 at {SAMPLE_RATE_HZ} Hz): every second one may be missing"
+    )]
+    Unrelated {
+        /// Mean correlation of neighbours.
+        correlation: f64,
+    },
+    /// Rows of several armbands.
+    #[error("expected the rows of one armband, found those of {} in column \"{column}\": {}", devices.len(), devices.join(", "))]
+    Devices {
+        /// Name of the column.
+        column: String,
+        /// Values of the column.
+        devices: Vec<String>,
+    },
+    /// Columns of several armbands.
+    #[error("expected {CHANNELS} columns of EMG, found those of {} armbands: {}", armbands.len(), armbands.join("; "))]
+    ManyColumns {
+        /// First and last column of each armband.
+        armbands: Vec<String>,
+    },
+    /// Rows without names have the columns of two armbands.
+    #[error("expected {CHANNELS} channels, found {columns} columns: those of two armbands")]
+    ManyChannels {
+        /// Number of columns.
+        columns: usize,
+    },
+    /// Rows of two armbands alternate.
+    #[error("expected the samples of one armband, found two in turn, {rows} of each")]
+    InTurn {
+        /// Rows of one armband before the other's.
+        rows: usize,
+    },
+    /// The samples are also in another recording.
+    #[error(
+        "the same samples as in {}{}{}, left out",
+        of.display(),
+        if *labels { ", with other labels" } else { "" },
+        if *person { ", under another person's name" } else { "" }
+    )]
+    Copy {
+        /// The recording that is kept.
+        of: PathBuf,
+        /// Whether the labels differ.
+        labels: bool,
+        /// Whether the persons differ.
+        person: bool,
+    },
+    /// Some of the samples are also in another recording.
+    #[error("{seconds:.0} s of its samples are also in {}", of.display())]
+    Overlap {
+        /// File of the other recording.
+        of: PathBuf,
+        /// Duration of the common samples, in seconds.
+        seconds: f64,
+    },
+}

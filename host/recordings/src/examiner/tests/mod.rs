@@ -1,0 +1,232 @@
+//! Tests with defective recordings, as files below a folder.
+
+mod copies;
+mod rows;
+
+use std::f64::consts::TAU;
+use std::fs;
+
+use shared::units::{CHANNELS, Sample};
+use tempfile::TempDir;
+
+use super::fixture::{csv, emg, with_column};
+use crate::library::inspection::groups;
+use crate::{Library, LoadOptions, load};
+
+/// A folder with these files in it.
+fn folder(files: &[(&str, &str)]) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, text).unwrap();
+    }
+    folder
+}
+
+fn read(files: &[(&str, &str)]) -> Library {
+    load(folder(files).path(), &LoadOptions::default()).unwrap()
+}
+
+fn one(text: &str) -> Library {
+    read(&[("anna/anna_1.csv", text)])
+}
+
+fn counts(samples: &[Sample]) -> String {
+    csv(samples, |count| count.to_string())
+}
+
+/// Kinds of the findings.
+fn kinds(library: &Library) -> Vec<&'static str> {
+    groups(library).iter().map(|group| group.kind).collect()
+}
+
+/// Message that refuses the only file.
+fn refusal(text: &str) -> String {
+    let library = one(text);
+    assert!(library.recordings.is_empty(), "{:?}", kinds(&library));
+    library.skipped[0].to_string()
+}
+
+/// Samples turned by a function of their number.
+fn each(samples: &[Sample], of: impl Fn(usize, Sample) -> Sample) -> Vec<Sample> {
+    let numbered = samples.iter().enumerate();
+    numbered.map(|(at, &sample)| of(at, sample)).collect()
+}
+
+#[test]
+fn a_recording_as_it_should_be_has_no_finding() {
+    for seed in 0..5 {
+        let library = one(&counts(&emg(12_000, seed)));
+        assert_eq!((library.recordings.len(), kinds(&library)), (1, vec![]));
+    }
+}
+
+#[test]
+fn values_that_are_no_counts_are_refused_with_their_scale() {
+    let samples = emg(2000, 1);
+    let scaled = |factor: f64| csv(&samples, |count| (f64::from(count) * factor).to_string());
+    for (factor, words) in [
+        (1e-5, "0.00001 a count"),
+        (1e-2, "millivolts"),
+        (10.0, "microvolts"),
+        (1.0 / 128.0, "divided by 128"),
+        (1.0 / 127.0, "divided by 127"),
+        (256.0, "bytes of each value exchanged"),
+        (0.0078, "multiples of 0.0078"),
+        (0.37, "filtered, normalized"),
+    ] {
+        let refusal = refusal(&scaled(factor));
+        let whole = factor == 0.37 && refusal.contains("multiples of 0.37");
+        assert!(refusal.contains(words) || whole, "{factor}: {refusal}");
+        assert!(refusal.contains("-128 to 127"), "{refusal}");
+    }
+    let unsigned = refusal(&csv(&samples, |count| count.cast_unsigned().to_string()));
+    assert!(unsigned.contains("subtract 256"), "{unsigned}");
+    let offset = refusal(&csv(&samples, |count| (i16::from(count) + 128).to_string()));
+    assert!(offset.contains("subtract 128"), "{offset}");
+    let filtered = refusal(&csv(&samples, |count| {
+        (f64::from(count).powi(3) / 97.0).to_string()
+    }));
+    assert!(filtered.contains("filtered"), "{filtered}");
+}
+
+#[test]
+fn one_damaged_value_is_told_with_its_line_and_not_as_a_scale() {
+    let text = counts(&emg(1000, 1)).replacen("\n0,", "\n0,500,", 1);
+    let fields = refusal(&text);
+    assert!(fields.contains("line 2"), "{fields}");
+    let mut lines: Vec<String> = counts(&emg(1000, 1)).lines().map(str::to_owned).collect();
+    lines[500] = "0,1,2,3,4,5,6,7,500".into();
+    let range = refusal(&lines.join("\n"));
+    assert!(
+        range.contains("line 501") && range.contains("500"),
+        "{range}"
+    );
+}
+
+#[test]
+fn values_on_one_side_and_those_that_never_change_are_refused() {
+    let samples = emg(2000, 1);
+    let rectified = each(&samples, |_, sample| {
+        sample.map(|count| count.saturating_abs())
+    });
+    assert!(refusal(&counts(&rectified)).contains("rectified"));
+    assert!(refusal(&counts(&[[0; CHANNELS]; 700])).contains("throughout"));
+    assert!(refusal(&counts(&[[3; CHANNELS]; 700])).contains("throughout"));
+}
+
+#[test]
+fn mains_hum_is_found_at_either_frequency_and_on_one_channel() {
+    for hz in [50.0, 60.0] {
+        for channels in [1, CHANNELS] {
+            let hummed = each(&emg(6000, 2), |at, mut sample| {
+                let hum = 20.0 * (TAU * hz * at as f64 / 200.0 + 0.4).sin();
+                for count in &mut sample[..channels] {
+                    *count = (f64::from(*count) + hum).clamp(-128.0, 127.0) as i8;
+                }
+                sample
+            });
+            let library = one(&counts(&hummed));
+            let found = &groups(&library)[0];
+            assert_eq!(found.kind, "hum");
+            let words = format!("at {hz} Hz, in {channels} of 8");
+            assert!(found.what.contains(&words), "{}", found.what);
+        }
+    }
+}
+
+#[test]
+fn silent_saturated_and_copied_channels_are_found() {
+    let broken = each(&emg(4000, 1), |at, mut sample| {
+        sample[2] = -1;
+        sample[5] = sample[4];
+        if at % 21 == 0 {
+            sample[7] = 127;
+        }
+        sample
+    });
+    let library = one(&counts(&broken));
+    let mut kinds = kinds(&library);
+    kinds.sort_unstable();
+    assert_eq!(
+        kinds,
+        ["same-channel", "saturated-channel", "silent-channel"]
+    );
+    let single = each(&emg(2000, 1), |_, sample| [sample[3]; CHANNELS]);
+    assert!(refusal(&counts(&single)).contains("found 1 with a signal"));
+}
+
+#[test]
+fn two_armbands_are_refused_however_they_are_written() {
+    let (left, right) = (emg(2000, 1), emg(2000, 2));
+    let turns = |rows: usize| -> Vec<Sample> {
+        let left = left.chunks(rows);
+        left.zip(right.chunks(rows))
+            .flat_map(|(l, r)| [l, r].concat())
+            .collect()
+    };
+    let named = with_column(&counts(&turns(1)), "device", |row| {
+        ["left", "right"][row % 2].into()
+    });
+    let refused = refusal(&named);
+    assert!(
+        refused.contains("in column \"device\": left, right"),
+        "{refused}"
+    );
+    for rows in [1, 2] {
+        let refused = refusal(&counts(&turns(rows)));
+        assert!(refused.contains(&format!("{rows} of each")), "{refused}");
+    }
+    let one_device = with_column(&counts(&left), "device", |_| "left".into());
+    assert_eq!(kinds(&one(&one_device)), Vec::<&str>::new());
+    for names in [
+        (0..16).map(|at| format!("emg_{at}")).collect::<Vec<_>>(),
+        ["left", "right"]
+            .iter()
+            .flat_map(|side| (0..8).map(move |at| format!("{side}_{at}")))
+            .collect(),
+        ["L", "R"]
+            .iter()
+            .flat_map(|side| (1..=8).map(move |at| format!("{side}_emg{at}")))
+            .collect(),
+    ] {
+        let text = format!(
+            "gt,{}\n{}",
+            names.join(","),
+            format!("0{}\n", ",1".repeat(16)).repeat(10)
+        );
+        let refused = refusal(&text);
+        assert!(
+            refused.contains("2 armbands") && refused.contains(&names[8]),
+            "{refused}"
+        );
+    }
+    let wide = format!("{}\n", ["1"; 17].join(",")).repeat(100);
+    assert!(refusal(&wide).contains("two armbands"));
+    let array = crate::npy::encode("|i1", &[100, 16], &[1; 1600]);
+    let folder = folder(&[]);
+    fs::write(folder.path().join("both.npy"), array).unwrap();
+    let library = load(folder.path(), &LoadOptions::default()).unwrap();
+    assert!(library.skipped[0].to_string().contains("two armbands"));
+}
+
+#[test]
+fn sensors_of_motion_beside_the_emg_are_no_second_armband() {
+    let imu: Vec<String> = (0..10).map(|at| format!("imu_{at}")).collect();
+    let text = with_column(&counts(&emg(2000, 1)), &imu.join(","), |_| {
+        ["0.5"; 10].join(",")
+    });
+    assert_eq!(kinds(&one(&text)), Vec::<&str>::new());
+}
+
+#[test]
+fn a_column_of_sides_is_one_of_armbands_only_if_it_changes_from_row_to_row() {
+    let text = counts(&emg(4000, 1));
+    let parts = with_column(&text, "hand", |row| {
+        if row < 2000 { "open" } else { "closed" }.into()
+    });
+    assert_eq!(kinds(&one(&parts)), Vec::<&str>::new());
+    let turns = with_column(&text, "side", |row| ["L", "R"][row % 2].into());
+    assert!(refusal(&turns).contains("in column \"side\": L, R"));
+}

@@ -1,0 +1,198 @@
+//! Clocks, gaps and repeated rows.
+
+use super::*;
+
+#[test]
+fn rows_at_another_rate_are_refused_in_every_unit_of_time() {
+    let text = counts(&emg(3000, 1));
+    for (name, step) in [
+        ("time", 0.01),
+        ("Timestamp", 10.0),
+        ("timestamp", 20_000.0),
+        ("t", 20_000_000.0),
+        ("time_ms", 2.0),
+        ("time (s)", 0.02),
+        ("sample", 2.0),
+    ] {
+        let clocked = with_column(&text, name, |row| (1e6 + row as f64 * step).to_string());
+        let refusal = refusal(&clocked);
+        assert!(refusal.contains("200 rows a second"), "{name}: {refusal}");
+    }
+    let dated = with_column(&text, "time", |row| {
+        let ms = row * 10;
+        format!("2024-02-29 23:59:{:02}.{:03}", ms / 1000, ms % 1000)
+    });
+    assert!(refusal(&dated).contains("found 100 by column \"time\""));
+}
+
+#[test]
+fn a_clock_of_200_hz_is_taken_in_every_unit_with_jitter_and_bursts() {
+    let text = counts(&emg(3000, 1));
+    let ms = |row: usize| row as f64 * 5.0;
+    let clocks: [(&str, &dyn Fn(usize) -> String); 7] = [
+        ("time", &|row| (ms(row) / 1000.0).to_string()),
+        ("timestamp", &|row| {
+            (1_444_331_136_000_000.0 + ms(row) * 1000.0).to_string()
+        }),
+        ("time", &|row| {
+            format!("{:.0}", 1.7e12 + ms(row) + (row * 7 % 13) as f64)
+        }),
+        // Two samples arrive together, up to 40 ms late.
+        ("timestamp", &|row| {
+            (ms(row / 2 * 2) + (row / 2 * 31 % 40) as f64).to_string()
+        }),
+        ("unix", &|row| (1_444_331_136 + row / 200).to_string()),
+        ("index", &|row| row.to_string()),
+        ("counter", &|row| (row % 256).to_string()),
+    ];
+    for (name, clock) in clocks {
+        let library = one(&with_column(&text, name, clock));
+        assert_eq!(library.recordings.len(), 1, "{name}: {:?}", library.skipped);
+        assert_eq!(kinds(&library), Vec::<&str>::new(), "{name}");
+    }
+}
+
+#[test]
+fn a_clock_that_says_nothing_is_told() {
+    let text = counts(&emg(3000, 1));
+    for value in ["7", "noon"] {
+        let library = one(&with_column(&text, "time", |_| value.into()));
+        assert_eq!(kinds(&library), ["clock-unclear"]);
+    }
+}
+
+#[test]
+fn nothing_is_joined_across_a_gap() {
+    let samples = emg(6000, 1);
+    let time = |row: usize| {
+        let gap = if row >= 2500 { 30.0 } else { 0.0 };
+        (row as f64 * 0.005 + gap).to_string()
+    };
+    let library = one(&with_column(&counts(&samples), "time", time));
+    let pieces: Vec<_> = library
+        .recordings
+        .iter()
+        .map(|r| (r.full_name(), r.samples.len()))
+        .collect();
+    let expected = [
+        ("react-emg/anna/anna_1.1".to_owned(), 2500),
+        ("react-emg/anna/anna_1.2".to_owned(), 3500),
+    ];
+    assert_eq!(pieces, expected);
+    assert_eq!(library.recordings[1].samples, samples[2500..]);
+    let what = &groups(&library)[0].what;
+    assert!(what.contains("30.00 s at row 2501"), "{what}");
+    let counted = with_column(&counts(&samples), "sample", |row| {
+        (row + row / 3000 * 40).to_string()
+    });
+    assert_eq!(one(&counted).recordings.len(), 2);
+    // Back to the beginning: two files joined.
+    let back = with_column(&counts(&samples), "time", |row| {
+        (row as f64 % 3000.0 * 0.005).to_string()
+    });
+    assert_eq!(one(&back).recordings.len(), 2);
+    // A gap every second leaves no window.
+    let torn = with_column(&counts(&samples), "time", |row| {
+        (row as f64 * 0.005 + (row / 200) as f64 * 0.3).to_string()
+    });
+    assert!(refusal(&torn).contains("leaps 29 times"));
+}
+
+#[test]
+fn even_repeats_are_dropped_with_their_labels_if_200_hz_is_left() {
+    let samples = emg(4000, 1);
+    for (times, every) in [(3, 1), (2, 1), (2, 4), (5, 1)] {
+        let rows: Vec<usize> = (0..samples.len())
+            .flat_map(|at| vec![at; if at % every == every - 1 { times } else { 1 }])
+            .collect();
+        let polled: Vec<Sample> = rows.iter().map(|&at| samples[at]).collect();
+        let mut text = counts(&polled);
+        let labels = |at: usize| crate::examiner::fixture::label(rows[at]);
+        let lines = text.lines().skip(1).enumerate();
+        text = lines.fold(
+            text.lines().next().unwrap().to_owned() + "\n",
+            |text, (at, line)| {
+                text + &format!("{},{}\n", labels(at), line.split_once(',').unwrap().1)
+            },
+        );
+        let library = one(&text);
+        assert_eq!(
+            kinds(&library),
+            ["polled"],
+            "{times} {every}: {:?}",
+            library.skipped
+        );
+        let plain = &one(&counts(&samples)).recordings[0];
+        assert_eq!(library.recordings[0].samples, plain.samples);
+        assert_eq!(library.recordings[0].labels, plain.labels);
+    }
+}
+
+#[test]
+fn repeats_are_refused_where_samples_are_missing() {
+    let samples = emg(8000, 1);
+    // Every second sample, twice; and at random.
+    let held = each(&samples, |at, _| samples[at / 2 * 2]);
+    assert!(refusal(&counts(&held)).contains("samples are missing"));
+    let random = |percent: u64| -> Vec<Sample> {
+        let mut seed = 7_u64;
+        let mut from = 0;
+        each(&samples, |at, _| {
+            let _ = at;
+            [0; 8]
+        })
+        .iter()
+        .enumerate()
+        .map(|(at, _)| {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            if seed >> 33 > (1 << 31) / 100 * percent || at == 0 {
+                from = at;
+            }
+            samples[from]
+        })
+        .collect()
+    };
+    assert!(refusal(&counts(&random(30))).contains("in no pattern"));
+    assert_eq!(kinds(&one(&counts(&random(6)))), ["repeats"]);
+    // 66 Hz by the clock, each row three times.
+    let thrice = each(&samples, |at, _| samples[at / 3]);
+    let clocked = with_column(&counts(&thrice), "time", |row| {
+        (row as f64 * 0.005).to_string()
+    });
+    assert!(refusal(&clocked).contains("3.00 times"));
+}
+
+#[test]
+fn every_second_sample_without_a_clock_and_a_standstill_are_told() {
+    let samples = emg(12_000, 1);
+    let half: Vec<Sample> = samples.iter().step_by(2).copied().collect();
+    assert_eq!(kinds(&one(&counts(&half))), ["unrelated-samples"]);
+    let still = each(&samples, |at, sample| {
+        if (3000..4000).contains(&at) {
+            samples[3000]
+        } else {
+            sample
+        }
+    });
+    let what = groups(&one(&counts(&still)))[0].what.clone();
+    assert!(what.contains("5.0 s from row 3001"), "{what}");
+}
+
+#[test]
+fn columns_of_times_without_a_name_are_a_clock_too() {
+    let numbered = |step: f64| -> String {
+        let samples = emg(3000, 1);
+        let row = |(at, sample): (usize, &Sample)| {
+            let counts = sample.map(|count| count.to_string()).join(",");
+            format!("{at},{:.3},{counts}\n", 100.0 + at as f64 * step)
+        };
+        samples.iter().enumerate().map(row).collect()
+    };
+    let read = |text: String| {
+        let folder = folder(&[("anna.csv", &text)]);
+        load(&folder.path().join("anna.csv"), &LoadOptions::default()).unwrap()
+    };
+    assert_eq!(kinds(&read(numbered(0.005))), Vec::<&str>::new());
+    let slow = read(numbered(0.01)).skipped[0].to_string();
+    assert!(slow.contains("found 100 by column \"number 2\""), "{slow}");
+}

@@ -1,0 +1,242 @@
+//! Faults of a file of recordings, in words: what was expected, what was found, what to do.
+
+use super::excerpt::excerpt;
+use crate::examiner::finding::Finding;
+use crate::readers::table::separator::Separator;
+use execution::file_kind::FileKind;
+
+/// Fault of a file.
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+pub enum Fault {
+    /// A row with another number of fields.
+    #[error("expected {expected} values as in the rows before, found {found}")]
+    Fields {
+        /// Values that this layout has in a row.
+        expected: usize,
+        /// Values in the row.
+        found: usize,
+    },
+    /// A field that is no number.
+    #[error("expected a number in field {field}, found \"{}\"", excerpt(text))]
+    Number {
+        /// Field of the row, 1 first.
+        field: usize,
+        /// Content of the field.
+        text: String,
+    },
+    /// A sample outside the armband's range.
+    #[error(
+        "expected a count of the armband in field {field}, a whole number from -128 to 127, found {value}"
+    )]
+    Range {
+        /// Field of the row, 1 first.
+        field: usize,
+        /// The value, in counts of the armband.
+        value: f64,
+    },
+    /// A label that the data set does not have.
+    #[error("expected a label of {expected}, found \"{}\"", excerpt(found))]
+    Label {
+        /// The labels of the set.
+        expected: &'static str,
+        /// The label found.
+        found: String,
+    },
+    /// A placement of the armband that does not exist.
+    #[error("expected a turn of 0..=7 and mirrored 0 or 1, found {turn} and {mirrored}")]
+    Placement {
+        /// Places by which it is turned.
+        turn: f64,
+        /// Value that is 1 if it is on the other arm.
+        mirrored: f64,
+    },
+    /// An array of another shape or element type.
+    #[error("expected an array of {expected}, found {}", excerpt(found))]
+    Array {
+        /// Shape and type that this layout has.
+        expected: &'static str,
+        /// Shape and type of the file.
+        found: String,
+    },
+    /// Bytes that are no npy file.
+    #[error("expected an npy file (format 1 to 3), but {}", excerpt(_0))]
+    Npy(String),
+    /// Another number of bytes than the layout or the header requires.
+    #[error("expected {expected} bytes, found {found}: the file is cut short or damaged")]
+    Length {
+        /// Bytes that should be there.
+        expected: u64,
+        /// Bytes that are there.
+        found: u64,
+    },
+    /// Labels and samples of different number.
+    #[error("expected one label per sample, found {labels} labels for {samples} samples")]
+    LabelCount {
+        /// Number of samples.
+        samples: usize,
+        /// Number of labels.
+        labels: usize,
+    },
+    /// The other file of a pair is not there.
+    #[error("expected {} beside it, found no such file", excerpt(_0))]
+    Partner(String),
+    /// A path that does not name person and gesture as the set does.
+    #[error("expected the folders and names of {set} as published, such as {example}")]
+    Path {
+        /// The data set.
+        set: &'static str,
+        /// Example of a path of the set.
+        example: &'static str,
+    },
+    /// A file of another kind.
+    #[error("expected {expected}, found {found}")]
+    Kind {
+        /// Kinds that are accepted.
+        expected: &'static str,
+        /// Kind of the file.
+        found: FileKind,
+    },
+    /// Bytes that are no UTF-8.
+    #[error("expected UTF-8 text, found bytes of another encoding: save the file as UTF-8")]
+    Text,
+    /// A header without eight channels, or with several series of them.
+    #[error(
+        "expected a header with eight channels of one name, such as gt,emg_0 to emg_7, found {found} in \"{}\" \
+         (separated by {separator}): keep or rename the columns of one armband",
+        excerpt(header)
+    )]
+    Channels {
+        /// The header.
+        header: String,
+        /// Separator of its names.
+        separator: Separator,
+        /// Description of the columns that there are instead.
+        found: String,
+    },
+    /// Rows of another number of columns than eight, without a header.
+    #[error(
+        "expected eight channels a row, found {columns} columns (separated by {separator}) and no header that says \
+         what they are: write one as first line, such as gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7"
+    )]
+    Headerless {
+        /// Columns of most rows.
+        columns: usize,
+        /// Separator of the columns.
+        separator: Separator,
+    },
+    /// Text without rows of numbers.
+    #[error(
+        "expected rows of numbers separated by commas, semicolons, tabs or spaces, eight channels each, found other text"
+    )]
+    NoTable,
+    /// A csv without a column of labels.
+    #[error(
+        "expected a header with one of the columns {expected}, found \"{}\"",
+        excerpt(found)
+    )]
+    Column {
+        /// Names that are accepted.
+        expected: String,
+        /// The first line.
+        found: String,
+    },
+    /// A file without rows.
+    #[error("expected one row per sample, found none")]
+    Empty,
+    /// JSON of another structure than the set publishes.
+    #[error("expected the set's JSON: {}", excerpt(_0))]
+    Json(String),
+    /// Bytes that are no MATLAB file that is read here.
+    #[error("expected a MATLAB 5 file, but {}", excerpt(_0))]
+    Mat(String),
+    /// Labels that only MATLAB can read.
+    #[error(
+        "the labels of this file are MATLAB objects, which only MATLAB reads: write each recording as \
+         user10/training/001_fist.npy (docs/recordings.md)"
+    )]
+    Objects,
+    /// Another number of labelled stretches than the layout has.
+    #[error("expected {expected} gestures marked, found {found}")]
+    Gestures {
+        /// Gestures that this layout has in a file.
+        expected: usize,
+        /// Gestures in the file.
+        found: usize,
+    },
+    /// Samples without meaning.
+    #[error("{finding}; {}", finding.advice())]
+    Refused {
+        /// Finding, with advice.
+        finding: Finding,
+    },
+    /// Times that last too long.
+    #[error("expected a recording of at most {most} s, found one of {seconds:.0} s")]
+    Duration {
+        /// Longest recording that is accepted, in seconds.
+        most: f64,
+        /// Seconds from the first row to this one.
+        seconds: f64,
+    },
+    /// Times that go back or leave a gap.
+    #[error(
+        "expected times that rise by at most {most} ms from row to row, found {from} and then {to}"
+    )]
+    Times {
+        /// Largest gap, in ms.
+        most: f64,
+        /// Time of the row before.
+        from: f64,
+        /// Time of the row.
+        to: f64,
+    },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_quotes_an_excerpt_of_a_long_text() {
+        let found = "x".repeat(10_000_000);
+        let text = found.clone();
+        for fault in [
+            Fault::Number { field: 1, text },
+            Fault::Label {
+                expected: "0, 1",
+                found: found.clone(),
+            },
+            Fault::Array {
+                expected: "(n, 8)",
+                found: found.clone(),
+            },
+            Fault::Npy(found.clone()),
+            Fault::Partner(found.clone()),
+            Fault::Json(found.clone()),
+            Fault::Column {
+                expected: "gt".into(),
+                found,
+            },
+        ] {
+            let message = fault.to_string();
+            assert!(message.len() < 400, "{} bytes", message.len());
+            assert!(message.contains("xxxx"), "{message}");
+        }
+    }
+
+    #[test]
+    fn a_message_never_holds_a_control_character() {
+        let found = "\u{1b}[2J\u{9b}31m\u{202e}\r".to_owned();
+        for fault in [
+            Fault::Npy(found.clone()),
+            Fault::Array {
+                expected: "(n, 8)",
+                found: found.clone(),
+            },
+            Fault::Json(found),
+        ] {
+            let message = fault.to_string();
+            let raw = |c: char| c.is_control() || c == '\u{202e}';
+            assert!(!message.contains(raw), "{message:?}");
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! Errors of reading recordings, and the place of a fault.
+
+pub mod excerpt;
+mod fault;
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use crate::examiner::finding::Finding;
+use excerpt::printable;
+pub use fault::Fault;
+
+/// Place of a fault in its file.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Place {
+    /// Line of a text file, 1 first.
+    Line(usize),
+    /// Byte of a binary file, 0 first.
+    Byte(u64),
+    /// The file as a whole.
+    File,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Line(line) => write!(f, "line {line}"),
+            Self::Byte(byte) => write!(f, "byte {byte}"),
+            Self::File => f.write_str("whole file"),
+        }
+    }
+}
+
+/// Fault of a file, and its place in the file.
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+#[error("{place}: {fault}{}", if *as_published { " (damaged as published)" } else { "" })]
+pub struct Damage {
+    /// Place in the file.
+    pub place: Place,
+    /// Fault at that place.
+    pub fault: Fault,
+    /// Whether the published copy has the same damage, so that downloading it again does not help.
+    pub as_published: bool,
+}
+
+impl Damage {
+    pub(crate) const fn at(place: Place, fault: Fault) -> Self {
+        Self {
+            place,
+            fault,
+            as_published: false,
+        }
+    }
+
+    pub(crate) const fn at_line(line: usize, fault: Fault) -> Self {
+        Self::at(Place::Line(line), fault)
+    }
+
+    pub(crate) const fn at_byte(byte: u64, fault: Fault) -> Self {
+        Self::at(Place::Byte(byte), fault)
+    }
+
+    pub(crate) const fn of_file(fault: Fault) -> Self {
+        Self::at(Place::File, fault)
+    }
+
+    /// Damage of a file without meaning.
+    pub(crate) const fn refused(finding: Finding) -> Self {
+        Self::of_file(Fault::Refused { finding })
+    }
+
+    /// Error of this damage in a known file.
+    pub(crate) fn in_file(self, path: &Path) -> LoadError {
+        LoadError::Damaged {
+            path: path.to_owned(),
+            damage: self,
+        }
+    }
+}
+
+/// Error of loading recordings.
+#[derive(Debug, thiserror::Error)]
+pub enum LoadError {
+    /// The file system refused, or the file is no regular one or too large.
+    #[error("cannot read {}", path.display())]
+    Io {
+        /// File or folder.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// No file in a format that is read here.
+    #[error(
+        "no recordings in {}: expected one of the published layouts, or tables with eight channels (see \
+         `myointent data inspect --help`), found {found}",
+        path.display()
+    )]
+    NoRecordings {
+        /// File or folder that was searched.
+        path: PathBuf,
+        /// Description of the files that there are instead.
+        found: String,
+    },
+    /// A damaged file.
+    #[error("{}, {damage}", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// Fault and its place.
+        damage: Damage,
+    },
+}
+
+impl LoadError {
+    /// Error of the file system at a path.
+    pub(crate) fn io(path: &Path, source: std::io::Error) -> Self {
+        Self::Io {
+            path: path.to_owned(),
+            source,
+        }
+    }
+
+    /// Whether the file was not even read.
+    pub(crate) const fn is_refusal(&self) -> bool {
+        matches!(self, Self::Io { .. })
+    }
+
+    /// The error with its causes, in one line.
+    pub fn line(&self) -> String {
+        let mut line = self.to_string();
+        let mut cause = std::error::Error::source(self);
+        while let Some(error) = cause {
+            line += &format!(": {error}");
+            cause = error.source();
+        }
+        printable(&line)
+    }
+}

@@ -1,0 +1,301 @@
+//! Columns of a user's own table: by the names in its header, or eight columns alone.
+//!
+//! Channels are eight numbered columns of one name (`emg_0` to `emg_7`, `EMG1` to `EMG8`); a label is in a column that
+//! is called so. Without a header a table needs eight columns, beside others at its ends that rise from row to row as
+//! times do.
+
+use std::collections::BTreeMap;
+
+use shared::units::CHANNELS;
+
+use super::separator::Separator;
+use super::shape::Shape;
+use crate::readers::error::Fault;
+use crate::readers::table;
+
+/// Names of columns that hold labels; the first is ReactEMG's and goes before the others.
+const LABELS: [&str; 14] = [
+    "gt",
+    "label",
+    "labels",
+    "ann",
+    "annotation",
+    "annotations",
+    "class",
+    "gesture",
+    "intent",
+    "target",
+    "truth",
+    "ground_truth",
+    "groundtruth",
+    "y",
+];
+/// Words in the name of numbered columns that hold muscle activity.
+const CHANNEL_NAMES: [&str; 6] = ["emg", "ch", "channel", "chan", "electrode", "sensor"];
+
+/// Positions of the columns of a table.
+#[derive(Clone, PartialEq, Debug)]
+pub(crate) struct Columns {
+    /// Separator of the values of a row.
+    pub separator: Separator,
+    /// Names, empty without a header.
+    pub names: Vec<String>,
+    /// Number of columns.
+    pub count: usize,
+    /// Column of each channel.
+    pub channels: [usize; CHANNELS],
+    /// Column of the label.
+    pub label: Option<usize>,
+    /// Line of the first row of numbers, 1 first.
+    pub first_line: usize,
+}
+
+/// Reason why a text is no table that is read.
+#[derive(Clone, PartialEq, Debug)]
+pub(crate) struct TableError {
+    /// Fault: what was found and what was expected.
+    pub fault: Fault,
+    /// Line of the fault.
+    pub line: usize,
+    /// Whether its columns show that it was meant as a recording.
+    pub is_meant: bool,
+}
+
+impl Columns {
+    /// The columns of a text.
+    pub fn of(text: &str) -> Result<Self, TableError> {
+        let mut rows = table::rows(text).skip_while(|(_, row)| is_preface(row));
+        let Some((line, first)) = rows.next() else {
+            return Err(TableError {
+                fault: Fault::Empty,
+                line: 1,
+                is_meant: false,
+            });
+        };
+        let first = first.trim_start_matches('#');
+        let separator = Separator::of(first);
+        let fields = separator.fields(first);
+        let second = rows.next().map(|(_, row)| row);
+        if is_header(separator, &fields) || counts_up(&fields) && second != Some(first) {
+            let named = Self::named(separator, &fields, line, first);
+            let has_rows = second.is_some_and(|row| !is_header(separator, &separator.fields(row)));
+            named.map_err(|error| TableError {
+                fault: if has_rows || error.is_meant {
+                    error.fault
+                } else {
+                    Fault::NoTable
+                },
+                ..error
+            })
+        } else {
+            Self::bare(text, line)
+        }
+    }
+
+    /// Position of the column of exactly this name.
+    pub fn position(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|own| own == name)
+    }
+
+    fn named(
+        separator: Separator,
+        names: &[&str],
+        line: usize,
+        header: &str,
+    ) -> Result<Self, TableError> {
+        let error = |found: String, is_meant| TableError {
+            fault: Fault::Channels {
+                header: header.to_owned(),
+                separator,
+                found,
+            },
+            line,
+            is_meant,
+        };
+        let groups = Group::all(names);
+        let is_meant = groups
+            .iter()
+            .any(|group| group.is_muscle() || group.channels().is_some());
+        let channels = match channels(&groups) {
+            Ok(channels) => channels,
+            Err(found) => return Err(error(found, is_meant)),
+        };
+        let known: Vec<String> = names.iter().map(|name| plain(name)).collect();
+        let labels: Vec<usize> = (0..known.len())
+            .filter(|&at| LABELS.contains(&known[at].as_str()))
+            .collect();
+        let ours = known.iter().position(|name| name == LABELS[0]);
+        let label = match labels[..] {
+            _ if ours.is_some() => ours,
+            [] => None,
+            [only] => Some(only),
+            [..] => {
+                let found: Vec<&str> = labels.iter().map(|&at| names[at]).collect();
+                let found = format!(
+                    "several columns of labels, {}, of which none is gt,",
+                    found.join(", ")
+                );
+                return Err(error(found, true));
+            }
+        };
+        Ok(Self {
+            separator,
+            names: names.iter().map(|&name| name.to_owned()).collect(),
+            count: names.len(),
+            channels,
+            label,
+            first_line: line + 1,
+        })
+    }
+
+    /// Columns of a table without names.
+    fn bare(text: &str, line: usize) -> Result<Self, TableError> {
+        let Some(shape) = Shape::of(text) else {
+            return Err(TableError {
+                fault: Fault::NoTable,
+                line,
+                is_meant: false,
+            });
+        };
+        let start = match shape.columns {
+            CHANNELS => Some(0),
+            columns if columns > CHANNELS => shape.without_clocks(text),
+            _ => None,
+        };
+        let Some(start) = start else {
+            return Err(TableError {
+                fault: Fault::Headerless {
+                    columns: shape.columns,
+                    separator: shape.separator,
+                },
+                line,
+                is_meant: matches!(shape.columns, 9 | 16..=18),
+            });
+        };
+        Ok(Self {
+            separator: shape.separator,
+            names: Vec::new(),
+            count: shape.columns,
+            channels: std::array::from_fn(|channel| start + channel),
+            label: None,
+            first_line: line,
+        })
+    }
+}
+
+/// Lines in front of a table; a comment that names channels is its header.
+fn is_preface(row: &str) -> bool {
+    let names_channels = row.trim().strip_prefix('#').is_some_and(|comment| {
+        let fields = Separator::of(comment).fields(comment);
+        channels(&Group::all(&fields)).is_ok()
+    });
+    table::is_note(row) && !names_channels
+}
+
+/// Whether a row consists of names.
+fn is_header(separator: Separator, fields: &[&str]) -> bool {
+    let is_number = |field: &&&str| separator.number(field).parse::<f64>().is_ok();
+    let numbers = fields.iter().filter(is_number).count();
+    // Columns may be called 0 to 7 beside one with a name; one damaged value makes no header.
+    2 * numbers < fields.len() || numbers < fields.len() && channels(&Group::all(fields)).is_ok()
+}
+
+/// Whether fields are 0 to 7 or 1 to 8, as columns without names are called.
+fn counts_up(fields: &[&str]) -> bool {
+    let from = |first: usize| {
+        fields
+            .iter()
+            .enumerate()
+            .all(|(at, field)| field.parse() == Ok(at + first))
+    };
+    fields.len() == CHANNELS && (from(0) || from(1))
+}
+
+/// A name in lower case, without a unit in brackets, with `_` between words.
+fn plain(name: &str) -> String {
+    let name = name.split(['(', '[']).next().unwrap_or_default();
+    name.trim().to_lowercase().replace([' ', '-', '.'], "_")
+}
+
+/// Numbered columns of one name.
+struct Group {
+    name: String,
+    /// Column by number.
+    columns: BTreeMap<usize, usize>,
+    /// Whether a number occurs twice.
+    is_doubled: bool,
+}
+
+impl Group {
+    fn all(names: &[&str]) -> Vec<Self> {
+        let mut groups: Vec<Self> = Vec::new();
+        for (column, name) in names.iter().enumerate() {
+            let name = plain(name);
+            let word = name.trim_end_matches(|c: char| c.is_ascii_digit());
+            let Ok(number) = name[word.len()..].parse::<usize>() else {
+                continue;
+            };
+            let word = word.trim_end_matches(['_', '#', ':']);
+            let at = groups.iter().position(|group| group.name == word);
+            let at = at.unwrap_or_else(|| {
+                groups.push(Self {
+                    name: word.to_owned(),
+                    columns: BTreeMap::new(),
+                    is_doubled: false,
+                });
+                groups.len() - 1
+            });
+            groups[at].is_doubled |= groups[at].columns.insert(number, column).is_some();
+        }
+        groups
+    }
+
+    /// Whether the name says that it is muscle activity.
+    fn is_muscle(&self) -> bool {
+        let mut words = self.name.split('_');
+        self.name.contains("emg") || words.any(|word| CHANNEL_NAMES.contains(&word))
+    }
+
+    /// The columns if they are those of eight channels.
+    fn channels(&self) -> Option<[usize; CHANNELS]> {
+        let numbers: Vec<usize> = self.columns.keys().copied().collect();
+        let from = |first: usize| numbers.iter().copied().eq(first..first + CHANNELS);
+        let columns: Vec<usize> = self.columns.values().copied().collect();
+        let eight = !self.is_doubled && (from(0) || from(1));
+        columns.try_into().ok().filter(|_| eight)
+    }
+
+    fn describe(&self) -> String {
+        let numbers: Vec<String> = self.columns.keys().map(usize::to_string).collect();
+        let twice = if self.is_doubled { ", some twice" } else { "" };
+        format!(
+            "{} columns {} ({}{twice})",
+            numbers.len(),
+            self.name,
+            numbers.join(" ")
+        )
+    }
+}
+
+/// Columns of the eight channels, or a description of what there is instead.
+fn channels(groups: &[Group]) -> Result<[usize; CHANNELS], String> {
+    let is_series = |group: &&Group| group.columns.len() >= CHANNELS / 2;
+    let (muscle, others): (Vec<&Group>, Vec<&Group>) = groups
+        .iter()
+        .filter(is_series)
+        .partition(|group| group.is_muscle());
+    let series = if muscle.is_empty() { others } else { muscle };
+    if let [only] = series[..]
+        && let Some(channels) = only.channels()
+    {
+        return Ok(channels);
+    }
+    let found: Vec<String> = series.iter().map(|group| group.describe()).collect();
+    Err(match &found[..] {
+        [] => "no numbered columns".to_owned(),
+        found => found.join(" and "),
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,118 @@
+use super::*;
+
+fn columns(header: &str) -> Result<Columns, TableError> {
+    Columns::of(&format!("{header}\n1,2,3\n"))
+}
+
+fn found(header: &str) -> String {
+    match columns(header).unwrap_err().fault {
+        Fault::Channels { found, .. } => found,
+        other => panic!("{other}"),
+    }
+}
+
+/// Eight names, numbered from `first` on.
+fn eight(name: &str, first: usize, separator: &str) -> String {
+    let names: Vec<String> = (first..first + 8)
+        .map(|number| format!("{name}{number}"))
+        .collect();
+    names.join(separator)
+}
+
+#[test]
+fn channels_are_eight_numbered_columns_of_one_name() {
+    for (name, first) in [
+        ("emg_", 0),
+        ("emg", 1),
+        ("EMG ", 1),
+        ("channel_", 1),
+        ("Ch", 0),
+        ("myo.emg.", 0),
+        ("e", 1),
+    ] {
+        let found = columns(&eight(name, first, ",")).unwrap();
+        assert_eq!(found.channels, [0, 1, 2, 3, 4, 5, 6, 7], "{name}");
+        assert_eq!((found.label, found.first_line), (None, 2));
+    }
+    let backwards = "emg_7,emg_6,emg_5,emg_4,emg_3,emg_2,emg_1,emg_0";
+    assert_eq!(
+        columns(backwards).unwrap().channels,
+        [7, 6, 5, 4, 3, 2, 1, 0]
+    );
+    let beside = format!(
+        "Time;{};acc_0;acc_1;acc_2;gyro_0;Class",
+        eight("emg_", 0, ";")
+    );
+    let found = columns(&beside).unwrap();
+    assert_eq!((found.channels[0], found.label), (1, Some(13)));
+    assert_eq!(found.separator, Separator::Semicolon);
+}
+
+#[test]
+fn what_is_not_eight_channels_of_one_armband_is_told() {
+    let left_and_right = format!("{},{}", eight("left_", 0, ","), eight("right_", 0, ","));
+    let two = format!("{},{}", eight("emg_", 0, ","), eight("emg2_", 0, ","));
+    for (header, words) in [
+        (
+            left_and_right.as_str(),
+            "8 columns left (0 1 2 3 4 5 6 7) and 8 columns right",
+        ),
+        (&two, "8 columns emg (0 1 2 3 4 5 6 7) and 8 columns emg2"),
+        (
+            "emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6",
+            "7 columns emg (0 1 2 3 4 5 6)",
+        ),
+        (
+            "emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_6",
+            "some twice",
+        ),
+        (
+            "emg_2,emg_3,emg_4,emg_5,emg_6,emg_7,emg_8,emg_9",
+            "(2 3 4 5 6 7 8 9)",
+        ),
+        ("name,age", "no numbered columns"),
+    ] {
+        assert!(found(header).contains(words), "{header}: {}", found(header));
+    }
+    assert!(!columns("name,age").unwrap_err().is_meant);
+    assert!(columns(&two).unwrap_err().is_meant);
+}
+
+#[test]
+fn the_label_is_in_a_column_that_is_called_so() {
+    let emg = eight("emg_", 0, ",");
+    let label = |name: &str| columns(&format!("{name},{emg}")).unwrap().label;
+    for name in ["gt", "Label", "ann", "class", "gesture", "Ground Truth"] {
+        assert_eq!(label(name), Some(0), "{name}");
+    }
+    assert_eq!(label("stimulus"), None);
+    // `gt` takes precedence.
+    assert_eq!(label("label,gt"), Some(1));
+    assert!(found(&format!("label,class,{emg}")).contains("label, class"));
+}
+
+#[test]
+fn what_stands_before_the_table_is_passed_over() {
+    for before in ["sep=;\n", "\n", "# made by hand\n"] {
+        let text = format!("{before}{}\n", eight("emg_", 0, ";"));
+        assert_eq!(Columns::of(&text).unwrap().first_line, 3, "{before}");
+    }
+    let commented = format!("# {}\n1 2 3 4 5 6 7 8\n", eight("emg", 0, " "));
+    assert_eq!(Columns::of(&commented).unwrap().first_line, 2);
+}
+
+#[test]
+fn columns_called_by_number_are_told_from_samples() {
+    let rows = "1,-2,3,4,5,6,7,8\n".repeat(30);
+    let first = |head: &str| Columns::of(&format!("{head}\n{rows}")).unwrap().first_line;
+    assert_eq!(first("0,1,2,3,4,5,6,7"), 2);
+    assert_eq!(first("1,2,3,4,5,6,7,9"), 1);
+    assert_eq!(
+        Columns::of(&"1,2,3,4,5,6,7,8\n".repeat(30))
+            .unwrap()
+            .first_line,
+        1
+    );
+    // One damaged value makes no header.
+    assert_eq!(first("1,x,3,4,5,6,7,8"), 1);
+}

@@ -1,0 +1,135 @@
+//! Rows of numbers without a header: the number of columns, and those that are no muscle activity.
+
+use shared::units::CHANNELS;
+
+use super::separator::Separator;
+use crate::readers::table;
+
+/// Rows that are examined; one damaged row among the first must not hide the format.
+const FIRST: usize = 20;
+/// Rows over which a column of times or row numbers must rise: muscle activity never does so long.
+const RISING: usize = 100;
+
+/// Common properties of the first rows of a table without a header.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct Shape {
+    /// Separator of the values.
+    pub separator: Separator,
+    /// Numbers in most rows.
+    pub columns: usize,
+    /// Whether most rows are decimals between -1 and 1.
+    pub is_decimal: bool,
+}
+
+impl Shape {
+    /// The shape of most of the first rows; none if they are no rows of numbers.
+    pub fn of(text: &str) -> Option<Self> {
+        let rows: Vec<&str> = table::rows(text)
+            .map(|(_, row)| row)
+            .skip_while(|row| table::is_note(row))
+            .take(FIRST)
+            .collect();
+        let most = |count: usize| 2 * count > rows.len();
+        let numbers: Vec<(Separator, Vec<f64>)> =
+            rows.iter().filter_map(|row| numbers(row)).collect();
+        let (separator, columns) =
+            numbers
+                .iter()
+                .map(|(own, row)| (*own, row.len()))
+                .find(|shape| {
+                    let same = |(own, row): &&(Separator, Vec<f64>)| (*own, row.len()) == *shape;
+                    most(numbers.iter().filter(same).count())
+                })?;
+        let is_decimal = |row: &[f64]| {
+            row.len() == columns
+                && row.iter().all(|v| v.abs() <= 1.0)
+                && row.iter().any(|v| v.fract() != 0.0)
+        };
+        Some(Self {
+            separator,
+            columns,
+            is_decimal: most(numbers.iter().filter(|(_, row)| is_decimal(row)).count()),
+        })
+    }
+
+    /// First of eight columns, if the others rise from row to row.
+    pub fn without_clocks(self, text: &str) -> Option<usize> {
+        let rows = table::rows(text).filter_map(|(_, row)| numbers(row));
+        let rows: Vec<Vec<f64>> = rows
+            .map(|(_, row)| row)
+            .filter(|row| row.len() == self.columns)
+            .take(RISING)
+            .collect();
+        if rows.len() < FIRST {
+            return None;
+        }
+        let rises = |column: usize| {
+            rows.windows(2)
+                .all(|pair| pair[1][column] > pair[0][column])
+        };
+        let start = (0..self.columns)
+            .take_while(|&column| rises(column))
+            .count();
+        let end = start + CHANNELS;
+        let others = (end..self.columns).all(rises);
+        (end <= self.columns && others).then_some(start)
+    }
+}
+
+/// Separator and values of a row of numbers; none if a field is no number.
+fn numbers(row: &str) -> Option<(Separator, Vec<f64>)> {
+    let separator = Separator::of(row);
+    let fields = separator.fields(row);
+    let numbers: Option<Vec<f64>> = fields
+        .iter()
+        .map(|field| {
+            separator
+                .number(field)
+                .parse::<f64>()
+                .ok()
+                .filter(|value| value.is_finite())
+        })
+        .collect();
+    numbers.map(|numbers| (separator, numbers))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shape(text: &str) -> Option<(usize, bool)> {
+        Shape::of(text).map(|shape| (shape.columns, shape.is_decimal))
+    }
+
+    #[test]
+    fn tables_are_told_by_most_of_their_first_rows() {
+        assert_eq!(shape("1,2,3,4,5,6,7,8,0\n"), Some((9, false)));
+        assert_eq!(shape("-0.5,0,0,0,0,0,1,-1\n"), Some((8, true)));
+        assert_eq!(shape("1\t2\t3\t4\t5\t6\t7\t8\r\n"), Some((8, false)));
+        assert_eq!(shape("0,5;0;0;0;0;0;1;-1\n"), Some((8, true)));
+        let damaged = format!("1,2,3,4\n{}", "1,2,3,4,5,6,7,8,0\n".repeat(9));
+        assert_eq!(shape(&damaged), Some((9, false)));
+        assert_eq!(shape("Sex,M,,\nAge,24,,\n"), None);
+        assert_eq!(shape(""), None);
+    }
+
+    #[test]
+    fn columns_that_rise_are_no_channels() {
+        let text = |row: &dyn Fn(usize) -> String| (0..30).map(row).collect::<String>();
+        let noise = |at: usize| format!("{0},2,3,4,5,6,7,{0}", at % 2);
+        let start = |text: String| Shape::of(&text).unwrap().without_clocks(&text);
+        assert_eq!(start(text(&|at| format!("{at},{}\n", noise(at)))), Some(1));
+        assert_eq!(
+            start(text(&|at| format!("{},{}\n", noise(at), 5 * at))),
+            Some(0)
+        );
+        assert_eq!(
+            start(text(&|at| format!("{at},{},{at}.5\n", noise(at)))),
+            Some(1)
+        );
+        assert_eq!(
+            start(text(&|at| format!("{},{}\n", at / 10, noise(at)))),
+            None
+        );
+    }
+}

@@ -1,0 +1,115 @@
+//! Training, development and test people: named once, in `host/recordings/people.toml`, for every preset.
+
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+use serde::Deserialize;
+
+use crate::recording::DataSet;
+
+/// The people of one data set outside training, as the data set names them.
+#[derive(Clone, PartialEq, Eq, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PredefinedSplit {
+    /// Development people who choose the checkpoint and the aggregation mode.
+    #[serde(default)]
+    pub checkpoint: Vec<String>,
+    /// Development people by whose scores settings are chosen.
+    #[serde(default)]
+    pub settings: Vec<String>,
+    /// Test people, evaluated once a release.
+    #[serde(default)]
+    pub test: Vec<String>,
+}
+
+static COMMITTED: LazyLock<BTreeMap<String, PredefinedSplit>> = LazyLock::new(|| {
+    toml::from_str(include_str!("../../people.toml")).expect("a test reads the file")
+});
+
+impl PredefinedSplit {
+    /// Development and test people of a data set; none for sets that the file does not name.
+    #[must_use]
+    pub(crate) fn of(data_set: DataSet) -> Option<&'static Self> {
+        COMMITTED.get(data_set.name())
+    }
+
+    /// Development and test people of all data sets, by the sets' names.
+    #[must_use]
+    pub fn all() -> &'static BTreeMap<String, Self> {
+        &COMMITTED
+    }
+}
+
+/// Whether a subject (`data-set/subject`) is a test person.
+#[must_use]
+pub fn is_test(subject: &str) -> bool {
+    let (set, _) = subject.split_once('/').unwrap_or_default();
+    COMMITTED
+        .get(set)
+        .is_some_and(|predefined| is_listed(&predefined.test, subject))
+}
+
+/// Whether a subject (`data-set/subject`) is a training person: in none of the lists of a set that the file names.
+#[must_use]
+pub fn is_training(subject: &str) -> bool {
+    let (set, _) = subject.split_once('/').unwrap_or_default();
+    COMMITTED.get(set).is_some_and(|predefined| {
+        let lists = [
+            &predefined.checkpoint,
+            &predefined.settings,
+            &predefined.test,
+        ];
+        !lists.iter().any(|list| is_listed(list, subject))
+    })
+}
+
+/// Whether a list names a subject (`data-set/subject`).
+pub(super) fn is_listed(list: &[String], subject: &str) -> bool {
+    let person = subject
+        .split_once('/')
+        .map_or(subject, |(_, person)| person);
+    list.iter().any(|name| name == person)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nobody_is_listed_twice() {
+        for (set, predefined) in PredefinedSplit::all() {
+            let mut people = [
+                &predefined.checkpoint[..],
+                &predefined.settings,
+                &predefined.test,
+            ]
+            .concat();
+            let all = people.len();
+            assert!(all > 0, "{set}");
+            people.sort_unstable();
+            people.dedup();
+            assert_eq!(people.len(), all, "{set}");
+        }
+    }
+
+    #[test]
+    fn test_people_are_known_by_their_full_name() {
+        assert!(is_test("roshambo/06"));
+        assert!(!is_test("roshambo/03"));
+        assert!(!is_test("06"));
+    }
+
+    #[test]
+    fn whoever_a_named_set_does_not_list_is_trained_on() {
+        assert!(is_training("roshambo/01"));
+        for other in [
+            "roshambo/03",
+            "roshambo/06",
+            "roshambo/08",
+            "react-emg/anna",
+            "01",
+        ] {
+            assert!(!is_training(other), "{other}");
+        }
+    }
+}

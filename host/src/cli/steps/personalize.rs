@@ -1,0 +1,111 @@
+//! `myointent personalize`: a model file tuned on one person's recordings.
+
+use std::io::Write as _;
+use std::path::PathBuf;
+
+use clap::Args;
+use thiserror::Error;
+
+use crate::cli::arguments::every_recording;
+use crate::cli::output::refuse_existing;
+use crate::cli::read_model;
+use evaluation::report::scores::tuned;
+use execution::interrupt::Interrupt;
+use execution::progress;
+use execution::run_folder::write_whole;
+use training::backend::BackendArguments;
+use training::run::personalize::{TuningSettings, Worse, personalize};
+
+/// Arguments of `personalize`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "A few minutes of rest and of each gesture in turn, with labels, are enough; docs/personalization.md says what they gain.\n\
+    The last third of the recordings is held back: both models are judged on it as `evaluate --model` does. The new file is written\n\
+    only if its balanced accuracy there is 0.2 above that of always saying relax; if neither balanced accuracy nor transition\n\
+    accuracy nor the share of gestures recognised is lower than before; and if rest and other movement do not raise more labels\n\
+    (2 a minute of rest, a tenth of the other movements). Otherwise nothing is written and the exit code is 3: go on with the\n\
+    old file. So it is if two classes seem exchanged in the labels.\n\n\
+    Example:\n  myointent personalize --model models/three-class.intent --data MINE --out mine.intent"
+)]
+pub struct Arguments {
+    /// Model file to start from.
+    #[arg(long, value_name = "FILE.intent")]
+    model: PathBuf,
+    /// Folder of the person's labelled recordings.
+    #[arg(long, value_name = "DIR")]
+    data: PathBuf,
+    /// Model file to write; there must be none of this name.
+    #[arg(long, value_name = "FILE.intent")]
+    out: PathBuf,
+    /// Whose recordings, as data-set/subject or subject alone; needed if the folder has those of several people.
+    #[arg(long, value_name = "NAME")]
+    subject: Option<String>,
+    /// Seed of all draws: the same one gives the same file.
+    #[arg(long, default_value_t = TuningSettings::default().seed)]
+    seed: u64,
+    /// Refuse damaged files instead of leaving them out.
+    #[arg(long)]
+    strict: bool,
+    #[command(flatten)]
+    backend: BackendArguments,
+}
+
+/// Error: the new model was not written.
+#[derive(Debug, Error)]
+pub(super) enum NotWritten {
+    /// The new model is worse than the old one.
+    #[error(
+        "on the part held back {why}: nothing was written, go on with {model}; more recordings may help"
+    )]
+    Worse {
+        /// The old model file.
+        model: PathBuf,
+        /// Reason why the new model is worse.
+        why: Worse,
+    },
+}
+
+/// Tunes the model, judges it, and writes it unless it is worse.
+///
+/// # Errors
+/// When the model or the recordings are refused, there is a file already, the new model is worse or the user interrupts.
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let (path, out) = (&arguments.model, &arguments.out);
+    refuse_existing(out)?;
+    let bytes = read_model(path)?;
+    let device = arguments.backend.device()?;
+    let library = every_recording(&arguments.data, arguments.strict)?;
+    let settings = TuningSettings {
+        seed: arguments.seed,
+        ..TuningSettings::default()
+    };
+    let done = personalize(
+        &bytes,
+        &library,
+        arguments.subject.as_deref(),
+        &settings,
+        &device,
+        &Interrupt::listen(),
+        // The progress bar in the terminal shows the steps.
+        |_| (),
+    )?;
+    if done.seen_before {
+        progress::log(&format!(
+            "warning: the model was trained on {} already: it scores too well before, so that tuning seems to gain less",
+            done.subject
+        ));
+    }
+    let caption = format!(
+        "{} on the {:.0} s held back, tuned on {:.0} s",
+        done.subject, done.judged_seconds, done.tuned_seconds
+    );
+    let mut stdout = std::io::stdout().lock();
+    writeln!(stdout, "{}", tuned(&caption, &done.scores).plain())?;
+    if let Some(why) = done.worse() {
+        let model = path.clone();
+        return Err(NotWritten::Worse { model, why }.into());
+    }
+    write_whole(out, &done.bytes)?;
+    writeln!(stdout, "{} ({} bytes)", out.display(), done.bytes.len())?;
+    Ok(())
+}

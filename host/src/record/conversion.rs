@@ -1,0 +1,188 @@
+//! Conversion of a journal to recordings, at the end of a session or at the next start.
+//!
+//! Recordings have ReactEMG's csv layout, with further columns that its readers ignore. `gt` is the label of the muscle.
+//! Columns after the channels: `sample`, the index in the stream; `cue`; `trial`, the attempt; `used`, 0 if the trial is not
+//! used; `bridged`, 1 if the sample is missing and repeats the one before; `turn` and `mirrored`, the placement of the
+//! armband: the reader aligns the channels by it, as the board does.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::io;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use shared::intent::Intent;
+use shared::units::{CHANNELS, SAMPLE_RATE_HZ, Sample};
+
+use super::RecordError;
+use super::assembly::{Assembly, Part, assemble};
+use super::journal::{ENDING, open};
+use super::quality::{Quality, judge};
+use execution::run_folder::write_whole;
+use recordings::readers::formats::react_emg::{
+    MIRRORED_COLUMN, MUSCLE_COLUMN, RECORDER_COLUMNS, TURN_COLUMN,
+};
+use recordings::{LoadOptions, load};
+
+/// File extension of a journal that the disk has damaged.
+const DAMAGED: &str = "journal.damaged";
+
+/// Greatest number of samples of a recording: an hour, a third of what readers take from one file.
+const LONGEST: usize = 3600 * SAMPLE_RATE_HZ as usize;
+
+/// Recordings made of a session.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Conversion {
+    /// Paths of the recordings, in order.
+    pub(crate) files: Vec<PathBuf>,
+    /// Quality of the recordings.
+    pub(crate) quality: Quality,
+    /// Number of trials that are not used.
+    pub(crate) rejected: usize,
+    /// Number of bytes of the journal after its last whole line.
+    pub(crate) left_off: usize,
+}
+
+/// Makes recordings beside a journal, reads them back, and removes the journal.
+///
+/// # Errors
+/// See [`RecordError`]. The journal stays where it is, and the next start tries again.
+pub(crate) fn convert(journal: &Path) -> Result<Conversion, RecordError> {
+    let (lock, header, contents) = open(journal)?;
+    let assembly = assemble(&contents.entries);
+    let mut files = Vec::new();
+    let cued = assembly
+        .parts
+        .iter()
+        .filter(|part| part.cues.iter().any(Option::is_some));
+    let pieces = cued.flat_map(|part| {
+        let files = part.files(LONGEST).into_iter();
+        files.map(move |samples| (part, samples))
+    });
+    for (number, (part, piece)) in (1..).zip(pieces) {
+        let path = file(journal, number);
+        let text = csv(&assembly, part, piece.clone(), header.synthetic);
+        // A program that was killed half-way may have written the file before.
+        let is_own = fs::read(&path).is_ok_and(|found| found == text.as_bytes());
+        if path.exists() && !is_own {
+            return Err(RecordError::Exists { path });
+        }
+        write_whole(&path, text.as_bytes()).map_err(|error| RecordError::Write {
+            journal: journal.to_owned(),
+            error,
+        })?;
+        let read = load(&path, &LoadOptions::default())?;
+        if let (true, Some(refused)) = (read.recordings.is_empty(), read.skipped.first()) {
+            let reason = refused.line();
+            return Err(RecordError::Refused { reason });
+        }
+        let aligned = |at: usize| part.placements[at].apply(part.samples[at]);
+        let samples: Vec<Sample> = piece.clone().map(aligned).collect();
+        let same = read.recordings.first().is_some_and(|recording| {
+            recording.samples == samples && recording.labels == part.labels[piece]
+        });
+        if !same {
+            return Err(RecordError::Unlike { path });
+        }
+        files.push(path);
+    }
+    let conversion = Conversion {
+        quality: judge(&assembly, contents.damaged),
+        files,
+        rejected: assembly.rejected.len(),
+        left_off: contents.left_off,
+    };
+    let put_away = if contents.damaged {
+        fs::rename(journal, journal.with_extension(DAMAGED))
+    } else {
+        fs::remove_file(journal)
+    };
+    drop(lock);
+    put_away.map_err(RecordError::io(journal))?;
+    Ok(conversion)
+}
+
+/// Path of a recording: `anna_20261122T110323Z_quick_1.csv`.
+fn file(journal: &Path, number: usize) -> PathBuf {
+    let stem = journal.file_stem().unwrap_or_default().to_string_lossy();
+    journal.with_file_name(format!("{stem}_{number}.csv"))
+}
+
+/// Formats samples of a part as csv; `synthetic` marks them as such.
+fn csv(assembly: &Assembly, part: &Part, samples: Range<usize>, synthetic: bool) -> String {
+    let channels: String = (0..CHANNELS)
+        .map(|channel| format!(",emg_{channel}"))
+        .collect();
+    let muscle = if synthetic {
+        format!(",{MUSCLE_COLUMN}")
+    } else {
+        String::new()
+    };
+    let mut text = format!(
+        "gt{channels},{},{TURN_COLUMN},{MIRRORED_COLUMN}{muscle}\n",
+        RECORDER_COLUMNS.join(",")
+    );
+    let class = |label: Option<Intent>| match label {
+        Some(intent) => intent.class().to_string(),
+        None => "-1".to_owned(),
+    };
+    for at in samples {
+        text += &class(part.labels[at]);
+        for value in part.samples[at] {
+            // Writing to a string cannot fail.
+            let _ = write!(text, ",{value}");
+        }
+        let (trial, cue) = (part.trials[at], class(part.cues[at]));
+        let used = u8::from(!assembly.rejected.contains_key(&trial));
+        let placement = part.placements[at];
+        let bridged = u8::from(part.bridged[at]);
+        let _ = write!(
+            text,
+            ",{},{cue},{trial},{used},{bridged},{},{}",
+            part.index[at],
+            placement.turn(),
+            u8::from(placement.mirrored())
+        );
+        if synthetic {
+            let _ = write!(text, ",{}", class(part.labels[at]));
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// Makes recordings of all journals in a person's folder that no session writes: their sessions were killed, or the disk was
+/// full. Returns the result for each.
+///
+/// # Errors
+/// When the folder cannot be read. A missing folder has no journals.
+pub fn recover(folder: &Path) -> io::Result<Vec<(PathBuf, Result<Conversion, RecordError>)>> {
+    let entries = match fs::read_dir(folder) {
+        Ok(entries) => entries,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+        Err(error) => return Err(error),
+    };
+    let mut journals = Vec::new();
+    for entry in entries {
+        let path = entry?.path();
+        if path.extension().is_some_and(|ending| ending == ENDING) {
+            journals.push(path);
+        }
+    }
+    journals.sort();
+    let conversions = journals
+        .into_iter()
+        .filter_map(|path| match convert(&path) {
+            // Another session writes it, or was killed before its first line was complete.
+            Err(RecordError::Busy { .. }) => None,
+            Err(RecordError::Empty { .. }) => {
+                let removed = fs::remove_file(&path).map_err(RecordError::io(&path));
+                removed.err().map(|error| (path, Err(error)))
+            }
+            result => Some((path, result)),
+        });
+    Ok(conversions.collect())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,349 @@
+use shared::intent::Intent;
+use shared::units::{Millis, Sample, SampleIndex};
+
+use super::*;
+use crate::record::journal::{Entry, Header, Journal, read};
+use crate::record::protocol::Protocol;
+use crate::record::session::{Action, Input, Output, Session};
+use crate::record::{PersonQuality, quality_by_person};
+use recordings::DataSet;
+use recordings::synthetic::Follower;
+
+const SHORT: &str = "rounds = 2\npause = 1\nsequence = [\"relax\", \"open\", \"relax\", \"close\", \"relax\"]\n\
+    [seconds]\nrelax = 2\nopen = 2\nclose = 2\n";
+
+/// Records a session with a simulated person. Returns the samples from the session's first one on.
+fn record(path: &Path, synthetic: bool, seconds: u32) -> Vec<Sample> {
+    let protocol = Protocol::parse("short.toml", SHORT).unwrap();
+    let header = Header {
+        format: 0,
+        version: "0.1.0".into(),
+        began: "2026-11-22T11:03:23Z".into(),
+        person: "anna".into(),
+        protocol: protocol.name.clone(),
+        classes: protocol
+            .intents()
+            .iter()
+            .map(|intent| intent.name().to_owned())
+            .collect(),
+        free: false,
+        source: "demo".into(),
+        synthetic,
+    };
+    let mut journal = Journal::create(path, header).unwrap();
+    let mut session = Session::new(protocol);
+    // Each file has another person: equal recordings count once.
+    let mut person = Follower::new(path.file_stem().unwrap().to_str().unwrap());
+    let mut sent = Vec::new();
+    let mut cued = Intent::Relax;
+    session.handle(
+        Millis(0),
+        Input::Samples {
+            first: SampleIndex(8),
+            count: 2,
+        },
+    );
+    session.handle(Millis(0), Input::Action(Action::Begin));
+    for pair in 0..100 * seconds {
+        let first = SampleIndex(10 + 2 * pair);
+        let now = Millis(10 * pair);
+        let samples = [(); 2].map(|()| person.sample(cued));
+        session.handle(now, Input::Samples { first, count: 2 });
+        while let Some(output) = session.poll() {
+            if let Output::Cue { cue, .. } = output {
+                cued = cue.unwrap_or(Intent::Relax);
+            }
+            journal.entry(&Entry::of(output));
+        }
+        journal.samples(first, &samples);
+        sent.extend(samples);
+        if session.is_over() {
+            break;
+        }
+    }
+    journal.flush(Millis(0)).unwrap();
+    journal.close().unwrap();
+    sent
+}
+
+#[test]
+fn a_session_becomes_a_recording_a_round_that_readers_take_sample_for_sample() {
+    let folder = tempfile::tempdir().unwrap();
+    let person = folder.path().join("anna");
+    fs::create_dir(&person).unwrap();
+    let journal = person.join("anna_20261122T110323Z_short.journal");
+    let sent = record(&journal, false, 60);
+    let conversion = convert(&journal).unwrap();
+    assert!(!journal.exists());
+    let names: Vec<_> = conversion
+        .files
+        .iter()
+        .map(|path| path.file_name().unwrap().to_str().unwrap())
+        .collect();
+    assert_eq!(
+        names,
+        [
+            "anna_20261122T110323Z_short_1.csv",
+            "anna_20261122T110323Z_short_2.csv"
+        ]
+    );
+    let library = load(&person, &LoadOptions::default()).unwrap();
+    assert_eq!(library.subjects(), ["react-emg/anna"]);
+    let read: Vec<Sample> = library
+        .recordings
+        .iter()
+        .flat_map(|recording| recording.samples.clone())
+        .collect();
+    assert_eq!(read, sent);
+    for recording in &library.recordings {
+        for intent in [Intent::Relax, Intent::Open, Intent::Close] {
+            assert!(recording.labels.contains(&Some(intent)), "{intent:?}");
+        }
+    }
+    assert_eq!(conversion.quality.counts["open"], 2);
+}
+
+#[test]
+fn sessions_are_judged_again_from_their_files_all_together() {
+    let folder = tempfile::tempdir().unwrap();
+    let person = folder.path().join("anna");
+    fs::create_dir(&person).unwrap();
+    let session = |name: &str| {
+        let journal = person.join(format!("anna_{name}_short.journal"));
+        record(&journal, false, 60);
+        convert(&journal).unwrap().quality
+    };
+    let judged = || {
+        let library = load(folder.path(), &LoadOptions::default()).unwrap();
+        let [judged] = <[PersonQuality; 1]>::try_from(quality_by_person(&library)).unwrap();
+        judged
+    };
+    let at_its_end = session("1");
+    let once = judged();
+    assert_eq!((once.person.as_str(), once.files), ("react-emg/anna", 2));
+    assert_eq!(once.quality, at_its_end);
+    assert!(!once.quality.is_good_enough());
+    // A session has two openings, and six of each gesture are needed.
+    for (name, good) in [("2", false), ("3", true)] {
+        session(name);
+        assert_eq!(judged().quality.is_good_enough(), good, "{name}");
+    }
+    assert_eq!(judged().quality.counts["open"], 6);
+    // A session ended before the first gesture.
+    let ended = folder.path().join("eva");
+    fs::create_dir(&ended).unwrap();
+    let journal = ended.join("eva_1_short.journal");
+    record(&journal, false, 2);
+    convert(&journal).unwrap();
+    let library = load(&ended, &LoadOptions::default()).unwrap();
+    assert!(!quality_by_person(&library)[0].quality.is_good_enough());
+    fs::remove_dir_all(&ended).unwrap();
+    // A file that is no guided recording is not judged.
+    fs::write(
+        person.join("anna_4.csv"),
+        "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n0,1,1,1,1,1,1,1,1\n",
+    )
+    .unwrap();
+    assert_eq!(judged().files, 6);
+}
+
+#[test]
+fn samples_of_nobody_are_read_as_synthetic() {
+    let folder = tempfile::tempdir().unwrap();
+    let journal = folder.path().join("anna_1.journal");
+    record(&journal, true, 20);
+    let conversion = convert(&journal).unwrap();
+    let library = load(&conversion.files[0], &LoadOptions::default()).unwrap();
+    assert_eq!(library.recordings[0].data_set, DataSet::Synthetic);
+}
+
+#[test]
+fn a_journal_cut_anywhere_gives_all_samples_of_its_whole_lines() {
+    let folder = tempfile::tempdir().unwrap();
+    let journal = folder.path().join("anna_1.journal");
+    let sent = record(&journal, false, 20);
+    let whole = fs::read(&journal).unwrap();
+    fs::remove_file(&journal).unwrap();
+    // The journal's own tests try every cut; here some all over the file.
+    for cut in (0..whole.len()).step_by(1 + whole.len() / 40) {
+        let path = folder.path().join(format!("anna_{cut}x.journal"));
+        fs::write(&path, &whole[..cut]).unwrap();
+        let found = recover(folder.path()).unwrap();
+        if !whole[..cut].contains(&b'\n') {
+            assert!(found.is_empty() && !path.exists(), "{cut}");
+            continue;
+        }
+        let [(_, Ok(conversion))] = &found[..] else {
+            panic!("{cut}: {found:?}");
+        };
+        let samples: Vec<Sample> = conversion
+            .files
+            .iter()
+            .flat_map(|file| load(file, &LoadOptions::default()).unwrap().recordings)
+            .flat_map(|recording| recording.samples)
+            .collect();
+        let written: usize = read(&whole[..cut])
+            .entries
+            .iter()
+            .map(|entry| match entry {
+                Entry::Samples { emg, .. } => Entry::decoded(emg).unwrap().len(),
+                _ => 0,
+            })
+            .sum();
+        assert_eq!(samples, sent[..samples.len()], "{cut}");
+        // A countdown without a cue after it gives no recording.
+        assert!(
+            written - samples.len() <= 200,
+            "{cut}: {} of {written}",
+            samples.len()
+        );
+        for file in &conversion.files {
+            fs::remove_file(file).unwrap();
+        }
+    }
+}
+
+#[test]
+fn a_recording_that_is_there_is_never_overwritten() {
+    let folder = tempfile::tempdir().unwrap();
+    let journal = folder.path().join("anna_1.journal");
+    record(&journal, false, 20);
+    let other = folder.path().join("anna_1_1.csv");
+    fs::write(&other, "somebody's").unwrap();
+    let error = convert(&journal).unwrap_err();
+    assert!(matches!(error, RecordError::Exists { .. }), "{error}");
+    assert_eq!(fs::read_to_string(&other).unwrap(), "somebody's");
+    assert!(journal.exists());
+    fs::remove_file(&other).unwrap();
+    let conversion = convert(&journal).unwrap();
+    assert_eq!(conversion.files[0], other);
+}
+
+#[test]
+fn a_program_that_was_killed_between_files_goes_on_with_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let journal = folder.path().join("anna_1.journal");
+    record(&journal, false, 60);
+    let copy = fs::read(&journal).unwrap();
+    let first = convert(&journal).unwrap();
+    // Killed after the first file: the second is missing, and the journal is still there.
+    fs::write(&journal, copy).unwrap();
+    fs::remove_file(&first.files[1]).unwrap();
+    assert_eq!(convert(&journal).unwrap(), first);
+}
+
+#[test]
+fn a_damaged_journal_is_kept_beside_what_could_be_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let journal = folder.path().join("anna_1.journal");
+    record(&journal, false, 60);
+    let mut bytes = fs::read(&journal).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    fs::write(&journal, &bytes).unwrap();
+    let conversion = convert(&journal).unwrap();
+    assert!(
+        conversion
+            .quality
+            .findings
+            .iter()
+            .any(|finding| finding.to_string().contains("damaged"))
+    );
+    assert!(!conversion.files.is_empty() && !journal.exists());
+    assert_eq!(
+        fs::read(folder.path().join("anna_1.journal.damaged")).unwrap(),
+        bytes
+    );
+}
+
+#[test]
+fn a_session_of_hours_becomes_recordings_that_can_be_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("anna_1.journal");
+    let header = Header {
+        format: 0,
+        version: "0.1.0".into(),
+        began: "2026-11-22T11:03:23Z".into(),
+        person: "anna".into(),
+        protocol: "free".into(),
+        classes: vec!["relax".into(), "open".into()],
+        free: true,
+        source: "demo".into(),
+        synthetic: false,
+    };
+    let mut journal = Journal::create(&path, header).unwrap();
+    let first = SampleIndex(0);
+    journal.entry(&Entry::of(Output::Round {
+        number: 1,
+        at: first,
+    }));
+    // Four hours of rest with few gestures, with samples as wide in text as possible.
+    let (count, together) = (4 * 3600 * 200_u32, 2000);
+    for (trial, at) in (0..count).step_by(together).enumerate() {
+        let (at, trial) = (SampleIndex(at), trial as u32 + 1);
+        let gesture = trial % 8 == 0;
+        let cue = Some(if gesture { Intent::Open } else { Intent::Relax });
+        journal.entry(&Entry::of(Output::Cue { at, cue, trial }));
+        let level = if gesture { 117_u64 } else { 100 };
+        let sample = |of: usize| -> Sample {
+            std::array::from_fn(|channel| {
+                let number = (at.0 as u64 + of as u64) * 8 + channel as u64;
+                let mixed = number.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 40;
+                let size = (level + mixed / 2 % 8) as i8;
+                if mixed.is_multiple_of(2) { size } else { -size }
+            })
+        };
+        let samples: Vec<Sample> = (0..together).map(sample).collect();
+        journal.entry(&Entry::samples(at, &samples));
+        let _ = journal.flush(Millis(at.0));
+    }
+    let _ = journal.close();
+    let conversion = convert(&path).unwrap();
+    let read = |file: &PathBuf| load(file, &LoadOptions::default()).unwrap();
+    let lengths = conversion.files.iter().map(|file| {
+        let library = read(file);
+        assert_eq!(library.recordings.len(), 1, "{}", file.display());
+        library.recordings[0].samples.len()
+    });
+    assert_eq!(lengths.sum::<usize>(), count as usize);
+    assert!(!path.exists());
+}
+
+#[test]
+fn a_journal_that_is_being_begun_is_not_taken_by_another_start() {
+    let folder = tempfile::tempdir().unwrap();
+    let person = folder.path().to_owned();
+    let recovering = std::sync::atomic::AtomicBool::new(true);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while recovering.load(std::sync::atomic::Ordering::Relaxed) {
+                // A complete journal is taken; one that is being written is not.
+                let _ = recover(&person);
+            }
+        });
+        for number in 0..1000 {
+            let path = person.join(format!("anna_{number}.journal"));
+            let header = Header {
+                format: 0,
+                version: "0.1.0".into(),
+                began: "2026-11-22T11:03:23Z".into(),
+                person: "anna".into(),
+                protocol: "free".into(),
+                classes: vec!["relax".into()],
+                free: true,
+                source: "demo".into(),
+                synthetic: false,
+            };
+            let journal = Journal::create(&path, header);
+            let is_there = path.exists();
+            recovering.store(
+                journal.is_ok() && is_there,
+                std::sync::atomic::Ordering::Relaxed,
+            );
+            let journal = journal.unwrap();
+            assert!(is_there, "begun {number} times, and gone");
+            drop(journal);
+        }
+        recovering.store(false, std::sync::atomic::Ordering::Relaxed);
+    });
+}

@@ -1,0 +1,230 @@
+//! Errors of guided recording: protocols, journals, and the recordings made of them.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use shared::intent::Intent;
+
+use super::journal::{FORMAT, LARGEST};
+use super::protocol::BUILT_IN;
+use execution::run_folder::RunError;
+use recordings::LoadError;
+
+/// Error of a protocol, a journal or the recordings made of it.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordError {
+    /// A file cannot be created, written, read, renamed or removed.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// Error of the operating system.
+        #[source]
+        source: io::Error,
+    },
+    /// Another session writes the journal.
+    #[error("{} is being written by another session: end that first", path.display())]
+    Busy {
+        /// The journal.
+        path: PathBuf,
+    },
+    /// The first line of a journal is incomplete: no sample was recorded.
+    #[error("{} has no whole first line: no sample was recorded in it", path.display())]
+    Empty {
+        /// The journal.
+        path: PathBuf,
+    },
+    /// The first line of a journal is damaged.
+    #[error("{}: the first line is damaged, so nobody can say whose it is; it is left as it is", path.display())]
+    Headless {
+        /// The journal.
+        path: PathBuf,
+    },
+    /// The journal is longer than any that this program records.
+    #[error("{} has {found} bytes, expected at most {} MiB: it is left as it is, and no recording is made of it", path.display(), LARGEST >> 20)]
+    Large {
+        /// The journal.
+        path: PathBuf,
+        /// Length in bytes.
+        found: u64,
+    },
+    /// The journal has another format version.
+    #[error("{}: format {found}, this program reads {FORMAT}: use the program that wrote it, version {version}", path.display())]
+    Format {
+        /// The journal.
+        path: PathBuf,
+        /// Format version of the journal.
+        found: u32,
+        /// Version of the program that wrote it.
+        version: String,
+    },
+    /// The disk took no more until the end of the session.
+    #[error("{}: {source}; the last {seconds} s of the session are not in it and are lost", path.display())]
+    Cut {
+        /// The journal.
+        path: PathBuf,
+        /// Upper bound of the missing seconds.
+        seconds: usize,
+        /// Error of the operating system.
+        #[source]
+        source: io::Error,
+    },
+    /// The journal was moved or deleted, and cannot be written anew.
+    #[error(
+        "{} was deleted, moved or replaced, and cannot be written anew: {source}; expected a folder {} that can be written",
+        path.display(), folder(path).display()
+    )]
+    Gone {
+        /// Former name of the journal.
+        path: PathBuf,
+        /// Reason why it cannot be written anew.
+        #[source]
+        source: io::Error,
+    },
+    /// The journal was moved or deleted, and was written anew in another folder at the end.
+    #[error(
+        "{} was deleted, moved or replaced, and its folder cannot be written: all of the session is in {}; move that file into a folder {}",
+        path.display(), found.display(), folder(path).display()
+    )]
+    Elsewhere {
+        /// Former name of the journal.
+        path: PathBuf,
+        /// New name of the journal.
+        found: PathBuf,
+    },
+    /// A recording cannot be written.
+    #[error("{}: the recordings cannot be written ({error}). Nothing is lost: free the disk, then start `myointent record` for this person again", journal.display())]
+    Write {
+        /// The journal.
+        journal: PathBuf,
+        /// Error of the write.
+        error: RunError,
+    },
+    /// A recording's name is taken by another file.
+    #[error("{} exists already and is left as it is: move it, then start `myointent record` for this person again", path.display())]
+    Exists {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The recording was written, but no command would read it.
+    #[error("the recording is written and cannot be used; the journal is kept: {reason}")]
+    Refused {
+        /// Finding, with the file.
+        reason: String,
+    },
+    /// The recording reads back differently.
+    #[error("{} is not read as it was written; the journal is kept", path.display())]
+    Unlike {
+        /// The recording.
+        path: PathBuf,
+    },
+    /// The recording cannot be read back.
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    /// The name is neither a built-in protocol nor a file.
+    #[error(
+        "no protocol {name}: built in are {}; or give a TOML file, such as one that `myointent protocols quick > mine.toml` writes",
+        BUILT_IN.map(|(name, _)| name).join(", ")
+    )]
+    UnknownProtocol {
+        /// Name as given.
+        name: String,
+    },
+    /// The file of a protocol cannot be read.
+    #[error("{name} cannot be read: {error}")]
+    UnreadableProtocol {
+        /// The file.
+        name: String,
+        /// Error of the read.
+        error: String,
+    },
+    /// The text of a protocol is no TOML, or has unknown keys.
+    #[error("{name}: {error}")]
+    Toml {
+        /// The file.
+        name: String,
+        /// Message of the parser, with line and column.
+        error: String,
+    },
+    /// The protocol is neither guided nor free, or both.
+    #[error("{name}: expected either `sequence` (guided) or `gestures` (free), found {found}")]
+    Course {
+        /// The file.
+        name: String,
+        /// `both` or `neither`.
+        found: &'static str,
+    },
+    /// No class has the name that a protocol gives.
+    #[error("{name}: {found:?} is no class: expected {}", Intent::ALL.map(Intent::name).join(", "))]
+    Class {
+        /// The file.
+        name: String,
+        /// Name of the class.
+        found: String,
+    },
+    /// A number of a protocol is out of bounds.
+    #[error("{name}: {what}: expected {least} to {most}, found {found}")]
+    Number {
+        /// The file.
+        name: String,
+        /// Name of the number.
+        what: String,
+        /// Least value.
+        least: f64,
+        /// Greatest value.
+        most: f64,
+        /// Value in the file.
+        found: f64,
+    },
+    /// A class of the sequence has no duration.
+    #[error("{name}: [seconds] has no {missing}, which the sequence asks for")]
+    NoSeconds {
+        /// The file.
+        name: String,
+        /// The class.
+        missing: &'static str,
+    },
+    /// The sequence does not begin and end with rest, with which gestures are compared.
+    #[error("{name}: the sequence must begin and end with relax")]
+    Ends {
+        /// The file.
+        name: String,
+    },
+    /// A class follows itself: nobody could tell the two cues apart.
+    #[error("{name}: {class} follows itself: ask for it once, for longer")]
+    Twice {
+        /// The file.
+        name: String,
+        /// The class.
+        class: &'static str,
+    },
+    /// The gestures of a free protocol lack rest or a second class, or repeat one.
+    #[error("{name}: expected relax and at least one gesture, each once in `gestures`")]
+    Gestures {
+        /// The file.
+        name: String,
+    },
+    /// The key belongs to a guided protocol.
+    #[error("{name}: `{key}` means nothing in a free protocol")]
+    Meaningless {
+        /// The file.
+        name: String,
+        /// The key.
+        key: &'static str,
+    },
+}
+
+impl RecordError {
+    /// Makes the error of an operation on a file.
+    pub(super) fn io(path: &Path) -> impl Fn(io::Error) -> Self + Copy {
+        |source| Self::Io {
+            path: path.to_owned(),
+            source,
+        }
+    }
+}
+
+/// Folder of a file.
+pub(super) fn folder(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new("."))
+}

@@ -1,0 +1,91 @@
+//! Training of the student on the labels and, if the preset says so, on soft targets of the teacher or of an ensemble.
+
+use burn::module::Module as _;
+use shared::units::CleanSample;
+
+use super::context::RunContext;
+use super::error::StepError;
+use super::preflight::refuse_impossible;
+use super::soft_targets::soft_targets;
+use crate::optimization::fit::fit;
+use crate::student::ensemble::Ensemble;
+use crate::student::learner::{StudentLearner, Teaching};
+use crate::student::model::Student;
+use presets::distillation::MEMBERS;
+use recordings::corpus::Corpus;
+
+/// Streams of a run's students.
+struct Streams {
+    training: Corpus,
+    validation: Corpus,
+}
+
+/// Trains the student of this name. First trains the ensemble that it learns from, if there is one.
+///
+/// # Errors
+/// When the teacher is missing or another run's, the folder cannot be written or the user interrupts.
+pub(super) fn train_student(context: &RunContext, name: &'static str) -> Result<(), StepError> {
+    let config = context.config.distillation(name);
+    refuse_impossible(&context.config.preset, &context.inference_device())?;
+    if config.needs_teacher() {
+        // A teacher of another run is refused before the streams are made.
+        context.config.teaching_weights(&context.folder)?;
+    }
+    let streams = Streams {
+        training: context.config.training(&context.library),
+        validation: context.config.validation(&context.library),
+    };
+    if streams.validation.streams.is_empty() {
+        return Err(StepError::NoValidation);
+    }
+    if config.needs_teacher() {
+        let all = streams.training.streams.iter();
+        let emg: Vec<&[CleanSample]> = all.map(|stream| stream.emg.as_slice()).collect();
+        let targets = soft_targets(context, &emg)?;
+        student(context, name, &streams, Teaching::Teacher(targets))?;
+    } else if let Some(ensemble) = config.teaching_ensemble() {
+        let members = MEMBERS[..ensemble.members].iter().map(|&member| {
+            student(context, member, &streams, Teaching::Labels).map(|student| student.valid())
+        });
+        let ensemble = Ensemble::new(members.collect::<Result<_, _>>()?);
+        student(context, name, &streams, Teaching::Ensemble(&ensemble))?;
+    } else {
+        student(context, name, &streams, Teaching::Labels)?;
+    }
+    Ok(())
+}
+
+/// Trains a student of this name.
+fn student(
+    context: &RunContext,
+    name: &'static str,
+    streams: &Streams,
+    teaching: Teaching<'_>,
+) -> Result<Student, StepError> {
+    let preset = &context.config.preset;
+    let config = &context.config.distillation(name);
+    let seed = context.config.student_seed(name);
+    let made_from = context.config.student_lineage(name, &context.folder)?;
+    context.device.seed(seed);
+    let model = Student::new(
+        &preset.student,
+        preset.classes,
+        preset.other(),
+        &context.device,
+    );
+    let learner = StudentLearner::new(
+        name,
+        preset.student.span,
+        &streams.training,
+        teaching,
+        &streams.validation,
+        config,
+        &context.device,
+    );
+    Ok(fit(
+        &learner,
+        model,
+        config.train_config(seed),
+        &context.training(made_from),
+    )?)
+}
