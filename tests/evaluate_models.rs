@@ -173,7 +173,10 @@ fn a_rotated_armband_changes_what_the_model_sees_and_not_the_amplitude() {
     );
     let energy = |evaluation: &ModelEvaluation| evaluation.candidates[2].logits.clone();
     assert_eq!(energy(&straight), energy(&rotated));
-    assert_eq!(straight.trials[0].raw[7][0], rotated.trials[0].raw[7][4]);
+    assert_eq!(
+        straight.recordings[0].raw[7][0],
+        rotated.recordings[0].raw[7][4]
+    );
 }
 
 #[test]
@@ -190,15 +193,15 @@ fn lost_notifications_repeat_the_sample_before_them() {
         evaluated(&folder, &file, &selection)
     };
     let (whole, half, again) = (with(0), with(50), with(50));
-    assert_eq!(half.trials[0].raw, again.trials[0].raw);
-    assert_eq!(half.trials[0].published, whole.trials[0].published);
+    assert_eq!(half.recordings[0].raw, again.recordings[0].raw);
+    assert_eq!(half.recordings[0].published, whole.recordings[0].published);
     assert_ne!(whole.candidates[0].logits, half.candidates[0].logits);
-    let pairs = whole.trials[0]
+    let pairs = whole.recordings[0]
         .raw
         .chunks(2)
-        .zip(half.trials[0].raw.chunks(2));
+        .zip(half.recordings[0].raw.chunks(2));
     let lost = pairs.filter(|(sent, received)| sent != received).count();
-    let share = lost as f64 / (whole.trials[0].raw.len() / 2) as f64;
+    let share = lost as f64 / (whole.recordings[0].raw.len() / 2) as f64;
     assert!((0.45..0.55).contains(&share), "{share}");
 }
 
@@ -234,17 +237,17 @@ fn alignment_finds_the_same_however_the_armband_is_turned_and_its_openings_are_n
     let aligned = straight.results.alignments.iter();
     assert!(aligned.clone().any(|own| own.outcome == "aligned"));
     // As the logits are, where an alignment was found.
-    for (at, trial) in straight.trials.iter().enumerate() {
+    for (at, recording) in straight.recordings.iter().enumerate() {
         let mut found = aligned.clone().filter(|own| own.outcome == "aligned");
-        if found.any(|own| own.subject == trial.subject) {
+        if found.any(|own| own.subject == recording.subject) {
             let logits = |evaluation: &ModelEvaluation| evaluation.candidates[1].logits[at].clone();
             assert_eq!(logits(&straight), logits(&turned));
         }
     }
     let labels = |evaluation: &ModelEvaluation| -> usize {
-        let trials = evaluation.trials.iter();
-        trials
-            .map(|trial| trial.lag_compensated.iter().flatten().count())
+        let recordings = evaluation.recordings.iter();
+        recordings
+            .map(|recording| recording.lag_compensated.iter().flatten().count())
             .sum()
     };
     assert!(labels(&straight) + 4 * 2 * 60 <= labels(&plain));
@@ -537,10 +540,10 @@ fn as_own(folder: &Path, people: &[(&str, usize)]) {
 
 /// The lag-compensated labels of each recording.
 fn truths(folder: &Path, model: &Path, selection: &Selection) -> Vec<Vec<Option<Intent>>> {
-    let trials = evaluated(folder, model, selection).trials;
-    trials
+    let recordings = evaluated(folder, model, selection).recordings;
+    recordings
         .into_iter()
-        .map(|trial| trial.lag_compensated)
+        .map(|recording| recording.lag_compensated)
         .collect()
 }
 

@@ -9,8 +9,8 @@ use evaluation::inference::integer_logits;
 use evaluation::inference::outputs;
 use evaluation::metric::event::latency::Latency;
 use evaluation::{
-    ALL, CONSTANT, Candidate, Difference, ENERGY, EnergyDetector, LookAhead, Measure, Score, Trial,
-    Truth, constant, score_all,
+    ALL, CONSTANT, Candidate, Difference, ENERGY, EnergyDetector, EvaluatedRecording, LookAhead,
+    Measure, Score, Truth, constant, score_all,
 };
 use myointent_tests::{data, skip};
 use recordings::alignment::{open_hand, openings, template};
@@ -739,11 +739,11 @@ fn spliced_recordings_have_every_class_and_no_fixed_order() {
 }
 
 /// The recordings with labels shifted by the lag of their data set.
-fn trials(library: &Library) -> Vec<Trial> {
-    let trial = |recording: &Recording| {
+fn evaluated(library: &Library) -> Vec<EvaluatedRecording> {
+    let evaluated = |recording: &Recording| {
         let labels = recording.labels_in(Vocabulary::Three);
         let late = std::iter::repeat_n(None, recording.data_set.label_lag());
-        Trial {
+        EvaluatedRecording {
             data_set: recording.data_set,
             subject: recording.subject.clone(),
             name: recording.name.clone(),
@@ -759,7 +759,7 @@ fn trials(library: &Library) -> Vec<Trial> {
             other_movement: Vec::new(),
         }
     };
-    library.recordings.iter().map(trial).collect()
+    library.recordings.iter().map(evaluated).collect()
 }
 
 #[test]
@@ -768,24 +768,27 @@ fn the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_mad
     let Some(library) = read(test, "wang-myo") else {
         return;
     };
-    let all = trials(&library);
+    let all = evaluated(&library);
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/three-class.intent");
     let bytes = std::fs::read(file).unwrap();
     let model = Model::parse(&bytes).unwrap();
     let provenance = &model.header.provenance;
-    let left_out = |trial: &Trial| {
+    let left_out = |recording: &EvaluatedRecording| {
         let mut names = provenance.subjects_left_out.iter();
-        names.any(|name| name == trial.subject)
+        names.any(|name| name == recording.subject)
     };
-    let (mut trials, training): (Vec<_>, Vec<_>) = all.into_iter().partition(left_out);
+    let (mut recordings, training): (Vec<_>, Vec<_>) = all.into_iter().partition(left_out);
     // The model was trained on the others. Nobody looks at the test people here.
-    trials.retain(|trial| !is_test(&trial.subject));
-    let people: BTreeSet<_> = trials.iter().map(|trial| &trial.subject).collect();
+    recordings.retain(|recording| !is_test(&recording.subject));
+    let people: BTreeSet<_> = recordings
+        .iter()
+        .map(|recording| &recording.subject)
+        .collect();
     assert_eq!(people.len(), 3);
     assert!(!training.is_empty());
-    let logits = trials
-        .iter()
-        .map(|trial| integer_logits(&model, &trial.input(model.header.preprocessing)).unwrap());
+    let logits = recordings.iter().map(|recording| {
+        integer_logits(&model, &recording.input(model.header.preprocessing)).unwrap()
+    });
     let own = Candidate {
         name: "model".to_owned(),
         looks_back: true,
@@ -794,9 +797,9 @@ fn the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_mad
         other_margin: model.header.smoother.other_margin,
     };
     let detector = EnergyDetector::fit(&training).unwrap();
-    let candidates = [own, constant(&trials), detector.candidate(&trials)];
+    let candidates = [own, constant(&recordings), detector.candidate(&recordings)];
     let truths = [Truth::LagCompensated];
-    let scores = score_all(&candidates, &trials, Vocabulary::Three, &truths).unwrap();
+    let scores = score_all(&candidates, &recordings, Vocabulary::Three, &truths).unwrap();
     let of = |model: &str, look_ahead: LookAhead| {
         let mut scores = scores.iter();
         scores
@@ -872,16 +875,16 @@ fn the_lead_in_decides_the_first_labels() {
             return;
         };
         let provenance = &model.header.provenance;
-        all.extend(trials(&library).into_iter().filter(|trial| {
-            let labelled = trial.lag_compensated.iter().any(Option::is_some);
+        all.extend(evaluated(&library).into_iter().filter(|recording| {
+            let labelled = recording.lag_compensated.iter().any(Option::is_some);
             let mut names = provenance.subjects_left_out.iter();
-            labelled && names.any(|name| name == trial.subject)
+            labelled && names.any(|name| name == recording.subject)
         }));
     }
     let with = |name: &str, lead: fn(&[CleanSample]) -> Vec<CleanSample>| {
-        let logits = |trial: &Trial| {
-            let stream = [lead(&trial.emg), trial.emg.clone()].concat();
-            let before = (stream.len() - trial.emg.len()) / PATCH;
+        let logits = |recording: &EvaluatedRecording| {
+            let stream = [lead(&recording.emg), recording.emg.clone()].concat();
+            let before = (stream.len() - recording.emg.len()) / PATCH;
             let rows = outputs(&model, stream.as_chunks::<PATCH>().0).unwrap();
             rows[before..].to_vec()
         };

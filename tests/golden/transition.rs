@@ -1,6 +1,6 @@
 //! Transition accuracy equals the reference's on all of its cases, verdict by verdict.
 
-use evaluation::metric::MetricError;
+use evaluation::EvaluationError;
 use evaluation::metric::raw_accuracy::raw_accuracy;
 use evaluation::metric::transition::{Rule, TransitionScore, Windows, score};
 use serde_json::Value;
@@ -32,9 +32,9 @@ fn labels(runs: &Value) -> Vec<Option<Intent>> {
 }
 
 /// The verdicts as the reference writes them.
-fn codes(result: &Result<TransitionScore, MetricError>) -> Value {
+fn codes(result: &Result<TransitionScore, EvaluationError>) -> Value {
     match result {
-        Err(MetricError::SingleSampleLabel { .. }) => Value::from("no_change_in_truth_buffer"),
+        Err(EvaluationError::SingleSampleLabel { .. }) => Value::from("no_change_in_truth_buffer"),
         Err(other) => Value::from(other.to_string()),
         Ok(score) if score.events() == 0 => {
             let held = score.constant.held == score.constant.count;

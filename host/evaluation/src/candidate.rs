@@ -1,7 +1,7 @@
 //! A model under evaluation.
 
+use crate::EvaluatedRecording;
 use crate::EvaluationError;
-use crate::Trial;
 use crate::inference::integer_logits;
 use rayon::iter::IntoParallelRefIterator;
 use rayon::iter::ParallelIterator;
@@ -12,7 +12,7 @@ use shared::stream::smoother::Settings;
 
 use super::condition::LookAhead;
 
-/// A model under evaluation: its logits over every trial.
+/// A model under evaluation: its logits over every recording.
 #[derive(Clone, Debug)]
 pub struct Candidate {
     /// Name in tables.
@@ -20,7 +20,7 @@ pub struct Candidate {
     /// Whether the model gives logits of past patches too. Without them a label cannot be based on later windows, so
     /// there is no look-ahead.
     pub looks_back: bool,
-    /// Logits at each patch of each trial, in the order of the trials.
+    /// Logits at each patch of each recording, in the order of the recordings.
     pub logits: Vec<Vec<LookBackLogits>>,
     /// Confidence gate of the model ([`Settings::entry_margins`]).
     pub entry_margins: [f32; MAX_CLASSES],
@@ -58,15 +58,15 @@ impl Candidate {
     }
 }
 
-/// The logits of a model file's integer student over all trials.
+/// The logits of a model file's integer student over all recordings.
 pub fn integer_candidate(
     name: &str,
     model: &Model<'_>,
-    trials: &[Trial],
+    recordings: &[EvaluatedRecording],
 ) -> Result<Candidate, EvaluationError> {
-    let logits = trials
+    let logits = recordings
         .par_iter()
-        .map(|trial| integer_logits(model, &trial.input(model.header.preprocessing)))
+        .map(|recording| integer_logits(model, &recording.input(model.header.preprocessing)))
         .collect::<Result<_, _>>()?;
     Ok(Candidate {
         name: name.to_owned(),

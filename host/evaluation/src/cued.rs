@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use shared::intent::Intent;
 
+use super::evaluated_recording::EvaluatedRecording;
 use super::metric::event::{EventRule, RecordingEvents};
-use super::trial::Trial;
 use recordings::DataSet;
 
 /// Numbers of gestures, counted as [`gesture`](super::metric::event::gesture) counts them.
@@ -31,15 +31,17 @@ impl Cued {
 
 /// Numbers of gestures, by data set.
 #[must_use]
-pub fn cued<'t>(trials: impl IntoIterator<Item = &'t Trial>) -> BTreeMap<DataSet, Cued> {
+pub fn cued<'t>(
+    recordings: impl IntoIterator<Item = &'t EvaluatedRecording>,
+) -> BTreeMap<DataSet, Cued> {
     let mut by_set: BTreeMap<DataSet, Cued> = BTreeMap::new();
-    for trial in trials {
-        let Some(published) = &trial.published else {
+    for recording in recordings {
+        let Some(published) = &recording.published else {
             continue;
         };
-        let own = by_set.entry(trial.data_set).or_default();
+        let own = by_set.entry(recording.data_set).or_default();
         own.cued += count(published);
-        own.scored += count(&trial.lag_compensated);
+        own.scored += count(&recording.lag_compensated);
     }
     by_set
 }
@@ -64,7 +66,7 @@ mod tests {
             .iter()
             .flat_map(|&(label, count)| vec![label; count])
             .collect();
-        let mut trial = Trial {
+        let mut recording = EvaluatedRecording {
             data_set: DataSet::SsStm,
             subject: "ss-stm/sub1".to_owned(),
             name: "M8T1".to_owned(),
@@ -75,13 +77,13 @@ mod tests {
             published: Some(published),
             other_movement: Vec::new(),
         };
-        let both = cued([&trial])[&DataSet::SsStm];
+        let both = cued([&recording])[&DataSet::SsStm];
         assert_eq!((both, both.left_out()), (Cued { cued: 2, scored: 2 }, 0));
-        trial.lag_compensated[400..900].fill(None);
-        let one = cued([&trial])[&DataSet::SsStm];
+        recording.lag_compensated[400..900].fill(None);
+        let one = cued([&recording])[&DataSet::SsStm];
         assert_eq!((one, one.left_out()), (Cued { cued: 2, scored: 1 }, 1));
         // Nobody was asked for spliced recordings.
-        trial.published = None;
-        assert!(cued([&trial]).is_empty());
+        recording.published = None;
+        assert!(cued([&recording]).is_empty());
     }
 }

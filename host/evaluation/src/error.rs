@@ -1,31 +1,37 @@
-//! Why models cannot be evaluated.
+//! Errors of the crate.
 
+use execution::run_folder::RunError;
 use recordings::split::SplitError;
 use shared::model::file::ModelError;
 use shared::stream::smoother::SettingsError;
 use thiserror::Error;
 
-use crate::metric::MetricError;
-
-/// Why a model cannot be evaluated.
+/// Reason why labels cannot be compared, a model cannot be evaluated or a report cannot be written.
 #[derive(Debug, Error)]
 pub enum EvaluationError {
-    /// The label sequences cannot be compared.
-    #[error(transparent)]
-    Metric(#[from] MetricError),
+    /// Label sequences of different length.
+    #[error("expected as many predicted labels as true ones ({truth}), found {prediction}")]
+    Length {
+        /// Labels of the truth.
+        truth: usize,
+        /// Labels of the prediction.
+        prediction: usize,
+    },
+    /// A buffer around changes too narrow to contain a change.
+    #[error("expected a buffer of at least 2 samples, found {0}")]
+    NarrowBuffer(usize),
+    /// A true label of a single sample: its change cannot have a buffer.
+    #[error(
+        "expected true labels of at least two samples, found one of a single sample at {at}: \
+         join it to its neighbours"
+    )]
+    SingleSampleLabel {
+        /// The sample.
+        at: usize,
+    },
     /// The smoother's settings are invalid.
     #[error(transparent)]
     Smoother(#[from] SettingsError),
-    /// Too few people for an alignment template.
-    #[error(
-        "{found} of the people whom the model has seen open the hand in these recordings, {expected} are needed: give the recordings that it was trained on"
-    )]
-    NoTemplate {
-        /// Minimum number of people.
-        expected: usize,
-        /// People found.
-        found: usize,
-    },
     /// There is no model to evaluate.
     #[error("no model to evaluate: give a model file")]
     NoModel,
@@ -65,6 +71,10 @@ pub enum EvaluationError {
         /// People who could be evaluated otherwise.
         people: usize,
     },
+    /// A file of the report could not be written whole, or one of the run could not be read; nothing of an older report
+    /// was touched.
+    #[error(transparent)]
+    Run(#[from] RunError),
     /// An unknown name.
     #[error(transparent)]
     Name(#[from] SplitError),

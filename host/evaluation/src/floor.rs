@@ -5,7 +5,7 @@ use shared::model::LookBackLogits;
 use shared::units::{CHANNELS, CleanSample, PATCH};
 
 use super::candidate::Candidate;
-use super::trial::Trial;
+use super::evaluated_recording::EvaluatedRecording;
 
 /// Name of [`constant`] in tables.
 pub const CONSTANT: &str = "constant relax";
@@ -19,8 +19,8 @@ const THRESHOLDS: i32 = 56;
 
 /// Candidate that always says relax.
 #[must_use]
-pub fn constant(trials: &[Trial]) -> Candidate {
-    candidate(CONSTANT, trials, |_| Intent::Relax)
+pub fn constant(recordings: &[EvaluatedRecording]) -> Candidate {
+    candidate(CONSTANT, recordings, |_| Intent::Relax)
 }
 
 /// Energy detector: one active class above a threshold of the amplitude, else relax.
@@ -51,19 +51,19 @@ impl EnergyDetector {
     /// people of (recall of relax + recall of active) / 2, the lowest on ties, and the active class that is the
     /// most frequent, the lowest on ties. None without a person who has both relax and a gesture.
     #[must_use]
-    pub fn fit(training: &[Trial]) -> Option<Self> {
+    pub fn fit(training: &[EvaluatedRecording]) -> Option<Self> {
         let mut classes = [0_usize; MAX_CLASSES];
         // For each person, patches of relax and of gestures by the number of thresholds that they reach.
         let mut people: Vec<(&str, [Vec<usize>; 2])> = Vec::new();
-        for trial in training {
-            let place = people.iter().position(|(who, _)| *who == trial.subject);
+        for recording in training {
+            let place = people.iter().position(|(who, _)| *who == recording.subject);
             let place = place.unwrap_or_else(|| {
                 let none = || vec![0; THRESHOLDS as usize + 1];
-                people.push((&trial.subject, [none(), none()]));
+                people.push((&recording.subject, [none(), none()]));
                 people.len() - 1
             });
-            for (patch, energy) in energies(&trial.emg).into_iter().enumerate() {
-                let label = trial.lag_compensated.get(patch * PATCH + PATCH - 1);
+            for (patch, energy) in energies(&recording.emg).into_iter().enumerate() {
+                let label = recording.lag_compensated.get(patch * PATCH + PATCH - 1);
                 let Some(label) = label.copied().flatten() else {
                     continue;
                 };
@@ -111,8 +111,8 @@ impl EnergyDetector {
 
     /// The detector as a candidate, under the device's smoother and without look-ahead.
     #[must_use]
-    pub fn candidate(&self, trials: &[Trial]) -> Candidate {
-        candidate(ENERGY, trials, |energy| {
+    pub fn candidate(&self, recordings: &[EvaluatedRecording]) -> Candidate {
+        candidate(ENERGY, recordings, |energy| {
             if energy >= self.threshold {
                 self.active
             } else {
@@ -140,9 +140,13 @@ fn energies(emg: &[CleanSample]) -> Vec<f64> {
 }
 
 /// A candidate whose newest row of logits is 1 for the label and 0 for all others.
-fn candidate(name: &str, trials: &[Trial], label: impl Fn(f64) -> Intent) -> Candidate {
-    let logits = |trial: &Trial| {
-        let labels = energies(&trial.emg).into_iter().map(&label);
+fn candidate(
+    name: &str,
+    recordings: &[EvaluatedRecording],
+    label: impl Fn(f64) -> Intent,
+) -> Candidate {
+    let logits = |recording: &EvaluatedRecording| {
+        let labels = energies(&recording.emg).into_iter().map(&label);
         labels
             .map(|label| {
                 let mut rows = LookBackLogits::default();
@@ -154,7 +158,7 @@ fn candidate(name: &str, trials: &[Trial], label: impl Fn(f64) -> Intent) -> Can
     Candidate {
         name: name.to_owned(),
         looks_back: false,
-        logits: trials.iter().map(logits).collect(),
+        logits: recordings.iter().map(logits).collect(),
         entry_margins: [0.0; MAX_CLASSES],
         other_margin: None,
     }
@@ -167,10 +171,10 @@ mod tests {
     use super::*;
     use recordings::DataSet;
 
-    fn trial(subject: &str, patches: &[(u8, Option<Intent>)]) -> Trial {
+    fn recording(subject: &str, patches: &[(u8, Option<Intent>)]) -> EvaluatedRecording {
         let samples = |value: u8| std::iter::repeat_n([value; CHANNELS], PATCH);
         let labels = |label: Option<Intent>| std::iter::repeat_n(label, PATCH);
-        Trial {
+        EvaluatedRecording {
             data_set: DataSet::Synthetic,
             subject: subject.to_owned(),
             name: "r".to_owned(),
@@ -190,15 +194,15 @@ mod tests {
     #[test]
     fn the_detector_separates_rest_from_gestures_and_says_the_most_frequent_one() {
         let training = [
-            trial(
+            recording(
                 "a",
                 &[steady(2, Intent::Relax), steady(30, Intent::Open)].concat(),
             ),
-            trial(
+            recording(
                 "b",
                 &[steady(4, Intent::Relax), steady(20, Intent::Close)].concat(),
             ),
-            trial("b", &steady(20, Intent::Close)),
+            recording("b", &steady(20, Intent::Close)),
         ];
         let detector = EnergyDetector::fit(&training).unwrap();
         assert_eq!(detector.active, Intent::Close);
@@ -214,8 +218,8 @@ mod tests {
 
     #[test]
     fn the_constant_says_relax_in_every_patch() {
-        let trials = [trial("a", &steady(50, Intent::Close))];
-        let constant = constant(&trials);
+        let recordings = [recording("a", &steady(50, Intent::Close))];
+        let constant = constant(&recordings);
         assert!(!constant.looks_back);
         assert_eq!(constant.logits[0].len(), 40);
         let relax = |rows: &LookBackLogits| rows[0][0] == 1.0 && rows[0][1..] == [0.0; 6];
@@ -230,22 +234,22 @@ mod tests {
                 prop::collection::vec((0..60_u8, 0..4_usize), 1..30), 1..4),
         ) {
             let labels = [None, Some(Intent::Relax), Some(Intent::Open), Some(Intent::Close)];
-            let trials: Vec<Trial> = people
+            let recordings: Vec<EvaluatedRecording> = people
                 .iter()
                 .enumerate()
                 .map(|(who, patches)| {
                     let patches: Vec<_> = patches.iter().map(|&(v, l)| (v, labels[l])).collect();
-                    trial(&who.to_string(), &patches)
+                    recording(&who.to_string(), &patches)
                 })
                 .collect();
             // Naive: mean over people of both recalls, patch by patch, for one threshold.
             let mean = |threshold: f64| {
                 let mut values = Vec::new();
-                for trial in &trials {
+                for recording in &recordings {
                     let (mut right, mut all) = ([0.0; 2], [0.0; 2]);
-                    for patch in 0..trial.emg.len() / 10 {
-                        let Some(label) = trial.lag_compensated[patch * 10] else { continue };
-                        let newest = &trial.emg[(patch * 10 + 10_usize).saturating_sub(40)..patch * 10 + 10];
+                    for patch in 0..recording.emg.len() / 10 {
+                        let Some(label) = recording.lag_compensated[patch * 10] else { continue };
+                        let newest = &recording.emg[(patch * 10 + 10_usize).saturating_sub(40)..patch * 10 + 10];
                         let sum: f64 = newest.iter().map(|sample| f64::from(sample[0])).sum();
                         let active = label != Intent::Relax;
                         all[usize::from(active)] += 1.0;
@@ -259,7 +263,7 @@ mod tests {
                 }
                 values.iter().sum::<f64>() / values.len() as f64
             };
-            match EnergyDetector::fit(&trials) {
+            match EnergyDetector::fit(&recordings) {
                 None => prop_assert!(mean(1.0).is_nan()),
                 Some(detector) => {
                     let found = mean(detector.threshold);

@@ -20,11 +20,11 @@ use self::named_model::common_vocabulary;
 pub use self::named_model::{NamedModel, beside};
 pub use self::subjects::EvaluatedSubject;
 use self::subjects::subjects;
-use super::trials::trial;
 use crate::EvaluationError;
 use crate::integer_candidate;
 use crate::{
-    Candidate, Cued, EnergyDetector, LookAhead, Score, Trial, Truth, constant, cued, score,
+    Candidate, Cued, EnergyDetector, EvaluatedRecording, LookAhead, Score, Truth, constant, cued,
+    score,
 };
 use recordings::labels::lag::LabelLag;
 use recordings::labels::set_lag::Lag;
@@ -98,12 +98,12 @@ pub struct ModelResults {
     pub scores: Vec<Score>,
 }
 
-/// Results, and the trials and candidates that they were computed from.
+/// Results, and the recordings and candidates that they were computed from.
 pub struct ModelEvaluation {
     /// The results.
     pub results: ModelResults,
     /// The recordings.
-    pub trials: Vec<Trial>,
+    pub recordings: Vec<EvaluatedRecording>,
     /// Models and floors.
     pub candidates: Vec<Candidate>,
     /// Classes of the models.
@@ -140,13 +140,14 @@ pub fn evaluate_models(
         .enumerate()
         .map(|(number, own)| (own.subject.clone(), selection.worn.of(number)))
         .collect();
-    let mut trials = trials(&labelled, &worn, vocabulary, &lags, selection.lost_percent);
-    let mut gestures = cued(&trials);
+    let mut recordings =
+        evaluated_recordings(&labelled, &worn, vocabulary, &lags, selection.lost_percent);
+    let mut gestures = cued(&recordings);
     let named: Vec<(&NamedModel, &Model<'_>)> = models.iter().zip(&parsed).collect();
     let mut left_out_openings = Vec::new();
     let mut aligned = Aligned::default();
     if selection.align {
-        let people = openings_of(&trials);
+        let people = openings_of(&recordings);
         (subjects, left_out_openings) = subjects
             .into_iter()
             .partition(|own| people.contains_key(&own.subject));
@@ -157,23 +158,23 @@ pub fn evaluate_models(
         }
         aligned = align(&named, &people, &worn, selection.arm_told)?;
         gestures = cued(
-            trials
+            recordings
                 .iter()
                 .filter(|own| people.contains_key(&own.subject)),
         );
-        leave_out_openings(&mut trials, &people, &aligned.taken);
-        trials.retain(|trial| people.contains_key(&trial.subject));
+        leave_out_openings(&mut recordings, &people, &aligned.taken);
+        recordings.retain(|recording| people.contains_key(&recording.subject));
     }
     let mut candidates = models
         .iter()
         .zip(&parsed)
-        .map(|(model, parsed)| integer_candidate(&model.name, parsed, &trials))
+        .map(|(model, parsed)| integer_candidate(&model.name, parsed, &recordings))
         .collect::<Result<Vec<_>, _>>()?;
     for ((model, parsed), own) in named.iter().zip(&aligned.found) {
-        candidates.push(aligned_candidate(&model.name, parsed, &trials, own)?);
+        candidates.push(aligned_candidate(&model.name, parsed, &recordings, own)?);
     }
-    candidates.push(constant(&trials));
-    candidates.push(EnergyDetector::default().candidate(&trials));
+    candidates.push(constant(&recordings));
+    candidates.push(EnergyDetector::default().candidate(&recordings));
     let models: Vec<EvaluatedModel> = models
         .iter()
         .zip(&parsed)
@@ -191,7 +192,7 @@ pub fn evaluate_models(
             .map_or(LookAhead::None, |model| model.look_ahead);
         scores.extend(score(
             candidate,
-            &trials,
+            &recordings,
             vocabulary,
             look_ahead,
             Truth::LagCompensated,
@@ -214,7 +215,7 @@ pub fn evaluate_models(
             gestures,
             scores,
         },
-        trials,
+        recordings,
         candidates,
         vocabulary,
     })
@@ -223,19 +224,19 @@ pub fn evaluate_models(
 /// The labelled recordings of some people (`data-set/subject`), as [`evaluate_models`] evaluates them; a constant lag
 /// is estimated on the training people that are given.
 #[must_use]
-pub fn trials_of(
+pub fn recordings_of(
     library: &Library,
     vocabulary: Vocabulary,
     people: &[String],
     is_training: &dyn Fn(&str) -> bool,
-) -> Vec<Trial> {
+) -> Vec<EvaluatedRecording> {
     let labelled = labelled(library, vocabulary);
     let lags = lags(&labelled, LabelLag::default(), is_training);
     let worn = people
         .iter()
         .map(|subject| (subject.clone(), Alignment::NONE))
         .collect();
-    trials(&labelled, &worn, vocabulary, &lags, 0)
+    evaluated_recordings(&labelled, &worn, vocabulary, &lags, 0)
 }
 
 /// Recordings that models of a vocabulary can be evaluated on.
@@ -246,14 +247,14 @@ fn labelled(library: &Library, vocabulary: Vocabulary) -> Vec<&Recording> {
         .collect()
 }
 
-/// Trials of people with the armband as `worn`, with `lost_percent` percent of the notifications lost.
-fn trials(
+/// Recordings of people with the armband as `worn`, with `lost_percent` percent of the notifications lost.
+fn evaluated_recordings(
     labelled: &[&Recording],
     worn: &BTreeMap<String, Alignment>,
     vocabulary: Vocabulary,
     lags: &BTreeMap<DataSet, Lag>,
     lost_percent: u8,
-) -> Vec<Trial> {
+) -> Vec<EvaluatedRecording> {
     labelled
         .par_iter()
         .filter_map(|recording| Some((recording, worn.get(&recording.subject)?.inverse())))
@@ -267,7 +268,7 @@ fn trials(
                 bridge_lost_notifications(samples, lost_percent, &name);
             };
             let compensation = lags[&recording.data_set].of_recording(recording);
-            trial(recording, arrange, vocabulary, compensation)
+            EvaluatedRecording::new(recording, arrange, vocabulary, compensation)
         })
         .collect()
 }

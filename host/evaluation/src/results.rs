@@ -1,11 +1,11 @@
-//! Results of a run's models on the people whom it holds out, with their trials and logits.
+//! Results of a run's models on the people whom it holds out, with their recordings and logits.
 
 use std::collections::BTreeMap;
 
 use recordings::DataSet;
 use serde::{Deserialize, Serialize};
 
-use crate::{Candidate, Cued, LookAhead, Score, Trial};
+use crate::{Candidate, Cued, EvaluatedRecording, LookAhead, Score};
 
 /// Name of the model file in a run folder.
 pub const MODEL: &str = "student.intent";
@@ -40,10 +40,10 @@ pub struct Results {
     pub spliced: Vec<Score>,
 }
 
-/// Trials of an evaluation, and every model's logits over them.
+/// Recordings of an evaluation, and every model's logits over them.
 pub struct Evaluation {
     /// Recordings as published.
-    pub trials: Vec<Trial>,
+    pub recordings: Vec<EvaluatedRecording>,
     /// Every model of the run.
     pub candidates: Vec<Candidate>,
     /// The model file's aggregation mode.

@@ -11,6 +11,7 @@ use shared::stream::smoother::Settings;
 
 use super::candidate::Candidate;
 use super::condition::{LookAhead, Truth};
+use super::evaluated_recording::EvaluatedRecording;
 use super::group::{Group, groups};
 use super::metric::confusion::Confusion;
 use super::metric::event::gesture::Gesture;
@@ -19,7 +20,6 @@ use super::metric::event::{EventRule, RecordingEvents};
 use super::metric::summary::{RecordingScore, Summary, summary};
 use super::metric::transition::Rule;
 use super::smoothing::{SmoothedLabels, smooth};
-use super::trial::Trial;
 
 /// Widths of the buffer around a transition, in samples (paper: 200; ablation: 60 and 120).
 pub const BUFFERS: [usize; 3] = [60, 120, 200];
@@ -91,59 +91,59 @@ fn with_buffers<S: Serializer>(
 /// When labels cannot be compared or the smoother's settings are invalid.
 pub fn score_all(
     candidates: &[Candidate],
-    trials: &[Trial],
+    recordings: &[EvaluatedRecording],
     vocabulary: Vocabulary,
     truths: &[Truth],
 ) -> Result<Vec<Score>, EvaluationError> {
     let mut scores = Vec::new();
-    if trials.is_empty() {
+    if recordings.is_empty() {
         return Ok(scores);
     }
     for &truth in truths {
         for candidate in candidates {
             for look_ahead in candidate.conditions() {
-                scores.extend(score(candidate, trials, vocabulary, look_ahead, truth)?);
+                scores.extend(score(candidate, recordings, vocabulary, look_ahead, truth)?);
             }
         }
     }
     Ok(scores)
 }
 
-/// Scores a candidate under one condition: a row for each data set among the trials, and one over all of them if
+/// Scores a candidate under one condition: a row for each data set among the recordings, and one over all of them if
 /// there are several; each for the people of either [`Group`], if there are any.
 ///
 /// # Errors
 /// When labels cannot be compared or the smoother's settings are invalid.
 pub fn score(
     candidate: &Candidate,
-    trials: &[Trial],
+    recordings: &[EvaluatedRecording],
     vocabulary: Vocabulary,
     look_ahead: LookAhead,
     truth: Truth,
 ) -> Result<Vec<Score>, EvaluationError> {
-    let scored: Vec<_> = trials
+    let scored: Vec<_> = recordings
         .par_iter()
         .zip(&candidate.logits)
-        .filter_map(|(trial, logits)| {
+        .filter_map(|(recording, logits)| {
             let labels = match truth {
-                Truth::Published => trial.published.as_ref()?,
-                Truth::LagCompensated => &trial.lag_compensated,
+                Truth::Published => recording.published.as_ref()?,
+                Truth::LagCompensated => &recording.lag_compensated,
             };
             Some(
-                score_trial(
-                    trial,
+                score_recording(
+                    recording,
                     logits,
                     labels,
                     vocabulary,
                     candidate.settings(look_ahead),
                 )
-                .map(|scores| (trial, scores)),
+                .map(|scores| (recording, scores)),
             )
         })
         .collect::<Result<_, _>>()?;
     let mut sets: Vec<&'static str> = scored
         .iter()
-        .map(|(trial, _)| trial.data_set.name())
+        .map(|(recording, _)| recording.data_set.name())
         .collect();
     sets.sort_unstable();
     sets.dedup();
@@ -156,8 +156,8 @@ pub fn score(
     let row = |(set, people): (&'static str, Group)| {
         let own: Vec<_> = scored
             .iter()
-            .filter(|(trial, _)| set == ALL || trial.data_set.name() == set)
-            .filter(|(trial, _)| groups[&trial.subject[..]] == people)
+            .filter(|(recording, _)| set == ALL || recording.data_set.name() == set)
+            .filter(|(recording, _)| groups[&recording.subject[..]] == people)
             .collect();
         // Only a result without any people has a row of nobody.
         if own.is_empty() && !(scored.is_empty() && people == Group::AllClasses) {
@@ -170,8 +170,8 @@ pub fn score(
             summary(&scores.collect::<Vec<_>>())
         };
         let mut by_subject: BTreeMap<&str, Vec<&RecordingEvents>> = BTreeMap::new();
-        for (trial, scores) in &own {
-            let events = by_subject.entry(&trial.subject).or_default();
+        for (recording, scores) in &own {
+            let events = by_subject.entry(&recording.subject).or_default();
             events.push(&scores.events);
         }
         let subjects = by_subject
@@ -192,23 +192,23 @@ pub fn score(
     Ok(sets.iter().flat_map(both).filter_map(row).collect())
 }
 
-/// Scores of one trial.
-struct TrialScore {
+/// Scores of one recording.
+struct RecordingScores {
     /// Scores at reference times, with each buffer.
     reference: [RecordingScore; BUFFERS.len()],
     /// Events at emission times.
     events: RecordingEvents,
 }
 
-fn score_trial(
-    trial: &Trial,
+fn score_recording(
+    recording: &EvaluatedRecording,
     logits: &[LookBackLogits],
     truth: &[Option<Intent>],
     vocabulary: Vocabulary,
     settings: Settings,
-) -> Result<TrialScore, EvaluationError> {
+) -> Result<RecordingScores, EvaluationError> {
     let SmoothedLabels { reference, emitted } =
-        smooth(logits, trial.emg.len(), vocabulary.classes(), settings)?;
+        smooth(logits, recording.emg.len(), vocabulary.classes(), settings)?;
     // Samples before the first label are not scored, as the reference does with those after the last one.
     let first = reference.iter().position(Option::is_some).unwrap_or(0);
     let with_buffer = |buffer| {
@@ -216,17 +216,17 @@ fn score_trial(
             buffer,
             ..Rule::default()
         };
-        let (subject, name) = (&trial.subject, &trial.name);
+        let (subject, name) = (&recording.subject, &recording.name);
         RecordingScore::new(subject, name, &truth[first..], &reference[first..], &rule)
     };
     let [narrow, middle, wide] = BUFFERS;
     let events = RecordingEvents::new(
         truth,
         &emitted,
-        &trial.other_movement,
+        &recording.other_movement,
         &EventRule::default(),
     )?;
-    Ok(TrialScore {
+    Ok(RecordingScores {
         reference: [
             with_buffer(narrow)?,
             with_buffer(middle)?,
@@ -236,21 +236,21 @@ fn score_trial(
     })
 }
 
-/// The gestures of all trials, judged by the labels that a candidate emits: lag-compensated labels.
+/// The gestures of all recordings, judged by the labels that a candidate emits: lag-compensated labels.
 ///
 /// # Errors
 /// When labels cannot be compared or the smoother's settings are invalid.
 pub fn gestures(
     candidate: &Candidate,
-    trials: &[Trial],
+    recordings: &[EvaluatedRecording],
     vocabulary: Vocabulary,
     look_ahead: LookAhead,
 ) -> Result<Vec<Gesture>, EvaluationError> {
     let mut gestures = Vec::new();
-    for (trial, logits) in trials.iter().zip(&candidate.logits) {
-        let truth = &trial.lag_compensated;
-        let scores = score_trial(
-            trial,
+    for (recording, logits) in recordings.iter().zip(&candidate.logits) {
+        let truth = &recording.lag_compensated;
+        let scores = score_recording(
+            recording,
             logits,
             truth,
             vocabulary,
@@ -261,26 +261,26 @@ pub fn gestures(
     Ok(gestures)
 }
 
-/// Confusion matrix of a candidate over all trials: lag-compensated labels, each predicted label at its reference
+/// Confusion matrix of a candidate over all recordings: lag-compensated labels, each predicted label at its reference
 /// time.
 ///
 /// # Errors
 /// When labels cannot be compared or the smoother's settings are invalid.
 pub fn confusion(
     candidate: &Candidate,
-    trials: &[Trial],
+    recordings: &[EvaluatedRecording],
     vocabulary: Vocabulary,
     look_ahead: LookAhead,
 ) -> Result<Confusion, EvaluationError> {
     let mut confusion = Confusion::new(vocabulary);
-    for (trial, logits) in trials.iter().zip(&candidate.logits) {
+    for (recording, logits) in recordings.iter().zip(&candidate.logits) {
         let labels = smooth(
             logits,
-            trial.emg.len(),
+            recording.emg.len(),
             vocabulary.classes(),
             candidate.settings(look_ahead),
         )?;
-        confusion.add(&trial.lag_compensated, &labels.reference)?;
+        confusion.add(&recording.lag_compensated, &labels.reference)?;
     }
     Ok(confusion)
 }
@@ -314,7 +314,7 @@ mod tests {
     use recordings::DataSet;
 
     /// A recording of relax and close in turn, and a model that follows each change after these numbers of patches.
-    fn followed(changes_after: &[usize]) -> (Trial, Candidate) {
+    fn followed(changes_after: &[usize]) -> (EvaluatedRecording, Candidate) {
         let (run, classes) = (400, [0, 2]);
         let truth: Vec<Option<Intent>> = (0..run * (changes_after.len() + 1))
             .map(|at| Intent::from_class(classes[at / run % 2]))
@@ -328,7 +328,7 @@ mod tests {
                 row[classes[changes.count() % 2]] = 1.0;
             }
         }
-        let trial = Trial {
+        let recording = EvaluatedRecording {
             data_set: DataSet::Synthetic,
             subject: "synthetic/1".to_owned(),
             name: "r".to_owned(),
@@ -346,15 +346,15 @@ mod tests {
             entry_margins: [0.0; 6],
             other_margin: None,
         };
-        (trial, candidate)
+        (recording, candidate)
     }
 
     #[test]
     fn json_names_the_buffer_of_each_summary_and_is_read_back() {
-        let (trial, candidate) = followed(&[1, 2]);
+        let (recording, candidate) = followed(&[1, 2]);
         let scores = score(
             &candidate,
-            &[trial],
+            &[recording],
             Vocabulary::Three,
             LookAhead::None,
             Truth::LagCompensated,
@@ -369,10 +369,10 @@ mod tests {
     #[test]
     fn no_label_is_emitted_before_the_time_that_it_is_for() {
         // Half a second of buffer: the second change is inside it at its reference time and outside when emitted.
-        let (trial, candidate) = followed(&[2, 8, 2]);
+        let (recording, candidate) = followed(&[2, 8, 2]);
         let scores = score(
             &candidate,
-            &[trial],
+            &[recording],
             Vocabulary::Three,
             LookAhead::SameInstant,
             Truth::LagCompensated,

@@ -13,7 +13,7 @@ use crate::cli::output::{PAGE, first_line, refuse_unlike};
 use evaluation::model_evaluation::{
     EvaluatedSubject, ModelResults, NamedModel, Selection, Turn, Worn, evaluate_models,
 };
-use evaluation::report::labels::labels;
+use evaluation::report::labels;
 use evaluation::report::model_report::{self, people_rows, tables};
 use execution::progress;
 use execution::run_folder::write_whole;

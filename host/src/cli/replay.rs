@@ -15,7 +15,7 @@ use shared::units::{CHANNELS, Millis, Sample, WINDOW};
 
 use crate::cli::arguments::{log_findings, mirrored};
 use crate::cli::read_model;
-use evaluation::inference::stream::{feed, pipeline};
+use evaluation::inference::{feed, pipeline};
 use recordings::{LoadOptions, Recording, load};
 
 /// Arguments of `replay`.

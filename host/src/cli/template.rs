@@ -3,13 +3,21 @@
 use std::io::Write as _;
 use std::path::PathBuf;
 
+use anyhow::Context as _;
 use clap::Args;
 
 use crate::cli::arguments::every_recording;
 use crate::cli::output::refuse_existing;
 use crate::cli::read_model;
-use evaluation::template::model_with_template;
+use evaluation::EvaluationError;
 use execution::run_folder::write_whole;
+use presets::resolve::opens;
+use recordings::alignment::{FEWEST_PEOPLE, template};
+use recordings::labels::lag::LabelLag;
+use recordings::labels::set_lag::lags;
+use recordings::split::predefined;
+use recordings::{Library, Recording};
+use shared::model::file::Model;
 
 /// Arguments of `template`.
 #[derive(Debug, Args)]
@@ -56,4 +64,35 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         out.display()
     )?;
     Ok(())
+}
+
+/// A model file with a template of the people whom the model has seen and of whom a library holds recordings; and the
+/// number of these people. Everything else in the file stays as it is.
+///
+/// Electrodes are in the common frame of all data sets, as in training. A constant label lag of a set is estimated on
+/// the training people among those seen.
+///
+/// # Errors
+/// When the model is refused, or fewer than three of its people open the hand in the library.
+fn model_with_template(file: &[u8], library: &Library) -> anyhow::Result<(Vec<u8>, usize)> {
+    let model = Model::parse(file).map_err(EvaluationError::from)?;
+    let seen: Vec<&str> = model.header.provenance.subjects_seen.iter().collect();
+    let own: Vec<&Recording> = library
+        .recordings
+        .iter()
+        .filter(|recording| seen.contains(&recording.subject.as_str()))
+        .collect();
+    let lags = lags(&own, LabelLag::default(), &predefined::is_training);
+    let opens = opens(own.iter().copied(), |recording| {
+        let lag = &lags[&recording.data_set];
+        (recording.aligned_samples(), lag.of_recording(recording))
+    });
+    let template = template(&opens).with_context(|| {
+        let found = opens.len();
+        format!(
+            "{found} of the people whom the model has seen open the hand in these recordings, {FEWEST_PEOPLE} are needed: give the recordings that it was trained on"
+        )
+    })?;
+    let file = Model::with_template(file, Some(&template)).map_err(EvaluationError::from)?;
+    Ok((file, opens.len()))
 }

@@ -10,7 +10,7 @@
 
 use shared::intent::{Intent, MAX_CLASSES};
 
-use super::MetricError;
+use crate::EvaluationError;
 
 /// Samples of each class, and how many of them are predicted as it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -23,11 +23,11 @@ impl Recalls {
     /// Counts the labelled samples of a recording. A sample without a prediction is wrong.
     ///
     /// # Errors
-    /// [`MetricError::Length`] if the sequences differ in length.
+    /// [`EvaluationError::Length`] if the sequences differ in length.
     pub fn new(
         truth: &[Option<Intent>],
         prediction: &[Option<Intent>],
-    ) -> Result<Self, MetricError> {
+    ) -> Result<Self, EvaluationError> {
         super::same_length(truth, prediction)?;
         let mut recalls = Self::default();
         for (truth, prediction) in truth.iter().zip(prediction) {

@@ -2,7 +2,7 @@
 
 use shared::intent::{Intent, Vocabulary};
 
-use super::MetricError;
+use crate::EvaluationError;
 
 /// Confusion matrix in samples.
 #[derive(Clone, PartialEq, Eq, Debug, serde::Serialize)]
@@ -32,12 +32,12 @@ impl Confusion {
     /// Adds the labelled samples of a recording; a truth outside the vocabulary is not counted.
     ///
     /// # Errors
-    /// [`MetricError::Length`] if the sequences differ in length.
+    /// [`EvaluationError::Length`] if the sequences differ in length.
     pub fn add(
         &mut self,
         truth: &[Option<Intent>],
         prediction: &[Option<Intent>],
-    ) -> Result<(), MetricError> {
+    ) -> Result<(), EvaluationError> {
         super::same_length(truth, prediction)?;
         let none = self.intents.len();
         for (truth, prediction) in truth.iter().zip(prediction) {

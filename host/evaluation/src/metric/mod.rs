@@ -15,30 +15,7 @@ use std::ops::Range;
 
 use shared::intent::Intent;
 
-/// Why two label sequences cannot be compared.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
-pub enum MetricError {
-    /// Sequences of different length.
-    #[error("expected as many predicted labels as true ones ({truth}), found {prediction}")]
-    Length {
-        /// Labels of the truth.
-        truth: usize,
-        /// Labels of the prediction.
-        prediction: usize,
-    },
-    /// A buffer too narrow to contain a change.
-    #[error("expected a buffer of at least 2 samples, found {0}")]
-    NarrowBuffer(usize),
-    /// A true label of a single sample: its change cannot have a buffer.
-    #[error(
-        "expected true labels of at least two samples, found one of a single sample at {at}: \
-         join it to its neighbours"
-    )]
-    SingleSampleLabel {
-        /// The sample.
-        at: usize,
-    },
-}
+use crate::EvaluationError;
 
 /// The stretches of a truth without unlabelled samples, as long as possible.
 ///
@@ -69,11 +46,14 @@ pub fn predicted_length(prediction: &[Option<Intent>]) -> usize {
         .map_or(0, |last| last + 1)
 }
 
-fn same_length(truth: &[Option<Intent>], prediction: &[Option<Intent>]) -> Result<(), MetricError> {
+fn same_length(
+    truth: &[Option<Intent>],
+    prediction: &[Option<Intent>],
+) -> Result<(), EvaluationError> {
     if truth.len() == prediction.len() {
         Ok(())
     } else {
-        Err(MetricError::Length {
+        Err(EvaluationError::Length {
             truth: truth.len(),
             prediction: prediction.len(),
         })

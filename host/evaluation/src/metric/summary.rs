@@ -11,8 +11,9 @@ use shared::intent::{Intent, MAX_CLASSES};
 use super::balanced_accuracy::Recalls;
 use super::offset::{self, OffsetSummary};
 use super::raw_accuracy::raw_accuracy;
+use super::transition;
 use super::transition::{Rule, TransitionScore};
-use super::{MetricError, transition};
+use crate::EvaluationError;
 use recordings::statistics::MeanSd;
 
 /// The scores of one recording.
@@ -38,14 +39,14 @@ impl RecordingScore {
     /// Scores one recording; samples after the last predicted one are not counted.
     ///
     /// # Errors
-    /// See [`MetricError`].
+    /// See [`EvaluationError`].
     pub fn new(
         subject: &str,
         name: &str,
         truth: &[Option<Intent>],
         prediction: &[Option<Intent>],
         rule: &Rule,
-    ) -> Result<Self, MetricError> {
+    ) -> Result<Self, EvaluationError> {
         super::same_length(truth, prediction)?;
         let mut present = [false; MAX_CLASSES];
         for intent in truth.iter().flatten() {

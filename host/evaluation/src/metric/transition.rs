@@ -7,16 +7,15 @@
 //! results are equal on all of the reference's cases (tests/golden/transition.rs).
 
 mod status;
-mod windows;
 
 use std::ops::Range;
 
 use shared::intent::Intent;
 
-use super::{MetricError, same_length, stretches};
+use super::{same_length, stretches};
+use crate::EvaluationError;
 pub use status::TransitionStatus;
 use status::status;
-pub use windows::Windows;
 
 /// A predicted or true label; none: nothing emitted, or unknown.
 type Label = Option<Intent>;
@@ -116,17 +115,17 @@ impl TransitionScore {
 /// Each labelled stretch of the truth is scored as a recording of its own.
 ///
 /// # Errors
-/// [`MetricError::Length`] if the sequences differ in length; [`MetricError::NarrowBuffer`] below
+/// [`EvaluationError::Length`] if the sequences differ in length; [`EvaluationError::NarrowBuffer`] below
 /// 2 samples;
-/// [`MetricError::SingleSampleLabel`] if a true label between two changes lasts one sample.
+/// [`EvaluationError::SingleSampleLabel`] if a true label between two changes lasts one sample.
 pub fn score(
     truth: &[Label],
     prediction: &[Label],
     rule: &Rule,
-) -> Result<TransitionScore, MetricError> {
+) -> Result<TransitionScore, EvaluationError> {
     same_length(truth, prediction)?;
     if rule.buffer < 2 {
-        return Err(MetricError::NarrowBuffer(rule.buffer));
+        return Err(EvaluationError::NarrowBuffer(rule.buffer));
     }
     let mut score = TransitionScore::default();
     for stretch in stretches(truth) {
@@ -140,7 +139,7 @@ pub fn score(
         }
         for index in 0..windows.changes.len() {
             let mut change = check(&truth, prediction, &windows, index, rule).map_err(|at| {
-                MetricError::SingleSampleLabel {
+                EvaluationError::SingleSampleLabel {
                     at: stretch.start + at,
                 }
             })?;
@@ -201,6 +200,58 @@ fn offset(prediction: &[Label], at: usize, from: Label, to: Label, half: usize) 
 
 fn by_name<S: serde::Serializer>(intent: &Intent, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(intent.name())
+}
+
+/// Buffers and maintenance intervals of one labelled stretch.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Windows {
+    /// First sample of every new label.
+    pub changes: Vec<usize>,
+    /// The buffer of each change.
+    pub buffers: Vec<Range<usize>>,
+    /// The interval from each buffer to the next; without any change, the whole stretch.
+    pub maintenance: Vec<Range<usize>>,
+}
+
+impl Windows {
+    /// Buffers of `width` samples, half of it on each side of a change, and the intervals between them.
+    ///
+    /// A buffer starts no earlier than the one before it ends. Where the next change is near, it stops one sample
+    /// *before* the last sample of its label. Both rules are the reference's.
+    #[must_use]
+    pub fn new(truth: &[Intent], width: usize) -> Self {
+        let half = width / 2;
+        let samples = truth.len();
+        let changes: Vec<usize> = (1..samples)
+            .filter(|&at| truth[at] != truth[at - 1])
+            .collect();
+        let mut buffers: Vec<Range<usize>> = Vec::with_capacity(changes.len());
+        for (index, &change) in changes.iter().enumerate() {
+            let before = buffers.last().map_or(0, |buffer| buffer.end);
+            let start = change.saturating_sub(half).max(before);
+            let end = (change + half).min(samples);
+            let end = match changes.get(index + 1) {
+                Some(&next) if next <= end => next - 1,
+                _ => end,
+            };
+            buffers.push(start..end);
+        }
+        let maintenance = if buffers.is_empty() {
+            std::iter::once(0..samples).collect()
+        } else {
+            let next_starts = buffers.iter().skip(1).map(|b| b.start).chain([samples]);
+            buffers
+                .iter()
+                .zip(next_starts)
+                .map(|(buffer, next)| buffer.end..next)
+                .collect()
+        };
+        Self {
+            changes,
+            buffers,
+            maintenance,
+        }
+    }
 }
 
 #[cfg(test)]
@@ -289,7 +340,10 @@ mod tests {
     fn a_label_of_one_sample_is_refused_with_its_place() {
         let truth = sequence(&[(R, 300), (O, 1), (R, 300)]);
         let error = score(&truth, &truth, &Rule::default()).unwrap_err();
-        assert_eq!(error, MetricError::SingleSampleLabel { at: 300 });
+        assert!(
+            matches!(error, EvaluationError::SingleSampleLabel { at: 300 }),
+            "{error}"
+        );
     }
 
     proptest::proptest! {

@@ -15,9 +15,8 @@ use shared::units::{CHANNELS, Sample};
 
 use super::named_model::NamedModel;
 use crate::EvaluationError;
-use crate::inference::integer_logits;
-use crate::inference::stream::{feed, pipeline};
-use crate::{Candidate, Trial};
+use crate::inference::{feed, integer_logits, pipeline};
+use crate::{Candidate, EvaluatedRecording};
 use recordings::alignment::{Openings, openings};
 
 /// Suffix of the name of a model that is evaluated after alignment.
@@ -89,18 +88,20 @@ pub(super) struct Aligned {
 }
 
 /// The openings of each person who has enough of them.
-pub(super) fn openings_of(trials: &[Trial]) -> BTreeMap<String, (Openings, Vec<usize>)> {
+pub(super) fn openings_of(
+    recordings: &[EvaluatedRecording],
+) -> BTreeMap<String, (Openings, Vec<usize>)> {
     let mut own: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
-    for (at, trial) in trials.iter().enumerate() {
-        own.entry(&trial.subject).or_default().push(at);
+    for (at, recording) in recordings.iter().enumerate() {
+        own.entry(&recording.subject).or_default().push(at);
     }
     own.into_iter()
         .filter_map(|(subject, places)| {
-            let recordings: Vec<(&[Sample], &[Option<Intent>])> = places
+            let pairs: Vec<(&[Sample], &[Option<Intent>])> = places
                 .iter()
-                .map(|&at| (&trials[at].raw[..], &trials[at].lag_compensated[..]))
+                .map(|&at| (&recordings[at].raw[..], &recordings[at].lag_compensated[..]))
                 .collect();
-            Some((subject.to_owned(), (openings(&recordings)?, places)))
+            Some((subject.to_owned(), (openings(&pairs)?, places)))
         })
         .collect()
 }
@@ -193,21 +194,21 @@ fn answer(
     })
 }
 
-/// Removes the labels of the openings that were taken, in all trials of these people: they are not scored.
+/// Removes the labels of the openings that were taken, in all recordings of these people: they are not scored.
 pub(super) fn leave_out_openings(
-    trials: &mut [Trial],
+    recordings: &mut [EvaluatedRecording],
     people: &BTreeMap<String, (Openings, Vec<usize>)>,
     taken: &BTreeMap<String, usize>,
 ) {
     for (subject, (openings, places)) in people {
         let count = taken.get(subject).copied().unwrap_or_default();
-        for (recording, &at) in places.iter().enumerate() {
-            for range in openings.used(recording, count) {
-                let trial = &mut trials[at];
-                if let Some(published) = &mut trial.published {
+        for (number, &at) in places.iter().enumerate() {
+            for range in openings.used(number, count) {
+                let recording = &mut recordings[at];
+                if let Some(published) = &mut recording.published {
                     published[range.clone()].fill(None);
                 }
-                trial.lag_compensated[range].fill(None);
+                recording.lag_compensated[range].fill(None);
             }
         }
     }
@@ -220,14 +221,17 @@ pub(super) fn leave_out_openings(
 pub(super) fn aligned_candidate(
     name: &str,
     model: &Model<'_>,
-    trials: &[Trial],
+    recordings: &[EvaluatedRecording],
     alignments: &BTreeMap<String, Alignment>,
 ) -> Result<Candidate, EvaluationError> {
-    let logits = trials
+    let logits = recordings
         .par_iter()
-        .map(|trial| {
-            let alignment = alignments.get(&trial.subject).copied().unwrap_or_default();
-            let emg: Vec<_> = trial
+        .map(|recording| {
+            let alignment = alignments
+                .get(&recording.subject)
+                .copied()
+                .unwrap_or_default();
+            let emg: Vec<_> = recording
                 .input(model.header.preprocessing)
                 .iter()
                 .map(|&sample| alignment.apply(sample))

@@ -8,7 +8,7 @@ use shared::model::file::Model;
 use crate::EvaluationError;
 use crate::integer_candidate;
 use crate::results::MODEL;
-use crate::{Candidate, Trial};
+use crate::{Candidate, EvaluatedRecording};
 use execution::bounded_read;
 
 /// A model file under evaluation, with its name in tables.
@@ -40,16 +40,21 @@ impl NamedModel {
     }
 }
 
-/// A model's logits over trials that another run evaluates.
+/// A model's logits over recordings that another run evaluates.
 ///
 /// # Errors
-/// When the model is refused, or has seen a person of the trials.
-pub fn beside(model: &NamedModel, trials: &[Trial]) -> Result<Candidate, EvaluationError> {
+/// When the model is refused, or has seen a person of the recordings.
+pub fn beside(
+    model: &NamedModel,
+    recordings: &[EvaluatedRecording],
+) -> Result<Candidate, EvaluationError> {
     let parsed = Model::parse(&model.bytes)?;
     let seen: Vec<&str> = parsed.header.provenance.subjects_seen.iter().collect();
-    let evaluated = trials.iter().map(|trial| trial.subject.as_str());
+    let evaluated = recordings
+        .iter()
+        .map(|recording| recording.subject.as_str());
     match evaluated.into_iter().find(|subject| seen.contains(subject)) {
-        None => integer_candidate(&model.name, &parsed, trials),
+        None => integer_candidate(&model.name, &parsed, recordings),
         Some(subject) => Err(EvaluationError::Seen {
             model: model.name.clone(),
             subject: subject.to_owned(),

@@ -4,42 +4,24 @@ use crate::Difference;
 use crate::metric::event::latency::{Latency, LatencySummary};
 use recordings::statistics::{Interval, MeanSd};
 
-/// Text in place of a missing number.
-const NONE: &str = "-";
-
-/// One cell as text, in a terminal or Markdown: `0.912 (0.04)`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Cell {
-    /// The text.
-    pub shown: String,
-}
-
-impl Cell {
-    /// Adds the number of people where the row has another one: `0.912 [0.88, 0.94] n 29`.
-    #[must_use]
-    pub fn of_people(mut self, people: usize, of_row: usize) -> Self {
-        if people != of_row && self.shown != NONE {
-            self.shown += &format!(" n {people}");
-        }
-        self
-    }
-}
-
-/// Cell of a text.
-#[must_use]
-pub fn text(text: impl Into<String>) -> Cell {
-    Cell { shown: text.into() }
-}
-
 /// Cell of a missing number.
 #[must_use]
-pub fn none() -> Cell {
-    text(NONE)
+pub fn none() -> String {
+    "-".to_owned()
+}
+
+/// Adds the number of people where the row has another one: `0.912 [0.88, 0.94] n 29`.
+#[must_use]
+pub fn of_people(cell: String, people: usize, of_row: usize) -> String {
+    if people == of_row || cell == none() {
+        return cell;
+    }
+    format!("{cell} n {people}")
 }
 
 /// A share of 1 over subjects: mean with three digits, deviation with two.
 #[must_use]
-pub fn share(value: Option<MeanSd>) -> Cell {
+pub fn share(value: Option<MeanSd>) -> String {
     spread(value, |mean| format!("{mean:.3}"), |sd| format!("{sd:.2}"))
 }
 
@@ -50,61 +32,61 @@ fn milliseconds(value: f64) -> String {
 
 /// One number, such as a median, in signed milliseconds.
 #[must_use]
-pub fn one_ms(value: Option<f64>) -> Cell {
-    value.map_or_else(none, |value| text(milliseconds(value)))
+pub fn one_ms(value: Option<f64>) -> String {
+    value.map_or_else(none, milliseconds)
 }
 
 /// Signed milliseconds over transitions, mean and deviation.
 #[must_use]
-pub fn signed_ms(value: Option<MeanSd>) -> Cell {
+pub fn signed_ms(value: Option<MeanSd>) -> String {
     spread(value, milliseconds, whole)
 }
 
 /// Absolute milliseconds over transitions, mean and deviation.
 #[must_use]
-pub fn absolute_ms(value: Option<MeanSd>) -> Cell {
+pub fn absolute_ms(value: Option<MeanSd>) -> String {
     spread(value, whole, whole)
 }
 
 /// Number of subjects and of transitions behind a score: `subjects / transitions`.
 #[must_use]
-pub fn support(subjects: usize, transitions: usize) -> Cell {
-    text(format!("{subjects} / {transitions}"))
+pub fn support(subjects: usize, transitions: usize) -> String {
+    format!("{subjects} / {transitions}")
 }
 
 /// A share of 1 over subjects: mean with three digits, 95 % interval of the mean with two.
 #[must_use]
-pub fn estimate(mean: Option<MeanSd>, interval: Option<Interval>) -> Cell {
+pub fn estimate(mean: Option<MeanSd>, interval: Option<Interval>) -> String {
     let Some(value) = mean else { return none() };
     let interval = interval.map(|ends| format!(" [{:.2}, {:.2}]", ends.low, ends.high));
-    text(format!("{:.3}{}", value.mean, interval.unwrap_or_default()))
+    format!("{:.3}{}", value.mean, interval.unwrap_or_default())
 }
 
 /// A share in 14 columns, with its 95 % interval: `0.76 (.70-.81)`.
 #[must_use]
-pub(crate) fn narrow_estimate(mean: Option<MeanSd>, interval: Option<Interval>) -> Cell {
+pub(crate) fn narrow_estimate(mean: Option<MeanSd>, interval: Option<Interval>) -> String {
     let Some(value) = mean else { return none() };
     let end = |value: f64| match format!("{value:.2}").strip_prefix('0') {
         Some(decimals) => decimals.to_owned(),
         None => format!("{value:.1}"),
     };
     let interval = interval.map(|ends| format!(" ({}-{})", end(ends.low), end(ends.high)));
-    text(format!("{:.2}{}", value.mean, interval.unwrap_or_default()))
+    format!("{:.2}{}", value.mean, interval.unwrap_or_default())
 }
 
 /// Events a minute, mean over subjects.
 #[must_use]
-pub fn rate(value: Option<MeanSd>) -> Cell {
+pub fn rate(value: Option<MeanSd>) -> String {
     spread(value, |mean| format!("{mean:.1}"), |sd| format!("{sd:.1}"))
 }
 
 /// Median and 90th percentile of a latency in ms, `285 / 610`; `missed` for one that falls on a missed gesture.
 #[must_use]
-pub fn latency(value: Option<LatencySummary>) -> Cell {
+pub fn latency(value: Option<LatencySummary>) -> String {
     let Some(LatencySummary { median, p90 }) = value else {
         return none();
     };
-    text([median, p90].map(quantile).join(" / "))
+    [median, p90].map(quantile).join(" / ")
 }
 
 /// A quantile of a latency in ms.
@@ -117,7 +99,7 @@ pub(crate) fn quantile(value: Latency) -> String {
 
 /// A difference of shares: `+0.120 [+0.030, +0.210] n 8`, and in words if no difference is shown.
 #[must_use]
-pub fn difference(value: Option<Difference>) -> Cell {
+pub fn difference(value: Option<Difference>) -> String {
     let Some(value) = value else { return none() };
     let signed = |value: f64| format!("{:+.3}", unsigned_zero(value, 1000.0));
     let mean = signed(value.mean.mean);
@@ -129,17 +111,17 @@ pub fn difference(value: Option<Difference>) -> Cell {
         true => "",
         false => ", no difference shown",
     };
-    text(format!("{mean}{interval} n {}{words}", value.people))
+    format!("{mean}{interval} n {}{words}", value.people)
 }
 
 fn spread(
     value: Option<MeanSd>,
     mean: impl Fn(f64) -> String,
     deviation: impl Fn(f64) -> String,
-) -> Cell {
+) -> String {
     let Some(value) = value else { return none() };
     let deviation = value.sd.map(|sd| format!(" ({})", deviation(sd)));
-    text(mean(value.mean) + &deviation.unwrap_or_default())
+    mean(value.mean) + &deviation.unwrap_or_default()
 }
 
 fn whole(value: f64) -> String {
@@ -163,33 +145,30 @@ mod tests {
             n: 8,
         };
         let one = MeanSd { sd: None, ..both };
-        assert_eq!(share(Some(both)).shown, "0.912 (0.04)");
-        assert_eq!(share(Some(one)).shown, "0.912");
+        assert_eq!(share(Some(both)), "0.912 (0.04)");
+        assert_eq!(share(Some(one)), "0.912");
         assert_eq!(share(None), none());
-        assert_eq!(support(8, 357).shown, "8 / 357");
+        assert_eq!(support(8, 357), "8 / 357");
         let interval = Some(Interval {
             low: 0.8811,
             high: 0.94,
         });
-        assert_eq!(estimate(Some(both), interval).shown, "0.912 [0.88, 0.94]");
-        assert_eq!(estimate(Some(one), None).shown, "0.912");
+        assert_eq!(estimate(Some(both), interval), "0.912 [0.88, 0.94]");
+        assert_eq!(estimate(Some(one), None), "0.912");
         let whole = Some(Interval {
             low: 0.0,
             high: 1.0,
         });
-        assert_eq!(narrow_estimate(Some(both), whole).shown, "0.91 (.00-1.0)");
-        assert_eq!(
-            narrow_estimate(Some(both), interval).shown,
-            "0.91 (.88-.94)"
-        );
+        assert_eq!(narrow_estimate(Some(both), whole), "0.91 (.00-1.0)");
+        assert_eq!(narrow_estimate(Some(both), interval), "0.91 (.88-.94)");
         let missed = LatencySummary {
             median: Latency::Ms(285.0),
             p90: Latency::Missed,
         };
-        assert_eq!(latency(Some(missed)).shown, "285 / missed");
-        assert_eq!(latency(Some(missed)).of_people(8, 8).shown, "285 / missed");
-        assert_eq!(share(Some(both)).of_people(8, 9).shown, "0.912 (0.04) n 8");
-        assert_eq!(none().of_people(0, 9), none());
+        assert_eq!(latency(Some(missed)), "285 / missed");
+        assert_eq!(of_people(latency(Some(missed)), 8, 8), "285 / missed");
+        assert_eq!(of_people(share(Some(both)), 8, 9), "0.912 (0.04) n 8");
+        assert_eq!(of_people(none(), 0, 9), none());
     }
 
     #[test]
@@ -204,22 +183,15 @@ mod tests {
             people: 8,
         };
         let clear = difference(Some(of(0.003, 0.02)));
-        assert_eq!(clear.shown, "+0.012 [+0.003, +0.020] n 8");
+        assert_eq!(clear, "+0.012 [+0.003, +0.020] n 8");
         let unclear = difference(Some(of(-0.003, 0.02)));
-        assert_eq!(
-            unclear.shown,
-            "+0.012 [-0.003, +0.020] n 8, no difference shown"
-        );
+        assert_eq!(unclear, "+0.012 [-0.003, +0.020] n 8, no difference shown");
         let alone = Difference {
             interval: None,
             people: 1,
             ..of(0.0, 0.0)
         };
-        assert!(
-            difference(Some(alone))
-                .shown
-                .ends_with("n 1, no difference shown")
-        );
+        assert!(difference(Some(alone)).ends_with("n 1, no difference shown"));
     }
 
     #[test]
@@ -235,6 +207,6 @@ mod tests {
             interval: None,
             people: 1,
         };
-        assert!(difference(Some(tiny)).shown.starts_with("+0.000 n 1"));
+        assert!(difference(Some(tiny)).starts_with("+0.000 n 1"));
     }
 }

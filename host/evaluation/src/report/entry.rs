@@ -1,30 +1,20 @@
-//! A run or a model file on a page, and the page that one or several of them make.
+//! A run or a model file on a page.
 
 use std::ops::Range;
 
 use shared::intent::{Intent, Vocabulary};
 use shared::units::{LOOK_AHEAD, SAMPLE_RATE_HZ};
 
-use super::cell::{estimate, quantile, rate};
-use super::curves::Panel;
-use super::device::Device;
-use super::overview::{Kind, Row};
-use super::people::People;
-use super::scores::counted;
-use super::timeline::Timeline;
-use super::{Errors, Fact, Headline, ReportData, ReportError};
+use super::Fact;
+use super::pictures::charts::Panel;
+use super::pictures::timeline::Timeline;
 use crate::{
-    ALL, Candidate, ENERGY, EvaluationError, Group, LookAhead, Measure, Score, Trial, confusion,
-    gestures, smooth,
+    ALL, Candidate, ENERGY, EvaluatedRecording, EvaluationError, Group, LookAhead, Measure, Score,
+    smooth,
 };
 
-/// Maximum number of entries on one page, for their colours to differ.
-pub const MOST_ENTRIES: usize = 5;
-
 /// Samples of a recording in a picture: 20 s.
-const SHOWN: usize = 4000;
-/// People who are drawn of a single entry, the lowest first; the best one is added.
-const WORST: usize = 3;
+pub(super) const SHOWN: usize = 4000;
 
 /// A run or a model file, and the data of its pictures.
 pub(super) struct Entry<'a> {
@@ -39,7 +29,7 @@ pub(super) struct Entry<'a> {
     /// Rows of the floors, over the same people.
     pub floors: Vec<Score>,
     /// The recordings.
-    pub trials: &'a [Trial],
+    pub recordings: &'a [EvaluatedRecording],
     /// Logits over the recordings.
     pub candidate: &'a Candidate,
     /// Classes of the model.
@@ -53,35 +43,75 @@ pub(super) struct Entry<'a> {
 }
 
 impl Entry<'_> {
-    /// Row over all recordings of the people who have all classes; of those with fewer, if nobody has.
-    pub(super) fn over_all(&self) -> Option<&Score> {
-        over_all(&self.scores).next()
-    }
-
     /// Rows over all recordings: of the people who have all classes, of those with fewer.
     pub(super) fn everybody(&self) -> Vec<&Score> {
         over_all(&self.scores).collect()
     }
 
-    /// People by balanced accuracy, the lowest first; those without one are left out.
-    fn people(&self) -> Vec<&str> {
-        let rows = over_all(&self.scores);
-        let mut values: Vec<_> = rows
-            .flat_map(|score| Measure::BalancedAccuracy.values(score))
-            .collect();
-        values.sort_by(|a, b| a.1.total_cmp(&b.1));
-        values.into_iter().map(|(subject, _)| subject).collect()
+    /// Rows of the energy detector over all recordings.
+    pub(super) fn energy(&self) -> impl Iterator<Item = &Score> {
+        over_all(&self.floors).filter(|floor| floor.model.starts_with(ENERGY))
     }
 
-    /// Errors: confusion and latencies.
-    fn errors(&self) -> Result<Errors, EvaluationError> {
-        let (candidate, trials) = (self.candidate, self.trials);
-        let confusion = confusion(candidate, trials, self.vocabulary, self.look_ahead)?;
-        let gestures = gestures(candidate, trials, self.vocabulary, self.look_ahead)?;
-        Ok(Errors {
-            name: self.name.clone(),
-            confusion: Some(confusion),
-            latencies: gestures.into_iter().map(|own| own.latency).collect(),
+    /// The busiest recordings of the `worst` people with the lowest balanced accuracy, the worst first, and of the best
+    /// one; named after the entry where it is not the only one.
+    pub(super) fn drawn(
+        &self,
+        worst: usize,
+        named: bool,
+    ) -> Result<Vec<Timeline<'_>>, EvaluationError> {
+        let measure = Measure::BalancedAccuracy;
+        let values = over_all(&self.scores).flat_map(|score| measure.values(score));
+        let mut people: Vec<_> = values.collect();
+        people.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let best = people.iter().skip(worst).last();
+        let drawn = people.iter().take(worst).chain(best);
+        let mut timelines = Vec::new();
+        for (at, part) in drawn.filter_map(|(subject, _)| self.busiest(subject)) {
+            let second = part.start / SAMPLE_RATE_HZ as usize;
+            let mut shown = self.timeline(at, part)?;
+            if second > 0 {
+                shown.recording += &format!(", from {second} s");
+            }
+            if named {
+                shown.recording += &format!(" · {}", self.name);
+            }
+            timelines.push(shown);
+        }
+        Ok(timelines)
+    }
+
+    /// The 20 s of a person's recordings with the most gestures.
+    fn busiest(&self, subject: &str) -> Option<(usize, Range<usize>)> {
+        let all = self.recordings.iter().enumerate();
+        let own = all.filter(|(_, recording)| recording.subject == subject);
+        own.map(|(at, recording)| (at, busiest_part(recording)))
+            .max_by_key(|(at, part)| onsets(&self.recordings[*at], part))
+    }
+
+    /// A part of a recording with the labels that the model emits for it.
+    pub(super) fn timeline(
+        &self,
+        at: usize,
+        part: Range<usize>,
+    ) -> Result<Timeline<'_>, EvaluationError> {
+        let recording = &self.recordings[at];
+        let labels = smooth(
+            &self.candidate.logits[at],
+            recording.emg.len(),
+            self.vocabulary.classes(),
+            self.candidate.settings(self.look_ahead),
+        )?;
+        Ok(Timeline {
+            subject: &recording.subject,
+            recording: recording.name.clone(),
+            emg: within(&recording.emg, &part),
+            truth: within(&recording.lag_compensated, &part),
+            emitted: within(&labels.reference, &part).to_vec(),
+            look_ahead_samples: match self.look_ahead {
+                LookAhead::None => 0,
+                LookAhead::AllRows | LookAhead::SameInstant => LOOK_AHEAD,
+            },
         })
     }
 }
@@ -96,205 +126,41 @@ pub(super) fn over_all(scores: &[Score]) -> impl Iterator<Item = &Score> {
     Group::ALL.into_iter().flat_map(of)
 }
 
-/// Parts of a page that come from its entries: people, pictures, device cost. Title, summary, facts, tables and notes
-/// are the caller's.
-///
-/// # Errors
-/// When labels cannot be compared or the smoother's settings are invalid.
-pub(super) fn pictures(entries: &[Entry<'_>]) -> Result<ReportData, ReportError> {
-    let mut data = ReportData {
-        overview: overview(entries),
-        people: people(entries),
-        panels: entries.iter().flat_map(|own| own.panels.clone()).collect(),
-        device: entries.iter().filter_map(device).collect(),
-        ..ReportData::default()
-    };
-    if let [only] = entries {
-        data.headline = headline(only);
-        data.drawn =
-            "The people with the lowest balanced accuracy, the worst first, then the best one"
-                .to_owned();
-    } else {
-        data.drawn =
-            "The person with the lowest balanced accuracy of each model, then its best one"
-                .to_owned();
-    }
-    for entry in entries {
-        let people = entry.people();
-        let worst = if entries.len() == 1 { WORST } else { 1 };
-        let drawn = people.iter().take(worst);
-        for subject in drawn.chain(people.iter().skip(worst).last()) {
-            data.timelines
-                .extend(drawn_recording(entry, subject, entries.len() > 1)?);
-        }
-        data.errors.push(entry.errors()?);
-    }
-    Ok(data)
-}
-
-/// The part of a person's recordings with the most gestures.
-fn drawn_recording(
-    entry: &Entry<'_>,
-    subject: &str,
-    named: bool,
-) -> Result<Option<Timeline>, EvaluationError> {
-    let own = (0..entry.trials.len()).filter(|&at| entry.trials[at].subject == subject);
-    let busiest = own
-        .map(|at| (at, busiest_part(&entry.trials[at])))
-        .max_by_key(|(at, part)| onsets(&entry.trials[*at], part));
-    let Some((at, part)) = busiest else {
-        return Ok(None);
-    };
-    let classes = entry.vocabulary.classes();
-    let whole = timeline(entry.candidate, entry.trials, at, entry.look_ahead, classes)?;
-    let mut shown = whole.section(part.clone());
-    if part.start > 0 {
-        let second = part.start / SAMPLE_RATE_HZ as usize;
-        shown.recording += &format!(", from {second} s");
-    }
-    if named {
-        shown.recording += &format!(" · {}", entry.name);
-    }
-    Ok(Some(shown))
-}
-
-/// One trial with the labels that a candidate emits for it.
-pub(super) fn timeline(
-    candidate: &Candidate,
-    trials: &[Trial],
-    at: usize,
-    look_ahead: LookAhead,
-    classes: usize,
-) -> Result<Timeline, EvaluationError> {
-    let trial = &trials[at];
-    let labels = smooth(
-        &candidate.logits[at],
-        trial.emg.len(),
-        classes,
-        candidate.settings(look_ahead),
-    )?;
-    Ok(Timeline {
-        subject: trial.subject.clone(),
-        recording: trial.name.clone(),
-        emg: trial.emg.clone(),
-        truth: trial.lag_compensated.clone(),
-        emitted: labels.reference,
-        look_ahead_samples: match look_ahead {
-            LookAhead::None => 0,
-            LookAhead::AllRows | LookAhead::SameInstant => LOOK_AHEAD,
-        },
-    })
-}
-
 /// The 20 s of a recording with the most gestures, the first ones on ties.
-fn busiest_part(trial: &Trial) -> Range<usize> {
-    let starts = (0..trial.emg.len().max(1)).step_by(SHOWN / 4);
+fn busiest_part(recording: &EvaluatedRecording) -> Range<usize> {
+    let starts = (0..recording.emg.len().max(1)).step_by(SHOWN / 4);
     let parts = starts.map(|start| start..start + SHOWN);
     // A part that the recording's end cuts short only if there is no other.
-    let whole = parts.filter(|part| part.start == 0 || part.end <= trial.emg.len());
+    let whole = parts.filter(|part| part.start == 0 || part.end <= recording.emg.len());
     whole
         .rev()
-        .max_by_key(|part| onsets(trial, part))
+        .max_by_key(|part| onsets(recording, part))
         .unwrap_or(0..SHOWN)
 }
 
 /// Gestures that begin in a part of a recording.
-pub(super) fn onsets(trial: &Trial, part: &Range<usize>) -> usize {
-    let labels = &trial.lag_compensated;
-    let end = part.end.min(labels.len());
-    let labels = &labels[part.start.min(end)..end];
+pub(super) fn onsets(recording: &EvaluatedRecording, part: &Range<usize>) -> usize {
     let is_gesture = |label: Option<Intent>| label.is_some_and(|intent| intent != Intent::Relax);
     let begins = |pair: &&[Option<Intent>]| pair[0] != pair[1] && is_gesture(pair[1]);
-    labels.windows(2).filter(begins).count()
+    within(&recording.lag_compensated, part)
+        .windows(2)
+        .filter(begins)
+        .count()
 }
 
-fn overview(entries: &[Entry<'_>]) -> Vec<Row> {
-    let mut rows: Vec<Row> = Vec::new();
-    for (number, entry) in entries.iter().enumerate() {
-        let own = entry.everybody().into_iter();
-        rows.extend(own.map(|own| Row::of(own, Kind::Entry(number))));
+/// Part of a sequence; what lies outside of it is cut off.
+fn within<'s, T>(of: &'s [T], part: &Range<usize>) -> &'s [T] {
+    let end = part.end.min(of.len());
+    &of[part.start.min(end)..end]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_is_cut_at_the_end_of_its_sequence() {
+        assert_eq!(within(&[1, 2, 3, 4, 5, 6], &(4..8)), [5, 6]);
+        assert!(within(&[1, 2, 3], &(20..30)).is_empty());
     }
-    let beside = entries.iter().map(|entry| (&entry.beside, Kind::Beside));
-    let floors = entries.iter().map(|entry| (&entry.floors, Kind::Floor));
-    for (scores, kind) in beside.chain(floors) {
-        for score in over_all(scores) {
-            let row = Row::of(score, kind);
-            // Floors of several entries may be the same.
-            if !rows.contains(&row) {
-                rows.push(row);
-            }
-        }
-    }
-    rows
-}
-
-fn people(entries: &[Entry<'_>]) -> Option<People> {
-    let own: Vec<(&str, Vec<&Score>)> = entries
-        .iter()
-        .map(|entry| (&entry.name[..], entry.everybody()))
-        .collect();
-    let floors: Vec<&Score> = entries
-        .iter()
-        .flat_map(|entry| {
-            let floors = over_all(&entry.floors);
-            floors.filter(|own| own.model.starts_with(ENERGY))
-        })
-        .collect();
-    let people = People::of(&own, &floors);
-    (!people.rows.is_empty()).then_some(people)
-}
-
-fn device(entry: &Entry<'_>) -> Option<Device> {
-    Device::of(&entry.name, entry.bytes?)
-}
-
-/// Numbers at the top of a page, each beside the energy detector's: of people who have all classes, if there are any.
-fn headline(entry: &Entry<'_>) -> Vec<Headline> {
-    let Some(own) = entry.over_all() else {
-        return Vec::new();
-    };
-    let energy = over_all(&entry.floors)
-        .find(|floor| floor.model.starts_with(ENERGY) && floor.people == own.people);
-    let share = |name: &str, measure: Measure| {
-        let shown = counted(
-            estimate(measure.mean(own), measure.interval(own)),
-            own,
-            measure,
-        )
-        .shown;
-        let (value, interval) = shown.split_once(' ').unwrap_or((&shown, ""));
-        let floor = energy.and_then(|floor| measure.mean(floor));
-        Headline {
-            name: name.to_owned(),
-            value: value.to_owned(),
-            remark: interval.to_owned(),
-            floor: floor.map(|floor| format!("{:.3}", floor.mean)),
-        }
-    };
-    let median = |score: &Score| score.events.latency.map(|own| quantile(own.median));
-    let false_rate = |score: &Score| rate(score.events.false_activations).shown;
-    let first = |text: String| text.split(' ').next().unwrap_or_default().to_owned();
-    vec![
-        Headline {
-            name: "people".to_owned(),
-            value: own.widest().subjects.len().to_string(),
-            remark: own.people.told(own.classes),
-            floor: None,
-        },
-        share("balanced accuracy", Measure::BalancedAccuracy),
-        share("transition accuracy", Measure::TransitionAccuracy),
-        share("gestures recognised", Measure::Recognition),
-        Headline {
-            name: "median latency, ms".to_owned(),
-            value: median(own).unwrap_or_else(|| "-".to_owned()),
-            remark: "from the muscle's onset".to_owned(),
-            floor: energy.and_then(median),
-        },
-        Headline {
-            name: "false activations".to_owned(),
-            value: first(false_rate(own)),
-            remark: "a minute of rest".to_owned(),
-            floor: energy.map(|floor| first(false_rate(floor))),
-        },
-    ]
 }

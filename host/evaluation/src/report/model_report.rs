@@ -2,17 +2,17 @@
 
 use std::path::Path;
 
-use super::alignment::{self, placement};
-use super::cell::difference;
-use super::entry::{Entry, over_all, pictures};
-use super::labels::labels;
-use super::people_table::{COLUMNS, cells, people_of, people_table};
+use super::entry::{Entry, over_all};
+use super::page::Page;
+use super::people::{COLUMNS, people_of, people_table};
 use super::run_report::PEOPLE;
-use super::scores::{COMPARED, sort, table};
-use super::seen::{marked, seen_by};
-use super::{Fact, ReportData, ReportError, Table};
-use crate::model_evaluation::{EvaluatedModel, ModelEvaluation, ModelResults, NamedModel};
-use crate::{CONSTANT, Difference, ENERGY, Measure, Score};
+use super::scores::{differences, is_floor, sort, table};
+use super::{Fact, Table, labels};
+use crate::model_evaluation::{
+    ALIGNED, AlignedSubject, EvaluatedModel, EvaluatedSubject, ModelEvaluation, ModelResults,
+    NamedModel, Turn, Worn,
+};
+use crate::{EvaluationError, Score};
 
 /// Writes the report to `page`. `data` names the recordings; `models` are those that were evaluated.
 ///
@@ -23,31 +23,28 @@ pub fn write(
     models: &[NamedModel],
     data: &str,
     page: &Path,
-) -> Result<(), ReportError> {
+) -> Result<(), EvaluationError> {
     let results = &marked(&evaluation.results);
     let entries = entries(evaluation, models);
     let Some(first) = entries.first() else {
         return Ok(());
     };
-    let mut tables = scores_and_differences(results);
-    tables.extend(alignment::table(results));
     let names: Vec<&str> = entries.iter().map(|entry| &entry.name[..]).collect();
     let mut provenance = vec![(String::new(), facts(results))];
-    for entry in &entries {
-        provenance.push((entry.name.clone(), entry.facts.clone()));
-    }
-    let report = ReportData {
+    let of_entry = |entry: &Entry<'_>| (entry.name.clone(), entry.facts.clone());
+    provenance.extend(entries.iter().map(of_entry));
+    let people = people_table(&first.everybody(), &|subject| remark(results, subject));
+    let report = Page {
         title: format!("Evaluation of {}", names.join(", ")),
         summary: format!("On {} subjects of {data}.", results.subjects.len()),
+        entries: &entries[..entries.len().min(super::MOST_ENTRIES)],
         provenance,
-        tables,
-        people_tables: people_table(&first.everybody(), &|subject| remark(results, subject))
-            .into_iter()
-            .collect(),
+        tables: tables_of_models(results),
+        people_tables: people.into_iter().collect(),
         notes: notes(),
-        ..pictures(&entries[..entries.len().min(super::MOST_ENTRIES)])?
+        ..Page::default()
     };
-    super::write_html(&report, page)
+    report.write(page)
 }
 
 /// Notes for the reader of such a page.
@@ -71,12 +68,11 @@ pub(super) fn entries<'a>(
     models: &'a [NamedModel],
 ) -> Vec<Entry<'a>> {
     let results = marked(&evaluation.results);
-    let with = |wanted: &dyn Fn(&str) -> bool| -> Vec<Score> {
+    let with = |wanted: &dyn Fn(&Score) -> bool| -> Vec<Score> {
         let scores = results.scores.iter();
-        scores.filter(|own| wanted(&own.model)).cloned().collect()
+        scores.filter(|own| wanted(own)).cloned().collect()
     };
-    let is_model = |name: &str| results.models.iter().any(|own| own.name == name);
-    let is_floor = |name: &str| [CONSTANT, ENERGY].contains(&name);
+    let is_model = |own: &Score| results.models.iter().any(|model| model.name == own.model);
     let numbered = results.models.iter().enumerate();
     numbered
         .map(|(at, model)| Entry {
@@ -85,10 +81,10 @@ pub(super) fn entries<'a>(
                 model,
                 &seen_by(&evaluation.results, &evaluation.results.models[at].name),
             ),
-            scores: with(&|name| name == model.name),
-            beside: with(&|name| at == 0 && !is_model(name) && !is_floor(name)),
+            scores: with(&|own| own.model == model.name),
+            beside: with(&|own| at == 0 && !is_model(own) && !is_floor(own)),
             floors: with(&is_floor),
-            trials: &evaluation.trials,
+            recordings: &evaluation.recordings,
             candidate: &evaluation.candidates[at],
             vocabulary: evaluation.vocabulary,
             look_ahead: model.look_ahead,
@@ -102,8 +98,7 @@ pub(super) fn entries<'a>(
 #[must_use]
 pub fn tables(results: &ModelResults) -> Vec<Table> {
     let results = &marked(results);
-    let mut tables = scores_and_differences(results);
-    tables.extend(alignment::table(results));
+    let mut tables = tables_of_models(results);
     let first: Vec<Score> = of_first(results).cloned().collect();
     let everybody: Vec<&Score> = over_all(&first).collect();
     tables.extend(people_table(&everybody, &|subject| {
@@ -115,73 +110,48 @@ pub fn tables(results: &ModelResults) -> Vec<Table> {
 /// Caption of the scores of model files.
 pub(super) const SCORES: &str = "Lag-compensated labels, each model with its own look-ahead; mean [95 % interval] over subjects";
 
-fn scores_and_differences(results: &ModelResults) -> Vec<Table> {
+/// Tables: scores of all models and floors; the first model against the others and the floors; alignments.
+fn tables_of_models(results: &ModelResults) -> Vec<Table> {
     let mut scores: Vec<&Score> = results.scores.iter().collect();
     sort(&mut scores);
-    vec![table(SCORES, &scores), differences(results)]
-}
-
-/// Table of the first model against the others and the floors, paired over people.
-fn differences(results: &ModelResults) -> Table {
+    let pairs = of_first(results).flat_map(|own| {
+        let others = results.scores.iter().filter(|other| other.same_people(own));
+        let others = others.filter(|other| other.model != own.model);
+        others.map(move |other| (own, other))
+    });
     let caption = "Differences, paired over subjects; mean [95 % interval] over n subjects";
-    let measures = COMPARED.map(Measure::name);
-    let mut table = Table::new(
-        caption,
-        ["recordings", "classes", "difference"]
-            .into_iter()
-            .chain(measures),
-    );
-    for own in of_first(results) {
-        let others = results
-            .scores
-            .iter()
-            .filter(|other| other.same_people(own) && other.model != own.model);
-        for other in others {
-            let cells = [
-                own.data_set.clone(),
-                own.people_name(),
-                format!("{} - {}", own.model, other.model),
-            ];
-            let paired = |measure| difference(Difference::of(measure, own, other)).shown;
-            table.push(cells.into_iter().chain(COMPARED.map(paired)));
-        }
-    }
-    table
+    let mut tables = vec![table(SCORES, &scores), differences(caption, false, pairs)];
+    tables.extend(alignments(results));
+    tables
 }
 
 /// Rows of the first model.
 fn of_first(results: &ModelResults) -> impl Iterator<Item = &Score> {
     let first = results.models.first().map(|model| model.name.as_str());
-    results
-        .scores
-        .iter()
-        .filter(move |score| Some(score.model.as_str()) == first)
+    let scores = results.scores.iter();
+    scores.filter(move |score| Some(score.model.as_str()) == first)
 }
 
 /// Remarks on a person: who has seen it, and whether it is a test person.
 fn remark(results: &ModelResults, subject: &str) -> String {
-    let found = results.subjects.iter().find(|own| own.subject == subject);
-    let Some(found) = found else {
-        return String::new();
+    let remark = |own: &EvaluatedSubject| {
+        let test = own.test.then(|| "test person".to_owned());
+        let seen = format!("seen in training by {}", own.seen_by.join(", "));
+        let both = test
+            .into_iter()
+            .chain((!own.seen_by.is_empty()).then_some(seen));
+        both.collect::<Vec<_>>().join("; ")
     };
-    let mut remarks = Vec::new();
-    if found.test {
-        remarks.push("test person".to_owned());
-    }
-    if !found.seen_by.is_empty() {
-        remarks.push(format!("seen in training by {}", found.seen_by.join(", ")));
-    }
-    remarks.join("; ")
+    let found = results.subjects.iter().find(|own| own.subject == subject);
+    found.map_or_else(String::new, remark)
 }
 
 /// Table with a row for each person and model, of all data sets together.
 #[must_use]
 pub fn people_rows(results: &ModelResults) -> Table {
-    let header = ["subject", "model"]
-        .into_iter()
-        .chain(COLUMNS)
-        .chain(["remark"]);
-    let mut table = Table::new("", header);
+    let start = ["subject", "model"].into_iter();
+    let names = start.chain(COLUMNS.map(|(name, _)| name));
+    let mut table = Table::new("", names.chain(["remark"]));
     let mut models: Vec<&str> = Vec::new();
     for score in &results.scores {
         if !models.contains(&&score.model[..]) {
@@ -189,61 +159,143 @@ pub fn people_rows(results: &ModelResults) -> Table {
         }
     }
     for model in models {
-        let own = over_all(&results.scores).filter(|score| score.model == model);
-        for person in people_of(own) {
-            let start = [person.subject.to_owned(), model.to_owned()];
-            let remark = [remark(results, person.subject)];
-            table.push(start.into_iter().chain(cells(&person)).chain(remark));
+        for person in people_of(over_all(&results.scores).filter(|score| score.model == model)) {
+            let start = [person.subject.to_owned(), model.to_owned()].into_iter();
+            let cells = COLUMNS.map(|(_, cell)| cell(&person));
+            table.push(start.chain(cells).chain([remark(results, person.subject)]));
         }
     }
     table
 }
 
 fn model_facts(model: &EvaluatedModel, seen: &[&str]) -> Vec<Fact> {
-    let mut facts = vec![
+    stated([
         ("CRC-32", model.checksum.clone()),
         ("revision", model.git_revision.clone()),
         ("seed", model.seed.to_string()),
         ("look-ahead", model.look_ahead.name().to_owned()),
-    ];
-    if !seen.is_empty() {
-        facts.push(("evaluated although seen in training", seen.join(", ")));
-    }
-    let facts = facts.into_iter();
-    facts
-        .map(|(name, value)| (name.to_owned(), value))
-        .collect()
+        ("evaluated although seen in training", seen.join(", ")),
+    ])
 }
 
 /// Facts that hold for all models of the evaluation.
 pub(super) fn facts(results: &ModelResults) -> Vec<Fact> {
-    let mut facts: Vec<Fact> = Vec::new();
-    let evaluated = results.subjects.iter().map(|own| own.subject.clone());
-    facts.push((
-        "evaluated".to_owned(),
-        evaluated.collect::<Vec<_>>().join(", "),
-    ));
-    let mut fact = |name: &str, text: String| {
-        if !text.is_empty() {
-            facts.push((name.to_owned(), text));
-        }
+    let subjects = results.subjects.iter();
+    let evaluated: Vec<&str> = subjects.map(|own| &own.subject[..]).collect();
+    let lost = match results.lost_percent {
+        0 => String::new(),
+        percent => format!("{percent} %"),
     };
-    fact(
-        "left out: seen in training",
-        results.left_out_seen.join(", "),
-    );
-    fact("left out: test people", results.left_out_test.join(", "));
-    fact("armband", placement(results.worn));
-    fact(
-        "left out: fewer than two openings of the hand",
-        results.left_out_openings.join(", "),
-    );
-    if results.lost_percent > 0 {
-        fact(
-            "notifications lost and bridged",
-            format!("{} %", results.lost_percent),
-        );
-    }
+    let [seen, test, openings] = [
+        &results.left_out_seen,
+        &results.left_out_test,
+        &results.left_out_openings,
+    ]
+    .map(|people| people.join(", "));
+    let mut facts = stated([
+        ("evaluated", evaluated.join(", ")),
+        ("left out: seen in training", seen),
+        ("left out: test people", test),
+        ("armband", placement(results.worn)),
+        ("left out: fewer than two openings of the hand", openings),
+        ("notifications lost and bridged", lost),
+    ]);
     facts.extend(labels(&results.lags, &results.gestures));
     facts
+}
+
+/// Facts that have a value.
+fn stated<const N: usize>(facts: [(&str, String); N]) -> Vec<Fact> {
+    let stated = facts.into_iter().filter(|(_, value)| !value.is_empty());
+    stated
+        .map(|(name, value)| (name.to_owned(), value))
+        .collect()
+}
+
+/// Placement of the armband, in words; empty if as in the data sets.
+fn placement(worn: Worn) -> String {
+    let turn = match worn.turn {
+        Turn::By(0) => None,
+        Turn::By(places) => Some(format!("turned by {places} places")),
+        Turn::Any => Some("turned by 0 to 7 places, from person to person".to_owned()),
+    };
+    let arm = worn.mirrored.then(|| "on the other arm".to_owned());
+    let both: Vec<String> = turn.into_iter().chain(arm).collect();
+    both.join(", ")
+}
+
+/// Table of the number of people by model and placement found; none if no alignment was asked for.
+fn alignments(results: &ModelResults) -> Option<Table> {
+    if results.alignments.is_empty() {
+        return None;
+    }
+    let columns = [
+        "people",
+        "exact",
+        "one place off",
+        "further off",
+        "other arm",
+        "poor: distance",
+        "poor: margin",
+        "timeout",
+    ];
+    let caption =
+        "Alignment by two openings of the hand, against the frame of the data set; people";
+    let mut table = Table::new(caption, ["model"].into_iter().chain(columns));
+    for model in &results.models {
+        let count = |wanted: fn(&&AlignedSubject) -> bool| {
+            let own = results
+                .alignments
+                .iter()
+                .filter(|own| own.model == model.name);
+            own.filter(wanted).count().to_string()
+        };
+        table.push([
+            model.name.clone(),
+            count(|_| true),
+            count(|own| own.places_off == Some(0)),
+            count(|own| own.places_off == Some(1)),
+            count(|own| own.places_off.is_some_and(|places| places > 1)),
+            count(|own| own.wrong_arm),
+            count(|own| own.outcome == "poor-distance"),
+            count(|own| own.outcome == "poor-margin"),
+            count(|own| own.outcome == "timeout"),
+        ]);
+    }
+    Some(table)
+}
+
+/// Results with each model named as on a page: the name says if the model has seen some of the people.
+pub(super) fn marked(results: &ModelResults) -> ModelResults {
+    let mut marked = results.clone();
+    for (at, model) in results.models.iter().enumerate() {
+        let mark = mark(seen_by(results, &model.name).len(), results.subjects.len());
+        marked.models[at].name += &mark;
+        let scores = marked.scores.iter_mut().map(|score| &mut score.model);
+        let alignments = marked.alignments.iter_mut().map(|own| &mut own.model);
+        for name in scores.chain(alignments) {
+            // The model itself, and the same model aligned.
+            let rest = name.strip_prefix(&model.name);
+            if rest.is_some_and(|rest| rest.is_empty() || rest == ALIGNED) {
+                name.insert_str(model.name.len(), &mark);
+            }
+        }
+    }
+    marked
+}
+
+/// The evaluated people whom a model has seen.
+pub(super) fn seen_by<'a>(results: &'a ModelResults, model: &str) -> Vec<&'a str> {
+    let saw = |own: &&EvaluatedSubject| own.seen_by.iter().any(|name| name == model);
+    let seen = results.subjects.iter().filter(saw);
+    seen.map(|own| &own.subject[..]).collect()
+}
+
+/// Suffix of a model's name about the people whom it has seen; empty if it has seen nobody.
+fn mark(seen: usize, people: usize) -> String {
+    match seen {
+        0 => String::new(),
+        _ if seen == people => " (has seen them)".to_owned(),
+        _ => format!(" (has seen {seen} of {people})"),
+    }
 }

@@ -1,228 +1,251 @@
 //! The report as HTML.
 
-use std::fmt::Write as _;
+use std::path::Path;
 
-use super::{
-    Errors, Fact, Headline, ReportData, ReportError,
-    canvas::{STYLE, escape},
-    confusion, curves, device, latencies, overview, people, timeline,
+use execution::run_folder::write_whole;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use super::Fact;
+use super::cell::{none, quantile, rate};
+use super::device;
+use super::entry::{Entry, over_all};
+use super::pictures::{
+    INK, MUTED, STYLE, charts, confusion, entry_colour, overview, people, timeline,
 };
+use super::scores::estimated;
+use super::table::Table;
+use crate::{EvaluationError, Measure, Score, confusion, gestures};
 
-/// Style of the page; that of the pictures comes from `canvas`.
+/// Style of the page; that of the pictures comes from `pictures`.
 const PAGE_STYLE: &str = include_str!("page.css");
 
-/// The whole report as HTML.
-pub(super) fn html(data: &ReportData) -> Result<String, ReportError> {
-    let title = escape(&data.title);
-    let sections = sections(data)?;
-    let mut page = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
-         <title>{title}</title>\n<style>{PAGE_STYLE}{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n"
-    );
-    if !data.summary.is_empty() {
-        paragraph(&mut page, "", &data.summary);
-    }
-    headline(&mut page, &data.headline);
-    if sections.len() > 2 {
-        page.push_str("<nav aria-label=\"Contents\">");
-        for section in &sections {
-            let (id, title) = (section.id, escape(&section.title));
-            let _ = write!(page, "<a href=\"#{id}\">{title}</a> ");
-        }
-        page.push_str("</nav>\n");
-    }
-    for section in &sections {
-        let (id, title) = (section.id, escape(&section.title));
-        let _ = writeln!(page, "<section id=\"{id}\">\n<h2>{title}</h2>");
-        page.push_str(&section.content);
-        page.push_str("</section>\n");
-    }
-    page.push_str("</body>\n</html>\n");
-    Ok(page)
+/// People who are drawn of a single entry, the lowest first; the best one is added.
+const WORST: usize = 3;
+
+/// Contents of a report; empty parts are left out of the page.
+#[derive(Default)]
+pub(super) struct Page<'a> {
+    /// Headline.
+    pub title: String,
+    /// One sentence under the headline: what was evaluated, and on whom.
+    pub summary: String,
+    /// Runs and model files that are drawn.
+    pub entries: &'a [Entry<'a>],
+    /// Tables, the most important first.
+    pub tables: Vec<Table>,
+    /// Tables that few readers need, at the end of the page.
+    pub more_tables: Vec<Table>,
+    /// Scores of each person.
+    pub people_tables: Vec<Table>,
+    /// Origin of the numbers, in groups with a name, which may be empty.
+    pub provenance: Vec<(String, Vec<Fact>)>,
+    /// Limits of the numbers; one paragraph each.
+    pub notes: Vec<String>,
 }
 
-/// A part of the page with a headline.
-struct Section {
-    id: &'static str,
-    /// Title in the headline and in the contents.
-    title: String,
-    content: String,
+/// Part of the page: its id, its title in the headline and in the contents, its content.
+type Section = (&'static str, &'static str, Markup);
+
+impl<'s> Page<'s> {
+    /// Writes the page to `path`, under a temporary name first and renamed when whole.
+    ///
+    /// # Errors
+    /// [`EvaluationError::Run`] when the file system refuses; when labels cannot be compared or the smoother's settings
+    /// are invalid.
+    pub(super) fn write(&self, path: &Path) -> Result<(), EvaluationError> {
+        Ok(write_whole(path, self.html()?.as_bytes())?)
+    }
+
+    /// The whole page.
+    pub(super) fn html(&self) -> Result<String, EvaluationError> {
+        let sections = self.sections()?;
+        let page = html! {
+            (DOCTYPE)
+            html lang="en" {
+                head {
+                    meta charset="utf-8";
+                    meta name="viewport" content="width=device-width, initial-scale=1";
+                    title { (self.title) }
+                    style { (PreEscaped(PAGE_STYLE)) (PreEscaped(STYLE)) }
+                }
+                body {
+                    h1 { (self.title) }
+                    @if !self.summary.is_empty() { p { (self.summary) } }
+                    @if let [only] = self.entries { (headline(only)) }
+                    @if sections.len() > 2 {
+                        nav aria-label="Contents" {
+                            @for (id, title, _) in &sections { a href={ "#" (id) } { (title) } " " }
+                        }
+                    }
+                    @for (id, title, content) in &sections { section id=(id) { h2 { (title) } (content) } }
+                }
+            }
+        };
+        Ok(page.into_string())
+    }
+
+    /// The sections that have something to show, the most important first.
+    fn sections(&self) -> Result<Vec<Section>, EvaluationError> {
+        let entries = self.entries;
+        let rows = overview_rows(entries);
+        let named = |entry: &'s Entry<'s>| (&entry.name[..], entry.everybody());
+        let scores: Vec<_> = entries.iter().map(named).collect();
+        let floors: Vec<&Score> = entries.iter().flat_map(Entry::energy).collect();
+        let panels: Vec<_> = entries.iter().flat_map(|entry| &entry.panels).collect();
+        let file = |entry: &'s Entry<'s>| Some((&entry.name[..], entry.bytes?));
+        let devices = device::table(entries.iter().filter_map(file));
+        let results = html! {
+            @if !rows.is_empty() {
+                p.remark {
+                    "Means over people who have all classes of the model, and of the others in rows of their own (fewer); \
+                     with 95 % intervals, from six people on. n: people of a number, where the row has more. Grey: floors, \
+                     which need no model."
+                }
+                figure { (overview::overview(&rows)) }
+            }
+            @for table in &self.tables { (table) }
+        };
+        let people = html! {
+            @if let Some(bars) = people::bars(&scores, &floors) { figure { (bars) } }
+            @for table in &self.people_tables { (table) }
+        };
+        let training = html! {
+            @if !panels.is_empty() { div.pair { @for panel in panels { figure { (charts::curves(panel)) } } } }
+        };
+        let device = html! {
+            @if !devices.rows.is_empty() { (devices) }
+            @if !device::all_counted(&devices) {
+                p.remark {
+                    "Instructions of a model of another shape: cargo xtask count --model FILE counts them on an emulated core."
+                }
+            }
+        };
+        let more = html! { @for table in &self.more_tables { (table) } };
+        let provenance = html! {
+            @for (name, facts) in self.provenance.iter().filter(|(_, facts)| !facts.is_empty()) {
+                @if !name.is_empty() { h3 { (name) } }
+                dl { @for (name, value) in facts { dt { (name) } dd { (value) } } }
+            }
+        };
+        let limits = html! { @for note in &self.notes { p { (note) } } };
+        let mut sections = vec![
+            ("results", "Results", results),
+            ("people", "People", people),
+            ("errors", "Errors", errors(entries)?),
+            ("recordings", "Recordings", recordings(entries)?),
+            ("training", "Training", training),
+            ("device", "Cost on a board", device),
+            ("tables", "More tables", more),
+            ("provenance", "What was evaluated", provenance),
+            ("limits", "Limits of these numbers", limits),
+        ];
+        sections.retain(|(.., content)| !content.0.is_empty());
+        Ok(sections)
+    }
 }
 
-impl Section {
-    fn new(id: &'static str, title: impl Into<String>, remark: &str) -> Self {
-        let mut content = String::new();
-        if !remark.is_empty() {
-            paragraph(&mut content, " class=\"remark\"", remark);
+/// Confusion and latencies, a row of two pictures for each entry.
+fn errors(entries: &[Entry<'_>]) -> Result<Markup, EvaluationError> {
+    Ok(html! {
+        @if !entries.is_empty() {
+            p.remark {
+                "Of all people, whatever their classes. Confusion matrix: each row is one true label and adds up to 100 % of its \
+                 samples. Latency: the gestures that were recognised, from the onset to the emitted label; the orange line is the \
+                 median over all gestures, missed ones included."
+            }
         }
-        Self {
-            id,
-            title: title.into(),
-            content,
+        @for entry in entries {
+            @let (candidate, recordings) = (entry.candidate, entry.recordings);
+            @let matrix = confusion(candidate, recordings, entry.vocabulary, entry.look_ahead)?;
+            @let gestures = gestures(candidate, recordings, entry.vocabulary, entry.look_ahead)?;
+            @let latencies: Vec<_> = gestures.iter().map(|own| own.latency).collect();
+            @if entries.len() > 1 { h3 { (entry.name) } }
+            div.pair {
+                figure { (confusion::matrix(&matrix)) }
+                @if !latencies.is_empty() { figure { (charts::latencies(&latencies)) } }
+            }
+        }
+    })
+}
+
+/// Recordings with true and emitted labels.
+fn recordings(entries: &[Entry<'_>]) -> Result<Markup, EvaluationError> {
+    let several = entries.len() > 1;
+    let mut timelines = Vec::new();
+    for entry in entries {
+        timelines.extend(entry.drawn(if several { 1 } else { WORST }, several)?);
+    }
+    Ok(html! {
+        @if !timelines.is_empty() {
+            p.remark {
+                "Rectified EMG, all channels on one scale. Thin lines mark where the true label changes; the emitted label should \
+                 change near them."
+            }
+            h3 {
+                @if several { "The person with the lowest balanced accuracy of each model, then its best one" }
+                @else { "The people with the lowest balanced accuracy, the worst first, then the best one" }
+            }
+            @for recording in &timelines { figure { (timeline::svg(recording)) } }
+        }
+    })
+}
+
+/// Rows of the picture at the top, with their colours: entries, other models of their runs, then floors.
+fn overview_rows<'a>(entries: &'a [Entry<'_>]) -> Vec<(&'static str, &'a Score)> {
+    let numbered = entries.iter().enumerate();
+    let own = numbered.map(|(at, entry)| (entry_colour(at), &entry.scores));
+    let beside = entries.iter().map(|entry| (INK, &entry.beside));
+    let floors = entries.iter().map(|entry| (MUTED, &entry.floors));
+    let mut rows = Vec::new();
+    for (colour, scores) in own.chain(beside).chain(floors) {
+        for score in over_all(scores) {
+            // Floors of several entries may be the same.
+            if colour != MUTED || !rows.contains(&(colour, score)) {
+                rows.push((colour, score));
+            }
+        }
+    }
+    rows
+}
+
+/// Numbers at the top of a page, each beside the energy detector's: of people who have all classes, if there are any.
+fn headline(entry: &Entry<'_>) -> Markup {
+    let Some(own) = over_all(&entry.scores).next() else {
+        return html! {};
+    };
+    let energy = entry.energy().find(|floor| floor.people == own.people);
+    let share = |name, measure: Measure| {
+        let shown = estimated(own, measure);
+        let (value, interval) = shown.split_once(' ').unwrap_or((&shown, ""));
+        let floor = energy.and_then(|floor| measure.mean(floor));
+        let floor = floor.map(|floor| format!("{:.3}", floor.mean));
+        tile(name, value, interval, floor)
+    };
+    let median = |score: &Score| score.events.latency.map(|own| quantile(own.median));
+    let false_rate = |score: &Score| {
+        let shown = rate(score.events.false_activations);
+        shown.split(' ').next().unwrap_or_default().to_owned()
+    };
+    let people = own.widest().subjects.len().to_string();
+    let latency = median(own).unwrap_or_else(none);
+    html! {
+        ul.headline {
+            (tile("people", &people, &own.people.told(own.classes), None))
+            (share("balanced accuracy", Measure::BalancedAccuracy))
+            (share("transition accuracy", Measure::TransitionAccuracy))
+            (share("gestures recognised", Measure::Recognition))
+            (tile("median latency, ms", &latency, "from the muscle's onset", energy.and_then(median)))
+            (tile("false activations", &false_rate(own), "a minute of rest", energy.map(false_rate)))
         }
     }
 }
 
-/// The sections that have something to show, the most important first.
-fn sections(data: &ReportData) -> Result<Vec<Section>, ReportError> {
-    let mut sections = Vec::new();
-    if !data.tables.is_empty() || !data.overview.is_empty() {
-        let mut own = Section::new("results", "Results", "");
-        if !data.overview.is_empty() {
-            paragraph(
-                &mut own.content,
-                " class=\"remark\"",
-                "Means over people who have all classes of the model, and of the others in rows of their own (fewer); with 95 % \
-                 intervals, from six people on. n: people of a number, where the row has more. Grey: floors, which need no model.",
-            );
-            figure(&mut own.content, &overview::svg(&data.overview)?);
+/// A number with its interval or unit, and the number of the energy detector.
+fn tile(name: &str, value: &str, remark: &str, floor: Option<String>) -> Markup {
+    html! {
+        li {
+            span.name { (name) } span.value { (value) } span.with { (remark) }
+            @if let Some(floor) = floor { span.floor { "energy detector " (floor) } }
         }
-        let tables = data.tables.iter();
-        tables.for_each(|table| own.content.push_str(&table.html()));
-        sections.push(own);
     }
-    if data.people.is_some() || !data.people_tables.is_empty() {
-        let mut own = Section::new("people", "People", "");
-        if let Some(people) = &data.people {
-            figure(&mut own.content, &people::svg(people)?);
-        }
-        let tables = data.people_tables.iter();
-        tables.for_each(|table| own.content.push_str(&table.html()));
-        sections.push(own);
-    }
-    sections.extend(errors(&data.errors)?);
-    if !data.timelines.is_empty() {
-        let mut own = Section::new(
-            "recordings",
-            "Recordings",
-            "Rectified EMG, all channels on one scale. Thin lines mark where the true label changes; \
-             the emitted label should change near them.",
-        );
-        if !data.drawn.is_empty() {
-            let _ = writeln!(own.content, "<h3>{}</h3>", escape(&data.drawn));
-        }
-        for recording in &data.timelines {
-            figure(&mut own.content, &timeline::svg(recording)?);
-        }
-        sections.push(own);
-    }
-    if !data.panels.is_empty() {
-        let mut own = Section::new("training", "Training", "");
-        let pictures: Result<Vec<_>, _> = data.panels.iter().map(curves::svg).collect();
-        pair(&mut own.content, &pictures?);
-        sections.push(own);
-    }
-    if !data.device.is_empty() {
-        let mut own = Section::new("device", "Cost on a board", "");
-        own.content.push_str(&device::table(&data.device).html());
-        if !device::all_counted(&data.device) {
-            paragraph(
-                &mut own.content,
-                " class=\"remark\"",
-                "Instructions of a model of another shape: cargo xtask count --model FILE counts them on an emulated core.",
-            );
-        }
-        sections.push(own);
-    }
-    if !data.more_tables.is_empty() {
-        let mut own = Section::new("tables", "More tables", "");
-        let tables = data.more_tables.iter();
-        tables.for_each(|table| own.content.push_str(&table.html()));
-        sections.push(own);
-    }
-    if !data.provenance.is_empty() {
-        let mut own = Section::new("provenance", "What was evaluated", "");
-        for (name, facts) in &data.provenance {
-            provenance(&mut own.content, name, facts);
-        }
-        sections.push(own);
-    }
-    if !data.notes.is_empty() {
-        let mut own = Section::new("limits", "Limits of these numbers", "");
-        let notes = data.notes.iter();
-        notes.for_each(|note| paragraph(&mut own.content, "", note));
-        sections.push(own);
-    }
-    Ok(sections)
-}
-
-/// Section of confusion and latencies, a row of two pictures for each entry.
-fn errors(errors: &[Errors]) -> Result<Option<Section>, ReportError> {
-    let mut own = Section::new(
-        "errors",
-        "Errors",
-        "Of all people, whatever their classes. Confusion matrix: each row is one true label and adds up to 100 % of its samples. Latency: the gestures that were \
-         recognised, from the onset to the emitted label; the orange line is the median over all gestures, missed ones included.",
-    );
-    let mut any = false;
-    for entry in errors {
-        let mut pictures = Vec::new();
-        if let Some(matrix) = &entry.confusion {
-            pictures.push(confusion::svg(matrix)?);
-        }
-        if !entry.latencies.is_empty() {
-            pictures.push(latencies::svg(&entry.latencies)?);
-        }
-        if pictures.is_empty() {
-            continue;
-        }
-        any = true;
-        if errors.len() > 1 {
-            let _ = writeln!(own.content, "<h3>{}</h3>", escape(&entry.name));
-        }
-        pair(&mut own.content, &pictures);
-    }
-    Ok(any.then_some(own))
-}
-
-fn headline(page: &mut String, figures: &[Headline]) {
-    if figures.is_empty() {
-        return;
-    }
-    page.push_str("<ul class=\"headline\">\n");
-    for own in figures {
-        let floor = own.floor.as_ref().map_or_else(String::new, |floor| {
-            format!(
-                "<span class=\"floor\">energy detector {}</span>",
-                escape(floor)
-            )
-        });
-        let _ = writeln!(
-            page,
-            "<li><span class=\"name\">{}</span><span class=\"value\">{}</span><span class=\"with\">{}</span>{floor}</li>",
-            escape(&own.name),
-            escape(&own.value),
-            escape(&own.remark),
-        );
-    }
-    page.push_str("</ul>\n");
-}
-
-fn paragraph(page: &mut String, attributes: &str, text: &str) {
-    let _ = writeln!(page, "<p{attributes}>{}</p>", escape(text));
-}
-
-fn provenance(page: &mut String, name: &str, facts: &[Fact]) {
-    if facts.is_empty() {
-        return;
-    }
-    if !name.is_empty() {
-        let _ = writeln!(page, "<h3>{}</h3>", escape(name));
-    }
-    page.push_str("<dl>\n");
-    for (name, value) in facts {
-        let _ = writeln!(page, "<dt>{}</dt><dd>{}</dd>", escape(name), escape(value));
-    }
-    page.push_str("</dl>\n");
-}
-
-fn figure(page: &mut String, svg: &str) {
-    let _ = writeln!(page, "<figure>{svg}</figure>");
-}
-
-fn pair(page: &mut String, pictures: &[String]) {
-    page.push_str("<div class=\"pair\">\n");
-    pictures.iter().for_each(|svg| figure(page, svg));
-    page.push_str("</div>\n");
 }

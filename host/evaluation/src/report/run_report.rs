@@ -2,24 +2,21 @@
 
 use std::path::Path;
 
-use super::curves::{Curve, Panel};
-use super::entry::{Entry, onsets, pictures, timeline};
-use super::labels::labels;
-use super::people_table::people_table;
-use super::scores::tables;
-use super::timeline::timeline_svg;
-use super::{Fact, ReportData, ReportError};
+use super::Fact;
+use super::entry::{Entry, SHOWN, onsets};
+use super::labels;
+use super::page::Page;
+use super::people::people_table;
+use super::pictures::charts::Panel;
+use super::pictures::{stand_alone, timeline};
+use super::scores::{is_floor, tables};
 use crate::results::{Evaluation, INTEGER, Results};
-use crate::{CONSTANT, Candidate, ENERGY, LookAhead, Score, Trial, Truth};
-use execution::run_folder::EpochMetrics;
-use execution::run_folder::{RunError, RunFolder, write_whole};
+use crate::{Candidate, EvaluatedRecording, EvaluationError, LookAhead, Score, Truth};
+use execution::run_folder::{EpochMetrics, RunError, RunFolder, write_whole};
 use presets::config::ResolvedConfig;
 
 /// Name of the report in a run folder.
 pub const REPORT: &str = "report.html";
-
-/// Samples of the recording in `timeline.svg`: 20 s.
-const SHOWN: usize = 4000;
 
 /// Writes the report of a run's models to `page`, and `timeline.svg`, the recording with the most gestures, beside it.
 ///
@@ -31,53 +28,49 @@ pub fn write(
     results: &Results,
     evaluation: &Evaluation,
     page: &Path,
-) -> Result<(), ReportError> {
-    let integer = evaluation
-        .candidates
-        .iter()
-        .find(|candidate| candidate.name == INTEGER);
+) -> Result<(), EvaluationError> {
+    let mut candidates = evaluation.candidates.iter();
+    let integer = candidates.find(|candidate| candidate.name == INTEGER);
     let Some(candidate) = integer.or(evaluation.candidates.first()) else {
         return Ok(());
     };
-    let trials = &evaluation.trials;
+    let recordings = &evaluation.recordings;
     let bytes = integer.and(evaluation.model.as_deref());
-    let entry = entry(folder, config, results, candidate, trials, bytes)?;
-    super::write_html(&data(config, results, &entry)?, page)?;
-    let whole = |at: usize| onsets(&trials[at], &(0..trials[at].emg.len()));
-    if let Some(at) = (0..trials.len()).max_by_key(|&at| whole(at)) {
-        let classes = entry.vocabulary.classes();
-        let timeline = timeline(candidate, trials, at, entry.look_ahead, classes)?;
-        let picture = timeline_svg(&timeline.section(0..SHOWN))?;
-        write_whole(&page.with_file_name("timeline.svg"), picture.as_bytes())?;
+    let entry = entry(folder, config, results, candidate, recordings, bytes)?;
+    contents(config, results, std::slice::from_ref(&entry)).write(page)?;
+    let whole = |at: usize| onsets(&recordings[at], &(0..recordings[at].emg.len()));
+    if let Some(at) = (0..recordings.len()).max_by_key(|&at| whole(at)) {
+        let picture = timeline::svg(&entry.timeline(at, 0..SHOWN)?);
+        let file = page.with_file_name("timeline.svg");
+        write_whole(&file, stand_alone(&picture).as_bytes())?;
     }
     Ok(())
 }
 
-/// The page of one run.
-pub(super) fn data(
+/// The page of one run, its only entry.
+pub(super) fn contents<'a>(
     config: &ResolvedConfig,
     results: &Results,
-    entry: &Entry<'_>,
-) -> Result<ReportData, ReportError> {
+    entries: &'a [Entry<'a>],
+) -> Page<'a> {
     let mut tables = tables(results);
     // Lag-compensated labels and the differences to the floors; then the rest.
     let more_tables = tables.split_off(tables.len().min(2));
-    Ok(ReportData {
+    let people = |entry: &Entry<'_>| people_table(&entry.everybody(), &|_| String::new());
+    Page {
         title: format!("Intent detection: preset {}", config.preset.name),
         summary: format!(
             "Trained on {} subjects, evaluated on {} held-out subjects.",
             config.split.training.len(),
             config.split.held_out.len()
         ),
-        provenance: vec![(String::new(), entry.facts.clone())],
+        entries,
+        provenance: vec![(String::new(), provenance(config, results))],
         tables,
         more_tables,
-        people_tables: people_table(&entry.everybody(), &|_| String::new())
-            .into_iter()
-            .collect(),
+        people_tables: entries.iter().filter_map(people).collect(),
         notes: notes(),
-        ..pictures(std::slice::from_ref(entry))?
-    })
+    }
 }
 
 /// A run on a page: `candidate` is drawn, and `bytes` is its model file.
@@ -86,37 +79,33 @@ pub(super) fn entry<'a>(
     config: &ResolvedConfig,
     results: &Results,
     candidate: &'a Candidate,
-    trials: &'a [Trial],
+    recordings: &'a [EvaluatedRecording],
     bytes: Option<&'a [u8]>,
-) -> Result<Entry<'a>, ReportError> {
+) -> Result<Entry<'a>, EvaluationError> {
     let look_ahead = candidate.condition(results.aggregation);
-    let is_floor = |score: &&Score| [CONSTANT, ENERGY].contains(&score.model.as_str());
     let compensated = || {
         let scores = results.published.iter();
         scores.filter(|score| score.truth == Truth::LagCompensated)
     };
-    let own = |score: &&Score| score.model == candidate.name && score.look_ahead == look_ahead;
-    let beside = |score: &&Score| {
-        !is_floor(score)
-            && score.model != candidate.name
-            && [LookAhead::None, look_ahead].contains(&score.look_ahead)
+    let rows = |wanted: &dyn Fn(&Score) -> bool| {
+        let rows = compensated().filter(|score| wanted(score));
+        rows.cloned().collect()
     };
     // The same model without look-ahead is in the tables, and would only double the rows of the picture.
-    let with_look_ahead = |score: &&Score| {
-        let same = compensated().filter(|own| own.model == score.model);
-        score.look_ahead == look_ahead || same.clone().all(|own| own.look_ahead != look_ahead)
+    let with_look_ahead = |score: &Score| {
+        let mut same = compensated().filter(|own| own.model == score.model);
+        score.look_ahead == look_ahead
+            || score.look_ahead == LookAhead::None && same.all(|own| own.look_ahead != look_ahead)
     };
     Ok(Entry {
         name: candidate.name.clone(),
         facts: provenance(config, results),
-        scores: compensated().filter(own).cloned().collect(),
-        beside: compensated()
-            .filter(beside)
-            .filter(with_look_ahead)
-            .cloned()
-            .collect(),
-        floors: compensated().filter(is_floor).cloned().collect(),
-        trials,
+        scores: rows(&|score| score.model == candidate.name && score.look_ahead == look_ahead),
+        beside: rows(&|score| {
+            !is_floor(score) && score.model != candidate.name && with_look_ahead(score)
+        }),
+        floors: rows(&is_floor),
+        recordings,
         candidate,
         vocabulary: config.preset.vocabulary(),
         look_ahead,
@@ -127,24 +116,22 @@ pub(super) fn entry<'a>(
 
 /// Origin of the numbers.
 fn provenance(config: &ResolvedConfig, results: &Results) -> Vec<Fact> {
+    let sets: Vec<_> = config.lags.keys().map(|set| set.name()).collect();
     let recordings = if config.data.is_some() {
-        let sets: Vec<_> = config.lags.keys().map(|set| set.name()).collect();
         sets.join(", ")
     } else {
         "synthetic".to_owned()
     };
     let revision = config.git_revision.as_deref().unwrap_or("unknown");
-    let mut facts = vec![
-        ("recordings".to_owned(), recordings),
-        ("held out".to_owned(), config.split.held_out.join(", ")),
-        ("validation".to_owned(), config.split.validation.join(", ")),
-        ("seed".to_owned(), config.preset.seed.to_string()),
-        ("revision".to_owned(), revision.to_owned()),
-        (
-            "look-ahead".to_owned(),
-            results.aggregation.name().to_owned(),
-        ),
+    let facts = [
+        ("recordings", recordings),
+        ("held out", config.split.held_out.join(", ")),
+        ("validation", config.split.validation.join(", ")),
+        ("seed", config.preset.seed.to_string()),
+        ("revision", revision.to_owned()),
+        ("look-ahead", results.aggregation.name().to_owned()),
     ];
+    let mut facts = facts.map(|(name, value)| (name.to_owned(), value)).to_vec();
     facts.extend(labels(&config.lags, &results.gestures));
     facts
 }
@@ -154,6 +141,7 @@ pub(super) const PEOPLE: &str = "People whose recordings have all classes of the
      their own, and no mean is over both. A number of fewer people than its row has says so (n). Intervals are shown from six \
      people on; over fewer than about ten they are too narrow.";
 
+/// Notes for the reader of the page of a run.
 pub(super) fn notes() -> Vec<String> {
     [
         "Labels of these recordings are cues: muscle activity follows a few tenths of a second later. The tables show \
@@ -174,34 +162,25 @@ pub(super) fn notes() -> Vec<String> {
 pub(super) fn panels(run: &RunFolder) -> Result<Vec<Panel>, RunError> {
     let mut panels = Vec::new();
     for name in ["teacher", "student"] {
-        let lines: Vec<EpochMetrics> = run.lines(&format!("{name}.jsonl"))?;
-        let mut curves: Vec<Curve> = Vec::new();
-        let mut add = |name: String, step: usize, value: f64| match curves
-            .iter_mut()
-            .find(|curve| curve.name == name)
-        {
-            Some(curve) => curve.points.push((step as f64, value)),
-            None => curves.push(Curve {
-                name,
-                points: vec![(step as f64, value)],
-            }),
-        };
-        for line in &lines {
-            for (what, value) in line.train.iter().filter(|(what, _)| what != "emg") {
-                add(format!("training {what}"), line.epoch, *value);
-            }
-            for (what, value) in line
-                .validation
-                .iter()
-                .filter(|(what, _)| what == "intent" || what == "label")
-            {
-                add(format!("validation {what}"), line.epoch, *value);
+        let mut curves: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
+        for line in run.lines::<EpochMetrics>(&format!("{name}.jsonl"))? {
+            let shown = |what: &str| ["intent", "label"].contains(&what);
+            let named =
+                |set| move |(what, value): &(String, f64)| (format!("{set} {what}"), *value);
+            let training = line.train.iter().filter(|(what, _)| what != "emg");
+            let validation = line.validation.iter().filter(|(what, _)| shown(what));
+            let both = training.map(named("training"));
+            for (name, value) in both.chain(validation.map(named("validation"))) {
+                if !curves.iter().any(|(own, _)| *own == name) {
+                    curves.push((name.clone(), Vec::new()));
+                }
+                let own = curves.iter_mut().filter(|(own, _)| *own == name);
+                own.for_each(|(_, points)| points.push((line.epoch as f64, value)));
             }
         }
         if !curves.is_empty() {
             panels.push(Panel {
                 title: format!("Loss of the {name}"),
-                step: "epoch".to_owned(),
                 curves,
             });
         }

@@ -4,13 +4,14 @@ use std::path::Path;
 
 use shared::intent::Vocabulary;
 
-use super::entry::{Entry, MOST_ENTRIES, pictures};
-use super::seen::marked;
-use super::side_by_side::side_by_side;
-use super::{ReportData, ReportError, Table, model_report, run_report};
-use crate::Score;
+use super::entry::{Entry, over_all};
+use super::model_report::{self, SCORES, marked};
+use super::page::Page;
+use super::scores::{differences, sort, table};
+use super::{MOST_ENTRIES, Table, people, run_report};
 use crate::model_evaluation::{ModelEvaluation, NamedModel};
 use crate::results::{Evaluation, Results};
+use crate::{EvaluationError, Score};
 use execution::run_folder::RunFolder;
 use presets::config::ResolvedConfig;
 
@@ -32,7 +33,7 @@ pub struct ReportedRun {
     pub config: ResolvedConfig,
     /// Results that the folder keeps.
     pub results: Results,
-    /// Trials and candidates of the results: one candidate, that of the model file.
+    /// Recordings and candidates of the results: one candidate, that of the model file.
     pub evaluation: Evaluation,
 }
 
@@ -73,7 +74,7 @@ impl Reported {
         }
     }
 
-    fn entry(&self) -> Result<Entry<'_>, ReportError> {
+    fn entry(&self) -> Result<Entry<'_>, EvaluationError> {
         match self {
             Self::Run(run) => {
                 let evaluation = &run.evaluation;
@@ -82,7 +83,7 @@ impl Reported {
                     &run.config,
                     &run.results,
                     &evaluation.candidates[0],
-                    &evaluation.trials,
+                    &evaluation.recordings,
                     evaluation.model.as_deref(),
                 )
             }
@@ -106,7 +107,7 @@ impl Reported {
 ///
 /// # Errors
 /// When the metrics of a run cannot be read.
-pub fn tables(reported: &[Reported]) -> Result<Vec<Table>, ReportError> {
+pub fn tables(reported: &[Reported]) -> Result<Vec<Table>, EvaluationError> {
     if let [Reported::Run(run)] = reported {
         return Ok(super::scores::tables(&run.results));
     }
@@ -120,17 +121,17 @@ pub fn tables(reported: &[Reported]) -> Result<Vec<Table>, ReportError> {
 ///
 /// # Errors
 /// When the file cannot be written, or the metrics of a run cannot be read.
-pub fn write(reported: &[Reported], data: &str, page: &Path) -> Result<(), ReportError> {
+pub fn write(reported: &[Reported], data: &str, page: &Path) -> Result<(), EvaluationError> {
     let entries = entries(reported)?;
     let report = match reported {
-        [Reported::Run(run)] => run_report::data(&run.config, &run.results, &entries[0])?,
-        _ => several(reported, &entries, data)?,
+        [Reported::Run(run)] => run_report::contents(&run.config, &run.results, &entries),
+        _ => several(reported, &entries, data),
     };
-    super::write_html(&report, page)
+    report.write(page)
 }
 
 /// Entries of the page; those of several are named as they are on the page.
-fn entries(reported: &[Reported]) -> Result<Vec<Entry<'_>>, ReportError> {
+fn entries(reported: &[Reported]) -> Result<Vec<Entry<'_>>, EvaluationError> {
     let mut entries = Vec::new();
     for own in reported.iter().take(MOST_ENTRIES) {
         let mut entry = own.entry()?;
@@ -164,63 +165,82 @@ fn name_floors(entries: &mut [Entry<'_>]) {
     }
 }
 
-fn several(
-    reported: &[Reported],
-    entries: &[Entry<'_>],
-    data: &str,
-) -> Result<ReportData, ReportError> {
+fn several<'a>(reported: &[Reported], entries: &'a [Entry<'a>], data: &str) -> Page<'a> {
     let names: Vec<&str> = entries.iter().map(|entry| &entry.name[..]).collect();
-    let people = |entry: &Entry<'_>| -> usize {
-        let rows = entry.everybody().into_iter();
-        rows.map(|score| score.widest().subjects.len()).sum()
-    };
-    let counts: Vec<String> = entries
-        .iter()
-        .map(|entry| format!("{} on {} subjects", entry.name, people(entry)))
-        .collect();
-    let of_models = reported.iter().any(|own| matches!(own, Reported::Model(_)));
-    let runs = reported.iter().any(|own| matches!(own, Reported::Run(_)));
+    let counts = entries.iter().map(|entry| {
+        let people = over_all(&entry.scores).map(|score| score.widest().subjects.len());
+        format!("{} on {} subjects", entry.name, people.sum::<usize>())
+    });
+    let mut summary = counts.collect::<Vec<_>>().join(", ");
     let mut notes = Vec::new();
-    if of_models {
+    if reported.iter().any(|own| matches!(own, Reported::Model(_))) {
         notes.extend(model_report::notes());
-    }
-    if runs {
-        notes.extend(run_report::notes());
-    }
-    let mut summary = counts.join(", ");
-    if of_models {
         summary += &format!(", of {data}");
+    }
+    if reported.iter().any(|own| matches!(own, Reported::Run(_))) {
+        notes.extend(run_report::notes());
     }
     let seen = reported.iter().any(|own| own.name() != own.shown_name());
     let whom = if seen {
-        "A model that has seen people of its row in training says so beside its name: on them it is too good. "
+        "A model that has seen people of its row in training says so beside its name: on them it is too good."
     } else {
-        "Each model is evaluated on the people whom it has not seen. "
+        "Each model is evaluated on the people whom it has not seen."
     };
     if entries.len() > 1 {
         notes.push(format!(
-            "{whom}Those may be others than another model's: means side by side compare people too. Differences are paired over \
+            "{whom} Those may be others than another model's: means side by side compare people too. Differences are paired over \
              the people they share."
         ));
     } else if seen {
-        notes.push(whom.trim_end().to_owned());
+        notes.push(whom.to_owned());
     }
-    let tables = match reported {
+    let mut tables = match reported {
         [Reported::Model(own)] => model_report::tables(&own.evaluation.results),
         _ => side_by_side(entries),
     };
     // The last one is that of the people.
-    let (tables, people_tables) = tables.split_at(tables.len() - 1);
-    Ok(ReportData {
+    let people_tables = tables.split_off(tables.len() - 1);
+    let provenance = |entry: &Entry<'_>| (entry.name.clone(), entry.facts.clone());
+    Page {
         title: format!("Evaluation of {}", names.join(", ")),
         summary: format!("{summary}."),
-        provenance: entries
-            .iter()
-            .map(|entry| (entry.name.clone(), entry.facts.clone()))
-            .collect(),
-        tables: tables.to_vec(),
-        people_tables: people_tables.to_vec(),
+        entries,
+        provenance: entries.iter().map(provenance).collect(),
+        tables,
+        people_tables,
         notes,
-        ..pictures(entries)?
-    })
+        ..Page::default()
+    }
+}
+
+/// Tables of scores, differences and people. Differences: of every later entry to every earlier one, data set by data
+/// set, and of each to its floors over all recordings.
+fn side_by_side(entries: &[Entry<'_>]) -> Vec<Table> {
+    let mut scores: Vec<&Score> = entries.iter().flat_map(|own| &own.scores).collect();
+    for floor in entries.iter().flat_map(|own| &own.floors) {
+        if !scores.contains(&floor) {
+            scores.push(floor);
+        }
+    }
+    sort(&mut scores);
+    let mut pairs: Vec<(&Score, &Score)> = Vec::new();
+    for (at, later) in entries.iter().enumerate() {
+        for earlier in &entries[..at] {
+            let other = |own: &Score| earlier.scores.iter().find(|other| other.same_people(own));
+            let own = later.scores.iter();
+            pairs.extend(own.filter_map(|own| Some((own, other(own)?))));
+        }
+    }
+    for entry in entries {
+        for own in over_all(&entry.scores) {
+            let floors = entry.floors.iter().filter(|floor| floor.same_people(own));
+            pairs.extend(floors.map(|floor| (own, floor)));
+        }
+    }
+    let caption = "Differences, paired over the subjects that both have; mean [95 % interval] over n subjects";
+    vec![
+        table(SCORES, &scores),
+        differences(caption, false, pairs),
+        people::side_by_side(entries),
+    ]
 }

@@ -1,8 +1,6 @@
 //! Tables, for the terminal, for Markdown and for HTML.
 
-use std::fmt::Write as _;
-
-use super::canvas::escape;
+use maud::{Markup, Render, html};
 
 /// Letters of a cell above which its line may break on a page.
 const LONG: usize = 32;
@@ -40,26 +38,39 @@ impl Table {
     /// Text with aligned columns for a terminal: numbers to the right, the rest to the left.
     #[must_use]
     pub fn plain(&self) -> String {
-        let columns = self.columns();
-        let mut out = self.caption_line("\n");
-        let mut line = |cells: &[String]| {
-            let padded: Vec<_> = columns
-                .iter()
-                .enumerate()
-                .map(|(i, column)| column.pad(cell(cells, i)))
-                .collect();
-            out.push_str(padded.join("  ").trim_end());
-            out.push('\n');
+        let rule = |column: &Column| "-".repeat(column.width);
+        let lines = self.lines("|", rule, |cells| cells.join("  ").trim_end().to_owned());
+        self.caption_line("\n") + &lines
+    }
+
+    /// A table of GitHub's Markdown, aligned in the source too.
+    #[must_use]
+    pub fn markdown(&self) -> String {
+        let rule = |column: &Column| {
+            let end = if column.numeric { ":" } else { "-" };
+            "-".repeat(column.width.max(2) - 1) + end
         };
-        line(&self.header);
-        line(
-            &columns
-                .iter()
-                .map(|column| "-".repeat(column.width))
-                .collect::<Vec<_>>(),
-        );
-        self.rows.iter().for_each(|row| line(row));
-        out
+        let line = |cells: Vec<String>| format!("| {} |", cells.join(" | "));
+        self.caption_line("\n\n") + &self.lines("\\|", rule, line)
+    }
+
+    /// Header, rule and rows with padded cells, a line each; `bar` is written for `|` in a cell.
+    fn lines(
+        &self,
+        bar: &str,
+        rule: fn(&Column) -> String,
+        line: impl Fn(Vec<String>) -> String,
+    ) -> String {
+        let columns = self.columns();
+        let padded = |row: &Vec<String>| {
+            let columns = columns.iter().enumerate();
+            columns
+                .map(|(i, column)| column.pad(&cell(row, i).replace('|', bar)))
+                .collect()
+        };
+        let head = [padded(&self.header), columns.iter().map(rule).collect()];
+        let lines = head.into_iter().chain(self.rows.iter().map(padded));
+        lines.map(|cells| line(cells) + "\n").collect()
     }
 
     /// Header and rows as CSV.
@@ -76,86 +87,45 @@ impl Table {
             .map_err(csv::IntoInnerError::into_error)?)
     }
 
-    /// A table of GitHub's Markdown, aligned in the source too.
-    #[must_use]
-    pub fn markdown(&self) -> String {
-        let columns = self.columns();
-        let mut out = self.caption_line("\n\n");
-        let mut line = |cells: &[String]| {
-            for (i, column) in columns.iter().enumerate() {
-                let _ = write!(
-                    out,
-                    "| {} ",
-                    column.pad(&cell(cells, i).replace('|', "\\|"))
-                );
-            }
-            out.push_str("|\n");
-        };
-        line(&self.header);
-        let rule = |column: &Column| {
-            let end = if column.numeric { ":" } else { "-" };
-            "-".repeat(column.width.max(2) - 1) + end
-        };
-        line(&columns.iter().map(rule).collect::<Vec<_>>());
-        self.rows.iter().for_each(|row| line(row));
-        out
-    }
-
-    /// The table as HTML.
-    pub(super) fn html(&self) -> String {
-        let columns = self.columns();
-        let mut out = String::from("<div class=\"wide\"><table>");
-        if !self.caption.is_empty() {
-            let _ = write!(out, "<caption>{}</caption>", escape(&self.caption));
-        }
-        let line = |out: &mut String, tag: &str, cells: &[String]| {
-            out.push_str("<tr>");
-            for (i, column) in columns.iter().enumerate() {
-                let text = cell(cells, i);
-                // Sentences may break, numbers may not.
-                let class = match (column.numeric, width(text) > LONG) {
-                    (true, true) => " class=\"number long\"",
-                    (true, false) => " class=\"number\"",
-                    (false, true) => " class=\"long\"",
-                    (false, false) => "",
-                };
-                let _ = write!(out, "<{tag}{class}>{}</{tag}>", escape(text));
-            }
-            out.push_str("</tr>\n");
-        };
-        // A head that printed pages repeat.
-        let mut part = |name: &str, tag: &str, rows: &[Vec<String>]| {
-            let _ = write!(out, "<{name}>");
-            rows.iter().for_each(|row| line(&mut out, tag, row));
-            let _ = writeln!(out, "</{name}>");
-        };
-        part("thead", "th", std::slice::from_ref(&self.header));
-        part("tbody", "td", &self.rows);
-        out.push_str("</table></div>\n");
-        out
-    }
-
     fn caption_line(&self, end: &str) -> String {
-        if self.caption.is_empty() {
-            String::new()
-        } else {
-            self.caption.clone() + end
+        match &self.caption[..] {
+            "" => String::new(),
+            caption => caption.to_owned() + end,
         }
     }
 
     fn columns(&self) -> Vec<Column> {
         let column = |i: usize| {
             let cells = || self.rows.iter().map(move |row| cell(row, i));
+            let widths = cells().chain([cell(&self.header, i)]).map(width);
             Column {
-                width: cells()
-                    .chain([cell(&self.header, i)])
-                    .map(width)
-                    .max()
-                    .unwrap_or(0),
+                width: widths.max().unwrap_or(0),
                 numeric: !self.rows.is_empty() && cells().all(is_number_or_empty),
             }
         };
         (0..self.header.len()).map(column).collect()
+    }
+}
+
+impl Render for Table {
+    fn render(&self) -> Markup {
+        let columns = self.columns();
+        let in_columns = |row| {
+            columns
+                .iter()
+                .enumerate()
+                .map(move |(i, column)| (column, cell(row, i)))
+        };
+        html! {
+            div.wide { table {
+                @if !self.caption.is_empty() { caption { (self.caption) } }
+                // A head that printed pages repeat.
+                thead { tr { @for (column, text) in in_columns(&self.header) { th class=[column.class(text)] { (text) } } } }
+                tbody { @for row in &self.rows { tr { @for (column, text) in in_columns(row) {
+                    td class=[column.class(text)] { (text) }
+                } } } }
+            } }
+        }
     }
 }
 
@@ -165,6 +135,16 @@ struct Column {
 }
 
 impl Column {
+    /// Class of a cell: sentences may break, numbers may not.
+    fn class(&self, text: &str) -> Option<&'static str> {
+        match (self.numeric, width(text) > LONG) {
+            (true, true) => Some("number long"),
+            (true, false) => Some("number"),
+            (false, true) => Some("long"),
+            (false, false) => None,
+        }
+    }
+
     fn pad(&self, text: &str) -> String {
         let blanks = " ".repeat(self.width.saturating_sub(width(text)));
         if self.numeric {
@@ -239,10 +219,10 @@ Held-out subjects
         let mut table = Table::new("", ["a", "b"]);
         table.push(["x"]);
         assert_eq!(table.plain(), "a  b\n-  -\nx\n");
+        let html = table.render().0;
         assert!(
-            table
-                .html()
-                .contains("<td>x</td><td class=\"number\"></td>")
+            html.contains("<td>x</td><td class=\"number\"></td>"),
+            "{html}"
         );
     }
 }

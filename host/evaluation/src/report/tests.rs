@@ -1,179 +1,141 @@
-//! A report of synthetic numbers, checked as a whole.
+//! Tables and a page of synthetic recordings, checked as a whole.
 
+use std::collections::BTreeMap;
 use std::{error::Error, fs};
 
-use rand::{RngExt as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
 use shared::intent::{Intent, Vocabulary};
-use shared::units::CHANNELS;
+use shared::model::LookBackLogits;
 
-use super::curves::{Curve, Panel};
-use super::overview::{Kind, Row};
-use super::people::{People, Person};
-use super::timeline::{Timeline, timeline_svg};
-use super::{Confusion, Errors, Headline, ReportData, Table, write_html};
+use super::entry::Entry;
+use super::page::Page;
+use super::pictures::charts::Panel;
+use super::pictures::stand_alone;
+use super::pictures::timeline::{Timeline, svg};
+use super::scores::{is_floor, summary, tables};
+use crate::results::{INTEGER, Results};
+use crate::{
+    CONSTANT, Candidate, ENERGY, EnergyDetector, EvaluatedRecording, LookAhead, Truth, constant,
+    score_all,
+};
 
-/// Rest and gestures in turn, each with its own muscles; emitted labels 50 to 300 ms late.
-fn synthetic_timeline(random: &mut ChaCha8Rng) -> Timeline {
-    let mut timeline = Timeline {
-        subject: "subject 3".into(),
-        recording: "session 1 & <only>".into(),
-        look_ahead_samples: 50,
-        ..Timeline::default()
-    };
-    timeline.emitted = vec![None; 599];
-    for block in 0..24 {
-        let intent = if block % 2 == 0 {
-            Intent::Relax
-        } else {
-            [Intent::Close, Intent::Open][block / 2 % 2]
+/// Recordings, a model that sees each change of their labels after 100 ms, and the results of the model and the floors.
+struct Evaluated {
+    recordings: Vec<EvaluatedRecording>,
+    model: Candidate,
+    results: Results,
+}
+
+impl Evaluated {
+    fn new(recordings: Vec<EvaluatedRecording>) -> Self {
+        let logits = recordings.iter().map(|recording| {
+            let rows = |patch: usize| {
+                let mut rows = LookBackLogits::default();
+                for (back, row) in rows.iter_mut().enumerate() {
+                    let at = (patch * 10).saturating_sub(back * 10 + 20);
+                    row[recording.lag_compensated[at].map_or(0, Intent::class)] = 1.0;
+                }
+                rows
+            };
+            (0..recording.emg.len() / 10).map(rows).collect()
+        });
+        let model = Candidate {
+            name: INTEGER.to_owned(),
+            looks_back: true,
+            logits: logits.collect(),
+            entry_margins: [0.0; 6],
+            other_margin: None,
         };
-        let samples = random.random_range(150..400);
-        let late = random.random_range(10..60);
-        for sample in 0..samples {
-            let contraction = if sample < 40 { 0.1 } else { 1.0 };
-            timeline.emg.push(std::array::from_fn(|channel| {
-                let muscle = match intent {
-                    Intent::Relax => 4.0,
-                    Intent::Open => 12.0 + 70.0 * f64::from(u8::from(channel < 3)),
-                    _ => 12.0 + 60.0 * f64::from(u8::from(channel > 3)),
-                };
-                (random.random::<f64>() * (4.0 + muscle * contraction)) as u8
-            }));
-            timeline.truth.push(Some(intent));
-            if timeline.truth.len() > 600 + late {
-                timeline
-                    .emitted
-                    .push(timeline.truth[timeline.truth.len() - late]);
-            }
+        let detector = EnergyDetector::fit(&recordings)
+            .unwrap()
+            .candidate(&recordings);
+        let candidates = [model.clone(), constant(&recordings), detector];
+        let scores = |truths: &[Truth]| {
+            score_all(&candidates, &recordings, Vocabulary::Three, truths).unwrap()
+        };
+        let results = Results {
+            held_out: Vec::new(),
+            aggregation: LookAhead::SameInstant,
+            gestures: BTreeMap::new(),
+            published: scores(&[Truth::Published, Truth::LagCompensated]),
+            spliced: scores(&[Truth::LagCompensated]),
+        };
+        Self {
+            recordings,
+            model,
+            results,
         }
     }
-    timeline
-}
 
-fn synthetic_report() -> ReportData {
-    let random = &mut ChaCha8Rng::seed_from_u64(42);
-    let mut table = Table::new(
-        "Held-out subjects, look-ahead 0.25 s, mean ± SD over subjects",
-        [
-            "system",
-            "raw accuracy",
-            "transition accuracy",
-            "mean offset",
-            "parameters",
-        ],
-    );
-    table.push([
-        "teacher",
-        "0.83 ± 0.06",
-        "0.71 ± 0.12",
-        "+142 ms",
-        "1 204 000",
-    ]);
-    table.push([
-        "student, float",
-        "0.81 ± 0.07",
-        "0.68 ± 0.11",
-        "+151 ms",
-        "74 000",
-    ]);
-    table.push([
-        "student, integer",
-        "0.81 ± 0.07",
-        "0.68 ± 0.11",
-        "+150 ms",
-        "74 000",
-    ]);
-    let mut curve = |name: &str, start: f64, end: f64| Curve {
-        name: name.into(),
-        points: (0..60)
-            .map(|i| {
-                let fall = (-f64::from(i) / 12.0).exp();
-                (
-                    f64::from(i),
-                    end + (start - end) * fall + 0.02 * random.random::<f64>(),
-                )
-            })
-            .collect(),
-    };
-    let panels = vec![
-        Panel {
-            title: "Loss".into(),
-            step: "epoch".into(),
-            curves: vec![curve("training", 1.1, 0.3), curve("validation", 1.1, 0.42)],
-        },
-        Panel {
-            title: "Accuracy on validation subjects".into(),
-            step: "epoch".into(),
-            curves: vec![
-                curve("raw", 0.4, 0.81),
-                curve("transition", 0.0, 0.78),
-                curve("student", 0.3, 0.8),
-            ],
-        },
-    ];
-    let latencies = (0..240)
-        .map(|at| {
-            let spread: f64 = (0..4).map(|_| random.random::<f64>() - 0.5).sum();
-            (at % 7 > 0).then_some((60.0 + 60.0 * spread).round() as i32)
-        })
-        .collect();
-    ReportData {
-        drawn: "A recording".to_owned(),
-        title: "Intent detection on two unseen subjects".into(),
-        summary: "Trained on six subjects with \"synthetic\" <EMG>, measured on two others.".into(),
-        provenance: vec![(
-            "A group".to_owned(),
-            [
-                ("data", "synthetic, seed 42"),
-                ("left out", "subjects 3 and 6"),
-                ("revision", "0000000"),
-            ]
-            .map(|(name, value)| (name.to_owned(), value.to_owned()))
-            .to_vec(),
-        )],
-        headline: vec![Headline {
-            name: "balanced accuracy".into(),
-            value: "0.912".into(),
-            remark: "[0.88, 0.94]".into(),
-            floor: Some("0.700".into()),
-        }],
-        overview: vec![Row {
-            name: "student".into(),
-            kind: Kind::Entry(0),
-            people: 1,
-            values: [None; 3],
-        }],
-        people: Some(People {
-            names: vec!["student".into()],
-            floor: "energy detector".into(),
-            rows: vec![Person {
-                subject: "subject 3".into(),
-                values: vec![Some(0.9)],
-                floor: Some(0.7),
+    /// The model on a page.
+    fn entry(&self) -> Entry<'_> {
+        let look_ahead = LookAhead::SameInstant;
+        let own = self.results.spliced.iter();
+        let (floors, scores): (Vec<_>, Vec<_>) = own.cloned().partition(is_floor);
+        let points = |end: f64| {
+            (0..60)
+                .map(|at| (f64::from(at), end + (-f64::from(at) / 12.0).exp()))
+                .collect()
+        };
+        let curve = |name: &str, end| (name.to_owned(), points(end));
+        Entry {
+            name: "student".to_owned(),
+            facts: Vec::new(),
+            scores: scores
+                .into_iter()
+                .filter(|score| score.look_ahead == look_ahead)
+                .collect(),
+            beside: Vec::new(),
+            floors,
+            recordings: &self.recordings,
+            candidate: &self.model,
+            vocabulary: Vocabulary::Three,
+            look_ahead,
+            panels: vec![Panel {
+                title: "Loss".to_owned(),
+                curves: vec![curve("training", 0.3), curve("validation", 0.42)],
             }],
-        }),
-        tables: vec![table],
-        timelines: vec![synthetic_timeline(random)],
-        panels,
-        errors: vec![Errors {
-            name: "student".into(),
-            confusion: Some(Confusion {
-                counts: vec![
-                    vec![9120, 310, 402, 31],
-                    vec![820, 4110, 230, 12],
-                    vec![960, 120, 3980, 0],
-                ],
-                ..Confusion::new(Vocabulary::Three)
-            }),
-            latencies,
-        }],
-        notes: vec!["Every number on this page is synthetic.".into()],
-        ..ReportData::default()
+            bytes: None,
+        }
     }
 }
 
-/// Whether every tag is closed in order; elements of HTML that never close are written `<x/>`.
+/// Two people, who close their hand twice.
+fn two_people() -> Evaluated {
+    let people = ["synthetic/a", "synthetic/b"];
+    let recordings = people.map(|who| EvaluatedRecording::made_up(who, &[0, 2, 0, 2, 0]));
+    Evaluated::new(recordings.to_vec())
+}
+
+/// Two people of three classes with onsets, one with holds alone, and one who never opens the hand.
+fn four_people() -> Evaluated {
+    let mut recordings = vec![
+        EvaluatedRecording::made_up("synthetic/a", &[0, 1, 0, 2, 0]),
+        EvaluatedRecording::made_up("synthetic/b", &[0, 2, 0, 1, 0]),
+        EvaluatedRecording::made_up("synthetic/d", &[0, 2, 0, 2, 0]),
+    ];
+    recordings.extend([0, 1, 2].map(|class| EvaluatedRecording::made_up("synthetic/c", &[class])));
+    Evaluated::new(recordings)
+}
+
+/// Page with something in every part.
+fn page<'a>(evaluated: &Evaluated, entries: &'a [Entry<'a>]) -> Page<'a> {
+    let mut tables = tables(&evaluated.results);
+    Page {
+        title: "Intent detection on four people".to_owned(),
+        summary: "Of \"synthetic\" <EMG>.".to_owned(),
+        entries,
+        people_tables: tables.split_off(5),
+        more_tables: tables.split_off(2),
+        tables,
+        provenance: vec![(
+            "A group".to_owned(),
+            vec![("data".to_owned(), "synthetic".to_owned())],
+        )],
+        notes: vec!["Every number on this page is synthetic.".to_owned()],
+    }
+}
+
+/// Whether every tag is closed in order, but `meta`, which never closes.
 fn well_formed(markup: &str) -> Result<(), String> {
     let mut open: Vec<&str> = Vec::new();
     for piece in markup.split('<').skip(1) {
@@ -183,7 +145,7 @@ fn well_formed(markup: &str) -> Result<(), String> {
         if text.contains('>') {
             return Err(format!("stray > after <{tag}>"));
         }
-        if tag.starts_with('!') || tag.ends_with('/') {
+        if tag.starts_with('!') || tag.starts_with("meta ") {
             continue;
         }
         let name = tag.split_whitespace().next().unwrap_or_default();
@@ -204,10 +166,11 @@ fn well_formed(markup: &str) -> Result<(), String> {
 
 #[test]
 fn a_report_is_well_formed_and_whole() -> Result<(), Box<dyn Error>> {
-    let folder = std::env::temp_dir().join(format!("myointent-report-{}", std::process::id()));
-    fs::create_dir_all(&folder)?;
-    let path = folder.join("report.html");
-    write_html(&synthetic_report(), &path)?;
+    let folder = tempfile::tempdir()?;
+    let path = folder.path().join("report.html");
+    let evaluated = four_people();
+    let entries = [evaluated.entry()];
+    page(&evaluated, &entries).write(&path)?;
     let html = fs::read_to_string(&path)?;
     assert_eq!(
         fs::read_dir(&folder)?.count(),
@@ -217,25 +180,25 @@ fn a_report_is_well_formed_and_whole() -> Result<(), Box<dyn Error>> {
     // To view the page: MYOINTENT_KEEP_REPORT=folder cargo test report
     if let Some(keep) = std::env::var_os("MYOINTENT_KEEP_REPORT") {
         fs::write(std::path::Path::new(&keep).join("report.html"), &html)?;
-        let picture = timeline_svg(&synthetic_report().timelines[0])?;
-        fs::write(std::path::Path::new(&keep).join("timeline.svg"), picture)?;
     }
-    fs::remove_dir_all(&folder)?;
 
     well_formed(&html)?;
-    assert_eq!(html.matches("<svg").count(), 7);
+    // Overview, people, confusion, latencies, a curve; three of the four people and the best one.
+    assert_eq!(html.matches("<svg").count(), 9);
     assert_eq!(
         html.matches("<title>").count(),
-        8,
+        10,
         "the page's and one for every picture"
     );
     for part in [
-        "student, integer",
+        "<!DOCTYPE html>",
+        "student",
         "Confusion matrix",
         "median",
         "Loss",
         "Every number on this page is synthetic.",
-        "+150 ms",
+        "energy detector",
+        "with all 3 classes",
     ] {
         assert!(html.contains(part), "{part} is missing");
     }
@@ -244,7 +207,8 @@ fn a_report_is_well_formed_and_whole() -> Result<(), Box<dyn Error>> {
 
 #[test]
 fn a_report_needs_nothing_from_elsewhere() -> Result<(), Box<dyn Error>> {
-    let html = super::page::html(&synthetic_report())?;
+    let evaluated = four_people();
+    let html = page(&evaluated, &[evaluated.entry()]).html()?;
     for reference in [
         "http:", "https:", "src=", "url(", "@import", "<script", "<link",
     ] {
@@ -267,51 +231,67 @@ fn a_report_needs_nothing_from_elsewhere() -> Result<(), Box<dyn Error>> {
 #[test]
 fn text_is_escaped_on_the_page_and_in_pictures() -> Result<(), Box<dyn Error>> {
     let hostile = "<script>alert('&')</script>";
-    let mut data = synthetic_report();
-    data.title = hostile.into();
-    data.summary = hostile.into();
-    data.notes = vec![hostile.into()];
-    data.tables[0].caption = hostile.into();
-    data.tables[0].rows[0][0] = hostile.into();
-    data.timelines[0].subject = hostile.into();
-    data.panels[0].title = hostile.into();
-    data.panels[0].step = hostile.into();
-    data.panels[0].curves[0].name = hostile.into();
-    data.headline[0].name = hostile.into();
-    data.headline[0].floor = Some(hostile.into());
-    data.overview[0].name = hostile.into();
-    data.people.as_mut().unwrap().rows[0].subject = hostile.into();
-    data.provenance[0].0 = hostile.into();
-    let html = super::page::html(&data)?;
+    let evaluated = Evaluated::new(vec![EvaluatedRecording::made_up(hostile, &[0, 1, 0, 2, 0])]);
+    let entry = || {
+        let mut entry = evaluated.entry();
+        entry.name = hostile.into();
+        entry.scores[0].model = hostile.into();
+        entry.panels[0].title = hostile.into();
+        entry.panels[0].curves[0].0 = hostile.into();
+        entry
+    };
+    let entries = [entry(), entry()];
+    let mut page = page(&evaluated, &entries);
+    page.title = hostile.into();
+    page.summary = hostile.into();
+    page.notes = vec![hostile.into()];
+    page.tables[0].caption = hostile.into();
+    page.tables[0].header[0] = hostile.into();
+    page.tables[0].rows[0][0] = hostile.into();
+    page.provenance = vec![(hostile.into(), vec![(hostile.into(), hostile.into())])];
+    let html = page.html()?;
     assert!(!html.contains("<script"));
+    assert!(html.matches("&lt;script&gt;alert").count() > 20);
     well_formed(&html)?;
     Ok(())
 }
 
 #[test]
 fn an_empty_report_is_a_page_too() -> Result<(), Box<dyn Error>> {
-    let html = super::page::html(&ReportData::default())?;
+    let html = Page::default().html()?;
     well_formed(&html)?;
     assert!(!html.contains("<h2>"));
-    let empty = ReportData {
-        timelines: vec![Timeline::default()],
-        panels: vec![Panel::default()],
-        ..ReportData::default()
-    };
-    well_formed(&super::page::html(&empty)?)?;
+    let nobody = two_people();
+    let mut entry = nobody.entry();
+    entry.recordings = &[];
+    entry.scores.clear();
+    entry.floors.clear();
+    entry.panels.clear();
+    let html = Page {
+        entries: &[entry],
+        ..Page::default()
+    }
+    .html()?;
+    well_formed(&html)?;
+    assert_eq!(
+        html.matches("<h2>").count(),
+        1,
+        "no errors but a matrix of zeros"
+    );
     Ok(())
 }
 
 #[test]
 fn the_picture_alone_names_its_language_and_carries_its_style() -> Result<(), Box<dyn Error>> {
     let timeline = Timeline {
-        emg: vec![[3; CHANNELS]; 400],
-        truth: vec![Some(Intent::Relax); 400],
+        subject: "a\u{1}b",
+        emg: &[[3; 8]; 400],
+        truth: &[Some(Intent::Relax); 400],
         ..Timeline::default()
     };
-    let svg = timeline_svg(&timeline)?;
+    let svg = stand_alone(&svg(&timeline));
     assert!(svg.starts_with("<svg xmlns="));
-    assert!(svg.contains("<style>"));
+    assert!(svg.contains("<style>") && svg.contains("a b"));
     well_formed(&svg)?;
     Ok(())
 }
@@ -319,6 +299,84 @@ fn the_picture_alone_names_its_language_and_carries_its_style() -> Result<(), Bo
 #[test]
 fn a_report_that_cannot_be_written_says_where() {
     let missing = std::env::temp_dir().join("myointent-no-such-folder/report.html");
-    let error = write_html(&ReportData::default(), &missing).unwrap_err();
+    let error = Page::default().write(&missing).unwrap_err();
     assert!(error.to_string().contains("myointent-no-such-folder"));
+}
+
+#[test]
+fn every_column_has_its_own_number_of_people_and_two_class_people_stand_apart() {
+    for table in tables(&four_people().results) {
+        let column = |name: &str| table.header.iter().position(|own| own == name);
+        let (classes, model) = (column("classes").unwrap(), column("model"));
+        let Some(model) = model else {
+            // Differences say their number of people in each cell.
+            let found: Vec<&str> = table.rows.iter().map(|row| &row[classes][..]).collect();
+            let both = found.contains(&"all 3") && found.contains(&"fewer");
+            assert!(both, "{table:?}");
+            continue;
+        };
+        for name in [INTEGER, CONSTANT, ENERGY] {
+            let rows: Vec<_> = table.rows.iter().filter(|row| row[model] == name).collect();
+            let all = rows.iter().find(|row| row[classes] == "all 3").unwrap();
+            let fewer = rows.iter().find(|row| row[classes] == "fewer").unwrap();
+            let people = column("subjects").unwrap();
+            assert_eq!([&all[people], &fewer[people]], ["3", "1"], "{table:?}");
+            for name in ["TA", "TA 200", "recognised", "latency ms"] {
+                if let Some(at) = column(name) {
+                    assert!(all[at].ends_with("n 2"), "{name}: {all:?}");
+                    assert!(!fewer[at].contains("n 1"), "{name}: {fewer:?}");
+                }
+            }
+            if let Some(at) = column("balanced") {
+                assert!(!all[at].contains('n'), "{all:?}");
+            }
+        }
+    }
+    let table = summary(&four_people().results, INTEGER);
+    let rows = table.rows.iter().filter(|row| row[0] == "synthetic");
+    let rows: Vec<&Vec<String>> = rows.collect();
+    assert_eq!([&rows[0][1], &rows[1][1]], ["all 3", "fewer"]);
+    assert!(rows[0][3].ends_with("n 2"), "{rows:?}");
+    assert_eq!((rows.len(), &rows[0][7][..]), (2, "3"));
+}
+
+#[test]
+fn every_table_of_scores_has_its_floors_and_the_differences_to_them() {
+    let tables = tables(&two_people().results);
+    let found: Vec<Vec<&str>> = tables
+        .iter()
+        .map(|table| table.rows.iter().map(|row| row[2].as_str()).collect())
+        .collect();
+    // Rows without look-ahead and with the model file's.
+    let scores = vec![INTEGER, INTEGER, CONSTANT, ENERGY];
+    let constant = format!("{INTEGER} - {CONSTANT}");
+    let energy = format!("{INTEGER} - {ENERGY}");
+    let differences = vec![constant.as_str(), &energy, &constant, &energy];
+    let expected = [
+        scores.clone(),
+        differences,
+        scores.clone(),
+        scores.clone(),
+        scores.clone(),
+        scores,
+    ];
+    assert_eq!(found, expected);
+    let cells = |table: usize, row: usize| tables[table].rows[row][4..].to_vec();
+    let floor = &cells(0, 2);
+    // Relax and close: the recall of relax is 1.
+    assert_eq!(floor[0], "0.500");
+    assert_eq!(floor[3..6], ["missed / missed", "0.0 (0.0)", "0.0 (0.0)"]);
+    assert_eq!(floor[2], "0.000");
+    assert_eq!(cells(0, 1)[2], "1.000");
+    assert_eq!(cells(1, 2)[2], "+1.000 n 2, no difference shown");
+}
+
+#[test]
+fn the_summary_ends_with_the_floors() {
+    let table = summary(&two_people().results, INTEGER);
+    let names: Vec<&str> = table.rows.iter().map(|row| row[0].as_str()).collect();
+    assert_eq!(
+        names,
+        ["synthetic", "synthetic: relax", "synthetic: energy"]
+    );
 }

@@ -11,7 +11,7 @@ use super::lda::Lda;
 use super::networks::{EdTcnConfig, LstmBaselineConfig, MlpConfig, Network, TraHgrConfig};
 use super::windows::PaddedStream;
 use evaluation::Candidate;
-use evaluation::Trial;
+use evaluation::EvaluatedRecording;
 use execution::fingerprint::Fingerprint;
 use execution::parallel;
 use execution::run_folder::{RunError, RunFolder};
@@ -127,42 +127,42 @@ fn load<N: Network + Send + 'static>(
     }))
 }
 
-/// Loads every trained baseline of a run, with its logits over the trials, in the order of the tables.
+/// Loads every trained baseline of a run, with its logits over the recordings, in the order of the tables.
 ///
 /// # Errors
 /// When a baseline's files are damaged or the user interrupts.
 pub(crate) fn candidates(
     context: &RunContext,
-    trials: &[Trial],
+    recordings: &[EvaluatedRecording],
 ) -> Result<Vec<Candidate>, RunError> {
     let mut candidates = Vec::new();
     for baseline in Baseline::ALL {
         let is_trained = context.folder.file(&baseline.model_file()).exists();
         if is_trained {
-            candidates.extend(if_own(candidate(context, baseline, trials))?);
+            candidates.extend(if_own(candidate(context, baseline, recordings))?);
         }
     }
     Ok(candidates)
 }
 
-/// Loads a trained baseline of a run, with its logits over the trials.
+/// Loads a trained baseline of a run, with its logits over the recordings.
 ///
 /// # Errors
 /// When the baseline is missing, its files are damaged or another run's, or the user interrupts.
 pub(crate) fn candidate(
     context: &RunContext,
     baseline: Baseline,
-    trials: &[Trial],
+    recordings: &[EvaluatedRecording],
 ) -> Result<Candidate, RunError> {
     let (folder, classes) = (&context.folder, context.config.preset.classes);
     let (device, streams) = (context.inference_device(), context.config.streams_lineage());
     let trained = TrainedBaseline::load(baseline, folder, streams, classes, &device)?;
     let logits = parallel::map(
         baseline.name(),
-        trials,
+        recordings,
         folder,
         &context.interrupt,
-        |trial| trained.logits(&trial.raw, &trial.emg),
+        |recording| trained.logits(&recording.raw, &recording.emg),
     )?;
     Ok(Candidate {
         name: baseline.name().to_owned(),

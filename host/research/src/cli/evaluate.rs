@@ -48,10 +48,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         .iter()
         .map(|path| NamedModel::read(path).with_context(|| path.display().to_string()))
         .collect::<anyhow::Result<Vec<_>>>()?;
-    let (results, judged) = evaluate(&context, model.as_ref(), &|trials| {
-        let mut more = candidates(&context, trials)?;
+    let (results, judged) = evaluate(&context, model.as_ref(), &|recordings| {
+        let mut more = candidates(&context, recordings)?;
         for model in &models {
-            more.push(beside(model, trials)?);
+            more.push(beside(model, recordings)?);
         }
         Ok(more)
     })?;

@@ -7,8 +7,8 @@ use std::sync::Arc;
 use burn::tensor::Device;
 use shared::model::LookBackLogits;
 
-use evaluation::model_evaluation::trials_of;
-use evaluation::{ALL, Candidate, LookAhead, Trial, Truth, score};
+use evaluation::model_evaluation::recordings_of;
+use evaluation::{ALL, Candidate, EvaluatedRecording, LookAhead, Truth, score};
 use execution::fingerprint::Fingerprint;
 use execution::interrupt::Interrupt;
 use execution::progress;
@@ -198,20 +198,21 @@ impl CrossValidation<'_> {
         if self.test_people {
             people.extend(test_people(preset, &self.library));
         }
-        let trials = || trials_of(&self.library, preset.vocabulary(), &people, &is_training);
-        let (mut candidate, trials) = self.trained(job, context, &trials)?;
+        let recordings =
+            || recordings_of(&self.library, preset.vocabulary(), &people, &is_training);
+        let (mut candidate, recordings) = self.trained(job, context, &recordings)?;
         let logits = std::mem::take(&mut candidate.logits);
-        let (test, development): (Vec<_>, Vec<_>) = trials
+        let (test, development): (Vec<_>, Vec<_>) = recordings
             .into_iter()
             .zip(logits)
-            .partition(|(trial, _)| is_test(&trial.subject));
-        let scores = |part: Vec<(Trial, Vec<LookBackLogits>)>| {
-            let (trials, logits): (Vec<_>, Vec<_>) = part.into_iter().unzip();
+            .partition(|(recording, _)| is_test(&recording.subject));
+        let scores = |part: Vec<(EvaluatedRecording, Vec<LookBackLogits>)>| {
+            let (recordings, logits): (Vec<_>, Vec<_>) = part.into_iter().unzip();
             let candidate = Candidate {
                 logits,
                 ..candidate.clone()
             };
-            self.scores(job, candidate, &trials)
+            self.scores(job, candidate, &recordings)
         };
         Ok(JobScores {
             development: scores(development)?,
@@ -224,7 +225,7 @@ impl CrossValidation<'_> {
         &self,
         job: &Job,
         mut candidate: Candidate,
-        trials: &[Trial],
+        recordings: &[EvaluatedRecording],
     ) -> Result<Vec<FoldScore>, JobError> {
         let vocabulary = job.contender.preset.vocabulary();
         let own = (candidate.entry_margins, candidate.other_margin);
@@ -242,7 +243,7 @@ impl CrossValidation<'_> {
             for &look_ahead in look_aheads {
                 let rows = score(
                     &candidate,
-                    trials,
+                    recordings,
                     vocabulary,
                     look_ahead,
                     Truth::LagCompensated,

@@ -124,7 +124,7 @@ impl<'a> Page<'_, 'a> {
                     .flat_map(|own| measures.map(|measure| share(own, measure, section, people)));
                 let names = [group.name(any.classes()), (*label).to_owned()];
                 let (_, transitions) = any.offsets(section);
-                let support = [cell::support(people, transitions).shown];
+                let support = [cell::support(people, transitions)];
                 table.push(names.into_iter().chain(cells).chain(support));
             }
         }
@@ -158,14 +158,11 @@ impl<'a> Page<'_, 'a> {
                         group.name(own.classes()),
                         (*label).to_owned(),
                         own.look_ahead.name().to_owned(),
-                        cell::absolute_ms(of.map(|of| of.absolute)).shown,
-                        of.map_or_else(
-                            || cell::none().shown,
-                            |of| format!("{:.0}", of.absolute_median),
-                        ),
-                        cell::signed_ms(of.map(|of| of.signed)).shown,
-                        cell::one_ms(of.map(|of| of.signed_median)).shown,
-                        cell::support(offsets.len(), transitions).shown,
+                        cell::absolute_ms(of.map(|of| of.absolute)),
+                        of.map_or_else(cell::none, |of| format!("{:.0}", of.absolute_median)),
+                        cell::signed_ms(of.map(|of| of.signed)),
+                        cell::one_ms(of.map(|of| of.signed_median)),
+                        cell::support(offsets.len(), transitions),
                     ]);
                 }
             }
@@ -198,10 +195,7 @@ impl<'a> Page<'_, 'a> {
                     ];
                     let cells =
                         ACCURACIES.map(|measure| share(Some(own), measure, section, people));
-                    let end = [
-                        cell::latency(own.latency(section)).shown,
-                        people.to_string(),
-                    ];
+                    let end = [cell::latency(own.latency(section)), people.to_string()];
                     table.push(names.into_iter().chain(cells).chain(end));
                 }
             }
@@ -219,8 +213,7 @@ fn share(
 ) -> String {
     let values = own.map_or_else(Vec::new, |own| own.values(measure, section));
     let numbers: Vec<f64> = values.into_iter().map(|(_, value)| value).collect();
-    let cell = cell::share(MeanSd::of(&numbers));
-    cell.of_people(numbers.len(), people).shown
+    cell::of_people(cell::share(MeanSd::of(&numbers)), numbers.len(), people)
 }
 
 #[cfg(test)]

@@ -73,13 +73,12 @@ fn scores_table(caption: &str, merged: &[Merged<'_>]) -> Table {
             let share = |measure| {
                 let numbers = numbers(measure);
                 let cell = cell::estimate(MeanSd::of(&numbers), Interval::of_mean(&numbers));
-                cell.of_people(numbers.len(), people).shown
+                cell::of_people(cell, numbers.len(), people)
             };
             let one = |measure, digits: usize| {
                 let mean = MeanSd::of(&numbers(measure));
-                let cell = mean.map(|of| cell::text(format!("{:.digits$}", of.mean)));
-                let n = mean.map_or(0, |of| of.n);
-                cell.unwrap_or_else(cell::none).of_people(n, people).shown
+                let cell = mean.map_or_else(cell::none, |of| format!("{:.digits$}", of.mean));
+                cell::of_people(cell, mean.map_or(0, |of| of.n), people)
             };
             let latency = cell::latency(own.latency(section));
             let with_gestures = numbers(Measure::Recognition).len();
@@ -88,7 +87,7 @@ fn scores_table(caption: &str, merged: &[Merged<'_>]) -> Table {
                     .into_iter()
                     .chain([own.name()])
                     .chain(SHARES.map(share))
-                    .chain([latency.of_people(with_gestures, people).shown])
+                    .chain([cell::of_people(latency, with_gestures, people)])
                     .chain(RATES.map(|measure| one(measure, 1)))
                     .chain([
                         one(Measure::Raised, 2),
@@ -119,7 +118,7 @@ pub(crate) fn differences(merged: &[Merged<'_>]) -> Table {
             let paired = |measure: Measure| {
                 let (values, others) =
                     (own.values(measure, section), first.values(measure, section));
-                cell::difference(Difference::paired(&values, &others)).shown
+                cell::difference(Difference::paired(&values, &others))
             };
             let pair = [format!("{} - {}", own.name(), first.name())];
             let start = names(section, own).into_iter().chain(pair);
@@ -145,7 +144,7 @@ pub(crate) fn movements(merged: &[Merged<'_>]) -> Table {
             .find_map(|own| Some(own.get(kind)?.movements));
         let shares = by_kind.iter().map(|own| {
             own.get(kind)
-                .map_or_else(|| cell::none().shown, |of| format!("{:.2}", of.share()))
+                .map_or_else(cell::none, |of| format!("{:.2}", of.share()))
         });
         let names = [kind.to_owned(), number.unwrap_or(0).to_string()];
         table.push(names.into_iter().chain(shares));
@@ -232,44 +231,24 @@ fn sections<'a>(merged: &[Merged<'a>]) -> Vec<Section<'a>> {
 
 #[cfg(test)]
 mod tests {
-    use evaluation::{CONSTANT, Trial, Truth, constant, score};
-    use recordings::DataSet;
-    use shared::intent::{Intent, Vocabulary};
+    use evaluation::{CONSTANT, EvaluatedRecording, Truth, constant, score};
+    use shared::intent::Vocabulary;
 
     use super::*;
     use crate::cross_validation::{FoldScore, Origin};
 
-    /// Recording of a person: 2 s of each class in turn.
-    fn trial(subject: &str, classes: &[usize]) -> Trial {
-        let labels = classes
-            .iter()
-            .flat_map(|&class| std::iter::repeat_n(Intent::from_class(class), 400));
-        let truth: Vec<Option<Intent>> = labels.collect();
-        Trial {
-            data_set: DataSet::Synthetic,
-            subject: subject.to_owned(),
-            name: "r".to_owned(),
-            raw: Vec::new(),
-            emg: vec![[1; 8]; truth.len()],
-            normalized: Vec::new(),
-            published: None,
-            lag_compensated: truth,
-            other_movement: Vec::new(),
-        }
-    }
-
     /// Scores of always saying relax, of one fold: two people with onsets, one with only holds, one who never opens the
     /// hand.
     fn fold() -> Vec<FoldScore> {
-        let mut trials = vec![
-            trial("x/a", &[0, 1, 0, 2, 0]),
-            trial("x/b", &[0, 2, 0, 1, 0]),
-            trial("y/d", &[0, 2, 0, 2, 0]),
+        let mut recordings = vec![
+            EvaluatedRecording::made_up("x/a", &[0, 1, 0, 2, 0]),
+            EvaluatedRecording::made_up("x/b", &[0, 2, 0, 1, 0]),
+            EvaluatedRecording::made_up("y/d", &[0, 2, 0, 2, 0]),
         ];
-        trials.extend([0, 1, 2].map(|class| trial("x/c", &[class])));
+        recordings.extend([0, 1, 2].map(|class| EvaluatedRecording::made_up("x/c", &[class])));
         let scores = score(
-            &constant(&trials),
-            &trials,
+            &constant(&recordings),
+            &recordings,
             Vocabulary::Three,
             LookAhead::None,
             Truth::LagCompensated,

@@ -1,7 +1,7 @@
-//! Training of a job, and its logits over the trials.
+//! Training of a job, and its logits over the recordings.
 
 use evaluation::model_evaluation::{NamedModel, beside};
-use evaluation::{Candidate, Trial, constant};
+use evaluation::{Candidate, EvaluatedRecording, constant};
 use shared::intent::MAX_CLASSES;
 use training::run::candidates::teacher_candidate;
 use training::run::context::RunContext;
@@ -16,14 +16,14 @@ use crate::baselines::training::train_all;
 use crate::job::JobError;
 
 impl CrossValidation<'_> {
-    /// Trains the job's models, or those still missing. Returns the logits over the trials, which are made after the
+    /// Trains the job's models, or those still missing. Returns the logits over the recordings, which are made after the
     /// training.
     pub(super) fn trained(
         &self,
         job: &Job,
         context: &RunContext,
-        trials: &dyn Fn() -> Vec<Trial>,
-    ) -> Result<(Candidate, Vec<Trial>), JobError> {
+        recordings: &dyn Fn() -> Vec<EvaluatedRecording>,
+    ) -> Result<(Candidate, Vec<EvaluatedRecording>), JobError> {
         match job.contender.kind {
             Kind::Student => {
                 train(context, Extra::default())?;
@@ -31,37 +31,39 @@ impl CrossValidation<'_> {
                     name: job.contender.name().to_owned(),
                     bytes: quantize(context, &context.folder.file(MODEL))?,
                 };
-                let trials = trials();
+                let recordings = recordings();
                 Ok((
-                    beside(&model, &trials).map_err(training::run::StepError::from)?,
-                    trials,
+                    beside(&model, &recordings).map_err(training::run::StepError::from)?,
+                    recordings,
                 ))
             }
             Kind::Teacher(teacher) => {
                 train_teacher(context)?;
-                let trials = trials();
-                let mut candidate = teacher_candidate(context, teacher.name(), &trials)?;
+                let recordings = recordings();
+                let mut candidate = teacher_candidate(context, teacher.name(), &recordings)?;
                 // As in the paper, the teacher has no gate and knows no movement outside the vocabulary.
                 candidate.entry_margins = [0.0; MAX_CLASSES];
                 candidate.other_margin = None;
-                Ok((candidate, trials))
+                Ok((candidate, recordings))
             }
             Kind::Baseline(baseline) => {
                 train_all(context, &[baseline], self.baselines)?;
-                let trials = trials();
-                Ok((candidate(context, baseline, &trials)?, trials))
+                let recordings = recordings();
+                Ok((candidate(context, baseline, &recordings)?, recordings))
             }
             Kind::Constant => {
-                let trials = trials();
-                Ok((constant(&trials), trials))
+                let recordings = recordings();
+                Ok((constant(&recordings), recordings))
             }
             Kind::EnergyDetector => {
                 let detector = energy_detector(&context.config, &self.library);
-                let trials = trials();
+                let recordings = recordings();
                 // Without a gesture to fit the detector to, its label is always relax.
-                let floor = detector
-                    .map_or_else(|| constant(&trials), |detector| detector.candidate(&trials));
-                Ok((floor, trials))
+                let floor = detector.map_or_else(
+                    || constant(&recordings),
+                    |detector| detector.candidate(&recordings),
+                );
+                Ok((floor, recordings))
             }
         }
     }

@@ -172,12 +172,12 @@ impl Measurement<'_> {
     /// Fingerprint of all that a person's values depend on.
     fn made_from(&self, model: &[u8], whole: &Part<'_>) -> Fingerprint {
         let recordings: Vec<_> = whole
-            .trials()
+            .evaluated_recordings()
             .into_iter()
-            .map(|trial| {
-                let samples = trial.raw.iter().flatten();
+            .map(|recording| {
+                let samples = recording.raw.iter().flatten();
                 let samples: Vec<u8> = samples.map(|value| value.cast_unsigned()).collect();
-                let labels = trial.lag_compensated.iter();
+                let labels = recording.lag_compensated.iter();
                 let labels: Vec<u8> = labels
                     .map(|label| label.map_or(u8::MAX, |intent| intent as u8))
                     .collect();

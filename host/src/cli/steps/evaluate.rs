@@ -3,7 +3,7 @@
 use std::io::Write as _;
 
 use anyhow::bail;
-use evaluation::report::labels::labels;
+use evaluation::report::labels;
 use evaluation::report::run_report::{self, REPORT};
 use evaluation::report::scores::tables;
 use recordings::split::predefined::is_test;

@@ -15,7 +15,7 @@ use ::presets::Preset;
 use ::presets::config::ResolvedConfig;
 use anyhow::Context as _;
 use clap::{Args, Subcommand};
-use evaluation::report::labels::labels;
+use evaluation::report::labels;
 use execution::interrupt::Interrupt;
 use execution::progress;
 use execution::run_folder::RunFolder;

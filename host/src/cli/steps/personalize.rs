@@ -9,7 +9,7 @@ use thiserror::Error;
 use crate::cli::arguments::every_recording;
 use crate::cli::output::refuse_existing;
 use crate::cli::read_model;
-use evaluation::report::personalization::table;
+use evaluation::report::scores::tuned;
 use execution::interrupt::Interrupt;
 use execution::progress;
 use execution::run_folder::write_whole;
@@ -100,7 +100,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         done.subject, done.judged_seconds, done.tuned_seconds
     );
     let mut stdout = std::io::stdout().lock();
-    writeln!(stdout, "{}", table(&caption, &done.scores).plain())?;
+    writeln!(stdout, "{}", tuned(&caption, &done.scores).plain())?;
     if let Some(why) = done.worse() {
         let model = path.clone();
         return Err(NotWritten::Worse { model, why }.into());

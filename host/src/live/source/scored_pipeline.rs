@@ -15,7 +15,7 @@ use super::scores::{EncoderOutputs, ObservedEncoder};
 use super::{Context, SourceRequest};
 use crate::live::event::Event;
 use crate::live::hub::Hub;
-use evaluation::inference::stream::pipeline;
+use evaluation::inference::pipeline;
 
 /// Pipeline whose encoder is observed.
 pub(super) struct ScoredPipeline<'r, E: Encode> {

@@ -5,8 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::candidates::{student_candidate, teacher_candidate};
 use super::context::RunContext;
 use super::error::StepError;
-use evaluation::trials;
-use evaluation::{LookAhead, Truth, score};
+use evaluation::{EvaluatedRecording, LookAhead, Truth, score};
 use execution::fingerprint::Fingerprint;
 use presets::Aggregation;
 use presets::distillation;
@@ -46,17 +45,17 @@ pub(super) fn aggregation(context: &RunContext) -> Result<LookAhead, StepError> 
     if let Ok(kept) = folder.load_stamped::<Chosen>(AGGREGATION, made_from) {
         return Ok(kept.content.aggregation);
     }
-    let trials = trials::validation(&context.config, &context.library);
+    let recordings = EvaluatedRecording::validation(&context.config, &context.library);
     let candidate = if context.has(distillation::NAME) {
         let student = context.student(distillation::NAME)?;
-        student_candidate(context, NAME, &student, &trials)?
+        student_candidate(context, NAME, &student, &recordings)?
     } else {
-        teacher_candidate(context, NAME, &trials)?
+        teacher_candidate(context, NAME, &recordings)?
     };
     let correct = |look_ahead| -> Result<usize, StepError> {
         let scores = score(
             &candidate,
-            &trials,
+            &recordings,
             context.config.preset.vocabulary(),
             look_ahead,
             Truth::LagCompensated,

@@ -1,4 +1,4 @@
-//! Candidates of an evaluation: the models of a run, and their logits over trials.
+//! Candidates of an evaluation: the models of a run, and their logits over recordings.
 
 use shared::model::LookBackLogits;
 use shared::units::CleanSample;
@@ -6,51 +6,55 @@ use shared::units::CleanSample;
 use super::context::RunContext;
 use crate::inference::{student_logits, teacher_logits};
 use crate::student::model::Student;
-use evaluation::{Candidate, Trial};
+use evaluation::{Candidate, EvaluatedRecording};
 use execution::parallel;
 use execution::run_folder::RunError;
 
-/// Computes the teacher's logits over all trials; `name` is its name in tables.
+/// Computes the teacher's logits over all recordings; `name` is its name in tables.
 ///
 /// # Errors
 /// When the teacher is missing, not this run's, or of another shape, or the user interrupts.
 pub fn teacher_candidate(
     context: &RunContext,
     name: &str,
-    trials: &[Trial],
+    recordings: &[EvaluatedRecording],
 ) -> Result<Candidate, RunError> {
     let model = context.teacher()?;
     let shape = context.config.preset.teacher.window_shape();
     let device = context.inference_device();
-    candidate(context, name, trials, |emg| {
+    candidate(context, name, recordings, |emg| {
         teacher_logits(&model, shape, emg, &device)
     })
 }
 
-/// Computes a float student's logits over all trials.
+/// Computes a float student's logits over all recordings.
 pub(super) fn student_candidate(
     context: &RunContext,
     name: &str,
     student: &Student,
-    trials: &[Trial],
+    recordings: &[EvaluatedRecording],
 ) -> Result<Candidate, RunError> {
     let device = context.inference_device();
-    candidate(context, name, trials, |emg| {
+    candidate(context, name, recordings, |emg| {
         student_logits(student, emg, &device)
     })
 }
 
-/// Computes a model's logits over all trials, on all cores.
+/// Computes a model's logits over all recordings, on all cores.
 fn candidate(
     context: &RunContext,
     name: &str,
-    trials: &[Trial],
+    recordings: &[EvaluatedRecording],
     logits: impl Fn(&[CleanSample]) -> Vec<LookBackLogits> + Sync,
 ) -> Result<Candidate, RunError> {
     let preprocessing = context.config.preset.preprocessing();
-    let logits = parallel::map(name, trials, &context.folder, &context.interrupt, |trial| {
-        logits(&trial.input(preprocessing))
-    })?;
+    let logits = parallel::map(
+        name,
+        recordings,
+        &context.folder,
+        &context.interrupt,
+        |recording| logits(&recording.input(preprocessing)),
+    )?;
     Ok(Candidate {
         name: name.to_owned(),
         looks_back: true,

@@ -26,7 +26,7 @@ pub enum StepError {
     #[error(
         "no labelled recording of a held-out subject was found: name subjects under data.held_out"
     )]
-    NoTrials,
+    NoRecordings,
     /// The model has seen a person that it is evaluated on.
     #[error(
         "{model} was trained on or validated with {subject}, whom this run holds out: evaluate another model, or a run that does not"

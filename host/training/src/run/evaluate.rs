@@ -8,9 +8,9 @@ use super::context::RunContext;
 use super::error::StepError;
 use super::quantize::{Figure, ModelFile, model_bytes, save_figures};
 use evaluation::integer_candidate;
-use evaluation::trials;
 use evaluation::{
-    Candidate, EnergyDetector, Group, LookAhead, Measure, Trial, Truth, constant, cued, score_all,
+    Candidate, EnergyDetector, EvaluatedRecording, Group, LookAhead, Measure, Truth, constant,
+    cued, score_all,
 };
 use execution::progress;
 use execution::run_folder::RunError;
@@ -23,13 +23,14 @@ pub use evaluation::results::{
 };
 
 /// Function that computes the logits of further models, to be evaluated beside the run's own.
-pub type MoreCandidates<'a> = &'a dyn Fn(&[Trial]) -> Result<Vec<Candidate>, StepError>;
+pub type MoreCandidates<'a> =
+    &'a dyn Fn(&[EvaluatedRecording]) -> Result<Vec<Candidate>, StepError>;
 
 /// Returns no further models.
 ///
 /// # Errors
 /// Never.
-pub fn no_more(_: &[Trial]) -> Result<Vec<Candidate>, StepError> {
+pub fn no_more(_: &[EvaluatedRecording]) -> Result<Vec<Candidate>, StepError> {
     Ok(Vec::new())
 }
 
@@ -45,32 +46,32 @@ pub fn evaluate(
     model: Option<&ModelFile>,
     more: MoreCandidates<'_>,
 ) -> Result<(Results, Evaluation), StepError> {
-    let trials = trials::published(&context.config, &context.library);
-    let spliced = trials::spliced(&context.config, &context.library);
-    if trials.is_empty() {
-        return Err(StepError::NoTrials);
+    let recordings = EvaluatedRecording::held_out(&context.config, &context.library);
+    let spliced = EvaluatedRecording::spliced(&context.config, &context.library);
+    if recordings.is_empty() {
+        return Err(StepError::NoRecordings);
     }
     let aggregation = aggregation(context)?;
     let is_kept = model.is_none_or(|model| model.is_own);
     let bytes = model.map(|model| model.bytes.as_slice());
-    let mut published = candidates(context, &trials, bytes, more)?;
+    let mut published = candidates(context, &recordings, bytes, more)?;
     if published.is_empty() {
         return Err(StepError::NoModel);
     }
     let mut on_spliced = candidates(context, &spliced, bytes, more)?;
     let detector = energy_detector(&context.config, &context.library);
-    for (candidates, trials) in [(&mut published, &trials), (&mut on_spliced, &spliced)] {
-        candidates.push(constant(trials));
-        candidates.extend(detector.map(|detector| detector.candidate(trials)));
+    for (candidates, recordings) in [(&mut published, &recordings), (&mut on_spliced, &spliced)] {
+        candidates.push(constant(recordings));
+        candidates.extend(detector.map(|detector| detector.candidate(recordings)));
     }
     let vocabulary = context.config.preset.vocabulary();
     let results = Results {
         held_out: context.config.split.held_out.clone(),
         aggregation,
-        gestures: cued(&trials),
+        gestures: cued(&recordings),
         published: score_all(
             &published,
-            &trials,
+            &recordings,
             vocabulary,
             &[Truth::Published, Truth::LagCompensated],
         )?,
@@ -86,7 +87,7 @@ pub fn evaluate(
     Ok((
         results,
         Evaluation {
-            trials,
+            recordings,
             candidates: published,
             aggregation,
             is_kept,
@@ -104,13 +105,13 @@ pub fn kept(context: &RunContext) -> Result<(Results, Evaluation), StepError> {
     let made_from = context.config.fingerprint();
     let results: Results = context.folder.load_stamped(RESULTS, made_from)?.content;
     let model = ModelFile::of_run(context)?.ok_or(StepError::NoModel)?;
-    let trials = trials::published(&context.config, &context.library);
-    if trials.is_empty() {
-        return Err(StepError::NoTrials);
+    let recordings = EvaluatedRecording::held_out(&context.config, &context.library);
+    if recordings.is_empty() {
+        return Err(StepError::NoRecordings);
     }
-    let candidate = integer_candidate(INTEGER, &Model::parse(&model.bytes)?, &trials)?;
+    let candidate = integer_candidate(INTEGER, &Model::parse(&model.bytes)?, &recordings)?;
     let evaluation = Evaluation {
-        trials,
+        recordings,
         candidates: vec![candidate],
         aggregation: results.aggregation,
         is_kept: true,
@@ -122,7 +123,7 @@ pub fn kept(context: &RunContext) -> Result<(Results, Evaluation), StepError> {
 /// Fits the energy detector to the training people of a run; none if they have no gesture.
 #[must_use]
 pub fn energy_detector(config: &ResolvedConfig, library: &Library) -> Option<EnergyDetector> {
-    let detector = EnergyDetector::fit(&trials::training(config, library))?;
+    let detector = EnergyDetector::fit(&EvaluatedRecording::training(config, library))?;
     progress::log(&format!(
         "energy detector: {} from {:.1} counts on",
         detector.active.name(),
@@ -133,31 +134,40 @@ pub fn energy_detector(config: &ResolvedConfig, library: &Library) -> Option<Ene
 
 fn candidates(
     context: &RunContext,
-    trials: &[Trial],
+    recordings: &[EvaluatedRecording],
     model: Option<&[u8]>,
     more: MoreCandidates<'_>,
 ) -> Result<Vec<Candidate>, StepError> {
     let mut candidates = Vec::new();
     if context.has(presets::teacher::NAME) {
-        candidates.extend(if_own(teacher_candidate(context, TEACHER, trials))?);
+        candidates.extend(if_own(teacher_candidate(context, TEACHER, recordings))?);
     }
-    candidates.extend(more(trials)?);
+    candidates.extend(more(recordings)?);
     if context.has(distillation::NAME) {
         let student = context.student(distillation::NAME)?;
-        candidates.push(student_candidate(context, STUDENT, &student, trials)?);
+        candidates.push(student_candidate(context, STUDENT, &student, recordings)?);
     }
     if let Some(bytes) = model {
-        candidates.push(integer_candidate(INTEGER, &Model::parse(bytes)?, trials)?);
+        candidates.push(integer_candidate(
+            INTEGER,
+            &Model::parse(bytes)?,
+            recordings,
+        )?);
     }
     if context.has(distillation::LABELS_ONLY)
         && let Some(student) = if_own(context.student(distillation::LABELS_ONLY))?
     {
-        candidates.push(student_candidate(context, LABELS_ONLY, &student, trials)?);
+        candidates.push(student_candidate(
+            context,
+            LABELS_ONLY,
+            &student,
+            recordings,
+        )?);
         let bytes = model_bytes(context, &student, LookAhead::AllRows, Vec::new())?;
         candidates.push(integer_candidate(
             INTEGER_LABELS_ONLY,
             &Model::parse(&bytes)?,
-            trials,
+            recordings,
         )?);
     }
     Ok(candidates)

@@ -12,7 +12,7 @@ pub mod summary;
 
 use shared::intent::Intent;
 
-use super::MetricError;
+use crate::EvaluationError;
 use activation::Rate;
 use gesture::{Gesture, Verdict};
 use recordings::movement::{Movement, MovementKind, mask};
@@ -51,13 +51,13 @@ impl RecordingEvents {
     /// Counts the events of one recording. `other_movement` are its movements outside the vocabulary, within the truth.
     ///
     /// # Errors
-    /// [`MetricError::Length`] if the sequences differ in length.
+    /// [`EvaluationError::Length`] if the sequences differ in length.
     pub fn new(
         truth: &[Option<Intent>],
         emitted: &[Option<Intent>],
         other_movement: &[Movement],
         rule: &EventRule,
-    ) -> Result<Self, MetricError> {
+    ) -> Result<Self, EvaluationError> {
         super::same_length(truth, emitted)?;
         let raised = other_movement.iter().map(|movement| {
             let raised = activation::raises(emitted, movement.samples.clone());

@@ -8,7 +8,7 @@ use super::error::{Exchange, PersonalizeError};
 use super::person::{Own, Person};
 use evaluation::integer_candidate;
 use evaluation::model_evaluation::look_ahead;
-use evaluation::{Candidate, Trial, confusion};
+use evaluation::{Candidate, EvaluatedRecording, confusion};
 
 /// Gain of balanced accuracy that an exchange has to explain.
 const EXPLAINED: f64 = 0.1;
@@ -23,22 +23,22 @@ const EXPLAINED: f64 = 0.1;
 pub fn exchange(file: &[u8], person: &Person) -> Result<Option<Exchange>, PersonalizeError> {
     let model = Model::parse(file)?;
     let published = |own: &Own| {
-        let mut trial = own.trial.clone();
-        if let Some(labels) = trial.published.take() {
-            trial.lag_compensated = labels;
+        let mut recording = own.evaluated.clone();
+        if let Some(labels) = recording.published.take() {
+            recording.lag_compensated = labels;
         }
-        trial
+        recording
     };
-    let trials: Vec<Trial> = person.recordings.iter().map(published).collect();
-    let candidate = integer_candidate("before", &model, &trials)?;
+    let recordings: Vec<EvaluatedRecording> = person.recordings.iter().map(published).collect();
+    let candidate = integer_candidate("before", &model, &recordings)?;
     let look_ahead = look_ahead(&model.header.smoother);
     let vocabulary = model.header.dimensions.vocabulary;
-    let counts = |logits, trials: &[Trial]| {
+    let counts = |logits, recordings: &[EvaluatedRecording]| {
         let candidate = Candidate {
             logits,
             ..candidate.clone()
         };
-        let found = confusion(&candidate, trials, vocabulary, look_ahead)?;
+        let found = confusion(&candidate, recordings, vocabulary, look_ahead)?;
         Ok::<_, PersonalizeError>(found.counts)
     };
     let name = |class: usize| vocabulary.intents()[class].name();
@@ -49,22 +49,25 @@ pub fn exchange(file: &[u8], person: &Person) -> Result<Option<Exchange>, Person
         before: found.before,
         exchanged: found.exchanged,
     };
-    if let Some(found) = exchanged(&counts(candidate.logits.clone(), &trials)?) {
+    if let Some(found) = exchanged(&counts(candidate.logits.clone(), &recordings)?) {
         return Ok(Some(named(found, Vec::new())));
     }
     // Each session is labelled separately, so single ones may be exchanged. The first such pair is returned, with all its
     // recordings.
-    let mut own: Vec<(Found, &Trial)> = Vec::new();
-    for (trial, logits) in trials.iter().zip(&candidate.logits) {
-        let found = exchanged(&counts(vec![logits.clone()], slice::from_ref(trial))?);
+    let mut own: Vec<(Found, &EvaluatedRecording)> = Vec::new();
+    for (recording, logits) in recordings.iter().zip(&candidate.logits) {
+        let found = exchanged(&counts(vec![logits.clone()], slice::from_ref(recording))?);
         let found = found.filter(|found| found.is_mutual);
-        own.extend(found.map(|found| (found, trial)));
+        own.extend(found.map(|found| (found, recording)));
     }
     let Some(&(first, _)) = own.first() else {
         return Ok(None);
     };
     own.retain(|(found, _)| found.classes == first.classes);
-    let recordings = own.iter().map(|(_, trial)| trial.name.clone()).collect();
+    let recordings = own
+        .iter()
+        .map(|(_, recording)| recording.name.clone())
+        .collect();
     let mean = |of: fn(&Found) -> f64| {
         own.iter().map(|(found, _)| of(found)).sum::<f64>() / own.len() as f64
     };

@@ -8,7 +8,7 @@ use shared::units::{SAMPLE_RATE_HZ, WINDOW};
 
 use super::error::PersonalizeError;
 use super::person::Person;
-use evaluation::Trial;
+use evaluation::EvaluatedRecording;
 use recordings::{Movement, Recording, runs};
 
 /// Divisor of the share that is held back.
@@ -134,26 +134,26 @@ impl<'p> Part<'p> {
         Self::new(self.person, first)
     }
 
-    /// Trials for an evaluation: whole recordings, which a model sees, with the labels of this part alone.
+    /// Recordings for an evaluation: whole ones, which a model sees, with the labels of this part alone.
     #[must_use]
-    pub fn trials(&self) -> Vec<Trial> {
-        let mut trials: Vec<Trial> = Vec::new();
+    pub fn evaluated_recordings(&self) -> Vec<EvaluatedRecording> {
+        let mut recordings: Vec<EvaluatedRecording> = Vec::new();
         for (at, own) in self.person.recordings.iter().enumerate() {
             let pieces = || self.pieces.iter().filter(|piece| piece.recording == at);
             if pieces().next().is_none() {
                 continue;
             }
-            let mut trial = own.trial.clone();
+            let mut evaluated = own.evaluated.clone();
             let inside = |sample: usize| pieces().any(|piece| piece.range.contains(&sample));
-            for (sample, label) in trial.lag_compensated.iter_mut().enumerate() {
+            for (sample, label) in evaluated.lag_compensated.iter_mut().enumerate() {
                 *label = label.filter(|_| inside(sample));
             }
-            let cuts = pieces().map(|piece| piece.cut(&own.trial.other_movement, 0));
-            trial.other_movement = cuts.flatten().collect();
-            trial.published = None;
-            trials.push(trial);
+            let cuts = pieces().map(|piece| piece.cut(&own.evaluated.other_movement, 0));
+            evaluated.other_movement = cuts.flatten().collect();
+            evaluated.published = None;
+            recordings.push(evaluated);
         }
-        trials
+        recordings
     }
 
     /// Cuts the pieces into recordings of their own.

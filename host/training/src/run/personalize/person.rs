@@ -5,8 +5,7 @@ use shared::model::file::Header;
 use shared::units::Sample;
 
 use super::error::PersonalizeError;
-use evaluation::Trial;
-use evaluation::trials::trial;
+use evaluation::EvaluatedRecording;
 use recordings::labels::lag::LabelLag;
 use recordings::labels::set_lag::Lag;
 use recordings::split::predefined;
@@ -18,7 +17,7 @@ pub(super) struct Own {
     /// outside the vocabulary.
     pub(super) recording: Recording,
     /// Recording for an evaluation.
-    pub(super) trial: Trial,
+    pub(super) evaluated: EvaluatedRecording,
 }
 
 /// Labelled recordings of a person, in path order, as a model sees them: in its vocabulary, normalized to the wearer if the model
@@ -130,7 +129,8 @@ impl Person {
 /// Converts a recording to the model's view.
 fn as_seen(recording: &Recording, vocabulary: Vocabulary, normalized: bool, lag: &Lag) -> Own {
     let align = |samples: &mut Vec<Sample>| recording.data_set.align(samples);
-    let trial = trial(recording, align, vocabulary, lag.of_recording(recording));
+    let evaluated =
+        EvaluatedRecording::new(recording, align, vocabulary, lag.of_recording(recording));
     let mut samples = if normalized {
         recording.normalized_samples()
     } else {
@@ -139,12 +139,12 @@ fn as_seen(recording: &Recording, vocabulary: Vocabulary, normalized: bool, lag:
     align(&mut samples);
     Own {
         recording: Recording {
-            labels: trial.lag_compensated.clone(),
-            other_movement: trial.other_movement.clone(),
+            labels: evaluated.lag_compensated.clone(),
+            other_movement: evaluated.other_movement.clone(),
             samples,
             ..recording.clone()
         },
-        trial,
+        evaluated,
     }
 }
 

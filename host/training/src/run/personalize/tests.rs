@@ -68,13 +68,13 @@ fn turns(times: usize) -> Recording {
 
 /// Bounds of the labelled samples of each recording in a part: the first, and one past the last.
 fn labelled(part: &Part<'_>) -> Vec<(usize, usize)> {
-    let span = |trial: &evaluation::Trial| {
-        let labels = &trial.lag_compensated;
+    let span = |recording: &evaluation::EvaluatedRecording| {
+        let labels = &recording.lag_compensated;
         let first = labels.iter().position(Option::is_some).unwrap();
         let last = labels.iter().rposition(Option::is_some).unwrap();
         (first, last + 1)
     };
-    part.trials().iter().map(span).collect()
+    part.evaluated_recordings().iter().map(span).collect()
 }
 
 #[test]

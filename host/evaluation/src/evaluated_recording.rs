@@ -1,0 +1,147 @@
+//! The recordings that models are evaluated on, or that settings are chosen on.
+
+use presets::config::ResolvedConfig;
+use recordings::labels::compensation::Compensation;
+use recordings::split::Role;
+use recordings::{DataSet, Library, Movement, Recording, by_data_set};
+use shared::intent::{Intent, Vocabulary};
+use shared::stream::preprocess::{Median, Preprocessing, clean};
+use shared::units::{CleanSample, Sample};
+
+/// One recording that models are evaluated on.
+#[derive(Clone, Debug)]
+pub struct EvaluatedRecording {
+    /// Data set.
+    pub data_set: DataSet,
+    /// Subject.
+    pub subject: String,
+    /// Name of the recording.
+    pub name: String,
+    /// Samples as the armband sends them.
+    pub raw: Vec<Sample>,
+    /// Samples preprocessed as in the paper.
+    pub emg: Vec<CleanSample>,
+    /// Samples normalized to the wearer.
+    pub normalized: Vec<Sample>,
+    /// Labels as published; none for spliced recordings.
+    pub published: Option<Vec<Option<Intent>>>,
+    /// Lag-compensated labels.
+    pub lag_compensated: Vec<Option<Intent>>,
+    /// Movements outside the vocabulary, in which every gesture's label is wrong.
+    pub other_movement: Vec<Movement>,
+}
+
+impl EvaluatedRecording {
+    /// A recording with its samples as `arrange` changes them, and its labels in a vocabulary, compensated for their lag.
+    ///
+    /// Intents outside the vocabulary count as movement outside it.
+    pub fn new(
+        recording: &Recording,
+        arrange: impl Fn(&mut Vec<Sample>),
+        vocabulary: Vocabulary,
+        compensation: Compensation,
+    ) -> Self {
+        let compensated = recording.compensated(compensation);
+        let arranged = |mut samples: Vec<Sample>| {
+            arrange(&mut samples);
+            samples
+        };
+        let raw = arranged(recording.samples.clone());
+        Self {
+            data_set: recording.data_set,
+            subject: recording.subject.clone(),
+            name: recording.name.clone(),
+            emg: clean(raw.iter().copied(), Median::Three).collect(),
+            normalized: arranged(recording.normalized_samples()),
+            raw,
+            lag_compensated: compensated.labels_in(vocabulary),
+            published: Some(recording.labels_in(vocabulary)),
+            other_movement: compensated.movement_outside(vocabulary),
+        }
+    }
+
+    /// The input of a model.
+    #[must_use]
+    pub fn input(&self, preprocessing: Preprocessing) -> Vec<CleanSample> {
+        let samples = if preprocessing.normalized {
+            &self.normalized
+        } else {
+            &self.raw
+        };
+        clean(samples.iter().copied(), preprocessing.median).collect()
+    }
+
+    /// Held-out recordings as published.
+    pub fn held_out(config: &ResolvedConfig, library: &Library) -> Vec<Self> {
+        Self::of_role(config, library, Role::HeldOut)
+    }
+
+    /// Validation recordings as published, on which settings may be chosen.
+    pub fn validation(config: &ResolvedConfig, library: &Library) -> Vec<Self> {
+        Self::of_role(config, library, Role::Validation)
+    }
+
+    /// Training recordings, which the floors of the tables are fitted to.
+    pub fn training(config: &ResolvedConfig, library: &Library) -> Vec<Self> {
+        Self::of_role(config, library, Role::Training)
+    }
+
+    /// One minute of spliced recording per held-out subject. A model that has learnt the order and timing of the
+    /// protocol has no advantage on it.
+    pub fn spliced(config: &ResolvedConfig, library: &Library) -> Vec<Self> {
+        const SECONDS: f64 = 60.0;
+        by_data_set(config.labelled_recordings(library, Role::HeldOut))
+            .values()
+            .flat_map(|recordings| config.spliced(recordings, SECONDS, false))
+            .map(|recording| Self {
+                data_set: recording.data_set,
+                subject: recording.subject,
+                name: recording.name,
+                emg: clean(recording.samples.iter().copied(), Median::Three).collect(),
+                // Spliced from what the preset asks for, normalized or not.
+                normalized: recording.samples.clone(),
+                raw: recording.samples,
+                published: None,
+                lag_compensated: recording.labels,
+                other_movement: Vec::new(),
+            })
+            .collect()
+    }
+
+    fn of_role(config: &ResolvedConfig, library: &Library, role: Role) -> Vec<Self> {
+        let vocabulary = config.preset.vocabulary();
+        config
+            .evaluated_recordings(library, role)
+            .into_iter()
+            .map(|recording| {
+                let compensation = config.compensation(recording);
+                let align = |samples: &mut Vec<Sample>| config.align(recording, samples);
+                Self::new(recording, align, vocabulary, compensation)
+            })
+            .collect()
+    }
+}
+
+#[cfg(any(test, feature = "testing"))]
+impl EvaluatedRecording {
+    /// A synthetic recording of a person for tests: 2 s of each class in turn.
+    #[must_use]
+    pub fn made_up(subject: &str, classes: &[usize]) -> Self {
+        let labels = classes
+            .iter()
+            .flat_map(|&class| [Intent::from_class(class); 400]);
+        let truth: Vec<Option<Intent>> = labels.collect();
+        let emg = |label: &Option<Intent>| [if *label == Some(Intent::Relax) { 1 } else { 20 }; 8];
+        Self {
+            data_set: DataSet::Synthetic,
+            subject: subject.to_owned(),
+            name: "r".to_owned(),
+            raw: Vec::new(),
+            emg: truth.iter().map(emg).collect(),
+            normalized: Vec::new(),
+            published: Some(truth.clone()),
+            lag_compensated: truth,
+            other_movement: Vec::new(),
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! Inference over whole recordings, as a device does it: the logits of a model file at every patch, and a stream through
+//! the device's own pipeline, sample by sample.
+//!
+//! Logits have one form for teacher, float student and integer student: after each patch, those of
+//! that patch and of the five before it ([`LookBackLogits`], newest
+//! first, unused classes 0). The code that smooths and scores them is the same for all models.
+
+use std::ops::ControlFlow;
+
+use recordings::corpus::padded;
+use shared::model::encoder::HostEncoder;
+use shared::model::file::{Model, ModelError};
+use shared::model::{Encode, LookBackLogits};
+use shared::pipeline::Pipeline;
+use shared::stream::normalizer::Normalizer;
+use shared::stream::preprocess::{Preprocessing, clean};
+use shared::stream::safe_state::Start;
+use shared::stream::smoother::SettingsError;
+use shared::uart_line::line::Line;
+use shared::units::{CleanSample, Millis, PATCH, Patch, SAMPLE_PERIOD_MS, Sample, WINDOW_PATCHES};
+
+/// Samples of a notification of the armband.
+const TOGETHER: usize = 2;
+
+/// Input of a model from the samples of a stream, from its beginning: preprocessed as in training, and as a board does
+/// it.
+#[must_use]
+pub fn input(samples: &[Sample], preprocessing: Preprocessing) -> Vec<CleanSample> {
+    let mut wearer = preprocessing.normalized.then(Normalizer::new);
+    let samples = samples.iter().map(|&sample| match &mut wearer {
+        Some(wearer) => wearer.push(sample),
+        None => sample,
+    });
+    clean(samples, preprocessing.median).collect()
+}
+
+/// Logits after each of the patches of a stream, from its beginning.
+///
+/// # Errors
+/// If the encoder refuses the model.
+pub fn outputs(model: &Model<'_>, patches: &[Patch]) -> Result<Vec<LookBackLogits>, ModelError> {
+    let encoder = HostEncoder::new(model)?;
+    let mut outputs = Vec::with_capacity(patches.len());
+    let mut state = encoder.fresh();
+    encoder.steps(&mut state, patches, |logits| outputs.push(logits));
+    Ok(outputs)
+}
+
+/// Logits of an integer student at every whole patch of a recording, as the device computes them, after a
+/// lead-in of one window.
+///
+/// # Errors
+/// When the encoder refuses the model.
+pub fn integer_logits(
+    model: &Model<'_>,
+    emg: &[CleanSample],
+) -> Result<Vec<LookBackLogits>, ModelError> {
+    let stream = padded(emg);
+    let (patches, _) = stream.as_chunks::<PATCH>();
+    Ok(outputs(model, patches)?
+        .into_iter()
+        .skip(WINDOW_PATCHES)
+        .collect())
+}
+
+/// The pipeline of a model as a board sets it up at its start; `encoder` is that of the model.
+///
+/// # Errors
+/// When the smoother refuses the settings of the model.
+pub fn pipeline<'s, E: Encode>(
+    model: &Model<'_>,
+    encoder: E,
+    state: &'s mut E::State,
+) -> Result<Pipeline<'s, E>, SettingsError> {
+    let settings = model.header.smoother.in_patches();
+    let mut pipeline = Pipeline::new(encoder, state, settings, Start::Boot)?;
+    pipeline.preprocess(model.header.preprocessing);
+    pipeline.set_template(model.header.template);
+    Ok(pipeline)
+}
+
+/// Passes a recording through a pipeline as an armband sends it, two samples every 10 ms. `wait` is called with the
+/// time before each two. `output` is called with each line that a board writes, a report or a change of the alignment,
+/// until it breaks off.
+pub fn feed<E: Encode, B>(
+    pipeline: &mut Pipeline<'_, E>,
+    samples: &[Sample],
+    mut wait: impl FnMut(Millis),
+    mut output: impl FnMut(Line<'_>) -> ControlFlow<B>,
+) -> ControlFlow<B> {
+    let mut now = Millis(0);
+    for pair in samples.chunks(TOGETHER) {
+        wait(now);
+        for &sample in pair {
+            for report in pipeline.sample(now, sample) {
+                output(Line::Report(report))?;
+            }
+            if let Some(report) = pipeline.take_alignment_report() {
+                output(Line::Alignment(report))?;
+            }
+        }
+        now = now.plus(TOGETHER as u32 * SAMPLE_PERIOD_MS);
+    }
+    ControlFlow::Continue(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shared::intent::Vocabulary;
+    use shared::model::dimensions::{Dimensions, usual_span};
+    use shared::model::encoder::DeviceEncoder;
+    use shared::model::file::random::random_model;
+
+    fn model_bytes(width: usize, layers: usize, span: usize) -> Vec<u8> {
+        let vocabulary = Vocabulary::Six;
+        let dimensions = Dimensions {
+            width,
+            layers,
+            span,
+            vocabulary,
+            other: false,
+        };
+        random_model(dimensions, 5).to_bytes().unwrap()
+    }
+
+    #[test]
+    fn the_outputs_are_those_of_the_device_step_by_step() {
+        let bytes = model_bytes(64, 2, usual_span(2));
+        let model = Model::parse(&bytes).unwrap();
+        let device = DeviceEncoder::new(&model).unwrap();
+        let patches: Vec<Patch> = (0..39)
+            .map(|step| {
+                let mut patch = Patch::default();
+                for (index, value) in patch.as_flattened_mut().iter_mut().enumerate() {
+                    *value = ((index * 37 + step * 11) % 129) as u8;
+                }
+                patch
+            })
+            .collect();
+        let mut state = device.fresh();
+        let expected: Vec<LookBackLogits> = patches
+            .iter()
+            .map(|patch| device.step(&mut state, patch))
+            .collect();
+        for count in [0, 1, 3, 4, 38, 39] {
+            assert_eq!(
+                outputs(&model, &patches[..count]).unwrap(),
+                expected[..count]
+            );
+        }
+    }
+}
