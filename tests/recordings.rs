@@ -795,6 +795,7 @@ fn the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_mad
         logits: logits.collect(),
         entry_margins: model.header.smoother.entry_margins,
         other_margin: model.header.smoother.other_margin,
+        early: model.header.smoother.early,
     };
     let detector = EnergyDetector::fit(&training).unwrap();
     let candidates = [own, constant(&recordings), detector.candidate(&recordings)];
@@ -894,6 +895,7 @@ fn the_lead_in_decides_the_first_labels() {
             logits: all.iter().map(logits).collect(),
             entry_margins: [0.0; MAX_CLASSES],
             other_margin: None,
+            early: None,
         }
     };
     let candidates = [

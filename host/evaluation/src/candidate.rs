@@ -8,7 +8,7 @@ use rayon::iter::ParallelIterator;
 use shared::intent::MAX_CLASSES;
 use shared::model::LookBackLogits;
 use shared::model::file::Model;
-use shared::stream::smoother::Settings;
+use shared::stream::smoother::{Early, Settings};
 
 use super::condition::LookAhead;
 
@@ -27,6 +27,8 @@ pub struct Candidate {
     /// Margin over movement outside the vocabulary ([`Settings::other_margin`]); none if the model does not know such
     /// movement.
     pub other_margin: Option<f32>,
+    /// Margins of early labels ([`Settings::early`]); none if every label waits for the look-ahead.
+    pub early: Option<Early>,
 }
 
 impl Candidate {
@@ -43,6 +45,7 @@ impl Candidate {
         Settings {
             entry_margins: self.entry_margins,
             other_margin: self.other_margin,
+            early: self.early,
             ..look_ahead.settings()
         }
     }
@@ -74,6 +77,7 @@ pub fn integer_candidate(
         logits,
         entry_margins: model.header.smoother.entry_margins,
         other_margin: model.header.smoother.other_margin,
+        early: model.header.smoother.early,
     })
 }
 
@@ -90,6 +94,7 @@ mod tests {
                 logits: Vec::new(),
                 entry_margins: [0.0; MAX_CLASSES],
                 other_margin: None,
+                early: None,
             };
             candidate.conditions().collect::<Vec<_>>()
         };

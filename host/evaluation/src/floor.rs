@@ -161,6 +161,7 @@ fn candidate(
         logits: recordings.iter().map(logits).collect(),
         entry_margins: [0.0; MAX_CLASSES],
         other_margin: None,
+        early: None,
     }
 }
 

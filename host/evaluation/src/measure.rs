@@ -3,20 +3,33 @@
 use super::metric::summary::Summary;
 use super::score::Score;
 use recordings::statistics::{Interval, MeanSd};
+use shared::units::SAMPLE_PERIOD_MS;
 
 /// A measure with one value for each person.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Measure {
     /// Balanced accuracy.
     BalancedAccuracy,
+    /// Balanced accuracy, each label at its emission time.
+    BalancedAccuracyEmitted,
     /// Transition accuracy with the widest buffer.
     TransitionAccuracy,
     /// Transition accuracy with a buffer of 120 samples.
     TransitionAccuracyMiddle,
     /// Transition accuracy with a buffer of 60 samples.
     TransitionAccuracyNarrow,
+    /// Transition accuracy with the widest buffer, each label at its emission time.
+    TransitionAccuracyEmitted,
     /// Share of gestures recognised.
     Recognition,
+    /// Share of gestures recognised within 100 ms of their onset.
+    Within100,
+    /// Share of gestures recognised within 150 ms of their onset.
+    Within150,
+    /// Share of gestures recognised within 200 ms of their onset.
+    Within200,
+    /// Share of gestures recognised within 300 ms of their onset.
+    Within300,
     /// False activations a minute of rest.
     FalseActivations,
     /// Activations a minute of movement outside the vocabulary.
@@ -35,10 +48,16 @@ impl Measure {
     pub const fn name(self) -> &'static str {
         match self {
             Self::BalancedAccuracy => "balanced",
+            Self::BalancedAccuracyEmitted => "balanced emitted",
             Self::TransitionAccuracy => "TA",
             Self::TransitionAccuracyMiddle => "TA (120)",
             Self::TransitionAccuracyNarrow => "TA (60)",
+            Self::TransitionAccuracyEmitted => "TA emitted",
             Self::Recognition => "recognised",
+            Self::Within100 => "in 100 ms",
+            Self::Within150 => "in 150 ms",
+            Self::Within200 => "in 200 ms",
+            Self::Within300 => "in 300 ms",
             Self::FalseActivations => "false/min",
             Self::OtherActivations => "other/min",
             Self::Raised => "other raised",
@@ -51,6 +70,11 @@ impl Measure {
     #[must_use]
     pub fn values<'a>(self, score: &'a Score) -> Vec<(&'a str, f64)> {
         let scores = || score.widest().subjects.iter();
+        let balanced = |of: &'a Summary| {
+            let subjects = of.subjects.iter();
+            let values = subjects.filter_map(|s| Some((s.subject.as_str(), s.balanced_accuracy?)));
+            values.collect()
+        };
         let transitions = |of: &'a Summary| {
             let subjects = of.subjects.iter();
             let values =
@@ -58,13 +82,24 @@ impl Measure {
             values.collect()
         };
         let events = || score.events.subjects.iter();
+        let within = |ms: u32| {
+            let samples = (ms / SAMPLE_PERIOD_MS) as i32;
+            let shares = events().map(|s| (s.subject.as_str(), s.recognised_within(samples)));
+            shares
+                .filter_map(|(subject, share)| Some((subject, share?)))
+                .collect()
+        };
         match self {
-            Self::BalancedAccuracy => scores()
-                .filter_map(|s| Some((s.subject.as_str(), s.balanced_accuracy?)))
-                .collect(),
+            Self::BalancedAccuracy => balanced(score.widest()),
+            Self::BalancedAccuracyEmitted => balanced(&score.emission),
             Self::TransitionAccuracy => transitions(score.widest()),
             Self::TransitionAccuracyMiddle => transitions(&score.reference[1]),
             Self::TransitionAccuracyNarrow => transitions(&score.reference[0]),
+            Self::TransitionAccuracyEmitted => transitions(&score.emission),
+            Self::Within100 => within(100),
+            Self::Within150 => within(150),
+            Self::Within200 => within(200),
+            Self::Within300 => within(300),
             Self::RawAccuracy => scores()
                 .filter_map(|s| Some((s.subject.as_str(), s.raw_accuracy?)))
                 .collect(),

@@ -45,6 +45,9 @@ pub struct Score {
     /// Scores with each buffer of [`BUFFERS`], each label at its reference time; JSON has the `buffer` beside each.
     #[serde(serialize_with = "with_buffers")]
     pub reference: [Summary; BUFFERS.len()],
+    /// Scores with the widest buffer, each label at its emission time; of nobody in results of earlier versions.
+    #[serde(default)]
+    pub emission: Summary,
     /// Events, each label at its emission time.
     pub events: EventSummary,
 }
@@ -169,6 +172,7 @@ pub fn score(
                 .map(|(_, scores)| scores.reference[index].clone());
             summary(&scores.collect::<Vec<_>>())
         };
+        let emission = own.iter().map(|(_, scores)| scores.emission.clone());
         let mut by_subject: BTreeMap<&str, Vec<&RecordingEvents>> = BTreeMap::new();
         for (recording, scores) in &own {
             let events = by_subject.entry(&recording.subject).or_default();
@@ -185,6 +189,7 @@ pub fn score(
             look_ahead,
             truth,
             reference: std::array::from_fn(summary_of),
+            emission: summary(&emission.collect::<Vec<_>>()),
             events: EventSummary::of_subjects(subjects.collect()),
         })
     };
@@ -196,6 +201,8 @@ pub fn score(
 struct RecordingScores {
     /// Scores at reference times, with each buffer.
     reference: [RecordingScore; BUFFERS.len()],
+    /// Scores at emission times, with the widest buffer.
+    emission: RecordingScore,
     /// Events at emission times.
     events: RecordingEvents,
 }
@@ -209,15 +216,15 @@ fn score_recording(
 ) -> Result<RecordingScores, EvaluationError> {
     let SmoothedLabels { reference, emitted } =
         smooth(logits, recording.emg.len(), vocabulary.classes(), settings)?;
-    // Samples before the first label are not scored, as the reference does with those after the last one.
-    let first = reference.iter().position(Option::is_some).unwrap_or(0);
-    let with_buffer = |buffer| {
+    let with_buffer = |labels: &[Option<Intent>], buffer| {
+        // Samples before the first label are not scored, as the reference does with those after the last one.
+        let first = labels.iter().position(Option::is_some).unwrap_or(0);
         let rule = Rule {
             buffer,
             ..Rule::default()
         };
         let (subject, name) = (&recording.subject, &recording.name);
-        RecordingScore::new(subject, name, &truth[first..], &reference[first..], &rule)
+        RecordingScore::new(subject, name, &truth[first..], &labels[first..], &rule)
     };
     let [narrow, middle, wide] = BUFFERS;
     let events = RecordingEvents::new(
@@ -228,10 +235,11 @@ fn score_recording(
     )?;
     Ok(RecordingScores {
         reference: [
-            with_buffer(narrow)?,
-            with_buffer(middle)?,
-            with_buffer(wide)?,
+            with_buffer(&reference, narrow)?,
+            with_buffer(&reference, middle)?,
+            with_buffer(&reference, wide)?,
         ],
+        emission: with_buffer(&emitted, wide)?,
         events,
     })
 }
@@ -303,6 +311,7 @@ impl Score {
             look_ahead: LookAhead::None,
             truth: Truth::LagCompensated,
             reference: std::array::from_fn(|_| summary.clone()),
+            emission: summary.clone(),
             events: EventSummary::of_subjects(events),
         }
     }
@@ -345,6 +354,7 @@ mod tests {
             logits: vec![logits],
             entry_margins: [0.0; 6],
             other_margin: None,
+            early: None,
         };
         (recording, candidate)
     }

@@ -18,6 +18,7 @@ pub mod training;
 use serde::{Deserialize, Serialize};
 use shared::intent::{Intent, MAX_CLASSES, Vocabulary};
 use shared::stream::preprocess::{Median, Preprocessing};
+use shared::stream::smoother::Early;
 
 use crate::distillation::{Distillation, StudentConfig};
 use crate::teacher::{LoraConfig, TeacherConfig, TeacherTraining};
@@ -110,6 +111,12 @@ pub enum Aggregation {
 }
 
 impl Smoothing {
+    /// Margins of early labels.
+    #[must_use]
+    pub const fn early(&self) -> Option<Early> {
+        None
+    }
+
     fn is_default(&self) -> bool {
         *self == Self::default()
     }

@@ -14,6 +14,11 @@
 //! and Englehart (IEEE Trans. Biomed. Eng. 60(6), 2013), who reject by confidence, class by class; the margin of two
 //! logits is the logarithm of the ratio of their probabilities.
 //!
+//! An early label ([`Settings::early`]) does not wait for the whole look-ahead. At each window the means of all instants
+//! that still wait are there, the newest with one row and the oldest with the whole look-ahead. The newest one that is sure
+//! of another class changes the label: the fewer rows, the larger the margin that is asked. Instants up to that one are not
+//! looked at again, so only later evidence changes the label back. The oldest decides as without early labels.
+//!
 //! Rows may have one more column, movement outside the vocabulary ([`Settings::other_margin`]). No label comes of it: it
 //! only keeps a class from being entered. A label that holds is ended by relax or another class, not by this column.
 //!
@@ -26,7 +31,7 @@ mod settings;
 use crate::intent::Intent;
 use crate::units::SampleIndex;
 
-pub use settings::{AggregationMode, Gate, Settings, SettingsError};
+pub use settings::{AggregationMode, Early, Gate, Settings, SettingsError};
 
 /// A label as a class number, with its instant and its delay.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -53,10 +58,14 @@ pub struct Smoother<const CLASSES: usize, const ROWS: usize> {
     newest: usize,
     /// Windows since the restart, up to `look_ahead + 1`.
     seen: usize,
-    /// Windows since the restart, modulo `hold`.
+    /// Windows since a label was due, modulo `hold`: since the restart, or since an early label.
     phase: usize,
     /// Class of the newest label; relax before the first one.
     current: usize,
+    /// Windows since the label changed, at most `hold`.
+    held: usize,
+    /// Rows from the instant that the label changed at to the newest one: so many instants may change it again.
+    since: usize,
 }
 
 /// The class of rest, which needs no evidence.
@@ -98,6 +107,8 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
             seen: 0,
             phase: 0,
             current: RELAX,
+            held: settings.hold,
+            since: ROWS,
         })
     }
 
@@ -128,11 +139,13 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         self.seen = 0;
         self.phase = 0;
         self.current = RELAX;
+        self.held = self.settings.hold;
+        self.since = ROWS;
     }
 
     /// Takes the rows of the window that ends at sample `window_end`, newest first. Returns a label when
     /// one is due: at every `hold`-th window, counted from the first, once `look_ahead + 1` have been
-    /// taken.
+    /// taken; with early labels also when the label changes, from which the windows are then counted.
     ///
     /// Only the first `look_ahead + 1` rows and the columns of the classes, and of other movement if the settings have
     /// it, are read.
@@ -145,13 +158,22 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         self.newest = (self.newest + 1) % depth;
         self.sums[self.newest] = [0.0; CLASSES];
         self.seen = depth.min(self.seen + 1);
+        self.since = ROWS.min(self.since + 1);
+        self.held = self.settings.hold.min(self.held + 1);
         self.add(rows);
 
-        let due = self.phase == 0 && self.seen == depth;
+        let is_full = self.seen == depth;
+        match self.settings.early {
+            Some(early) if is_full => self.change(early),
+            Some(_) => {}
+            None if is_full && self.phase == 0 => self.current = self.gated(0.0),
+            None => {}
+        }
+        let due = is_full && self.phase == 0;
         self.phase = (self.phase + 1) % self.settings.hold;
         due.then(|| {
-            let behind = self.settings.look_ahead as u32 * self.settings.row_samples;
-            self.current = self.gated((self.newest + 1) % depth);
+            let back = self.since.min(self.settings.look_ahead);
+            let behind = back as u32 * self.settings.row_samples;
             Decision {
                 class: self.current,
                 instant: SampleIndex(window_end.0.wrapping_sub(behind)),
@@ -160,37 +182,108 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         })
     }
 
-    /// The class of the largest of an instant's sums if the gate lets it in, else the label before it or relax.
-    fn gated(&self, instant: usize) -> usize {
-        let sums = &self.sums[instant][..self.classes];
-        let best = largest(sums);
-        let enters = || {
-            let other = self.sums[instant][self.classes..self.columns].first();
-            let [from_classes, from_other] = self.gates(best);
-            sums[best] - second(sums, best) >= from_classes
-                && other.is_none_or(|other| sums[best] - other >= from_other)
+    /// Changes the label at the newest instant that is sure of another class, unless it changed less than `hold` windows
+    /// ago.
+    fn change(&mut self, early: Early) {
+        if self.held < self.settings.hold {
+            return;
+        }
+        let look_ahead = self.settings.look_ahead;
+        for back in 0..self.since.min(look_ahead + 1) {
+            let class = if back == look_ahead {
+                self.gated(early.leave)
+            } else {
+                self.sure(back, early)
+            };
+            if class != self.current {
+                self.current = class;
+                self.since = back;
+                self.held = 0;
+                self.phase = 0;
+                return;
+            }
+        }
+    }
+
+    /// The class of the largest of the sums of the instant `back` rows before the newest if it has the margins of an early
+    /// label, else the label before it.
+    fn sure(&self, back: usize, early: Early) -> usize {
+        let best = largest(self.sums_of(back));
+        let look_ahead = self.settings.look_ahead;
+        let missing = (look_ahead - back) as f32 / look_ahead as f32;
+        let (beyond, leave) = if best == RELAX {
+            ([early.relax, 0.0], early.leave)
+        } else {
+            ([early.entry, early.other], 0.0)
         };
-        if best == RELAX || best == self.current || enters() {
+        let [from_classes, from_other] = beyond.map(|margin| margin * missing);
+        if self.exceeds(back, best, [from_classes + leave, from_other]) {
             best
-        } else if self.current != RELAX && sums[self.current] > sums[RELAX] {
+        } else {
+            self.current
+        }
+    }
+
+    /// The class of the largest of the oldest instant's sums if the gate lets it in, else the label before it or relax.
+    /// Relax has to exceed a label by `leave`.
+    fn gated(&self, leave: f32) -> usize {
+        let back = self.settings.look_ahead;
+        let sums = self.sums_of(back);
+        let best = largest(sums);
+        if best == self.current || best != RELAX && self.exceeds(back, best, [0.0; 2]) {
+            best
+        } else if self.current != RELAX
+            && sums[self.current] > sums[RELAX] - leave * self.rows(back)
+        {
             self.current
         } else {
             RELAX
         }
     }
 
-    /// The margins of a class's sum over those of the other classes and over that of movement outside the vocabulary:
-    /// those of its mean, times the number of rows in a sum.
-    fn gates(&self, class: usize) -> [f32; 2] {
-        let depth = self.settings.look_ahead + 1;
+    /// Number of rows in the sums of an instant.
+    const fn rows(&self, back: usize) -> f32 {
+        let windows = back + 1;
         let rows = match self.settings.aggregation {
-            AggregationMode::AllRowsFrom => depth * (depth + 1) / 2,
-            AggregationMode::SameInstant => depth,
+            AggregationMode::AllRowsFrom => windows * (windows + 1) / 2,
+            AggregationMode::SameInstant => windows,
         };
+        rows as f32
+    }
+
+    /// The sums of the classes at the instant `back` rows before the newest.
+    fn sums_of(&self, back: usize) -> &[f32] {
+        &self.sums[self.place(back)][..self.classes]
+    }
+
+    /// The place of an instant's sums.
+    const fn place(&self, back: usize) -> usize {
+        let depth = self.settings.look_ahead + 1;
+        (self.newest + depth - back) % depth
+    }
+
+    /// Whether the class `best` of an instant exceeds the other classes, and movement outside the vocabulary, by its
+    /// margins and what is asked beyond them.
+    fn exceeds(&self, back: usize, best: usize, beyond: [f32; 2]) -> bool {
+        let sums = self.sums_of(back);
+        let other = self.sums[self.place(back)][self.classes..self.columns].first();
+        let margins = self.margins(best);
+        let rows = self.rows(back);
+        let [from_classes, from_other] = [0, 1].map(|of| (margins[of] + beyond[of]) * rows);
+        sums[best] - second(sums, best) >= from_classes
+            && (best == RELAX || other.is_none_or(|other| sums[best] - other >= from_other))
+    }
+
+    /// The margins of a class's mean over those of the other classes and over that of movement outside the vocabulary; relax
+    /// has none.
+    fn margins(&self, class: usize) -> [f32; 2] {
+        if class == RELAX {
+            return [0.0; 2];
+        }
         let from_classes = self.settings.entry_margins.get(class).copied();
         let settings = [from_classes, self.settings.other_margin];
         let instead = [self.gate.entry, self.gate.other].map(|hundredths| hundredths.map(logits));
-        [0, 1].map(|of| instead[of].or(settings[of]).unwrap_or(0.0) * rows as f32)
+        [0, 1].map(|of| instead[of].or(settings[of]).unwrap_or(0.0))
     }
 
     /// Adds one window's rows to the sums of the instants that still wait for their label. With rows

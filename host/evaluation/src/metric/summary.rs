@@ -91,7 +91,7 @@ pub struct SubjectScore {
 }
 
 /// The scores of all subjects.
-#[derive(Clone, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, PartialEq, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Summary {
     /// Each subject, in alphabetical order.
     pub subjects: Vec<SubjectScore>,

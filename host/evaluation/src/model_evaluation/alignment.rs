@@ -245,5 +245,6 @@ pub(super) fn aligned_candidate(
         logits,
         entry_margins: model.header.smoother.entry_margins,
         other_margin: model.header.smoother.other_margin,
+        early: model.header.smoother.early,
     })
 }

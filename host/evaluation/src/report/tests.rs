@@ -44,6 +44,7 @@ impl Evaluated {
             logits: logits.collect(),
             entry_margins: [0.0; 6],
             other_margin: None,
+            early: None,
         };
         let detector = EnergyDetector::fit(&recordings)
             .unwrap()

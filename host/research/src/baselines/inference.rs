@@ -170,5 +170,6 @@ pub(crate) fn candidate(
         logits,
         entry_margins: [0.0; MAX_CLASSES],
         other_margin: None,
+        early: None,
     })
 }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use burn::tensor::Device;
 use shared::model::LookBackLogits;
+use shared::stream::smoother::Early;
 
 use evaluation::model_evaluation::recordings_of;
 use evaluation::{ALL, Candidate, EvaluatedRecording, LookAhead, Truth, score};
@@ -228,12 +229,27 @@ impl CrossValidation<'_> {
         recordings: &[EvaluatedRecording],
     ) -> Result<Vec<FoldScore>, JobError> {
         let vocabulary = job.contender.preset.vocabulary();
-        let own = (candidate.entry_margins, candidate.other_margin);
+        let own = (
+            candidate.entry_margins,
+            candidate.other_margin,
+            candidate.early,
+        );
         let mut scores = Vec::new();
         for &gate in self.gates(job) {
-            (candidate.entry_margins, candidate.other_margin) = gate.map_or(own, |gate| {
+            (
+                candidate.entry_margins,
+                candidate.other_margin,
+                candidate.early,
+            ) = gate.map_or(own, |gate| {
                 let entry = EntryMargins::Same(gate.entry).of_classes();
-                (entry, own.1.map(|margin| gate.other.unwrap_or(margin)))
+                let other = own.1.map(|margin| gate.other.unwrap_or(margin));
+                let early = gate.early.map(|[entry, other, relax, leave]| Early {
+                    entry,
+                    other,
+                    relax,
+                    leave,
+                });
+                (entry, other, early)
             });
             let look_aheads: &[LookAhead] = if candidate.looks_back {
                 &LookAhead::ALL

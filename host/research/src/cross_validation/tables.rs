@@ -21,13 +21,26 @@ const RATES: [Measure; 3] = [
     Measure::OtherActivations,
     Measure::Flicker,
 ];
+/// Measures of labels at their emission times, beside the latency.
+const EMISSION: [Measure; 7] = [
+    Measure::BalancedAccuracyEmitted,
+    Measure::TransitionAccuracyEmitted,
+    Measure::Recognition,
+    Measure::Within100,
+    Measure::Within150,
+    Measure::Within200,
+    Measure::Within300,
+];
 /// Measures that contenders are compared by.
-const COMPARED: [Measure; 8] = [
+const COMPARED: [Measure; 11] = [
     Measure::BalancedAccuracy,
+    Measure::BalancedAccuracyEmitted,
     Measure::TransitionAccuracy,
     Measure::TransitionAccuracyMiddle,
     Measure::TransitionAccuracyNarrow,
+    Measure::TransitionAccuracyEmitted,
     Measure::Recognition,
+    Measure::Within200,
     Measure::FalseActivations,
     Measure::OtherActivations,
     Measure::Raised,
@@ -94,6 +107,37 @@ fn scores_table(caption: &str, merged: &[Merged<'_>]) -> Table {
                         one(Measure::RawAccuracy, 3),
                         people.to_string(),
                     ]),
+            );
+        }
+    }
+    table
+}
+
+/// Table of the labels at their emission times, with the rows of [`scores`] whose people make gestures.
+pub(crate) fn emission(merged: &[Merged<'_>]) -> Table {
+    let caption = "Held-out people, labels when they are emitted: mean over people [95 % interval]; latency: median / 90 % of \
+        all gestures";
+    let header = ["recordings", "classes", "model (look-ahead)"].into_iter();
+    let header = header.chain(EMISSION.map(Measure::name));
+    let mut table = Table::new(caption, header.chain(["latency ms", "people"]));
+    for section in sections(merged) {
+        for own in merged {
+            let people = own.values(Measure::Recognition, section).len();
+            if people == 0 {
+                continue;
+            }
+            let shares = EMISSION.map(|measure| {
+                let values = own.values(measure, section).into_iter();
+                let numbers: Vec<f64> = values.map(|(_, value)| value).collect();
+                let cell = cell::estimate(MeanSd::of(&numbers), Interval::of_mean(&numbers));
+                cell::of_people(cell, numbers.len(), people)
+            });
+            table.push(
+                names(section, own)
+                    .into_iter()
+                    .chain([own.name()])
+                    .chain(shares)
+                    .chain([cell::latency(own.latency(section)), people.to_string()]),
             );
         }
     }

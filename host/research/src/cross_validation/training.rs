@@ -44,6 +44,7 @@ impl CrossValidation<'_> {
                 // As in the paper, the teacher has no gate and knows no movement outside the vocabulary.
                 candidate.entry_margins = [0.0; MAX_CLASSES];
                 candidate.other_margin = None;
+                candidate.early = None;
                 Ok((candidate, recordings))
             }
             Kind::Baseline(baseline) => {

@@ -61,5 +61,6 @@ fn candidate(
         logits,
         entry_margins: context.config.preset.smoother.entry_margins.of_classes(),
         other_margin: context.config.preset.other_margin(),
+        early: context.config.preset.smoother.early(),
     })
 }

@@ -24,6 +24,7 @@ pub(super) fn refuse_impossible(preset: &Preset, device: &Device) -> Result<(), 
         hold: HOLD,
         entry_margins: preset.smoother.entry_margins.of_classes(),
         other_margin: preset.other_margin(),
+        early: preset.smoother.early(),
     };
     let provenance = ProvenanceParts::default();
     let (config, vocabulary) = (&preset.student, preset.vocabulary());

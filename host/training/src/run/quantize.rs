@@ -162,6 +162,7 @@ pub(super) fn model_bytes(
         hold: HOLD,
         entry_margins: context.config.preset.smoother.entry_margins.of_classes(),
         other_margin: context.config.preset.other_margin(),
+        early: context.config.preset.smoother.early(),
     };
     quantization::quantize(
         student,

@@ -160,7 +160,7 @@ pub enum ModelError {
     },
     /// Unknown aggregation mode.
     #[error(
-        "smoother aggregation mode {found}, expected 0 (all rows) or 1 (same instant): update this program"
+        "smoother aggregation mode {found}, expected 0 or 2 (all rows), 1 or 3 (same instant): update this program"
     )]
     AggregationMode {
         /// The file's code.
@@ -188,6 +188,12 @@ pub enum ModelError {
     /// An entry margin out of range.
     #[error("entry margin {}, expected 0 to {}: export with one", Decimal(.found), Decimal(&MAX_ENTRY_MARGIN))]
     EntryMargin {
+        /// The file's margin.
+        found: f32,
+    },
+    /// A margin of early labels out of range.
+    #[error("margin of early labels {}, expected 0 to {}: export with one", Decimal(.found), Decimal(&MAX_ENTRY_MARGIN))]
+    EarlyMargin {
         /// The file's margin.
         found: f32,
     },

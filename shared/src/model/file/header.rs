@@ -9,7 +9,7 @@ use crate::intent::MAX_CLASSES;
 use crate::model::dimensions::{Companding, Dimensions};
 use crate::stream::alignment::Template;
 use crate::stream::preprocess::Preprocessing;
-use crate::stream::smoother::{AggregationMode, Settings};
+use crate::stream::smoother::{AggregationMode, Early, Settings};
 use crate::units::PATCH;
 
 /// Default settings of the smoother for a model.
@@ -27,6 +27,9 @@ pub struct SmootherDefaults {
     /// Margin over movement outside the vocabulary, at most [`MAX_ENTRY_MARGIN`](crate::units::MAX_ENTRY_MARGIN) either
     /// way; none if the model does not know such movement. See [`Settings::other_margin`].
     pub other_margin: Option<f32>,
+    /// Margins of early labels, 0 to [`MAX_ENTRY_MARGIN`](crate::units::MAX_ENTRY_MARGIN); none if every label waits for
+    /// the look-ahead. See [`Settings::early`].
+    pub early: Option<Early>,
 }
 
 impl SmootherDefaults {
@@ -39,6 +42,7 @@ impl SmootherDefaults {
             hold: self.hold / PATCH,
             entry_margins: self.entry_margins,
             other_margin: self.other_margin,
+            early: self.early,
             ..Settings::PAPER_IN_PATCHES
         }
     }

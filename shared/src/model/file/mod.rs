@@ -16,6 +16,7 @@ pub mod random;
 mod reader;
 #[cfg(any(test, feature = "write"))]
 mod rewriter;
+mod wire_aggregation;
 mod wire_header;
 #[cfg(any(test, feature = "write"))]
 mod writer;

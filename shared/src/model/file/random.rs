@@ -80,6 +80,7 @@ pub fn random_model(dimensions: Dimensions, seed: u64) -> ModelParts {
             hold: 20,
             entry_margins: [0.0, 0.5, 0.5, 0.5, 0.5, 0.5],
             other_margin: dimensions.other.then_some(0.25),
+            early: None,
         },
         template: Some(ramp()),
         provenance: ProvenanceParts {

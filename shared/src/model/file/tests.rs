@@ -6,6 +6,7 @@ use proptest::prelude::*;
 
 use super::{
     random::random_model,
+    wire_aggregation::WireAggregation,
     wire_header::WireHeader,
     writer::{append, list, prefix, quantize_rows, seal},
     *,
@@ -387,8 +388,8 @@ fn every_other_header_field_has_its_refusal() {
         ModelError::Divisor { found: 127 }
     );
     assert_eq!(
-        header_refusal(|header| header.aggregation = 2),
-        ModelError::AggregationMode { found: 2 }
+        header_refusal(|header| header.aggregation = WireAggregation::of_mode(4)),
+        ModelError::AggregationMode { found: 4 }
     );
     assert_eq!(
         header_refusal(|header| header.entry_margins[2] = 50.5),

@@ -5,13 +5,13 @@ use serde::{Deserialize, Serialize};
 use super::error::ModelError;
 use super::header::{Header, List, Provenance, SmootherDefaults};
 use super::names::Excerpt;
+use super::wire_aggregation::WireAggregation;
 use crate::intent::{MAX_CLASSES, Vocabulary};
 use crate::model::dimensions::{
     Companding, Dimensions, HEADS, MAX_LAYERS, MAX_SPAN, MAX_WIDTH, MIN_WIDTH, patches_needed,
 };
 use crate::stream::alignment::Template;
 use crate::stream::preprocess::{DIVISOR, Median, Preprocessing};
-use crate::stream::smoother::AggregationMode;
 use crate::units::{
     LOOK_AHEAD, LOOK_BACK, MAX_ENTRY_MARGIN, MAX_HOLD, PATCH, SAMPLE_RATE_HZ, WINDOW_PATCHES,
 };
@@ -33,7 +33,7 @@ pub(super) struct WireHeader<'m> {
     pub median_width: u8,
     pub divisor: u8,
     pub normalized: bool,
-    pub aggregation: u8,
+    pub aggregation: WireAggregation,
     pub look_ahead: u16,
     pub hold: u16,
     pub entry_margins: [f32; MAX_CLASSES],
@@ -79,10 +79,7 @@ impl<'m> WireHeader<'m> {
             median_width: preprocessing.median.width(),
             divisor: DIVISOR,
             normalized: preprocessing.normalized,
-            aggregation: match smoother.aggregation {
-                AggregationMode::AllRowsFrom => 0,
-                AggregationMode::SameInstant => 1,
-            },
+            aggregation: WireAggregation::new(smoother.aggregation, smoother.early),
             look_ahead: short(smoother.look_ahead),
             hold: short(smoother.hold),
             entry_margins: smoother.entry_margins,
@@ -216,11 +213,10 @@ impl<'m> WireHeader<'m> {
     }
 
     fn smoother(&self) -> Result<SmootherDefaults, ModelError> {
-        let aggregation = match self.aggregation {
-            0 => AggregationMode::AllRowsFrom,
-            1 => AggregationMode::SameInstant,
-            found => return Err(ModelError::AggregationMode { found }),
-        };
+        let (aggregation, early) = self
+            .aggregation
+            .interpret()
+            .map_err(|found| ModelError::AggregationMode { found })?;
         let [look_ahead, hold] = [self.look_ahead, self.hold].map(usize::from);
         if look_ahead > LOOK_AHEAD || !look_ahead.is_multiple_of(PATCH) {
             return Err(ModelError::LookAhead {
@@ -239,12 +235,18 @@ impl<'m> WireHeader<'m> {
         if let Some(found) = self.other_margin.filter(wild) {
             return Err(ModelError::OtherMargin { found });
         }
+        let beyond = early.map(|early| [early.entry, early.other, early.relax, early.leave]);
+        let mut beyond = beyond.into_iter().flatten();
+        if let Some(found) = beyond.find(|margin| !(0.0..=MAX_ENTRY_MARGIN).contains(margin)) {
+            return Err(ModelError::EarlyMargin { found });
+        }
         Ok(SmootherDefaults {
             aggregation,
             look_ahead,
             hold,
             entry_margins: self.entry_margins,
             other_margin: self.other_margin,
+            early,
         })
     }
 }

@@ -29,6 +29,8 @@ pub struct Settings {
     /// Least difference of a class's mean logit to that of movement outside the vocabulary for the label to become
     /// this class; such movement ends no label. None: rows have no such column, after those of the classes.
     pub other_margin: Option<f32>,
+    /// What a label has to exceed its margins by to be emitted before its look-ahead is over; none: no label is.
+    pub early: Option<Early>,
 }
 
 impl Settings {
@@ -40,7 +42,22 @@ impl Settings {
         row_samples: PATCH as u32,
         entry_margins: [0.0; MAX_CLASSES],
         other_margin: None,
+        early: None,
     };
+}
+
+/// Margins of an early label, beyond those of the settings: what is asked without look-ahead. It falls evenly with the
+/// look-ahead, to nothing where that is whole.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Early {
+    /// Of a class over the other classes.
+    pub entry: f32,
+    /// Of a class over movement outside the vocabulary.
+    pub other: f32,
+    /// Of relax over the classes.
+    pub relax: f32,
+    /// Of relax over the classes, whatever the look-ahead: it has no other margin.
+    pub leave: f32,
 }
 
 /// Margins in place of those of [`Settings`], in hundredths of a logit. None: as in the settings.

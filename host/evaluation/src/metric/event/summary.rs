@@ -101,6 +101,13 @@ impl SubjectEvents {
         own
     }
 
+    /// Share of the gestures that are recognised within this time after their onset; none without a gesture.
+    #[must_use]
+    pub fn recognised_within(&self, samples: i32) -> Option<f64> {
+        let soon = self.latencies.iter().filter(|&&late| late <= samples);
+        (self.gestures > 0).then(|| soon.count() as f64 / self.gestures as f64)
+    }
+
     /// Share of the movements outside the vocabulary that raise a label; none without any.
     #[must_use]
     pub fn raised_share(&self) -> Option<f64> {

@@ -7,8 +7,8 @@ use evaluation::report::Table;
 use execution::run_folder::write_whole;
 
 use crate::cross_validation::{
-    Contender, FoldScore, Gate, JobScores, Merged, Origin, differences, movements, paper_tables,
-    people, scores, test_scores,
+    Contender, FoldScore, Gate, JobScores, Merged, Origin, differences, emission, movements,
+    paper_tables, people, scores, test_scores,
 };
 
 /// Tables of a cross-validation and a row for each person, with the names of their files.
@@ -23,6 +23,7 @@ impl Tables {
     pub(super) fn new(development: &[Merged<'_>], test: &[Merged<'_>]) -> Self {
         let mut tables = vec![
             scores(development),
+            emission(development),
             differences(development),
             movements(development),
         ];
