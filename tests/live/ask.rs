@@ -101,6 +101,7 @@ const fn gate(entry: i16) -> Gate {
     Gate {
         entry: Some(entry),
         other: None,
+        reaction: None,
     }
 }
 
@@ -274,7 +275,7 @@ fn a_board_that_answers_something_else_alone_is_not_called_silent() {
         .ask(set, |answer| Some(answer.to_string()))
         .unwrap_err();
     let text = error.to_string();
-    for part in ["GATE,set,150,-", "OK,GATE,50,-", "other program"] {
+    for part in ["GATE,set,150,-,-", "OK,GATE,50,-,-", "other program"] {
         assert!(text.contains(part), "{text}");
     }
 }

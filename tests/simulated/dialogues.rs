@@ -165,17 +165,13 @@ fn effect(body: &str) -> Option<Input<'static>> {
         "ALIGN,cancel" => Input::CancelAlignment,
         "ALIGN,set,3,1" => Input::SetAlignment(Alignment::new(3, true)),
         "ALIGN,set,0,0" => Input::SetAlignment(Alignment::new(0, false)),
-        "GATE,set,5000,50" => gate(5000, 50),
-        // The shipped model's own.
-        "GATE,set,-,-" => gate(100, 0),
+        "GATE,set,5000,50,-" => Input::SetGate(Gate {
+            entry: Some(5000),
+            other: Some(50),
+            reaction: None,
+        }),
+        "GATE,set,-,-,-" => Input::SetGate(Gate::default()),
         _ => return None,
-    })
-}
-
-const fn gate(entry: i16, other: i16) -> Input<'static> {
-    Input::SetGate(Gate {
-        entry: Some(entry),
-        other: Some(other),
     })
 }
 
@@ -227,7 +223,7 @@ fn a_command_is_taken_whole_or_not_at_all_and_the_next_one_is_answered_rightly()
         asked(identify),
         asked(["COUNTERS", "OK,COUNTERS,1,…"]),
         asked(["ALIGN,state", "OK,ALIGN,state,0,0"]),
-        asked(["GATE,state", "OK,GATE,-,-"]),
+        asked(["GATE,state", "OK,GATE,-,-,-"]),
         asked(["BIND,state", "OK,BIND,bound,FA:12:34:56:78:9A,1"]),
         Dialogue {
             before: None,
@@ -249,9 +245,9 @@ fn a_command_is_taken_whole_or_not_at_all_and_the_next_one_is_answered_rightly()
         },
         Dialogue {
             before: None,
-            cut: ["GATE,set,5000,50", "OK,GATE,5000,50"],
-            probe: ["GATE,state", "OK,GATE,-,-", "OK,GATE,5000,50"],
-            after: Some(["GATE,set,-,-", "OK,GATE,-,-"]),
+            cut: ["GATE,set,5000,50,-", "OK,GATE,5000,50,-"],
+            probe: ["GATE,state", "OK,GATE,-,-,-", "OK,GATE,5000,50,-"],
+            after: Some(["GATE,set,-,-,-", "OK,GATE,-,-,-"]),
         },
     ] {
         let script = Script::of(dialogue, 60, 10, seed);

@@ -123,16 +123,15 @@ impl Preset {
     }
 
     fn invalid_smoother(&self) -> Option<Invalid> {
-        let margins = &self.smoother.entry_margins;
-        let few = match margins {
-            EntryMargins::Same(_) => true,
-            EntryMargins::ByClass(margins) => margins.len() <= self.classes,
+        let few = match &self.smoother.entry_margins {
+            None | Some(EntryMargins::Same(_)) => true,
+            Some(EntryMargins::ByClass(margins)) => margins.len() <= self.classes,
         };
         let valid = |margin: &f32| (0.0..=MAX_ENTRY_MARGIN).contains(margin);
         require(
-            few && margins.of_classes().iter().all(valid),
+            few && self.smoother.entry_margins().iter().all(valid),
             "smoother.entry_margins",
-            margins,
+            &self.smoother.entry_margins,
             "a margin of 0 to 50, or one for each class at most",
         )
         .or_else(|| {

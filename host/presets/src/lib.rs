@@ -18,7 +18,7 @@ pub mod training;
 use serde::{Deserialize, Serialize};
 use shared::intent::{Intent, MAX_CLASSES, Vocabulary};
 use shared::stream::preprocess::{Median, Preprocessing};
-use shared::stream::smoother::Early;
+use shared::stream::smoother::{Early, Reaction};
 
 use crate::distillation::{Distillation, StudentConfig};
 use crate::teacher::{LoraConfig, TeacherConfig, TeacherTraining};
@@ -63,9 +63,13 @@ pub struct Smoothing {
     /// Rows that are summed; none: those that follow more transitions of the validation subjects.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub aggregation: Option<Aggregation>,
-    /// Confidence gate ([`Settings::entry_margins`](shared::stream::smoother::Settings::entry_margins)).
-    #[serde(default)]
-    pub entry_margins: EntryMargins,
+    /// Operating point; none: every label waits for the look-ahead.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reaction: Option<Reaction>,
+    /// Confidence gate ([`Settings::entry_margins`](shared::stream::smoother::Settings::entry_margins)); that of the
+    /// reaction, or 0, if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub entry_margins: Option<EntryMargins>,
     /// Margin over movement outside the vocabulary, of a student that knows it
     /// ([`Settings::other_margin`](shared::stream::smoother::Settings::other_margin)); 0 if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -80,12 +84,6 @@ pub enum EntryMargins {
     Same(f32),
     /// Margins class after class, from relax on; 0 for classes beyond the end.
     ByClass(Vec<f32>),
-}
-
-impl Default for EntryMargins {
-    fn default() -> Self {
-        Self::Same(0.0)
-    }
 }
 
 impl EntryMargins {
@@ -113,8 +111,19 @@ pub enum Aggregation {
 impl Smoothing {
     /// Margins of early labels.
     #[must_use]
-    pub const fn early(&self) -> Option<Early> {
-        None
+    pub fn early(&self) -> Option<Early> {
+        self.reaction.map(Reaction::early)
+    }
+
+    /// Margin of each class.
+    #[must_use]
+    pub fn entry_margins(&self) -> [f32; MAX_CLASSES] {
+        let reaction = self.reaction.map_or(0.0, Reaction::entry);
+        let margins = self.entry_margins.as_ref();
+        margins.map_or_else(
+            || EntryMargins::Same(reaction).of_classes(),
+            EntryMargins::of_classes,
+        )
     }
 
     fn is_default(&self) -> bool {
@@ -236,22 +245,33 @@ mod tests {
     use super::*;
 
     #[test]
-    fn entry_margins_are_one_number_or_one_for_each_class() {
-        let cpu = Preset::find("cpu").unwrap();
-        let same = cpu.smoother.entry_margins.of_classes();
-        assert_eq!(same, [0.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
-        let by_class = cpu
-            .to_toml()
-            .replace("entry_margins = 1.0", "entry_margins = [0.0, 2.5]");
-        let preset = Preset::parse("by class", &by_class).unwrap();
-        let margins = preset.smoother.entry_margins.of_classes();
-        assert_eq!(margins, [0.0, 2.5, 0.0, 0.0, 0.0, 0.0]);
-        for wrong in ["-1.0", "51.0", "[0.0, 1.0, 1.0, 1.0]", "\"much\""] {
-            let text = cpu
-                .to_toml()
-                .replace("entry_margins = 1.0", &format!("entry_margins = {wrong}"));
-            assert!(Preset::parse("wrong", &text).is_err(), "{wrong}");
+    fn a_reaction_has_margins_and_those_that_are_given_come_first() {
+        let text = Preset::find("cpu").unwrap().to_toml();
+        let reaction = "reaction = \"balanced\"";
+        assert!(text.contains(reaction));
+        let with = |line: &str| Preset::parse("changed", &text.replace(reaction, line));
+        for (line, margins, is_early) in [
+            ("", [0.0; 6], false),
+            (reaction, [0.0, 2.0, 2.0, 2.0, 2.0, 2.0], true),
+            ("reaction = \"fast\"", [0.0, 1.5, 1.5, 1.5, 1.5, 1.5], true),
+            ("entry_margins = 1.0", [0.0, 1.0, 1.0, 1.0, 1.0, 1.0], false),
+            (
+                "reaction = \"fast\"\nentry_margins = [0.0, 2.5]",
+                [0.0, 2.5, 0.0, 0.0, 0.0, 0.0],
+                true,
+            ),
+        ] {
+            let smoother = with(line).unwrap().smoother;
+            assert_eq!(smoother.entry_margins(), margins, "{line}");
+            assert_eq!(smoother.early().is_some(), is_early, "{line}");
         }
+        for wrong in ["-1.0", "51.0", "[0.0, 1.0, 1.0, 1.0]", "\"much\""] {
+            assert!(
+                with(&format!("entry_margins = {wrong}")).is_err(),
+                "{wrong}"
+            );
+        }
+        assert!(with("reaction = \"slow\"").is_err());
     }
 
     #[test]

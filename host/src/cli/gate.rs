@@ -1,4 +1,4 @@
-//! `myointent gate`: the confidence gate of a model file.
+//! `myointent gate`: the operating point of a model file.
 
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use clap::Args;
 use shared::model::file::Model;
+use shared::stream::smoother::Reaction;
 
 use crate::cli::output::refuse_existing;
 use crate::cli::read_model;
@@ -14,15 +15,21 @@ use execution::run_folder::write_whole;
 /// Arguments of `gate`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "A higher margin gives fewer false activations and, at some point, fewer gestures; docs/results.md has the curve.\n\n\
-    Example:\n  myointent gate models/three-class.intent --other 1 --out strict.intent"
+    after_help = "docs/results.md has the curve of reactions and margins.\n\n\
+    Examples:\n  myointent gate models/three-class.intent --reaction steady --out steady.intent\n  \
+    myointent gate models/three-class.intent --other 1 --out strict.intent"
 )]
 pub struct Arguments {
     /// Model file.
     #[arg(value_name = "FILE.intent")]
     model: PathBuf,
+    /// How soon a label changes: `fast`, `balanced` or `steady`. The sooner, the more false activations.
+    #[arg(long, value_name = "REACTION", value_parser = reaction, required_unless_present_any = ["entry", "other"])]
+    reaction: Option<Reaction>,
     /// By how much the mean logit of open, close, ... has to exceed that of every other intent, 0 to 50.
-    #[arg(long, value_name = "MARGIN", required_unless_present = "other")]
+    ///
+    /// A higher margin gives fewer false activations and, at some point, fewer gestures. It comes before the reaction's own.
+    #[arg(long, value_name = "MARGIN")]
     entry: Option<f32>,
     /// By how much it has to exceed that of movement outside the vocabulary, -50 to 50.
     #[arg(long, value_name = "MARGIN", allow_negative_numbers = true)]
@@ -34,7 +41,13 @@ pub struct Arguments {
     out: Option<PathBuf>,
 }
 
-/// Writes the model file with its new gate.
+/// Reads the name of a reaction.
+pub(super) fn reaction(name: &str) -> Result<Reaction, String> {
+    Reaction::of_name(name)
+        .ok_or_else(|| format!("expected {}", Reaction::ALL.map(Reaction::name).join(", ")))
+}
+
+/// Writes the model file with its new operating point.
 ///
 /// # Errors
 /// When the model or a margin is refused, or the file cannot be written.
@@ -44,7 +57,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         refuse_existing(out)?;
     }
     let bytes = read_model(path)?;
-    let file = Model::with_gate(&bytes, arguments.entry, arguments.other)
+    let (entry, other) = (arguments.entry, arguments.other);
+    let file = Model::with_gate(&bytes, entry, other, arguments.reaction)
         .with_context(|| path.display().to_string())?;
     let out = arguments.out.as_ref().unwrap_or(path);
     write_whole(out, &file)?;

@@ -6,8 +6,9 @@ use std::path::PathBuf;
 
 use anyhow::Context as _;
 use clap::Args;
-use shared::model::file::{List, Model};
-use shared::stream::smoother::AggregationMode;
+use shared::intent::Intent;
+use shared::model::file::{List, Model, SmootherDefaults};
+use shared::stream::smoother::{AggregationMode, Reaction};
 
 use crate::cli::read_model;
 pub use recordings::printable;
@@ -66,6 +67,13 @@ fn json(model: &Model<'_>) -> serde_json::Value {
         "hold": smoother.hold,
         "entry_margins": smoother.entry_margins[..dimensions.vocabulary.classes()],
         "other_margin": smoother.other_margin,
+        "reaction": reaction(smoother),
+        "early": smoother.early.map(|early| serde_json::json!({
+            "entry": early.entry,
+            "other": early.other,
+            "relax": early.relax,
+            "leave": early.leave,
+        })),
         "data_sets": provenance.data_sets.iter().collect::<Vec<_>>(),
         "subjects_seen": provenance.subjects_seen.iter().collect::<Vec<_>>(),
         "subjects_left_out": provenance.subjects_left_out.iter().collect::<Vec<_>>(),
@@ -73,6 +81,17 @@ fn json(model: &Model<'_>) -> serde_json::Value {
         "seed": provenance.seed,
         "metrics": provenance.metrics.iter().collect::<BTreeMap<_, _>>(),
     })
+}
+
+/// The name of the operating point: `waits` if every label waits for the look-ahead, `own` with margins of no name.
+fn reaction(smoother: &SmootherDefaults) -> &'static str {
+    let Some(early) = smoother.early else {
+        return "waits";
+    };
+    let entry = smoother.entry_margins[Intent::Open.class()];
+    let is_it = |reaction: &Reaction| reaction.early() == early && reaction.entry() == entry;
+    let named = Reaction::ALL.into_iter().find(is_it);
+    named.map_or("own", Reaction::name)
 }
 
 /// Formats the header, a line for each part. Texts from the file may be hostile: only printable characters are kept.
@@ -90,7 +109,7 @@ fn lines(model: &Model<'_>) -> String {
     let mut lines = format!(
         "intents       {}\n\
          encoder       width {}, {} layers, span {} patches, input {:?}\n\
-         smoother      {}, look-ahead {} samples, hold {} samples, entry margins {}\n\
+         smoother      {}, look-ahead {} samples, hold {} samples, reaction {}, entry margins {}\n\
          other moves   {other}\n\
          trained on    {} (seed {}, revision {})\n\
          seen          {} people in training or validation (--json names them)\n\
@@ -106,6 +125,7 @@ fn lines(model: &Model<'_>) -> String {
         },
         smoother.look_ahead,
         smoother.hold,
+        reaction(smoother),
         margins.join(", "),
         list(provenance.data_sets),
         provenance.seed,

@@ -31,7 +31,7 @@ mod settings;
 use crate::intent::Intent;
 use crate::units::SampleIndex;
 
-pub use settings::{AggregationMode, Early, Gate, Settings, SettingsError};
+pub use settings::{AggregationMode, Early, Gate, Reaction, Settings, SettingsError};
 
 /// A label as a class number, with its instant and its delay.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -117,13 +117,13 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         self.settings.look_ahead
     }
 
-    /// Margins in place of those of the settings' confidence gate.
+    /// Operating point in place of that of the settings.
     #[must_use]
     pub const fn gate(&self) -> Gate {
         self.gate
     }
 
-    /// Another confidence gate, from the next label on.
+    /// Another operating point, from the next label on.
     pub fn set_gate(&mut self, gate: Gate) {
         self.gate = gate;
     }
@@ -163,7 +163,7 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         self.add(rows);
 
         let is_full = self.seen == depth;
-        match self.settings.early {
+        match self.early() {
             Some(early) if is_full => self.change(early),
             Some(_) => {}
             None if is_full && self.phase == 0 => self.current = self.gated(0.0),
@@ -274,6 +274,12 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
             && (best == RELAX || other.is_none_or(|other| sums[best] - other >= from_other))
     }
 
+    /// Margins of early labels; none if every label waits for the look-ahead.
+    fn early(&self) -> Option<Early> {
+        let reaction = self.gate.reaction.map(Reaction::early);
+        reaction.or(self.settings.early)
+    }
+
     /// The margins of a class's mean over those of the other classes and over that of movement outside the vocabulary; relax
     /// has none.
     fn margins(&self, class: usize) -> [f32; 2] {
@@ -283,7 +289,12 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         let from_classes = self.settings.entry_margins.get(class).copied();
         let settings = [from_classes, self.settings.other_margin];
         let instead = [self.gate.entry, self.gate.other].map(|hundredths| hundredths.map(logits));
-        [0, 1].map(|of| instead[of].or(settings[of]).unwrap_or(0.0))
+        let reaction = self.gate.reaction;
+        let reaction = reaction.map(|reaction| [reaction.entry(), Reaction::OTHER]);
+        [0, 1].map(|of| {
+            let margin = instead[of].or(reaction.map(|margins| margins[of]));
+            margin.or(settings[of]).unwrap_or(0.0)
+        })
     }
 
     /// Adds one window's rows to the sums of the instants that still wait for their label. With rows

@@ -8,7 +8,7 @@
 //!          | "OK,ALIGN,state," turn "," mirrored      as in force
 //!          | "OK,RAW," ( "on" | "off" )
 //!          | "OK,BIND," why-this "," address "," kept
-//!          | "OK,GATE," entry "," other          super::gate
+//!          | "OK,GATE," entry "," other "," reaction     super::gate
 //!          | "OK,INSTALL," ( block | "done" )     super::install: missing next; the model is in use
 //!          | "ERR," why
 //! version  = of the program, such as 0.1.0

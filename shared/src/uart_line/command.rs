@@ -13,7 +13,7 @@
 //!          | "BIND,set," address                 bind this armband
 //!          | "BIND,forget"                       bind none
 //!          | "BIND,state"                        change nothing
-//!          | "GATE,set," entry "," other         operating point until the next start: super::gate
+//!          | "GATE,set," entry "," other "," reaction    operating point until the next start: super::gate
 //!          | "GATE,state"                        change nothing
 //!          | "INSTALL," length "," crc           begin to exchange the model: super::install
 //!          | "BLOCK," number "," crc "," content  a block of it
@@ -235,7 +235,7 @@ impl CommandReader {
 mod tests {
     use super::*;
     use crate::myo::AddressKind;
-    use crate::stream::smoother::Gate;
+    use crate::stream::smoother::{Gate, Reaction};
     use crate::uart_line::tests::line as framed;
     use alloc::{format, string::ToString, vec, vec::Vec};
     use proptest::prelude::*;
@@ -303,9 +303,9 @@ mod tests {
             ("INSTALL,1", Refusal::Arguments),
             ("BLOCK,0,00000000,", Refusal::Arguments),
             ("GATE,states", Refusal::Arguments),
-            ("GATE,set,1", Refusal::Arguments),
-            ("GATE,set,-1,0", Refusal::Arguments),
-            ("GATE,set,1,2,3", Refusal::Arguments),
+            ("GATE,set,1,2", Refusal::Arguments),
+            ("GATE,set,-1,0,-", Refusal::Arguments),
+            ("GATE,set,1,2,slow", Refusal::Arguments),
         ] {
             assert_eq!(read(framed(body).as_bytes()), [Err(refusal)], "{body}");
         }
@@ -365,9 +365,14 @@ mod tests {
             Command::Bind(BindCommand::Set(Address { kind, bytes }))
         });
         let margin = || prop::option::of(0_i16..=5000);
-        let gate = (margin(), margin()).prop_map(|(entry, other)| {
+        let reaction = prop::option::of(prop::sample::select(&Reaction::ALL[..]));
+        let gate = (margin(), margin(), reaction).prop_map(|(entry, other, reaction)| {
             let other = other.map(|other| -other);
-            Command::Gate(GateCommand::Set(Gate { entry, other }))
+            Command::Gate(GateCommand::Set(Gate {
+                entry,
+                other,
+                reaction,
+            }))
         });
         let install = any::<[u32; 2]>()
             .prop_map(|[length, checksum]| Command::Install(Transfer { length, checksum }));

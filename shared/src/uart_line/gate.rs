@@ -1,18 +1,19 @@
-//! The operating point on the line: margins of the confidence gate in place of the model's, in hundredths of a logit.
+//! The operating point on the line, in place of the model's: margins in hundredths of a logit, and a reaction.
 //!
 //! ```text
 //! entry = "0" ... "5000" | "-"         by how much the mean logit of a class has to exceed every other's
 //! other = "-5000" ... "5000" | "-"     by how much that of movement outside the vocabulary
+//! reaction = "fast" | "balanced" | "steady" | "-"     all margins at once, but for those that are given
 //! ```
 //!
-//! `-` is the margin of the model file.
+//! `-` is as in the model file.
 
 use core::fmt::{self, Write as _};
 
 use super::ParseError;
 use super::fields::{Fields, Reader, Writer, field, fields};
 use super::frame::number;
-use crate::stream::smoother::Gate;
+use crate::stream::smoother::{Gate, Reaction};
 
 /// Largest margin, in hundredths: that of the model file.
 const MOST: u32 = 5000;
@@ -20,13 +21,15 @@ const MOST: u32 = 5000;
 /// A command about the confidence gate.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum GateCommand {
-    /// These margins, until the next start.
+    /// This operating point, until the next start.
     Set(Gate),
     /// Change nothing.
     State,
 }
 
-fields!(Gate { entry: Option<Entry>, other: Option<Margin> });
+fields!(Gate { entry: Option<Entry>, other: Option<Margin>, reaction: Option<Reaction> });
+
+field!(Reaction => Self: |text, reaction| text.write_str(reaction.name()), Self::of_name);
 
 /// Codec of a margin from 0 on.
 struct Entry;

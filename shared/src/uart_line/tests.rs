@@ -9,7 +9,7 @@ use super::*;
 use crate::installation::Progress;
 use crate::myo::{Address, AddressKind, FirmwareVersion, Following};
 use crate::stream::alignment::{Alignment, Arm};
-use crate::stream::smoother::Gate;
+use crate::stream::smoother::{Gate, Reaction};
 use crate::units::Sample;
 use alloc::{
     format,
@@ -125,8 +125,14 @@ fn any_answer() -> impl Strategy<Value = Line<'static>> {
     let binding = (following, any::<bool>())
         .prop_map(|(following, is_kept)| Answer::Binding(Binding { following, is_kept }));
     let margin = |least| prop::option::of(least..=5000_i16);
-    let gate =
-        (margin(0), margin(-5000)).prop_map(|(entry, other)| Answer::Gate(Gate { entry, other }));
+    let reaction = prop::option::of(prop::sample::select(&Reaction::ALL[..]));
+    let gate = (margin(0), margin(-5000), reaction).prop_map(|(entry, other, reaction)| {
+        Answer::Gate(Gate {
+            entry,
+            other,
+            reaction,
+        })
+    });
     let answer = prop_oneof![
         any_identity(),
         any_counts(),

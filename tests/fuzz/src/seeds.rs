@@ -11,7 +11,7 @@ use shared::myo::binding::to_record;
 use shared::myo::{Address, Characteristic, Following};
 use shared::stream::alignment::{Alignment, Arm};
 use shared::stream::safe_state::{Cause, Status};
-use shared::stream::smoother::Gate;
+use shared::stream::smoother::{Gate, Reaction};
 use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
 use shared::uart_line::answer::{Answer, Binding, Counts, Identity, Refusal};
 use shared::uart_line::command::{AlignCommand, BindCommand, Command};
@@ -146,6 +146,7 @@ fn commands() -> Vec<Vec<u8>> {
         Command::Gate(GateCommand::Set(Gate {
             entry: Some(150),
             other: Some(-50),
+            reaction: Some(Reaction::Fast),
         })),
         Command::Install(Transfer {
             length: 86_776,

@@ -6,7 +6,7 @@ use myointent_tests::emulator::{Input, expected_lines};
 use myointent_tests::output::Output;
 use serde::Deserialize;
 use shared::stream::alignment::Alignment;
-use shared::stream::smoother::Gate;
+use shared::stream::smoother::{Gate, Reaction};
 use shared::uart_line::Kind;
 use shared::units::{Millis, Sample};
 
@@ -89,8 +89,12 @@ enum Reached {
     SilenceMs(u32),
     /// An alignment is set: places, mirrored.
     Align(u8, bool),
-    /// The confidence gate is changed: both margins, in hundredths.
-    Gate(i16, i16),
+    /// The operating point is changed: margins in hundredths.
+    Gate {
+        entry: Option<i16>,
+        other: Option<i16>,
+        reaction: Option<Reaction>,
+    },
     /// An installation begins to write.
     Suspended,
     /// The other model is in use.
@@ -218,9 +222,14 @@ impl Expectation {
             Reached::Disconnected => Input::Disconnected,
             Reached::SilenceMs(ms) => Input::Silence(Millis(ms)),
             Reached::Align(turn, mirrored) => Input::SetAlignment(Alignment::new(turn, mirrored)),
-            Reached::Gate(entry, other) => Input::SetGate(Gate {
-                entry: Some(entry),
-                other: Some(other),
+            Reached::Gate {
+                entry,
+                other,
+                reaction,
+            } => Input::SetGate(Gate {
+                entry,
+                other,
+                reaction,
             }),
             Reached::Suspended => Input::Suspend,
             Reached::Installed => Input::Resume(models.other),

@@ -10,7 +10,7 @@ use anyhow::{Context as _, bail};
 use clap::{Args, Subcommand};
 use shared::myo::{Address, Following};
 use shared::stream::alignment::{Alignment, Arm};
-use shared::stream::smoother::Gate as Margins;
+use shared::stream::smoother::{Gate, Reaction};
 use shared::uart_line::alignment::AlignmentState;
 use shared::uart_line::answer::Answer;
 use shared::uart_line::command::{AlignCommand, BindCommand, Command};
@@ -19,6 +19,7 @@ use shared::uart_line::gate::GateCommand;
 use self::words::{Bound, Counted, Identified, Placed, why};
 use crate::board::{self, Board, BoardError, ModelFile};
 use crate::cli::arguments::mirrored;
+use crate::cli::gate::reaction;
 use crate::cli::read_model;
 use execution::progress;
 
@@ -34,7 +35,7 @@ const AGAIN: Duration = Duration::from_secs(1);
     Examples:\n  myointent board --port /dev/ttyACM0 identify\n  \
     myointent board --port /dev/ttyACM0 bind begin            the strongest armband of the next 30 s\n  \
     myointent board --port /dev/ttyACM0 align begin           open the hand twice, with rest before and after\n  \
-    myointent board --port COM3 gate --entry 1.5              fewer false activations, until the next start\n  \
+    myointent board --port COM3 gate --reaction steady        fewer false activations, until the next start\n  \
     myointent board --port /dev/ttyACM0 install my.intent     a new model, 20 s; after a break, again: it goes on"
 )]
 pub struct Arguments {
@@ -63,16 +64,22 @@ enum Request {
         #[arg(value_name = "FILE.intent")]
         model: PathBuf,
     },
-    /// Move the operating point until the next start; without margins, say which is in force.
-    Gate {
-        /// By how much the mean logit of a class has to exceed that of every other one, 0 to 50; `model`: as the model file
-        /// says.
-        #[arg(long, value_name = "MARGIN", value_parser = margin)]
-        entry: Option<Margin>,
-        /// By how much it has to exceed that of movement outside the vocabulary, -50 to 50; `model`: as the model file says.
-        #[arg(long, value_name = "MARGIN", value_parser = margin, allow_negative_numbers = true)]
-        other: Option<Margin>,
-    },
+    /// Move the operating point until the next start; without options, say which is in force.
+    Gate(GateChange),
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Args)]
+struct GateChange {
+    /// How soon a label changes: `fast`, `balanced` or `steady`; `model`: as the model file says.
+    #[arg(long, value_name = "REACTION", value_parser = reaction_or_model)]
+    reaction: Option<OrModel<Reaction>>,
+    /// By how much the mean logit of a class has to exceed that of every other one, 0 to 50; `model`: as the model file
+    /// says.
+    #[arg(long, value_name = "MARGIN", value_parser = margin)]
+    entry: Option<OrModel<i16>>,
+    /// By how much it has to exceed that of movement outside the vocabulary, -50 to 50; `model`: as the model file says.
+    #[arg(long, value_name = "MARGIN", value_parser = margin, allow_negative_numbers = true)]
+    other: Option<OrModel<i16>>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -114,10 +121,18 @@ enum Bind {
     State,
 }
 
-/// Margin in hundredths of a logit; none for the model file's.
-type Margin = Option<i16>;
+/// Part of an operating point; none for the model file's.
+type OrModel<T> = Option<T>;
 
-fn margin(text: &str) -> Result<Margin, String> {
+fn reaction_or_model(text: &str) -> Result<OrModel<Reaction>, String> {
+    match text {
+        "model" => Ok(None),
+        name => reaction(name).map(Some),
+    }
+}
+
+/// Reads a margin in hundredths of a logit.
+fn margin(text: &str) -> Result<OrModel<i16>, String> {
     if text == "model" {
         return Ok(None);
     }
@@ -151,7 +166,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Request::Install { .. } => String::new(),
         Request::Align(align) => return run_align(&mut board, align),
         Request::Bind(bind) => return run_bind(&mut board, bind),
-        Request::Gate { entry, other } => run_gate(&mut board, *entry, *other)?,
+        Request::Gate(change) => run_gate(&mut board, *change)?,
     };
     write!(std::io::stdout(), "{said}")?;
     Ok(())
@@ -249,33 +264,30 @@ fn run_bind(board: &mut Board, bind: &Bind) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn run_gate(
-    board: &mut Board,
-    entry: Option<Margin>,
-    other: Option<Margin>,
-) -> anyhow::Result<String> {
+fn run_gate(board: &mut Board, change: GateChange) -> anyhow::Result<String> {
     let read = |answer: &Answer<'_>| match answer {
         Answer::Gate(gate) => Some(*gate),
         _ => None,
     };
     let mut gate = board.ask(Command::Gate(GateCommand::State), read)?;
-    if entry.is_some() || other.is_some() {
-        let wanted = Margins {
-            entry: entry.unwrap_or(gate.entry),
-            other: other.unwrap_or(gate.other),
+    if change != GateChange::default() {
+        let wanted = Gate {
+            entry: change.entry.unwrap_or(gate.entry),
+            other: change.other.unwrap_or(gate.other),
+            reaction: change.reaction.unwrap_or(gate.reaction),
         };
         if wanted.entry.is_some_and(|entry| entry < 0) {
             bail!("--entry is 0 or more");
         }
         gate = board.ask(Command::Gate(GateCommand::Set(wanted)), read)?;
     }
-    let shown = |margin: Option<i16>| match margin {
-        Some(hundredths) => format!("{:.2}", f32::from(hundredths) / 100.0),
-        None => "as the model file says".to_owned(),
-    };
-    let (entry, other) = (shown(gate.entry), shown(gate.other));
+    let shown =
+        |value: Option<String>| value.unwrap_or_else(|| "as the model file says".to_owned());
+    let margin = |hundredths: i16| format!("{:.2}", f32::from(hundredths) / 100.0);
+    let reaction = shown(gate.reaction.map(|reaction| reaction.name().to_owned()));
+    let [entry, other] = [gate.entry, gate.other].map(|hundredths| shown(hundredths.map(margin)));
     Ok(format!(
-        "entry  {entry}\nother  {other}\nuntil the next start; `myointent gate` changes a model file\n"
+        "reaction  {reaction}\nentry     {entry}\nother     {other}\nuntil the next start; `myointent gate` changes a model file\n"
     ))
 }
 

@@ -59,7 +59,7 @@ fn candidate(
         name: name.to_owned(),
         looks_back: true,
         logits,
-        entry_margins: context.config.preset.smoother.entry_margins.of_classes(),
+        entry_margins: context.config.preset.smoother.entry_margins(),
         other_margin: context.config.preset.other_margin(),
         early: context.config.preset.smoother.early(),
     })

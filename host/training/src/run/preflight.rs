@@ -22,7 +22,7 @@ pub(super) fn refuse_impossible(preset: &Preset, device: &Device) -> Result<(), 
         aggregation: AggregationMode::AllRowsFrom,
         look_ahead: LOOK_AHEAD,
         hold: HOLD,
-        entry_margins: preset.smoother.entry_margins.of_classes(),
+        entry_margins: preset.smoother.entry_margins(),
         other_margin: preset.other_margin(),
         early: preset.smoother.early(),
     };

@@ -160,7 +160,7 @@ pub(super) fn model_bytes(
         },
         look_ahead: LOOK_AHEAD,
         hold: HOLD,
-        entry_margins: context.config.preset.smoother.entry_margins.of_classes(),
+        entry_margins: context.config.preset.smoother.entry_margins(),
         other_margin: context.config.preset.other_margin(),
         early: context.config.preset.smoother.early(),
     };

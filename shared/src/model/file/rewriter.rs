@@ -11,6 +11,7 @@ use super::{
 };
 use crate::intent::Intent;
 use crate::stream::alignment::Template;
+use crate::stream::smoother::Reaction;
 
 impl Model<'_> {
     /// The file with another alignment template, or with none; everything else is as it was.
@@ -23,8 +24,8 @@ impl Model<'_> {
         Self::with_header(file, |header| header.template = &template)
     }
 
-    /// The file with another confidence gate: the margin of every class but relax, and that over movement outside the
-    /// vocabulary, which only a model that knows such movement has. What is none stays as it was.
+    /// The file with another operating point: a reaction, then the margin of every class but relax, and that over movement
+    /// outside the vocabulary, which only a model that knows such movement has. What is none stays as it was.
     ///
     /// # Errors
     ///
@@ -33,15 +34,22 @@ impl Model<'_> {
         file: &[u8],
         entry: Option<f32>,
         other: Option<f32>,
+        reaction: Option<Reaction>,
     ) -> Result<Vec<u8>, ModelError> {
         if other.is_some() && !Model::parse(file)?.header.dimensions.other {
             return Err(ModelError::NoOther);
         }
         Self::with_header(file, |header| {
-            if let Some(entry) = entry {
+            if let Some(entry) = entry.or(reaction.map(Reaction::entry)) {
                 header.entry_margins[Intent::Relax.class() + 1..].fill(entry);
             }
-            header.other_margin = other.or(header.other_margin);
+            let default = reaction.map_or(header.other_margin, |_| {
+                header.other_margin.map(|_| Reaction::OTHER)
+            });
+            header.other_margin = other.or(default);
+            if let Some(reaction) = reaction {
+                header.aggregation = header.aggregation.with(reaction.early());
+            }
         })
     }
 

@@ -176,12 +176,12 @@ fn a_gate_can_be_exchanged_without_touching_anything_else() {
     let mut parts = random_model(dimensions, 11);
     let bytes = parts.to_bytes().unwrap();
     parts.smoother.entry_margins[1..].fill(1.5);
-    let entry = Model::with_gate(&bytes, Some(1.5), None).unwrap();
+    let entry = Model::with_gate(&bytes, Some(1.5), None, None).unwrap();
     assert_eq!(entry, parts.to_bytes().unwrap());
     parts.smoother.other_margin = Some(-2.0);
-    let both = Model::with_gate(&entry, None, Some(-2.0)).unwrap();
+    let both = Model::with_gate(&entry, None, Some(-2.0), None).unwrap();
     assert_eq!(both, parts.to_bytes().unwrap());
-    let refused = |entry, other| Model::with_gate(&bytes, entry, other).unwrap_err();
+    let refused = |entry, other| Model::with_gate(&bytes, entry, other, None).unwrap_err();
     assert_eq!(
         refused(Some(-1.0), None),
         ModelError::EntryMargin { found: -1.0 }
@@ -192,7 +192,7 @@ fn a_gate_can_be_exchanged_without_touching_anything_else() {
     );
     let small = small().to_bytes().unwrap();
     assert_eq!(
-        Model::with_gate(&small, None, Some(1.0)).unwrap_err(),
+        Model::with_gate(&small, None, Some(1.0), None).unwrap_err(),
         ModelError::NoOther
     );
 }

@@ -20,6 +20,7 @@ pub(super) struct WireAggregation {
 }
 
 impl WireAggregation {
+    #[cfg(any(test, feature = "write"))]
     pub(super) fn new(aggregation: AggregationMode, early: Option<Early>) -> Self {
         let mode = match aggregation {
             AggregationMode::AllRowsFrom => 0,
@@ -28,6 +29,15 @@ impl WireAggregation {
         Self {
             mode: mode + early.map_or(0, |_| EARLY),
             margins: early.map(|early| [early.entry, early.other, early.relax, early.leave]),
+        }
+    }
+
+    /// The mode with early labels.
+    #[cfg(any(test, feature = "write"))]
+    pub(super) const fn with(self, early: Early) -> Self {
+        Self {
+            mode: self.mode % EARLY + EARLY,
+            margins: Some([early.entry, early.other, early.relax, early.leave]),
         }
     }
 

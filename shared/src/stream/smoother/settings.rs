@@ -1,5 +1,7 @@
 //! Settings of the smoother, and which are refused.
 
+use serde::{Deserialize, Serialize};
+
 use crate::intent::MAX_CLASSES;
 use crate::units::{HOLD, LOOK_AHEAD, PATCH};
 
@@ -60,13 +62,79 @@ pub struct Early {
     pub leave: f32,
 }
 
-/// Margins in place of those of [`Settings`], in hundredths of a logit. None: as in the settings.
+/// Named operating point: how soon a label changes, against how seldom it changes for nothing. Chosen by cross-validation:
+/// docs/results.md has the curve.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Reaction {
+    /// Soonest.
+    Fast,
+    /// As steady as labels that wait for the whole look-ahead.
+    Balanced,
+    /// Fewest labels that nobody meant.
+    Steady,
+}
+
+impl Reaction {
+    /// All reactions, the soonest first.
+    pub const ALL: [Self; 3] = [Self::Fast, Self::Balanced, Self::Steady];
+
+    /// Name in commands, presets and lines.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Fast => "fast",
+            Self::Balanced => "balanced",
+            Self::Steady => "steady",
+        }
+    }
+
+    /// The reaction of a name.
+    #[must_use]
+    pub fn of_name(name: &str) -> Option<Self> {
+        Self::ALL
+            .into_iter()
+            .find(|reaction| reaction.name() == name)
+    }
+
+    /// Margin of all classes but relax: see [`Settings::entry_margins`].
+    #[must_use]
+    pub const fn entry(self) -> f32 {
+        match self {
+            Self::Fast => 1.5,
+            Self::Balanced | Self::Steady => 2.0,
+        }
+    }
+
+    /// Margin over other movement: see [`Settings::other_margin`].
+    pub const OTHER: f32 = 0.0;
+
+    /// Margins of early labels.
+    #[must_use]
+    pub const fn early(self) -> Early {
+        let [entry, other, relax, leave] = match self {
+            Self::Fast | Self::Balanced => [0.0, 0.5, 1.0, 0.5],
+            Self::Steady => [1.0, 1.0, 2.0, 0.5],
+        };
+        Early {
+            entry,
+            other,
+            relax,
+            leave,
+        }
+    }
+}
+
+/// Operating point in place of that of [`Settings`]. None: as in the settings.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub struct Gate {
-    /// Margin of all classes: see [`Settings::entry_margins`].
+    /// Margin of all classes, in hundredths of a logit: see [`Settings::entry_margins`].
     pub entry: Option<i16>,
-    /// Margin over other movement: see [`Settings::other_margin`]. It has no effect where rows have no such column.
+    /// Margin over other movement, in hundredths: see [`Settings::other_margin`]. It has no effect where rows have no such
+    /// column.
     pub other: Option<i16>,
+    /// All margins at once; `entry` and `other` come before its own.
+    pub reaction: Option<Reaction>,
 }
 
 /// Why settings are refused.

@@ -4,6 +4,8 @@ use super::*;
 use alloc::{vec, vec::Vec};
 use proptest::prelude::*;
 
+mod early;
+
 const CLASSES: usize = 4;
 const ROWS: usize = 6;
 type Rows = [[f32; CLASSES]; ROWS];
@@ -316,6 +318,7 @@ fn another_gate_is_in_force_from_the_next_label_on_and_the_settings_again_withou
     smoother.set_gate(Gate {
         entry: Some(201),
         other: Some(900),
+        reaction: None,
     });
     assert_eq!(label(&mut smoother, weak), 1, "it holds");
     assert_eq!(label(&mut smoother, rest), 0);
@@ -323,10 +326,17 @@ fn another_gate_is_in_force_from_the_next_label_on_and_the_settings_again_withou
     smoother.set_gate(Gate {
         entry: Some(200),
         other: Some(900),
+        reaction: None,
     });
     assert_eq!(label(&mut smoother, weak), 1, "the margin itself is enough");
     assert_eq!(label(&mut smoother, rest), 0);
     smoother.set_gate(Gate::default());
     assert_eq!(label(&mut smoother, weak), 1);
+    assert_eq!(label(&mut smoother, rest), 0);
+    smoother.set_gate(Gate {
+        reaction: Some(Reaction::Steady),
+        ..Gate::default()
+    });
+    assert_eq!(label(&mut smoother, weak), 1, "2 is the margin of steady");
     assert!(!smoother.knows_other());
 }

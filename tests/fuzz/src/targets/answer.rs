@@ -2,7 +2,7 @@
 
 use shared::myo::{Address, AddressKind, Counters, FirmwareVersion, Following};
 use shared::stream::alignment::{Alignment, Arm};
-use shared::stream::smoother::Gate;
+use shared::stream::smoother::{Gate, Reaction};
 use shared::uart_line::answer::{Answer, Binding, Counts, Identity, Refusal};
 use shared::uart_line::command::AlignCommand;
 
@@ -84,6 +84,7 @@ fn answer(input: &mut Input<'_>) -> Answer<'static> {
         5 => Answer::Gate(Gate {
             entry: input.flag().then(|| i16::from(input.byte()) * 19),
             other: input.flag().then(|| i16::from(input.byte()) * 39 - 4972),
+            reaction: Reaction::ALL.get(input.below(4)).copied(),
         }),
         _ => Answer::Refused(match input.below(9) {
             0 => Refusal::TooLong,

@@ -71,6 +71,7 @@ pub fn run(data: &[u8]) {
         hold: 1 + input.below(20),
         entry_margins: [f32::from(input.byte()); MAX_CLASSES],
         other_margin: (bits & 0x40 != 0).then(|| f32::from(input.byte()) - 128.0),
+        early: Reaction::ALL.get(input.below(4)).map(|reaction| reaction.early()),
         ..Settings::PAPER_IN_PATCHES
     };
     let pipeline = Pipeline::new(encoder, &mut state, settings, Start::Boot);

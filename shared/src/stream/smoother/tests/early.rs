@@ -1,0 +1,253 @@
+//! Early labels against a twin that stores every window, counts windows from the start and sums in f64.
+
+use super::*;
+
+const USED: usize = CLASSES - 1;
+
+/// Labels so far, by numbers of windows; an instant has the number of the window that it is the newest of.
+struct Twin {
+    settings: Settings,
+    early: Early,
+    windows: Vec<Rows>,
+    class: usize,
+    /// Instant of the last change and window that brought it.
+    change: Option<[usize; 2]>,
+    /// Window of the last label.
+    label: Option<usize>,
+}
+
+/// What a window leaves.
+struct After {
+    class: usize,
+    /// Instant of the label, if one is due.
+    instant: Option<usize>,
+    is_changed: bool,
+}
+
+impl Twin {
+    /// Mean logits of an instant, over all rows that are summed for it so far.
+    fn means(&self, instant: usize) -> [f64; CLASSES] {
+        let ahead = self.windows.len() - 1 - instant;
+        let settings = Settings {
+            look_ahead: ahead,
+            ..self.settings
+        };
+        let rows = match settings.aggregation {
+            AggregationMode::AllRowsFrom => (1..=ahead + 1).sum::<usize>(),
+            AggregationMode::SameInstant => ahead + 1,
+        };
+        naive_sums(&settings, &self.windows).map(|sum| sum / rows as f64)
+    }
+
+    fn margins(&self, class: usize, ahead: usize) -> [f64; 2] {
+        let [entry, other, relax, leave] = {
+            let early = self.early;
+            [early.entry, early.other, early.relax, early.leave].map(f64::from)
+        };
+        let look_ahead = self.settings.look_ahead;
+        let share = (look_ahead - ahead) as f64 / look_ahead.max(1) as f64;
+        if class == 0 {
+            [leave + relax * share, f64::NEG_INFINITY]
+        } else {
+            let settings = self.settings.other_margin.unwrap();
+            [
+                f64::from(self.settings.entry_margins[class]) + entry * share,
+                f64::from(settings) + other * share,
+            ]
+        }
+    }
+
+    /// The class that an instant asks for.
+    fn asked(&self, instant: usize) -> usize {
+        let ahead = self.windows.len() - 1 - instant;
+        let means = self.means(instant);
+        let over = |class: usize| {
+            let others = (0..USED).filter(|other| *other != class);
+            others.fold(f64::INFINITY, |least, other| {
+                least.min(means[class] - means[other])
+            })
+        };
+        let sure = (0..USED).find(|&class| {
+            let [from_classes, from_other] = self.margins(class, ahead);
+            over(class) >= from_classes.max(0.0) && means[class] - means[USED] >= from_other
+        });
+        if ahead < self.settings.look_ahead {
+            return sure.unwrap_or(self.class);
+        }
+        match sure {
+            Some(class) if class != 0 => class,
+            _ if self.class == 0 => 0,
+            _ if over(self.class) >= 0.0 => self.class,
+            _ if means[0] - means[self.class] < f64::from(self.early.leave) => self.class,
+            _ => 0,
+        }
+    }
+
+    fn push(&mut self, window: Rows) -> After {
+        self.windows.push(window);
+        let newest = self.windows.len() - 1;
+        let Settings {
+            look_ahead, hold, ..
+        } = self.settings;
+        let mut after = After {
+            class: self.class,
+            instant: None,
+            is_changed: false,
+        };
+        if newest < look_ahead {
+            return after;
+        }
+        let oldest = newest - look_ahead;
+        if self
+            .change
+            .is_none_or(|[_, window]| newest - window >= hold)
+        {
+            let first = self
+                .change
+                .map_or(oldest, |[instant, _]| oldest.max(instant + 1));
+            let changing = (first..=newest)
+                .rev()
+                .find(|&instant| self.asked(instant) != self.class);
+            if let Some(instant) = changing {
+                self.class = self.asked(instant);
+                self.change = Some([instant, newest]);
+                after.is_changed = true;
+            }
+        }
+        after.class = self.class;
+        let is_due = match self.label {
+            Some(label) => (newest - label) % hold == 0,
+            None => newest % hold == 0,
+        };
+        if after.is_changed || is_due {
+            self.label = Some(newest);
+            let change = self.change.map_or(oldest, |[instant, _]| instant);
+            after.instant = Some(oldest.max(change));
+        }
+        after
+    }
+}
+
+/// Margins with a fraction that no difference of whole logits has.
+fn any_early() -> impl Strategy<Value = (Settings, Early)> {
+    let margin = || (0..4_u8).prop_map(|margin| f32::from(margin) + 0.137);
+    let early = [(); 4].map(|()| margin());
+    (any_settings(), early, margin(), margin()).prop_map(|(settings, early, entry, other)| {
+        let [entry_beyond, other_beyond, relax, leave] = early;
+        let early = Early {
+            entry: entry_beyond,
+            other: other_beyond,
+            relax,
+            leave,
+        };
+        let settings = Settings {
+            entry_margins: [entry; 6],
+            other_margin: Some(other),
+            early: Some(early),
+            ..settings
+        };
+        (settings, early)
+    })
+}
+
+/// Windows that follow one of their classes for some time, whole logits.
+fn any_intents() -> impl Strategy<Value = Vec<Rows>> {
+    let noise = prop::array::uniform6(prop::array::uniform4(-3..4_i8));
+    let stretch = (0..CLASSES, 0..8_i8, prop::collection::vec(noise, 1..12));
+    prop::collection::vec(stretch, 1..8).prop_map(|stretches| {
+        let windows = stretches
+            .into_iter()
+            .flat_map(|(class, strength, windows)| {
+                windows.into_iter().map(move |mut rows| {
+                    for row in &mut rows {
+                        row[class] += strength;
+                    }
+                    rows.map(|row| row.map(f32::from))
+                })
+            });
+        windows.collect()
+    })
+}
+
+proptest! {
+    #[test]
+    fn labels_are_those_of_the_twin((settings, early) in any_early(), windows in any_intents()) {
+        let mut smoother = Smoother::<CLASSES, ROWS>::new(settings, USED).unwrap();
+        let mut twin = Twin { settings, early, windows: vec![], class: 0, change: None, label: None };
+        for (number, window) in windows.iter().enumerate() {
+            let sample = |number: usize| SampleIndex(number as u32 * settings.row_samples);
+            let decision = smoother.push(sample(number), window);
+            let after = twin.push(*window);
+            let expected = after.instant.map(|instant| Decision {
+                class: after.class,
+                instant: sample(instant),
+                window_end: sample(number),
+            });
+            prop_assert_eq!(decision, expected, "window {}", number);
+        }
+    }
+
+    #[test]
+    fn a_label_stays_for_the_hold_and_is_what_the_whole_look_ahead_says_unless_later_windows_say_more(
+        (settings, early) in any_early(), windows in any_intents(),
+    ) {
+        let mut smoother = Smoother::<CLASSES, ROWS>::new(settings, USED).unwrap();
+        let mut twin = Twin { settings, early, windows: vec![], class: 0, change: None, label: None };
+        let mut changed: Option<[usize; 2]> = None;
+        let mut label = 0;
+        for (number, window) in windows.iter().enumerate() {
+            twin.windows.push(*window);
+            twin.class = label;
+            let end = SampleIndex(number as u32 * settings.row_samples);
+            let Some(decision) = smoother.push(end, window) else {
+                continue;
+            };
+            let instant = (decision.instant.0 / settings.row_samples) as usize;
+            let may_change = changed.is_none_or(|[_, window]| number - window >= settings.hold);
+            if decision.class != label {
+                prop_assert!(may_change, "changed again at window {}", number);
+                prop_assert!(changed.is_none_or(|[last, _]| instant > last), "looked back");
+                changed = Some([instant, number]);
+            }
+            let oldest = number - settings.look_ahead;
+            let is_over = changed.is_none_or(|[last, window]| last < oldest && window < number);
+            if may_change && is_over {
+                prop_assert_eq!(decision.class, twin.asked(oldest), "window {}", number);
+            }
+            label = decision.class;
+        }
+    }
+}
+
+#[test]
+fn a_clear_class_is_labelled_at_its_first_row_and_a_weaker_one_after_more() {
+    let early = Early {
+        entry: 4.0,
+        other: 0.0,
+        relax: 0.0,
+        leave: 0.0,
+    };
+    let settings = Settings {
+        look_ahead: 5,
+        hold: 2,
+        entry_margins: [1.0; 6],
+        early: Some(early),
+        ..PLAIN
+    };
+    // Each row of a window is that of its instant.
+    let first = |logit: f32| {
+        let mut smoother = Smoother::<CLASSES, ROWS>::new(settings, CLASSES).unwrap();
+        let mut rows = Rows::default();
+        let mut labels = (0..20).map(|number| {
+            rows.rotate_right(1);
+            rows[0] = [0.0, if number < 10 { -9.0 } else { logit }, 0.0, 0.0];
+            smoother.push(SampleIndex(number), &rows)
+        });
+        let found = labels.find_map(|label| label.filter(|label| label.class == 1));
+        found.map(|label| (label.window_end.0, label.instant.0))
+    };
+    assert_eq!(first(5.0), Some((10, 10)));
+    assert_eq!(first(4.0), Some((12, 10)));
+    assert_eq!(first(1.0), Some((15, 10)));
+    assert_eq!(first(0.9), None);
+}
