@@ -304,6 +304,16 @@ mod tests {
                 "temperature = 2.0\nensemble = { members = 2, epochs = 1000001 }",
                 "distillation.ensemble.epochs",
             ),
+            (
+                "temperature = 2.0",
+                "temperature = 2.0\nrow_weights = [1.0, 1.0, 1.0, 1.0, 1.0, -1.0]",
+                "distillation.row_weights",
+            ),
+            (
+                "temperature = 2.0",
+                "temperature = 2.0\nrow_weights = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]",
+                "distillation.row_weights",
+            ),
         ] {
             assert_eq!(refused(from, to), key, "{to}");
         }

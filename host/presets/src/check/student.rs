@@ -64,6 +64,15 @@ impl Preset {
                 "2 to 8 members, epochs of 1 or more",
             ),
             require(
+                distillation.row_weights.is_none_or(|weights| {
+                    let is_weight = |weight: &f32| (0.0..=1000.0).contains(weight);
+                    weights.iter().all(is_weight) && weights.iter().sum::<f32>() > 0.01
+                }),
+                "distillation.row_weights",
+                distillation.row_weights,
+                "six weights of 0 to 1000, not all 0",
+            ),
+            require(
                 distillation.temperature.is_finite() && distillation.temperature > 0.0,
                 "distillation.temperature",
                 distillation.temperature,

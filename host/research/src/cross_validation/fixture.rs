@@ -45,6 +45,7 @@ pub(crate) fn fold(model: &str, people: &[(&str, f64, &[i32], usize)]) -> Vec<Fo
         look_ahead,
         truth: Truth::LagCompensated,
         reference: std::array::from_fn(|_| reference.clone()),
+        emission: reference.clone(),
         events: events.clone(),
     };
     let scores = LookAhead::ALL.into_iter().map(score);

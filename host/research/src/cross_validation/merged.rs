@@ -211,6 +211,7 @@ mod tests {
         let gate = Some(Gate {
             entry: 1.0,
             other: None,
+            early: None,
         });
         let none = Merged::new("p", LookAhead::AllRows, gate, scores());
         assert_eq!(none.name(), "p (0.25 s, all rows, margin 1)");

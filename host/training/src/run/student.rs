@@ -47,7 +47,8 @@ pub(super) fn train_student(context: &RunContext, name: &'static str) -> Result<
         let members = MEMBERS[..ensemble.members].iter().map(|&member| {
             student(context, member, &streams, Teaching::Labels).map(|student| student.valid())
         });
-        let ensemble = Ensemble::new(members.collect::<Result<_, _>>()?);
+        let trained = members.collect::<Result<_, _>>()?;
+        let ensemble = Ensemble::new(trained, ensemble.hindsight);
         student(context, name, &streams, Teaching::Ensemble(&ensemble))?;
     } else {
         student(context, name, &streams, Teaching::Labels)?;

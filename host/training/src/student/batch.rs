@@ -13,13 +13,14 @@ pub struct Batch {
     pub(super) emg: Tensor<3>,
     /// Output that the label asks for, 0 where there is none, `[b, patches, 6, 1]`.
     pub(super) targets: Tensor<4, Int>,
-    /// Mask with 1 where there is a label, `[b, patches, 6]`.
+    /// Weight of each output in the label loss, 0 where there is no label, `[b, patches, 6]`.
     pub(super) label_mask: Tensor<3>,
-    /// Number of outputs in the mean of the label loss.
+    /// Sum of the weights in the mean of the label loss.
     pub(super) labelled: f64,
-    /// Mask with 1 where a teacher has targets: after the context, for patches after the lead-in, `[b, patches, 6]`.
+    /// Weight of each output in the distillation loss, 0 where a teacher has no targets: in the context, and for patches of
+    /// the lead-in, `[b, patches, 6]`.
     pub(super) distillation_mask: Tensor<3>,
-    /// Number of outputs in the mean of the distillation loss.
+    /// Sum of the weights in the mean of the distillation loss.
     pub(super) distilled: f64,
     /// The teacher's logits of the recordings, if there are any, `[b, patches, 6, outputs of a row]`.
     pub(super) soft_targets: Option<Tensor<4>>,
@@ -34,6 +35,8 @@ pub(super) struct BatchShape {
     pub(super) context: usize,
     /// Number of outputs of a row: the classes and, if the model has it, other movement.
     pub(super) outputs: usize,
+    /// Weights of a window's rows, newest first.
+    pub(super) row_weights: [f32; LOOK_BACK],
 }
 
 impl Batch {
@@ -48,6 +51,7 @@ impl Batch {
             patches,
             context,
             outputs: row_outputs,
+            row_weights,
         } = shape;
         let b = excerpts.len();
         let mut emg = Vec::with_capacity(b * patches * PATCH * CHANNELS);
@@ -75,11 +79,11 @@ impl Batch {
                     let output = (row * patches + patch - excerpt.start) * LOOK_BACK + back;
                     if let Some(target) = sequence.targets[estimated] {
                         targets[output] = target as i32;
-                        label_mask[output] = 1.0;
-                        labelled += 1.0;
+                        label_mask[output] = row_weights[back];
+                        labelled += f64::from(row_weights[back]);
                     }
-                    distillation_mask[output] = 1.0;
-                    distilled += 1.0;
+                    distillation_mask[output] = row_weights[back];
+                    distilled += f64::from(row_weights[back]);
                     if let Some(soft_targets) = &sequence.soft_targets {
                         logits[output * row_outputs..(output + 1) * row_outputs].copy_from_slice(
                             &soft_targets[patch - WINDOW_PATCHES][back][..row_outputs],
@@ -128,6 +132,7 @@ mod tests {
         patches: 70,
         context: 3,
         outputs: 3,
+        row_weights: [1.0; LOOK_BACK],
     };
 
     /// A stream of 20 patches, and soft targets whose first logit is the number of the patch.
@@ -186,6 +191,29 @@ mod tests {
             sequence: 0,
             start,
             variation: Variation::NONE,
+        }
+    }
+
+    #[test]
+    fn rows_weigh_what_the_settings_say() {
+        let weights = [3.0, 1.0, 1.0, 1.0, 0.0, 0.0];
+        let shape = BatchShape {
+            row_weights: weights,
+            ..SHAPE
+        };
+        let batch = Batch::new(&sequence(), &[excerpt(62)], shape, &Device::default());
+        assert_eq!(batch.labelled, f64::from((18 - 3) * 6));
+        assert_eq!(batch.distilled, batch.labelled);
+        let masks = [batch.label_mask, batch.distillation_mask].map(read_back);
+        for mask in masks {
+            for (place, weight) in mask
+                .iter()
+                .enumerate()
+                .take(18 * LOOK_BACK)
+                .skip(3 * LOOK_BACK)
+            {
+                assert_eq!(*weight, weights[place % LOOK_BACK]);
+            }
         }
     }
 

@@ -63,6 +63,7 @@ impl<'a> StudentLearner<'a> {
                 patches: config.patches,
                 context: span,
                 outputs: corpus.vocabulary.classes() + usize::from(corpus.other),
+                row_weights: config.row_weights(),
             },
             sequences: sequences(corpus, soft_targets),
             validation_sequences: sequences(validation, None),

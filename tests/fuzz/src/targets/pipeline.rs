@@ -6,7 +6,7 @@ use shared::pipeline::{Pipeline, Reports};
 use shared::stream::alignment::{Alignment, Arm, Template};
 use shared::stream::preprocess::{Median, Preprocessing};
 use shared::stream::safe_state::{SILENCE_MS, Start};
-use shared::stream::smoother::Settings;
+use shared::stream::smoother::{Reaction, Settings};
 use shared::uart_line::alignment::AlignmentReport;
 use shared::uart_line::{Counters, Kind, Report};
 use shared::units::{LOOK_BACK, Millis, Patch, SampleIndex, WINDOW};
