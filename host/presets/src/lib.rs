@@ -252,8 +252,12 @@ mod tests {
         let with = |line: &str| Preset::parse("changed", &text.replace(reaction, line));
         for (line, margins, is_early) in [
             ("", [0.0; 6], false),
-            (reaction, [0.0, 2.0, 2.0, 2.0, 2.0, 2.0], true),
-            ("reaction = \"fast\"", [0.0, 1.5, 1.5, 1.5, 1.5, 1.5], true),
+            (reaction, [0.0, 1.5, 1.5, 1.5, 1.5, 1.5], true),
+            (
+                "reaction = \"steady\"",
+                [0.0, 2.0, 2.0, 2.0, 2.0, 2.0],
+                true,
+            ),
             ("entry_margins = 1.0", [0.0, 1.0, 1.0, 1.0, 1.0, 1.0], false),
             (
                 "reaction = \"fast\"\nentry_margins = [0.0, 2.5]",

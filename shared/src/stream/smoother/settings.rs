@@ -101,8 +101,8 @@ impl Reaction {
     #[must_use]
     pub const fn entry(self) -> f32 {
         match self {
-            Self::Fast => 1.5,
-            Self::Balanced | Self::Steady => 2.0,
+            Self::Fast | Self::Balanced => 1.5,
+            Self::Steady => 2.0,
         }
     }
 
@@ -113,7 +113,8 @@ impl Reaction {
     #[must_use]
     pub const fn early(self) -> Early {
         let [entry, other, relax, leave] = match self {
-            Self::Fast | Self::Balanced => [0.0, 0.5, 1.0, 0.5],
+            Self::Fast => [0.0, 0.5, 1.0, 0.5],
+            Self::Balanced => [0.5, 0.5, 1.0, 0.5],
             Self::Steady => [1.0, 1.0, 2.0, 0.5],
         };
         Early {
