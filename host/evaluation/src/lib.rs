@@ -30,4 +30,4 @@ pub use group::Group;
 pub use measure::Measure;
 pub use score::{ALL, BUFFERS, Score, score, score_all};
 pub use score::{confusion, gestures};
-pub use smoothing::smooth;
+pub use smoothing::{SmoothedLabels, smooth};

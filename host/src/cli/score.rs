@@ -22,6 +22,8 @@ use evaluation::report::Table;
 use recordings::labels::vocabulary;
 pub use recordings::readers::label_file::{self, Purpose};
 
+const EMISSION: Purpose = Purpose::Emission;
+
 /// Arguments of `myointent score`.
 #[derive(clap::Args, Debug)]
 #[command(
@@ -40,10 +42,10 @@ pub use recordings::readers::label_file::{self, Purpose};
         ends at the earliest, and ends one sample before the last sample of its label, if the next transition comes so early. Then \
         there is nothing to hold. A true label of a single sample has no buffer and is refused. Unlabelled samples \
         divide the truth into parts that are scored separately; samples after the last prediction are not scored.\n\n\
-        Events take a label at the sample where it stands, as the time at which it is emitted. Files of `predict` have \
-        labels at the times that they are for: give --delay 51, the look-ahead of 0.25 s and the sample that the median \
-        waits for.\n\nExamples:\n  \
-        myointent score --truth s1_grasp.csv --prediction labels.csv --delay 51\n  \
+        Events, and the scores at emission, take labels at the times when they are emitted: the column emitted of a csv of \
+        `predict`, or the prediction moved by --delay.\n\nExamples:\n  \
+        myointent score --truth s1_grasp.csv --prediction labels.csv\n  \
+        myointent score --truth s1_grasp.csv --prediction other.csv --delay 51\n  \
         myointent score --truth truth.npy --prediction labels.npy --buffer 120 --json"
 )]
 pub struct Arguments {
@@ -62,9 +64,9 @@ pub struct Arguments {
     /// Allow relax in the buffer and while the new label is held
     #[arg(long)]
     allow_relax: bool,
-    /// Samples from the place of a predicted label to its emission, for the events
-    #[arg(long, value_name = "SAMPLES", default_value_t = 0)]
-    delay: usize,
+    /// Samples from the place of a predicted label to its emission, if the file does not say [default: 0]
+    #[arg(long, value_name = "SAMPLES")]
+    delay: Option<usize>,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -95,13 +97,33 @@ fn report(args: &Arguments) -> anyhow::Result<String> {
     let mut confusion = Confusion::new(vocabulary::smallest(truth.iter().chain(&prediction)));
     let scored = predicted_length(&prediction);
     confusion.add(&truth[..scored], &prediction[..scored])?;
-    let emitted = delayed(&prediction[..scored], args.delay);
-    let events = RecordingEvents::new(&truth[..scored], &emitted, &[], &EventRule::default())?;
-    Ok(if args.json {
-        json(&score, &events, &rule, &confusion)?
+    let emitted = if args.delay.is_none() && label_file::has_column(&args.prediction, EMISSION)? {
+        let mut emitted = label_file::read(&args.prediction, EMISSION)?;
+        emitted.truncate(scored);
+        emitted
     } else {
-        tables(&score, &events, truth.len() - scored, &confusion)
+        delayed(&prediction[..scored], args.delay.unwrap_or(0))
+    };
+    let scores = Scores {
+        emission: RecordingScore::new("", &name, &truth[..scored], &emitted, &rule)?,
+        events: RecordingEvents::new(&truth[..scored], &emitted, &[], &EventRule::default())?,
+        reference: score,
+    };
+    Ok(if args.json {
+        json(&scores, &rule, &confusion)?
+    } else {
+        tables(&scores, truth.len() - scored, &confusion)
     })
+}
+
+/// Scores of both times of a label.
+struct Scores {
+    /// Labels at the times that they are for.
+    reference: RecordingScore,
+    /// Labels at the times when they are emitted.
+    emission: RecordingScore,
+    /// Events, of labels when they are emitted.
+    events: RecordingEvents,
 }
 
 /// Delays labels by a number of samples.
@@ -111,12 +133,12 @@ fn delayed(labels: &[Option<Intent>], samples: usize) -> Vec<Option<Intent>> {
     before.chain(labels[..kept].iter().copied()).collect()
 }
 
-fn json(
-    score: &RecordingScore,
-    events: &RecordingEvents,
-    rule: &Rule,
-    confusion: &Confusion,
-) -> serde_json::Result<String> {
+fn json(scores: &Scores, rule: &Rule, confusion: &Confusion) -> serde_json::Result<String> {
+    let Scores {
+        reference: score,
+        emission,
+        events,
+    } = scores;
     let own = SubjectEvents::new("", [events]);
     let per_minute = |rate: Rate| serde_json::json!({"count": rate.count, "seconds": rate.seconds, "per_minute": rate.per_minute()});
     let recalls: BTreeMap<&str, f64> = Intent::ALL
@@ -132,11 +154,16 @@ fn json(
         "gestures_recognised": own.recognised,
         "recognition": own.recognition,
         "latency": own.latency,
+        "recognised_within_ms": SOON_MS.map(|ms| (ms.to_string(), within(&own, ms))).into_iter().collect::<BTreeMap<_, _>>(),
         "false_activations": per_minute(own.rest),
         "flicker": per_minute(own.flicker),
         "gestures": events.gestures,
         "raw_accuracy": score.raw_accuracy,
         "transition_accuracy": score.transitions.accuracy(),
+        "at_emission": {
+            "balanced_accuracy": emission.recalls.balanced_accuracy(),
+            "transition_accuracy": emission.transitions.accuracy(),
+        },
         "correct": score.transitions.correct(),
         "events": score.transitions.events(),
         "offset_ms": offset::summary(&offsets),
@@ -147,12 +174,19 @@ fn json(
     Ok(serde_json::to_string_pretty(&report)? + "\n")
 }
 
-fn tables(
-    score: &RecordingScore,
-    events: &RecordingEvents,
-    unscored: usize,
-    confusion: &Confusion,
-) -> String {
+/// Times after the onset of a gesture, in ms, for which the share that is recognised by then is told.
+const SOON_MS: [u32; 4] = [100, 150, 200, 300];
+
+fn within(own: &SubjectEvents, ms: u32) -> Option<f64> {
+    own.recognised_within((ms / SAMPLE_PERIOD_MS) as i32)
+}
+
+fn tables(scores: &Scores, unscored: usize, confusion: &Confusion) -> String {
+    let Scores {
+        reference: score,
+        emission,
+        events,
+    } = scores;
     let share = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.3}"));
     let transitions = &score.transitions;
     let own = SubjectEvents::new("", [events]);
@@ -167,6 +201,11 @@ fn tables(
         share(transitions.accuracy()),
         transitions.correct(),
         transitions.events()
+    );
+    text += &format!(
+        "when emitted         balanced {}, transition {}\n",
+        share(emission.recalls.balanced_accuracy()),
+        share(emission.transitions.accuracy())
     );
     text += &format!(
         "gestures recognised  {} ({} of {})\n",
@@ -184,6 +223,10 @@ fn tables(
             of(median),
             of(p90)
         );
+    }
+    if own.gestures > 0 {
+        let soon = SOON_MS.map(|ms| format!("{} in {ms} ms", share(within(&own, ms))));
+        text += &format!("so soon              {}\n", soon.join(", "));
     }
     text += &format!("false activations    {} of rest\n", per_minute(own.rest));
     text += &format!("flicker              {}\n", per_minute(own.flicker));

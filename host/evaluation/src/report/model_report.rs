@@ -6,7 +6,7 @@ use super::entry::{Entry, over_all};
 use super::page::Page;
 use super::people::{COLUMNS, people_of, people_table};
 use super::run_report::PEOPLE;
-use super::scores::{differences, is_floor, sort, table};
+use super::scores::{differences, emitted, is_floor, sort, table};
 use super::{Fact, Table, labels};
 use crate::model_evaluation::{
     ALIGNED, AlignedSubject, EvaluatedModel, EvaluatedSubject, ModelEvaluation, ModelResults,
@@ -120,7 +120,11 @@ fn tables_of_models(results: &ModelResults) -> Vec<Table> {
         others.map(move |other| (own, other))
     });
     let caption = "Differences, paired over subjects; mean [95 % interval] over n subjects";
-    let mut tables = vec![table(SCORES, &scores), differences(caption, false, pairs)];
+    let mut tables = vec![
+        table(SCORES, &scores),
+        differences(caption, false, pairs),
+        emitted(&scores),
+    ];
     tables.extend(alignments(results));
     tables
 }

@@ -5,19 +5,25 @@ use std::path::Path;
 use execution::run_folder::write_whole;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::Fact;
 use super::cell::{none, quantile, rate};
 use super::device;
 use super::entry::{Entry, over_all};
+use super::pictures::charts::Panel;
 use super::pictures::{
     INK, MUTED, STYLE, charts, confusion, entry_colour, overview, people, timeline,
 };
 use super::scores::estimated;
 use super::table::Table;
-use crate::{EvaluationError, Measure, Score, confusion, gestures};
+use super::{Fact, MOST_ENTRIES};
+use crate::metric::event::latency;
+use crate::{ENERGY, EvaluationError, Measure, Score, confusion, gestures};
+use recordings::statistics::MeanSd;
 
 /// Style of the page; that of the pictures comes from `pictures`.
 const PAGE_STYLE: &str = include_str!("page.css");
+
+/// Samples after the onset up to which recognition is drawn.
+const SOON: i32 = 120;
 
 /// People who are drawn of a single entry, the lowest first; the best one is added.
 const WORST: usize = 3;
@@ -154,6 +160,7 @@ fn errors(entries: &[Entry<'_>]) -> Result<Markup, EvaluationError> {
                  median over all gestures, missed ones included."
             }
         }
+        @if let Some(panel) = recognition(entries) { figure { (charts::curves(&panel)) } }
         @for entry in entries {
             @let (candidate, recordings) = (entry.candidate, entry.recordings);
             @let matrix = confusion(candidate, recordings, entry.vocabulary, entry.look_ahead)?;
@@ -165,6 +172,40 @@ fn errors(entries: &[Entry<'_>]) -> Result<Markup, EvaluationError> {
                 @if !latencies.is_empty() { figure { (charts::latencies(&latencies)) } }
             }
         }
+    })
+}
+
+/// Share of gestures recognised by the time since their onset, of each entry and of the energy detector: the mean over people
+/// who have all classes, if there are any.
+fn recognition(entries: &[Entry<'_>]) -> Option<Panel> {
+    let people = over_all(&entries.first()?.scores).next()?.people;
+    let entry = |entry: &Entry<'_>| {
+        let own = over_all(&entry.scores).find(|score| score.people == people)?;
+        Some((entry.name.clone(), own.clone()))
+    };
+    let energy = entries
+        .first()?
+        .energy()
+        .find(|floor| floor.people == people);
+    let energy = energy.map(|floor| (ENERGY.to_owned(), floor.clone()));
+    let curve = |(name, score): (String, Score)| {
+        let at = |samples: i32| {
+            let people = score.events.subjects.iter();
+            let shares: Vec<f64> = people
+                .filter_map(|own| own.recognised_within(samples))
+                .collect();
+            let mean = MeanSd::of(&shares)?.mean;
+            Some((latency::milliseconds(samples), mean))
+        };
+        let points: Vec<(f64, f64)> = (0..=SOON).step_by(2).filter_map(at).collect();
+        (!points.is_empty()).then_some((name, points))
+    };
+    let shown = entries.iter().take(MOST_ENTRIES - 1).filter_map(entry);
+    let curves: Vec<_> = shown.chain(energy).filter_map(curve).collect();
+    (!curves.is_empty()).then(|| Panel {
+        title: "Share of gestures recognised so soon after their onset".to_owned(),
+        axis: "emitted label after onset, ms",
+        curves,
     })
 }
 

@@ -181,6 +181,7 @@ pub(super) fn panels(run: &RunFolder) -> Result<Vec<Panel>, RunError> {
         if !curves.is_empty() {
             panels.push(Panel {
                 title: format!("Loss of the {name}"),
+                axis: "epoch",
                 curves,
             });
         }

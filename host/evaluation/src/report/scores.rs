@@ -37,6 +37,9 @@ const LOOK_AHEAD: Column = ("look-ahead", |own| own.look_ahead.name().to_owned()
 const OTHER: Column = ("other/min", |own| {
     mean(own, Measure::OtherActivations, rate)
 });
+const LATENCY: Column = ("latency ms", |own| {
+    counted(latency(own.events.latency), own, Measure::Recognition)
+});
 const RAW: Column = ("raw", |own| mean(own, Measure::RawAccuracy, share));
 const SUBJECTS: Column = ("subjects", |own| people(own).to_string());
 const TRANSITIONS: Column = ("transitions", |own| own.widest().events.to_string());
@@ -50,9 +53,7 @@ const SCORES: [Column; 15] = [
     ("balanced", |own| estimated(own, Measure::BalancedAccuracy)),
     ("TA", |own| estimated(own, Measure::TransitionAccuracy)),
     ("recognised", |own| estimated(own, Measure::Recognition)),
-    ("latency ms", |own| {
-        counted(latency(own.events.latency), own, Measure::Recognition)
-    }),
+    LATENCY,
     ("false/min", |own| {
         mean(own, Measure::FalseActivations, rate)
     }),
@@ -84,6 +85,34 @@ const PAPER: [Column; 12] = [
     RAW,
     SUBJECTS,
     TRANSITIONS,
+];
+
+/// Columns of what a user of the device gets.
+const EMITTED: [Column; 12] = [
+    RECORDINGS,
+    CLASSES,
+    MODEL,
+    LOOK_AHEAD,
+    ("balanced", |own| {
+        estimated(own, Measure::BalancedAccuracyEmitted)
+    }),
+    ("TA", |own| {
+        estimated(own, Measure::TransitionAccuracyEmitted)
+    }),
+    (Measure::Within100.name(), |own| {
+        mean(own, Measure::Within100, share)
+    }),
+    (Measure::Within150.name(), |own| {
+        mean(own, Measure::Within150, share)
+    }),
+    (Measure::Within200.name(), |own| {
+        mean(own, Measure::Within200, share)
+    }),
+    (Measure::Within300.name(), |own| {
+        mean(own, Measure::Within300, share)
+    }),
+    LATENCY,
+    SUBJECTS,
 ];
 
 /// Columns of a summary, 100 letters together.
@@ -158,6 +187,7 @@ pub fn tables(results: &Results) -> Vec<Table> {
             &compensated,
         ),
         floor_differences(&compensated),
+        emitted(&compensated),
         table(
             "Labels as published: the times of the cues, as in the paper's evaluation",
             &published,
@@ -231,6 +261,13 @@ pub(super) fn table(caption: &str, scores: &[&Score]) -> Table {
     let mut columns = SCORES.to_vec();
     columns.retain(|(name, _)| *name != OTHER.0 || scores.iter().any(other));
     of_columns(caption, scores, &columns)
+}
+
+/// Table of labels at the times when they are emitted, with the shares of gestures that are recognised so soon.
+pub(super) fn emitted(scores: &[&Score]) -> Table {
+    let caption = "Labels at the times when they are emitted, and shares of gestures recognised within so many ms of their onset; \
+                   lag-compensated labels";
+    of_columns(caption, scores, &EMITTED)
 }
 
 fn of_columns(caption: &str, scores: &[&Score], columns: &[Column]) -> Table {

@@ -93,6 +93,7 @@ impl Evaluated {
             look_ahead,
             panels: vec![Panel {
                 title: "Loss".to_owned(),
+                axis: "epoch",
                 curves: vec![curve("training", 0.3), curve("validation", 0.42)],
             }],
             bytes: None,
@@ -184,11 +185,11 @@ fn a_report_is_well_formed_and_whole() -> Result<(), Box<dyn Error>> {
     }
 
     well_formed(&html)?;
-    // Overview, people, confusion, latencies, a curve; three of the four people and the best one.
-    assert_eq!(html.matches("<svg").count(), 9);
+    // Overview, people, recognition, confusion, latencies, a curve; three of the four people and the best one.
+    assert_eq!(html.matches("<svg").count(), 10);
     assert_eq!(
         html.matches("<title>").count(),
-        10,
+        11,
         "the page's and one for every picture"
     );
     for part in [
@@ -356,6 +357,7 @@ fn every_table_of_scores_has_its_floors_and_the_differences_to_them() {
     let expected = [
         scores.clone(),
         differences,
+        scores.clone(),
         scores.clone(),
         scores.clone(),
         scores.clone(),

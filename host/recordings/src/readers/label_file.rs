@@ -24,16 +24,19 @@ pub enum Purpose {
     Truth,
     /// Predicted labels.
     Prediction,
+    /// Predicted labels, each at the time when it is emitted.
+    Emission,
 }
 
 impl Purpose {
-    const ALL: [Self; 2] = [Self::Truth, Self::Prediction];
+    const ALL: [Self; 3] = [Self::Truth, Self::Prediction, Self::Emission];
 
     /// Columns of a csv that may hold the labels; the first of them that is found is read.
-    const fn columns(self) -> [&'static str; 3] {
+    const fn columns(self) -> &'static [&'static str] {
         match self {
-            Self::Truth => ["gt", "truth", "label"],
-            Self::Prediction => ["prediction", "predicted", "label"],
+            Self::Truth => &["gt", "truth", "label"],
+            Self::Prediction => &["prediction", "predicted", "label"],
+            Self::Emission => &["emitted"],
         }
     }
 }
@@ -48,6 +51,22 @@ pub fn read(path: &Path, purpose: Purpose) -> Result<Vec<Option<Intent>>, LoadEr
     // A byte order mark, as some editors write it.
     let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes);
     parse(bytes, purpose).map_err(|damage| damage.in_file(path))
+}
+
+/// Whether a file is a csv with a column of this purpose.
+///
+/// # Errors
+/// [`LoadError::Io`].
+pub fn has_column(path: &Path, purpose: Purpose) -> Result<bool, LoadError> {
+    let bytes = bounded_read::read(path, bounded_read::RECORDING)
+        .map_err(|source| LoadError::io(path, source))?;
+    let header = bytes
+        .split(|&byte| byte == b'\n')
+        .next()
+        .unwrap_or_default();
+    let header = String::from_utf8_lossy(header);
+    let mut names = header.split(',').map(str::trim);
+    Ok(names.any(|name| purpose.columns().contains(&name)))
 }
 
 /// Parses the bytes of a file of labels.

@@ -20,7 +20,7 @@ use super::replay::one_recording;
 use crate::cli::output::{first_line, refuse_unlike};
 use crate::cli::read_model;
 use evaluation::inference::{input, integer_logits};
-use evaluation::smooth;
+use evaluation::{SmoothedLabels, smooth};
 use execution::run_folder::write_whole;
 use recordings::npy::{self, Values};
 #[cfg(feature = "train")]
@@ -41,7 +41,7 @@ pub(super) enum Which {
 #[command(
     after_help = "Example:\n  myointent predict --model models/three-class.intent --recording FILE.csv --out labels.csv",
     after_long_help = "For a recording: one row a sample with `label`, the class number of the smoothed label at its reference\n\
-    time (-1 before the first label and after the last one), and the logits of the sample's patch when it was the newest\n\
+    time (-1 before the first label and after the last one), `emitted`, that of the label that has been emitted, and the logits of the sample's patch when it was the newest\n\
     (NaN for the last samples, where they are fewer than a patch of 10). The last samples have no label: it would need the\n\
     samples of the look-ahead after them. `score` does not count them.\n\
     For a window: the teacher's logits of all 600 samples, MASK last; or a student's six rows of every patch.\n\n\
@@ -127,20 +127,23 @@ fn logits(
 fn over_recording(arguments: &Arguments, samples: &[Sample]) -> anyhow::Result<Matrix> {
     let (rows, classes, settings) = logits(arguments, samples)?;
     let labels = smooth(&rows, samples.len(), classes, settings)?;
-    Ok(of_samples(&labels.reference, &rows, classes))
+    Ok(of_samples(&labels, &rows, classes))
 }
 
-/// Table of the smoothed label of every sample and the logits of its patch; NaN where the recording ends within the patch.
-fn of_samples(labels: &[Option<Intent>], rows: &[LookBackLogits], classes: usize) -> Matrix {
-    let mut values = Vec::with_capacity(labels.len() * (classes + 1));
-    for (sample, label) in labels.iter().enumerate() {
-        values.push(label.map_or(-1.0, |intent| intent.class() as f32));
+/// Table of the smoothed labels of every sample and the logits of its patch; NaN where the recording ends within the patch.
+fn of_samples(labels: &SmoothedLabels, rows: &[LookBackLogits], classes: usize) -> Matrix {
+    let mut values = Vec::with_capacity(labels.reference.len() * (classes + 2));
+    let both = labels.reference.iter().zip(&labels.emitted);
+    for (sample, (reference, emitted)) in both.enumerate() {
+        let number = |label: &Option<Intent>| label.map_or(-1.0, |intent| intent.class() as f32);
+        values.extend([reference, emitted].map(number));
         match rows.get(sample / PATCH) {
             Some([newest, ..]) => values.extend(&newest[..classes]),
             None => values.extend(std::iter::repeat_n(f32::NAN, classes)),
         }
     }
-    let columns = std::iter::once("label".to_owned())
+    let columns = ["label".to_owned(), "emitted".to_owned()]
+        .into_iter()
         .chain(names(classes, "logit_".to_owned()))
         .collect();
     Matrix { columns, values }
@@ -209,13 +212,18 @@ mod tests {
     #[test]
     fn every_sample_has_a_row_and_a_partial_last_patch_no_logits() {
         let rows = vec![[[0.5; MAX_LOGITS]; LOOK_BACK]; 2];
-        let labels = vec![None; 2 * PATCH + 3];
+        let mut labels = SmoothedLabels {
+            reference: vec![None; 2 * PATCH + 3],
+            emitted: vec![None; 2 * PATCH + 3],
+        };
+        labels.emitted[2 * PATCH..].fill(Some(Intent::Close));
         let matrix = of_samples(&labels, &rows, 3);
         let rows: Vec<_> = matrix.values.chunks(matrix.columns.len()).collect();
-        assert_eq!(rows.len(), labels.len());
-        assert_eq!(rows[2 * PATCH - 1], [-1.0, 0.5, 0.5, 0.5]);
+        assert_eq!(rows.len(), labels.reference.len());
+        assert_eq!(rows[2 * PATCH - 1], [-1.0, -1.0, 0.5, 0.5, 0.5]);
         for row in &rows[2 * PATCH..] {
-            assert!(row[0] == -1.0 && row[1..].iter().all(|logit| logit.is_nan()));
+            assert_eq!(row[..2], [-1.0, 2.0]);
+            assert!(row[2..].iter().all(|logit| logit.is_nan()));
         }
     }
 }

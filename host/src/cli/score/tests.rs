@@ -16,11 +16,18 @@ fn a_failed_transition_is_shown_with_its_reason() {
     let mut confusion = Confusion::new(vocabulary::smallest(truth.iter().chain(&prediction)));
     confusion.add(&truth[..850], &prediction[..850]).unwrap();
     let events = RecordingEvents::new(&truth, &prediction, &[], &EventRule::default()).unwrap();
-    let text = tables(&score, &events, 50, &confusion);
+    let scores = Scores {
+        emission: RecordingScore::new("", "", &truth, &prediction, &Rule::default()).unwrap(),
+        reference: score,
+        events,
+    };
+    let text = tables(&scores, 50, &confusion);
     let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
     for part in [
         "balanced accuracy 0.756",
         "transition accuracy 0.500 (1 of 2)",
+        "when emitted balanced 0.756, transition 0.500",
+        "so soon 1.000 in 100 ms, 1.000 in 150 ms",
         "gestures recognised 1.000 (1 of 1)",
         "latency median 50 ms, 90 % 50 ms",
         "false activations 0.0 a minute (0 in 2.5 s) of rest",
@@ -33,8 +40,7 @@ fn a_failed_transition_is_shown_with_its_reason() {
         assert!(text.contains(part), "{part:?} is missing in\n{text}");
     }
     let report: serde_json::Value =
-        serde_json::from_str(&json(&score, &events, &Rule::default(), &confusion).unwrap())
-            .unwrap();
+        serde_json::from_str(&json(&scores, &Rule::default(), &confusion).unwrap()).unwrap();
     assert_eq!(report["changes"][1]["status"], "no_change_in_buffer");
     assert_eq!(report["offset_ms"]["signed"]["mean"], 50.0);
 }
@@ -51,7 +57,7 @@ fn a_csv_with_both_columns_is_scored_against_its_truth_and_not_against_itself() 
         buffer: 200,
         strict: false,
         allow_relax: false,
-        delay: 0,
+        delay: None,
         json: true,
     };
     let report: serde_json::Value = serde_json::from_str(&report(&arguments).unwrap()).unwrap();
@@ -67,6 +73,38 @@ fn a_delay_is_part_of_the_latency_alone() {
     let events = RecordingEvents::new(&labels, &emitted, &[], &EventRule::default()).unwrap();
     assert_eq!(events.gestures[0].latency, Some(51));
     assert_eq!(delayed(&labels[..3], 51), [None; 3]);
+}
+
+#[test]
+fn the_column_of_emitted_labels_is_scored_by_itself_unless_a_delay_is_given() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("labels.csv");
+    let row = |truth, label, emitted| format!("{truth},{label},{emitted}\n");
+    let rows = row("relax", "relax", "none").repeat(10)
+        + &row("relax", "relax", "relax").repeat(290)
+        + &row("close", "close", "relax").repeat(20)
+        + &row("close", "close", "close").repeat(280);
+    std::fs::write(&path, format!("gt,prediction,emitted\n{rows}")).unwrap();
+    for (delay, latency) in [(None, 20), (Some(51), 51)] {
+        let arguments = Arguments {
+            truth: path.clone(),
+            prediction: path.clone(),
+            buffer: 200,
+            strict: false,
+            allow_relax: false,
+            delay,
+            json: true,
+        };
+        let report: serde_json::Value = serde_json::from_str(&report(&arguments).unwrap()).unwrap();
+        assert_eq!(report["balanced_accuracy"], 1.0);
+        assert_eq!(report["gestures"][0]["latency"], latency);
+        let late = report["at_emission"]["balanced_accuracy"].as_f64().unwrap();
+        let right = f64::from(300 - latency) / 300.0;
+        let relax = if delay.is_none() { 290.0 } else { 249.0 } / 300.0;
+        assert!((late - f64::midpoint(right, relax)).abs() < 1e-9, "{late}");
+        let soon = report["recognised_within_ms"]["200"].as_f64();
+        assert_eq!(soon, Some(if delay.is_none() { 1.0 } else { 0.0 }));
+    }
 }
 
 /// Formats labels as the lines of a file.
@@ -132,7 +170,7 @@ fn every_number_is_that_of_a_version_written_from_the_page() {
             buffer: [200, 61, 120][round % 3],
             strict: round % 5 == 1,
             allow_relax: round % 7 < 2,
-            delay: [0, 51, 7][round / 3 % 3],
+            delay: [None, Some(51), Some(7)][round / 3 % 3],
             json: true,
         };
         let rule = Rule {
@@ -140,7 +178,7 @@ fn every_number_is_that_of_a_version_written_from_the_page() {
             strict: arguments.strict,
             allow_relax: arguments.allow_relax,
         };
-        let expected = naive::score(&truth, &prediction, &rule, arguments.delay);
+        let expected = naive::score(&truth, &prediction, &rule, arguments.delay.unwrap_or(0));
         match (report(&arguments), expected) {
             (Ok(found), Some(expected)) => {
                 let found: serde_json::Value = serde_json::from_str(&found).unwrap();

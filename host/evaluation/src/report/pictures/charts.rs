@@ -14,8 +14,10 @@ use crate::report::cell::quantile;
 pub(in crate::report) struct Panel {
     /// Title, with the unit.
     pub title: String,
-    /// Curves over epochs, at most five, for the colours to differ: the name at the end of the line, and its epochs and
-    /// values, epochs ascending. Values that are not finite are left out.
+    /// Name of the horizontal axis, with the unit.
+    pub axis: &'static str,
+    /// Curves, at most five, for the colours to differ: the name at the end of the line, and its points, from left to right.
+    /// Points that are not finite are left out.
     pub curves: Vec<(String, Vec<Point>)>,
 }
 
@@ -84,7 +86,7 @@ fn ticks((low, high): (f64, f64), parts: f64) -> impl Iterator<Item = f64> {
 
 /// Picture of the curves, with their names at their ends.
 pub(in crate::report) fn curves(panel: &Panel) -> Markup {
-    let finite = |&(epoch, value): &Point| epoch.is_finite() && value.is_finite();
+    let finite = |&(x, y): &Point| x.is_finite() && y.is_finite();
     let mut curves = panel.curves.clone();
     curves
         .iter_mut()
@@ -118,7 +120,7 @@ pub(in crate::report) fn curves(panel: &Panel) -> Markup {
     }
     let body = html! {
         (text("start", (10.0, 14.0), 13.0, INK, &panel.title))
-        (chart.axes("epoch", 6.0, 5.0))
+        (chart.axes(panel.axis, 6.0, 5.0))
         @for (at, (_, own)) in curves.iter().enumerate() {
             polyline fill="none" stroke=(entry_colour(at)) stroke-width="2"
                 points=(points(own.iter().map(|&point| chart.at(point)))) {}
@@ -235,6 +237,7 @@ mod tests {
         let loss = vec![(0.0, f64::NAN), (1.0, 2.0)];
         let panel = Panel {
             title: "Loss".into(),
+            axis: "epoch",
             curves: vec![("loss".into(), loss), Default::default()],
         };
         assert!(curves(&panel).0.contains("loss ends at 2."));
