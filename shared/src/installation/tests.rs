@@ -236,6 +236,59 @@ fn flash_that_refuses_leaves_the_block_missing() {
     }
 }
 
+/// Takes the first block, where one step fails; gives the failure.
+fn fail_at_first_block(board: &mut Board, file: &[u8], failing: Step) -> Refused {
+    let block = Block::of(file, 0);
+    board.installation.take(0, &block, |_| true).unwrap();
+    loop {
+        let step = board.installation.step().expect("no step failed");
+        let outcome = if step == failing {
+            Err(Refused::Flash)
+        } else {
+            board.carry_out(step, file).unwrap()
+        };
+        if let Err(refused) = board.installation.done(outcome) {
+            assert_eq!(board.installation.step(), None);
+            return refused;
+        }
+    }
+}
+
+#[test]
+fn a_failure_while_flash_still_holds_the_old_model_puts_it_back_in_use() {
+    let (old, new) = (file(1), file(2));
+    for failing in [
+        Step::Suspend,
+        Step::EraseJournal,
+        Step::WriteJournal,
+        Step::ErasePage(0),
+    ] {
+        let mut board = Board::start(Flash::of(&old), &[&old, &new]);
+        board.begin(transfer(&new)).unwrap();
+        let failure = fail_at_first_block(&mut board, &new, failing);
+        assert_eq!(failure, Refused::Flash, "{failing:?}");
+        assert_eq!(board.in_use, Some(1), "{failing:?}");
+        assert!(!board.is_safe, "{failing:?}");
+        assert_eq!(board.begin(transfer(&new)), Ok(Progress::Next(0)));
+        assert!(send(&mut board, &new).is_ok());
+        assert_eq!(board.in_use, Some(2), "{failing:?}");
+    }
+}
+
+#[test]
+fn a_failure_that_left_half_a_page_leaves_the_board_safe_and_the_block_missing() {
+    let (old, new) = (file(1), file(2));
+    let mut board = Board::start(Flash::of(&old), &[&old, &new]);
+    board.begin(transfer(&new)).unwrap();
+    board.flash.region[..PAGE_BYTES / 2].fill(0xff);
+    let failure = fail_at_first_block(&mut board, &new, Step::ErasePage(0));
+    assert_eq!(failure, Refused::Flash);
+    assert_eq!((board.in_use, board.is_safe), (None, true));
+    assert_eq!(board.begin(transfer(&new)), Ok(Progress::Next(0)));
+    assert!(send(&mut board, &new).is_ok());
+    assert_eq!(board.in_use, Some(2));
+}
+
 #[test]
 fn a_model_that_is_not_suspended_or_not_put_in_use_is_no_failure_of_flash() {
     let (old, new) = (file(1), file(2));

@@ -59,6 +59,8 @@ pub(super) struct Board {
     /// The model that is in use, by its first byte.
     pub(super) in_use: Option<u8>,
     pub(super) is_safe: bool,
+    /// Files that count as models.
+    models: Vec<Vec<u8>>,
 }
 
 impl Board {
@@ -68,6 +70,7 @@ impl Board {
         Self {
             in_use: whole.map(|model| model[0]),
             is_safe: whole.is_none(),
+            models: models.iter().map(|model| model.to_vec()).collect(),
             installation: Installation::new(CAPACITY as u32),
             flash,
         }
@@ -117,9 +120,10 @@ impl Board {
                 return Ok(self.flash.holds(file).then_some(()).ok_or(Refused::Model));
             }
             Step::Resume => {
-                self.in_use = Some(file[0]);
-                self.is_safe = false;
-                return Ok(Ok(()));
+                let whole = self.models.iter().find(|model| self.flash.holds(model));
+                self.in_use = whole.map(|model| model[0]);
+                self.is_safe = whole.is_none();
+                return Ok(whole.map(|_| ()).ok_or(Refused::Model));
             }
             _ => assert!(
                 self.is_safe && self.in_use.is_none(),
