@@ -174,3 +174,21 @@ pub(super) fn send(board: &mut Board, file: &[u8]) -> Result<usize, PowerFailed>
     }
     Ok(sent)
 }
+
+/// Takes the first block, where one step fails; gives the failure.
+pub(super) fn fail_at_first_block(board: &mut Board, file: &[u8], failing: Step) -> Refused {
+    let block = Block::of(file, 0);
+    board.installation.take(0, &block, |_| true).unwrap();
+    loop {
+        let step = board.installation.step().expect("no step failed");
+        let outcome = if step == failing {
+            Err(Refused::Flash)
+        } else {
+            board.carry_out(step, file).unwrap()
+        };
+        if let Err(refused) = board.installation.done(outcome) {
+            assert_eq!(board.installation.step(), None);
+            return refused;
+        }
+    }
+}
