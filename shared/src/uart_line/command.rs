@@ -98,19 +98,6 @@ pub enum AlignCommand {
     State,
 }
 
-impl AlignCommand {
-    /// Name on the line.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Begin(_) => "begin",
-            Self::Cancel => "cancel",
-            Self::Set(_) => "set",
-            Self::State => "state",
-        }
-    }
-}
-
 impl Command {
     /// Reads a line without its end; none if it is one that the device itself writes.
     ///
