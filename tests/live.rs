@@ -17,12 +17,17 @@ mod emulator;
 #[cfg(target_os = "linux")]
 #[path = "live/install.rs"]
 mod install;
+#[cfg(target_os = "linux")]
+#[path = "live/installing_board.rs"]
+mod installing_board;
 #[cfg(unix)]
 #[path = "live/interrupt.rs"]
 mod interrupt;
 #[cfg(unix)]
 #[path = "live/json.rs"]
 mod json;
+#[path = "live/limits.rs"]
+mod limits;
 #[cfg(target_os = "linux")]
 #[path = "live/owner.rs"]
 mod owner;

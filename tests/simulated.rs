@@ -8,6 +8,8 @@ mod cuts;
 mod dialogues;
 #[path = "simulated/latency.rs"]
 mod latency;
+#[path = "simulated/plan.rs"]
+mod plan;
 #[path = "simulated/power.rs"]
 mod power;
 

@@ -74,7 +74,8 @@ fn an_unbound_board_follows_nobody_and_can_be_bound_and_made_to_forget() -> anyh
     let mut run = start(&bench, None, -60, &samples(12_000), None)?;
     run.wait_for("what to do", |run| said(run, NOBODY))?;
     assert_eq!(ask(&mut run, BindCommand::State)?, "OK,BIND,nobody,-,1");
-    // Far more than a scan takes.
+    // Far more than a scan takes. A wait by time, here and below: a board that follows nobody writes nothing that could be
+    // waited for, and the armbands hear nothing of it.
     sleep(Duration::from_secs(3));
     let connected =
         |run: &Run| run.event_count("connected") + run.event_count("stranger-connected");

@@ -13,7 +13,7 @@ use shared::myo::Following;
 use shared::stream::alignment::{Alignment, Arm};
 use shared::stream::smoother::Gate;
 use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
-use shared::uart_line::answer::{Answer, Counts, Refusal};
+use shared::uart_line::answer::{Accepted, Answer, Counts, Refusal};
 use shared::uart_line::command::{AlignCommand, BindCommand, Command};
 use shared::uart_line::gate::GateCommand;
 use shared::uart_line::line::Line;
@@ -110,12 +110,12 @@ fn late() -> Vec<(Command, Vec<Answer<'static>>, Answer<'static>)> {
     let [mine, other] = ["FA:12:34:56:78:9A", "FA:12:34:56:78:9B"].map(armband);
     let bound = |address| binding(Following::Bound(address));
     let turned = Alignment::new(3, true);
-    let align = |command| (Command::Align(command), Answer::Align(command));
-    let (begin, begun) = align(AlignCommand::Begin(Arm::Unknown));
-    let (cancel, cancelled) = align(AlignCommand::Cancel);
+    let begin = Command::Align(AlignCommand::Begin(Arm::Unknown));
+    let cancel = Command::Align(AlignCommand::Cancel);
+    let [begun, cancelled, was_set] =
+        [Accepted::Begin, Accepted::Cancel, Accepted::Set].map(Answer::Align);
     // The line does not say which one is set.
     let set = Command::Align(AlignCommand::Set(turned));
-    let was_set = Answer::Align(AlignCommand::Set(Alignment::NONE));
     let refused = |refusals: &[Refusal]| -> Vec<_> {
         let refusals = refusals.iter().copied();
         refusals.map(Answer::Refused).collect()
@@ -295,7 +295,7 @@ fn an_alignment_counts_as_set_once_the_board_says_that_it_is_in_force() {
         let board = Scripted::start(&link, move |command| match command {
             Command::Align(AlignCommand::State) => Answer::Alignment(in_force).to_string(),
             // Of a set by somebody else.
-            _ => Answer::Align(AlignCommand::Set(Alignment::NONE)).to_string(),
+            _ => Answer::Align(Accepted::Set).to_string(),
         });
         let done = run(&link, &["align", "set", "3", "--mirrored"]);
         assert_eq!(done, expected, "{in_force:?}");
@@ -316,8 +316,8 @@ fn an_alignment_that_ends_before_it_is_answered_is_not_waited_for() {
         quality: None,
     };
     // Lines that follow from a command come before its answer.
-    let lines = unavailable.to_string() + &Answer::Align(AlignCommand::Cancel).to_string();
-    let begun = Answer::Align(AlignCommand::Begin(Arm::Unknown)).to_string();
+    let lines = unavailable.to_string() + &Answer::Align(Accepted::Cancel).to_string();
+    let begun = Answer::Align(Accepted::Begin).to_string();
     let _board = Scripted::start(&link, move |_| lines.clone() + &begun);
     let began = Instant::now();
     assert!(!run(&link, &["align", "begin"]));

@@ -16,7 +16,7 @@ use shared::myo::{Address, Counters, Following};
 use shared::pipeline::Pipeline;
 use shared::stream::safe_state::Start;
 use shared::stream::smoother::Gate;
-use shared::uart_line::answer::{Answer, Binding, Counts, Identity, Refusal};
+use shared::uart_line::answer::{Accepted, Answer, Binding, Counts, Identity, Refusal};
 use shared::uart_line::command::{AlignCommand, BindCommand, Command, CommandReader};
 use shared::uart_line::emg::EmgReport;
 use shared::uart_line::gate::GateCommand;
@@ -231,7 +231,9 @@ fn answer(command: Result<Command, Refusal>, following: Following) -> Answer<'st
             },
             ..Counts::default()
         }),
-        Ok(Command::Align(command)) => Answer::Align(command),
+        Ok(Command::Align(command)) => {
+            Accepted::of(command).map_or(Answer::Refused(Refusal::Busy), Answer::Align)
+        }
         Ok(Command::Raw(on)) => Answer::Raw(on),
         Ok(Command::Bind(command))
             if matches!(following, Following::Pinned(_)) && command != BindCommand::State =>

@@ -1,7 +1,6 @@
 //! The line to a board, pulled at 100 random moments of each dialogue but the installation, which has its own.
 
 use std::collections::BTreeSet;
-use std::mem::discriminant;
 use std::path::Path;
 use std::time::Duration;
 
@@ -12,7 +11,7 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use shared::stream::alignment::{Alignment, Arm};
 use shared::stream::smoother::Gate;
-use shared::uart_line::answer::{Answer, Refusal};
+use shared::uart_line::answer::{Accepted, Answer, Refusal};
 use shared::uart_line::command::{AlignCommand, BindCommand, Command};
 use shared::uart_line::gate::GateCommand;
 use shared::uart_line::line::Line;
@@ -32,7 +31,7 @@ fn ask(link: &Path, command: Command) -> Result<bool, BoardError> {
         (Command::Identify, Answer::Identity(identity)) => Some(identity.image == "test"),
         (Command::Counters, Answer::Counts(counts)) => Some(counts.session.notifications == 1000),
         (Command::Align(command), Answer::Align(answered)) => {
-            (discriminant(answered) == discriminant(&command)).then_some(true)
+            (Accepted::of(command) == Some(*answered)).then_some(true)
         }
         (Command::Raw(on), Answer::Raw(answered)) => Some(*answered == on),
         (Command::Gate(_), Answer::Gate(gate)) => Some(*gate == Gate::default()),

@@ -2,9 +2,6 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command as Process, ExitCode, Stdio};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex};
-use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use clap::Parser as _;
@@ -12,219 +9,17 @@ use myointent::board::{BoardError, ModelFile, install};
 use myointent::cli::Cli;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use serial2::SerialPort;
-use shared::installation::journal::{self, JOURNAL_BYTES};
-use shared::installation::{BLOCK_BYTES, Installation, PAGE_BYTES, Progress, Refused, Step};
-use shared::model::file::{Model, ModelError};
+use shared::installation::{BLOCK_BYTES, Progress};
 use shared::uart_line::answer::{Answer, Refusal};
 use shared::uart_line::command::{Command, CommandReader};
 
 use super::board::Terminal;
+use super::installing_board::{Board, flash_of};
 use super::scripted::{Scripted, identity};
 use super::shipped;
 
-const REGION: usize = 40 * PAGE_BYTES;
 /// Bytes of a block's line and of its answer, about.
 const BLOCK_LINES: usize = 125;
-
-/// What outlasts a loss of power.
-struct Flash {
-    region: Vec<u8>,
-    journal: [u8; JOURNAL_BYTES],
-}
-
-/// A board at a terminal, until it is dropped.
-struct Board {
-    stop: Arc<AtomicBool>,
-    /// Bytes of its line so far, both ways.
-    passed: Arc<AtomicUsize>,
-    thread: JoinHandle<usize>,
-}
-
-impl Board {
-    /// It loses its power after each of `lives`, which are in bytes of its line, both ways: a cut that no load of the machine moves.
-    /// Once they are over it stays on.
-    fn on(link: &Path, flash: Flash, lives: Vec<usize>) -> (Self, Arc<Mutex<Flash>>) {
-        Self::play(link, flash, lives, None)
-    }
-
-    /// Before the answer to the command with this number it answers one that somebody else has sent.
-    fn late(link: &Path, flash: Flash, at: usize, answer: Progress) -> (Self, Arc<Mutex<Flash>>) {
-        Self::play(link, flash, Vec::new(), Some((at, answer)))
-    }
-
-    fn play(
-        link: &Path,
-        flash: Flash,
-        lives: Vec<usize>,
-        late: Option<(usize, Progress)>,
-    ) -> (Self, Arc<Mutex<Flash>>) {
-        let flash = Arc::new(Mutex::new(flash));
-        let stop = Arc::new(AtomicBool::new(false));
-        let passed = Arc::new(AtomicUsize::new(0));
-        let first = Terminal::new(link);
-        let thread = {
-            let (stop, flash, link) = (stop.clone(), flash.clone(), link.to_owned());
-            let passed = passed.clone();
-            std::thread::spawn(move || {
-                let mut terminal = first;
-                let mut cuts = 0;
-                let lives = lives.into_iter().chain([usize::MAX]);
-                for life in lives {
-                    let mut line = Line {
-                        port: &terminal.master,
-                        left: life,
-                        passed: &passed,
-                        late,
-                    };
-                    run(&mut line, &stop, &flash);
-                    if stop.load(Ordering::Relaxed) {
-                        break;
-                    }
-                    cuts += 1;
-                    // The old one is closed by that: whoever writes to it learns of the cut.
-                    terminal = Terminal::new(&link);
-                }
-                cuts
-            })
-        };
-        let board = Self {
-            stop,
-            passed,
-            thread,
-        };
-        (board, flash)
-    }
-
-    fn passed(&self) -> usize {
-        self.passed.load(Ordering::Relaxed)
-    }
-
-    /// Switches it off: how often it had lost its power.
-    fn off(self) -> usize {
-        self.stop.store(true, Ordering::Relaxed);
-        self.thread.join().unwrap()
-    }
-}
-
-/// What a board reads and writes while it has power.
-struct Line<'t> {
-    port: &'t SerialPort,
-    left: usize,
-    passed: &'t AtomicUsize,
-    /// Commands until an answer to another one comes, and that answer.
-    late: Option<(usize, Progress)>,
-}
-
-impl Line<'_> {
-    fn read(&mut self, buffer: &mut [u8]) -> usize {
-        let length = buffer.len().min(self.left);
-        let length = self.port.read(&mut buffer[..length]).unwrap_or(0);
-        self.count(length);
-        length
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        let length = bytes.len().min(self.left);
-        let _ = self.port.write_all(&bytes[..length]);
-        self.count(length);
-    }
-
-    fn count(&mut self, bytes: usize) {
-        self.left -= bytes;
-        self.passed.fetch_add(bytes, Ordering::Relaxed);
-    }
-}
-
-fn run(line: &mut Line, stop: &AtomicBool, flash: &Mutex<Flash>) {
-    let mut installation = Installation::new(REGION as u32);
-    let mut reader = CommandReader::new();
-    let checksum = |flash: &Flash| {
-        let model = Model::parse(&flash.region).ok()?;
-        let checksum = flash.region[..model.length].last_chunk::<4>()?;
-        Some(u32::from_le_bytes(*checksum))
-    };
-    let mut in_use = checksum(&flash.lock().unwrap());
-    while line.left > 0 && !stop.load(Ordering::Relaxed) {
-        let mut buffer = [0; 256];
-        let length = line.read(&mut buffer);
-        for &byte in &buffer[..length] {
-            let Some(command) = reader.push(byte) else {
-                continue;
-            };
-            let flash = &mut *flash.lock().unwrap();
-            if command == Ok(Command::Identify) {
-                let answer = identity(in_use.unwrap_or(0));
-                line.write(answer.to_string().as_bytes());
-                continue;
-            }
-            let answer = match command {
-                Ok(Command::Install(transfer)) if in_use == Some(transfer.checksum) => {
-                    Ok(Progress::Installed)
-                }
-                Ok(Command::Install(transfer)) => {
-                    let journal = journal::read(&flash.journal).filter(|_| in_use.is_none());
-                    let begun = installation.begin(transfer, journal);
-                    begun.map_err(|_| Refusal::Length)
-                }
-                Ok(Command::Block(number, block)) => {
-                    let is_ours = |block: &shared::installation::Block| {
-                        matches!(Model::parse(&block.0), Err(ModelError::Length { .. }))
-                    };
-                    let mut taken = installation.take(number, &block, is_ours);
-                    while let (Ok(()), Some(step)) = (taken, installation.step()) {
-                        let mut outcome = Ok(());
-                        match step {
-                            Step::Suspend => in_use = None,
-                            Step::Verify if checksum(flash).is_none() => {
-                                outcome = Err(Refused::Model);
-                            }
-                            Step::Resume => in_use = checksum(flash),
-                            _ => write(&installation, flash, step),
-                        }
-                        taken = installation.done(outcome);
-                    }
-                    taken
-                        .map(|()| installation.progress())
-                        .map_err(|refused| match refused {
-                            Refused::NotBegun => Refusal::NotBegun,
-                            Refused::Model => Refusal::Model,
-                            _ => Refusal::Arguments,
-                        })
-                }
-                Ok(_) => Err(Refusal::Unknown),
-                Err(refusal) => Err(refusal),
-            };
-            let answer = match answer {
-                Ok(progress) => Answer::Install(progress),
-                Err(refusal) => Answer::Refused(refusal),
-            };
-            line.late = match line.late {
-                Some((0, late)) => {
-                    line.write(Answer::Install(late).to_string().as_bytes());
-                    None
-                }
-                Some((before, late)) => Some((before - 1, late)),
-                None => None,
-            };
-            line.write(answer.to_string().as_bytes());
-        }
-    }
-}
-
-fn write(installation: &Installation, flash: &mut Flash, step: Step) {
-    match step {
-        Step::EraseJournal | Step::EndJournal => flash.journal.fill(0xff),
-        Step::WriteJournal => flash.journal[..16].copy_from_slice(&installation.record()),
-        Step::MarkPage(page) => flash.journal[journal::mark(page) as usize..][..4].fill(0),
-        Step::ErasePage(page) => {
-            flash.region[page as usize * PAGE_BYTES..][..PAGE_BYTES].fill(0xff);
-        }
-        Step::WriteBlock(number) => flash.region[number as usize * BLOCK_BYTES..][..BLOCK_BYTES]
-            .copy_from_slice(&installation.content().0),
-        Step::Suspend | Step::Verify | Step::Resume => {}
-    }
-}
 
 fn five_class_path() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../models/five-class.intent")
@@ -232,15 +27,6 @@ fn five_class_path() -> PathBuf {
 
 fn five_class() -> Vec<u8> {
     std::fs::read(five_class_path()).unwrap()
-}
-
-fn flash_of(model: &[u8]) -> Flash {
-    let mut region = model.to_vec();
-    region.resize(REGION, 0xff);
-    Flash {
-        region,
-        journal: [0xff; JOURNAL_BYTES],
-    }
 }
 
 #[test]

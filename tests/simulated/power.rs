@@ -13,6 +13,7 @@ use shared::uart_line::command::MAX_COMMAND_BYTES;
 use shared::uart_line::{Kind, Report};
 use shared::units::Sample;
 
+use super::plan::{Content, Cut, plan};
 use super::{cuts, model, page, program, samples};
 
 /// What the board says while an installation is not complete.
@@ -24,30 +25,15 @@ const AT: usize = 400;
 const RUN_SECONDS: usize = 36;
 /// Of samples: more than any run has.
 const SECONDS: usize = 64;
-/// Operations before the pages after the first: the journal erased and written, the first page erased.
-const PAGES: usize = 3;
 /// Operations of a page: erased, written in blocks, marked; of the first one at the end too, without a mark and with the end of
 /// the journal.
 const PAGE_OPERATIONS: usize = 66;
-/// How much of the operation at which power fails is done, in percent.
-const DONE: [usize; 3] = [0, 50, 100];
-
-/// Where the model's region begins, as in `memory.x`.
-const MODEL_ADDRESS: u32 = 0x5_8000;
 
 /// A board with one model, on which another one is installed.
 struct Bench {
     old: Vec<u8>,
     new: Vec<u8>,
     samples: Vec<Sample>,
-}
-
-/// What the region holds after a cut.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Content {
-    Old,
-    Neither,
-    New,
 }
 
 /// A label without what depends on the lines before: reference, emission, name.
@@ -291,66 +277,6 @@ fn same(found: &[Label], expected: &[Label]) -> anyhow::Result<()> {
         expected.len()
     );
     Ok(())
-}
-
-/// Power fails at an operation of flash.
-#[derive(Clone, Copy, Debug)]
-struct Cut {
-    /// Which, of an installation without a cut.
-    operation: usize,
-    /// How much of it is done, in percent.
-    done: usize,
-}
-
-impl Cut {
-    /// What the region holds then.
-    fn content(self, flash: &[FlashOperation]) -> Content {
-        let first = |one: &FlashOperation| one.address == MODEL_ADDRESS;
-        // From the first page's first erasure to its first block.
-        let begins = flash.iter().position(first).unwrap();
-        let ends = flash.iter().rposition(first).unwrap();
-        let Self { operation, done } = self;
-        if operation < begins || (operation == begins && done == 0) {
-            Content::Old
-        } else if operation > ends || (operation == ends && done == 100) {
-            Content::New
-        } else {
-            Content::Neither
-        }
-    }
-
-    /// The operation that comes first after it: the first one of its page, unless that was marked.
-    fn goes_on_at(self, flash: &[FlashOperation]) -> usize {
-        let is_marked = self.done == 100 && flash[self.operation].address < MODEL_ADDRESS;
-        match self.content(flash) {
-            Content::Old => 0,
-            Content::New => flash.len(),
-            Content::Neither if self.operation < PAGES => PAGES,
-            Content::Neither if is_marked => self.operation + 1,
-            Content::Neither => {
-                let erased = |operation: &usize| flash[*operation].is_erasure;
-                (0..=self.operation).rfind(erased).unwrap()
-            }
-        }
-    }
-}
-
-/// At each page of an installation power fails at the operation with this number; before the pages at one of the first three.
-fn plan(flash: &[FlashOperation], number: usize, seed: u64) -> Vec<Cut> {
-    let erased = (PAGES..flash.len())
-        .filter(|place| flash[*place].is_erasure && flash[*place].address >= MODEL_ADDRESS);
-    let bounds: Vec<_> = erased.chain([flash.len()]).collect();
-    let pages = bounds
-        .windows(2)
-        .filter(|page| page[0] + number < page[1])
-        .map(|page| page[0] + number);
-    let cuts = (number < PAGES).then_some(number).into_iter().chain(pages);
-    let done = |operation| DONE[(operation as u64).wrapping_add(seed) as usize % DONE.len()];
-    cuts.map(|operation| Cut {
-        operation,
-        done: done(operation),
-    })
-    .collect()
 }
 
 #[test]

@@ -1,13 +1,16 @@
 //! A virtual armband and the radio between, in virtual time: one millisecond after the other.
 
+mod radio;
+
 use std::collections::{BTreeMap, VecDeque};
 use std::ops::RangeInclusive;
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use shared::myo::{Action, Characteristic, Counters, Event, Phase, Uuid};
+use shared::myo::{Characteristic, Counters, Event};
 
-use super::device::{ARMBAND, Device, QUEUE, numbered};
+use self::radio::{Answer, FIRMWARE};
+use super::device::{Device, QUEUE, numbered};
 use super::faults::{Fault, STALLED_MS};
 
 /// Period of the notifications by the device's clock: the armband's runs up to 200 ppm slower or faster. Drawn anew with
@@ -21,17 +24,9 @@ const UNSEEN: u32 = 4;
 const PROMPT_EVERY: u32 = 5;
 /// Longest delay of the others, in microseconds.
 const JITTER_US: u64 = 7_000;
-/// How long an operation takes.
-const OPERATION_MS: u64 = 6;
 /// Longest time to a stream: failed attempts and operations without an answer included.
 const PATIENCE_MS: u64 = 120_000;
-/// A value of the Firmware Version of a real armband: 1.5.1970, rev D.
-const FIRMWARE: [u8; 8] = [1, 0, 5, 0, 0xb2, 0x07, 2, 0];
-/// And of one that is refused: 0.8.
-const OLD_FIRMWARE: [u8; 8] = [0, 0, 8, 0, 0, 0, 1, 0];
 
-/// The control service, which the armband advertises.
-const CONTROL: Uuid = Uuid::Vendor(0x0001);
 /// The four lanes of EMG.
 const EMG: [Characteristic; 4] = {
     let [_, _, emg @ .., _] = Characteristic::ALL;
@@ -77,19 +72,6 @@ pub struct Armband<'d, 'm, 's> {
     /// The session's count of given-up samples at the last look, and most of them since.
     given_up: u32,
     may_give_up: u32,
-}
-
-/// What the radio does after an action.
-#[derive(Clone, Copy, Debug)]
-enum Answer {
-    Advertise,
-    Connected,
-    ConnectFailed,
-    Discovered,
-    Read(Characteristic),
-    Done,
-    Failed,
-    Disconnected,
 }
 
 /// Counts of what was done to the stream.
@@ -401,87 +383,6 @@ impl<'d, 'm, 's> Armband<'d, 'm, 's> {
                 characteristic: arrival.emg,
                 bytes: &arrival.bytes[..arrival.length],
             });
-        }
-    }
-
-    /// Passes an event to the device, and does what its session asks of the radio.
-    fn event(&mut self, event: Event<'_>) {
-        let now = Device::clock(self.now_us / 1000);
-        for action in self.device.handle(now, event) {
-            let answer = match action {
-                Action::Scan => {
-                    self.scanning = true;
-                    Answer::Advertise
-                }
-                Action::StopScan => {
-                    self.scanning = false;
-                    continue;
-                }
-                Action::Connect(_) if self.refused > 0 => {
-                    self.refused -= 1;
-                    Answer::ConnectFailed
-                }
-                Action::Connect(_) => Answer::Connected,
-                Action::Disconnect => Answer::Disconnected,
-                // Only of a set-up: nothing is asked while it streams but what keeps the armband awake.
-                _ if self.unanswered > 0 && self.device.session.phase() == Phase::SettingUp => {
-                    self.unanswered -= 1;
-                    self.injected.timeouts += 1;
-                    continue;
-                }
-                Action::Subscribe(Characteristic::Emg(_)) if self.failing > 0 => {
-                    self.failing -= 1;
-                    self.injected.failed_set_ups += 1;
-                    Answer::Failed
-                }
-                Action::Discover => Answer::Discovered,
-                Action::Read(characteristic) => Answer::Read(characteristic),
-                _ => Answer::Done,
-            };
-            let at = self.now_us + 1000 * OPERATION_MS;
-            self.answers.push_back((at, answer));
-        }
-    }
-
-    fn answer(&mut self, answer: Answer) {
-        match answer {
-            Answer::Advertise if !self.scanning => {}
-            Answer::Advertise => {
-                let mut data = [0; 18];
-                data[..2].copy_from_slice(&[17, 0x06]);
-                data[2..].copy_from_slice(&CONTROL.to_le_bytes());
-                self.event(Event::Advertisement {
-                    address: ARMBAND,
-                    rssi: -50,
-                    data: &data,
-                });
-                self.answers
-                    .push_back((self.now_us + 100_000, Answer::Advertise));
-            }
-            Answer::Connected => {
-                self.injected.connections += 1;
-                self.event(Event::Connected);
-            }
-            Answer::ConnectFailed => {
-                self.injected.failed_connects += 1;
-                self.event(Event::ConnectFailed);
-            }
-            Answer::Discovered => {
-                self.event(Event::Discovered(Characteristic::ALL.into_iter().collect()))
-            }
-            Answer::Read(Characteristic::FirmwareVersion) if self.outdated > 0 => {
-                self.outdated -= 1;
-                self.injected.refused += 1;
-                self.event(Event::Read(&OLD_FIRMWARE));
-            }
-            Answer::Read(Characteristic::FirmwareVersion) => self.event(Event::Read(&FIRMWARE)),
-            Answer::Read(_) => self.event(Event::Read(&[80])),
-            Answer::Done => self.event(Event::Done),
-            Answer::Failed => self.event(Event::Failed),
-            Answer::Disconnected => {
-                self.on_air.clear();
-                self.event(Event::Disconnected);
-            }
         }
     }
 }

@@ -27,7 +27,7 @@ const WAIT_STATES: f64 = 42_700.0;
 /// Of the battery that is asked about.
 const BATTERY_MAH: f64 = 150.0;
 /// Milliseconds between two connection events.
-const INTERVALS_MS: [f64; 4] = [7.5, 15.0, 30.0, 50.0];
+const INTERVALS_MS: [f64; 2] = [7.5, 15.0];
 
 /// Currents in milliamperes at 3 V and 25 degrees (nRF52840 product specification, electrical specification of the current consumption).
 struct Regulator {
@@ -124,17 +124,36 @@ pub fn print() -> Result<()> {
         "| regulator | interval, ms | radio on | core on | radio, mA | core, mA | clock, mA | total, mA | hours of {BATTERY_MAH:.0} mAh |"
     );
     println!("| --- | --: | --: | --: | --: | --: | --: | --: | --: |");
-    for regulator in &REGULATORS {
-        for interval in INTERVALS_MS {
-            println!("{}", Budget::new(regulator, interval, cycles));
-        }
+    for budget in budgets(cycles) {
+        println!("{budget}");
     }
     Ok(())
+}
+
+/// Rows of the table; `cycles` of a patch.
+fn budgets(cycles: f64) -> impl Iterator<Item = Budget> {
+    REGULATORS
+        .iter()
+        .flat_map(move |regulator| INTERVALS_MS.map(|ms| Budget::new(regulator, ms, cycles)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_page_has_these_rows() -> Result<()> {
+        let page = include_str!("../../docs/energy.md").replace("**", "");
+        let (_, table) = page.split_once("hours of 150 mAh |\n").unwrap();
+        let rows: Vec<_> = table
+            .lines()
+            .skip(1)
+            .take_while(|line| line.starts_with('|'))
+            .collect();
+        let budgets = budgets(count::committed()?.cycles("total"));
+        assert_eq!(rows, budgets.map(|row| row.to_string()).collect::<Vec<_>>());
+        Ok(())
+    }
 
     #[test]
     fn an_interval_of_a_notification_has_one_exchange_with_it() {

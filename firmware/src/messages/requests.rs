@@ -7,7 +7,7 @@ use embassy_time::{Duration, with_timeout};
 use shared::installation::{Block, Progress, Transfer};
 use shared::stream::alignment::Alignment;
 use shared::stream::smoother::Gate;
-use shared::uart_line::answer::{Binding, Refusal};
+use shared::uart_line::answer::{Accepted, Binding, Refusal};
 use shared::uart_line::command::{AlignCommand, BindCommand};
 use shared::uart_line::gate::GateCommand;
 
@@ -27,7 +27,7 @@ pub enum InferenceRequest {
 #[derive(Clone, Copy)]
 pub enum InferenceAnswer {
     /// The command is accepted.
-    Align(AlignCommand),
+    Align(Accepted),
     /// This alignment is in force.
     Alignment(Alignment),
     /// This gate is in force from now on.

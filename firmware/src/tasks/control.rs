@@ -94,7 +94,7 @@ async fn carry_out(command: Command) -> Answer<'static> {
 
 async fn ask_inference(request: InferenceRequest) -> Answer<'static> {
     match requests::INFERENCE.ask(request).await {
-        Ok(InferenceAnswer::Align(command)) => Answer::Align(command),
+        Ok(InferenceAnswer::Align(accepted)) => Answer::Align(accepted),
         Ok(InferenceAnswer::Alignment(alignment)) => Answer::Alignment(alignment),
         Ok(InferenceAnswer::Gate(gate)) => Answer::Gate(gate),
         Err(refusal) => Answer::Refused(refusal),

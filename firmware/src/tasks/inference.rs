@@ -10,7 +10,7 @@ use shared::pipeline::{AlignmentPhase, Pipeline, Reports};
 use shared::stream::alignment::{Arm, Trigger};
 use shared::stream::link_sequence::GapDetector;
 use shared::stream::safe_state::Start;
-use shared::uart_line::answer::Refusal;
+use shared::uart_line::answer::{Accepted, Refusal};
 use shared::uart_line::command::AlignCommand;
 use shared::uart_line::emg::EmgReport;
 use shared::uart_line::gate::GateCommand;
@@ -216,15 +216,25 @@ fn align(
     command: AlignCommand,
     streams: bool,
 ) -> Result<InferenceAnswer, Refusal> {
-    match command {
+    let accepted = match command {
         AlignCommand::State => return Ok(InferenceAnswer::Alignment(pipeline.alignment())),
         AlignCommand::Begin(_) if !streams => return Err(Refusal::NoStream),
-        AlignCommand::Begin(Arm::Unknown) => pipeline.begin_alignment(ARM),
-        AlignCommand::Begin(arm) => pipeline.begin_alignment(arm),
-        AlignCommand::Cancel => pipeline.cancel_alignment(),
-        AlignCommand::Set(alignment) => pipeline.set_alignment(alignment),
-    }
-    Ok(InferenceAnswer::Align(command))
+        AlignCommand::Begin(arm) => {
+            // Where nothing is told of the arm, it is as the program was built.
+            let arm = if arm == Arm::Unknown { ARM } else { arm };
+            pipeline.begin_alignment(arm);
+            Accepted::Begin
+        }
+        AlignCommand::Cancel => {
+            pipeline.cancel_alignment();
+            Accepted::Cancel
+        }
+        AlignCommand::Set(alignment) => {
+            pipeline.set_alignment(alignment);
+            Accepted::Set
+        }
+    };
+    Ok(InferenceAnswer::Align(accepted))
 }
 
 fn set_gate(

@@ -61,13 +61,13 @@ impl Score {
 
     /// Name of the row's people in tables.
     #[must_use]
-    pub fn people_name(&self) -> String {
+    pub(crate) fn people_name(&self) -> String {
         self.people.name(self.classes)
     }
 
     /// Whether two rows are of the same people, as far as data set and group tell.
     #[must_use]
-    pub fn same_people(&self, other: &Self) -> bool {
+    pub(crate) fn same_people(&self, other: &Self) -> bool {
         (&self.data_set, self.people) == (&other.data_set, other.people)
     }
 }

@@ -9,6 +9,7 @@
 #![deny(missing_docs)]
 
 pub mod alignment;
+pub mod catalogue;
 pub mod corpus;
 pub mod examiner;
 pub mod labels;

@@ -10,6 +10,8 @@ use shared::intent::Vocabulary;
 use super::arguments::{refused, some_recording};
 use super::contents::{Recordings, tables};
 use super::fetch;
+use evaluation::report::Table;
+use recordings::catalogue::{Address, SOURCES};
 use recordings::synthetic::{self, SynthOptions};
 use recordings::{DataSet, LoadOptions, load};
 
@@ -110,6 +112,23 @@ pub(super) fn run(command: Command) -> anyhow::Result<()> {
         Command::Synth(args) => write_synthetic(&args),
         Command::Fetch(args) => fetch::run(&args),
     }
+}
+
+/// Table of the data sets: names, addresses and licences.
+pub(super) fn published() -> Table {
+    let caption =
+        "myointent data fetch NAME downloads one; docs/recordings.md says what is in them.";
+    let mut table = Table::new(caption, ["name", "page", "how", "licence"]);
+    for own in SOURCES {
+        let how = match own.address {
+            Address::ByHand(_) => "by hand",
+            Address::Zenodo(_) => "download, checksum",
+            Address::GitHub(_) | Address::Uci(_) => "download",
+        };
+        let licence = own.licence.split([':', ';']).next().unwrap_or_default();
+        table.push([own.data_set.name(), own.page, how, licence]);
+    }
+    table
 }
 
 fn inspect(args: &InspectArguments) -> anyhow::Result<()> {

@@ -1,4 +1,4 @@
-//! `myointent data fetch`: published recordings, downloaded or from an archive at hand.
+//! `myointent data fetch`: published recordings, downloaded or from an archive at hand. Its twin is `unfetched`.
 
 use std::io::{IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -7,13 +7,11 @@ use anyhow::{Context as _, bail};
 use clap::Args;
 
 use super::contents::{Recordings, tables};
-use evaluation::report::Table;
+use super::data::published;
 use execution::progress;
+use recordings::catalogue::{Address, SOURCES, Source, source};
 pub use recordings::printable;
-use recordings::source::{
-    Address, Download, Plan, Received, SOURCES, Servers, Source, download, free, plan,
-    put_in_place, source,
-};
+use recordings::source::{Download, Plan, Received, Servers, download, free, plan, put_in_place};
 use recordings::{LoadOptions, load};
 
 /// Arguments of `data fetch`.
@@ -50,7 +48,7 @@ pub struct Arguments {
 /// When the licence is not agreed to, the files cannot be had, or no reader recognises any.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let Some(name) = &arguments.name else {
-        return Ok(std::io::stdout().write_all(list().plain().as_bytes())?);
+        return Ok(std::io::stdout().write_all(published().plain().as_bytes())?);
     };
     let Some(own) = source(name) else {
         let names = SOURCES.map(|own| own.data_set.name());
@@ -87,23 +85,6 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     put(own, &files, &place)?;
     let _ = std::fs::remove_dir_all(&parts);
     Ok(())
-}
-
-/// Table of the data sets: names, addresses and licences.
-fn list() -> Table {
-    let caption =
-        "myointent data fetch NAME downloads one; docs/recordings.md says what is in them.";
-    let mut table = Table::new(caption, ["name", "page", "how", "licence"]);
-    for own in SOURCES {
-        let how = match own.address {
-            Address::ByHand(_) => "by hand",
-            Address::Zenodo(_) => "download, checksum",
-            Address::GitHub(_) | Address::Uci(_) => "download",
-        };
-        let licence = own.licence.split([':', ';']).next().unwrap_or_default();
-        table.push([own.data_set.name(), own.page, how, licence]);
-    }
-    table
 }
 
 /// Shows the licence and waits for a yes.

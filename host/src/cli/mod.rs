@@ -7,6 +7,7 @@ mod contents;
 mod data;
 mod evaluate;
 mod evaluate_models;
+#[cfg(feature = "fetch")]
 mod fetch;
 mod gate;
 mod info;
@@ -23,6 +24,8 @@ mod score;
 #[cfg(feature = "train")]
 pub mod steps;
 mod template;
+#[cfg(not(feature = "fetch"))]
+mod unfetched;
 #[cfg(not(feature = "train"))]
 mod untrained;
 
@@ -32,6 +35,8 @@ use std::process::ExitCode;
 use anyhow::Context as _;
 use clap::{Parser, Subcommand};
 
+#[cfg(not(feature = "fetch"))]
+use self::unfetched as fetch;
 #[cfg(not(feature = "train"))]
 use self::untrained as steps;
 #[cfg(not(feature = "train"))]

@@ -19,7 +19,8 @@
 //! ```
 //!
 //! The caller carries out the steps, in this order, and says what came of each. Any blocks may come in any order: one that
-//! was not asked for changes nothing. A step that fails leaves the block to be asked for again.
+//! was not asked for changes nothing. A step that fails leaves the block to be asked for again. Where it fails before flash has
+//! lost the old model, that is put back in use.
 
 pub mod journal;
 #[cfg(test)]
@@ -49,7 +50,7 @@ pub enum Step {
     Verify,
     /// Erase the journal: the file is whole, or there is no use in going on with it.
     EndJournal,
-    /// Put the model in use.
+    /// Put the region's model in use: the new one, or the old one after a failure that left it whole.
     Resume,
 }
 
@@ -64,6 +65,9 @@ const WRITE_FIRST: u16 = 1 << 6;
 const VERIFY: u16 = 1 << 7;
 const END_JOURNAL: u16 = 1 << 8;
 const RESUME: u16 = 1 << 9;
+
+/// Steps of the first block. After a failure of one of them the region may still hold the old model.
+const LOSES_MODEL: u16 = SUSPEND | ERASE_JOURNAL | WRITE_JOURNAL | ERASE_PAGE;
 
 /// Progress of an installation.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -110,6 +114,8 @@ pub struct Installation {
     first: Block,
     /// The whole region was read, and holds no model.
     is_bad: bool,
+    /// The failure after which the old model is put back in use.
+    failed: Option<Refused>,
 }
 
 impl Installation {
@@ -126,6 +132,7 @@ impl Installation {
             number: 0,
             first: Block::ERASED,
             is_bad: false,
+            failed: None,
         }
     }
 
@@ -165,6 +172,7 @@ impl Installation {
         is_ours: impl FnOnce(&Block) -> bool,
     ) -> Result<(), Refused> {
         self.pending = 0;
+        self.failed = None;
         let transfer = self.transfer.ok_or(Refused::NotBegun)?;
         if number >= transfer.blocks() {
             return Err(Refused::NoSuchBlock);
@@ -233,13 +241,18 @@ impl Installation {
         journal::to_record(self.transfer.unwrap_or_default())
     }
 
-    /// Takes the outcome of the step. After a failure no other step is left, and the block is missing still.
+    /// Takes the outcome of the step. After a failure the block is missing still. No other step is left, but at the first
+    /// block: there [`Step::Resume`] puts the old model back in use if the region still holds it, and the failure is
+    /// returned after that step.
     ///
     /// # Errors
     /// The failure; [`Refused::Model`] where the region holds no model, with which the transfer is over.
     pub const fn done(&mut self, outcome: Result<(), Refused>) -> Result<(), Refused> {
         let step = self.lowest();
         self.pending &= !step;
+        if let Some(failed) = self.failed.take() {
+            return Err(failed);
+        }
         match (step, outcome) {
             (VERIFY, Err(Refused::Model)) => {
                 self.is_bad = true;
@@ -250,6 +263,11 @@ impl Installation {
             (END_JOURNAL, _) | (RESUME, Err(Refused::Model)) => {
                 *self = Self::new(self.capacity);
                 return Err(Refused::Model);
+            }
+            (_, Err(refused)) if self.number == 0 && step & LOSES_MODEL != 0 => {
+                self.failed = Some(refused);
+                self.pending = RESUME;
+                return Ok(());
             }
             (_, Err(refused)) => {
                 self.pending = 0;

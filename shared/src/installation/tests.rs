@@ -5,6 +5,10 @@ use super::*;
 use alloc::vec::Vec;
 use proptest::prelude::*;
 
+mod board;
+
+use board::{Board, Flash, fail_at_first_block, send};
+
 /// Ten pages, the last not full, and the last block not either.
 const LENGTH: usize = 9 * PAGE_BYTES + 5 * BLOCK_BYTES + 7;
 const CAPACITY: usize = 12 * PAGE_BYTES;
@@ -24,167 +28,6 @@ fn transfer(file: &[u8]) -> Transfer {
         length: file.len() as u32,
         checksum,
     }
-}
-
-/// Power has failed.
-#[derive(Debug, PartialEq)]
-struct PowerFailed;
-
-/// Memory that outlasts a loss of power: erased to ones, programmed to zeros.
-#[derive(Clone)]
-struct Flash {
-    region: Vec<u8>,
-    journal: [u8; JOURNAL_BYTES],
-    /// Operations until power fails, in the middle of one.
-    left: usize,
-}
-
-impl Flash {
-    fn of(file: &[u8]) -> Self {
-        let mut region = file.to_vec();
-        region.resize(CAPACITY, 0xff);
-        Self {
-            region,
-            journal: [0xff; JOURNAL_BYTES],
-            left: usize::MAX,
-        }
-    }
-
-    /// Part of an operation that is done.
-    fn part(&mut self, of: usize) -> usize {
-        self.left -= 1;
-        if self.left == 0 { of / 2 } else { of }
-    }
-
-    fn power(&self) -> Result<(), PowerFailed> {
-        if self.left == 0 {
-            Err(PowerFailed)
-        } else {
-            Ok(())
-        }
-    }
-
-    fn holds(&self, file: &[u8]) -> bool {
-        self.region.starts_with(file)
-    }
-
-    fn program(bytes: &mut [u8], content: &[u8]) {
-        for (byte, content) in bytes.iter_mut().zip(content) {
-            assert_eq!(*byte & content, *content, "written without an erasure");
-            *byte &= content;
-        }
-    }
-}
-
-/// A board: its flash, and what a loss of power takes.
-struct Board {
-    flash: Flash,
-    installation: Installation,
-    /// The model that is in use, by its first byte.
-    in_use: Option<u8>,
-    is_safe: bool,
-}
-
-impl Board {
-    /// A start; these are the files that count as models.
-    fn start(flash: Flash, models: &[&[u8]]) -> Self {
-        let whole = models.iter().find(|model| flash.holds(model));
-        Self {
-            in_use: whole.map(|model| model[0]),
-            is_safe: whole.is_none(),
-            installation: Installation::new(CAPACITY as u32),
-            flash,
-        }
-    }
-
-    fn journal(&self) -> Option<Journal> {
-        journal::read(&self.flash.journal).filter(|_| self.in_use.is_none())
-    }
-
-    fn begin(&mut self, transfer: Transfer) -> Result<Progress, Refused> {
-        let journal = self.journal();
-        self.installation.begin(transfer, journal)
-    }
-
-    fn take(&mut self, file: &[u8], number: u32) -> Result<Result<Progress, Refused>, PowerFailed> {
-        let taken = self
-            .installation
-            .take(number, &Block::of(file, number), |block| block.0[0] < 0x80);
-        if let Err(refused) = taken {
-            return Ok(Err(refused));
-        }
-        while let Some(step) = self.installation.step() {
-            let outcome = self.carry_out(step, file)?;
-            if let Err(refused) = self.installation.done(outcome) {
-                return Ok(Err(refused));
-            }
-        }
-        Ok(Ok(self.installation.progress()))
-    }
-
-    fn carry_out(&mut self, step: Step, file: &[u8]) -> Result<Result<(), Refused>, PowerFailed> {
-        match step {
-            Step::Suspend => {
-                self.is_safe = true;
-                self.in_use = None;
-                return Ok(Ok(()));
-            }
-            Step::Verify => {
-                return Ok(self.flash.holds(file).then_some(()).ok_or(Refused::Model));
-            }
-            Step::Resume => {
-                self.in_use = Some(file[0]);
-                self.is_safe = false;
-                return Ok(Ok(()));
-            }
-            _ => assert!(
-                self.is_safe && self.in_use.is_none(),
-                "{step:?} while a model is in use"
-            ),
-        }
-        let flash = &mut self.flash;
-        match step {
-            Step::EraseJournal | Step::EndJournal => {
-                let part = flash.part(JOURNAL_BYTES);
-                flash.journal[..part].fill(0xff);
-            }
-            Step::WriteJournal => {
-                let record = self.installation.record();
-                let part = flash.part(record.len());
-                Flash::program(&mut flash.journal[..part], &record);
-            }
-            Step::ErasePage(page) => {
-                let part = flash.part(PAGE_BYTES);
-                flash.region[page as usize * PAGE_BYTES..][..part].fill(0xff);
-            }
-            Step::WriteBlock(number) => {
-                let part = flash.part(BLOCK_BYTES);
-                let place = number as usize * BLOCK_BYTES;
-                let content = self.installation.content().0;
-                Flash::program(&mut flash.region[place..][..part], &content);
-            }
-            Step::MarkPage(page) => {
-                let part = flash.part(4);
-                Flash::program(
-                    &mut flash.journal[journal::mark(page) as usize..][..part],
-                    &[0; 4],
-                );
-            }
-            Step::Suspend | Step::Verify | Step::Resume => {}
-        }
-        flash.power().map(Ok)
-    }
-}
-
-/// Sends a file until it is in use or power fails; gives the number of blocks sent.
-fn send(board: &mut Board, file: &[u8]) -> Result<usize, PowerFailed> {
-    let mut sent = 0;
-    let mut progress = board.begin(transfer(file)).unwrap();
-    while let Progress::Next(number) = progress {
-        progress = board.take(file, number)?.unwrap();
-        sent += 1;
-    }
-    Ok(sent)
 }
 
 #[test]
@@ -387,10 +230,48 @@ fn flash_that_refuses_leaves_the_block_missing() {
             installation.done(Ok(())).unwrap();
         }
         let failed = Err(Refused::Flash);
-        assert_eq!(installation.done(failed), failed);
+        installation.done(failed).unwrap();
+        // The old model, if the region holds it.
+        assert_eq!(installation.step(), Some(Step::Resume));
+        assert_eq!(installation.done(Ok(())), failed);
         assert_eq!(installation.step(), None);
         assert_eq!(installation.progress(), Progress::Next(0));
     }
+}
+
+#[test]
+fn a_failure_while_flash_still_holds_the_old_model_puts_it_back_in_use() {
+    let (old, new) = (file(1), file(2));
+    for failing in [
+        Step::Suspend,
+        Step::EraseJournal,
+        Step::WriteJournal,
+        Step::ErasePage(0),
+    ] {
+        let mut board = Board::start(Flash::of(&old), &[&old, &new]);
+        board.begin(transfer(&new)).unwrap();
+        let failure = fail_at_first_block(&mut board, &new, failing);
+        assert_eq!(failure, Refused::Flash, "{failing:?}");
+        assert_eq!(board.in_use, Some(1), "{failing:?}");
+        assert!(!board.is_safe, "{failing:?}");
+        assert_eq!(board.begin(transfer(&new)), Ok(Progress::Next(0)));
+        assert!(send(&mut board, &new).is_ok());
+        assert_eq!(board.in_use, Some(2), "{failing:?}");
+    }
+}
+
+#[test]
+fn a_failure_that_left_half_a_page_leaves_the_board_safe_and_the_block_missing() {
+    let (old, new) = (file(1), file(2));
+    let mut board = Board::start(Flash::of(&old), &[&old, &new]);
+    board.begin(transfer(&new)).unwrap();
+    board.flash.region[..PAGE_BYTES / 2].fill(0xff);
+    let failure = fail_at_first_block(&mut board, &new, Step::ErasePage(0));
+    assert_eq!(failure, Refused::Flash);
+    assert_eq!((board.in_use, board.is_safe), (None, true));
+    assert_eq!(board.begin(transfer(&new)), Ok(Progress::Next(0)));
+    assert!(send(&mut board, &new).is_ok());
+    assert_eq!(board.in_use, Some(2));
 }
 
 #[test]
@@ -399,23 +280,25 @@ fn a_model_that_is_not_suspended_or_not_put_in_use_is_no_failure_of_flash() {
     for failing in [Step::Suspend, Step::Resume] {
         let mut board = Board::start(Flash::of(&old), &[&old, &new]);
         let mut progress = board.begin(transfer(&new)).unwrap();
-        let mut failed = None;
+        let (mut has_failed, mut failures) = (false, Vec::new());
         while let Progress::Next(number) = progress {
             let block = Block::of(&new, number);
             board.installation.take(number, &block, |_| true).unwrap();
             while let Some(step) = board.installation.step() {
-                if step == failing && failed.is_none() {
-                    let busy = Err(Refused::Busy);
-                    failed = Some(board.installation.done(busy).unwrap_err());
-                    break;
+                let outcome = if step == failing && !has_failed {
+                    has_failed = true;
+                    Err(Refused::Busy)
+                } else {
+                    board.carry_out(step, &new).unwrap()
+                };
+                if let Err(refused) = board.installation.done(outcome) {
+                    failures.push(refused);
                 }
-                let outcome = board.carry_out(step, &new).unwrap();
-                board.installation.done(outcome).unwrap();
             }
             progress = board.installation.progress();
         }
         // The block was missing still, and sent again.
-        assert_eq!(failed, Some(Refused::Busy), "{failing:?}");
+        assert_eq!(failures, [Refused::Busy], "{failing:?}");
         assert_eq!(board.in_use, Some(2));
     }
 }

@@ -63,7 +63,8 @@ use super::frame::{framed, hexadecimal, number};
 pub use super::refusal::Refusal;
 use crate::installation::Progress;
 use crate::myo::{Address, FirmwareVersion, Following};
-use crate::stream::alignment::{Alignment, Arm};
+use crate::names::names;
+use crate::stream::alignment::Alignment;
 use crate::stream::smoother::Gate;
 pub use counts::Counts;
 
@@ -95,6 +96,31 @@ pub struct Binding {
     pub is_kept: bool,
 }
 
+names! {
+    /// Command about the alignment that is accepted.
+    pub enum Accepted {
+        /// An alignment has begun.
+        Begin = "begin",
+        /// None is in progress any more.
+        Cancel = "cancel",
+        /// The alignment is set.
+        Set = "set",
+    }
+}
+
+impl Accepted {
+    /// What an accepted command is answered with; none where the answer is the alignment in force.
+    #[must_use]
+    pub const fn of(command: AlignCommand) -> Option<Self> {
+        match command {
+            AlignCommand::Begin(_) => Some(Self::Begin),
+            AlignCommand::Cancel => Some(Self::Cancel),
+            AlignCommand::Set(_) => Some(Self::Set),
+            AlignCommand::State => None,
+        }
+    }
+}
+
 /// Content of an answer. `Display` writes the line, CR LF included.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Answer<'a> {
@@ -103,7 +129,7 @@ pub enum Answer<'a> {
     /// Answer to `COUNTERS`.
     Counts(Counts),
     /// Answer to `ALIGN`: accepted. `$ALIGN` lines report the result.
-    Align(AlignCommand),
+    Align(Accepted),
     /// Answer to `ALIGN,state`: the alignment in force.
     Alignment(Alignment),
     /// Answer to `RAW`: whether the raw stream is on from now on.
@@ -121,8 +147,8 @@ pub enum Answer<'a> {
 impl<'a> Answer<'a> {
     /// Reads one line, CR LF included.
     ///
-    /// Values that are not on the line are replaced: an alignment that was set is read as [`Alignment::NONE`], the armband's
-    /// hardware revision as 0, its address as public. Written again, the answer is the same line.
+    /// Values that are not on the line are replaced: the armband's hardware revision by 0, the kind of its
+    /// address by public. Written again, the answer is the same line.
     ///
     /// # Errors
     /// A wrong frame, a wrong checksum, a wrong number of fields, or the first wrong field.
@@ -135,7 +161,7 @@ rows!(Answer<'a> {
     "OK,IDENTIFY" (identity: Identity<'_>) => Self::Identity(identity),
     "OK,COUNTERS" (counts: Counts) => Self::Counts(counts),
     "OK,ALIGN,state" (alignment: Alignment) => Self::Alignment(alignment),
-    "OK,ALIGN" (align: AlignCommand) => Self::Align(align),
+    "OK,ALIGN" (align: Accepted) => Self::Align(align),
     "OK,RAW" (raw: Switch) => Self::Raw(raw),
     "OK,BIND" (binding: Binding) => Self::Binding(binding),
     "OK,GATE" (gate: Gate) => Self::Gate(gate),
@@ -206,11 +232,7 @@ field!(Address => Self: |text, address| write!(text, "{address}"), |text| {
     (!text.bytes().any(|byte| byte.is_ascii_lowercase())).then_some(address)
 });
 
-// The name of what was accepted.
-field!(AlignCommand => Self: |text, align| text.write_str(align.name()), |text| {
-    let known = [Self::Begin(Arm::Unknown), Self::Cancel, Self::Set(Alignment::NONE)];
-    known.into_iter().find(|known| known.name() == text)
-});
+field!(Accepted => Self: |text, accepted| text.write_str(accepted.name()), Accepted::from_name);
 
 impl Binding {
     /// Why this armband is followed, as the line has it.

@@ -1,14 +1,13 @@
 //! Lines written, parsed and damaged.
 
 use super::alignment::{AlignmentReport, AlignmentState};
-use super::answer::{Answer, Binding, Identity, Refusal};
-use super::command::AlignCommand;
+use super::answer::{Accepted, Answer, Binding, Identity, Refusal};
 use super::emg::EmgReport;
 use super::line::{Line, MAX_LINE_BYTES};
 use super::*;
 use crate::installation::Progress;
 use crate::myo::{Address, AddressKind, FirmwareVersion, Following};
-use crate::stream::alignment::{Alignment, Arm};
+use crate::stream::alignment::Alignment;
 use crate::stream::smoother::{Gate, Reaction};
 use crate::units::Sample;
 use alloc::{
@@ -142,9 +141,9 @@ fn any_answer() -> impl Strategy<Value = Line<'static>> {
         any::<bool>().prop_map(Answer::Raw),
         any::<u32>().prop_map(|block| Answer::Install(Progress::Next(block))),
         Just(Answer::Install(Progress::Installed)),
-        Just(Answer::Align(AlignCommand::Begin(Arm::Unknown))),
-        Just(Answer::Align(AlignCommand::Cancel)),
-        Just(Answer::Align(AlignCommand::Set(Alignment::NONE))),
+        Just(Answer::Align(Accepted::Begin)),
+        Just(Answer::Align(Accepted::Cancel)),
+        Just(Answer::Align(Accepted::Set)),
         any::<u8>().prop_map(|sum| Answer::Refused(Refusal::Checksum(sum))),
         Just(Answer::Refused(Refusal::TooLong)),
         Just(Answer::Refused(Refusal::Flash)),

@@ -76,7 +76,7 @@ pub(crate) fn narrow_estimate(mean: Option<MeanSd>, interval: Option<Interval>) 
 
 /// Events a minute, mean over subjects.
 #[must_use]
-pub fn rate(value: Option<MeanSd>) -> String {
+pub(crate) fn rate(value: Option<MeanSd>) -> String {
     spread(value, |mean| format!("{mean:.1}"), |sd| format!("{sd:.1}"))
 }
 

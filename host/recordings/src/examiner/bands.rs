@@ -98,7 +98,7 @@ impl Devices {
     }
 
     /// Refuses rows of several armbands.
-    pub fn judge(&self) -> Result<(), Finding> {
+    pub(crate) fn judge(&self) -> Result<(), Finding> {
         let rows: usize = self.rows.values().sum();
         let in_turn = 10 * self.changes > rows;
         if self.rows.len() < 2 || !in_turn && SIDES.contains(&&*plain(&self.name)) {

@@ -204,7 +204,7 @@ impl Clock {
     }
 
     /// Rate and gaps of the rows by this clock.
-    pub fn timebase(&self) -> Timebase {
+    pub(crate) fn timebase(&self) -> Timebase {
         let times = self.unwrapped();
         let Some(period) = period(&times).filter(|period| *period > 0.0) else {
             return Timebase::Unclear;

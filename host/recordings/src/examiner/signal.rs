@@ -28,7 +28,7 @@ impl<'s> Signal<'s> {
     }
 
     /// Correlation of two channels; 0 if one of them is constant.
-    pub fn correlation(&self, one: usize, other: usize) -> f64 {
+    pub(crate) fn correlation(&self, one: usize, other: usize) -> f64 {
         let [mut both, mut first, mut second] = [0.0; 3];
         for sample in self.samples {
             let a = f64::from(sample[one]) - self.means[one];
@@ -43,7 +43,7 @@ impl<'s> Signal<'s> {
 
     /// Correlation of samples with those `lag` later, of each loud channel, over the pairs that begin at a row `phase`
     /// modulo `of`. In 200 Hz recordings of the armband it is -0.2 to -0.4 for neighbours, and about 0 for others.
-    pub fn autocorrelations(&self, lag: usize, phase: usize, of: usize) -> Vec<f64> {
+    pub(crate) fn autocorrelations(&self, lag: usize, phase: usize, of: usize) -> Vec<f64> {
         let loud = (0..CHANNELS).filter(|&channel| self.levels[channel] > LOUD);
         let correlation = |channel: usize| {
             let off = |sample: &Sample| f64::from(sample[channel]) - self.means[channel];

@@ -19,7 +19,7 @@ pub enum Motion {
 
 impl Motion {
     /// Rest.
-    pub const RELAX: Self = Self::Intent(Intent::Relax);
+    pub(crate) const RELAX: Self = Self::Intent(Intent::Relax);
 
     /// The label of a sample.
     pub const fn label(self) -> Option<Intent> {

@@ -1,7 +1,6 @@
-//! Published data sets: their addresses, download and unpacking.
+//! Published data sets: download and unpacking.
 
 mod archive;
-mod catalogue;
 mod checksum;
 mod client;
 mod error;
@@ -12,11 +11,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 pub use archive::Unpacked;
-pub use catalogue::{Address, SOURCES, Source, source};
 pub use checksum::Checksum;
 pub use error::FetchError;
 pub use plan::{Download, Plan, Servers, plan};
 
+use super::catalogue::Source;
 use super::library::{LoadOptions, load};
 use super::readers::error::LoadError;
 use super::recording::DataSet;

@@ -4,10 +4,10 @@ use std::io::Read as _;
 
 use serde::Deserialize;
 
-use super::catalogue::{Address, Source};
 use super::checksum::Checksum;
 use super::client::{agent, request_error};
 use super::error::FetchError;
+use crate::catalogue::{Address, Source};
 
 /// Maximum size of a Zenodo record, in bytes.
 const RECORD: u64 = 4 << 20;

@@ -5,6 +5,7 @@ use std::net::{TcpListener, TcpStream};
 use std::sync::{Arc, Mutex};
 
 use super::*;
+use crate::catalogue::source;
 use crate::{LoadOptions, load};
 
 /// A server with given answers; one connection a request.

@@ -56,7 +56,11 @@ impl Wearer {
     }
 
     /// Follows the cues; returns the samples and the intent that the muscle moves towards.
-    pub fn perform(&self, cues: &[Intent], random: &mut impl Rng) -> (Vec<Sample>, Vec<Intent>) {
+    pub(crate) fn perform(
+        &self,
+        cues: &[Intent],
+        random: &mut impl Rng,
+    ) -> (Vec<Sample>, Vec<Intent>) {
         let intents = self.follow(cues, random);
         let mut muscle = Muscle::at_rest(self);
         let samples = intents
@@ -98,7 +102,7 @@ pub(super) struct Muscle {
 }
 
 impl Muscle {
-    pub const fn at_rest(wearer: &Wearer) -> Self {
+    pub(crate) const fn at_rest(wearer: &Wearer) -> Self {
         let level = wearer.patterns[Intent::Relax.class()];
         Self {
             intent: Intent::Relax,

@@ -47,6 +47,8 @@ pub(crate) struct Measurement<'a> {
 pub(crate) struct Measured {
     /// Name of the person.
     pub(crate) subject: String,
+    /// Group of the person, by the classes in the part that all models are judged on, as in tables: `all 3`, `fewer`.
+    pub(crate) group: String,
     /// Seconds of the part that all models are judged on.
     pub(crate) judged_seconds: f64,
     /// Values of the original model.
@@ -113,6 +115,7 @@ impl Measurement<'_> {
 
     fn measure(&self, model: &[u8], person: &Person) -> Result<Measured, PersonalizeError> {
         let (pool, judged) = person.whole().divided()?;
+        let shipped = judge("", model, &judged)?;
         let values = |file: &[u8]| judge("", file, &judged).map(|score| values(&score));
         let tuned = |part: &Part<'_>| {
             tune(
@@ -124,7 +127,7 @@ impl Measurement<'_> {
                 |_| (),
             )
         };
-        let before = values(model)?;
+        let before = self::values(&shipped);
         let mut amounts = Vec::new();
         for &seconds in self.amounts {
             let part = pool.first(seconds);
@@ -163,6 +166,7 @@ impl Measurement<'_> {
         }
         Ok(Measured {
             subject: person.subject().to_owned(),
+            group: shipped.people.name(shipped.classes),
             judged_seconds: judged.seconds(),
             before,
             amounts,

@@ -1,27 +1,30 @@
 //! Tables of the measurement.
 
 use evaluation::report::Table;
-use evaluation::{Difference, Measure};
+use evaluation::{ALL, Difference, Measure};
 
 use super::measurement::{Amount, MEASURES, Measured, Outcome, Values};
 
-/// Table of the gain of tuning on each amount, paired over people: by data set, and over all.
+/// Columns that name a row.
+const ROW: [&str; 4] = ["recordings", "classes", "seconds", "n"];
+
+/// Table of the gain of tuning on each amount, paired over people: by data set, and over all. People with all classes and
+/// people with fewer have rows of their own.
 pub(crate) fn curve(people: &[Measured], amounts: &[f64]) -> Table {
     let caption = "Tuned less shipped, both on the same part held back; mean [95 % interval] over n people; worse: share of people whose value fell";
     let names = MEASURES.iter().map(|measure| measure.name().to_owned());
-    let header = ["recordings", "seconds", "n"]
-        .map(str::to_owned)
-        .into_iter();
+    let header = ROW.map(str::to_owned).into_iter();
     let worse = ["balanced worse", "TA worse"].map(str::to_owned);
     let mut table = Table::new(caption, header.chain(names).chain(worse));
-    for set in sets(people) {
+    for (set, group) in sets(people) {
         for &seconds in amounts {
-            let own = rows(people, &set, seconds);
+            let own = rows(people, (&set, &group), seconds);
             let pairs: Vec<(&str, Values, Values)> = own
                 .iter()
                 .map(|(person, amount)| (&person.subject[..], person.before, amount.tuned))
                 .collect();
-            push(&mut table, [set.clone(), format!("{seconds}")], &pairs);
+            let start = [set.clone(), group.clone(), format!("{seconds}")];
+            push(&mut table, start, &pairs);
         }
     }
     table
@@ -31,14 +34,12 @@ pub(crate) fn curve(people: &[Measured], amounts: &[f64]) -> Table {
 pub(crate) fn rule(people: &[Measured], amounts: &[f64]) -> Table {
     let caption = "What personalize leaves less shipped, on a part that it has not seen; refused: too short to hold a third back; kept: the old model";
     let names = MEASURES.iter().map(|measure| measure.name().to_owned());
-    let header = ["recordings", "seconds", "n"]
-        .map(str::to_owned)
-        .into_iter();
+    let header = ROW.map(str::to_owned).into_iter();
     let more = ["balanced worse", "TA worse", "refused", "kept"].map(str::to_owned);
     let mut table = Table::new(caption, header.chain(names).chain(more));
-    for set in sets(people) {
+    for (set, group) in sets(people) {
         for &seconds in amounts {
-            let mut own = rows(people, &set, seconds);
+            let mut own = rows(people, (&set, &group), seconds);
             own.retain(|(_, amount)| amount.ruled.is_some());
             let count = |wanted: fn(&Outcome) -> bool| {
                 let outcomes = own.iter().filter_map(|(_, amount)| amount.ruled.as_ref());
@@ -57,7 +58,8 @@ pub(crate) fn rule(people: &[Measured], amounts: &[f64]) -> Table {
                     (&person.subject[..], person.before, after)
                 })
                 .collect();
-            push(&mut table, [set.clone(), format!("{seconds}")], &pairs);
+            let start = [set.clone(), group.clone(), format!("{seconds}")];
+            push(&mut table, start, &pairs);
             if let Some(row) = table.rows.last_mut().filter(|_| !pairs.is_empty()) {
                 row.push(count(|outcome| matches!(outcome, Outcome::Refused)));
                 row.push(count(|outcome| matches!(outcome, Outcome::Kept)));
@@ -73,7 +75,7 @@ pub(crate) fn people(people: &[Measured]) -> Table {
         let name = move |measure: &Measure| format!("{what} {}", measure.name());
         MEASURES.iter().map(name)
     };
-    let start = ["subject", "judged seconds", "seconds", "outcome"].map(str::to_owned);
+    let start = ["subject", "classes", "judged seconds", "seconds", "outcome"].map(str::to_owned);
     let header = start.into_iter();
     let header = header
         .chain(of("before"))
@@ -91,6 +93,7 @@ pub(crate) fn people(people: &[Measured]) -> Table {
             };
             let start = [
                 person.subject.clone(),
+                person.group.clone(),
                 format!("{:.1}", person.judged_seconds),
                 amount.seconds.to_string(),
                 outcome.to_owned(),
@@ -106,27 +109,31 @@ pub(crate) fn people(people: &[Measured]) -> Table {
     table
 }
 
-/// Data sets of the people, then all of them together.
-fn sets(people: &[Measured]) -> Vec<String> {
-    let mut sets: Vec<String> = people
-        .iter()
-        .filter_map(|person| Some(person.subject.split_once('/')?.0.to_owned()))
-        .collect();
-    sets.sort_unstable();
-    sets.dedup();
-    sets.push("all".to_owned());
-    sets
+/// Data set of a person; none without one.
+fn data_set(person: &Measured) -> Option<&str> {
+    Some(person.subject.split_once('/')?.0)
 }
 
-/// People of a set who have this amount.
-fn rows<'m>(people: &'m [Measured], set: &str, seconds: f64) -> Vec<(&'m Measured, &'m Amount)> {
-    let inside = |person: &&Measured| {
-        set == "all"
-            || person
-                .subject
-                .split_once('/')
-                .is_some_and(|own| own.0 == set)
+/// Data sets of the people, then all of them together; each with the groups of its people.
+fn sets(people: &[Measured]) -> Vec<(String, String)> {
+    let of = |set: fn(&Measured) -> Option<&str>| {
+        let pair = move |person: &Measured| Some((set(person)?.to_owned(), person.group.clone()));
+        let mut pairs: Vec<_> = people.iter().filter_map(pair).collect();
+        pairs.sort_unstable();
+        pairs.dedup();
+        pairs
     };
+    [of(data_set), of(|_| Some(ALL))].concat()
+}
+
+/// People of a set and group who have this amount.
+fn rows<'m>(
+    people: &'m [Measured],
+    (set, group): (&str, &str),
+    seconds: f64,
+) -> Vec<(&'m Measured, &'m Amount)> {
+    let inside =
+        |person: &&Measured| person.group == group && (set == ALL || data_set(person) == Some(set));
     let own = people.iter().filter(inside);
     own.filter_map(|person| {
         let mut amounts = person.amounts.iter();
@@ -136,7 +143,7 @@ fn rows<'m>(people: &'m [Measured], set: &str, seconds: f64) -> Vec<(&'m Measure
 }
 
 /// Appends a row of differences, after minus before, unless there are no people.
-fn push<'p>(table: &mut Table, start: [String; 2], pairs: &[(&'p str, Values, Values)]) {
+fn push<'p>(table: &mut Table, start: [String; 3], pairs: &[(&'p str, Values, Values)]) {
     if pairs.is_empty() {
         return;
     }
@@ -173,4 +180,47 @@ fn push<'p>(table: &mut Table, start: [String; 2], pairs: &[(&'p str, Values, Va
     let cells = (0..MEASURES.len()).map(shown).chain([worse(0), worse(1)]);
     let count = [pairs.len().to_string()];
     table.push(start.into_iter().chain(count).chain(cells));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn measured(subject: &str, group: &str, gain: f64) -> Measured {
+        let value = |value| [Some(value); MEASURES.len()];
+        Measured {
+            subject: subject.to_owned(),
+            group: group.to_owned(),
+            judged_seconds: 60.0,
+            before: value(0.5),
+            amounts: vec![Amount {
+                seconds: 30.0,
+                tuned: value(0.5 + gain),
+                ruled: Some(Outcome::Kept),
+            }],
+        }
+    }
+
+    #[test]
+    fn people_with_fewer_classes_have_rows_of_their_own() {
+        let people = [
+            measured("one/a", "all 3", 0.1),
+            measured("one/b", "all 3", 0.1),
+            measured("two/a", "fewer", 0.3),
+            measured("two/b", "fewer", 0.3),
+        ];
+        for table in [curve(&people, &[30.0]), rule(&people, &[30.0])] {
+            let names: Vec<_> = table.rows.iter().map(|row| &row[..4]).collect();
+            let expected = [
+                ["one", "all 3", "30", "2"],
+                ["two", "fewer", "30", "2"],
+                ["all", "all 3", "30", "2"],
+                ["all", "fewer", "30", "2"],
+            ];
+            assert_eq!(names, expected);
+        }
+        let gains = curve(&people, &[30.0]);
+        let gains: Vec<_> = gains.rows.iter().map(|row| &row[4][..6]).collect();
+        assert_eq!(gains, ["+0.100", "+0.300", "+0.100", "+0.300"]);
+    }
 }

@@ -95,7 +95,7 @@ const SUBJECTS_SEEN: &str = "myointent.subjects_seen";
 ///
 /// # Errors
 /// When the file cannot be read, or is named as safetensors and is none.
-pub fn subjects_seen(path: &Path) -> Result<Option<Vec<String>>, CheckpointError> {
+pub(crate) fn subjects_seen(path: &Path) -> Result<Option<Vec<String>>, CheckpointError> {
     if path
         .extension()
         .is_none_or(|extension| extension != "safetensors")

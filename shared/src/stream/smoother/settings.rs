@@ -114,8 +114,7 @@ impl Reaction {
     pub const fn early(self) -> Early {
         let [entry, other, relax, leave] = match self {
             Self::Fast => [0.0, 0.5, 1.0, 0.5],
-            Self::Balanced => [0.5, 0.5, 1.0, 0.5],
-            Self::Steady => [1.0, 1.0, 2.0, 0.5],
+            Self::Balanced | Self::Steady => [0.5, 0.5, 1.0, 0.5],
         };
         Early {
             entry,

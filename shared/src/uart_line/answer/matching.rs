@@ -1,8 +1,6 @@
 //! Which answer belongs to which command: for a program on the PC, which may read late answers to others.
 
-use core::mem::discriminant;
-
-use super::{Answer, Refusal};
+use super::{Accepted, Answer, Refusal};
 use crate::myo::Following;
 use crate::uart_line::command::{AlignCommand, BindCommand, Command};
 use crate::uart_line::gate::GateCommand;
@@ -22,8 +20,8 @@ impl Answer<'_> {
             | (Command::Gate(GateCommand::State), Self::Gate(_))
             | (Command::Bind(BindCommand::State), Self::Binding(_))
             | (Command::Install(_) | Command::Block(..), Self::Install(_)) => true,
-            (Command::Align(asked), Self::Align(done)) => {
-                discriminant(&asked) == discriminant(done)
+            (Command::Align(asked), Self::Align(accepted)) => {
+                Accepted::of(asked) == Some(*accepted)
             }
             (Command::Raw(asked), Self::Raw(on)) => asked == *on,
             (Command::Gate(GateCommand::Set(asked)), Self::Gate(gate)) => asked == *gate,

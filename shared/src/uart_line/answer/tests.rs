@@ -50,7 +50,6 @@ fn every_answer_has_the_body_of_its_grammar() {
         lines_dropped: 15,
         emg_dropped: u32::MAX,
     };
-    let set = AlignCommand::Set(Alignment::new(3, true));
     for (answer, body) in [
         (
             Answer::Identity(unknown),
@@ -60,12 +59,9 @@ fn every_answer_has_the_body_of_its_grammar() {
             Answer::Counts(counts),
             "OK,COUNTERS,1,0,0,0,0,0,0,0,0,0,0,0,13,14,15,4294967295",
         ),
-        (
-            Answer::Align(AlignCommand::Begin(Arm::Unknown)),
-            "OK,ALIGN,begin",
-        ),
-        (Answer::Align(AlignCommand::Cancel), "OK,ALIGN,cancel"),
-        (Answer::Align(set), "OK,ALIGN,set"),
+        (Answer::Align(Accepted::Begin), "OK,ALIGN,begin"),
+        (Answer::Align(Accepted::Cancel), "OK,ALIGN,cancel"),
+        (Answer::Align(Accepted::Set), "OK,ALIGN,set"),
         (
             Answer::Alignment(Alignment::new(3, true)),
             "OK,ALIGN,state,3,1",

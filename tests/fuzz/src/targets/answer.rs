@@ -1,10 +1,9 @@
 //! The answers to commands: of any counters and armbands, each a line that is no command and is read back.
 
 use shared::myo::{Address, AddressKind, Counters, FirmwareVersion, Following};
-use shared::stream::alignment::{Alignment, Arm};
+use shared::stream::alignment::Alignment;
 use shared::stream::smoother::{Gate, Reaction};
-use shared::uart_line::answer::{Answer, Binding, Counts, Identity, Refusal};
-use shared::uart_line::command::AlignCommand;
+use shared::uart_line::answer::{Accepted, Answer, Binding, Counts, Identity, Refusal};
 
 use super::report::is_not_answered;
 use crate::input::Input;
@@ -62,12 +61,9 @@ fn answer(input: &mut Input<'_>) -> Answer<'static> {
             emg_dropped: input.word(),
         }),
         2 => match input.below(4) {
-            0 => Answer::Align(AlignCommand::Begin(Arm::Unknown)),
-            1 => Answer::Align(AlignCommand::Cancel),
-            2 => Answer::Align(AlignCommand::Set(Alignment::new(
-                input.byte(),
-                input.flag(),
-            ))),
+            0 => Answer::Align(Accepted::Begin),
+            1 => Answer::Align(Accepted::Cancel),
+            2 => Answer::Align(Accepted::Set),
             _ => Answer::Alignment(Alignment::new(input.byte(), input.flag())),
         },
         3 => Answer::Raw(input.flag()),

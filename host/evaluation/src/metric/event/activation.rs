@@ -48,7 +48,7 @@ impl Rate {
 
 /// Flags of the samples that are rest: the truth is relax, and no gesture owns the sample.
 #[must_use]
-pub fn rest(truth: &[Option<Intent>], rule: &EventRule) -> Vec<bool> {
+pub(crate) fn rest(truth: &[Option<Intent>], rule: &EventRule) -> Vec<bool> {
     let mut rest: Vec<bool> = truth
         .iter()
         .map(|&label| label == Some(Intent::Relax))
@@ -61,7 +61,7 @@ pub fn rest(truth: &[Option<Intent>], rule: &EventRule) -> Vec<bool> {
 
 /// Runs of an active label that begin at a marked sample, over the marked time.
 #[must_use]
-pub fn activations(emitted: &[Option<Intent>], mask: &[bool]) -> Rate {
+pub(crate) fn activations(emitted: &[Option<Intent>], mask: &[bool]) -> Rate {
     let marked = |&at: &usize| mask[at];
     let samples = (0..emitted.len()).filter(marked);
     let count = samples.clone().filter(|&at| begins(emitted, at)).count();
@@ -70,7 +70,7 @@ pub fn activations(emitted: &[Option<Intent>], mask: &[bool]) -> Rate {
 
 /// Whether an active label begins within these samples; one that began before does not count.
 #[must_use]
-pub fn raises(emitted: &[Option<Intent>], mut samples: Range<usize>) -> bool {
+pub(crate) fn raises(emitted: &[Option<Intent>], mut samples: Range<usize>) -> bool {
     samples.any(|at| begins(emitted, at))
 }
 

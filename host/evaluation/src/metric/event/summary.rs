@@ -110,7 +110,7 @@ impl SubjectEvents {
 
     /// Share of the movements outside the vocabulary that raise a label; none without any.
     #[must_use]
-    pub fn raised_share(&self) -> Option<f64> {
+    pub(crate) fn raised_share(&self) -> Option<f64> {
         let all = self.raised.values().copied();
         all.reduce(Raised::plus).map(Raised::share)
     }

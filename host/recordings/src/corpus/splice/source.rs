@@ -33,13 +33,13 @@ impl<'a> Source<'a> {
     }
 
     /// Whether the whole source is movement outside the vocabulary that is a class.
-    pub fn is_other_movement(&self) -> bool {
+    pub(crate) fn is_other_movement(&self) -> bool {
         let covered: usize = self.other.iter().map(|m| m.samples.len()).sum();
         covered > 0 && covered >= self.labels.len()
     }
 
     /// A random crop whose length is drawn from `lengths`; the whole source if it is shorter.
-    pub fn crop(&self, lengths: Range<usize>, random: &mut ChaCha8Rng) -> Range<usize> {
+    pub(crate) fn crop(&self, lengths: Range<usize>, random: &mut ChaCha8Rng) -> Range<usize> {
         let all = self.samples.len();
         let length = random.random_range(lengths).min(all);
         let start = random.random_range(0..=all - length);

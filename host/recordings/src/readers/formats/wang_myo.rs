@@ -40,7 +40,7 @@ pub(crate) struct Name<'p> {
 
 impl<'p> Name<'p> {
     /// Name of a file in the repacked layout.
-    pub fn of_npy(path: &'p Path) -> Option<Self> {
+    pub(crate) fn of_npy(path: &'p Path) -> Option<Self> {
         let name = stem(path)?;
         let gesture = GESTURES.into_iter().find(|(known, _)| *known == name)?;
         Some(Self {
@@ -50,7 +50,7 @@ impl<'p> Name<'p> {
     }
 
     /// Name of a file in the published layout; none without `_x`: such files are the same recordings, untrimmed.
-    pub fn of_mat(path: &'p Path) -> Option<Self> {
+    pub(crate) fn of_mat(path: &'p Path) -> Option<Self> {
         let (_, number) = stem(path)?.strip_suffix("_x")?.rsplit_once('_')?;
         let number: usize = number.parse().ok()?;
         let gesture = *GESTURES.get(number.checked_sub(1)?)?;

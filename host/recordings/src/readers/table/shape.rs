@@ -53,7 +53,7 @@ impl Shape {
     }
 
     /// First of eight columns, if the others rise from row to row.
-    pub fn without_clocks(self, text: &str) -> Option<usize> {
+    pub(crate) fn without_clocks(self, text: &str) -> Option<usize> {
         let rows = table::rows(text).filter_map(|(_, row)| numbers(row));
         let rows: Vec<Vec<f64>> = rows
             .map(|(_, row)| row)

@@ -3,7 +3,7 @@ use std::sync::{Arc, mpsc};
 
 use serde_json::Value;
 use shared::installation::Progress;
-use shared::uart_line::answer::{Answer, Identity, Refusal};
+use shared::uart_line::answer::{Accepted, Answer, Identity, Refusal};
 use shared::uart_line::command::CommandReader;
 use tokio::sync::broadcast::error::TryRecvError;
 
@@ -34,12 +34,15 @@ fn board(answer: Answer<'static>, stop: &Stop) -> (SerialPort, std::thread::Join
                     command,
                     Ok(Command::Align(AlignCommand::Begin(_)) | Command::Bind(BindCommand::Begin))
                 ));
+                let accepted = match command {
+                    Ok(Command::Align(command)) => Accepted::of(command),
+                    _ => None,
+                };
                 let answer = match command {
                     Ok(Command::Install(_)) => answer,
                     Ok(Command::Raw(on)) => Answer::Raw(on),
-                    Ok(Command::Align(command)) => Answer::Align(command),
                     Ok(Command::Identify) => Answer::Identity(identity()),
-                    _ => Answer::Refused(Refusal::Busy),
+                    _ => accepted.map_or(Answer::Refused(Refusal::Busy), Answer::Align),
                 };
                 master.write_all(answer.to_string().as_bytes()).unwrap();
             }

@@ -96,7 +96,7 @@ pub fn worse(old: &Score, new: &Score, constant: &Score) -> Option<Worse> {
 
 /// Whether a model is hardly better than always saying relax: by less than [`ABOVE_CONSTANT`] of balanced accuracy.
 #[must_use]
-pub fn is_constant(model: &Score, constant: &Score) -> bool {
+pub(crate) fn is_constant(model: &Score, constant: &Score) -> bool {
     balanced(model) < balanced(constant) + ABOVE_CONSTANT
 }
 

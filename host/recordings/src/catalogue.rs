@@ -129,8 +129,8 @@ mod tests {
             published.collect::<Vec<_>>(),
             SOURCES.map(|own| own.data_set)
         );
-        let page = include_str!("../../../../docs/recordings.md");
-        let licences = include_str!("../../../../docs/licences.md");
+        let page = include_str!("../../../docs/recordings.md");
+        let licences = include_str!("../../../docs/licences.md");
         for own in SOURCES {
             let row = page.lines().find(|line| {
                 let name = own.data_set.name();

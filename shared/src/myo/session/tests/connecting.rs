@@ -1,0 +1,138 @@
+//! Scans, the choice of an armband, and connections that fail.
+
+use super::*;
+
+#[test]
+fn the_strongest_armband_of_half_a_second_wins() {
+    let mut driver = Driver::new(ANY);
+    driver.run(&[(0, Event::Tick, &[Action::Scan]), (9_000, Event::Tick, &[])]);
+    let other = Event::Advertisement {
+        address: address(9),
+        rssi: -1,
+        data: b"\x04\x09Myo",
+    };
+    assert_eq!(driver.handle(9_100, other), []);
+    assert_eq!(driver.advertise(10_000, FAR, -80), []);
+    assert_eq!(driver.advertise(10_100, address(3), 127), []); // signal strength unknown
+    assert_eq!(driver.advertise(10_200, NEAR, -50), []);
+    assert_eq!(driver.advertise(10_499, address(4), -60), []);
+    let connect = [Action::StopScan, Action::Connect(NEAR)];
+    assert_eq!(driver.handle(10_500, Event::Tick), connect);
+    assert_eq!(driver.advertise(10_501, address(5), -1), []);
+}
+
+#[test]
+fn a_pinned_armband_is_taken_at_once_and_no_other() {
+    let pinned = Address::parse("FA:00:00:00:00:01").ok();
+    let mut driver = Driver::new(Settings { pinned, ..ANY });
+    assert_eq!(driver.handle(0, Event::Tick), [Action::Scan]);
+    assert_eq!(driver.advertise(0, FAR, -20), []);
+    assert_eq!(driver.handle(2_000, Event::Tick), []);
+    // With the address kind of the report, not the one that was assumed.
+    let kind = AddressKind::Random;
+    let reported = Address { kind, ..NEAR };
+    let connect = [Action::StopScan, Action::Connect(reported)];
+    assert_eq!(driver.advertise(2_001, reported, -90), connect);
+}
+
+#[test]
+fn a_scan_that_ends_is_repeated_after_a_delay() {
+    let mut driver = Driver::new(ANY);
+    driver.run(&[
+        (0, Event::Tick, &[Action::Scan]),
+        (10, Event::ScanEnded, &[]),
+        (309, Event::Tick, &[]),
+        (310, Event::Tick, &[Action::Scan]),
+    ]);
+    // With an armband received before, that one is taken.
+    assert_eq!(driver.advertise(320, FAR, -80), []);
+    let connect = [Action::StopScan, Action::Connect(FAR)];
+    assert_eq!(driver.handle(330, Event::ScanEnded), connect);
+}
+
+#[test]
+fn failed_connects_back_off_up_to_five_seconds() {
+    let mut driver = Driver::new(ANY);
+    let mut now = 0;
+    for delay in [300, 600, 1200, 2400, 4800, 5000, 5000] {
+        driver.connecting(now);
+        now += 510;
+        assert_eq!(driver.handle(now, Event::ConnectFailed), []);
+        assert_eq!(driver.session.phase(), Phase::BackingOff);
+        assert_eq!(driver.handle(now + delay - 1, Event::Tick), []);
+        now += delay;
+    }
+    assert_eq!(driver.session.counters().failed_connects, 7);
+}
+
+#[test]
+fn a_stream_that_ran_makes_the_next_delay_short() {
+    let mut driver = Driver::new(ANY);
+    for now in [0, 1_000, 2_500] {
+        driver.connecting(now);
+        driver.handle(now + 510, Event::ConnectFailed);
+    }
+    driver.streaming(5_000);
+    assert_eq!(driver.emg(5_510, 0), [deliver(0)]);
+    driver.run(&[
+        (5_520, Event::Disconnected, &[Action::StreamEnded]),
+        (5_521, Event::Disconnected, &[]),
+        (5_819, Event::Tick, &[]),
+    ]);
+    driver.streaming(5_820);
+    assert_eq!(driver.session.counters().connections, 2);
+}
+
+#[test]
+fn a_stream_without_emg_ends_too_and_backs_off_longer() {
+    let mut driver = Driver::new(ANY);
+    driver.streaming(0);
+    assert_eq!(
+        driver.handle(510, Event::Disconnected),
+        [Action::StreamEnded]
+    );
+    driver.streaming(810);
+    assert_eq!(
+        driver.handle(1_320, Event::Disconnected),
+        [Action::StreamEnded]
+    );
+    assert_eq!(driver.handle(1_919, Event::Tick), []);
+    assert_eq!(driver.handle(1_920, Event::Tick), [Action::Scan]);
+}
+
+#[test]
+fn an_operation_that_is_not_answered_ends_the_connection() {
+    let mut driver = Driver::new(ANY);
+    driver.connecting(0);
+    driver.run(&[
+        (5_499, Event::Tick, &[]),
+        (5_500, Event::Tick, &[Action::Disconnect]),
+        (5_501, Event::Connected, &[]), // too late: it is being closed
+        (5_510, Event::ConnectFailed, &[]),
+    ]);
+    driver.discovered(5_810, everything());
+    driver.run(&[
+        (11_310, Event::Tick, &[]),
+        (11_311, Event::Tick, &[Action::Disconnect]),
+        (11_312, Event::Read(&FIRMWARE), &[]),
+        (11_320, Event::Disconnected, &[]),
+        (11_919, Event::Tick, &[]),
+        (11_920, Event::Tick, &[Action::Scan]),
+    ]);
+    assert_eq!(driver.session.counters().timeouts, 2);
+}
+
+#[test]
+fn a_connection_that_does_not_end_is_waited_for_5_s() {
+    let mut driver = Driver::new(ANY);
+    driver.connecting(0);
+    driver.run(&[
+        (5_500, Event::Tick, &[Action::Disconnect]),
+        (10_500, Event::Tick, &[]),
+        (10_800, Event::Tick, &[Action::Scan]),
+        // The connection is established after all, too late.
+        (10_900, Event::Connected, &[Action::Disconnect]),
+        (10_901, Event::Disconnected, &[]),
+    ]);
+    assert_eq!(driver.session.phase(), Phase::Scanning);
+}

@@ -1,0 +1,173 @@
+//! A stream: kept awake, silent, resumed, and its malformed values.
+
+use super::*;
+
+#[test]
+fn emg_that_overtakes_the_answer_to_its_mode_counts() {
+    let mut driver = Driver::new(ANY);
+    driver.discovered(0, everything());
+    let answers = [Event::Read(&FIRMWARE), Event::Read(&[80])];
+    for answer in answers.into_iter().chain([Event::Done; 5]) {
+        driver.handle(502, answer);
+    }
+    // The mode is not written yet: this is of no stream.
+    assert_eq!(driver.emg(502, 3), []);
+    assert_eq!(driver.handle(503, Event::Done), [SET_MODE]);
+    assert_eq!(driver.emg(504, 0), [deliver(0)]);
+    assert_eq!(driver.handle(505, Event::Done), []);
+    assert_eq!(driver.emg(514, 1), [deliver(1)]);
+    let counters = driver.session.counters();
+    assert_eq!((counters.foreign, counters.notifications), (1, 2));
+}
+
+#[test]
+fn never_sleep_is_written_every_ten_seconds() {
+    let mut driver = Driver::new(ANY);
+    driver.streaming(0);
+    let mut written = Vec::new();
+    for number in 0..3_200 {
+        let now = 501 + 10 * number;
+        for action in driver.emg(now, number) {
+            if action == NEVER_SLEEP {
+                written.push(now - 501);
+                assert_eq!(driver.handle(now, Event::Done), []);
+            }
+        }
+    }
+    assert_eq!(written, [10_000, 20_000, 30_000]);
+}
+
+#[test]
+fn a_write_that_is_never_answered_ends_the_stream() {
+    let mut driver = Driver::new(ANY);
+    driver.streaming(0);
+    let mut end = Vec::new();
+    for number in 0..1_501 {
+        end = driver.emg(501 + 10 * number, number);
+        end.retain(|action| !matches!(action, Action::Deliver(_)));
+    }
+    assert_eq!(end, [Action::Disconnect, Action::StreamEnded]);
+    assert_eq!(driver.session.counters().timeouts, 1);
+}
+
+#[test]
+fn a_silent_stream_gets_its_mode_again_once_and_is_then_closed() {
+    let mut driver = Driver::new(ANY);
+    driver.streaming(0);
+    assert_eq!(driver.emg(510, 0), [deliver(0)]);
+    driver.run(&[
+        (1_009, Event::Tick, &[]),
+        (1_010, Event::Tick, &[SET_MODE]),
+        (1_011, Event::Done, &[]),
+        (1_509, Event::Tick, &[]),
+        (
+            1_510,
+            Event::Tick,
+            &[Action::Disconnect, Action::StreamEnded],
+        ),
+        (1_520, Event::Disconnected, &[]),
+        (1_819, Event::Tick, &[]),
+        (1_820, Event::Tick, &[Action::Scan]),
+    ]);
+    assert_eq!(driver.session.counters().stalls, 1);
+}
+
+#[test]
+fn a_stream_that_resumes_after_the_mode_was_set_again_has_a_gap() {
+    let mut driver = Driver::new(ANY);
+    driver.streaming(0);
+    for number in 0..10 {
+        assert_eq!(driver.emg(510 + 10 * number, number).len(), 1);
+    }
+    assert_eq!(driver.handle(1_100, Event::Tick), [SET_MODE]);
+    assert_eq!(driver.handle(1_101, Event::Done), []);
+    // 510 ms of silence: 51 were lost, and the next six cannot be placed.
+    let resumed: Vec<_> = (0..10)
+        .map(|n| driver.emg(1_120 + 10 * n, 61 + n))
+        .collect();
+    let actions: Vec<_> = resumed.concat();
+    let missing = 2 * (51 + 6);
+    let expected = [
+        Action::Gap { missing },
+        deliver(67),
+        deliver(68),
+        deliver(69),
+        deliver(70),
+    ];
+    assert_eq!(actions, expected);
+    assert_eq!(driver.session.counters().given_up, 12);
+    // Once per silence, not once per stream.
+    assert_eq!(driver.handle(1_710, Event::Tick), [SET_MODE]);
+}
+
+#[test]
+fn short_long_and_foreign_values_are_handled_and_counted() {
+    let mut driver = Driver::new(ANY);
+    driver.streaming(0);
+    let mut notify = |now, characteristic, bytes: &[u8]| {
+        driver.handle(
+            now,
+            Event::Notification {
+                characteristic,
+                bytes,
+            },
+        )
+    };
+    assert_eq!(notify(510, lane(0), &[0; 16]), [deliver(0)]);
+    assert_eq!(notify(520, lane(1), &[1; 15]), []); // short: counts as lost
+    assert_eq!(notify(530, lane(2), &[2; 20]), []); // long: its first 16 bytes
+    let recovered = [Action::Gap { missing: 2 }, deliver(2), deliver(3)];
+    assert_eq!(notify(540, lane(3), &[3; 16]), recovered);
+    assert_eq!(notify(541, Characteristic::Command, &[3; 16]), []);
+    assert_eq!(notify(542, BatteryLevel, &[]), []);
+    assert_eq!(notify(543, BatteryLevel, &[10]), []);
+    let session = &driver.session;
+    assert_eq!(
+        (session.battery(), session.battery_is_low()),
+        (Some(10), true)
+    );
+    let Counters {
+        malformed,
+        foreign,
+        lost,
+        ..
+    } = session.counters();
+    assert_eq!((malformed, foreign, lost), (2, 1, 2));
+}
+
+#[test]
+fn malformed_emg_alone_counts_as_silence() {
+    let mut driver = Driver::new(ANY);
+    driver.streaming(0);
+    let characteristic = lane(0);
+    let bytes = &[0; 3];
+    let malformed = Event::Notification {
+        characteristic,
+        bytes,
+    };
+    let actions: Vec<_> = (0..110)
+        .map(|n| driver.handle(501 + 10 * n, malformed))
+        .collect();
+    assert_eq!(
+        actions.concat(),
+        [SET_MODE, Action::Disconnect, Action::StreamEnded]
+    );
+}
+
+#[test]
+fn a_new_connection_starts_a_new_stream() {
+    let mut driver = Driver::new(ANY);
+    driver.streaming(0);
+    for number in 0..3 {
+        driver.emg(510 + 10 * number, number);
+    }
+    assert_eq!(
+        driver.handle(540, Event::Disconnected),
+        [Action::StreamEnded]
+    );
+    assert_eq!(driver.session.battery(), Some(80)); // the last known value
+    driver.streaming(840);
+    // On any lane, without a gap: `StreamEnded` has reported the loss.
+    assert_eq!(driver.emg(1_350, 2), [deliver(2)]);
+    assert_eq!(driver.session.counters().lost, 0);
+}

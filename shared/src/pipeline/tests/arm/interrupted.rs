@@ -1,0 +1,144 @@
+//! Decisions that something ends before the model has decided.
+
+use super::super::alignment::SmallEncoder;
+use super::*;
+
+/// Event during a pipeline's decision.
+type Event = fn(&mut Pipeline<'static, SmallEncoder>, Millis);
+
+/// Events that end a decision with nothing changed; the state that the line then says.
+const ENDS: [(&str, Event, AlignmentState); 8] = [
+    (
+        "a gap",
+        |pipeline, now| {
+            let _ = pipeline.gap(now, 6);
+        },
+        AlignmentState::PoorMargin,
+    ),
+    (
+        "silence",
+        |pipeline, now| {
+            let _ = pipeline.tick(now.plus(600));
+        },
+        AlignmentState::PoorMargin,
+    ),
+    (
+        "a stall",
+        |pipeline, now| {
+            let _ = pipeline.stalled(now);
+        },
+        AlignmentState::PoorMargin,
+    ),
+    (
+        "disconnection",
+        |pipeline, now| {
+            let _ = pipeline.disconnected(now);
+        },
+        AlignmentState::Disconnected,
+    ),
+    (
+        "installation",
+        |pipeline, now| {
+            let _ = pipeline.suspend(now);
+        },
+        AlignmentState::Cancelled,
+    ),
+    (
+        "a refused model",
+        |pipeline, now| {
+            let _ = pipeline.refuse_model(now);
+        },
+        AlignmentState::Cancelled,
+    ),
+    (
+        "a command",
+        |pipeline, _| pipeline.cancel_alignment(),
+        AlignmentState::Cancelled,
+    ),
+    (
+        "another beginning",
+        |pipeline, _| pipeline.begin_alignment(Arm::Unknown),
+        AlignmentState::Waiting,
+    ),
+];
+
+/// Samples after the beginning of a decision: in its first patch, in the first placement, between both, in the second, in
+/// the last patch.
+const WHEN: [usize; 5] = [1, 20, 53, 80, 105];
+
+#[test]
+fn what_ends_a_decision_changes_nothing() {
+    let start = begins(undecided());
+    let samples = stream(Alignment::new(3, true), 3000);
+    for (name, event, state) in ENDS {
+        for later in WHEN {
+            let end = start + later;
+            let [mut deciding, mut plain] = [(); 2].map(|()| undecided());
+            deciding.begin_alignment(Arm::Unknown);
+            let _ = deciding.take_alignment_report();
+            run(&mut deciding, &samples, 0..end);
+            run(&mut plain, &samples, 0..end);
+            assert!(deciding.arm_decision().is_some(), "{name} {later}");
+            assert_eq!(deciding.alignment_phase(), AlignmentPhase::Waiting);
+            for pipeline in [&mut deciding, &mut plain] {
+                event(pipeline, at(end as u32 - 1));
+            }
+            assert!(deciding.arm_decision().is_none(), "{name} {later}");
+            let news = deciding.take_alignment_report().unwrap();
+            assert_eq!(news.state, state, "{name} {later}");
+            assert_eq!(news.alignment, Alignment::NONE, "{name}");
+            assert_eq!(news.quality.is_some(), state == AlignmentState::PoorMargin);
+            let waits = state == AlignmentState::Waiting;
+            let phase = [AlignmentPhase::None, AlignmentPhase::Waiting][usize::from(waits)];
+            assert_eq!(deciding.alignment_phase(), phase, "{name}");
+            deciding.cancel_alignment();
+            plain.cancel_alignment();
+            if !plain.has_model() {
+                for pipeline in [&mut deciding, &mut plain] {
+                    let (encoder, smoother, input) = model_of(4);
+                    let input = Input {
+                        template: Some(symmetrical()),
+                        ..input
+                    };
+                    pipeline.resume(at(end as u32 - 1), encoder, smoother, input);
+                }
+            }
+            // As if there had been no alignment, once the encoder has taken the window again.
+            let after = |pipeline: &mut Pipeline<'_, _>| -> Vec<_> {
+                let lines = labels(&run(pipeline, &samples, end..2400).0).into_iter();
+                lines.filter(|line| line.0 as usize > end + 30).collect()
+            };
+            let (found, expected) = (after(&mut deciding), after(&mut plain));
+            assert!(!found.is_empty(), "{name}");
+            assert_eq!(found, expected, "{name} {later}");
+            assert_eq!(deciding.alignment(), Alignment::NONE);
+        }
+    }
+}
+
+#[test]
+fn an_alignment_that_is_set_stands_in_place_of_a_decision() {
+    let start = begins(undecided());
+    let samples = stream(Alignment::new(3, true), 3000);
+    for given in [Alignment::NONE, Alignment::new(6, true)] {
+        for later in WHEN {
+            let end = start + later;
+            let mut deciding = undecided();
+            deciding.begin_alignment(Arm::Unknown);
+            run(&mut deciding, &samples, 0..end);
+            assert!(deciding.arm_decision().is_some());
+            deciding.set_alignment(given);
+            let news = deciding.take_alignment_report().unwrap();
+            assert_eq!((news.state, news.alignment), (AlignmentState::Set, given));
+            assert_eq!(deciding.alignment_phase(), AlignmentPhase::Aligned);
+            let mut always = undecided();
+            always.set_alignment(given);
+            run(&mut always, &samples, 0..end);
+            let after = |pipeline: &mut Pipeline<'_, _>| -> Vec<_> {
+                let lines = labels(&run(pipeline, &samples, end..2400).0).into_iter();
+                lines.filter(|line| line.0 as usize > end + 30).collect()
+            };
+            assert_eq!(after(&mut deciding), after(&mut always), "{later}");
+        }
+    }
+}

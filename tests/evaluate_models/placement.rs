@@ -1,0 +1,199 @@
+//! A turned armband, lost notifications, alignment and its template.
+
+use std::fs;
+
+use evaluation::model_evaluation::{ModelEvaluation, Selection, Turn, Worn};
+use shared::intent::Vocabulary;
+use shared::model::file::Model;
+use shared::stream::alignment::Template;
+use shared::units::CHANNELS;
+
+use super::{evaluate, evaluated, model};
+use crate::small::{folder, myointent, recordings};
+
+#[test]
+fn a_rotated_armband_changes_what_the_model_sees_and_not_the_amplitude() {
+    let folder = folder("evaluate-rotated");
+    recordings(&folder);
+    let file = folder.join("one.intent");
+    model(&file, &[], Vocabulary::Three);
+    let with = |places| {
+        let selection = Selection {
+            worn: Worn {
+                turn: Turn::By(places),
+                mirrored: false,
+            },
+            ..Selection::default()
+        };
+        evaluated(&folder, &file, &selection)
+    };
+    let (straight, rotated, full_turn) = (with(0), with(4), with(8));
+    assert_ne!(straight.candidates[0].logits, rotated.candidates[0].logits);
+    assert_eq!(
+        straight.candidates[0].logits,
+        full_turn.candidates[0].logits
+    );
+    let energy = |evaluation: &ModelEvaluation| evaluation.candidates[2].logits.clone();
+    assert_eq!(energy(&straight), energy(&rotated));
+    assert_eq!(
+        straight.recordings[0].raw[7][0],
+        rotated.recordings[0].raw[7][4]
+    );
+}
+
+#[test]
+fn lost_notifications_repeat_the_sample_before_them() {
+    let folder = folder("evaluate-losses");
+    recordings(&folder);
+    let file = folder.join("one.intent");
+    model(&file, &[], Vocabulary::Three);
+    let with = |lost_percent| {
+        let selection = Selection {
+            lost_percent,
+            ..Selection::default()
+        };
+        evaluated(&folder, &file, &selection)
+    };
+    let (whole, half, again) = (with(0), with(50), with(50));
+    assert_eq!(half.recordings[0].raw, again.recordings[0].raw);
+    assert_eq!(half.recordings[0].published, whole.recordings[0].published);
+    assert_ne!(whole.candidates[0].logits, half.candidates[0].logits);
+    let pairs = whole.recordings[0]
+        .raw
+        .chunks(2)
+        .zip(half.recordings[0].raw.chunks(2));
+    let lost = pairs.filter(|(sent, received)| sent != received).count();
+    let share = lost as f64 / (whole.recordings[0].raw.len() / 2) as f64;
+    assert!((0.45..0.55).contains(&share), "{share}");
+}
+
+#[test]
+fn alignment_finds_the_same_however_the_armband_is_turned_and_its_openings_are_not_scored() {
+    let folder = folder("evaluate-aligned");
+    recordings(&folder);
+    let file = folder.join("one.intent");
+    model(&file, &[], Vocabulary::Three);
+    let with = |places, align| {
+        let selection = Selection {
+            worn: Worn {
+                turn: Turn::By(places),
+                mirrored: false,
+            },
+            align,
+            ..Selection::default()
+        };
+        evaluated(&folder, &file, &selection)
+    };
+    let (plain, straight, turned) = (with(0, false), with(0, true), with(3, true));
+    let names: Vec<_> = straight
+        .candidates
+        .iter()
+        .map(|own| &own.name[..])
+        .collect();
+    assert_eq!(
+        names,
+        ["one", "one, aligned", "constant relax", "energy detector"]
+    );
+    assert_eq!(straight.results.alignments.len(), 4);
+    assert_eq!(straight.results.alignments, turned.results.alignments);
+    let aligned = straight.results.alignments.iter();
+    assert!(aligned.clone().any(|own| own.outcome == "aligned"));
+    // As the logits are, where an alignment was found.
+    for (at, recording) in straight.recordings.iter().enumerate() {
+        let mut found = aligned.clone().filter(|own| own.outcome == "aligned");
+        if found.any(|own| own.subject == recording.subject) {
+            let logits = |evaluation: &ModelEvaluation| evaluation.candidates[1].logits[at].clone();
+            assert_eq!(logits(&straight), logits(&turned));
+        }
+    }
+    let labels = |evaluation: &ModelEvaluation| -> usize {
+        let recordings = evaluation.recordings.iter();
+        recordings
+            .map(|recording| recording.lag_compensated.iter().flatten().count())
+            .sum()
+    };
+    assert!(labels(&straight) + 4 * 2 * 60 <= labels(&plain));
+    let text = folder.join("people.csv");
+    assert!(evaluate(
+        &folder,
+        &[
+            "--model",
+            file.to_str().unwrap(),
+            "--rotate",
+            "any",
+            "--mirror",
+            "--align"
+        ]
+    ));
+    assert!(fs::read_to_string(text).unwrap().contains("one, aligned"));
+}
+
+#[test]
+fn an_alignment_that_is_told_the_arm_takes_no_placement_on_the_other_one() {
+    let folder = folder("evaluate-arm-told");
+    recordings(&folder);
+    let file = folder.join("one.intent");
+    model(&file, &[], Vocabulary::Three);
+    // And a template whose electrodes run the other way round: one of the two is on the wrong arm.
+    let bytes = fs::read(&file).unwrap();
+    let template = Model::parse(&bytes).unwrap().header.template.unwrap();
+    let mut reversed = template.to_bytes();
+    reversed[..2 * CHANNELS].as_chunks_mut::<2>().0.reverse();
+    let reversed = Template::from_bytes(&reversed).unwrap();
+    let wrong = |mirrored, arm_told| {
+        let selection = Selection {
+            worn: Worn {
+                mirrored,
+                ..Worn::default()
+            },
+            align: true,
+            arm_told,
+            ..Selection::default()
+        };
+        let count = |template| {
+            fs::write(&file, Model::with_template(&bytes, Some(template)).unwrap()).unwrap();
+            let results = evaluated(&folder, &file, &selection).results;
+            let alignments = results.alignments.iter();
+            alignments.filter(|own| own.wrong_arm).count()
+        };
+        count(&template) + count(&reversed)
+    };
+    for mirrored in [false, true] {
+        assert!(wrong(mirrored, false) > 0);
+        assert_eq!(wrong(mirrored, true), 0);
+    }
+}
+
+#[test]
+fn a_template_is_made_of_the_people_whom_the_model_has_seen_and_nothing_else_changes() {
+    let folder = folder("template");
+    recordings(&folder);
+    let data = folder.join("data");
+    let made = |seen: &[&str]| {
+        let file = folder.join("bare.intent");
+        model(&file, seen, Vocabulary::Three);
+        let bare = Model::with_template(&fs::read(&file).unwrap(), None).unwrap();
+        fs::write(&file, &bare).unwrap();
+        let arguments = [
+            "template",
+            file.to_str().unwrap(),
+            "--data",
+            data.to_str().unwrap(),
+        ];
+        let done = myointent(&arguments);
+        let bytes = fs::read(&file).unwrap();
+        assert_eq!(Model::with_template(&bytes, None).unwrap(), bare);
+        done.then(|| {
+            Model::parse(&bytes)
+                .unwrap()
+                .header
+                .template
+                .expect("a template")
+        })
+    };
+    let first = made(&["synthetic/s1", "synthetic/s2", "synthetic/s3"]);
+    let other = made(&["synthetic/s2", "synthetic/s3", "synthetic/s4"]);
+    assert!(first.is_some() && other.is_some());
+    assert_ne!(first, other);
+    assert_eq!(made(&["synthetic/s1", "synthetic/s2"]), None);
+}

@@ -1,0 +1,99 @@
+//! The set with broken files.
+
+use std::collections::BTreeSet;
+use std::sync::OnceLock;
+
+use recordings::{Damage, Fault, Finding, Library, LoadError, LoadOptions, Place, Recording, load};
+
+use super::{folder, read};
+
+/// `myo-readings` is large; its tests share one library.
+fn myo_readings(test: &str) -> Option<&'static Library> {
+    static LIBRARY: OnceLock<Option<Library>> = OnceLock::new();
+    folder(test, "myo-readings")?;
+    LIBRARY.get_or_init(|| read(test, "myo-readings")).as_ref()
+}
+
+#[test]
+fn myo_readings_leaves_out_its_four_broken_files_and_says_where() {
+    let test = "myo_readings_leaves_out_its_four_broken_files_and_says_where";
+    let Some(library) = myo_readings(test) else {
+        return;
+    };
+    // Files 3 to 6 are motions outside the six classes; one holds the labels of another motion.
+    let outside = |r: &&Recording| ["/3", "/4", "/5", "/6"].iter().any(|n| r.name.ends_with(n));
+    let (outside, six_classes): (Vec<_>, Vec<_>) = library.recordings.iter().partition(outside);
+    assert_eq!(
+        (library.subjects().len(), six_classes.len(), outside.len()),
+        (32, 388, 128)
+    );
+    assert!(six_classes.iter().all(|r| r.other_movement.is_empty()));
+    let labelled: Vec<_> = outside.iter().filter(|r| r.has_labels()).collect();
+    assert_eq!(labelled.len(), 1);
+    assert_eq!(labelled[0].full_name(), "myo-readings/69069/1/3");
+    // Of one sitting of 32 people; four people's labels drift.
+    let marked = outside.iter().filter(|r| !r.other_movement.is_empty());
+    assert_eq!(marked.count(), 127 - 16);
+    let found: Vec<_> = library
+        .skipped
+        .iter()
+        .map(|error| match error {
+            LoadError::Damaged {
+                damage:
+                    Damage {
+                        place: Place::Line(line),
+                        fault,
+                        as_published: true,
+                    },
+                ..
+            } => {
+                assert!(matches!(fault, Fault::Fields { .. } | Fault::Number { .. }));
+                *line
+            }
+            other => panic!("{other}"),
+        })
+        .collect();
+    assert_eq!(found, [12322, 1032, 1996, 1347]);
+    let Some(folder) = folder(test, "myo-readings") else {
+        return;
+    };
+    let strict = LoadOptions {
+        strict: true,
+        ..LoadOptions::default()
+    };
+    assert!(load(&folder, &strict).is_err());
+}
+
+#[test]
+fn myo_readings_drops_doubled_rows_and_labels_that_drift() {
+    let test = "myo_readings_drops_doubled_rows_and_labels_that_drift";
+    let Some(library) = myo_readings(test) else {
+        return;
+    };
+    let polled: BTreeSet<_> = library
+        .recordings
+        .iter()
+        .filter(|r| {
+            r.findings
+                .iter()
+                .any(|f| matches!(f, Finding::Polled { .. }))
+        })
+        .map(|r| r.subject.as_str())
+        .collect();
+    assert_eq!(polled, BTreeSet::from(["myo-readings/69069"]));
+    for recording in &library.recordings {
+        let drifts = ["32185", "35622", "46666", "60186"];
+        let drifts = drifts.iter().any(|id| recording.subject.ends_with(id));
+        let rest = recording.name.ends_with("/0");
+        if !recording.other_movement.is_empty() {
+            assert!(!drifts, "{}", recording.path.display());
+            continue;
+        }
+        assert_eq!(
+            recording.has_labels(),
+            !drifts || rest,
+            "{}",
+            recording.path.display()
+        );
+    }
+}

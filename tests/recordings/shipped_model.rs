@@ -1,0 +1,198 @@
+//! The shipped model on held-out people.
+
+use std::collections::BTreeSet;
+
+use evaluation::inference::integer_logits;
+use evaluation::inference::outputs;
+use evaluation::metric::event::latency::Latency;
+use evaluation::{
+    ALL, CONSTANT, Candidate, Difference, ENERGY, EnergyDetector, EvaluatedRecording, LookAhead,
+    Measure, Score, Truth, constant, score_all,
+};
+use recordings::split::predefined::is_test;
+use recordings::{Library, Recording};
+use shared::intent::{MAX_CLASSES, Vocabulary};
+use shared::model::file::Model;
+use shared::stream::preprocess::{Median, clean};
+use shared::units::{CleanSample, PATCH, WINDOW};
+
+use super::read;
+
+/// The recordings with labels shifted by the lag of their data set.
+fn evaluated(library: &Library) -> Vec<EvaluatedRecording> {
+    let evaluated = |recording: &Recording| {
+        let labels = recording.labels_in(Vocabulary::Three);
+        let late = std::iter::repeat_n(None, recording.data_set.label_lag());
+        EvaluatedRecording {
+            data_set: recording.data_set,
+            subject: recording.subject.clone(),
+            name: recording.name.clone(),
+            raw: recording.samples.clone(),
+            emg: clean(recording.aligned_samples(), Median::Three).collect(),
+            normalized: {
+                let mut samples = recording.normalized_samples();
+                recording.data_set.align(&mut samples);
+                samples
+            },
+            published: None,
+            lag_compensated: late.chain(labels).take(recording.samples.len()).collect(),
+            other_movement: Vec::new(),
+        }
+    };
+    library.recordings.iter().map(evaluated).collect()
+}
+
+#[test]
+fn the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_made() {
+    let test = "the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_made";
+    let Some(library) = read(test, "wang-myo") else {
+        return;
+    };
+    let all = evaluated(&library);
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/three-class.intent");
+    let bytes = std::fs::read(file).unwrap();
+    let model = Model::parse(&bytes).unwrap();
+    let provenance = &model.header.provenance;
+    let left_out = |recording: &EvaluatedRecording| {
+        let mut names = provenance.subjects_left_out.iter();
+        names.any(|name| name == recording.subject)
+    };
+    let (mut recordings, training): (Vec<_>, Vec<_>) = all.into_iter().partition(left_out);
+    // The model was trained on the others. Nobody looks at the test people here.
+    recordings.retain(|recording| !is_test(&recording.subject));
+    let people: BTreeSet<_> = recordings
+        .iter()
+        .map(|recording| &recording.subject)
+        .collect();
+    assert_eq!(people.len(), 3);
+    assert!(!training.is_empty());
+    let logits = recordings.iter().map(|recording| {
+        integer_logits(&model, &recording.input(model.header.preprocessing)).unwrap()
+    });
+    let own = Candidate {
+        name: "model".to_owned(),
+        looks_back: true,
+        logits: logits.collect(),
+        entry_margins: model.header.smoother.entry_margins,
+        other_margin: model.header.smoother.other_margin,
+        early: model.header.smoother.early,
+    };
+    let detector = EnergyDetector::fit(&training).unwrap();
+    let candidates = [own, constant(&recordings), detector.candidate(&recordings)];
+    let truths = [Truth::LagCompensated];
+    let scores = score_all(&candidates, &recordings, Vocabulary::Three, &truths).unwrap();
+    let of = |model: &str, look_ahead: LookAhead| {
+        let mut scores = scores.iter();
+        scores
+            .find(|score| score.model == model && score.look_ahead == look_ahead)
+            .unwrap()
+    };
+    let balanced = |score: &Score| Measure::BalancedAccuracy.mean(score).unwrap().mean;
+    let (constant, energy) = (of(CONSTANT, LookAhead::None), of(ENERGY, LookAhead::None));
+    assert!((balanced(constant) - 1.0 / 3.0).abs() < 1e-9);
+    assert_eq!(
+        (
+            constant.events.recognised,
+            constant.events.flicker.unwrap().mean
+        ),
+        (0, 0.0)
+    );
+    assert!(constant.events.gestures > 30 * people.len());
+    for look_ahead in LookAhead::ALL {
+        let score = of("model", look_ahead);
+        assert!(balanced(score) > balanced(energy) && balanced(energy) > balanced(constant));
+        let difference = Difference::of(Measure::Recognition, score, constant).unwrap();
+        assert!(difference.mean.mean > 0.3, "{difference:?}");
+        // Three people show nothing, however clear their numbers.
+        assert_eq!((difference.people, difference.is_shown()), (3, false));
+        // The hand moves 50 ms or more before a label of the newest patch, and 0.25 s before one with look-ahead.
+        let latency = score.events.latency.unwrap();
+        let Latency::Ms(median) = latency.median else {
+            panic!("{latency:?}")
+        };
+        let least = if look_ahead == LookAhead::None {
+            50.0
+        } else {
+            250.0
+        };
+        assert!(
+            (least..1000.0).contains(&median),
+            "{look_ahead:?}: {median}"
+        );
+    }
+}
+
+/// The table of docs/decisions.md: the shipped model with several lead-ins, on the people that it left out.
+#[test]
+#[ignore = "a measurement of some minutes"]
+fn the_lead_in_decides_the_first_labels() {
+    let test = "the_lead_in_decides_the_first_labels";
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/three-class.intent");
+    let bytes = std::fs::read(file).unwrap();
+    let model = Model::parse(&bytes).unwrap();
+    let mut all = Vec::new();
+    for set in ["cote-allard", "ss-stm", "roshambo", "myo-readings"] {
+        let Some(library) = read(test, set) else {
+            return;
+        };
+        let provenance = &model.header.provenance;
+        all.extend(evaluated(&library).into_iter().filter(|recording| {
+            let labelled = recording.lag_compensated.iter().any(Option::is_some);
+            let mut names = provenance.subjects_left_out.iter();
+            labelled && names.any(|name| name == recording.subject)
+        }));
+    }
+    let with = |name: &str, lead: fn(&[CleanSample]) -> Vec<CleanSample>| {
+        let logits = |recording: &EvaluatedRecording| {
+            let stream = [lead(&recording.emg), recording.emg.clone()].concat();
+            let before = (stream.len() - recording.emg.len()) / PATCH;
+            let rows = outputs(&model, stream.as_chunks::<PATCH>().0).unwrap();
+            rows[before..].to_vec()
+        };
+        Candidate {
+            name: name.to_owned(),
+            looks_back: true,
+            logits: all.iter().map(logits).collect(),
+            entry_margins: [0.0; MAX_CLASSES],
+            other_margin: None,
+            early: None,
+        }
+    };
+    let candidates = [
+        with("first 100 samples", |emg| first(emg, 100)),
+        with("first patch", |emg| first(emg, PATCH)),
+        with("first sample", |emg| first(emg, 1)),
+        with("zeros", |_| vec![CleanSample::default(); WINDOW]),
+        with("none", |_| Vec::new()),
+    ];
+    let truths = [Truth::LagCompensated];
+    let scores = score_all(&candidates, &all, Vocabulary::Three, &truths).unwrap();
+    let with_all_rows = || scores.iter().filter(|s| s.look_ahead == LookAhead::AllRows);
+    println!("{} recordings", all.len());
+    for score in with_all_rows() {
+        let mean = |measure: Measure| measure.mean(score).map_or(f64::NAN, |of| of.mean);
+        println!(
+            "{:18} {:12} balanced {:.3} TA {:.3} recognised {:.3}",
+            score.model,
+            score.data_set,
+            mean(Measure::BalancedAccuracy),
+            mean(Measure::TransitionAccuracy),
+            mean(Measure::Recognition)
+        );
+    }
+    let of = |model: &str| {
+        with_all_rows()
+            .find(|s| s.model == model && s.data_set == ALL)
+            .unwrap()
+    };
+    let measure = Measure::BalancedAccuracy;
+    let future = Difference::of(measure, of("first 100 samples"), of("first patch")).unwrap();
+    println!("knowledge of the future: {future:?}");
+    assert!(future.is_shown());
+}
+
+/// The first samples of a recording, repeated to a window.
+fn first(emg: &[CleanSample], samples: usize) -> Vec<CleanSample> {
+    let lead = emg[..samples].iter().copied().cycle();
+    lead.take(WINDOW).collect()
+}
