@@ -117,7 +117,7 @@ fn an_integer_student_is_deterministic_and_near_the_float_student() {
     let (mut largest, mut worst) = (0.0_f32, 0.0_f32);
     for (patch, rows) in rows.iter().enumerate() {
         for class in 0..3 {
-            let logit = float[patch * 10][class + 1];
+            let logit = float[patch * 10][class + 2];
             largest = largest.max(logit.abs());
             worst = worst.max((logit - rows[0][class]).abs());
         }

@@ -50,7 +50,9 @@ fn the_page_follows_a_recording_and_saves_what_it_saw() {
     browser.wait_for("document.getElementById('label').textContent === 'close'");
     browser.wait_for("document.getElementById('label').textContent === 'relax'");
     browser.wait_for("Number(document.getElementById('rate').textContent) > 190");
-    assert_eq!(browser.text("delay"), "255 ms");
+    let delay = browser.text("delay");
+    let delay: u32 = delay.strip_suffix(" ms").unwrap().parse().unwrap();
+    assert!((5..=255).contains(&delay), "{delay} ms");
     assert_eq!(browser.text("lost"), "0");
 
     for (name, width, height, scheme) in [

@@ -12,8 +12,6 @@ const RECEIVED: usize = 540 - PATCH;
 /// Most samples in a row that are filled in, and most of a window's.
 const BRIDGED: u32 = 5;
 const BRIDGED_OF_WINDOW: usize = 60;
-/// Labels are as old as the look-ahead and the median's one sample.
-const LABEL_AGE: u32 = LOOK_AHEAD as u32 + 1;
 
 /// What is expected of the device.
 #[derive(Default)]
@@ -125,10 +123,20 @@ impl Truth {
                 assert!(is_valid, "a label while not valid: {report}");
                 let was_valid = self.status.is_some_and(Status::valid);
                 assert!(was_valid, "a label before the state is valid: {report}");
-                assert_eq!(report.emitted.since(report.instant), LABEL_AGE, "{report}");
-                if let Some((instant, _)) = self.label {
-                    let step = report.instant.since(instant);
-                    assert_eq!(step, HOLD as u32, "from label to label: {report}");
+                let age = report.emitted.since(report.instant);
+                let waited = age.wrapping_sub(1);
+                assert!(
+                    waited <= LOOK_AHEAD as u32 && waited % PATCH as u32 == 0,
+                    "{report}"
+                );
+                if let Some((instant, emitted)) = self.label {
+                    let step = report.emitted.since(emitted);
+                    let is_step = [PATCH, HOLD].contains(&(step as usize));
+                    assert!(is_step, "from label to label: {report}");
+                    assert!(
+                        report.instant.since(instant) <= WINDOW as u32,
+                        "back in time: {report}"
+                    );
                 }
                 self.label = Some((report.instant, report.emitted));
                 self.totals.labels += 1;

@@ -1,8 +1,7 @@
-//! Distribution of events from one source to all viewers. A slow viewer loses messages; the source never waits for one. It
-//! waits for a recorder whose queue is full: a recording loses nothing.
+//! Distribution of events from one source to all viewers. A slow viewer loses messages; the source never waits for one.
 
 use std::collections::BTreeMap;
-use std::sync::mpsc::SyncSender;
+use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
@@ -28,7 +27,7 @@ pub(crate) struct Hub {
 struct State {
     newest: BTreeMap<Topic, Message>,
     /// Recorder, which receives every event it needs without loss.
-    recorder: Option<SyncSender<Event>>,
+    recorder: Option<Sender<Event>>,
     sender: broadcast::Sender<Message>,
 }
 
@@ -79,9 +78,9 @@ impl Hub {
         Millis(self.now() as u64 as u32)
     }
 
-    /// Hands samples, sources and alignments to a recorder as well. [`Hub::publish`] waits while the queue is full: a replay
-    /// goes on later, and what a board sends meanwhile is counted as lost on the line and holds the session.
-    pub(crate) fn attach_recorder(&self, recorder: SyncSender<Event>) {
+    /// Hands samples, sources and alignments to a recorder as well. The queue is not bounded: the recorder is faster than
+    /// the samples.
+    pub(crate) fn attach_recorder(&self, recorder: Sender<Event>) {
         self.lock().recorder = Some(recorder);
     }
 
@@ -91,17 +90,15 @@ impl Hub {
             return;
         };
         let message: Message = text.into();
+        let mut state = self.lock();
         let is_recorded = matches!(
             event,
             Event::Samples { .. } | Event::Source { .. } | Event::Alignment { .. }
         );
-        // Sent without the lock: the recorder publishes too.
-        let recorder = self.lock().recorder.clone().filter(|_| is_recorded);
-        if let Some(recorder) = recorder {
+        if let Some(recorder) = state.recorder.as_ref().filter(|_| is_recorded) {
             // The recorder may have ended.
             let _ = recorder.send(event.clone());
         }
-        let mut state = self.lock();
         if let Some(topic) = event.topic() {
             state.newest.insert(topic, message.clone());
         }
@@ -152,9 +149,6 @@ impl Hub {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::{AtomicUsize, Ordering};
-    use std::sync::mpsc;
-
     use super::*;
     use tokio::sync::broadcast::error::TryRecvError;
 
@@ -205,36 +199,5 @@ mod tests {
         );
         let oldest = format!(":{},", 2 * BEHIND);
         assert!(slow.try_recv().unwrap().contains(&oldest));
-    }
-
-    #[test]
-    fn a_source_waits_for_a_recorder_whose_queue_is_full_and_nothing_is_lost() {
-        const ROOM: usize = 2;
-        const EVENTS: u32 = 40;
-        let hub = Hub::new();
-        let (recorder, events) = mpsc::sync_channel(ROOM);
-        hub.attach_recorder(recorder);
-        let published = AtomicUsize::new(0);
-        std::thread::scope(|scope| {
-            scope.spawn(|| {
-                for first in 0..EVENTS {
-                    hub.publish(&Event::Samples {
-                        first,
-                        at: 0.0,
-                        emg: Vec::new(),
-                        truth: None,
-                    });
-                    published.fetch_add(1, Ordering::SeqCst);
-                }
-            });
-            for expected in 0..EVENTS {
-                // Neither the recorder nor a viewer is held up meanwhile.
-                hub.publish(&mark(expected));
-                let most = expected as usize + ROOM;
-                assert!(published.load(Ordering::SeqCst) <= most);
-                let event = events.recv().unwrap();
-                assert!(matches!(event, Event::Samples { first, .. } if first == expected));
-            }
-        });
     }
 }

@@ -10,7 +10,7 @@
 //! `myointent record` adds a recorder, which hears all samples and leads through a session. A simulated person follows its
 //! cues.
 //!
-//! The source never waits for a viewer, but for a recorder that is minutes behind. The page needs nothing from other servers.
+//! The source never waits for a viewer. The page needs nothing from other servers.
 
 mod event;
 mod hub;
@@ -47,8 +47,6 @@ const SHIPPED: &[u8] = include_bytes!("../../../models/three-class.intent");
 
 /// Number of requests that may wait for the source, and for the recorder.
 const REQUESTS: usize = 16;
-/// Number of events that a recorder may be behind: minutes of samples, in a few megabytes.
-const UNRECORDED: usize = 1 << 15;
 /// Stack size of the source's thread in bytes: room for the state of the largest accepted model.
 const STACK: usize = 16 << 20;
 
@@ -184,7 +182,7 @@ fn start_recorder(
 ) -> anyhow::Result<(RecorderThread, SyncSender<RecorderRequest>)> {
     let stop = Stop::default();
     let stopped = stop.clone();
-    let (events, received) = mpsc::sync_channel(UNRECORDED);
+    let (events, received) = mpsc::channel();
     let (sender, requests) = mpsc::sync_channel(REQUESTS);
     hub.attach_recorder(events);
     let thread = std::thread::Builder::new()

@@ -31,8 +31,8 @@ pub struct Observer {
     /// Notifications that a busy host held back.
     late: u32,
     labels: u32,
-    /// The instant of the newest.
-    instant: u32,
+    /// Emission time of the newest.
+    emitted: u32,
     stack: u64,
 }
 
@@ -49,8 +49,8 @@ pub struct Seen {
     pub late: u32,
     /// `$LABEL` lines.
     pub labels: u32,
-    /// The sample that the newest of them is for.
-    pub instant: u32,
+    /// The sample at which the newest of them was emitted.
+    pub emitted: u32,
     /// Bytes of the deepest stack.
     pub stack: u64,
 }
@@ -70,7 +70,7 @@ impl Observer {
             excused: true,
             late: 0,
             labels: 0,
-            instant: 0,
+            emitted: 0,
             stack: 0,
         }
     }
@@ -84,7 +84,7 @@ impl Observer {
         for line in self.lines.lines()? {
             if line.starts_with("$LABEL,") {
                 let report = Report::parse(format!("{line}\r\n").as_bytes());
-                self.instant = report.with_context(|| line.clone())?.instant.0;
+                self.emitted = report.with_context(|| line.clone())?.emitted.0;
                 self.labels += 1;
             }
         }
@@ -140,7 +140,7 @@ impl Observer {
             on_air: self.on_air,
             late: self.late,
             labels: self.labels,
-            instant: self.instant,
+            emitted: self.emitted,
             stack: self.stack,
         }
     }

@@ -1,5 +1,5 @@
-//! Recorder of a session: a thread that takes samples from the hub, leads through a protocol and writes a journal.
-//! Viewers do not wait for it or its disk, nor does the source until it is minutes behind.
+//! Recorder of a session: a thread that takes samples from the hub, leads through a protocol and writes a journal. Neither
+//! source nor viewers wait for it or its disk.
 
 mod summary;
 #[cfg_attr(not(feature = "train"), path = "untrained.rs")]
