@@ -12,14 +12,16 @@ use evaluation::metric::confusion::Confusion;
 use evaluation::metric::event::activation::Rate;
 use evaluation::metric::event::gesture::Gesture;
 use evaluation::metric::event::latency::{Latency, LatencySummary};
-use evaluation::metric::event::summary::SubjectEvents;
+use evaluation::metric::event::summary::{Raised, SubjectEvents};
 use evaluation::metric::event::{EventRule, RecordingEvents};
 use evaluation::metric::offset;
 use evaluation::metric::predicted_length;
 use evaluation::metric::summary::RecordingScore;
 use evaluation::metric::transition::{Change, Rule, TransitionStatus};
 use evaluation::report::Table;
+use recordings::labels::motion::{GroundTruth, Motion};
 use recordings::labels::vocabulary;
+use recordings::movement;
 pub use recordings::readers::label_file::{self, Purpose};
 
 /// Arguments of `myointent score`.
@@ -33,7 +35,7 @@ pub use recordings::readers::label_file::{self, Purpose};
         label per line, or csv with a header. Of a csv, --truth reads the column gt, truth or label, and --prediction \
         reads prediction, predicted or label, the first of them that there is. Labels \
         are class numbers (0 relax, 1 open, 2 close, 3 wave-in, 4 wave-out, 5 pinch) or names; \
-        -1 or none: no label. Both files have one label per sample at 200 Hz.\n\n\
+        -1, unknown or none: no label; -2, other or its name (point): other movement, as a prediction no label. Both files have one label per sample at 200 Hz.\n\n\
         A transition of the truth is followed if the prediction changes the same way within the \
         buffer around it, without a third label there, and then holds the new label until the \
         next buffer. Where transitions are near each other, buffers do not overlap: a buffer starts where the one before it \
@@ -82,8 +84,16 @@ pub(super) fn run(args: Arguments) -> anyhow::Result<()> {
 
 /// Formats the scores as text or JSON.
 fn report(args: &Arguments) -> anyhow::Result<String> {
-    let truth = label_file::read(&args.truth, Purpose::Truth)?;
-    let prediction = label_file::read(&args.prediction, Purpose::Prediction)?;
+    let truth: GroundTruth = label_file::read(&args.truth, Purpose::Truth)?
+        .into_iter()
+        .collect();
+    let movements = truth.other_movement;
+    let truth = truth.labels;
+    // Other movement raises no label: predicted, it is none.
+    let prediction: Vec<Option<Intent>> = label_file::read(&args.prediction, Purpose::Prediction)?
+        .into_iter()
+        .map(Motion::label)
+        .collect();
     let rule = Rule {
         buffer: args.buffer,
         strict: args.strict,
@@ -96,7 +106,13 @@ fn report(args: &Arguments) -> anyhow::Result<String> {
     let scored = predicted_length(&prediction);
     confusion.add(&truth[..scored], &prediction[..scored])?;
     let emitted = delayed(&prediction[..scored], args.delay);
-    let events = RecordingEvents::new(&truth[..scored], &emitted, &[], &EventRule::default())?;
+    let movements = movement::within(&movements, &(0..scored));
+    let events = RecordingEvents::new(
+        &truth[..scored],
+        &emitted,
+        &movements,
+        &EventRule::default(),
+    )?;
     Ok(if args.json {
         json(&score, &events, &rule, &confusion)?
     } else {
@@ -133,6 +149,8 @@ fn json(
         "recognition": own.recognition,
         "latency": own.latency,
         "false_activations": per_minute(own.rest),
+        "other_activations": per_minute(own.other_movement),
+        "other_movements": own.raised,
         "flicker": per_minute(own.flicker),
         "gestures": events.gestures,
         "raw_accuracy": score.raw_accuracy,
@@ -186,6 +204,14 @@ fn tables(
         );
     }
     text += &format!("false activations    {} of rest\n", per_minute(own.rest));
+    if let Some(raised) = own.raised.values().copied().reduce(Raised::plus) {
+        text += &format!(
+            "other movements      {} of {} raise a label; {}\n",
+            raised.raised,
+            raised.movements,
+            per_minute(own.other_movement)
+        );
+    }
     text += &format!("flicker              {}\n", per_minute(own.flicker));
     text += &format!("raw accuracy         {}\n", share(score.raw_accuracy));
     let offsets: Vec<i32> = transitions.offsets().collect();
