@@ -17,7 +17,8 @@ pub struct Batch {
     pub(super) label_mask: Tensor<3>,
     /// Number of outputs in the mean of the label loss.
     pub(super) labelled: f64,
-    /// Mask with 1 where a teacher has targets: after the context, for patches after the lead-in, `[b, patches, 6]`.
+    /// Mask with 1 where a teacher has targets: after the context, for patches after the lead-in that are not left to the labels
+    /// ([`Sequence::labels_alone`]), `[b, patches, 6]`.
     pub(super) distillation_mask: Tensor<3>,
     /// Number of outputs in the mean of the distillation loss.
     pub(super) distilled: f64,
@@ -77,6 +78,9 @@ impl Batch {
                         targets[output] = target as i32;
                         label_mask[output] = 1.0;
                         labelled += 1.0;
+                    }
+                    if sequence.labels_alone[estimated] {
+                        continue;
                     }
                     distillation_mask[output] = 1.0;
                     distilled += 1.0;
@@ -150,7 +154,7 @@ mod tests {
                 logits
             })
             .collect();
-        sequences(&corpus, Some(vec![soft_targets]))
+        sequences(&corpus, Some(vec![soft_targets]), true)
     }
 
     #[test]
@@ -164,7 +168,8 @@ mod tests {
             other,
             streams: vec![stream.clone()],
         };
-        let found = |other| sequences(&corpus(other), None)[0].targets[WINDOW_PATCHES..].to_vec();
+        let found =
+            |other| sequences(&corpus(other), None, true)[0].targets[WINDOW_PATCHES..].to_vec();
         let mut expected = vec![None; 20];
         expected[..5].fill(Some(1));
         assert_eq!(found(false), expected);
@@ -174,11 +179,38 @@ mod tests {
             outputs: 4,
             ..SHAPE
         };
-        let sequence = sequences(&corpus(true), None);
+        let sequence = sequences(&corpus(true), None, true);
         let batch = Batch::new(&sequence, &[excerpt(60)], shape, &Device::default());
         let targets: Vec<i32> = batch.targets.into_data().iter::<i32>().collect();
         // Each patch is estimated six times.
         assert_eq!(targets.iter().filter(|&&target| target == 3).count(), 5 * 6);
+    }
+
+    #[test]
+    fn the_own_outputs_of_a_model_teach_no_other_movement() {
+        let samples = 20 * PATCH;
+        let mut stream = Stream::new(vec![[1; CHANNELS]; samples], vec![None; samples]);
+        stream.other_movement.push(100..150);
+        let corpus = Corpus {
+            vocabulary: Vocabulary::Three,
+            other: true,
+            streams: vec![stream],
+        };
+        let shape = BatchShape {
+            outputs: 4,
+            ..SHAPE
+        };
+        let batch = |teacher_on_other| {
+            let logits = vec![LookBackLogits::default(); 20];
+            let sequences = sequences(&corpus, Some(vec![logits]), teacher_on_other);
+            Batch::new(&sequences, &[excerpt(60)], shape, &Device::default())
+        };
+        let [all, own] = [true, false].map(batch);
+        // Each of the five patches is estimated six times.
+        assert_eq!((own.labelled, all.labelled), (30.0, 30.0));
+        assert_eq!(all.distilled - own.distilled, 30.0);
+        let mask: f32 = read_back(own.distillation_mask).iter().sum();
+        assert_eq!(f64::from(mask), own.distilled);
     }
 
     fn excerpt(start: usize) -> Excerpt {
