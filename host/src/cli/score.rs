@@ -12,14 +12,17 @@ use evaluation::metric::confusion::Confusion;
 use evaluation::metric::event::activation::Rate;
 use evaluation::metric::event::gesture::Gesture;
 use evaluation::metric::event::latency::{Latency, LatencySummary};
-use evaluation::metric::event::summary::SubjectEvents;
+use evaluation::metric::event::summary::{Raised, SubjectEvents};
 use evaluation::metric::event::{EventRule, RecordingEvents};
 use evaluation::metric::offset;
 use evaluation::metric::predicted_length;
 use evaluation::metric::summary::RecordingScore;
 use evaluation::metric::transition::{Change, Rule, TransitionStatus};
 use evaluation::report::Table;
+use recordings::LoadError;
+use recordings::labels::motion::{GroundTruth, Motion};
 use recordings::labels::vocabulary;
+use recordings::movement;
 pub use recordings::readers::label_file::{self, Purpose};
 
 const EMISSION: Purpose = Purpose::Emission;
@@ -35,7 +38,7 @@ const EMISSION: Purpose = Purpose::Emission;
         label per line, or csv with a header. Of a csv, --truth reads the column gt, truth or label, and --prediction \
         reads prediction, predicted or label, the first of them that there is. Labels \
         are class numbers (0 relax, 1 open, 2 close, 3 wave-in, 4 wave-out, 5 pinch) or names; \
-        -1 or none: no label. Both files have one label per sample at 200 Hz.\n\n\
+        -1, unknown or none: no label; -2, other or its name (point): other movement, as a prediction no label. Both files have one label per sample at 200 Hz.\n\n\
         A transition of the truth is followed if the prediction changes the same way within the \
         buffer around it, without a third label there, and then holds the new label until the \
         next buffer. Where transitions are near each other, buffers do not overlap: a buffer starts where the one before it \
@@ -84,8 +87,17 @@ pub(super) fn run(args: Arguments) -> anyhow::Result<()> {
 
 /// Formats the scores as text or JSON.
 fn report(args: &Arguments) -> anyhow::Result<String> {
-    let truth = label_file::read(&args.truth, Purpose::Truth)?;
-    let prediction = label_file::read(&args.prediction, Purpose::Prediction)?;
+    let truth: GroundTruth = label_file::read(&args.truth, Purpose::Truth)?
+        .into_iter()
+        .collect();
+    let movements = truth.other_movement;
+    let truth = truth.labels;
+    // Other movement raises no label: predicted, it is none.
+    let predicted = |purpose| -> Result<Vec<Option<Intent>>, LoadError> {
+        let labels = label_file::read(&args.prediction, purpose)?.into_iter();
+        Ok(labels.map(Motion::label).collect())
+    };
+    let prediction = predicted(Purpose::Prediction)?;
     let rule = Rule {
         buffer: args.buffer,
         strict: args.strict,
@@ -98,15 +110,17 @@ fn report(args: &Arguments) -> anyhow::Result<String> {
     let scored = predicted_length(&prediction);
     confusion.add(&truth[..scored], &prediction[..scored])?;
     let emitted = if args.delay.is_none() && label_file::has_column(&args.prediction, EMISSION)? {
-        let mut emitted = label_file::read(&args.prediction, EMISSION)?;
+        let mut emitted = predicted(EMISSION)?;
         emitted.truncate(scored);
         emitted
     } else {
         delayed(&prediction[..scored], args.delay.unwrap_or(0))
     };
+    let movements = movement::within(&movements, &(0..scored));
+    let own = &truth[..scored];
     let scores = Scores {
-        emission: RecordingScore::new("", &name, &truth[..scored], &emitted, &rule)?,
-        events: RecordingEvents::new(&truth[..scored], &emitted, &[], &EventRule::default())?,
+        emission: RecordingScore::new("", &name, own, &emitted, &rule)?,
+        events: RecordingEvents::new(own, &emitted, &movements, &EventRule::default())?,
         reference: score,
     };
     Ok(if args.json {
@@ -156,6 +170,8 @@ fn json(scores: &Scores, rule: &Rule, confusion: &Confusion) -> serde_json::Resu
         "latency": own.latency,
         "recognised_within_ms": SOON_MS.map(|ms| (ms.to_string(), within(&own, ms))).into_iter().collect::<BTreeMap<_, _>>(),
         "false_activations": per_minute(own.rest),
+        "other_activations": per_minute(own.other_movement),
+        "other_movements": own.raised,
         "flicker": per_minute(own.flicker),
         "gestures": events.gestures,
         "raw_accuracy": score.raw_accuracy,
@@ -229,6 +245,14 @@ fn tables(scores: &Scores, unscored: usize, confusion: &Confusion) -> String {
         text += &format!("so soon              {}\n", soon.join(", "));
     }
     text += &format!("false activations    {} of rest\n", per_minute(own.rest));
+    if let Some(raised) = own.raised.values().copied().reduce(Raised::plus) {
+        text += &format!(
+            "other movements      {} of {} raise a label; {}\n",
+            raised.raised,
+            raised.movements,
+            per_minute(own.other_movement)
+        );
+    }
     text += &format!("flicker              {}\n", per_minute(own.flicker));
     text += &format!("raw accuracy         {}\n", share(score.raw_accuracy));
     let offsets: Vec<i32> = transitions.offsets().collect();

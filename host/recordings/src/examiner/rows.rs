@@ -12,7 +12,7 @@ use super::clock::{Clock, Timebase};
 use super::repeats::{Repeats, first_of_each, judge, standstill};
 use super::signal::{Signal, mean};
 use crate::examiner::finding::Finding;
-use crate::recording::Recording;
+use crate::recording::{Recording, movement};
 
 /// Largest deviation of a clock's rate, as a share, that is not reported: the armband's own is within 2 %.
 const QUIETLY_OFF: f64 = 0.03;
@@ -104,6 +104,10 @@ impl Rows {
         recording.samples.retain(|_| rows.next().unwrap_or(true));
         let mut rows = self.keep.iter().copied();
         recording.labels.retain(|_| rows.next().unwrap_or(true));
+        for movement in &mut recording.other_movement {
+            let kept = |row: usize| self.keep[..row].iter().filter(|keep| **keep).count();
+            movement.samples = kept(movement.samples.start)..kept(movement.samples.end);
+        }
         recording.findings.extend(self.findings);
         if self.pieces.len() < 2 {
             return vec![recording];
@@ -112,6 +116,7 @@ impl Rows {
             name: format!("{}.{}", recording.name, number + 1),
             samples: recording.samples[piece.clone()].to_vec(),
             labels: recording.labels[piece.clone()].to_vec(),
+            other_movement: movement::within(&recording.other_movement, piece),
             // Findings are reported once, with the first piece.
             findings: if number == 0 {
                 recording.findings.clone()

@@ -21,6 +21,28 @@ impl Motion {
     /// Rest.
     pub(crate) const RELAX: Self = Self::Intent(Intent::Relax);
 
+    /// Motion of a label in a file: the name of an intent, `other`, the name of another movement (`point`), `unknown`, or none for any
+    /// other word.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        match name {
+            "" | "none" | "unknown" => Some(Self::Unknown),
+            _ => Intent::from_name(name)
+                .map(Self::Intent)
+                .or_else(|| MovementKind::from_name(name).map(Self::Other)),
+        }
+    }
+
+    /// Name of the motion as a file has it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Intent(intent) => intent.name(),
+            Self::Other(kind) => kind.name(),
+            Self::Unnamed | Self::Unknown => "unknown",
+        }
+    }
+
     /// The label of a sample.
     pub const fn label(self) -> Option<Intent> {
         match self {
@@ -39,8 +61,10 @@ pub fn motions(cues: &[Option<Intent>]) -> Vec<Motion> {
 
 /// Labels and other movement of a recording, as [`Recording`](crate::Recording) holds them.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
-pub(crate) struct GroundTruth {
+pub struct GroundTruth {
+    /// Label of each sample; none where no intent is known.
     pub labels: Vec<Option<Intent>>,
+    /// Movement that is none of the intents, in order.
     pub other_movement: Vec<Movement>,
 }
 

@@ -2,7 +2,7 @@
 //!
 //! npy: one axis of class numbers or names, or (n, 9) in ReactEMG's layout. Text: one label per
 //! line, or csv with a header that names the column. A label is a class number, a name
-//! (`wave-in`), or for no label -1, `none` or an empty field.
+//! (`wave-in`), for any other movement -2, `other` or its name (`point`), or for no label -1, `unknown`, `none` or an empty field.
 
 use std::path::Path;
 
@@ -11,6 +11,8 @@ use shared::intent::Intent;
 use super::error::{Damage, Fault, LoadError};
 use super::npy::{self, Values};
 use super::table;
+use crate::labels::motion::Motion;
+use crate::recording::movement::MovementKind;
 use execution::bounded_read;
 use execution::file_kind::FileKind;
 
@@ -45,7 +47,7 @@ impl Purpose {
 ///
 /// # Errors
 /// [`LoadError::Io`], or [`LoadError::Damaged`] with the line or byte of the first invalid label.
-pub fn read(path: &Path, purpose: Purpose) -> Result<Vec<Option<Intent>>, LoadError> {
+pub fn read(path: &Path, purpose: Purpose) -> Result<Vec<Motion>, LoadError> {
     let bytes = bounded_read::read(path, bounded_read::RECORDING)
         .map_err(|source| LoadError::io(path, source))?;
     // A byte order mark, as some editors write it.
@@ -70,7 +72,7 @@ pub fn has_column(path: &Path, purpose: Purpose) -> Result<bool, LoadError> {
 }
 
 /// Parses the bytes of a file of labels.
-pub fn parse(bytes: &[u8], purpose: Purpose) -> Result<Vec<Option<Intent>>, Damage> {
+pub fn parse(bytes: &[u8], purpose: Purpose) -> Result<Vec<Motion>, Damage> {
     if FileKind::of(bytes) == FileKind::Npy {
         return not_empty(array(bytes)?);
     }
@@ -113,14 +115,14 @@ pub fn parse(bytes: &[u8], purpose: Purpose) -> Result<Vec<Option<Intent>>, Dama
     not_empty(labels)
 }
 
-fn not_empty(labels: Vec<Option<Intent>>) -> Result<Vec<Option<Intent>>, Damage> {
+fn not_empty(labels: Vec<Motion>) -> Result<Vec<Motion>, Damage> {
     if labels.is_empty() {
         return Err(Damage::of_file(Fault::Empty));
     }
     Ok(labels)
 }
 
-fn array(bytes: &[u8]) -> Result<Vec<Option<Intent>>, Damage> {
+fn array(bytes: &[u8]) -> Result<Vec<Motion>, Damage> {
     let array = npy::parse(bytes)?;
     let columns = match array.shape[..] {
         [_] => 1,
@@ -153,32 +155,32 @@ fn array(bytes: &[u8]) -> Result<Vec<Option<Intent>>, Damage> {
     }
 }
 
-/// Label of a class number, 0 to 5, or -1 for none.
-pub(crate) fn from_number(value: f64) -> Result<Option<Intent>, Fault> {
+/// Motion of a class number, 0 to 5, of -1 for unknown, or of -2 for other movement.
+pub(crate) fn from_number(value: f64) -> Result<Motion, Fault> {
     let fault = || Fault::Label {
-        expected: "-1, 0, 1, 2, 3, 4, 5",
+        expected: "-2 (other), -1 (unknown), 0, 1, 2, 3, 4, 5",
         found: value.to_string(),
     };
     if value == -1.0 {
-        return Ok(None);
+        return Ok(Motion::Unknown);
+    }
+    if value == -2.0 {
+        return Ok(Motion::Other(MovementKind::Other));
     }
     let class = (value.fract() == 0.0 && value >= 0.0).then_some(value as usize);
     class
         .and_then(Intent::from_class)
-        .map(Some)
+        .map(Motion::Intent)
         .ok_or_else(fault)
 }
 
-/// Label of an intent's name, of a class number, or for none of `none`, -1 or an empty field.
-pub(crate) fn from_text(text: &str) -> Result<Option<Intent>, Fault> {
-    if text.is_empty() || text == "none" {
-        return Ok(None);
-    }
-    if let Some(intent) = Intent::from_name(text) {
-        return Ok(Some(intent));
+/// Motion of a name ([`Motion::from_name`]) or a number.
+pub(crate) fn from_text(text: &str) -> Result<Motion, Fault> {
+    if let Some(motion) = Motion::from_name(text) {
+        return Ok(motion);
     }
     let fault = || Fault::Label {
-        expected: "-1 to 5, an intent's name, or none",
+        expected: "-2 to 5, an intent's name, other, or unknown",
         found: text.to_owned(),
     };
     from_number(text.parse().map_err(|_| fault())?).map_err(|_| fault())
@@ -189,23 +191,36 @@ mod tests {
     use super::*;
     use crate::readers::error::Place;
 
-    const R: Option<Intent> = Some(Intent::Relax);
-    const W: Option<Intent> = Some(Intent::WaveIn);
+    const R: Motion = Motion::RELAX;
+    const W: Motion = Motion::Intent(Intent::WaveIn);
+    const NONE: Motion = Motion::Unknown;
+    const OTHER: Motion = Motion::Other(MovementKind::Other);
+    const POINT: Motion = Motion::Other(MovementKind::Point);
 
     #[test]
     fn one_label_a_line_by_number_or_by_name() {
         assert_eq!(
             parse(b"0\n3\n-1\nwave-in\nnone\n", Purpose::Truth),
-            Ok(vec![R, W, None, W, None])
+            Ok(vec![R, W, NONE, W, NONE])
         );
         assert_eq!(parse(b"label\n0\n3.0\n", Purpose::Truth), Ok(vec![R, W]));
+    }
+
+    #[test]
+    fn other_movement_is_a_number_a_word_or_a_kind() {
+        assert_eq!(
+            parse(b"relax\n-2\nother\npoint\nunknown\n", Purpose::Truth),
+            Ok(vec![R, OTHER, OTHER, POINT, NONE])
+        );
+        let array = npy::encode("|i1", &[3], &[0, 0xfe, 0xff]);
+        assert_eq!(parse(&array, Purpose::Truth), Ok(vec![R, OTHER, NONE]));
     }
 
     #[test]
     fn a_csv_names_its_column() {
         assert_eq!(
             parse(b"sample,label,x\n0,relax,1\n1,,2\n", Purpose::Truth),
-            Ok(vec![R, None])
+            Ok(vec![R, NONE])
         );
         let damage = parse(b"a,b\n0,0\n", Purpose::Truth).unwrap_err();
         assert!(matches!(damage.fault, Fault::Column { .. }));
@@ -224,7 +239,7 @@ mod tests {
 
     #[test]
     fn a_wrong_label_names_its_line() {
-        for wrong in ["6", "fist", "0.5"] {
+        for wrong in ["6", "fist", "0.5", "-3"] {
             let damage = parse(format!("0\n{wrong}\n").as_bytes(), Purpose::Truth).unwrap_err();
             assert_eq!(damage.place, Place::Line(2), "{wrong}");
         }

@@ -29,9 +29,32 @@ pub enum MovementKind {
     FingersTogether,
     /// The thumb is stretched.
     ThumbUp,
+    /// Any movement that is none of the six intents.
+    Other,
 }
 
 impl MovementKind {
+    /// Kinds that are no intent, in the order of the names in tables.
+    pub const NO_INTENT: [Self; 11] = [
+        Self::RadialDeviation,
+        Self::UlnarDeviation,
+        Self::Pronation,
+        Self::Supination,
+        Self::Point,
+        Self::TwoFingers,
+        Self::ThreeFingers,
+        Self::FourFingers,
+        Self::FingersTogether,
+        Self::ThumbUp,
+        Self::Other,
+    ];
+
+    /// Kind of a name in tables; none for an intent or an unknown name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::NO_INTENT.into_iter().find(|kind| kind.name() == name)
+    }
+
     /// Name in tables.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -47,6 +70,7 @@ impl MovementKind {
             Self::FourFingers => "four-fingers",
             Self::FingersTogether => "fingers-together",
             Self::ThumbUp => "thumb-up",
+            Self::Other => "other",
         }
     }
 }
@@ -94,4 +118,37 @@ pub fn mask(movements: &[Movement], samples: usize) -> Vec<bool> {
         mask[movement.samples.clone()].fill(true);
     }
     mask
+}
+
+/// Parts of movements within a range of samples, counted from its start.
+#[must_use]
+pub fn within(movements: &[Movement], range: &Range<usize>) -> Vec<Movement> {
+    let part = |movement: &Movement| {
+        let Range { start, end } = movement.samples;
+        let [start, end] = [start, end].map(|at| at.clamp(range.start, range.end) - range.start);
+        (start < end).then(|| Movement::new(movement.kind, start..end))
+    };
+    movements.iter().filter_map(part).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_has_a_name_of_its_own() {
+        for kind in MovementKind::NO_INTENT {
+            assert_eq!(MovementKind::from_name(kind.name()), Some(kind));
+            assert_eq!(Intent::from_name(kind.name()), None);
+        }
+    }
+
+    #[test]
+    fn a_movement_across_an_edge_is_cut_there() {
+        let movements =
+            [2..5, 5..7, 8..12].map(|samples| Movement::new(MovementKind::Other, samples));
+        let expected =
+            [0..2, 2..4, 5..6].map(|samples| Movement::new(MovementKind::Other, samples));
+        assert_eq!(within(&movements, &(3..9)), expected);
+    }
 }

@@ -65,6 +65,39 @@ fn a_csv_with_both_columns_is_scored_against_its_truth_and_not_against_itself() 
 }
 
 #[test]
+fn other_movement_is_counted_apart_and_is_no_prediction() {
+    let folder = tempfile::tempdir().unwrap();
+    let [truth, prediction] = ["truth.txt", "prediction.txt"].map(|name| folder.path().join(name));
+    let rows = |runs: [&str; 4]| runs.map(|label| format!("{label}\n").repeat(100)).concat();
+    std::fs::write(&truth, rows(["relax", "point", "-2", "relax"])).unwrap();
+    std::fs::write(&prediction, rows(["relax", "open", "relax", "relax"])).unwrap();
+    let mut arguments = Arguments {
+        truth,
+        prediction,
+        buffer: 200,
+        strict: false,
+        allow_relax: false,
+        delay: None,
+        json: false,
+    };
+    let text = report(&arguments).unwrap();
+    let expected = "other movements      1 of 2 raise a label; 60.0 a minute (1 in 1.0 s)\n";
+    assert!(text.contains(expected), "{text}");
+    std::fs::write(
+        &arguments.prediction,
+        rows(["relax", "other", "relax", "relax"]),
+    )
+    .unwrap();
+    arguments.json = true;
+    let report: serde_json::Value = serde_json::from_str(&report(&arguments).unwrap()).unwrap();
+    assert_eq!(report["other_movements"]["point"]["raised"], 0);
+    assert_eq!(
+        report["confusion"]["intents"],
+        serde_json::json!(["relax", "open", "close"])
+    );
+}
+
+#[test]
 fn a_delay_is_part_of_the_latency_alone() {
     let (r, c) = (Some(Intent::Relax), Some(Intent::Close));
     let labels = [vec![r; 300], vec![c; 300], vec![r; 300]].concat();

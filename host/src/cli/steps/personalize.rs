@@ -20,10 +20,11 @@ use training::run::personalize::{TuningSettings, Worse, personalize};
 #[derive(Debug, Args)]
 #[command(
     after_help = "A few minutes of rest and of each gesture in turn, with labels, are enough; docs/personalization.md says what they gain.\n\
-    The last third of the recordings is held back: both models are judged on it as `evaluate --model` does. The new file is written\n\
+    Other movement among the labels (-2 or other) teaches what is not meant. The last third of the recordings is held back, or, if that
+    is too short, each quarter in turn: both models are judged on it as `evaluate --model` does. The new file is written\n\
     only if its balanced accuracy there is 0.2 above that of always saying relax; if neither balanced accuracy nor transition\n\
     accuracy nor the share of gestures recognised is lower than before; and if rest and other movement do not raise more labels\n\
-    (2 a minute of rest, a tenth of the other movements). Otherwise nothing is written and the exit code is 3: go on with the\n\
+    (2 a minute of rest, a tenth of the other movements or of their activations). Otherwise nothing is written and the exit code is 3: go on with the\n\
     old file. So it is if two classes seem exchanged in the labels.\n\n\
     Example:\n  myointent personalize --model models/three-class.intent --data MINE --out mine.intent"
 )]
@@ -40,6 +41,9 @@ pub struct Arguments {
     /// Whose recordings, as data-set/subject or subject alone; needed if the folder has those of several people.
     #[arg(long, value_name = "NAME")]
     subject: Option<String>,
+    /// Labels that other movement may raise a minute: the margin over it is raised until what is held back has no more.
+    #[arg(long, value_name = "LABELS", value_parser = per_minute)]
+    other_per_minute: Option<f64>,
     /// Seed of all draws: the same one gives the same file.
     #[arg(long, default_value_t = TuningSettings::default().seed)]
     seed: u64,
@@ -48,6 +52,15 @@ pub struct Arguments {
     strict: bool,
     #[command(flatten)]
     backend: BackendArguments,
+}
+
+/// Parses a rate: not negative.
+fn per_minute(text: &str) -> Result<f64, String> {
+    let rate = text
+        .parse()
+        .ok()
+        .filter(|rate| (0.0..=1000.0).contains(rate));
+    rate.ok_or_else(|| "expected a number from 0 to 1000".to_owned())
 }
 
 /// Error: the new model was not written.
@@ -77,6 +90,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let library = every_recording(&arguments.data, arguments.strict)?;
     let settings = TuningSettings {
         seed: arguments.seed,
+        other_per_minute: arguments.other_per_minute,
         ..TuningSettings::default()
     };
     let done = personalize(

@@ -17,8 +17,8 @@ pub struct Batch {
     pub(super) label_mask: Tensor<3>,
     /// Sum of the weights in the mean of the label loss.
     pub(super) labelled: f64,
-    /// Weight of each output in the distillation loss, 0 where a teacher has no targets: in the context, and for patches of
-    /// the lead-in, `[b, patches, 6]`.
+    /// Weight of each output in the distillation loss, 0 where a teacher has no targets: in the context, for patches of the
+    /// lead-in, and where targets are left to the labels ([`Sequence::labels_alone`]), `[b, patches, 6]`.
     pub(super) distillation_mask: Tensor<3>,
     /// Sum of the weights in the mean of the distillation loss.
     pub(super) distilled: f64,
@@ -81,6 +81,9 @@ impl Batch {
                         targets[output] = target as i32;
                         label_mask[output] = row_weights[back];
                         labelled += f64::from(row_weights[back]);
+                    }
+                    if sequence.labels_alone[estimated] {
+                        continue;
                     }
                     distillation_mask[output] = row_weights[back];
                     distilled += f64::from(row_weights[back]);
@@ -155,7 +158,7 @@ mod tests {
                 logits
             })
             .collect();
-        sequences(&corpus, Some(vec![soft_targets]))
+        sequences(&corpus, Some(vec![soft_targets]), true)
     }
 
     #[test]
@@ -169,7 +172,8 @@ mod tests {
             other,
             streams: vec![stream.clone()],
         };
-        let found = |other| sequences(&corpus(other), None)[0].targets[WINDOW_PATCHES..].to_vec();
+        let found =
+            |other| sequences(&corpus(other), None, true)[0].targets[WINDOW_PATCHES..].to_vec();
         let mut expected = vec![None; 20];
         expected[..5].fill(Some(1));
         assert_eq!(found(false), expected);
@@ -179,11 +183,38 @@ mod tests {
             outputs: 4,
             ..SHAPE
         };
-        let sequence = sequences(&corpus(true), None);
+        let sequence = sequences(&corpus(true), None, true);
         let batch = Batch::new(&sequence, &[excerpt(60)], shape, &Device::default());
         let targets: Vec<i32> = batch.targets.into_data().iter::<i32>().collect();
         // Each patch is estimated six times.
         assert_eq!(targets.iter().filter(|&&target| target == 3).count(), 5 * 6);
+    }
+
+    #[test]
+    fn the_own_outputs_of_a_model_teach_no_other_movement() {
+        let samples = 20 * PATCH;
+        let mut stream = Stream::new(vec![[1; CHANNELS]; samples], vec![None; samples]);
+        stream.other_movement.push(100..150);
+        let corpus = Corpus {
+            vocabulary: Vocabulary::Three,
+            other: true,
+            streams: vec![stream],
+        };
+        let shape = BatchShape {
+            outputs: 4,
+            ..SHAPE
+        };
+        let batch = |teacher_on_other| {
+            let logits = vec![LookBackLogits::default(); 20];
+            let sequences = sequences(&corpus, Some(vec![logits]), teacher_on_other);
+            Batch::new(&sequences, &[excerpt(60)], shape, &Device::default())
+        };
+        let [all, own] = [true, false].map(batch);
+        // Each of the five patches is estimated six times.
+        assert_eq!((own.labelled, all.labelled), (30.0, 30.0));
+        assert_eq!(all.distilled - own.distilled, 30.0);
+        let mask: f32 = read_back(own.distillation_mask).iter().sum();
+        assert_eq!(f64::from(mask), own.distilled);
     }
 
     fn excerpt(start: usize) -> Excerpt {

@@ -23,6 +23,9 @@ pub enum Teaching<'a> {
     Labels,
     /// Teacher: its logits at every patch of the recordings, stream by stream.
     Teacher(Vec<Vec<LookBackLogits>>),
+    /// The model itself before it is tuned, as a teacher of all but movement outside the vocabulary, which is learnt from the labels
+    /// alone.
+    Own(Vec<Vec<LookBackLogits>>),
     /// Ensemble of students, which computes targets for each batch.
     Ensemble(&'a Ensemble),
 }
@@ -51,9 +54,10 @@ impl<'a> StudentLearner<'a> {
         config: &'a Distillation,
         device: &'a Device,
     ) -> Self {
+        let teacher_on_other = !matches!(teaching, Teaching::Own(_));
         let (soft_targets, ensemble) = match teaching {
             Teaching::Labels => (None, None),
-            Teaching::Teacher(logits) => (Some(logits), None),
+            Teaching::Teacher(logits) | Teaching::Own(logits) => (Some(logits), None),
             Teaching::Ensemble(ensemble) => (None, Some(ensemble)),
         };
         Self {
@@ -65,8 +69,8 @@ impl<'a> StudentLearner<'a> {
                 outputs: corpus.vocabulary.classes() + usize::from(corpus.other),
                 row_weights: config.row_weights(),
             },
-            sequences: sequences(corpus, soft_targets),
-            validation_sequences: sequences(validation, None),
+            sequences: sequences(corpus, soft_targets, teacher_on_other),
+            validation_sequences: sequences(validation, None, true),
             ensemble,
             device,
         }

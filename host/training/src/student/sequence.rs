@@ -15,6 +15,8 @@ pub(super) struct Sequence {
     pub(super) emg: Vec<[u8; CHANNELS]>,
     /// Output of a row that each patch's label asks for; none in the lead-in.
     pub(super) targets: Vec<Option<usize>>,
+    /// Patches that are learnt from their labels alone, without the teacher.
+    pub(super) labels_alone: Vec<bool>,
     /// The teacher's logits at every patch after the lead-in.
     pub(super) soft_targets: Option<Vec<LookBackLogits>>,
 }
@@ -25,10 +27,12 @@ impl Sequence {
     }
 }
 
-/// Builds the sequences of a corpus; `soft_targets` are the teacher's logits, stream by stream.
+/// Builds the sequences of a corpus; `soft_targets` are the teacher's logits, stream by stream, which movement outside the vocabulary
+/// has only with `teacher_on_other`.
 pub(super) fn sequences(
     corpus: &Corpus,
     soft_targets: Option<Vec<Vec<LookBackLogits>>>,
+    teacher_on_other: bool,
 ) -> Vec<Sequence> {
     let mut soft_targets = soft_targets.map(Vec::into_iter);
     let class_of_other = corpus.other.then(|| corpus.vocabulary.classes());
@@ -44,7 +48,11 @@ pub(super) fn sequences(
             };
             let whole = own.len() * PATCH;
             let unknown = std::iter::repeat_n(None, WINDOW_PATCHES);
+            let labels_alone = others.iter().map(|&other| other && !teacher_on_other);
             Sequence {
+                labels_alone: std::iter::repeat_n(false, WINDOW_PATCHES)
+                    .chain(labels_alone)
+                    .collect(),
                 emg: padded(&stream.emg[..whole]),
                 targets: unknown
                     .chain(own.into_iter().zip(&others).map(target))

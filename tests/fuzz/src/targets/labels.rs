@@ -14,7 +14,7 @@ pub fn run(data: &[u8]) {
     }
     let text: String = labels
         .iter()
-        .map(|label| label.map_or("none", |intent| intent.name()).to_owned() + "\n")
+        .map(|label| label.name().to_owned() + "\n")
         .collect();
     let again = parse(text.as_bytes(), Purpose::Truth);
     assert_eq!(again.ok(), Some(labels), "written and read again");

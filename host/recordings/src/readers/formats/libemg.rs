@@ -66,8 +66,7 @@ pub(crate) fn read(path: &Path, samples: Vec<Sample>, metadata: &str) -> Result<
                 .unwrap_or(Motion::Unknown)
         })
         .collect();
-    let mut recording = own(path, DataSet::ReactEmg, samples, truth.labels)?;
-    recording.other_movement = truth.other_movement;
+    let mut recording = own(path, DataSet::ReactEmg, samples, truth)?;
     match motion {
         Some((class, None)) => recording.notes.push(format!(
             "no labels: the class {class} of metadata.json is none of the six intents"

@@ -3,17 +3,17 @@
 //! under ReactEMG's names of files.
 //!
 //! The folder names the person, once all files are known (`library/people.rs`). Values are the armband's counts. Label
-//! -1 is unlabelled. Columns besides channels and label are ignored, with three exceptions. [`MUSCLE_COLUMN`] marks
+//! -1 is unlabelled, -2 other movement. Columns besides channels and label are ignored, with three exceptions. [`MUSCLE_COLUMN`] marks
 //! synthetic recordings. [`RECORDER_COLUMNS`] mark labels of the muscle. By [`TURN_COLUMN`] and [`MIRRORED_COLUMN`] the
 //! channels are turned as by an aligned board.
 
 use std::path::Path;
 
-use shared::intent::Intent;
 use shared::stream::alignment::Alignment;
 use shared::stream::normalizer::Normalizer;
 use shared::units::{CHANNELS, Sample};
 
+use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::excerpt::excerpt;
 use crate::readers::error::{Damage, Fault};
 use crate::readers::label_file::{from_number, from_text};
@@ -78,7 +78,7 @@ pub(crate) fn read_csv(
         };
         placed.push(placement);
         labels.push(match columns.label {
-            None => None,
+            None => Motion::Unknown,
             Some(column) => {
                 has_numbers |= fields[column].parse::<f64>().is_ok();
                 from_text(fields[column]).map_err(at_line)?
@@ -92,7 +92,12 @@ pub(crate) fn read_csv(
     };
     let placed = samples.finish()?.into_iter().zip(placed);
     let samples = placed.map(|(sample, placement)| placement.apply(sample));
-    let mut recording = own(path, data_set, samples.collect(), labels)?;
+    let mut recording = own(
+        path,
+        data_set,
+        samples.collect(),
+        labels.into_iter().collect(),
+    )?;
     let has = |name: &&str| columns.position(name).is_some();
     if RECORDER_COLUMNS.iter().all(has) {
         recording.timing = Timing::Muscle;
@@ -100,7 +105,7 @@ pub(crate) fn read_csv(
     let label = columns.label.and_then(|column| columns.names.get(column));
     if let Some(label) = label.filter(|label| has_numbers && *label != "gt") {
         recording.notes.push(format!(
-            "numbers in column {} are read as 0 relax, 1 open, 2 close, 3 wave-in, 4 wave-out, 5 pinch, -1 unknown",
+            "numbers in column {} are read as 0 relax, 1 open, 2 close, 3 wave-in, 4 wave-out, 5 pinch, -1 unknown, -2 other",
             excerpt(label)
         ));
     }
@@ -160,14 +165,19 @@ pub(crate) fn read_npy(path: &Path, array: &Array) -> Result<Vec<Recording>, Dam
         labels.push(from_number(values[0]).map_err(in_row)?);
         samples.push(&values[1..], 2, in_row);
     }
-    let recording = own(path, DataSet::ReactEmg, samples.finish()?, labels)?;
+    let recording = own(
+        path,
+        DataSet::ReactEmg,
+        samples.finish()?,
+        labels.into_iter().collect(),
+    )?;
     divided(recording, &AuxiliaryColumns::default())
 }
 
 /// Samples without labels, of a file that is asked for by its name.
 pub(crate) fn unlabelled(path: &Path, samples: Vec<Sample>) -> Result<Vec<Recording>, Damage> {
-    let labels = vec![None; samples.len()];
-    let recording = own(path, DataSet::ReactEmg, samples, labels)?;
+    let truth = samples.iter().map(|_| Motion::Unknown).collect();
+    let recording = own(path, DataSet::ReactEmg, samples, truth)?;
     divided(recording, &AuxiliaryColumns::default())
 }
 
@@ -176,7 +186,7 @@ pub(crate) fn own(
     path: &Path,
     data_set: DataSet,
     samples: Vec<Sample>,
-    labels: Vec<Option<Intent>>,
+    truth: GroundTruth,
 ) -> Result<Recording, Damage> {
     if samples.is_empty() {
         return Err(Damage::of_file(Fault::Empty));
@@ -195,9 +205,9 @@ pub(crate) fn own(
         name: name.into_owned(),
         path: path.to_owned(),
         samples,
-        labels,
+        labels: truth.labels,
         notes,
-        other_movement: Vec::new(),
+        other_movement: truth.other_movement,
         timing: Timing::Cues,
         findings: Vec::new(),
         wearer: Normalizer::new(),
@@ -206,9 +216,12 @@ pub(crate) fn own(
 
 #[cfg(test)]
 mod tests {
+    use shared::intent::Intent;
+
     use super::*;
     use crate::readers::error::Place;
     use crate::readers::npy::Layout;
+    use crate::recording::movement::{Movement, MovementKind};
 
     fn read_csv(path: &Path, text: &str) -> Result<Recording, Damage> {
         let columns =
@@ -227,6 +240,17 @@ mod tests {
             [[1, 2, 3, 4, 5, 6, 7, -128], [1, 2, 3, 4, 5, 6, 7, 127]]
         );
         assert_eq!(recording.notes.len(), 1, "a movement trial");
+    }
+
+    #[test]
+    fn other_movement_is_read_beside_the_labels() {
+        let text = "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n\
+                    0,1,2,3,4,5,6,7,8\n-2,1,2,3,4,5,6,7,8\nother,1,2,3,4,5,6,7,8\npoint,1,2,3,4,5,6,7,8\n";
+        let recording = read_csv(Path::new("/d/anna/anna_1.csv"), text).unwrap();
+        assert_eq!(recording.labels, [Some(Intent::Relax), None, None, None]);
+        let other = Movement::new(MovementKind::Other, 1..3);
+        let point = Movement::new(MovementKind::Point, 3..4);
+        assert_eq!(recording.other_movement, [other, point]);
     }
 
     #[test]

@@ -57,7 +57,7 @@ pub enum PersonalizeError {
     },
     /// A class is too rare in a part of the recordings.
     #[error(
-        "too short: the part of the recordings that is {part} has {class} {found} times, {expected} are needed; two thirds are tuned on, the rest is held back, so record each gesture {} times or more",
+        "too short: the part of the recordings that is {part} has {class} {found} times, {expected} are needed; some of it is tuned on and the rest held back, so record each gesture {} times or more",
         3 * .expected
     )]
     TooShort {
@@ -75,6 +75,26 @@ pub enum PersonalizeError {
         "the recordings have neither a change of the label nor two steady holds: record rest and gestures in turn"
     )]
     NoChange,
+    /// The model has no class for other movement.
+    #[error(
+        "the model has no class for other movement, so no margin over it: give a model with one, or leave --other-per-minute out"
+    )]
+    NoOtherClass,
+    /// No other movement is held back.
+    #[error(
+        "no other movement is held back, so its margin cannot be chosen: record other movement, or leave --other-per-minute out"
+    )]
+    NoOthers,
+    /// No margin over other movement suffices.
+    #[error(
+        "other movement raises {found:.1} labels a minute of what is held back at the highest margin, at most {wanted} are wanted. Nothing was written, go on with the old model"
+    )]
+    OtherPerMinute {
+        /// Labels a minute that are wanted at most.
+        wanted: f64,
+        /// Labels a minute at the highest margin.
+        found: f64,
+    },
     /// Two classes of the labels seem exchanged.
     #[error("{0}. Nothing was written, go on with the old model")]
     Exchanged(Exchange),
@@ -111,7 +131,7 @@ impl PersonalizeError {
     /// Whether the old model is to be kept.
     #[must_use]
     pub const fn keeps_the_old(&self) -> bool {
-        matches!(self, Self::Exchanged(_))
+        matches!(self, Self::Exchanged(_) | Self::OtherPerMinute { .. })
     }
 }
 

@@ -16,12 +16,14 @@ use shared::model::file::Model;
 
 pub use self::error::{Exchange, PersonalizeError};
 pub use self::exchange::exchange;
+use self::judgement::Judgement;
 pub use self::judgement::{judge, judge_constant};
 pub use self::part::Part;
 pub use self::person::Person;
 use self::rule::is_constant;
 pub use self::rule::{ABOVE_CONSTANT, Worse, worse};
 pub use self::tuning::{TuningSettings, tune};
+use crate::run::StepError;
 use evaluation::Score;
 use execution::interrupt::Interrupt;
 use execution::progress;
@@ -73,7 +75,7 @@ pub fn personalize(
     settings: &TuningSettings,
     device: &Device,
     interrupt: &Interrupt,
-    report: impl FnMut(usize),
+    mut report: impl FnMut(usize),
 ) -> Result<Personalized, PersonalizeError> {
     let model = Model::parse(file)?;
     let person = Person::new(library, subject, &model.header)?;
@@ -88,33 +90,68 @@ pub fn personalize(
     if let Some(found) = exchanged.clone().filter(|found| found.is_mutual) {
         return Err(PersonalizeError::Exchanged(found));
     }
-    let (tuned, judged) = person.whole().divided()?;
-    let old = judge("before", file, &judged)?;
-    let constant = judge_constant(&judged, model.header.dimensions.vocabulary)?;
+    let whole = person.whole();
+    let divisions = whole.divisions()?;
+    let before = joined(
+        divisions
+            .iter()
+            .map(|(_, judged)| Judgement::new("before", file, judged)),
+    )?;
+    let (old, constant) = (before.score()?, before.constant()?);
     let constant_before = is_constant(&old, &constant).then(|| CONSTANT_BEFORE.to_owned());
     let doubts = [exchanged.map(|found| found.to_string()), constant_before];
     let doubt = doubts.into_iter().flatten().collect::<Vec<_>>().join("; ");
     if !doubt.is_empty() {
         progress::log(&format!("warning: {doubt}"));
     }
+    // A single part is tuned on and judged; of several, each is judged by a model of the others, and the new model learns from all.
+    let (tuned, is_whole) = match &divisions[..] {
+        [(tuned, _)] => (tuned, false),
+        _ => (&whole, true),
+    };
+    let judged_seconds = divisions.iter().map(|(_, judged)| judged.seconds()).sum();
     progress::log(&format!(
-        "{}: {:.0} s to tune on, {:.0} s held back",
+        "{}: {:.0} s to tune on, {judged_seconds:.0} s held back{}",
         person.subject(),
         tuned.seconds(),
-        judged.seconds()
+        if is_whole {
+            ", a quarter at a time: a third is too short to judge"
+        } else {
+            ""
+        }
     ));
-    let bytes = tune(file, &tuned, settings, device, interrupt, report)?;
-    let scores = [old, judge("after", &bytes, &judged)?, constant];
+    let bytes = tune(file, tuned, settings, device, interrupt, &mut report)?;
+    let mut after = joined(divisions.iter().map(|(part, judged)| {
+        if is_whole {
+            let own = tune(file, part, settings, device, interrupt, |_| ())?;
+            Judgement::new("after", &own, judged)
+        } else {
+            Judgement::new("after", &bytes, judged)
+        }
+    }))?;
+    let bytes = match settings.other_per_minute {
+        Some(wanted) => Model::with_gate(&bytes, None, Some(after.raise_margin(wanted)?), None)?,
+        None => bytes,
+    };
+    let scores = [old, after.score()?, constant];
     let mut seen = model.header.provenance.subjects_seen.iter();
     Ok(Personalized {
         subject: person.subject().to_owned(),
         seen_before: seen.any(|seen| seen == person.subject()),
         tuned_seconds: tuned.seconds(),
-        judged_seconds: judged.seconds(),
+        judged_seconds,
         bytes,
         doubt,
         scores,
     })
+}
+
+/// Joins the judgements of the parts held back.
+fn joined(
+    mut parts: impl Iterator<Item = Result<Judgement, PersonalizeError>>,
+) -> Result<Judgement, PersonalizeError> {
+    let first = parts.next().ok_or(StepError::NoRecordings)??;
+    parts.try_fold(first, |sum, part| Ok(sum.and(part?)))
 }
 
 #[cfg(test)]

@@ -15,6 +15,8 @@ use recordings::{Movement, Recording, runs};
 const HELD_BACK: usize = 3;
 /// Samples between the two parts of one recording: a window, the memory of a model.
 const GAP: usize = WINDOW;
+/// Number of divisions where a third is too short to judge.
+const FOLDS: usize = 4;
 /// Least number of stretches of each class in either part.
 const FEWEST: usize = 2;
 
@@ -102,6 +104,51 @@ impl<'p> Part<'p> {
         tuned.refuse_too_short("tuned on")?;
         judged.refuse_too_short("held back")?;
         Ok((tuned, judged))
+    }
+
+    /// Divides the part into one to tune on and one to hold back ([`divided`](Self::divided)). If that is too short, into four such pairs:
+    /// each quarter is held back once, from what is recorded in the others.
+    ///
+    /// # Errors
+    /// [`PersonalizeError::TooShort`] if a part to tune on, or all that is held back, has a class of the model fewer than twice.
+    pub fn divisions(&self) -> Result<Vec<(Self, Self)>, PersonalizeError> {
+        match self.divided() {
+            Err(PersonalizeError::TooShort { .. }) => self.folds(),
+            divided => Ok(vec![divided?]),
+        }
+    }
+
+    fn folds(&self) -> Result<Vec<(Self, Self)>, PersonalizeError> {
+        let fold = |fold: usize| {
+            let (mut tuned, mut judged) = (Vec::new(), Vec::new());
+            for piece in &self.pieces {
+                let Range { start, end } = piece.range;
+                let [from, to] = [fold, fold + 1].map(|at| self.cut_in_rest(piece, at));
+                judged.push(piece.with(from..to));
+                tuned.push(piece.with(start..from.saturating_sub(GAP).max(start)));
+                tuned.push(piece.with((to + GAP).min(end)..end));
+            }
+            let [tuned, judged] = [tuned, judged].map(|pieces| Self::new(self.person, pieces));
+            tuned.refuse_too_short("tuned on")?;
+            Ok((tuned, judged))
+        };
+        self.refuse_too_short("held back")?;
+        (0..FOLDS).map(fold).collect()
+    }
+
+    /// End of the first `at` of the folds of a piece: the middle of the rest that is nearest to it.
+    fn cut_in_rest(&self, piece: &Piece, at: usize) -> usize {
+        let Range { start, end } = piece.range;
+        let even = start + piece.range.len() * at / FOLDS;
+        if at == 0 || at == FOLDS {
+            return even;
+        }
+        let rests = runs(self.labels(piece)).into_iter();
+        rests
+            .filter(|run| run.label == Some(Intent::Relax))
+            .map(|run| (start + usize::midpoint(run.start, run.end)).min(end))
+            .min_by_key(|middle| middle.abs_diff(even))
+            .unwrap_or(even)
     }
 
     /// Takes the first `seconds`. Pieces with different gestures get the same time each, as far as they have it; pieces without a

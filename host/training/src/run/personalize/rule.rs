@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use evaluation::metric::event::activation::Rate;
-use evaluation::metric::event::summary::Raised;
+use evaluation::metric::event::summary::{Raised, SubjectEvents};
 use evaluation::{Measure, Score};
 
 /// Measures that must not fall.
@@ -53,6 +53,16 @@ pub enum Worse {
         /// False activations a minute with the new model.
         new: f64,
     },
+    /// The new model raises labels more often in other movement.
+    #[error(
+        "activations in other movement rose from {old:.1} to {new:.1} a minute, expected at most a tenth more"
+    )]
+    OtherRate {
+        /// Activations a minute with the old model.
+        old: f64,
+        /// Activations a minute with the new model.
+        new: f64,
+    },
     /// The new model raises labels for too many movements outside the vocabulary.
     #[error(
         "{new} of {movements} other movements raise a label, {old} did before; expected at most a tenth of them more"
@@ -71,7 +81,7 @@ pub enum Worse {
 ///
 /// It is not worse if it is better than always saying relax by [`ABOVE_CONSTANT`] of balanced accuracy, if neither balanced
 /// accuracy nor transition accuracy nor the share of gestures recognised is lower, and if it raises few more labels: 2 a
-/// minute of rest, and for a tenth of the other movements. The part held back is short, so a single label must not decide.
+/// minute of rest, for a tenth of the other movements, and a tenth more in their time. The part held back is short, so a single label must not decide.
 #[must_use]
 pub fn worse(old: &Score, new: &Score, constant: &Score) -> Option<Worse> {
     if is_constant(new, constant) {
@@ -92,6 +102,7 @@ pub fn worse(old: &Score, new: &Score, constant: &Score) -> Option<Worse> {
     lower
         .or_else(|| more_at_rest(old, new))
         .or_else(|| more_raised(old, new))
+        .or_else(|| more_in_others(old, new))
 }
 
 /// Whether a model is hardly better than always saying relax: by less than [`ABOVE_CONSTANT`] of balanced accuracy.
@@ -108,11 +119,21 @@ fn value(measure: Measure, score: &Score) -> Option<f64> {
     measure.mean(score).map(|own| own.mean)
 }
 
+/// Activations of all subjects, in rest or in other movement.
+pub(super) fn rate(score: &Score, of: fn(&SubjectEvents) -> Rate) -> Rate {
+    let subjects = score.events.subjects.iter();
+    subjects.fold(Rate::default(), |sum, own| sum.plus(of(own)))
+}
+
+fn more_in_others(old: &Score, new: &Score) -> Option<Worse> {
+    let [before, after] = [old, new].map(|score| rate(score, |own| own.other_movement));
+    let (old, new) = (before.per_minute()?, after.per_minute()?);
+    let is_worse = after.count > before.count + 1 && new > old * (1.0 + MORE_RAISED);
+    is_worse.then_some(Worse::OtherRate { old, new })
+}
+
 fn more_at_rest(old: &Score, new: &Score) -> Option<Worse> {
-    let [before, after] = [old, new].map(|score| {
-        let subjects = score.events.subjects.iter();
-        subjects.fold(Rate::default(), |sum, own| sum.plus(own.rest))
-    });
+    let [before, after] = [old, new].map(|score| rate(score, |own| own.rest));
     let (old, new) = (before.per_minute()?, after.per_minute()?);
     let is_worse = after.count > before.count + 1 && new > old + MORE_AT_REST;
     is_worse.then_some(Worse::Rest { old, new })
@@ -138,7 +159,6 @@ mod tests {
     use std::collections::BTreeMap;
 
     use super::*;
-    use evaluation::metric::event::summary::SubjectEvents;
     use evaluation::metric::summary::SubjectScore;
 
     /// Values that make a score in these tests.
@@ -148,6 +168,8 @@ mod tests {
         measures: [Option<f64>; 3],
         /// Number of false activations in a minute of rest.
         rest: usize,
+        /// Number of activations in a minute of other movement.
+        others: usize,
         /// Number of twenty other movements that raise a label; none if there is no other movement.
         raised: Option<usize>,
     }
@@ -157,6 +179,7 @@ mod tests {
             Self {
                 measures,
                 rest: 0,
+                others: 0,
                 raised: None,
             }
         }
@@ -186,6 +209,10 @@ mod tests {
                 recognition,
                 rest: Rate {
                     count: self.rest,
+                    seconds: 60.0,
+                },
+                other_movement: Rate {
+                    count: self.others,
                     seconds: 60.0,
                 },
                 raised: raised.into_iter().collect::<BTreeMap<_, _>>(),
@@ -261,5 +288,19 @@ mod tests {
             })
         );
         assert_eq!(found(&with(0, Some(20)), &with(0, Some(0))), None);
+    }
+
+    #[test]
+    fn more_activations_in_a_long_other_movement_are_worse() {
+        let with = |others| Scored {
+            others,
+            ..Scored::of([0.8, 0.5, 0.6].map(Some))
+        };
+        for (old, new) in [(0, 1), (20, 22), (20, 0)] {
+            assert_eq!(found(&with(old), &with(new)), None, "{old} {new}");
+        }
+        let why = found(&with(20), &with(23));
+        let (old, new) = (20.0, 23.0);
+        assert_eq!(why, Some(Worse::OtherRate { old, new }));
     }
 }

@@ -119,6 +119,30 @@ fn recordings_of_one_gesture_are_divided_gesture_by_gesture() {
 }
 
 #[test]
+fn what_is_too_short_for_a_third_is_divided_into_quarters_each_held_back_once() {
+    let library = library([turns(5)]);
+    let person = person(&library, None).unwrap();
+    let folds = person.whole().divisions().unwrap();
+    let judged: Vec<_> = folds
+        .iter()
+        .flat_map(|(_, judged)| labelled(judged))
+        .collect();
+    // Cuts are in the middle of rests, and nothing is left out.
+    assert_eq!(
+        judged,
+        [(0, 1800), (1800, 4200), (4200, 5800), (5800, 8000)]
+    );
+    let tuned: f64 = folds.iter().map(|(tuned, _)| tuned.seconds()).sum();
+    assert_eq!(tuned, (3.0 * 8000.0 - 6.0 * WINDOW as f64) / 200.0);
+    let long = person_of(turns(9));
+    assert_eq!(long.whole().divisions().unwrap().len(), 1);
+}
+
+fn person_of(recording: Recording) -> Person {
+    person(&library([recording]), None).unwrap()
+}
+
+#[test]
 fn what_cannot_teach_is_refused_by_name() {
     let refused = |recordings: Vec<Recording>, subject: Option<&str>| {
         let library = library(recordings);

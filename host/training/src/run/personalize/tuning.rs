@@ -17,6 +17,7 @@ use execution::interrupt::Interrupt;
 use execution::revision::revision;
 use presets::augmentation::Augmentation;
 use presets::distillation::Distillation;
+use recordings::Recording;
 use recordings::corpus::{Corpus, Stream};
 use recordings::splice::{SpliceOptions, splice};
 
@@ -36,9 +37,12 @@ pub struct TuningSettings {
     pub batch: usize,
     /// Peak learning rate of AdamW.
     pub learning_rate: f64,
-    /// Share of the old model's own outputs in the targets, 0 to 1 (learning without forgetting, Li and Hoiem, IEEE TPAMI
+    /// Share of the old model's own outputs in the targets of gestures and rest, 0 to 1 (learning without forgetting, Li and Hoiem, IEEE TPAMI
     /// 40(12), 2018). Without them, rest raises labels in people whose recordings are steady holds.
     pub keep: f64,
+    /// Labels that other movement may raise a minute on what is held back: the margin over it is raised until it does. None keeps the old
+    /// model's margin.
+    pub other_per_minute: Option<f64>,
     /// Seed of all draws.
     pub seed: u64,
 }
@@ -50,6 +54,7 @@ impl Default for TuningSettings {
             batch: 16,
             learning_rate: 1e-3,
             keep: 0.5,
+            other_per_minute: None,
             seed: 42,
         }
     }
@@ -76,7 +81,7 @@ pub fn tune(
     let teaching = if settings.keep > 0.0 {
         let old = student.valid();
         let own = |stream: &Stream| student_logits(&old, &stream.emg, &plain);
-        Teaching::Teacher(corpus.streams.iter().map(own).collect())
+        Teaching::Own(corpus.streams.iter().map(own).collect())
     } else {
         Teaching::Labels
     };
@@ -121,7 +126,8 @@ pub fn tune(
 }
 
 /// Splices the person's gestures in random order and of random length, so that the order of a protocol cannot be learnt. Movement
-/// outside the vocabulary is a class if the model has one for it (`other`).
+/// outside the vocabulary is a class if the model has one for it (`other`). A recording of it alone has no gesture to splice it with and
+/// is a stream of its own.
 fn spliced(part: &Part<'_>, other: bool, seed: u64) -> Result<Corpus, PersonalizeError> {
     let recordings = part.recordings();
     let options = SpliceOptions {
@@ -130,12 +136,16 @@ fn spliced(part: &Part<'_>, other: bool, seed: u64) -> Result<Corpus, Personaliz
         other,
         seed,
     };
-    let streams: Vec<Stream> = splice(&recordings.iter().collect::<Vec<_>>(), &options)
+    let mut streams: Vec<Stream> = splice(&recordings.iter().collect::<Vec<_>>(), &options)
         .into_iter()
         .map(Stream::from)
         .collect();
     if streams.is_empty() {
         return Err(PersonalizeError::NoChange);
+    }
+    if other {
+        let alone = |own: &Recording| !own.has_labels() && !own.other_movement.is_empty();
+        streams.extend(recordings.into_iter().filter(alone).map(Stream::from));
     }
     Ok(Corpus {
         vocabulary: part.person().vocabulary,
