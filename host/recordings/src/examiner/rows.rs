@@ -104,10 +104,18 @@ impl Rows {
         recording.samples.retain(|_| rows.next().unwrap_or(true));
         let mut rows = self.keep.iter().copied();
         recording.labels.retain(|_| rows.next().unwrap_or(true));
+        // Row of each row among those that are kept.
+        let mut kept = vec![0];
+        kept.extend(self.keep.iter().scan(0, |count, &keep| {
+            *count += usize::from(keep);
+            Some(*count)
+        }));
         for movement in &mut recording.other_movement {
-            let kept = |row: usize| self.keep[..row].iter().filter(|keep| **keep).count();
-            movement.samples = kept(movement.samples.start)..kept(movement.samples.end);
+            movement.samples = kept[movement.samples.start]..kept[movement.samples.end];
         }
+        recording
+            .other_movement
+            .retain(|movement| !movement.samples.is_empty());
         recording.findings.extend(self.findings);
         if self.pieces.len() < 2 {
             return vec![recording];

@@ -1,6 +1,7 @@
 //! Clocks, gaps and repeated rows.
 
 use super::*;
+use crate::recording::movement::{Movement, MovementKind};
 
 #[test]
 fn rows_at_another_rate_are_refused_in_every_unit_of_time() {
@@ -195,4 +196,23 @@ fn columns_of_times_without_a_name_are_a_clock_too() {
     assert_eq!(kinds(&read(numbered(0.005))), Vec::<&str>::new());
     let slow = read(numbered(0.01)).skipped[0].to_string();
     assert!(slow.contains("found 100 by column \"number 2\""), "{slow}");
+}
+
+#[test]
+fn other_movement_goes_with_its_samples_where_a_gap_divides_them() {
+    let text = counts(&emg(3000, 1));
+    let seconds = |row: usize| row as f64 * 0.005 + if row < 1500 { 0.0 } else { 5.0 };
+    let text = with_column(&text, "time", |row| seconds(row).to_string());
+    let is_other = |row: usize| (1400..1600).contains(&row);
+    let text = with_column(&text, "gt", |row| {
+        if is_other(row) { "-2" } else { "0" }.into()
+    });
+    let library = one(&text);
+    let found: Vec<_> = library
+        .recordings
+        .iter()
+        .map(|recording| recording.other_movement.clone())
+        .collect();
+    let other = |samples| vec![Movement::new(MovementKind::Other, samples)];
+    assert_eq!(found, [other(1400..1500), other(0..100)]);
 }
