@@ -126,7 +126,7 @@ impl Truth {
                 let age = report.emitted.since(report.instant);
                 let waited = age.wrapping_sub(1);
                 assert!(
-                    waited <= LOOK_AHEAD as u32 && waited % PATCH as u32 == 0,
+                    waited <= LOOK_AHEAD as u32 && waited.is_multiple_of(PATCH as u32),
                     "{report}"
                 );
                 if let Some((instant, emitted)) = self.label {

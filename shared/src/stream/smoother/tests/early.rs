@@ -116,8 +116,8 @@ impl Twin {
         }
         after.class = self.class;
         let is_due = match self.label {
-            Some(label) => (newest - label) % hold == 0,
-            None => newest % hold == 0,
+            Some(label) => (newest - label).is_multiple_of(hold),
+            None => newest.is_multiple_of(hold),
         };
         if after.is_changed || is_due {
             self.label = Some(newest);
