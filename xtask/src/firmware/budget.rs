@@ -7,8 +7,6 @@ use anyhow::{Result, ensure};
 use super::image::Image;
 use crate::size::Size;
 
-/// Bytes of flash for code and constants, SoftDevice, linked-in controller and model excluded.
-const FLASH_BUDGET: u64 = 160 * 1024;
 /// Bytes of static RAM, the SoftDevice's own and the stack excluded.
 const RAM_BUDGET: u64 = 48 * 1024;
 /// Most bytes that the no-access region below the stack takes: two regions of 256, and what aligns them.
@@ -52,9 +50,10 @@ impl Row {
 pub fn check(row: &Row) -> Result<()> {
     let &Row { image, size, .. } = row;
     ensure!(
-        size.own_flash() <= FLASH_BUDGET,
-        "{image}: {} bytes of flash, the controller's excluded; the budget is {FLASH_BUDGET}",
-        size.own_flash()
+        size.flash() <= image.flash_budget(),
+        "{image}: {} bytes of flash, the budget is {}",
+        size.flash(),
+        image.flash_budget()
     );
     ensure!(
         size.ram() <= RAM_BUDGET,
@@ -93,23 +92,23 @@ impl fmt::Display for Table<'_> {
             .map_or_else(|| "-".to_owned(), |used| format!("{:.1}", kib(used)));
         writeln!(
             f,
-            "| image, KiB    | code  | constants | flash | controller | own   | of  | static RAM | of  | left for the stack | stack measured | deepest chain | spare |"
+            "| image, KiB    | code  | constants | flash | of  | controller | own   | static RAM | of  | left for the stack | stack measured | deepest chain | spare |"
         )?;
         writeln!(
             f,
-            "|---------------|-------|-----------|-------|------------|-------|-----|------------|-----|--------------------|----------------|---------------|-------|"
+            "|---------------|-------|-----------|-------|-----|------------|-------|------------|-----|--------------------|----------------|---------------|-------|"
         )?;
         for row in self.rows {
             let &Row { image, size, chain } = row;
             writeln!(
                 f,
-                "| {image:13} | {:5.1} | {:9.1} | {:5.1} | {:10.1} | {:5.1} | {:3} | {:10.1} | {:3} | {:18.1} | {stack:>14} | {:13.1} | {:5.1} |",
+                "| {image:13} | {:5.1} | {:9.1} | {:5.1} | {:3} | {:10.1} | {:5.1} | {:10.1} | {:3} | {:18.1} | {stack:>14} | {:13.1} | {:5.1} |",
                 kib(size.text),
                 kib(size.rodata),
                 kib(size.flash()),
+                image.flash_budget() / 1024,
                 kib(size.controller),
                 kib(size.own_flash()),
-                FLASH_BUDGET / 1024,
                 kib(size.ram()),
                 RAM_BUDGET / 1024,
                 kib(row.left()),
@@ -136,7 +135,7 @@ mod tests {
     #[test]
     fn the_budget_counts_initial_values_twice_and_admits_its_last_byte() {
         let full = Size {
-            text: FLASH_BUDGET - 10,
+            text: Image::Nrf52840S140.flash_budget() - 10,
             rodata: 0,
             data: 10,
             bss: RAM_BUDGET - 10,

@@ -72,6 +72,14 @@ impl Image {
         }
     }
 
+    /// Most bytes of flash for code and constants, a linked-in controller included, a SoftDevice and the model excluded.
+    pub(super) const fn flash_budget(self) -> u64 {
+        match self {
+            Self::Nrf52840S140 | Self::Nrf52832S132 => 160 * 1024,
+            Self::Nrf52840Sdc | Self::Emulator => 340 * 1024,
+        }
+    }
+
     /// Bytes of RAM that `memory.x` gives it.
     pub(super) const fn ram(self) -> u64 {
         match self {

@@ -11,7 +11,7 @@ use super::cell::none;
 const FLASH_KIB: f64 = 160.0;
 /// Clock of the boards, instructions at one cycle each.
 const CLOCK_HZ: f64 = 64e6;
-/// Cycles per instruction, estimated for the shipped model without wait states: 190 900 cycles, 124 342 instructions.
+/// Cycles per instruction, estimated for the shipped model without wait states: 192 600 cycles, 125 468 instructions.
 const CYCLES: f64 = 1.535;
 
 /// Bytes of the encoder's state on a board, whatever the model; on a PC, whose addresses are longer, it has a few more.
