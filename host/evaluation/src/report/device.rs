@@ -25,9 +25,9 @@ type Shape = (usize, usize, usize, usize, bool);
 /// Counted by `cargo xtask count --model FILE` on the emulated Cortex-M4F; docs/budgets.md. The first is the committed
 /// count.
 const COUNTED: [(Shape, u32); 3] = [
-    ((64, 2, 27, 3, true), 124_342),
-    ((64, 2, 27, 5, false), 125_072),
-    ((64, 2, 27, 6, false), 125_280),
+    ((64, 2, 27, 3, true), 125_468),
+    ((64, 2, 27, 5, false), 125_094),
+    ((64, 2, 27, 6, false), 125_301),
 ];
 
 /// Column of the instructions in [`table`].
