@@ -1,0 +1,134 @@
+//! Refusals of the tensors, and their rounding.
+
+use super::*;
+
+/// Numbers of this size in every scale of the head make logits overflow to infinity, and a difference of two of
+/// them NaN.
+#[test]
+fn numbers_that_could_overflow_an_output_are_refused() {
+    for value in [1e30, 3e38, 101.0] {
+        let refused = refusal(|parts| parts.head.scales.fill(value)).to_string();
+        assert!(refused.starts_with("head.scales holds"), "{refused}");
+    }
+    let refused = refusal(|parts| parts.final_norm.bias[1] = -1e9).to_string();
+    assert!(refused.starts_with("final_norm.bias holds"), "{refused}");
+}
+
+#[test]
+fn tensors_of_a_wrong_length_are_named() {
+    let name = |layer, group, part| TensorName { layer, group, part };
+    assert_eq!(
+        refusal(|parts| parts.embed.weights.truncate(1279)),
+        ModelError::WeightLength {
+            tensor: name(None, "embed", "weights"),
+            expected: 1280,
+            found: 1279
+        }
+    );
+    assert_eq!(
+        refusal(|parts| parts.layers[0].qkv.scales.push(1.0)),
+        ModelError::WeightLength {
+            tensor: name(Some(0), "qkv", "scales"),
+            expected: 192,
+            found: 196
+        }
+    );
+    assert_eq!(
+        refusal(|parts| parts.layers[0].relative_bias.truncate(19)).to_string(),
+        "layers[0].relative_bias has 76 bytes, expected 80: export the model again"
+    );
+    assert_eq!(
+        refusal(|parts| parts.final_norm.gain.clear()),
+        ModelError::WeightLength {
+            tensor: name(None, "final_norm", "gain"),
+            expected: 64,
+            found: 0
+        }
+    );
+}
+
+#[test]
+fn missing_and_surplus_tensors_are_refused() {
+    let whole = small().emit();
+    let content = &whole[..whole.len() - CHECKSUM_BYTES];
+    assert_eq!(
+        Model::parse(&sealed(&content[..content.len() - 1])).unwrap_err(),
+        ModelError::WeightsEnd {
+            tensor: TensorName {
+                layer: None,
+                group: "head",
+                part: "bias"
+            }
+        }
+    );
+    assert_eq!(
+        Model::parse(&sealed(&[content, &[0, 0]].concat())).unwrap_err(),
+        ModelError::Trailing { found: 2 }
+    );
+}
+
+#[test]
+fn a_scale_of_zero_is_refused_unless_its_row_is_zero() {
+    let message = refusal(|parts| parts.layers[0].qkv.scales[7] = 0.0).to_string();
+    assert!(
+        message.starts_with("layers[0].qkv.scales holds 0 at 7"),
+        "{message}"
+    );
+    // As the quantizer writes a row of zeros.
+    let mut parts = small();
+    let columns = parts.dimensions.width;
+    parts.layers[0].qkv.scales[7] = 0.0;
+    parts.layers[0].qkv.weights[7 * columns..][..columns].fill(0);
+    assert!(parts.to_bytes().is_ok());
+    // One weight that is none, in the row's last column.
+    parts.layers[0].qkv.weights[8 * columns - 1] = 1;
+    assert!(parts.to_bytes().is_err());
+}
+
+#[test]
+fn numbers_that_would_break_the_arithmetic_are_refused() {
+    let tensor = |layer, group, part| TensorName { layer, group, part };
+    assert_eq!(
+        refusal(|parts| parts.head.scales[2] = -0.5),
+        ModelError::Scale {
+            tensor: tensor(None, "head", "scales"),
+            index: 2,
+            found: -0.5
+        }
+    );
+    assert_eq!(
+        refusal(|parts| parts.embed.scales[1] = f32::INFINITY),
+        ModelError::Number {
+            tensor: tensor(None, "embed", "scales"),
+            index: 1,
+            found: f32::INFINITY
+        }
+    );
+    assert_eq!(
+        refusal(|parts| parts.layers[0].relative_bias[3] = f32::NAN).to_string(),
+        "layers[0].relative_bias holds NaN at 3, expected a number from -100 to 100: train the model again"
+    );
+    assert_eq!(
+        refusal(|parts| parts.layers[0].norm2.gain[0] = f32::NEG_INFINITY),
+        ModelError::Number {
+            tensor: tensor(Some(0), "norm2", "gain"),
+            index: 0,
+            found: f32::NEG_INFINITY
+        }
+    );
+}
+
+#[test]
+fn rows_are_quantized_to_the_nearest_of_their_steps() {
+    let matrix = [
+        0.5, -1.27, 0.0, 0.015, 0.0, 0.0, 0.0, 0.0, 1e-40, -1e-40, 0.0, 0.0,
+    ];
+    let (bytes, scales) = quantize_rows(&matrix, 3, 4);
+    // Column 2 comes after column 0 in a word, then column 1, then column 3. The low byte of column 1's weight is that
+    // of column 2, -0 or 255: -127 is -128 + 255 / 256.
+    assert_eq!(bytes, [50, -127, 0, 1, 0, 0, 0, 0, 127, -127, 0, -1]);
+    assert!((scales[0] - 0.01).abs() < 1e-9);
+    assert_eq!(scales[1], 0.0);
+    let (_, scales) = quantize_rows(&[f32::NAN, 1.0], 1, 2);
+    assert!(scales[0].is_nan());
+}

@@ -1,0 +1,198 @@
+//! The template and what it fits.
+
+use super::*;
+use proptest::prelude::*;
+
+/// A density as wide in all directions, of this many nats per square octave, about a pattern that falls round the
+/// arm, which its mirror image does not.
+pub(crate) fn template_of(nats: i16) -> Template {
+    template_about([400, 290, 170, 60, -60, -170, -290, -400], nats)
+}
+
+/// A template around another pattern.
+pub(crate) fn template_about(mean: [i16; CHANNELS], nats: i16) -> Template {
+    let mut precision = [0; TRIANGLE];
+    for row in 0..CHANNELS {
+        precision[row * (2 * CHANNELS + 1 - row) / 2] = nats * PRECISION_ONE;
+    }
+    Template::new(mean, precision).unwrap()
+}
+
+pub(crate) fn template() -> Template {
+    template_of(10)
+}
+
+/// The profile that the template's mean makes with the armband placed like this.
+fn worn(alignment: Alignment) -> Profile {
+    Profile(alignment.inverse().apply(template().mean))
+}
+
+#[test]
+fn every_placement_is_found() {
+    for alignment in Alignment::all() {
+        let fits = template().fit(worn(alignment));
+        let fit = fits.nearest;
+        assert_eq!((fit.alignment, fit.distance), (alignment, 0));
+        assert!(fit.margin > 5 * NAT, "{fit:?}");
+    }
+}
+
+#[test]
+fn the_best_of_the_other_arm_is_told_with_how_much_further_it_is() {
+    for alignment in Alignment::all() {
+        let profile = worn(alignment);
+        let fits = template().fit(profile);
+        let others = Alignment::all().filter(|other| other.mirrored() != alignment.mirrored());
+        let distance = |other: Alignment| template().distance(other.apply(profile.0));
+        let nearest = others.min_by_key(|&other| distance(other)).unwrap();
+        assert_eq!(fits.other_arm.alignment, nearest);
+        assert_eq!(fits.other_arm.distance, distance(nearest));
+        assert_eq!(fits.lead(), distance(nearest) - fits.nearest.distance);
+        assert!(fits.lead() > 4 * NAT, "{fits:?}");
+    }
+}
+
+#[test]
+fn between_two_places_the_answer_to_an_armband_turned_is_the_same_turned() {
+    let template = template_of(1);
+    let [here, beside] = [0, 1].map(|turn| worn(Alignment::new(turn, false)).0);
+    let middle: [i16; CHANNELS] =
+        core::array::from_fn(|electrode| i16::midpoint(here[electrode], beside[electrode]));
+    for electrode in 0..CHANNELS {
+        // Nearer to the one than to the other, by a thousandth of a nat or a hundredth.
+        let mut between = middle;
+        between[electrode] += 1;
+        let distance = |turn| template.distance(Alignment::new(turn, false).apply(between));
+        assert!((1..NAT / 50).contains(&distance(0).abs_diff(distance(1))));
+        let straight = template.fit(Profile(between)).nearest;
+        for placed in Alignment::all() {
+            let turned = template.fit(Profile(placed.inverse().apply(between)));
+            let expected = Fit {
+                alignment: placed.then(straight.alignment),
+                ..straight
+            };
+            assert_eq!(turned.nearest, expected, "{electrode} {placed:?}");
+        }
+    }
+}
+
+#[test]
+fn the_distance_is_half_the_squared_mahalanobis_distance() {
+    // One octave off in one electrode, at 10 nats per square octave.
+    let mut profile = template().mean;
+    profile[3] += OCTAVE;
+    assert_eq!(template().distance(profile), 5 * NAT);
+    // Off the diagonal: rows 0 and 1, both halves of the matrix.
+    let mut other = template();
+    other.precision[1] = 4 * PRECISION_ONE;
+    profile = other.mean;
+    profile[0] += OCTAVE;
+    profile[1] += OCTAVE;
+    assert_eq!(other.distance(profile), (5 + 5 + 4) * NAT);
+}
+
+#[test]
+fn a_symmetrical_pattern_is_taken_for_the_arm_of_training() {
+    let mut template = template();
+    template.mean = [400, 200, 0, -200, -300, -200, 0, 200];
+    for turn in 0..8 {
+        let mirrored = Alignment::new(turn, true);
+        let fits = template.fit(Profile(mirrored.inverse().apply(template.mean)));
+        assert_eq!(fits.nearest.alignment, Alignment::new(turn, false));
+        assert_eq!((fits.other_arm.alignment, fits.lead()), (mirrored, 0));
+    }
+}
+
+#[test]
+fn a_flat_pattern_has_no_margin() {
+    assert!(template().fit(Profile([0; CHANNELS])).nearest.margin < NAT / 10);
+}
+
+#[test]
+fn each_wrong_number_is_refused() {
+    let bytes = template().to_bytes();
+    assert_eq!(Template::from_bytes(&bytes), Ok(template()));
+    let length = |found| Err(TemplateError::Length { found });
+    assert_eq!(
+        Template::from_bytes(&bytes[1..]),
+        length(TEMPLATE_BYTES - 1)
+    );
+    assert_eq!(Template::from_bytes(&[]), length(0));
+    let with = |place: usize, number: i16| {
+        let mut changed = bytes;
+        changed[2 * place..][..2].copy_from_slice(&number.to_le_bytes());
+        Template::from_bytes(&changed)
+    };
+    assert_eq!(
+        with(2, 2049),
+        Err(TemplateError::Mean {
+            electrode: 2,
+            found: 2049
+        })
+    );
+    assert_eq!(
+        with(7, i16::MIN),
+        Err(TemplateError::Mean {
+            electrode: 7,
+            found: i16::MIN
+        })
+    );
+    assert_eq!(
+        with(8 + 8, 0),
+        Err(TemplateError::Precision {
+            electrode: 1,
+            found: 0
+        })
+    );
+    assert_eq!(
+        with(8 + 35, -1),
+        Err(TemplateError::Precision {
+            electrode: 7,
+            found: -1
+        })
+    );
+}
+
+proptest! {
+    /// The answer to an armband turned or on the other arm is that answer turned, where no two placements are equally far.
+    #[test]
+    fn turning_the_armband_turns_the_answer(
+        mean in prop::array::uniform8(-2048_i16..=2048),
+        widths in prop::array::uniform8(1_i16..=i16::MAX),
+        profile in prop::array::uniform8(-1793_i16..=1794),
+        (turn, mirrored) in (0_u8..8, any::<bool>()),
+    ) {
+        let mut precision = [0; TRIANGLE];
+        for (row, width) in widths.into_iter().enumerate() {
+            precision[row * (2 * CHANNELS + 1 - row) / 2] = width;
+        }
+        let template = Template::new(mean, precision).unwrap();
+        let mut distances = [0; 2 * CHANNELS];
+        for (distance, place) in distances.iter_mut().zip(Alignment::all()) {
+            *distance = template.distance(place.apply(profile));
+        }
+        distances.sort_unstable();
+        prop_assume!(distances.windows(2).all(|two| two[0] < two[1]));
+        let turned = Alignment::new(turn, mirrored);
+        let here = template.fit(Profile(profile));
+        let there = template.fit(Profile(turned.inverse().apply(profile)));
+        for (here, there) in [(here.nearest, there.nearest), (here.other_arm, there.other_arm)] {
+            prop_assert_eq!(turned.inverse().then(there.alignment), here.alignment);
+            prop_assert_eq!((here.distance, here.margin), (there.distance, there.margin));
+        }
+    }
+
+    /// Whatever is in the file, nothing overflows.
+    #[test]
+    fn every_template_gives_a_fit(
+        mean in prop::array::uniform8(-2048_i16..=2048),
+        precision in prop::collection::vec(prop_oneof![Just(i16::MIN), Just(i16::MAX), any::<i16>()], TRIANGLE),
+        profile in prop::array::uniform8(-1793_i16..=1794),
+    ) {
+        if let Ok(template) = Template::new(mean, precision.try_into().unwrap()) {
+            let fits = template.fit(Profile(profile));
+            prop_assert!(fits.nearest.distance <= fits.other_arm.distance);
+            prop_assert_ne!(fits.nearest.alignment.mirrored(), fits.other_arm.alignment.mirrored());
+        }
+    }
+}
