@@ -43,7 +43,7 @@ pub struct Arguments {
 
 /// Reads the name of a reaction.
 pub(super) fn reaction(name: &str) -> Result<Reaction, String> {
-    Reaction::of_name(name)
+    Reaction::from_name(name)
         .ok_or_else(|| format!("expected {}", Reaction::ALL.map(Reaction::name).join(", ")))
 }
 

@@ -29,7 +29,7 @@ pub enum GateCommand {
 
 fields!(Gate { entry: Option<Entry>, other: Option<Margin>, reaction: Option<Reaction> });
 
-field!(Reaction => Self: |text, reaction| text.write_str(reaction.name()), Self::of_name);
+field!(Reaction => Self: |text, reaction| text.write_str(reaction.name()), Self::from_name);
 
 /// Codec of a margin from 0 on.
 struct Entry;

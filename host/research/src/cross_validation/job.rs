@@ -243,13 +243,7 @@ impl CrossValidation<'_> {
             ) = gate.map_or(own, |gate| {
                 let entry = EntryMargins::Same(gate.entry).of_classes();
                 let other = own.1.map(|margin| gate.other.unwrap_or(margin));
-                let early = gate.early.map(|[entry, other, relax, leave]| Early {
-                    entry,
-                    other,
-                    relax,
-                    leave,
-                });
-                (entry, other, early)
+                (entry, other, gate.early.map(Early::new))
             });
             let look_aheads: &[LookAhead] = if candidate.looks_back {
                 &LookAhead::ALL

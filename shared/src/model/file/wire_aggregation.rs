@@ -28,7 +28,7 @@ impl WireAggregation {
         };
         Self {
             mode: mode + early.map_or(0, |_| EARLY),
-            margins: early.map(|early| [early.entry, early.other, early.relax, early.leave]),
+            margins: early.map(Early::margins),
         }
     }
 
@@ -37,18 +37,13 @@ impl WireAggregation {
     pub(super) const fn with(self, early: Early) -> Self {
         Self {
             mode: self.mode % EARLY + EARLY,
-            margins: Some([early.entry, early.other, early.relax, early.leave]),
+            margins: Some(early.margins()),
         }
     }
 
     /// The mode and the margins, unchecked; the number of a mode that is not known.
     pub(super) fn interpret(self) -> Result<(AggregationMode, Option<Early>), u8> {
-        let early = self.margins.map(|[entry, other, relax, leave]| Early {
-            entry,
-            other,
-            relax,
-            leave,
-        });
+        let early = self.margins.map(Early::new);
         match self.mode % EARLY {
             _ if self.mode >= 2 * EARLY => Err(self.mode),
             0 => Ok((AggregationMode::AllRowsFrom, early)),

@@ -12,6 +12,7 @@ use crate::model::dimensions::{
 };
 use crate::stream::alignment::Template;
 use crate::stream::preprocess::{DIVISOR, Median, Preprocessing};
+use crate::stream::smoother::Early;
 use crate::units::{
     LOOK_AHEAD, LOOK_BACK, MAX_ENTRY_MARGIN, MAX_HOLD, PATCH, SAMPLE_RATE_HZ, WINDOW_PATCHES,
 };
@@ -235,8 +236,7 @@ impl<'m> WireHeader<'m> {
         if let Some(found) = self.other_margin.filter(wild) {
             return Err(ModelError::OtherMargin { found });
         }
-        let beyond = early.map(|early| [early.entry, early.other, early.relax, early.leave]);
-        let mut beyond = beyond.into_iter().flatten();
+        let mut beyond = early.map(Early::margins).into_iter().flatten();
         if let Some(found) = beyond.find(|margin| !(0.0..=MAX_ENTRY_MARGIN).contains(margin)) {
             return Err(ModelError::EarlyMargin { found });
         }

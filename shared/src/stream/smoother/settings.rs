@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::intent::MAX_CLASSES;
+use crate::names::names;
 use crate::units::{HOLD, LOOK_AHEAD, PATCH};
 
 /// Which rows of a window are summed for an instant.
@@ -31,7 +32,7 @@ pub struct Settings {
     /// Least difference of a class's mean logit to that of movement outside the vocabulary for the label to become
     /// this class; such movement ends no label. None: rows have no such column, after those of the classes.
     pub other_margin: Option<f32>,
-    /// What a label has to exceed its margins by to be emitted before its look-ahead is over; none: no label is.
+    /// Margins of labels that are emitted before their look-ahead is over; none: no label is.
     pub early: Option<Early>,
 }
 
@@ -52,51 +53,51 @@ impl Settings {
 /// look-ahead, to nothing where that is whole.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Early {
-    /// Of a class over the other classes.
+    /// Margin of a class over the other classes.
     pub entry: f32,
-    /// Of a class over movement outside the vocabulary.
+    /// Margin of a class over movement outside the vocabulary.
     pub other: f32,
-    /// Of relax over the classes.
+    /// Margin of relax over the classes.
     pub relax: f32,
-    /// Of relax over the classes, whatever the look-ahead: it has no other margin.
+    /// Margin of relax over the classes at any look-ahead: it has none in the settings.
     pub leave: f32,
 }
 
-/// Named operating point: how soon a label changes, against how seldom it changes for nothing. Chosen by cross-validation:
-/// docs/results.md has the curve.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Reaction {
-    /// Soonest.
-    Fast,
-    /// As steady as labels that wait for the whole look-ahead.
-    Balanced,
-    /// Fewest labels that nobody meant.
-    Steady,
-}
-
-impl Reaction {
-    /// All reactions, the soonest first.
-    pub const ALL: [Self; 3] = [Self::Fast, Self::Balanced, Self::Steady];
-
-    /// Name in commands, presets and lines.
+impl Early {
+    /// The margins, in the order of the fields.
     #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Fast => "fast",
-            Self::Balanced => "balanced",
-            Self::Steady => "steady",
+    pub const fn new([entry, other, relax, leave]: [f32; 4]) -> Self {
+        Self {
+            entry,
+            other,
+            relax,
+            leave,
         }
     }
 
-    /// The reaction of a name.
+    /// The margins in the order of [`Self::new`].
     #[must_use]
-    pub fn of_name(name: &str) -> Option<Self> {
-        Self::ALL
-            .into_iter()
-            .find(|reaction| reaction.name() == name)
+    pub const fn margins(self) -> [f32; 4] {
+        [self.entry, self.other, self.relax, self.leave]
     }
+}
 
+names! {
+    /// Named operating point: how soon a label changes, against how seldom it changes for nothing. Chosen by
+    /// cross-validation: docs/results.md has the curve.
+    #[derive(Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Reaction {
+        /// The soonest labels.
+        Fast = "fast",
+        /// Labels as steady as those that wait for the whole look-ahead.
+        Balanced = "balanced",
+        /// The fewest labels that nobody meant.
+        Steady = "steady",
+    }
+}
+
+impl Reaction {
     /// Margin of all classes but relax: see [`Settings::entry_margins`].
     #[must_use]
     pub const fn entry(self) -> f32 {
@@ -112,16 +113,10 @@ impl Reaction {
     /// Margins of early labels.
     #[must_use]
     pub const fn early(self) -> Early {
-        let [entry, other, relax, leave] = match self {
+        Early::new(match self {
             Self::Fast => [0.0, 0.5, 1.0, 0.5],
             Self::Balanced | Self::Steady => [0.5, 0.5, 1.0, 0.5],
-        };
-        Early {
-            entry,
-            other,
-            relax,
-            leave,
-        }
+        })
     }
 }
 

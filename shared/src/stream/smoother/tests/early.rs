@@ -16,7 +16,7 @@ struct Twin {
     label: Option<usize>,
 }
 
-/// What a window leaves.
+/// Label after a window.
 struct After {
     class: usize,
     /// Instant of the label, if one is due.
@@ -40,10 +40,7 @@ impl Twin {
     }
 
     fn margins(&self, class: usize, ahead: usize) -> [f64; 2] {
-        let [entry, other, relax, leave] = {
-            let early = self.early;
-            [early.entry, early.other, early.relax, early.leave].map(f64::from)
-        };
+        let [entry, other, relax, leave] = self.early.margins().map(f64::from);
         let look_ahead = self.settings.look_ahead;
         let share = (look_ahead - ahead) as f64 / look_ahead.max(1) as f64;
         if class == 0 {
@@ -133,13 +130,7 @@ fn any_early() -> impl Strategy<Value = (Settings, Early)> {
     let margin = || (0..4_u8).prop_map(|margin| f32::from(margin) + 0.137);
     let early = [(); 4].map(|()| margin());
     (any_settings(), early, margin(), margin()).prop_map(|(settings, early, entry, other)| {
-        let [entry_beyond, other_beyond, relax, leave] = early;
-        let early = Early {
-            entry: entry_beyond,
-            other: other_beyond,
-            relax,
-            leave,
-        };
+        let early = Early::new(early);
         let settings = Settings {
             entry_margins: [entry; 6],
             other_margin: Some(other),
@@ -221,12 +212,7 @@ proptest! {
 
 #[test]
 fn a_clear_class_is_labelled_at_its_first_row_and_a_weaker_one_after_more() {
-    let early = Early {
-        entry: 4.0,
-        other: 0.0,
-        relax: 0.0,
-        leave: 0.0,
-    };
+    let early = Early::new([4.0, 0.0, 0.0, 0.0]);
     let settings = Settings {
         look_ahead: 5,
         hold: 2,
