@@ -210,6 +210,42 @@ proptest! {
     }
 }
 
+/// Gates that a wearer may put in place: none, and all named ones.
+fn any_gate() -> impl Strategy<Value = Gate> {
+    let reactions = Reaction::ALL.map(Some);
+    let reaction = prop_oneof![Just(None), prop::sample::select(reactions.to_vec())];
+    reaction.prop_map(|reaction| Gate {
+        reaction,
+        ..Gate::default()
+    })
+}
+
+proptest! {
+    #[test]
+    fn instants_never_go_back_and_another_class_has_a_later_one_whatever_gates_are_put_in_place(
+        settings in any_settings(),
+        windows in any_intents(),
+        gates in prop::collection::vec((0..20_usize, any_gate()), 0..6),
+    ) {
+        let mut smoother = Smoother::<CLASSES, ROWS>::new(settings, USED).unwrap();
+        let mut before: Option<Decision> = None;
+        for (number, window) in windows.iter().enumerate() {
+            for (_, gate) in gates.iter().filter(|(at, _)| *at == number) {
+                smoother.set_gate(*gate);
+            }
+            let end = SampleIndex(number as u32 * settings.row_samples);
+            let Some(label) = smoother.push(end, window) else {
+                continue;
+            };
+            if let Some(before) = before {
+                let least = if label.class == before.class { before.instant } else { before.instant.plus(1) };
+                prop_assert!(label.instant >= least, "window {}: {:?}, {:?}", number, before, label);
+            }
+            before = Some(label);
+        }
+    }
+}
+
 #[test]
 fn a_clear_class_is_labelled_at_its_first_row_and_a_weaker_one_after_more() {
     let early = Early::new([4.0, 0.0, 0.0, 0.0]);
