@@ -165,9 +165,11 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         let is_full = self.seen == depth;
         match self.early() {
             Some(early) if is_full => self.change(early),
-            Some(_) => {}
-            None if is_full && self.phase == 0 => self.current = self.gated(0.0),
-            None => {}
+            // After an early label of the gate before, not before an instant that has no label yet.
+            None if is_full && self.phase == 0 && self.since >= depth => {
+                self.current = self.gated(0.0);
+            }
+            _ => {}
         }
         let due = is_full && self.phase == 0;
         self.phase = (self.phase + 1) % self.settings.hold;

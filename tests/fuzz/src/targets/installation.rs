@@ -13,6 +13,9 @@ use crate::input::Input;
 const LENGTH: usize = 2 * PAGE_BYTES + 3 * BLOCK_BYTES + 5;
 const CAPACITY: usize = 4 * PAGE_BYTES;
 
+/// The bytes of the model that a board has before.
+const OLD: u8 = 0x55;
+
 /// What is installed; the same each time.
 static FILE: LazyLock<Vec<u8>> =
     LazyLock::new(|| (0..LENGTH).map(|place| (place % 251) as u8).collect());
@@ -20,6 +23,13 @@ static FILE: LazyLock<Vec<u8>> =
 struct Flash {
     region: Vec<u8>,
     journal: [u8; JOURNAL_BYTES],
+}
+
+impl Flash {
+    /// Whether a whole model lies here: the new one, or the old one as it was.
+    fn has_model(&self) -> bool {
+        self.region.starts_with(&FILE) || self.region.iter().all(|byte| *byte == OLD)
+    }
 }
 
 /// What happens: a byte for the kind, what belongs to it.
@@ -31,7 +41,7 @@ pub fn run(data: &[u8]) {
         checksum: 7,
     };
     let mut flash = Flash {
-        region: vec![0x55; CAPACITY],
+        region: vec![OLD; CAPACITY],
         journal: [0xff; JOURNAL_BYTES],
     };
     let mut installation = Installation::new(CAPACITY as u32);
@@ -41,8 +51,7 @@ pub fn run(data: &[u8]) {
         if kind < 0x10 {
             // Power fails.
             installation = Installation::new(CAPACITY as u32);
-            in_use =
-                flash.region.starts_with(file) || flash.region.iter().all(|byte| *byte == 0x55);
+            in_use = flash.has_model();
             continue;
         }
         if kind < 0x30 {
@@ -85,14 +94,16 @@ pub fn run(data: &[u8]) {
                 _ if !success => {}
                 Step::Suspend => in_use = false,
                 Step::Resume => {
-                    assert!(flash.region.starts_with(file), "in use, and not whole");
-                    in_use = true;
+                    // After a failure at the first block, what an earlier transfer has left may be no model.
+                    in_use = flash.has_model();
+                    assert!(in_use || number == 0, "in use, and not whole");
                 }
                 Step::Verify => {}
                 _ => assert!(!in_use, "{step:?} while a model is in use"),
             }
             let outcome = match step {
                 Step::Verify if !flash.region.starts_with(file) => Err(Refused::Model),
+                Step::Resume if !flash.has_model() => Err(Refused::Model),
                 Step::Suspend | Step::Resume if !success => Err(Refused::Busy),
                 _ if !success => Err(Refused::Flash),
                 _ => Ok(()),
