@@ -2,16 +2,15 @@
 
 use std::collections::BTreeSet;
 
-use evaluation::inference::integer_logits;
 use evaluation::inference::outputs;
 use evaluation::metric::event::latency::Latency;
 use evaluation::{
     ALL, CONSTANT, Candidate, Difference, ENERGY, EnergyDetector, EvaluatedRecording, LookAhead,
-    Measure, Score, Truth, constant, score_all,
+    Measure, Score, Truth, constant, integer_candidate, score_all,
 };
 use recordings::split::predefined::is_test;
 use recordings::{Library, Recording};
-use shared::intent::{MAX_CLASSES, Vocabulary};
+use shared::intent::Vocabulary;
 use shared::model::file::Model;
 use shared::stream::preprocess::{Median, clean};
 use shared::units::{CleanSample, PATCH, WINDOW};
@@ -66,17 +65,7 @@ fn the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_mad
         .collect();
     assert_eq!(people.len(), 3);
     assert!(!training.is_empty());
-    let logits = recordings.iter().map(|recording| {
-        integer_logits(&model, &recording.input(model.header.preprocessing)).unwrap()
-    });
-    let own = Candidate {
-        name: "model".to_owned(),
-        looks_back: true,
-        logits: logits.collect(),
-        entry_margins: model.header.smoother.entry_margins,
-        other_margin: model.header.smoother.other_margin,
-        early: model.header.smoother.early,
-    };
+    let own = integer_candidate("model", &model, &recordings).unwrap();
     let detector = EnergyDetector::fit(&training).unwrap();
     let candidates = [own, constant(&recordings), detector.candidate(&recordings)];
     let truths = [Truth::LagCompensated];
@@ -149,14 +138,7 @@ fn the_lead_in_decides_the_first_labels() {
             let rows = outputs(&model, stream.as_chunks::<PATCH>().0).unwrap();
             rows[before..].to_vec()
         };
-        Candidate {
-            name: name.to_owned(),
-            looks_back: true,
-            logits: all.iter().map(logits).collect(),
-            entry_margins: [0.0; MAX_CLASSES],
-            other_margin: None,
-            early: None,
-        }
+        Candidate::without_margins(name, true, all.iter().map(logits).collect())
     };
     let candidates = [
         with("first 100 samples", |emg| first(emg, 100)),

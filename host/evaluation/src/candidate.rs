@@ -7,7 +7,7 @@ use rayon::iter::IntoParallelRefIterator;
 use rayon::iter::ParallelIterator;
 use shared::intent::MAX_CLASSES;
 use shared::model::LookBackLogits;
-use shared::model::file::Model;
+use shared::model::file::{Model, SmootherDefaults};
 use shared::stream::smoother::{Early, Settings};
 
 use super::condition::LookAhead;
@@ -32,6 +32,30 @@ pub struct Candidate {
 }
 
 impl Candidate {
+    /// A model with logits of past patches and the margins of its file.
+    #[must_use]
+    pub fn new(name: &str, logits: Vec<Vec<LookBackLogits>>, smoother: &SmootherDefaults) -> Self {
+        Self {
+            entry_margins: smoother.entry_margins,
+            other_margin: smoother.other_margin,
+            early: smoother.early,
+            ..Self::without_margins(name, true, logits)
+        }
+    }
+
+    /// A model without confidence gate, whose labels wait for their look-ahead.
+    #[must_use]
+    pub fn without_margins(name: &str, looks_back: bool, logits: Vec<Vec<LookBackLogits>>) -> Self {
+        Self {
+            name: name.to_owned(),
+            looks_back,
+            logits,
+            entry_margins: [0.0; MAX_CLASSES],
+            other_margin: None,
+            early: None,
+        }
+    }
+
     /// Look-ahead conditions that the model can be evaluated under.
     pub(crate) fn conditions(&self) -> impl Iterator<Item = LookAhead> {
         LookAhead::ALL
@@ -71,14 +95,7 @@ pub fn integer_candidate(
         .par_iter()
         .map(|recording| integer_logits(model, &recording.input(model.header.preprocessing)))
         .collect::<Result<_, _>>()?;
-    Ok(Candidate {
-        name: name.to_owned(),
-        looks_back: true,
-        logits,
-        entry_margins: model.header.smoother.entry_margins,
-        other_margin: model.header.smoother.other_margin,
-        early: model.header.smoother.early,
-    })
+    Ok(Candidate::new(name, logits, &model.header.smoother))
 }
 
 #[cfg(test)]
@@ -88,14 +105,7 @@ mod tests {
     #[test]
     fn a_model_without_past_patches_is_evaluated_without_look_ahead_alone() {
         let conditions = |looks_back| {
-            let candidate = Candidate {
-                name: "any".to_owned(),
-                looks_back,
-                logits: Vec::new(),
-                entry_margins: [0.0; MAX_CLASSES],
-                other_margin: None,
-                early: None,
-            };
+            let candidate = Candidate::without_margins("any", looks_back, Vec::new());
             candidate.conditions().collect::<Vec<_>>()
         };
         assert_eq!(conditions(false), [LookAhead::None]);

@@ -155,14 +155,7 @@ fn candidate(
             })
             .collect()
     };
-    Candidate {
-        name: name.to_owned(),
-        looks_back: false,
-        logits: recordings.iter().map(logits).collect(),
-        entry_margins: [0.0; MAX_CLASSES],
-        other_margin: None,
-        early: None,
-    }
+    Candidate::without_margins(name, false, recordings.iter().map(logits).collect())
 }
 
 #[cfg(test)]

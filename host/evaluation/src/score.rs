@@ -348,14 +348,7 @@ mod tests {
             lag_compensated: truth,
             other_movement: Vec::new(),
         };
-        let candidate = Candidate {
-            name: "m".to_owned(),
-            looks_back: true,
-            logits: vec![logits],
-            entry_margins: [0.0; 6],
-            other_margin: None,
-            early: None,
-        };
+        let candidate = Candidate::without_margins("m", true, vec![logits]);
         (recording, candidate)
     }
 

@@ -17,8 +17,10 @@ pub mod training;
 
 use serde::{Deserialize, Serialize};
 use shared::intent::{Intent, MAX_CLASSES, Vocabulary};
+use shared::model::file::SmootherDefaults;
 use shared::stream::preprocess::{Median, Preprocessing};
-use shared::stream::smoother::{Early, Reaction};
+use shared::stream::smoother::{AggregationMode, Early, Reaction};
+use shared::units::{HOLD, LOOK_AHEAD};
 
 use crate::distillation::{Distillation, StudentConfig};
 use crate::teacher::{LoraConfig, TeacherConfig, TeacherTraining};
@@ -111,13 +113,13 @@ pub enum Aggregation {
 impl Smoothing {
     /// Margins of early labels.
     #[must_use]
-    pub fn early(&self) -> Option<Early> {
+    pub(crate) fn early(&self) -> Option<Early> {
         self.reaction.map(Reaction::early)
     }
 
     /// Margin of each class.
     #[must_use]
-    pub fn entry_margins(&self) -> [f32; MAX_CLASSES] {
+    pub(crate) fn entry_margins(&self) -> [f32; MAX_CLASSES] {
         let reaction = self.reaction.map_or(0.0, Reaction::entry);
         let margins = self.entry_margins.as_ref();
         margins.map_or_else(
@@ -226,11 +228,18 @@ impl Preset {
         self.data.other_movement == OtherMovement::Class
     }
 
-    /// The student's margin over movement outside the vocabulary; none if it does not know it.
+    /// Smoother of the preset's model files. There is a margin over movement outside the vocabulary if the student knows it.
     #[must_use]
-    pub fn other_margin(&self) -> Option<f32> {
-        let margin = self.smoother.other_margin.unwrap_or(0.0);
-        self.other().then_some(margin)
+    pub fn smoother_defaults(&self, aggregation: AggregationMode) -> SmootherDefaults {
+        let other_margin = self.smoother.other_margin.unwrap_or(Reaction::OTHER);
+        SmootherDefaults {
+            aggregation,
+            look_ahead: LOOK_AHEAD,
+            hold: HOLD,
+            entry_margins: self.smoother.entry_margins(),
+            other_margin: self.other().then_some(other_margin),
+            early: self.smoother.early(),
+        }
     }
 
     /// The classes that labels are taken from.

@@ -239,12 +239,6 @@ pub(super) fn aligned_candidate(
             integer_logits(model, &emg)
         })
         .collect::<Result<_, _>>()?;
-    Ok(Candidate {
-        name: format!("{name}{ALIGNED}"),
-        looks_back: true,
-        logits,
-        entry_margins: model.header.smoother.entry_margins,
-        other_margin: model.header.smoother.other_margin,
-        early: model.header.smoother.early,
-    })
+    let name = format!("{name}{ALIGNED}");
+    Ok(Candidate::new(&name, logits, &model.header.smoother))
 }

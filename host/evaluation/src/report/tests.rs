@@ -38,14 +38,7 @@ impl Evaluated {
             };
             (0..recording.emg.len() / 10).map(rows).collect()
         });
-        let model = Candidate {
-            name: INTEGER.to_owned(),
-            looks_back: true,
-            logits: logits.collect(),
-            entry_margins: [0.0; 6],
-            other_margin: None,
-            early: None,
-        };
+        let model = Candidate::without_margins(INTEGER, true, logits.collect());
         let detector = EnergyDetector::fit(&recordings)
             .unwrap()
             .candidate(&recordings);

@@ -1,7 +1,6 @@
 //! Logits of trained baselines at every patch of a recording.
 
 use burn::tensor::{Device, Tensor, TensorData};
-use shared::intent::MAX_CLASSES;
 use shared::model::LookBackLogits;
 use shared::units::{CleanSample, PATCH, Sample};
 
@@ -164,12 +163,10 @@ pub(crate) fn candidate(
         &context.interrupt,
         |recording| trained.logits(&recording.raw, &recording.emg),
     )?;
-    Ok(Candidate {
-        name: baseline.name().to_owned(),
-        looks_back: baseline.looks_back(),
+    let looks_back = baseline.looks_back();
+    Ok(Candidate::without_margins(
+        baseline.name(),
+        looks_back,
         logits,
-        entry_margins: [0.0; MAX_CLASSES],
-        other_margin: None,
-        early: None,
-    })
+    ))
 }

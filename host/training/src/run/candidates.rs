@@ -1,6 +1,7 @@
 //! Candidates of an evaluation: the models of a run, and their logits over recordings.
 
 use shared::model::LookBackLogits;
+use shared::stream::smoother::AggregationMode;
 use shared::units::CleanSample;
 
 use super::context::RunContext;
@@ -55,12 +56,10 @@ fn candidate(
         &context.interrupt,
         |recording| logits(&recording.input(preprocessing)),
     )?;
-    Ok(Candidate {
-        name: name.to_owned(),
-        looks_back: true,
-        logits,
-        entry_margins: context.config.preset.smoother.entry_margins(),
-        other_margin: context.config.preset.other_margin(),
-        early: context.config.preset.smoother.early(),
-    })
+    // The aggregation mode is a condition of the evaluation.
+    let smoother = context
+        .config
+        .preset
+        .smoother_defaults(AggregationMode::AllRowsFrom);
+    Ok(Candidate::new(name, logits, &smoother))
 }

@@ -3,9 +3,8 @@
 use crate::student::model::Student;
 use burn::tensor::Device;
 use shared::model::encoder::DeviceEncoder;
-use shared::model::file::{Model, ProvenanceParts, SmootherDefaults};
+use shared::model::file::{Model, ProvenanceParts};
 use shared::stream::smoother::AggregationMode;
-use shared::units::{HOLD, LOOK_AHEAD};
 
 use super::error::StepError;
 use crate::student::quantization;
@@ -18,14 +17,7 @@ use presets::Preset;
 /// [`StepError::Student`], [`StepError::Board`].
 pub(super) fn refuse_impossible(preset: &Preset, device: &Device) -> Result<(), StepError> {
     let student = Student::new(&preset.student, preset.classes, preset.other(), device);
-    let smoother = SmootherDefaults {
-        aggregation: AggregationMode::AllRowsFrom,
-        look_ahead: LOOK_AHEAD,
-        hold: HOLD,
-        entry_margins: preset.smoother.entry_margins(),
-        other_margin: preset.other_margin(),
-        early: preset.smoother.early(),
-    };
+    let smoother = preset.smoother_defaults(AggregationMode::AllRowsFrom);
     let provenance = ProvenanceParts::default();
     let (config, vocabulary) = (&preset.student, preset.vocabulary());
     let bytes = quantization::quantize(

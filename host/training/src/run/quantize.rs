@@ -3,9 +3,8 @@
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use shared::model::file::{Model, ProvenanceParts, SmootherDefaults};
+use shared::model::file::{Model, ProvenanceParts};
 use shared::stream::smoother::AggregationMode;
-use shared::units::{HOLD, LOOK_AHEAD};
 
 use super::aggregation::aggregation;
 use super::context::RunContext;
@@ -153,17 +152,10 @@ pub(super) fn model_bytes(
             .map(|figure| (figure.name, figure.value))
             .collect(),
     };
-    let smoother = SmootherDefaults {
-        aggregation: match aggregation {
-            LookAhead::SameInstant => AggregationMode::SameInstant,
-            LookAhead::None | LookAhead::AllRows => AggregationMode::AllRowsFrom,
-        },
-        look_ahead: LOOK_AHEAD,
-        hold: HOLD,
-        entry_margins: context.config.preset.smoother.entry_margins(),
-        other_margin: context.config.preset.other_margin(),
-        early: context.config.preset.smoother.early(),
-    };
+    let smoother = preset.smoother_defaults(match aggregation {
+        LookAhead::SameInstant => AggregationMode::SameInstant,
+        LookAhead::None | LookAhead::AllRows => AggregationMode::AllRowsFrom,
+    });
     quantization::quantize(
         student,
         &preset.student,
