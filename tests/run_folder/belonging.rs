@@ -1,4 +1,4 @@
-//! What belongs together in a run, and what a command never replaces.
+//! Parts of a run that belong together, and files that a command never replaces.
 
 use std::fs;
 use std::io::BufRead as _;

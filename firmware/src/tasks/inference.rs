@@ -216,25 +216,21 @@ fn align(
     command: AlignCommand,
     streams: bool,
 ) -> Result<InferenceAnswer, Refusal> {
-    let accepted = match command {
-        AlignCommand::State => return Ok(InferenceAnswer::Alignment(pipeline.alignment())),
+    match command {
+        AlignCommand::State => {}
         AlignCommand::Begin(_) if !streams => return Err(Refusal::NoStream),
         AlignCommand::Begin(arm) => {
             // Where nothing is told of the arm, it is as the program was built.
             let arm = if arm == Arm::Unknown { ARM } else { arm };
             pipeline.begin_alignment(arm);
-            Accepted::Begin
         }
-        AlignCommand::Cancel => {
-            pipeline.cancel_alignment();
-            Accepted::Cancel
-        }
-        AlignCommand::Set(alignment) => {
-            pipeline.set_alignment(alignment);
-            Accepted::Set
-        }
-    };
-    Ok(InferenceAnswer::Align(accepted))
+        AlignCommand::Cancel => pipeline.cancel_alignment(),
+        AlignCommand::Set(alignment) => pipeline.set_alignment(alignment),
+    }
+    Ok(match Accepted::of(command) {
+        Some(accepted) => InferenceAnswer::Align(accepted),
+        None => InferenceAnswer::Alignment(pipeline.alignment()),
+    })
 }
 
 fn set_gate(

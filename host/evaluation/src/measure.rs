@@ -1,9 +1,9 @@
 //! The measures of a score that have one value for each person.
 
-use super::metric::summary::Summary;
+use super::metric::event::summary::SubjectEvents;
+use super::metric::summary::{SubjectScore, Summary};
 use super::score::Score;
 use recordings::statistics::{Interval, MeanSd};
-use shared::units::SAMPLE_PERIOD_MS;
 
 /// A measure with one value for each person.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -69,55 +69,35 @@ impl Measure {
     /// The value of each person who has one, in alphabetical order.
     #[must_use]
     pub fn values<'a>(self, score: &'a Score) -> Vec<(&'a str, f64)> {
-        let scores = || score.widest().subjects.iter();
-        let balanced = |of: &'a Summary| {
+        let of_scores = |of: &'a Summary, value: fn(&SubjectScore) -> Option<f64>| {
             let subjects = of.subjects.iter();
-            let values = subjects.filter_map(|s| Some((s.subject.as_str(), s.balanced_accuracy?)));
+            let values = subjects.filter_map(|own| Some((own.subject.as_str(), value(own)?)));
             values.collect()
         };
-        let transitions = |of: &'a Summary| {
-            let subjects = of.subjects.iter();
-            let values =
-                subjects.filter_map(|s| Some((s.subject.as_str(), s.transition_accuracy?)));
+        let of_events = |value: fn(&SubjectEvents) -> Option<f64>| {
+            let subjects = score.events.subjects.iter();
+            let values = subjects.filter_map(|own| Some((own.subject.as_str(), value(own)?)));
             values.collect()
         };
-        let events = || score.events.subjects.iter();
-        let within = |ms: u32| {
-            let samples = (ms / SAMPLE_PERIOD_MS) as i32;
-            let shares = events().map(|s| (s.subject.as_str(), s.recognised_within(samples)));
-            shares
-                .filter_map(|(subject, share)| Some((subject, share?)))
-                .collect()
-        };
+        let balanced: fn(&SubjectScore) -> _ = |own| own.balanced_accuracy;
+        let transitions: fn(&SubjectScore) -> _ = |own| own.transition_accuracy;
         match self {
-            Self::BalancedAccuracy => balanced(score.widest()),
-            Self::BalancedAccuracyEmitted => balanced(&score.emission),
-            Self::TransitionAccuracy => transitions(score.widest()),
-            Self::TransitionAccuracyMiddle => transitions(&score.reference[1]),
-            Self::TransitionAccuracyNarrow => transitions(&score.reference[0]),
-            Self::TransitionAccuracyEmitted => transitions(&score.emission),
-            Self::Within100 => within(100),
-            Self::Within150 => within(150),
-            Self::Within200 => within(200),
-            Self::Within300 => within(300),
-            Self::RawAccuracy => scores()
-                .filter_map(|s| Some((s.subject.as_str(), s.raw_accuracy?)))
-                .collect(),
-            Self::Recognition => events()
-                .filter_map(|s| Some((s.subject.as_str(), s.recognition?)))
-                .collect(),
-            Self::FalseActivations => events()
-                .filter_map(|s| Some((s.subject.as_str(), s.rest.per_minute()?)))
-                .collect(),
-            Self::OtherActivations => events()
-                .filter_map(|s| Some((s.subject.as_str(), s.other_movement.per_minute()?)))
-                .collect(),
-            Self::Raised => events()
-                .filter_map(|s| Some((s.subject.as_str(), s.raised_share()?)))
-                .collect(),
-            Self::Flicker => events()
-                .filter_map(|s| Some((s.subject.as_str(), s.flicker.per_minute()?)))
-                .collect(),
+            Self::BalancedAccuracy => of_scores(score.widest(), balanced),
+            Self::BalancedAccuracyEmitted => of_scores(&score.emission, balanced),
+            Self::TransitionAccuracy => of_scores(score.widest(), transitions),
+            Self::TransitionAccuracyMiddle => of_scores(&score.reference[1], transitions),
+            Self::TransitionAccuracyNarrow => of_scores(&score.reference[0], transitions),
+            Self::TransitionAccuracyEmitted => of_scores(&score.emission, transitions),
+            Self::RawAccuracy => of_scores(score.widest(), |own| own.raw_accuracy),
+            Self::Recognition => of_events(|own| own.recognition),
+            Self::Within100 => of_events(|own| own.recognised_within(100)),
+            Self::Within150 => of_events(|own| own.recognised_within(150)),
+            Self::Within200 => of_events(|own| own.recognised_within(200)),
+            Self::Within300 => of_events(|own| own.recognised_within(300)),
+            Self::FalseActivations => of_events(|own| own.rest.per_minute()),
+            Self::OtherActivations => of_events(|own| own.other_movement.per_minute()),
+            Self::Raised => of_events(SubjectEvents::raised_share),
+            Self::Flicker => of_events(|own| own.flicker.per_minute()),
         }
     }
 

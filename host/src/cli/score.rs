@@ -19,13 +19,10 @@ use evaluation::metric::predicted_length;
 use evaluation::metric::summary::RecordingScore;
 use evaluation::metric::transition::{Change, Rule, TransitionStatus};
 use evaluation::report::Table;
-use recordings::LoadError;
 use recordings::labels::motion::{GroundTruth, Motion};
 use recordings::labels::vocabulary;
 use recordings::movement;
 pub use recordings::readers::label_file::{self, Purpose};
-
-const EMISSION: Purpose = Purpose::Emission;
 
 /// Arguments of `myointent score`.
 #[derive(clap::Args, Debug)]
@@ -93,11 +90,10 @@ fn report(args: &Arguments) -> anyhow::Result<String> {
     let movements = truth.other_movement;
     let truth = truth.labels;
     // Other movement raises no label: predicted, it is none.
-    let predicted = |purpose| -> Result<Vec<Option<Intent>>, LoadError> {
-        let labels = label_file::read(&args.prediction, purpose)?.into_iter();
-        Ok(labels.map(Motion::label).collect())
+    let labels = |motions: Vec<Motion>| -> Vec<Option<Intent>> {
+        motions.into_iter().map(Motion::label).collect()
     };
-    let prediction = predicted(Purpose::Prediction)?;
+    let prediction = labels(label_file::read(&args.prediction, Purpose::Prediction)?);
     let rule = Rule {
         buffer: args.buffer,
         strict: args.strict,
@@ -109,12 +105,16 @@ fn report(args: &Arguments) -> anyhow::Result<String> {
     let mut confusion = Confusion::new(vocabulary::smallest(truth.iter().chain(&prediction)));
     let scored = predicted_length(&prediction);
     confusion.add(&truth[..scored], &prediction[..scored])?;
-    let emitted = if args.delay.is_none() && label_file::has_column(&args.prediction, EMISSION)? {
-        let mut emitted = predicted(EMISSION)?;
-        emitted.truncate(scored);
-        emitted
-    } else {
-        delayed(&prediction[..scored], args.delay.unwrap_or(0))
+    let emitted = match args.delay {
+        Some(_) => None,
+        None => label_file::read_if_named(&args.prediction, Purpose::Emission)?,
+    };
+    let emitted = match emitted.map(labels) {
+        Some(mut emitted) => {
+            emitted.truncate(scored);
+            emitted
+        }
+        None => delayed(&prediction[..scored], args.delay.unwrap_or(0)),
     };
     let movements = movement::within(&movements, &(0..scored));
     let own = &truth[..scored];
@@ -168,7 +168,7 @@ fn json(scores: &Scores, rule: &Rule, confusion: &Confusion) -> serde_json::Resu
         "gestures_recognised": own.recognised,
         "recognition": own.recognition,
         "latency": own.latency,
-        "recognised_within_ms": SOON_MS.map(|ms| (ms.to_string(), within(&own, ms))).into_iter().collect::<BTreeMap<_, _>>(),
+        "recognised_within_ms": SOON_MS.map(|ms| (ms.to_string(), own.recognised_within(ms))).into_iter().collect::<BTreeMap<_, _>>(),
         "false_activations": per_minute(own.rest),
         "other_activations": per_minute(own.other_movement),
         "other_movements": own.raised,
@@ -192,10 +192,6 @@ fn json(scores: &Scores, rule: &Rule, confusion: &Confusion) -> serde_json::Resu
 
 /// Times after the onset of a gesture, in ms, for which the share that is recognised by then is told.
 const SOON_MS: [u32; 4] = [100, 150, 200, 300];
-
-fn within(own: &SubjectEvents, ms: u32) -> Option<f64> {
-    own.recognised_within((ms / SAMPLE_PERIOD_MS) as i32)
-}
 
 fn tables(scores: &Scores, unscored: usize, confusion: &Confusion) -> String {
     let Scores {
@@ -241,7 +237,7 @@ fn tables(scores: &Scores, unscored: usize, confusion: &Confusion) -> String {
         );
     }
     if own.gestures > 0 {
-        let soon = SOON_MS.map(|ms| format!("{} in {ms} ms", share(within(&own, ms))));
+        let soon = SOON_MS.map(|ms| format!("{} in {ms} ms", share(own.recognised_within(ms))));
         text += &format!("so soon              {}\n", soon.join(", "));
     }
     text += &format!("false activations    {} of rest\n", per_minute(own.rest));

@@ -109,7 +109,7 @@ names! {
 }
 
 impl Accepted {
-    /// What an accepted command is answered with; none where the answer is the alignment in force.
+    /// Answer to an accepted command; none where the answer is the alignment in force.
     #[must_use]
     pub const fn of(command: AlignCommand) -> Option<Self> {
         match command {

@@ -15,15 +15,14 @@ use super::pictures::{
 use super::scores::estimated;
 use super::table::Table;
 use super::{Fact, MOST_ENTRIES};
-use crate::metric::event::latency;
 use crate::{ENERGY, EvaluationError, Measure, Score, confusion, gestures};
 use recordings::statistics::MeanSd;
 
 /// Style of the page; that of the pictures comes from `pictures`.
 const PAGE_STYLE: &str = include_str!("page.css");
 
-/// Samples after the onset up to which recognition is drawn.
-const SOON: i32 = 120;
+/// Milliseconds after the onset up to which recognition is drawn.
+const SOON_MS: u32 = 600;
 
 /// People who are drawn of a single entry, the lowest first; the best one is added.
 const WORST: usize = 3;
@@ -177,31 +176,27 @@ fn errors(entries: &[Entry<'_>]) -> Result<Markup, EvaluationError> {
 
 /// Share of gestures recognised by the time since their onset, of each entry and of the energy detector: the mean over people
 /// who have all classes, if there are any.
-fn recognition(entries: &[Entry<'_>]) -> Option<Panel> {
+fn recognition<'a>(entries: &'a [Entry<'_>]) -> Option<Panel> {
     let people = over_all(&entries.first()?.scores).next()?.people;
-    let entry = |entry: &Entry<'_>| {
+    let entry = |entry: &'a Entry<'_>| {
         let own = over_all(&entry.scores).find(|score| score.people == people)?;
-        Some((entry.name.clone(), own.clone()))
+        Some((entry.name.as_str(), own))
     };
-    let energy = entries
-        .first()?
-        .energy()
-        .find(|floor| floor.people == people);
-    let energy = energy.map(|floor| (ENERGY.to_owned(), floor.clone()));
-    let curve = |(name, score): (String, Score)| {
-        let at = |samples: i32| {
+    let energy = entries.first()?.energy();
+    let energy = energy
+        .filter(|floor| floor.people == people)
+        .map(|floor| (ENERGY, floor));
+    let curve = |(name, score): (&str, &Score)| {
+        let at = |ms: u32| {
             let people = score.events.subjects.iter();
-            let shares: Vec<f64> = people
-                .filter_map(|own| own.recognised_within(samples))
-                .collect();
-            let mean = MeanSd::of(&shares)?.mean;
-            Some((latency::milliseconds(samples), mean))
+            let shares: Vec<f64> = people.filter_map(|own| own.recognised_within(ms)).collect();
+            Some((f64::from(ms), MeanSd::of(&shares)?.mean))
         };
-        let points: Vec<(f64, f64)> = (0..=SOON).step_by(2).filter_map(at).collect();
-        (!points.is_empty()).then_some((name, points))
+        let points: Vec<_> = (0..=SOON_MS).step_by(10).filter_map(at).collect();
+        (!points.is_empty()).then(|| (name.to_owned(), points))
     };
     let shown = entries.iter().take(MOST_ENTRIES - 1).filter_map(entry);
-    let curves: Vec<_> = shown.chain(energy).filter_map(curve).collect();
+    let curves: Vec<_> = shown.chain(energy.take(1)).filter_map(curve).collect();
     (!curves.is_empty()).then(|| Panel {
         title: "Share of gestures recognised so soon after their onset".to_owned(),
         axis: "emitted label after onset, ms",

@@ -41,6 +41,12 @@ impl Purpose {
             Self::Emission => &["emitted"],
         }
     }
+
+    /// Number of the column that a header names.
+    fn column(self, header: &str) -> Option<usize> {
+        let named = |wanted: &&str| header.split(',').position(|name| name.trim() == *wanted);
+        self.columns().iter().find_map(named)
+    }
 }
 
 /// Reads the labels of a file.
@@ -48,27 +54,33 @@ impl Purpose {
 /// # Errors
 /// [`LoadError::Io`], or [`LoadError::Damaged`] with the line or byte of the first invalid label.
 pub fn read(path: &Path, purpose: Purpose) -> Result<Vec<Motion>, LoadError> {
-    let bytes = bounded_read::read(path, bounded_read::RECORDING)
-        .map_err(|source| LoadError::io(path, source))?;
-    // A byte order mark, as some editors write it.
-    let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes);
-    parse(bytes, purpose).map_err(|damage| damage.in_file(path))
+    parse(&contents(path)?, purpose).map_err(|damage| damage.in_file(path))
 }
 
-/// Whether a file is a csv with a column of this purpose.
+/// Reads the labels of a file that need not have any of this purpose: none where it is no csv with such a column.
 ///
 /// # Errors
-/// [`LoadError::Io`].
-pub fn has_column(path: &Path, purpose: Purpose) -> Result<bool, LoadError> {
-    let bytes = bounded_read::read(path, bounded_read::RECORDING)
+/// As [`read`].
+pub fn read_if_named(path: &Path, purpose: Purpose) -> Result<Option<Vec<Motion>>, LoadError> {
+    let bytes = contents(path)?;
+    let text = str::from_utf8(&bytes).unwrap_or_default();
+    let header = table::rows(text).next();
+    if header.is_none_or(|(_, header)| purpose.column(header).is_none()) {
+        return Ok(None);
+    }
+    let labels = parse(&bytes, purpose).map_err(|damage| damage.in_file(path))?;
+    Ok(Some(labels))
+}
+
+/// Bytes of a file, without the byte order mark that some editors write.
+fn contents(path: &Path) -> Result<Vec<u8>, LoadError> {
+    let mut bytes = bounded_read::read(path, bounded_read::RECORDING)
         .map_err(|source| LoadError::io(path, source))?;
-    let header = bytes
-        .split(|&byte| byte == b'\n')
-        .next()
-        .unwrap_or_default();
-    let header = String::from_utf8_lossy(header);
-    let mut names = header.split(',').map(str::trim);
-    Ok(names.any(|name| purpose.columns().contains(&name)))
+    let mark = "\u{feff}".as_bytes();
+    if bytes.starts_with(mark) {
+        bytes.drain(..mark.len());
+    }
+    Ok(bytes)
 }
 
 /// Parses the bytes of a file of labels.
@@ -80,25 +92,22 @@ pub fn parse(bytes: &[u8], purpose: Purpose) -> Result<Vec<Motion>, Damage> {
         .map_err(|error| Damage::at_byte(error.valid_up_to() as u64, Fault::Text))?;
     let mut rows = table::rows(text).peekable();
     let header = rows.peek().map_or("", |(_, row)| *row);
-    let names: Vec<&str> = header.split(',').map(str::trim).collect();
-    let columns = purpose.columns();
-    let column = columns
-        .iter()
-        .find_map(|wanted| names.iter().position(|name| name == wanted));
+    let expected = header.split(',').count();
+    let column = purpose.column(header);
     if column.is_some() {
         rows.next();
-    } else if names.len() > 1
+    } else if expected > 1
         || Purpose::ALL
             .iter()
-            .any(|other| other.columns().contains(&header))
+            .any(|other| other.column(header).is_some())
     {
         let fault = Fault::Column {
-            expected: columns.join(", "),
+            expected: purpose.columns().join(", "),
             found: header.to_owned(),
         };
         return Err(Damage::at_line(1, fault));
     }
-    let (column, expected) = (column.unwrap_or(0), names.len());
+    let column = column.unwrap_or(0);
     let labels = rows
         .map(|(line, row)| {
             let fields: Vec<&str> = row.split(',').map(str::trim).collect();
@@ -263,6 +272,23 @@ mod tests {
             let fault = parse(csv, purpose).unwrap_err().fault;
             assert!(matches!(fault, Fault::Column { .. }), "{fault:?}");
         }
+    }
+
+    #[test]
+    fn a_column_that_need_not_be_there_is_read_behind_a_byte_order_mark() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("labels.csv");
+        for (contents, expected) in [
+            ("\u{feff}emitted,prediction\n0,3\n", Some(vec![R])),
+            ("prediction\n3\n", None),
+            ("3\n", None),
+            ("", None),
+        ] {
+            std::fs::write(&path, contents).unwrap();
+            assert_eq!(read_if_named(&path, Purpose::Emission).unwrap(), expected);
+        }
+        std::fs::write(&path, "emitted\n9\n").unwrap();
+        assert!(read_if_named(&path, Purpose::Emission).is_err());
     }
 
     #[test]

@@ -20,7 +20,7 @@ use training::run::personalize::{TuningSettings, Worse, personalize};
 #[derive(Debug, Args)]
 #[command(
     after_help = "A few minutes of rest and of each gesture in turn, with labels, are enough; docs/personalization.md says what they gain.\n\
-    Other movement among the labels (-2 or other) teaches what is not meant. The last third of the recordings is held back, or, if that
+    Other movement among the labels (-2 or other) teaches what is not meant. The last third of the recordings is held back, or, if that\n\
     is too short, each quarter in turn: both models are judged on it as `evaluate --model` does. The new file is written\n\
     only if its balanced accuracy there is 0.2 above that of always saying relax; if neither balanced accuracy nor transition\n\
     accuracy nor the share of gestures recognised is lower than before; and if rest and other movement do not raise more labels\n\

@@ -49,14 +49,10 @@ impl Ensemble {
 fn in_hindsight(logits: &Tensor<4>) -> Tensor<4> {
     let [b, patches, rows, outputs] = logits.dims();
     let device = logits.device();
-    let row = |back: usize, from: usize| {
-        logits
-            .clone()
-            .slice([0..b, from..patches, back..back + 1, 0..outputs])
-    };
     let sum = (0..rows.min(patches)).map(|back| {
+        let row = [0..b, back..patches, back..back + 1, 0..outputs];
         let behind_the_end = Tensor::zeros([b, back, 1, outputs], &device);
-        Tensor::cat(vec![row(back, back), behind_the_end], 1)
+        Tensor::cat(vec![logits.clone().slice(row), behind_the_end], 1)
     });
     let sum = sum.reduce(|sum, one| sum + one).expect("a row");
     let counts: Vec<f32> = (0..patches)

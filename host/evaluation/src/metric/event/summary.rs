@@ -9,6 +9,7 @@ use super::RecordingEvents;
 use super::activation::Rate;
 use super::latency::{self, LatencySummary};
 use recordings::statistics::MeanSd;
+use shared::units::SAMPLE_PERIOD_MS;
 
 /// Numbers of movements outside the vocabulary.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Serialize, serde::Deserialize)]
@@ -101,9 +102,10 @@ impl SubjectEvents {
         own
     }
 
-    /// Share of the gestures that are recognised within this time after their onset; none without a gesture.
+    /// Share of the gestures that are recognised within these milliseconds after their onset; none without a gesture.
     #[must_use]
-    pub fn recognised_within(&self, samples: i32) -> Option<f64> {
+    pub fn recognised_within(&self, ms: u32) -> Option<f64> {
+        let samples = (ms / SAMPLE_PERIOD_MS) as i32;
         let soon = self.latencies.iter().filter(|&&late| late <= samples);
         (self.gestures > 0).then(|| soon.count() as f64 / self.gestures as f64)
     }

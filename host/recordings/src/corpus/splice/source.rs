@@ -8,7 +8,7 @@ use shared::intent::Intent;
 use shared::units::Sample;
 
 use crate::recording::Recording;
-use crate::recording::movement::Movement;
+use crate::recording::movement::{self, Movement};
 
 /// A recording with the labels that the pieces carry.
 pub(super) struct Source<'a> {
@@ -65,16 +65,13 @@ impl Joined {
         let joined = self.labels.len();
         self.labels
             .extend_from_slice(&source.labels[cut.start..end]);
-        for Movement { kind, samples } in &source.other {
-            let [from, to] =
-                [samples.start, samples.end].map(|at| at.clamp(cut.start, end) - cut.start);
-            let samples = joined + from..joined + to;
+        for Movement { kind, samples } in movement::within(&source.other, &(cut.start..end)) {
+            let samples = joined + samples.start..joined + samples.end;
             match self.other.last_mut() {
-                _ if samples.is_empty() => {}
-                Some(last) if last.kind == *kind && last.samples.end == samples.start => {
+                Some(last) if last.kind == kind && last.samples.end == samples.start => {
                     last.samples.end = samples.end;
                 }
-                _ => self.other.push(Movement::new(*kind, samples)),
+                _ => self.other.push(Movement::new(kind, samples)),
             }
         }
     }
