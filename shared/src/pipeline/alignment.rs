@@ -266,7 +266,7 @@ impl<E: Encode> Pipeline<'_, E> {
     }
 
     /// Rearranges all samples so far, and has the encoder take them again.
-    fn realign(&mut self, alignment: Alignment) {
+    pub(super) fn realign(&mut self, alignment: Alignment) {
         self.placement.is_known = true;
         let change = self.placement.current.inverse().then(alignment);
         if change == Alignment::NONE {

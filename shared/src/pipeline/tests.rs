@@ -361,4 +361,5 @@ proptest! {
 
 mod alignment;
 mod arm;
+mod instants;
 mod wrap;

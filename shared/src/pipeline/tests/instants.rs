@@ -1,0 +1,92 @@
+//! No line is left out, and an instant has one class, whatever happens between the samples.
+
+use super::*;
+use crate::stream::alignment::Alignment;
+use crate::stream::smoother::Reaction;
+
+/// What may happen between two samples.
+#[derive(Clone, Copy, Debug)]
+enum Between {
+    /// The encoder takes the samples again, with the electrodes in another order.
+    Aligned(u8),
+    /// Another model takes the samples again.
+    OtherModel,
+    /// Lost samples that are filled in.
+    Gap(u32),
+}
+
+fn any_between() -> impl Strategy<Value = Between> {
+    prop_oneof![
+        (0..8_u8).prop_map(Between::Aligned),
+        Just(Between::OtherModel),
+        (1..6_u32).prop_map(Between::Gap),
+    ]
+}
+
+/// When it happens, and what: also soon after one another, as long as the encoder has samples to take.
+fn any_schedule() -> impl Strategy<Value = Vec<(u32, Between)>> {
+    let pauses = prop::collection::vec((prop_oneof![0..300_u32, 50..70_u32], any_between()), 1..8);
+    pauses.prop_map(|pauses| {
+        let times = pauses.into_iter().scan(650, |time, (pause, between)| {
+            *time += pause;
+            Some((*time, between))
+        });
+        times.collect()
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(256))]
+    #[test]
+    fn lines_are_counted_and_another_class_has_a_later_instant_whatever_happens(
+        hold in 1..4_usize,
+        look_ahead in prop_oneof![0..LOOK_BACK, Just(LOOK_BACK - 1)],
+        reaction in prop::sample::select(Reaction::ALL.to_vec()),
+        recording in prop::collection::vec(any::<Sample>(), 300),
+        schedule in any_schedule(),
+    ) {
+        let settings = Settings {
+            look_ahead,
+            hold,
+            early: Some(reaction.early()),
+            ..Settings::PAPER_IN_PATCHES
+        };
+        let state = Box::leak(Box::new(SumModel.fresh()));
+        let mut pipeline = Pipeline::new(SumModel, state, settings, Start::Boot).unwrap();
+        let mut lines = 0;
+        let mut before: Option<Report> = None;
+        let mut check = |reports: Reports| {
+            for report in reports {
+                prop_assert_eq!(report.sequence, lines, "{}", report);
+                lines += 1;
+                if report.kind == Kind::State {
+                    continue;
+                }
+                if let Some(before) = before {
+                    let is_same = report.status.label() == before.status.label();
+                    let least = before.instant.plus(u32::from(!is_same));
+                    prop_assert!(report.instant >= least, "{}, then {}", before, report);
+                }
+                before = Some(report);
+            }
+            Ok(())
+        };
+        for index in 0..2000 {
+            let now = at(index);
+            for (_, between) in schedule.iter().filter(|(time, _)| *time == index) {
+                match *between {
+                    // Without the report of an alignment, which would count as a line.
+                    Between::Aligned(steps) => pipeline.realign(Alignment::new(steps, false)),
+                    Between::OtherModel => {
+                        check(pipeline.suspend(now))?;
+                        let smoother = Smoother::new(settings, 3).unwrap();
+                        let input = Input { preprocessing: Preprocessing::default(), template: None };
+                        pipeline.resume(now, SumModel, smoother, input);
+                    }
+                    Between::Gap(missing) => check(pipeline.gap(now, missing))?,
+                }
+            }
+            check(pipeline.sample(now, recording[index as usize % 300]))?;
+        }
+    }
+}
