@@ -264,14 +264,14 @@ impl<'s, E: Encode> Pipeline<'s, E> {
     }
 }
 
-/// Reports of one input, in order: at most a change of state and a label.
+/// Reports of one input, in order: at most a change of state and two labels.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub struct Reports([Option<Report>; 2]);
+pub struct Reports([Option<Report>; 3]);
 
 impl Reports {
     fn push(&mut self, report: Report) {
-        // Two suffice: silence empties the window, so no label follows it, and a label causes at most one
-        // change of state.
+        // Three suffice: silence empties the window, so no label follows it; only the first label changes the state; and
+        // among the samples of a gap two complete a window at most, where the encoder has just caught up.
         if let Some(free) = self.0.iter_mut().find(|slot| slot.is_none()) {
             *free = Some(report);
         }
@@ -280,7 +280,7 @@ impl Reports {
 
 impl IntoIterator for Reports {
     type Item = Report;
-    type IntoIter = core::iter::Flatten<core::array::IntoIter<Option<Report>, 2>>;
+    type IntoIter = core::iter::Flatten<core::array::IntoIter<Option<Report>, 3>>;
 
     fn into_iter(self) -> Self::IntoIter {
         self.0.into_iter().flatten()
