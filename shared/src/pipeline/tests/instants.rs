@@ -35,6 +35,39 @@ fn any_schedule() -> impl Strategy<Value = Vec<(u32, Between)>> {
     })
 }
 
+#[test]
+fn an_early_label_keeps_its_class_where_the_samples_are_taken_again_at_once() {
+    let settings = Settings {
+        hold: 1,
+        early: Some(Reaction::Fast.early()),
+        ..Settings::PAPER_IN_PATCHES
+    };
+    let state = Box::leak(Box::new(SumModel.fresh()));
+    let mut pipeline = Pipeline::new(SumModel, state, settings, Start::Boot).unwrap();
+    // The model counts on channel 0, where an exchange of the electrodes puts rest in the place of open.
+    let open = core::array::from_fn(|channel| i8::from(channel == 0));
+    let mut labels: Vec<Report> = Vec::new();
+    for index in 0..900 {
+        if index == 711 {
+            pipeline.set_alignment(Alignment::new(1, false));
+        }
+        let sample = if index < 700 { constant(0) } else { open };
+        let reports = pipeline.sample(at(index), sample).into_iter();
+        labels.extend(reports.filter(|report| report.kind == Kind::Label));
+    }
+    let changes = labels
+        .windows(2)
+        .filter(|two| two[0].status != two[1].status);
+    let changes: Vec<_> = changes
+        .map(|two| [two[0].instant.0, two[1].instant.0])
+        .collect();
+    assert_eq!(changes.len(), 2, "to open and to relax: {labels:?}");
+    assert!(
+        changes.iter().all(|[before, after]| before < after),
+        "{changes:?}"
+    );
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(256))]
     #[test]
