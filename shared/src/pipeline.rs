@@ -58,6 +58,8 @@ pub struct Pipeline<'s, E: Encode> {
     newest: SampleIndex,
     /// The last sample, aligned, which fills gaps; none where no gap may be filled.
     last: Option<Sample>,
+    /// The newest label; none since a reset of the window.
+    label: Option<(SampleIndex, Intent)>,
     sequence: u32,
 }
 
@@ -104,6 +106,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
             next: SampleIndex(0),
             newest: SampleIndex(0),
             last: None,
+            label: None,
             sequence: 0,
         }
     }
@@ -215,6 +218,10 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         let Some(intent) = Intent::from_class(decision.class) else {
             return;
         };
+        if self.contradicts(decision.instant, intent) {
+            return;
+        }
+        self.label = Some((decision.instant, intent));
         let event = Event::Label {
             intent,
             window_full,
@@ -223,6 +230,16 @@ impl<'s, E: Encode> Pipeline<'s, E> {
             reports.push(self.report(Kind::State, decision.instant, emitted));
         }
         reports.push(self.report(Kind::Label, decision.instant, emitted));
+    }
+
+    /// Whether an instant has another label, or is before one that has a label. So it may be where samples were taken
+    /// again after an early label: it stands, and what the samples say now counts from the next instant on.
+    fn contradicts(&self, instant: SampleIndex, intent: Intent) -> bool {
+        self.label
+            .is_some_and(|(labelled, before)| match labelled.since(instant) {
+                0 => intent != before,
+                later => later < 1 << 31,
+            })
     }
 
     /// Resets all steps: the next sample does not follow the previous one.
@@ -234,6 +251,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         self.preprocessor = Preprocessor::new(self.preprocessing.median);
         self.ring.reset();
         self.behind = 0;
+        self.label = None;
         self.interrupt_alignment();
         self.restart_model();
     }
