@@ -53,20 +53,19 @@ const NOT_HERE: Right = Nobody(
 const NO_BOARD: Right = Nobody("there is no board here: `myointent record --port PATH` has one");
 
 /// Requests, and who may send them in [`Mode::Live`], `Replay`, `Record`, `RecordBoard`.
-const TABLE: [(&str, [Right; 4]); 8] = [
-    ("ping", [All, All, All, All]),
-    ("mark", [All, All, All, All]),
-    ("align", [All, All, All, All]),
-    ("cancel", [All, All, All, All]),
-    ("bind", [NOT_HERE, NOT_HERE, NO_BOARD, Leader]),
-    ("session", [NO_SESSION, NO_SESSION, Leader, Leader]),
-    ("gesture", [NO_SESSION, NO_SESSION, Leader, Leader]),
-    ("install", [NO_SESSION, NO_SESSION, NO_BOARD, Leader]),
+const TABLE: [(&[&str], [Right; 4]); 4] = [
+    (&["ping", "mark", "align", "cancel"], [All, All, All, All]),
+    (
+        &["session", "gesture"],
+        [NO_SESSION, NO_SESSION, Leader, Leader],
+    ),
+    (&["bind"], [NOT_HERE, NOT_HERE, NO_BOARD, Leader]),
+    (&["install"], [NO_SESSION, NO_SESSION, NO_BOARD, Leader]),
 ];
 
 /// Right to a request; nobody for an unknown one.
 pub(super) fn of(request: &str, mode: Mode) -> Right {
-    let row = TABLE.iter().find(|(name, _)| *name == request);
+    let row = TABLE.iter().find(|(names, _)| names.contains(&request));
     row.map_or(Nobody("there is no such request"), |(_, rights)| {
         rights[mode as usize]
     })
@@ -107,9 +106,10 @@ mod tests {
             Leader => "who leads",
             Nobody(_) => "nobody",
         };
-        for (name, rights) in TABLE {
+        for (names, rights) in TABLE {
             let [live, replay, record, board] = rights.map(word);
-            let row = format!("| `{name}` | {live} | {replay} | {record} | {board} |");
+            let names = names.join("`, `");
+            let row = format!("| `{names}` | {live} | {replay} | {record} | {board} |");
             assert!(page.contains(&row), "docs/live.md lacks {row}");
         }
     }
