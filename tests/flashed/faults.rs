@@ -157,6 +157,9 @@ fn a_fault_restarts_the_board_within_the_time_that_a_probe_needs() -> anyhow::Re
     let (at, why) = last_start(&board).expect("it has started");
     assert_eq!(why, Reset::Software);
     assert!(board.text().contains("software"), "{}", board.text());
+    // Nobody reads a debugger's log in the field.
+    let words = "# the run before panicked: hard fault at 0x000f0000, ";
+    assert!(board.text().contains(words), "{}", board.text());
     // A loop's turn takes four cycles here, three on a chip.
     let took = (at - faulted) / ms(1);
     assert!((50..=70).contains(&took), "{took} ms");
