@@ -1,5 +1,6 @@
 //! Reset after a panic, a fault or a stack overflow.
 
+use core::fmt;
 use core::panic::PanicInfo;
 
 use cortex_m::peripheral::SCB;
@@ -11,8 +12,25 @@ use crate::reset_reason::End;
 #[panic_handler]
 fn panic(info: &PanicInfo<'_>) -> ! {
     cortex_m::interrupt::disable();
-    board::enter_safe_state(info, End::Panic);
+    board::enter_safe_state(&Words(info), End::Panic);
     SCB::sys_reset()
+}
+
+/// What a panic says, the message first: the path of a library's file is long.
+struct Words<'p>(&'p PanicInfo<'p>);
+
+impl fmt::Display for Words<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "panicked: {}", self.0.message())?;
+        let Some(place) = self.0.location() else {
+            return Ok(());
+        };
+        let file = place.file();
+        // Crate, `src` and file.
+        let names = file.rmatch_indices('/').map(|(at, _)| at + 1);
+        let start = names.take(3).last().unwrap_or(0);
+        write!(f, ", {}:{}", &file[start..], place.line())
+    }
 }
 
 /// Handles a stack overflow, on a stack of its own.

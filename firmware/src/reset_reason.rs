@@ -1,4 +1,4 @@
-//! Why the program started.
+//! Why the program started, and what the run before said at its end.
 
 /// Why the core was reset.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -25,12 +25,26 @@ impl ResetReason {
     }
 }
 
+/// Most bytes that are kept of a message.
+const MESSAGE_BYTES: usize = 120;
+
+/// Message of the panic that ended the run before; empty if none did, and on a simulated board.
+pub fn previous_message() -> heapless::String<MESSAGE_BYTES> {
+    #[cfg(target_os = "none")]
+    return kept::previous_message();
+    #[cfg(not(target_os = "none"))]
+    return heapless::String::new();
+}
+
 #[cfg(target_os = "none")]
 pub use kept::{End, keep_end, previous_end};
 
 #[cfg(target_os = "none")]
 mod kept {
-    use core::sync::atomic::{AtomicU32, Ordering};
+    use core::fmt::{self, Write as _};
+    use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
+
+    use super::MESSAGE_BYTES;
 
     /// End of a run of the program.
     #[derive(Clone, Copy, PartialEq, Eq)]
@@ -59,18 +73,61 @@ mod kept {
     const PANICKED: u32 = 0x5041_4e21;
     const OVERFLOWED: u32 = 0x5354_4b21;
 
+    /// Message of the panic that ended the previous run, up to a 0: kept over a reset.
+    #[expect(
+        unsafe_code,
+        reason = "only the linker can exclude memory from being cleared"
+    )]
+    // SAFETY: as above: every value of a byte is a valid `AtomicU8`, and `previous_end` empties the message unless a panic
+    // has written it.
+    #[unsafe(link_section = ".uninit.LAST_MESSAGE")]
+    static LAST_MESSAGE: [AtomicU8; MESSAGE_BYTES] = [const { AtomicU8::new(0) }; MESSAGE_BYTES];
+
     /// The end of the previous run. To be called once, at the start.
     pub fn previous_end() -> End {
-        match LAST_RUN.swap(RUNNING, Ordering::Relaxed) {
+        let end = match LAST_RUN.swap(RUNNING, Ordering::Relaxed) {
             RUNNING => End::Running,
             PANICKED => End::Panic,
             OVERFLOWED => End::StackOverflow,
             _ => End::Unknown,
+        };
+        if end != End::Panic {
+            LAST_MESSAGE[0].store(0, Ordering::Relaxed);
+        }
+        end
+    }
+
+    pub fn previous_message() -> heapless::String<MESSAGE_BYTES> {
+        let bytes = LAST_MESSAGE.iter().map(|byte| byte.load(Ordering::Relaxed));
+        bytes
+            .take_while(|byte| *byte != 0)
+            .map(char::from)
+            .collect()
+    }
+
+    /// Writes into [`LAST_MESSAGE`], from this byte on, what is printable; the rest as spaces.
+    struct Keeper(usize);
+
+    impl fmt::Write for Keeper {
+        fn write_str(&mut self, text: &str) -> fmt::Result {
+            for byte in text.bytes() {
+                let kept = LAST_MESSAGE.get(self.0).ok_or(fmt::Error)?;
+                let is_printable = byte.is_ascii_graphic();
+                kept.store(if is_printable { byte } else { b' ' }, Ordering::Relaxed);
+                self.0 += 1;
+            }
+            Ok(())
         }
     }
 
-    /// Keeps how this run ends, for the next start.
-    pub fn keep_end(end: End) {
+    /// Keeps how this run ends, and the beginning of a panic's message, for the next start.
+    pub fn keep_end(end: End, message: &dyn fmt::Display) {
+        let mut keeper = Keeper(0);
+        // An error: there is no room for all of it.
+        let _ = write!(keeper, "{message}");
+        if let Some(rest) = LAST_MESSAGE.get(keeper.0) {
+            rest.store(0, Ordering::Relaxed);
+        }
         let word = match end {
             End::Unknown => 0,
             End::Running => RUNNING,

@@ -7,6 +7,7 @@ use crate::messages::{
     model,
     uart::{self, UartMessage},
 };
+use crate::reset_reason::previous_message;
 use crate::tasks::{control, inference, output, radio, watchdog};
 
 #[cfg(not(any(
@@ -30,6 +31,9 @@ pub fn start(spawner: Spawner) {
     spawn(&spawner, watchdog::run(board.watchdog));
     let (pipeline, refused) = inference::load(board.reset_reason);
     uart::enqueue(UartMessage::Started(board.reset_reason, model::current()));
+    if !previous_message().is_empty() {
+        uart::enqueue(UartMessage::Ended);
+    }
     spawn(&spawner, control::run(board.commands, board.button));
     spawn(&spawner, inference::run(pipeline, refused, board.dead_man));
     spawn(&spawner, radio::run(spawner, board.radio));

@@ -17,7 +17,7 @@ use super::armband::Armband;
 use super::queue::Queue;
 use super::raw;
 use crate::model_region::ModelRefused;
-use crate::reset_reason::ResetReason;
+use crate::reset_reason::{ResetReason, previous_message};
 
 /// Message on the UART.
 #[derive(Clone, Copy)]
@@ -28,6 +28,8 @@ pub enum UartMessage {
     Alignment(AlignmentReport),
     /// The program started; the CRC-32 of its model file, if it can be run.
     Started(ResetReason, Option<u32>),
+    /// A panic ended the run before.
+    Ended,
     /// The model cannot be run, so no label will be valid.
     ModelRefused(ModelRefused),
     /// Which armband is followed from now on.
@@ -151,6 +153,7 @@ impl UartMessage {
                 }
                 write!(line, ", started by {}\r\n", reason.name())
             }
+            Self::Ended => write!(line, "# the run before {}\r\n", previous_message()),
             Self::ModelRefused(error) => write!(line, "# {error}\r\n"),
             Self::Following(following) => write_following(line, following),
             Self::PairingFailed => line.write_str("# pairing over: no armband was heard\r\n"),

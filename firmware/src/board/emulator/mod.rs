@@ -153,7 +153,7 @@ impl Button {
 /// Sets every output to its safe level and writes a message. Called with interrupts off.
 pub fn enter_safe_state(message: &dyn fmt::Display, end: End) {
     Pins(()).set(PinState::SAFE);
-    keep_end(end);
+    keep_end(end, message);
     let _ = write!(Comment(Uart::LABELS), "# {message}");
     Uart::LABELS.send(b"\r\n");
     // The panic handler runs on top of the stack of what panicked. After an overflow all of it was used.

@@ -83,23 +83,23 @@ pub async fn run_radio(spawner: Spawner, parts: RadioParts, driver: &SessionDriv
     let mpsl = MultiprotocolServiceLayer::with_timeslots(parts.mpsl, Interrupts, clock, session);
     let mpsl = match mpsl {
         Ok(mpsl) => &*MPSL.init(mpsl),
-        Err(error) => defmt::panic!("the radio's scheduler did not start: {}", error),
+        Err(error) => panic!("the radio's scheduler did not start: {error:?}"),
     };
     match run_mpsl(mpsl) {
         Ok(task) => spawner.spawn(task),
-        Err(_) => defmt::panic!("the radio's scheduler runs already"),
+        Err(_) => panic!("the radio's scheduler runs already"),
     }
     // Kept on for good: between radio events the UART and the dead-man timer would otherwise run on the chip's own oscillator,
     // which is up to 8 % off (nRF52840 product specification, HFINT).
     let _crystal = match mpsl.request_hfclk().await {
         Ok(crystal) => crystal,
-        Err(error) => defmt::panic!("the crystal did not start: {}", error),
+        Err(error) => panic!("the crystal did not start: {error:?}"),
     };
     let random = RANDOM.init(rng::Rng::new_blocking(parts.random));
     let memory = MEMORY.init(Mem::new());
     let controller = match build(parts.controller, random, mpsl, memory) {
         Ok(controller) => controller,
-        Err(error) => defmt::panic!("the Bluetooth controller did not start: {}", error),
+        Err(error) => panic!("the Bluetooth controller did not start: {error:?}"),
     };
     // In time slots that the radio's scheduler grants.
     let flash = ChipFlash(nrf_mpsl::Flash::take(mpsl, parts.flash));

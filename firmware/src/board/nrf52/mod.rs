@@ -281,7 +281,7 @@ impl Watchdog {
 /// Sets every output to its safe level and logs a message. Called with interrupts off.
 pub fn enter_safe_state(message: &dyn fmt::Display, end: End) {
     set_outputs(PinState::SAFE);
-    keep_end(end);
+    keep_end(end, message);
     defmt::error!("{}", defmt::Display2Format(message));
     // 50 ms for a debug probe to read the message before the reset clears memory: turns of three cycles at 64 MHz.
     cortex_m::asm::delay(64_000_000 / 20 / 3);

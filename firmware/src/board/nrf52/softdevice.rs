@@ -46,7 +46,7 @@ pub async fn run_radio(spawner: Spawner, _: RadioParts, driver: &SessionDriver<'
     keep_crystal_on();
     match run_softdevice(softdevice) {
         Ok(task) => spawner.spawn(task),
-        Err(_) => defmt::panic!("the SoftDevice's task runs already"),
+        Err(_) => panic!("the SoftDevice's task runs already"),
     }
     // Between radio events.
     let flash = ChipFlash(nrf_softdevice::Flash::take(softdevice));
@@ -66,7 +66,7 @@ fn keep_crystal_on() {
     // SAFETY: the call takes no arguments, and the SoftDevice is enabled: the caller has it from `Softdevice::enable`.
     let answer = unsafe { raw::sd_clock_hfclk_request() };
     if answer != raw::NRF_SUCCESS {
-        defmt::panic!("the SoftDevice refused the crystal: {}", answer);
+        panic!("the SoftDevice refused the crystal: {answer}");
     }
 }
 
