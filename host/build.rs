@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-/// What is compiled into the programs, relative to the repository's root.
+/// Files that are compiled into the programs, relative to the repository's root.
 const SOURCES: [&str; 4] = ["host", "shared", "Cargo.toml", "Cargo.lock"];
 
 fn main() {
@@ -44,7 +44,7 @@ fn revision() -> Option<String> {
     Some(format!("{commit}{dirty}"))
 }
 
-/// What git prints in this package's folder; none if it fails.
+/// Output of git in this package's folder; none if it fails.
 fn git(arguments: &[&str]) -> Option<String> {
     let folder = std::env::var_os("CARGO_MANIFEST_DIR")?;
     let output = Command::new("git")

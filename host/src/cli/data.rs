@@ -15,7 +15,7 @@ use recordings::catalogue::{Address, SOURCES};
 use recordings::synthetic::{self, SynthOptions};
 use recordings::{DataSet, LoadOptions, load};
 
-/// What `myointent data` does.
+/// Subcommands of `myointent data`.
 #[derive(Subcommand, Debug)]
 pub enum Command {
     /// Show subjects, seconds per intent, transitions, and what is wrong with recordings

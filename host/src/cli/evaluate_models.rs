@@ -21,7 +21,7 @@ use recordings::finding::{Group, grouped};
 use recordings::labels::lag::LabelLag;
 use recordings::synthetic::losses::MOST_PERCENT;
 
-/// Which of the recordings below `--data` a model file is evaluated on.
+/// Recordings below `--data` that a model file is evaluated on.
 #[derive(Debug, Args)]
 pub(in crate::cli) struct PeopleArguments {
     /// Subjects (data-set/subject) and whole data sets, separated by commas; all if not given.

@@ -32,7 +32,7 @@ const PORT: u16 = 8377;
 pub struct Arguments {
     #[command(flatten)]
     source: SourceArguments,
-    /// Which recording, if the path of --replay holds several, as `data inspect` prints it: data-set/person/name.
+    /// Recording to play, if the path of --replay holds several, as `data inspect` prints it: data-set/person/name.
     #[arg(long, requires = "replay")]
     name: Option<String>,
     /// Model file.

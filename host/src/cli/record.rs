@@ -32,7 +32,7 @@ use training::backend::BackendArguments;
 pub struct Arguments {
     #[command(flatten)]
     source: SourceArguments,
-    /// Which recording, if the path of --replay holds several, as `data inspect` prints it: data-set/person/name.
+    /// Recording to play, if the path of --replay holds several, as `data inspect` prints it: data-set/person/name.
     #[arg(long, requires = "replay")]
     name: Option<String>,
     /// Name of the person who is recorded: letters, digits and hyphens.
@@ -43,7 +43,7 @@ pub struct Arguments {
     /// Folder that has a folder for each person.
     #[arg(long, value_name = "DIR", default_value = "recordings")]
     out: PathBuf,
-    /// What is asked for: a built-in protocol, as `myointent protocols` lists them, or a TOML file.
+    /// Gestures to ask for: a built-in protocol, as `myointent protocols` lists them, or a TOML file.
     #[arg(long, value_name = "NAME|FILE", default_value = "quick")]
     protocol: String,
     /// Model file that is tuned on the recordings, and whose labels the page shows.

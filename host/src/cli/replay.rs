@@ -34,7 +34,7 @@ pub struct Arguments {
     /// A recording: any format that `data inspect` reads, one recording in it.
     #[arg(value_name = "RECORDING")]
     recording: PathBuf,
-    /// Which recording, if the path holds several, as `data inspect` prints it: data-set/person/name.
+    /// Recording to replay, if the path holds several, as `data inspect` prints it: data-set/person/name.
     #[arg(long)]
     name: Option<String>,
     /// Replay in real time.

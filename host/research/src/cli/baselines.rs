@@ -35,7 +35,7 @@ pub(super) struct Arguments {
     /// Run folder, of `myointent train` or of an earlier --begin.
     #[arg(long, value_name = "DIR", default_value = "runs/latest")]
     run: PathBuf,
-    /// Which baselines; all five if not given.
+    /// Baselines; all five if not given.
     #[arg(long, value_enum, value_delimiter = ',', value_name = "NAMES")]
     only: Vec<Baseline>,
     /// Preset with the training settings: comparison, a preset of `myointent`, or a TOML file. Without a table

@@ -69,7 +69,7 @@ pub(super) struct Arguments {
     backend: BackendArguments,
 }
 
-/// Which people are measured.
+/// People who are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Half {
     All,

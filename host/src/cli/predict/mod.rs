@@ -60,14 +60,14 @@ pub struct Arguments {
     /// Run folder with a checkpoint.
     #[arg(long, value_name = "DIR")]
     pub(super) run: Option<PathBuf>,
-    /// Which checkpoint of the run folder.
+    /// Checkpoint of the run folder.
     #[cfg(feature = "train")]
     #[arg(long, value_enum, default_value = "student")]
     pub(super) which: Which,
     /// A recording, in any format that `myointent data inspect` reads.
     #[arg(long, conflicts_with = "window", required_unless_present = "window")]
     recording: Option<PathBuf>,
-    /// Which recording, if the path holds several, as `data inspect` prints it: data-set/person/name.
+    /// Recording to label, if the path holds several, as `data inspect` prints it: data-set/person/name.
     #[arg(long)]
     name: Option<String>,
     /// One window of raw samples as npy, 600 x 8.

@@ -76,7 +76,7 @@ pub(super) fn is_interrupt(cause: &(dyn std::error::Error + 'static)) -> bool {
         || personalize.is_some_and(PersonalizeError::is_interrupt)
 }
 
-/// Which recordings to read.
+/// Recordings to read.
 #[derive(Clone, Debug, Args)]
 pub struct DataArguments {
     /// Folder of recordings, of one data set or of several.

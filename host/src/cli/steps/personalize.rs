@@ -38,7 +38,7 @@ pub struct Arguments {
     /// Model file to write; there must be none of this name.
     #[arg(long, value_name = "FILE.intent")]
     out: PathBuf,
-    /// Whose recordings, as data-set/subject or subject alone; needed if the folder has those of several people.
+    /// Person to tune for, as data-set/subject or subject alone; needed if the folder has recordings of several people.
     #[arg(long, value_name = "NAME")]
     subject: Option<String>,
     /// Labels that other movement may raise a minute: the margin over it is raised until what is held back has no more.

@@ -23,7 +23,7 @@ pub(crate) struct PaddedStream {
 pub(crate) struct WindowSamples<'a> {
     /// Samples as the armband sends them.
     pub(crate) raw: &'a [Sample],
-    /// The same samples after cleaning (median and rectification).
+    /// Samples after cleaning (median and rectification).
     pub(crate) emg: &'a [CleanSample],
 }
 
