@@ -82,6 +82,22 @@ fn power_that_fails_while_the_page_is_written_leaves_one_armband_or_none() -> an
 }
 
 #[test]
+fn flash_that_finds_no_time_at_first_is_asked_again() -> anyhow::Result<()> {
+    let test = "flash_that_finds_no_time_at_first_is_asked_again";
+    let fates = [Fate::TimeOut, Fate::TimeOut, Fate::Success, Fate::TimeOut];
+    let Some(mut board) = board(test, fates) else {
+        return Ok(());
+    };
+    board.run_ms(500)?;
+    board.send(&format!("BIND,set,{OTHER}"));
+    board.run_ms(4000)?;
+    assert_eq!(bound(&board), Some(address(OTHER)), "{}", board.text());
+    let said = board.text().contains("did not take the change");
+    assert!(!said, "{}", board.text());
+    Ok(())
+}
+
+#[test]
 fn flash_that_finds_no_time_beside_the_radio_is_said() -> anyhow::Result<()> {
     let test = "flash_that_finds_no_time_beside_the_radio_is_said";
     let Some(mut board) = board(test, repeat_n(Fate::TimeOut, 20)) else {

@@ -2,6 +2,7 @@
 
 use nrf52::Incident;
 use nrf52::chip::{APPROTECT, Reset};
+use nrf52::softdevice::boot::SOFTDEVICE_VERSION;
 use xtask::firmware::Image;
 
 use myointent_tests::chip::{self, Board, Setting};
@@ -42,6 +43,21 @@ fn the_uart_runs_on_the_crystal() -> anyhow::Result<()> {
         let softdevice = board.machine.softdevice.as_ref();
         assert!(softdevice.is_some_and(|softdevice| softdevice.keeps_crystal));
     }
+    Ok(())
+}
+
+#[test]
+fn an_older_softdevice_is_named_at_each_start() -> anyhow::Result<()> {
+    let test = "an_older_softdevice_is_named_at_each_start";
+    let Some(image) = chip::image(test, Image::Nrf52840S140) else {
+        return Ok(());
+    };
+    let mut board = Board::new(Image::Nrf52840S140, image, Setting::default());
+    let version = 6_001_001_u32.to_le_bytes();
+    let chip = board.machine.chip();
+    chip.bus.memory.program(SOFTDEVICE_VERSION, &version);
+    drop(chip);
+    board.wait_for("SoftDevice 6.1.1 is here, expected 7.x", 2000)?;
     Ok(())
 }
 

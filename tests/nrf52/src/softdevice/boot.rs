@@ -12,6 +12,10 @@ pub const HARD_FAULT: u32 = GATE + 4;
 /// Bytes of both.
 pub const GATE_BYTES: u64 = 8;
 
+/// Address of the SoftDevice's version, major * 1 000 000 + minor * 1000 + bugfix: `SD_VERSION_OFFSET` of `nrf_sdm.h` behind
+/// the master boot record.
+pub const SOFTDEVICE_VERSION: u32 = 0x1000 + 0x2014;
+
 /// A stack until the program has its own.
 const STACK: u32 = 0x2000_0400;
 const VECTORS: u32 = 64;
@@ -63,6 +67,7 @@ pub fn install(memory: &Memory, program: u32) {
     word(0x254, CALL);
     halves(0x280, &hard_fault);
     word(0x288, HARD_FAULT);
+    word(SOFTDEVICE_VERSION, 7_003_000);
     word(0, STACK);
     word(4, 0x200 | 1);
     for vector in 2..VECTORS {
