@@ -16,7 +16,7 @@ fn panic(info: &PanicInfo<'_>) -> ! {
     SCB::sys_reset()
 }
 
-/// What a panic says, the message first: the path of a library's file is long.
+/// Words of a panic, the message first: the path of a library's file is long.
 struct Words<'p>(&'p PanicInfo<'p>);
 
 impl fmt::Display for Words<'_> {

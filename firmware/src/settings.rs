@@ -52,6 +52,57 @@ pub const ARM: Arm = match option_env!("MYOINTENT_MIRRORED") {
     },
 };
 
+/// Source of the clock of 32.768 kHz.
+#[cfg(feature = "chip")]
+#[derive(Clone, Copy)]
+pub enum SlowClock {
+    /// The crystal that a development kit has, of 20 ppm.
+    Crystal,
+    /// The chip's own oscillator, of 500 ppm while it is calibrated.
+    Oscillator,
+}
+
+/// The clock's source, as `MYOINTENT_SLOW_CLOCK=oscillator` when the program is built.
+///
+/// The crystal without it. On a board that has none the radio would never start.
+#[cfg(feature = "chip")]
+pub const SLOW_CLOCK: SlowClock = match option_env!("MYOINTENT_SLOW_CLOCK") {
+    None => SlowClock::Crystal,
+    Some(text) => match text.as_bytes() {
+        b"crystal" => SlowClock::Crystal,
+        b"oscillator" => SlowClock::Oscillator,
+        _ => panic!("MYOINTENT_SLOW_CLOCK is neither crystal nor oscillator"),
+    },
+};
+
+#[cfg(feature = "chip")]
+impl SlowClock {
+    /// Quarters of a second between two calibrations: Nordic's recommendation for changes of 0.5 degrees a second.
+    pub const fn calibration_interval(self) -> u8 {
+        match self {
+            Self::Crystal => 0,
+            Self::Oscillator => 16,
+        }
+    }
+
+    /// Intervals after which a calibration is made although the temperature has not changed.
+    pub const fn most_skipped(self) -> u8 {
+        match self {
+            Self::Crystal => 0,
+            Self::Oscillator => 2,
+        }
+    }
+
+    /// Greatest error, parts in a million.
+    #[cfg(feature = "radio-trouble")]
+    pub const fn accuracy_ppm(self) -> u16 {
+        match self {
+            Self::Crystal => 20,
+            Self::Oscillator => 500,
+        }
+    }
+}
+
 /// Milliseconds without a heartbeat of one task after which the board restarts.
 pub const WATCHDOG_MS: u32 = 2000;
 

@@ -1,4 +1,4 @@
-//! Which targets the build script gives the DSP kernels.
+//! Targets that the build script gives the DSP kernels.
 
 #[expect(dead_code, reason = "the build script's own entry point")]
 #[path = "../build.rs"]

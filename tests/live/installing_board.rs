@@ -17,7 +17,7 @@ use super::scripted::identity;
 
 const REGION: usize = 40 * PAGE_BYTES;
 
-/// What outlasts a loss of power.
+/// State that outlasts a loss of power.
 pub(super) struct Flash {
     pub(super) region: Vec<u8>,
     pub(super) journal: [u8; JOURNAL_BYTES],

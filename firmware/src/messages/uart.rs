@@ -32,7 +32,7 @@ pub enum UartMessage {
     Ended,
     /// The model cannot be run, so no label will be valid.
     ModelRefused(ModelRefused),
-    /// Which armband is followed from now on.
+    /// Armband that is followed from now on.
     Following(Following),
     /// No armband was heard in a pairing.
     PairingFailed,

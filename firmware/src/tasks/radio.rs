@@ -3,6 +3,7 @@
 use core::cell::Cell;
 
 use embassy_executor::Spawner;
+use embassy_time::Timer;
 use shared::myo::{Following, MyoSession, Phase, Settings};
 use shared::units::Millis;
 
@@ -16,6 +17,7 @@ use crate::messages::{
     uart::{self, UartMessage},
 };
 use crate::radio::driver::SessionDriver;
+use crate::reset_reason::previous_message;
 use crate::settings;
 
 /// Milliseconds that the armband's LED is lit, and then dark, during a pairing.
@@ -24,9 +26,16 @@ const BLINK_MS: u32 = 250;
 /// Milliseconds between two reminders that no armband is bound.
 const REMINDER_MS: u32 = 10_000;
 
+/// Milliseconds in which the first lines of a start go out, with what the run before said.
+const FIRST_LINES_MS: u64 = 100;
+
 /// Runs forever; a Bluetooth stack that stops ends in a panic, and so in a restart.
 #[embassy_executor::task]
 pub async fn run(spawner: Spawner, parts: RadioParts) {
+    if !previous_message().is_empty() {
+        // The radio may have caused the panic, and may cause it again at once: the line that says so goes out first.
+        Timer::after_millis(FIRST_LINES_MS).await;
+    }
     let reporter = Reporter::default();
     let observe = |session: &MyoSession| reporter.report(session);
     let kept = binding_region::load();

@@ -26,7 +26,7 @@ const COVERED: usize = RECORD_BYTES - 4;
 /// Content of a journal.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Journal {
-    /// Which file comes.
+    /// File that comes.
     pub transfer: Transfer,
     /// Pages that are written, from the second on.
     pub marked: u32,

@@ -302,7 +302,7 @@ impl Installation {
         }
     }
 
-    /// Which block is missing; installed if no transfer is in progress.
+    /// Block that is missing; installed if no transfer is in progress.
     #[must_use]
     pub const fn progress(&self) -> Progress {
         match self.transfer {

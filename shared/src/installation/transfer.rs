@@ -1,4 +1,4 @@
-//! Which file is exchanged, and its blocks in the order in which they are asked for.
+//! File that is exchanged, and its blocks in the order in which they are asked for.
 
 /// Bytes of a block; the file's last one is filled up with ones, as erased flash is.
 pub const BLOCK_BYTES: usize = 64;

@@ -1,4 +1,4 @@
-//! Which packets of a connection a host may be given: PDUs of the attribute protocol that a server sends.
+//! Packets of a connection that a host may be given: PDUs of the attribute protocol that a server sends.
 //!
 //! A central that asks an armband for values needs its answers and its notifications, and nothing else of the link. The
 //! Bluetooth host trouble 0.8 takes more, and trusts it more than it may: fields of a request that are not there, an error

@@ -26,7 +26,7 @@ pub enum Attribute {
     Subscription(Characteristic, u16),
 }
 
-/// Which attribute to read next, and what was found.
+/// Attribute to read next, and what was found.
 ///
 /// `while let Some(handle) = discovery.handle() { discovery.answered(read(handle)) }`: at most 128 times.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

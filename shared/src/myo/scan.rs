@@ -1,4 +1,4 @@
-//! Which armband to connect to.
+//! Choice of the armband to connect to.
 
 use super::address::Address;
 use super::advertisement::offers_control;

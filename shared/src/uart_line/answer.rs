@@ -87,7 +87,7 @@ pub struct Identity<'a> {
     pub battery: Option<u8>,
 }
 
-/// Which armband is followed.
+/// Armband that is followed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Binding {
     /// The armband, and why it is followed.

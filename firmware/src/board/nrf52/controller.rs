@@ -15,6 +15,7 @@ use static_cell::StaticCell;
 use super::chip_flash::ChipFlash;
 use crate::installation;
 use crate::radio::{driver::SessionDriver, trouble};
+use crate::settings::{SLOW_CLOCK, SlowClock};
 
 bind_interrupts!(struct Interrupts {
     EGU0_SWI0 => nrf_mpsl::LowPrioInterruptHandler;
@@ -72,11 +73,13 @@ pub async fn run_radio(spawner: Spawner, parts: RadioParts, driver: &SessionDriv
     static MEMORY: StaticCell<Mem<CONTROLLER_BYTES>> = StaticCell::new();
 
     let clock = nrf_mpsl::raw::mpsl_clock_lfclk_cfg_t {
-        // The kits' crystal; a board without one takes MPSL_CLOCK_LF_SRC_RC, 16, 2, 500 ppm.
-        source: nrf_mpsl::raw::MPSL_CLOCK_LF_SRC_XTAL as u8,
-        rc_ctiv: 0,
-        rc_temp_ctiv: 0,
-        accuracy_ppm: 20,
+        source: match SLOW_CLOCK {
+            SlowClock::Crystal => nrf_mpsl::raw::MPSL_CLOCK_LF_SRC_XTAL as u8,
+            SlowClock::Oscillator => nrf_mpsl::raw::MPSL_CLOCK_LF_SRC_RC as u8,
+        },
+        rc_ctiv: SLOW_CLOCK.calibration_interval(),
+        rc_temp_ctiv: SLOW_CLOCK.most_skipped(),
+        accuracy_ppm: SLOW_CLOCK.accuracy_ppm(),
         skip_wait_lfclk_started: false,
     };
     let session = FLASH_SESSION.init(SessionMem::new());

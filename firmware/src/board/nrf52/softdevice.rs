@@ -1,11 +1,14 @@
 //! Bluetooth with Nordic's SoftDevice, which is flashed once, at the addresses below the program.
 
+use core::ptr;
+
 use embassy_executor::Spawner;
 use nrf_softdevice::{Config, Softdevice, raw};
 
 use super::chip_flash::ChipFlash;
 use crate::installation;
 use crate::radio::{self, driver::SessionDriver};
+use crate::settings::{SLOW_CLOCK, SlowClock};
 
 /// The SoftDevice needs none of the program's peripherals.
 pub struct RadioParts {}
@@ -14,16 +17,22 @@ pub struct RadioParts {}
 ///
 /// # Panics
 ///
-/// If this configuration needs more RAM than `memory.x` leaves the SoftDevice (the log says where the program's RAM has to
+/// If there is a SoftDevice of another major version, if this configuration needs more RAM than `memory.x` leaves the SoftDevice (the log says where the program's RAM has to
 /// start at least), or if the SoftDevice refuses the crystal.
 pub async fn run_radio(spawner: Spawner, _: RadioParts, driver: &SessionDriver<'_>) {
+    check_version();
     let config = Config {
         clock: Some(raw::nrf_clock_lf_cfg_t {
-            // The kits' crystal; a board without one takes NRF_CLOCK_LF_SRC_RC, 16, 2, 500 ppm.
-            source: raw::NRF_CLOCK_LF_SRC_XTAL as u8,
-            rc_ctiv: 0,
-            rc_temp_ctiv: 0,
-            accuracy: raw::NRF_CLOCK_LF_ACCURACY_20_PPM as u8,
+            source: match SLOW_CLOCK {
+                SlowClock::Crystal => raw::NRF_CLOCK_LF_SRC_XTAL as u8,
+                SlowClock::Oscillator => raw::NRF_CLOCK_LF_SRC_RC as u8,
+            },
+            rc_ctiv: SLOW_CLOCK.calibration_interval(),
+            rc_temp_ctiv: SLOW_CLOCK.most_skipped(),
+            accuracy: match SLOW_CLOCK {
+                SlowClock::Crystal => raw::NRF_CLOCK_LF_ACCURACY_20_PPM as u8,
+                SlowClock::Oscillator => raw::NRF_CLOCK_LF_ACCURACY_500_PPM as u8,
+            },
         }),
         conn_gap: Some(raw::ble_gap_conn_cfg_t {
             conn_count: 1,
@@ -54,6 +63,22 @@ pub async fn run_radio(spawner: Spawner, _: RadioParts, driver: &SessionDriver<'
         radio::softdevice::run(softdevice, driver, flash).await;
     })
     .await;
+}
+
+/// Panics if the SoftDevice has another major version: its calls take other arguments.
+#[expect(unsafe_code, reason = "the version is no Rust object")]
+fn check_version() {
+    let address = (raw::MBR_SIZE + raw::SD_VERSION_OFFSET) as usize;
+    // SAFETY: a word of flash, which every chip has, below the program; no section of the program is placed in it, and it does
+    // not change while the program runs. Any word is a valid `u32`.
+    let version = unsafe { ptr::with_exposed_provenance::<u32>(address).read_volatile() };
+    let [major, minor, bugfix] = [version / 1_000_000, version / 1000 % 1000, version % 1000];
+    let expected = raw::SD_MAJOR_VERSION;
+    if major != expected {
+        panic!(
+            "SoftDevice {major}.{minor}.{bugfix} is here, expected {expected}.x: docs/guides/flash.md"
+        );
+    }
 }
 
 /// Keeps the high-frequency crystal on. Between radio events the UART and the dead-man timer would otherwise run on the

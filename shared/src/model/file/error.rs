@@ -220,7 +220,7 @@ pub enum ModelError {
     /// A tensor's length does not match the dimensions.
     #[error("{tensor} has {found} bytes, expected {expected}: export the model again")]
     WeightLength {
-        /// Which tensor.
+        /// Tensor that is meant.
         tensor: TensorName,
         /// Bytes by the dimensions.
         expected: usize,
@@ -230,13 +230,13 @@ pub enum ModelError {
     /// The weights end before this tensor does.
     #[error("the file ends within {tensor}: export the model again")]
     WeightsEnd {
-        /// Which tensor.
+        /// Tensor that is meant.
         tensor: TensorName,
     },
     /// A negative scale.
     #[error("{tensor} holds {} at {index}, expected 0 or more: quantize the model again", Decimal(.found))]
     Scale {
-        /// Which tensor.
+        /// Tensor that is meant.
         tensor: TensorName,
         /// Position in it.
         index: usize,
@@ -248,7 +248,7 @@ pub enum ModelError {
         "{tensor} holds 0 at {index}, where the row has weights; expected more than 0: quantize the model again"
     )]
     ZeroScale {
-        /// Which tensor.
+        /// Tensor that is meant.
         tensor: TensorName,
         /// Position in it: the row.
         index: usize,
@@ -259,7 +259,7 @@ pub enum ModelError {
         Decimal(.found), Decimal(&LARGEST), Decimal(&LARGEST)
     )]
     Number {
-        /// Which tensor.
+        /// Tensor that is meant.
         tensor: TensorName,
         /// Position in it.
         index: usize,

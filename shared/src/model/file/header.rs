@@ -15,7 +15,7 @@ use crate::units::PATCH;
 /// Default settings of the smoother for a model.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct SmootherDefaults {
-    /// Which rows are summed.
+    /// Rows that are summed.
     pub aggregation: AggregationMode,
     /// Samples of look-ahead: whole patches, at most 50.
     pub look_ahead: usize,

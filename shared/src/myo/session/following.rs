@@ -1,4 +1,4 @@
-//! Which armband a session follows, and how that changes while it runs.
+//! Armband that a session follows, and how that changes while it runs.
 
 use super::*;
 use crate::myo::scan::Strongest;
@@ -8,7 +8,7 @@ pub(super) const PAIRING_MS: u32 = 30_000;
 /// The delay before the next scan when the armband changes: the shortest.
 const CHANGE_MS: u32 = 300;
 
-/// Which armband a session follows, and why.
+/// Armband that a session follows, and why.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Following {
     /// The armband of the settings.
@@ -49,7 +49,7 @@ impl Pairing {
 }
 
 impl MyoSession {
-    /// Which armband is followed, and why.
+    /// Armband that is followed, and why.
     #[must_use]
     pub const fn following(&self) -> Following {
         match (self.settings.pinned, self.pairing, self.bound) {

@@ -4,7 +4,7 @@ use super::*;
 use crate::stream::alignment::Alignment;
 use crate::stream::smoother::Reaction;
 
-/// What may happen between two samples.
+/// Event between two samples.
 #[derive(Clone, Copy, Debug)]
 enum Between {
     /// The encoder takes the samples again, with the electrodes in another order.

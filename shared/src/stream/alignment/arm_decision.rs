@@ -1,4 +1,4 @@
-//! Which arm, where the template cannot tell: the model's logits for the openings decide with it.
+//! Decision between the arms, where the template cannot tell: the model's logits for the openings decide with it.
 //!
 //! The open hand of one person in eight is nearly symmetrical round the arm. Then the best placements of both arms are
 //! nearly as near to the template, but the model does not take them for the same: it has seen more than the means of
@@ -34,7 +34,7 @@ const _: () = assert!(MOST + (MOST + 1).div_ceil(PATCH) < WINDOW_PATCHES);
 #[derive(Clone, PartialEq, Debug)]
 pub struct ArmDecision {
     fits: Fits,
-    /// Which patches are of the openings, the newest when it began in the lowest bit; 0 from `patches` on.
+    /// Bits of the patches that are of the openings, the newest when it began in the lowest bit; 0 from `patches` on.
     opening: u64,
     /// Patches to be taken in each placement.
     patches: usize,

@@ -26,7 +26,7 @@ pub(super) struct GestureDetector {
     /// The quietest half second so far, as ten patches' sum.
     rest: u32,
     burst: Option<Burst>,
-    /// Which of the newest 64 patches were active in a gesture, the newest in the lowest bit.
+    /// Bits of the newest 64 patches that were active in a gesture, the newest in the lowest bit.
     active: u64,
 }
 
@@ -66,7 +66,7 @@ impl GestureDetector {
         }
     }
 
-    /// Which of the newest 64 patches were active in a gesture, the newest in the lowest bit.
+    /// Bits of the newest 64 patches that were active in a gesture, the newest in the lowest bit.
     pub(super) const fn active(&self) -> u64 {
         self.active
     }

@@ -20,7 +20,7 @@ pub enum Arm {
     /// Unknown arm: all 16 placements.
     #[default]
     Unknown,
-    /// Which way round the electrodes run ([`Alignment::mirrored`]): the 8 that do.
+    /// Direction in which the electrodes run ([`Alignment::mirrored`]): the 8 that do.
     Known {
         /// Whether they run the other way round than in training.
         mirrored: bool,

@@ -6,7 +6,7 @@ use crate::intent::MAX_CLASSES;
 use crate::names::names;
 use crate::units::{HOLD, LOOK_AHEAD, PATCH};
 
-/// Which rows of a window are summed for an instant.
+/// Rows of a window that are summed for an instant.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum AggregationMode {
     /// All rows from that instant to the window's end ("future" in the reference).
@@ -18,7 +18,7 @@ pub enum AggregationMode {
 /// Settings of a [`Smoother`](super::Smoother). Lengths in rows.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Settings {
-    /// Which rows are summed for an instant.
+    /// Rows that are summed for an instant.
     pub aggregation: AggregationMode,
     /// Rows between an instant and the window that gives its label; 0 takes the newest row as it is.
     pub look_ahead: usize,

@@ -1,4 +1,4 @@
-//! Which answer belongs to which command: for a program on the PC, which may read late answers to others.
+//! Answers matched with commands: for a program on the PC, which may read late answers to others.
 
 use super::{Accepted, Answer, Refusal};
 use crate::myo::Following;

@@ -1,4 +1,4 @@
-//! Which armband is followed.
+//! Tests of the choice of the armband that is followed.
 
 use super::*;
 
