@@ -29,7 +29,8 @@ impl fmt::Display for Words<'_> {
         // Crate, `src` and file.
         let names = file.rmatch_indices('/').map(|(at, _)| at + 1);
         let start = names.take(3).last().unwrap_or(0);
-        write!(f, ", {}:{}", &file[start..], place.line())
+        let file = file.get(start..).unwrap_or(file);
+        write!(f, ", {file}:{}", place.line())
     }
 }
 

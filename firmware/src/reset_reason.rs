@@ -99,10 +99,12 @@ mod kept {
 
     pub fn previous_message() -> heapless::String<MESSAGE_BYTES> {
         let bytes = LAST_MESSAGE.iter().map(|byte| byte.load(Ordering::Relaxed));
-        bytes
-            .take_while(|byte| *byte != 0)
-            .map(char::from)
-            .collect()
+        let mut message = heapless::String::new();
+        for byte in bytes.take_while(|byte| *byte != 0) {
+            // Of RAM that was just powered any byte may come, and a character of two bytes.
+            let _ = message.push(if byte.is_ascii() { byte.into() } else { ' ' });
+        }
+        message
     }
 
     /// Writes into [`LAST_MESSAGE`], from this byte on, what is printable; the rest as spaces.

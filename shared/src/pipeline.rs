@@ -28,7 +28,7 @@ use crate::stream::normalizer::Normalizer;
 use crate::stream::preprocess::{Preprocessing, Preprocessor};
 use crate::stream::ring::{Origin, SampleRing};
 use crate::stream::safe_state::{Event, SafeState, Start, Status};
-use crate::stream::smoother::{Settings, SettingsError};
+use crate::stream::smoother::{Decision, Settings, SettingsError};
 use crate::uart_line::{Counters, Kind, Report};
 use crate::units::{Millis, PATCH, Sample, SampleIndex, WINDOW_PATCHES};
 
@@ -129,7 +129,8 @@ impl<'s, E: Encode> Pipeline<'s, E> {
             None => sample,
         };
         let sample = self.placement.current.apply(sample);
-        self.process(now, sample, Origin::Received, &mut reports);
+        self.push(sample, Origin::Received);
+        self.encode(now, &mut reports);
         reports
     }
 
@@ -178,28 +179,39 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         self.report(Kind::State, self.newest, self.newest)
     }
 
-    /// Passes one sample, aligned, received or filled in, through all steps.
-    fn process(&mut self, now: Millis, sample: Sample, origin: Origin, reports: &mut Reports) {
-        let emitted = self.next;
-        self.newest = emitted;
-        self.next = emitted.plus(1);
+    /// Takes one sample, aligned, received or filled in.
+    fn push(&mut self, sample: Sample, origin: Origin) {
+        self.newest = self.next;
+        self.next = self.newest.plus(1);
         self.last = Some(sample);
         let Some(clean) = self.preprocessor.push(sample) else {
             return;
         };
-        // The preprocessor lags one sample.
-        let window_end = SampleIndex(emitted.0.wrapping_sub(1));
         if self.ring.push(clean, origin).is_some() {
-            self.newest_end = window_end;
+            // The preprocessor lags one sample.
+            self.newest_end = SampleIndex(self.newest.0.wrapping_sub(1));
             self.behind += 1;
             self.patch_completed();
         }
-        if self.decide_arm() || self.behind == 0 {
-            return;
+    }
+
+    /// Has the encoder take a patch if there is one that it has yet to take; returns whether there was.
+    fn encode(&mut self, now: Millis, reports: &mut Reports) -> bool {
+        if self.decide_arm() {
+            return true;
         }
-        let Some(InUse { encoder, smoother }) = &mut self.model else {
-            return;
-        };
+        if self.behind == 0 || self.model.is_none() {
+            return false;
+        }
+        if let Some(decision) = self.decide() {
+            self.label(now, decision, reports);
+        }
+        true
+    }
+
+    /// Has the encoder take a patch, and the smoother decide.
+    fn decide(&mut self) -> Option<Decision> {
+        let InUse { encoder, smoother } = self.model.as_mut()?;
         // One patch a sample: ten times as fast as they come, and on a device less than the time between two samples.
         let behind = self.behind.min(self.ring.complete()).saturating_sub(1);
         self.behind = behind;
@@ -208,13 +220,15 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         let window_full = self.ring.contiguous() as usize / PATCH >= WINDOW_PATCHES + behind;
         // The labels that older windows take part in were emitted under the alignment before.
         if !window_full || behind > smoother.look_ahead() {
-            return;
+            return None;
         }
         let after = (behind * PATCH) as u32;
         let window_end = SampleIndex(self.newest_end.0.wrapping_sub(after));
-        let Some(decision) = smoother.push(window_end, &rows) else {
-            return;
-        };
+        smoother.push(window_end, &rows)
+    }
+
+    /// Reports a label unless it contradicts one before.
+    fn label(&mut self, now: Millis, decision: Decision, reports: &mut Reports) {
         let Some(intent) = Intent::from_class(decision.class) else {
             return;
         };
@@ -222,14 +236,15 @@ impl<'s, E: Encode> Pipeline<'s, E> {
             return;
         }
         self.label = Some((decision.instant, intent));
+        // No other window is decided.
         let event = Event::Label {
             intent,
-            window_full,
+            window_full: true,
         };
         if self.safe_state.handle(now, event).is_some() {
-            reports.push(self.report(Kind::State, decision.instant, emitted));
+            reports.push(self.report(Kind::State, decision.instant, self.newest));
         }
-        reports.push(self.report(Kind::Label, decision.instant, emitted));
+        reports.push(self.report(Kind::Label, decision.instant, self.newest));
     }
 
     /// Whether an instant has another label, or is before one that has a label. So it may be where samples were taken
@@ -282,14 +297,14 @@ impl<'s, E: Encode> Pipeline<'s, E> {
     }
 }
 
-/// Reports of one input, in order: at most a change of state and two labels.
+/// Reports of one input, in order: at most a change of state and a label.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub struct Reports([Option<Report>; 3]);
+pub struct Reports([Option<Report>; 2]);
 
 impl Reports {
     fn push(&mut self, report: Report) {
-        // Three suffice: silence empties the window, so no label follows it; only the first label changes the state; and
-        // among the samples of a gap two complete a window at most, where the encoder has just caught up.
+        // Two suffice: silence empties the window, so no label follows it; the encoder takes one patch at most, also in a
+        // gap; and a label causes at most one change of state.
         if let Some(free) = self.0.iter_mut().find(|slot| slot.is_none()) {
             *free = Some(report);
         }
@@ -298,7 +313,7 @@ impl Reports {
 
 impl IntoIterator for Reports {
     type Item = Report;
-    type IntoIter = core::iter::Flatten<core::array::IntoIter<Option<Report>, 3>>;
+    type IntoIter = core::iter::Flatten<core::array::IntoIter<Option<Report>, 2>>;
 
     fn into_iter(self) -> Self::IntoIter {
         self.0.into_iter().flatten()

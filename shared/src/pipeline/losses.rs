@@ -21,8 +21,11 @@ impl<E: Encode> Pipeline<'_, E> {
         match self.last {
             Some(last) if self.may_be_bridged(missing) => {
                 self.counters.bridged = self.counters.bridged.saturating_add(missing);
+                // A patch a call at most, however far the encoder is behind: the next sample is due.
+                let mut encoded = false;
                 for _ in 0..missing {
-                    self.process(now, last, Origin::Bridged, &mut reports);
+                    self.push(last, Origin::Bridged);
+                    encoded = encoded || self.encode(now, &mut reports);
                 }
             }
             Some(_) => {
