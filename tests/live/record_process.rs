@@ -205,7 +205,10 @@ fn a_folder_that_is_deleted_in_a_session_holds_it_and_nothing_is_missing_at_the_
     let bench = Bench::new();
     let (child, mut viewer) = bench.start("");
     reach(&mut viewer, |message| message["cue"] == "open");
-    std::fs::remove_dir_all(bench.out().join("anna")).unwrap();
+    // In one step: the recorder writes a new journal where it finds none, also into a folder that is being emptied.
+    let deleted = bench.folder.path().join("deleted");
+    std::fs::rename(bench.out().join("anna"), &deleted).unwrap();
+    std::fs::remove_dir_all(deleted).unwrap();
     let held = viewer.find("session", |message| message["phase"] == "held");
     assert_eq!(held["why"], "gone", "{held}");
     wish(&mut viewer, "begin");
