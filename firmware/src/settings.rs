@@ -53,7 +53,7 @@ pub const ARM: Arm = match option_env!("MYOINTENT_MIRRORED") {
 };
 
 /// Source of the clock of 32.768 kHz.
-#[cfg(feature = "chip")]
+#[cfg(all(feature = "chip", target_os = "none"))]
 #[derive(Clone, Copy)]
 pub enum SlowClock {
     /// The crystal that a development kit has, of 20 ppm.
@@ -65,7 +65,7 @@ pub enum SlowClock {
 /// The clock's source, as `MYOINTENT_SLOW_CLOCK=oscillator` when the program is built.
 ///
 /// The crystal without it. On a board that has none the radio would never start.
-#[cfg(feature = "chip")]
+#[cfg(all(feature = "chip", target_os = "none"))]
 pub const SLOW_CLOCK: SlowClock = match option_env!("MYOINTENT_SLOW_CLOCK") {
     None => SlowClock::Crystal,
     Some(text) => match text.as_bytes() {
@@ -75,7 +75,7 @@ pub const SLOW_CLOCK: SlowClock = match option_env!("MYOINTENT_SLOW_CLOCK") {
     },
 };
 
-#[cfg(feature = "chip")]
+#[cfg(all(feature = "chip", target_os = "none"))]
 impl SlowClock {
     /// Quarters of a second between two calibrations: Nordic's recommendation for changes of 0.5 degrees a second.
     pub const fn calibration_interval(self) -> u8 {
