@@ -10,6 +10,7 @@ pub mod model_report;
 mod page;
 mod people;
 mod pictures;
+pub mod recognition;
 pub mod run_report;
 pub mod scores;
 pub mod several;

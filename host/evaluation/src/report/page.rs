@@ -14,15 +14,12 @@ use super::pictures::{
 };
 use super::scores::estimated;
 use super::table::Table;
-use super::{Fact, MOST_ENTRIES};
+use super::{Fact, MOST_ENTRIES, recognition};
 use crate::{ENERGY, EvaluationError, Measure, Score, confusion, gestures};
 use recordings::statistics::MeanSd;
 
 /// Style of the page; that of the pictures comes from `pictures`.
 const PAGE_STYLE: &str = include_str!("page.css");
-
-/// Milliseconds after the onset up to which recognition is drawn.
-const SOON_MS: u32 = 600;
 
 /// People who are drawn of a single entry, the lowest first; the best one is added.
 const WORST: usize = 3;
@@ -159,7 +156,7 @@ fn errors(entries: &[Entry<'_>]) -> Result<Markup, EvaluationError> {
                  median over all gestures, missed ones included."
             }
         }
-        @if let Some(panel) = recognition(entries) { figure { (charts::curves(&panel)) } }
+        @if let Some(panel) = recognition_by_time(entries) { figure { (charts::curves(&panel)) } }
         @for entry in entries {
             @let (candidate, recordings) = (entry.candidate, entry.recordings);
             @let matrix = confusion(candidate, recordings, entry.vocabulary, entry.look_ahead)?;
@@ -176,7 +173,7 @@ fn errors(entries: &[Entry<'_>]) -> Result<Markup, EvaluationError> {
 
 /// Share of gestures recognised by the time since their onset, of each entry and of the energy detector: the mean over people
 /// who have all classes, if there are any.
-fn recognition<'a>(entries: &'a [Entry<'_>]) -> Option<Panel> {
+fn recognition_by_time<'a>(entries: &'a [Entry<'_>]) -> Option<Panel> {
     let people = over_all(&entries.first()?.scores).next()?.people;
     let entry = |entry: &'a Entry<'_>| {
         let own = over_all(&entry.scores).find(|score| score.people == people)?;
@@ -187,21 +184,14 @@ fn recognition<'a>(entries: &'a [Entry<'_>]) -> Option<Panel> {
         .filter(|floor| floor.people == people)
         .map(|floor| (ENERGY, floor));
     let curve = |(name, score): (&str, &Score)| {
-        let at = |ms: u32| {
+        recognition::curve(name, |ms| {
             let people = score.events.subjects.iter();
             let shares: Vec<f64> = people.filter_map(|own| own.recognised_within(ms)).collect();
-            Some((f64::from(ms), MeanSd::of(&shares)?.mean))
-        };
-        let points: Vec<_> = (0..=SOON_MS).step_by(10).filter_map(at).collect();
-        (!points.is_empty()).then(|| (name.to_owned(), points))
+            Some(MeanSd::of(&shares)?.mean)
+        })
     };
     let shown = entries.iter().take(MOST_ENTRIES - 1).filter_map(entry);
-    let curves: Vec<_> = shown.chain(energy.take(1)).filter_map(curve).collect();
-    (!curves.is_empty()).then(|| Panel {
-        title: "Share of gestures recognised so soon after their onset".to_owned(),
-        axis: "emitted label after onset, ms",
-        curves,
-    })
+    recognition::panel(shown.chain(energy.take(1)).filter_map(curve).collect())
 }
 
 /// Recordings with true and emitted labels.

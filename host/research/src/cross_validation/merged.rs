@@ -3,8 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use evaluation::metric::event::latency::{self, LatencySummary};
-use evaluation::metric::event::summary::Raised;
+use evaluation::metric::event::summary::{Raised, SubjectEvents};
 use evaluation::{Group, LookAhead, Measure, Score};
+use recordings::statistics::MeanSd;
 
 use super::gate::Gate;
 use super::job_scores::FoldScore;
@@ -57,6 +58,12 @@ impl<'a> Merged<'a> {
         format!("{} ({}{gate})", self.model, self.look_ahead.name())
     }
 
+    /// Name in pictures: without the look-ahead.
+    pub(crate) fn short_name(&self) -> String {
+        let gate = self.gate.map(|gate| format!(", margin {gate}"));
+        format!("{}{}", self.model, gate.unwrap_or_default())
+    }
+
     /// Number of classes of the contender.
     pub(crate) fn classes(&self) -> usize {
         self.scores.first().map_or(0, |(_, score)| score.classes)
@@ -90,14 +97,32 @@ impl<'a> Merged<'a> {
     }
 
     /// Values of the people of a section, where they have one: each is the mean over the jobs that evaluate the person.
-    pub(crate) fn values(
+    pub(crate) fn values(&self, measure: Measure, section: Section<'_>) -> Vec<(&'a str, f64)> {
+        self.means(section, |score| measure.values(score))
+    }
+
+    /// Share of gestures recognised within so many milliseconds after their onset: the mean over a section's people; none
+    /// if nobody makes gestures.
+    pub(crate) fn recognised_within(&self, ms: u32, section: Section<'_>) -> Option<f64> {
+        let shares = self.means(section, |score| {
+            let people = score.events.subjects.iter();
+            let share =
+                |own: &'a SubjectEvents| Some((&own.subject[..], own.recognised_within(ms)?));
+            people.filter_map(share).collect()
+        });
+        let shares: Vec<f64> = shares.into_iter().map(|(_, share)| share).collect();
+        Some(MeanSd::of(&shares)?.mean)
+    }
+
+    /// Mean over the jobs that evaluate a person, of each person of a section, by the values of a job's score.
+    fn means(
         &self,
-        measure: Measure,
         (data_set, group): Section<'_>,
+        values: impl Fn(&'a Score) -> Vec<(&'a str, f64)>,
     ) -> Vec<(&'a str, f64)> {
         let mut by_person: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
         for score in self.of_group(group) {
-            for (person, value) in measure.values(score) {
+            for (person, value) in values(score) {
                 if data_set.is_none_or(|set| is_of(person, set)) {
                     by_person.entry(person).or_default().push(value);
                 }
@@ -204,6 +229,11 @@ mod tests {
         // The mean of the seeds' shares, not the share of all gestures.
         let recognised = merged.values(Measure::Recognition, (None, all));
         assert_eq!(recognised, [("x/a", 0.75), ("y/b", 0.5)]);
+        // Labels 60 (person a, first seed), 80, 80 (second seed) samples after the onset; b's 70, 90 and none.
+        let within = |ms| merged.recognised_within(ms, (None, all));
+        assert_eq!(within(300), Some((0.25 + 0.0) / 2.0));
+        assert_eq!(within(350), Some((0.25 + 0.25) / 2.0));
+        assert_eq!(within(450), Some((0.75 + 0.5) / 2.0));
         // Offsets of 10, 30, 30 samples of four gestures, 50 samples later; one is missed.
         let expected = latency::summary(&[60, 80, 80], 4);
         assert_eq!(merged.latency((Some("x"), all)), expected);

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::{
     GRID, INK, LINES, MUTED, Point, circle, entry_colour, line, nice_step, picture, points, rect,
-    text,
+    shortened, text,
 };
 use crate::metric::event::latency::{self, Latency};
 use crate::report::cell::quantile;
@@ -28,6 +28,7 @@ const TOP: f64 = 34.0;
 const FOOT: f64 = 50.0;
 /// Width for the names right of curves.
 const NAMES: f64 = 120.0;
+const LETTERS: usize = 18;
 const LINE_HEIGHT: f64 = 16.0;
 
 /// Area inside the axes and the values at its edges.
@@ -126,7 +127,7 @@ pub(in crate::report) fn curves(panel: &Panel) -> Markup {
                 points=(points(own.iter().map(|&point| chart.at(point)))) {}
             @if let &[only] = own.as_slice() { (circle(chart.at(only), 3.0, entry_colour(at))) }
         }
-        @for ((x, y), at, name) in names { (text("start", (x + 8.0, y), 12.0, entry_colour(at), name)) }
+        @for ((x, y), at, name) in names { (text("start", (x + 8.0, y), 12.0, entry_colour(at), shortened(name, LETTERS))) }
     };
     picture((WIDTH, chart.height), &panel.title, &description, &body)
 }

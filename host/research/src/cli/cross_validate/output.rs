@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use evaluation::LookAhead;
-use evaluation::report::Table;
+use evaluation::report::{Table, recognition};
+use evaluation::{CONSTANT, Group, LookAhead};
 use execution::run_folder::write_whole;
 
 use crate::cross_validation::{
@@ -11,11 +11,13 @@ use crate::cross_validation::{
     paper_tables, people, scores, test_scores,
 };
 
-/// Tables of a cross-validation and a row for each person, with the names of their files.
+/// Tables of a cross-validation, a row for each person, and a picture, with the names of their files.
 pub(super) struct Tables {
     tables: Vec<Table>,
     people: Table,
     files: [&'static str; 2],
+    /// Picture of the gestures recognised by the time since their onset, as SVG.
+    picture: Option<String>,
 }
 
 impl Tables {
@@ -32,6 +34,7 @@ impl Tables {
             tables,
             people: people(development, test),
             files: ["tables.md", "people.csv"],
+            picture: picture(development),
         }
     }
 
@@ -41,6 +44,7 @@ impl Tables {
             tables: paper_tables(merged, window),
             people: people(merged, &[]),
             files: ["paper.md", "paper.csv"],
+            picture: None,
         }
     }
 
@@ -50,14 +54,32 @@ impl Tables {
         tables.join("\n")
     }
 
-    /// Writes the tables, and a row for each person, seed, fold, preset and mode. Returns the paths.
-    pub(super) fn write(&self, folder: &Path) -> anyhow::Result<[PathBuf; 2]> {
+    /// Writes the tables, a row for each person, seed, fold, preset and mode, and the picture. Returns the paths.
+    pub(super) fn write(&self, folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
         let [page, rows] = self.files.map(|name| folder.join(name));
         let tables: Vec<String> = self.tables.iter().map(Table::markdown).collect();
         write_whole(&page, tables.join("\n").as_bytes())?;
         write_whole(&rows, &self.people.csv()?)?;
-        Ok([page, rows])
+        let mut paths = vec![page, rows];
+        if let Some(picture) = &self.picture {
+            let path = folder.join("recognition.svg");
+            write_whole(&path, picture.as_bytes())?;
+            paths.push(path);
+        }
+        Ok(paths)
     }
+}
+
+/// Picture of the gestures recognised by the time since their onset, of people who have all classes: of the labels that use
+/// all rows of the look-ahead or none.
+fn picture(merged: &[Merged<'_>]) -> Option<String> {
+    let drawn =
+        |own: &&Merged<'_>| own.look_ahead != LookAhead::SameInstant && own.model != CONSTANT;
+    let curve = |own: &Merged<'_>| {
+        let section = (None, Group::AllClasses);
+        recognition::curve(own.short_name(), |ms| own.recognised_within(ms, section))
+    };
+    recognition::svg(merged.iter().filter(drawn).filter_map(curve).collect())
 }
 
 /// Merges the scores of every contender under each confidence gate and look-ahead, on some of the people. Without
