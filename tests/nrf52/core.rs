@@ -50,7 +50,7 @@ fn core() -> Core {
     Core::new(Arc::new(space))
 }
 
-/// What register 1 holds after an interrupt at each of the first instructions in turn.
+/// Returns the values of register 1 after an interrupt at each of the first instructions in turn.
 fn counted(new: impl Fn() -> Core) -> Vec<u32> {
     let one = |before: u32| {
         let mut core = new();

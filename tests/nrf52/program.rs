@@ -10,7 +10,7 @@ pub struct Program {
     code: Vec<u16>,
 }
 
-/// Where the program's own words begin, from its start; its instructions end before.
+/// Offset of the program's own words from its start, in bytes. Its instructions end before.
 const WORDS: u32 = 0x400;
 /// A clock configuration for a SoftDevice: the crystal, 20 ppm.
 const CLOCK: u32 = 0x0700_0001;

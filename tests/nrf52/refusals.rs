@@ -18,7 +18,7 @@ const PPI: u32 = 0x4001_f000;
 const P0: u32 = 0x5000_0000;
 const UICR: u32 = 0x1000_1000;
 
-/// What a program without a SoftDevice ends with.
+/// Returns the refusal that ends a program without a SoftDevice.
 fn refused(program: Program) -> (String, What) {
     let mut machine = program.machine(Model::Nrf52840, None);
     let refusal = machine
@@ -27,7 +27,7 @@ fn refused(program: Program) -> (String, What) {
     (refusal.subject, refusal.what)
 }
 
-/// What a program ends with that has enabled S140.
+/// Returns the refusal that ends a program that has enabled S140.
 fn refused_beside_a_softdevice(program: impl FnOnce(Program) -> Program) -> (String, What) {
     let program = program(Program::default().enable(Kind::S140));
     let mut machine = program.machine(Model::Nrf52840, Some(Kind::S140));

@@ -1,4 +1,4 @@
-//! What the core finds at which address: flash, RAM, and windows to the chip.
+//! Address space of the core: flash, RAM, and windows to the chip.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -12,27 +12,27 @@ use crate::memory::{Memory, RAM};
 use crate::refusal::What;
 use crate::softdevice::{SoftDevice, boot};
 
-/// Where peripherals are, GPIO's ports included.
+/// Base address of peripherals, GPIO's ports included.
 const PERIPHERALS: u32 = 0x4000_0000;
 const PERIPHERALS_BYTES: u64 = 0x2000_0000;
-/// Where FICR and UICR are.
+/// Base address of the range of FICR and UICR.
 const INFORMATION: u32 = 0x1000_0000;
 const INFORMATION_BYTES: u64 = 0x2000;
 
-/// What core and chip share without a lock.
+/// State that core and chip share without a lock.
 #[derive(Debug, Default)]
 pub struct Shared {
     /// Ticks since power came.
     pub now: AtomicU64,
-    /// Whether something has changed that the core has to know.
+    /// True if something has changed that the core has to know.
     pub attention: AtomicBool,
-    /// What a supervisor call wrote: the address of its stacked registers.
+    /// Address of the stacked registers that a supervisor call wrote, 0 if there is none.
     pub call: AtomicU64,
-    /// Whether a hard fault has begun.
+    /// True if a hard fault has begun.
     pub hard_fault: AtomicBool,
 }
 
-/// What the core finds at some addresses.
+/// Window through which the core reaches the chip at some addresses.
 #[derive(Debug)]
 struct Window {
     chip: Arc<Mutex<Chip>>,
@@ -91,7 +91,7 @@ pub fn lock(chip: &Mutex<Chip>) -> MutexGuard<'_, Chip> {
     chip.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What the core finds where.
+/// Creates the address space of the core: flash, RAM, and windows to the chip.
 pub fn address_space(
     memory: &Memory,
     chip: &Arc<Mutex<Chip>>,

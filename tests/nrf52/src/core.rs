@@ -21,12 +21,12 @@ const HARD_FAULT: u16 = 3;
 pub struct Core {
     cpu: ArmV7m,
     holds_interrupts_back: bool,
-    /// Whether the last hard fault began in an IT block.
+    /// True if the last hard fault began in an IT block.
     was_in_it_block: bool,
 }
 
 impl Core {
-    /// At a reset: it reads its stack pointer and where it starts from the words at address 0.
+    /// Creates the core at a reset. It reads its stack pointer and where it starts from the words at address 0.
     pub fn new(space: Arc<AddressSpace>) -> Self {
         // nRF52 chips have no bit bands (product specification, 4.1).
         let cpu = ArmV7m::new(Config::CORTEX_M4F.with_bit_band(false));
@@ -38,7 +38,7 @@ impl Core {
         }
     }
 
-    /// As the library has it, with its fault.
+    /// Returns the core as the library has it, with its fault.
     #[must_use]
     pub fn as_released(self) -> Self {
         Self {
@@ -67,12 +67,12 @@ impl Core {
         cycles
     }
 
-    /// Whether the hard fault that it handles began in an IT block.
+    /// Returns true if the hard fault that it handles began in an IT block.
     pub fn was_in_it_block(&self) -> bool {
         self.was_in_it_block && self.is_in_hard_fault()
     }
 
-    /// What the status of faults says (CFSR); 0 for one that was escalated.
+    /// Returns the status of faults (CFSR). It is 0 for a fault that was escalated.
     pub fn fault_status(&self) -> u32 {
         const CFSR: u32 = 0xe000_ed28;
         let status = self.cpu.with_sys(|system| system.read_word(CFSR, true));
@@ -89,7 +89,7 @@ impl Core {
         self.cpu.msp()
     }
 
-    /// Where it is.
+    /// Returns the address at which it is.
     pub fn place(&self) -> u32 {
         self.cpu.pc()
     }
@@ -99,27 +99,27 @@ impl Core {
         self.cpu.set_pc(address);
     }
 
-    /// Whether it sleeps until an interrupt.
+    /// Returns true if it sleeps until an interrupt.
     pub fn sleeps(&self) -> bool {
         self.cpu.is_asleep()
     }
 
-    /// Whether a fault in a fault has stopped it.
+    /// Returns true if a fault in a fault has stopped it.
     pub fn is_locked_up(&self) -> bool {
         self.cpu.is_locked_up()
     }
 
-    /// Whether the program asked for a reset, by AIRCR.
+    /// Returns true if the program asked for a reset, by AIRCR.
     pub fn asks_for_reset(&self) -> bool {
         self.cpu.reset_requested()
     }
 
-    /// Whether it handles an exception.
+    /// Returns true if it handles an exception.
     pub fn is_in_handler(&self) -> bool {
         self.cpu.regs().in_handler()
     }
 
-    /// Whether it handles a hard fault.
+    /// Returns true if it handles a hard fault.
     pub fn is_in_hard_fault(&self) -> bool {
         self.cpu.current_exception() == Exception(HARD_FAULT)
     }

@@ -9,7 +9,7 @@ pub enum ImageError {
     /// Not an ELF file.
     #[error("the image is no ELF file: build it with `cargo xtask images`")]
     NotElf(#[from] object::Error),
-    /// Nothing to flash.
+    /// Image without anything to flash.
     #[error("the image has nothing to flash: expected a segment below 0x100000")]
     Empty,
 }
@@ -17,7 +17,7 @@ pub enum ImageError {
 /// An image.
 #[derive(Clone, Debug)]
 pub struct Image {
-    /// What is flashed: addresses and bytes.
+    /// Segments that are flashed: addresses and bytes.
     pub segments: Vec<(u32, Vec<u8>)>,
     /// Functions by address: start, size, name.
     functions: Vec<(u32, u32, String)>,
@@ -66,7 +66,7 @@ impl Image {
         }
     }
 
-    /// Where it begins.
+    /// Returns the address at which it begins, 0 if it is empty.
     pub fn start(&self) -> u32 {
         let addresses = self.segments.iter().map(|(address, _)| *address);
         addresses.min().unwrap_or_default()

@@ -37,13 +37,13 @@ pub struct Machine {
     interrupts: u64,
     /// The SoftDevice, where the image needs one.
     pub softdevice: Option<SoftDevice>,
-    /// What happened, and when.
+    /// Incidents, each with the tick at which it happened.
     pub incidents: Vec<(u64, Incident)>,
     /// Instructions that were run.
     pub instructions: u64,
     /// The lowest stack pointer that was seen.
     pub lowest_stack: u32,
-    /// Where what is refused is kept, and the program goes on: to see all of it at once. Without it the first one ends the run.
+    /// Refusals, kept while the program goes on, to see all of them at once. Without a list the first one ends the run.
     pub survey: Option<Vec<Refusal>>,
 }
 
@@ -158,7 +158,7 @@ impl Machine {
         Ok(())
     }
 
-    /// When something happens by itself next.
+    /// Returns the tick at which something happens by itself next.
     fn next(&self) -> u64 {
         let chip = self.chip().next();
         let softdevice = self.softdevice.as_ref().and_then(SoftDevice::next);

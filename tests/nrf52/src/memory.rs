@@ -4,17 +4,17 @@ use std::sync::Arc;
 
 use rsemu::core::space::RamStore;
 
-/// Where RAM begins.
+/// Address at which RAM begins.
 pub const RAM: u32 = 0x2000_0000;
-/// What erased flash holds.
+/// Value of a byte of erased flash.
 pub const ERASED: u8 = 0xff;
 
 /// Flash and RAM.
 #[derive(Clone, Debug)]
 pub struct Memory {
-    /// From address 0 on.
+    /// Flash, from address 0 on.
     pub flash: Arc<RamStore>,
-    /// From [`RAM`] on.
+    /// RAM, from [`RAM`] on.
     pub ram: Arc<RamStore>,
 }
 
@@ -44,7 +44,7 @@ impl Memory {
         let _ = self.ram.write_at(0, &bytes);
     }
 
-    /// Whether all of it is RAM.
+    /// Returns true if all of it is RAM.
     pub fn is_ram(&self, address: u32, length: u32) -> bool {
         let end = u64::from(address) + u64::from(length);
         address >= RAM && end <= u64::from(RAM) + self.ram.len()

@@ -1,8 +1,8 @@
-//! What the emulated chip refuses: a real one would do something that the program does not mean.
+//! Refusals of the emulated chip: a real one would do something that the program does not mean.
 
 use std::fmt;
 
-/// What is wrong about an access, a task or a call.
+/// Reason to refuse an access, a task or a call.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum What {
     /// The table of the peripheral does not list it.
@@ -14,7 +14,7 @@ pub enum What {
     /// Peripherals take whole words alone (product specification, 6.1.3).
     #[error("is accessed with {bytes} bytes: expected a word of 4")]
     Width {
-        /// How many.
+        /// Bytes of the access.
         bytes: usize,
     },
     /// A task or a register that is written alone.
@@ -23,19 +23,19 @@ pub enum What {
     /// A status.
     #[error("is written {value:#x}: it can only be read")]
     NotWritable {
-        /// What was written.
+        /// Value that was written.
         value: u32,
     },
     /// An event that the program sets.
     #[error("is written {value:#x}: a program writes 0 to an event, to clear it")]
     EventSet {
-        /// What was written.
+        /// Value that was written.
         value: u32,
     },
     /// Reserved bits.
     #[error("is written {value:#x}: the bits {reserved:#x} are reserved")]
     Reserved {
-        /// What was written.
+        /// Value that was written.
         value: u32,
         /// Those of its bits that are reserved.
         reserved: u32,
@@ -43,15 +43,15 @@ pub enum What {
     /// A value that the register does not know.
     #[error("is written {value:#x}: {expected}")]
     Value {
-        /// What was written.
+        /// Value that was written.
         value: u32,
-        /// What may be.
+        /// Description of the values that are allowed.
         expected: &'static str,
     },
     /// A task that makes no sense now.
     #[error("is triggered {when}")]
     Untimely {
-        /// When.
+        /// State in which it was triggered, in words.
         when: &'static str,
     },
     /// The interconnect leads to no task.
@@ -63,9 +63,9 @@ pub enum What {
     /// DMA reaches RAM alone.
     #[error("is given {address:#010x} and {length} bytes: DMA reaches RAM alone")]
     NoDma {
-        /// Where.
+        /// Address of the buffer.
         address: u32,
-        /// How many bytes.
+        /// Bytes of the buffer.
         length: u32,
     },
     /// A part of the chip that the SoftDevice has taken.
@@ -80,7 +80,7 @@ pub enum What {
     /// A call that the SoftDevice does not expect.
     #[error("is a supervisor call {why}")]
     WrongCall {
-        /// What is wrong.
+        /// Description of what is wrong.
         why: String,
     },
     /// An interrupt with a priority of the SoftDevice's.
@@ -106,11 +106,11 @@ pub enum What {
 pub struct Refusal {
     /// Milliseconds since power came.
     pub at_ms: f64,
-    /// What was accessed.
+    /// Name of the register, address or call that was accessed.
     pub subject: String,
-    /// What is wrong about it.
+    /// Reason for the refusal.
     pub what: What,
-    /// Where the program was.
+    /// Place at which the program was: a function or an address.
     pub place: String,
 }
 

@@ -19,7 +19,7 @@ pub const fn low_frequency(ticks: u64) -> u64 {
     ticks * 8 / 15625
 }
 
-/// When a period of the low-frequency clock begins.
+/// Returns the tick at which a period of the low-frequency clock begins.
 pub const fn of_low_frequency(periods: u64) -> u64 {
     (periods * 15625).div_ceil(8)
 }

@@ -6,7 +6,7 @@ use super::{Chip, FICR, GPIO, ownership, uicr};
 use crate::refusal::What;
 
 impl Chip {
-    /// What the program reads from a peripheral, or from UICR or FICR.
+    /// Returns the value that the program reads from a peripheral, or from UICR or FICR. A refused read gives 0.
     pub fn read(&mut self, address: u32, bytes: usize) -> u32 {
         if bytes != 4 || !address.is_multiple_of(4) {
             self.bus.refuse(address, What::Width { bytes });
@@ -33,7 +33,7 @@ impl Chip {
         Ok(one.read(offset, bus).unwrap_or(held))
     }
 
-    /// What the program writes to a peripheral, or to UICR or FICR.
+    /// Writes a value, as the program does, to a peripheral, or to UICR or FICR.
     pub fn write(&mut self, address: u32, bytes: usize, value: u32) {
         if bytes != 4 || !address.is_multiple_of(4) {
             return self.bus.refuse(address, What::Width { bytes });
@@ -146,7 +146,7 @@ impl Chip {
         }
     }
 
-    /// When something happens by itself next.
+    /// Returns the tick at which something happens by itself next.
     pub fn next(&self) -> u64 {
         self.next
     }

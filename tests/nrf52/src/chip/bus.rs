@@ -1,4 +1,4 @@
-//! What peripherals share: time, memory, events on their way, and what they ask of the core.
+//! State that peripherals share: time, memory, events on their way, and what they ask of the core.
 
 use std::collections::VecDeque;
 
@@ -19,7 +19,7 @@ pub enum Reset {
     Software,
 }
 
-/// What peripherals share.
+/// State that peripherals share.
 #[derive(Debug)]
 pub struct Bus {
     /// Ticks since power came.
@@ -32,16 +32,16 @@ pub struct Bus {
     pub halt: u64,
     /// A reset that is to come.
     pub reset: Option<Reset>,
-    /// What was refused first: the address, and what is wrong.
+    /// First refusal: the address, and what is wrong.
     pub refused: Option<(u32, What)>,
-    /// Whether the low-frequency clock runs.
+    /// True if the low-frequency clock runs.
     pub low_frequency_runs: bool,
-    /// Whether something has changed that the core has to know.
+    /// True if something has changed that the core has to know.
     pub attention: bool,
 }
 
 impl Bus {
-    /// At the moment that power comes.
+    /// Creates the state at the moment that power comes.
     pub fn new(memory: Memory) -> Self {
         Self {
             now: 0,
@@ -85,7 +85,7 @@ pub trait Peripheral: std::fmt::Debug + Send {
     /// Its registers, to be changed.
     fn registers_mut(&mut self) -> &mut Registers;
 
-    /// What the program reads where that is not what the register holds.
+    /// Returns the value that the program reads, where that is not what the register holds.
     fn read(&mut self, _offset: u32, _bus: &mut Bus) -> Option<u32> {
         None
     }
@@ -101,7 +101,7 @@ pub trait Peripheral: std::fmt::Debug + Send {
         Vec::new()
     }
 
-    /// When it does something by itself next.
+    /// Returns the tick at which it does something by itself next, if it does.
     fn next(&self) -> Option<u64> {
         None
     }

@@ -26,7 +26,7 @@ const INTERRUPTS: u32 = 0x3 | 1 << 2 | 7 << 5;
 /// HFCLKSTAT and LFCLKSTAT: running (5.4.6).
 const RUNNING: u32 = 1 << 16;
 
-/// How long the crystal of the high-frequency clock takes (5.4.7).
+/// Ticks that the crystal of the high-frequency clock takes to start (5.4.7).
 const HFXO: u64 = us(360);
 
 const TABLE: &[Register] = &[
@@ -91,7 +91,7 @@ impl ClockAndPower {
     }
 }
 
-/// How long the source of the low-frequency clock takes to start (5.4.8 to 5.4.10).
+/// Returns the ticks that the source of the low-frequency clock takes to start (5.4.8 to 5.4.10).
 const fn low_frequency_start(source: u32) -> u64 {
     match source & 3 {
         // RC oscillator.

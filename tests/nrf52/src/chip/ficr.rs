@@ -21,10 +21,10 @@ const TABLE: &[Register] = &[
     read_only("TEMP.T", 0x434).times(5),
 ];
 
-/// Where it is.
+/// Base address of FICR.
 pub const BASE: u32 = 0x1000_0000;
 
-/// That of a chip: part number, variant, KiB of RAM and flash.
+/// Creates the FICR of a chip, from its part number, variant, KiB of RAM and KiB of flash.
 pub fn of(part: u32, variant: [u8; 4], ram: u32, flash: u32) -> Registers {
     let mut registers = Registers::new("FICR", TABLE);
     let values = [

@@ -7,7 +7,7 @@ const OUT: u32 = 0x504;
 const IN: u32 = 0x510;
 const DIR: u32 = 0x514;
 const PIN_CNF: u32 = 0x700;
-/// From one port's registers to the next's.
+/// Bytes from one port's registers to the next port's.
 pub const PORT: u32 = 0x300;
 /// PIN_CNF after a reset: an input whose buffer is disconnected.
 const DISCONNECTED: u32 = 1 << 1;
@@ -61,12 +61,12 @@ impl Gpio {
         };
     }
 
-    /// What drives pins from outside, to be kept over a reset.
+    /// Returns the pins that are driven from outside and their levels, to be kept over a reset.
     pub fn outside(&self) -> (u32, u32) {
         self.outside
     }
 
-    /// The same after a reset.
+    /// Takes over the pins that are driven from outside, after a reset.
     pub fn with_outside(self, outside: (u32, u32)) -> Self {
         Self { outside, ..self }
     }

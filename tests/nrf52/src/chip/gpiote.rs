@@ -43,7 +43,7 @@ impl Gpiote {
         }
     }
 
-    /// What a channel drives a pin to; pins of the second port follow those of the first.
+    /// Returns the level that a channel drives a pin to, if any. Pins of the second port follow those of the first.
     pub fn drives(&self, pin: u32) -> Option<bool> {
         let mut channels = 0..CHANNELS;
         let channel = channels.find(|channel| {

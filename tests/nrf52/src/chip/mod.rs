@@ -40,12 +40,12 @@ use timer::Timer;
 use uarte::Uarte;
 use watchdog::Watchdog;
 
-/// Where the ports of pins are.
+/// Base address of the ports of pins.
 const GPIO: u32 = 0x5000_0000;
-/// What the factory wrote.
+/// Base address of FICR, which the factory wrote.
 const FICR: u32 = ficr::BASE;
 
-/// Which chip.
+/// Model of a chip.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Model {
     /// 1 MiB of flash, 256 KiB of RAM.
@@ -91,7 +91,7 @@ impl Model {
 pub struct Chip {
     /// Time, memory, and what peripherals ask of the core.
     pub bus: Bus,
-    /// Which chip it is.
+    /// Model of the chip.
     pub model: Model,
     clock_and_power: ClockAndPower,
     uarte: Uarte,
@@ -108,13 +108,13 @@ pub struct Chip {
     ports: [Gpio; 2],
     ficr: Registers,
     uicr: Registers,
-    /// What of it the SoftDevice has taken; nothing while it is off.
+    /// True while the SoftDevice is enabled and has taken its part of the chip.
     pub softdevice_is_enabled: bool,
     /// Changes of levels: when, which pin, to what.
     pub changes: Vec<(u64, u32, Option<bool>)>,
-    /// When something happens by itself next.
+    /// Tick at which something happens by itself next.
     next: u64,
-    /// Whether a level may have changed.
+    /// True if a level may have changed.
     pins_are_stale: bool,
 }
 

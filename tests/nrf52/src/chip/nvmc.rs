@@ -28,7 +28,7 @@ const TABLE: &[Register] = &[
     read_write("IMISS", 0x54c, !0),
 ];
 
-/// How long flash takes; the longest that the specification gives.
+/// Ticks that an operation of flash takes: the longest that the specification gives.
 #[derive(Clone, Copy, Debug)]
 pub struct FlashTimes {
     /// A word.
@@ -54,7 +54,7 @@ impl FlashTimes {
 #[derive(Debug)]
 pub struct Nvmc {
     registers: Registers,
-    /// How long flash takes.
+    /// Ticks that an operation of flash takes.
     pub times: FlashTimes,
     bytes: u32,
 }
@@ -69,7 +69,7 @@ impl Nvmc {
         }
     }
 
-    /// Whether writes are enabled.
+    /// Returns true if writes are enabled.
     pub fn writes(&self) -> bool {
         self.registers.get(CONFIG) == WRITES
     }

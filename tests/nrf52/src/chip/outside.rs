@@ -1,4 +1,4 @@
-//! What is around the chip: levels of pins, the UART's line, a programmer.
+//! Surroundings of the chip: levels of pins, the UART's line, a programmer.
 
 use super::{Chip, FICR, Received, uicr};
 use crate::time::HZ;
@@ -38,7 +38,7 @@ impl Chip {
         self.settle();
     }
 
-    /// What the UART has sent, and when the last bit of each byte was over.
+    /// Returns the bytes that the UART has sent, each with the tick at which its last bit was over.
     pub fn sent(&self) -> &[(u64, u8)] {
         &self.uarte.sent
     }

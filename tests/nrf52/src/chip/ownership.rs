@@ -1,4 +1,4 @@
-//! What of the chip a SoftDevice takes while it is enabled (S140 and S132 specifications, "Hardware peripherals").
+//! Parts of the chip that an enabled SoftDevice takes (S140 and S132 specifications, "Hardware peripherals").
 
 /// Peripherals that are its own, or that its calls alone may access.
 const TAKEN: [u32; 13] = [
@@ -27,7 +27,7 @@ const PPI: u32 = 0x4001_f000;
 const FIRST_CHANNEL: u32 = 17;
 const FIRST_GROUP: u32 = 4;
 
-/// Whether an access is to something that it has taken; with what was written.
+/// Returns true if an access is to something that the SoftDevice has taken. `written` is the value of a write.
 pub fn is_softdevices(address: u32, written: Option<u32>) -> bool {
     if address & !0xfff == PPI {
         return written.is_some_and(|value| is_softdevices_channel(address - PPI, value));

@@ -5,10 +5,10 @@
 
 use crate::refusal::What;
 
-/// Where every peripheral has the enabled interrupts, if it has any (product specification, 6.1.5).
+/// Offset of the enabled interrupts in every peripheral that has any (product specification, 6.1.5).
 pub const INTEN: u32 = 0x300;
 
-/// What an access to a register does.
+/// Effect of an access to a register.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Kind {
     /// Writing 1 starts something (6.1.6). It cannot be read.
@@ -34,17 +34,17 @@ pub enum Kind {
 pub struct Register {
     /// Its name in the product specification.
     pub name: &'static str,
-    /// Of the first one, from the peripheral's base address.
+    /// Offset of the first one from the peripheral's base address, in bytes.
     pub offset: u32,
-    /// How many there are.
+    /// Number of registers side by side.
     pub count: u32,
-    /// From one to the next.
+    /// Bytes from one to the next.
     pub stride: u32,
-    /// What an access does.
+    /// Effect of an access.
     pub kind: Kind,
     /// Bits that are not reserved.
     pub mask: u32,
-    /// What a reset leaves in it.
+    /// Value that a reset leaves in it.
     pub reset: u32,
 }
 
@@ -124,12 +124,12 @@ pub const fn one_clears(name: &'static str, offset: u32, mask: u32) -> Register 
     Register::new(name, offset, Kind::OneClears, mask)
 }
 
-/// What a write came to.
+/// Effect of a write.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Written {
     /// A task starts.
     Task,
-    /// Nothing: a task was written 0.
+    /// No effect: a task was written 0.
     Nothing,
     /// The register at this offset holds something else, or was written the same again.
     Stored(u32),
@@ -145,7 +145,7 @@ pub struct Registers {
 }
 
 impl Registers {
-    /// What a reset leaves.
+    /// Creates the registers with the values that a reset leaves.
     pub fn new(name: &'static str, table: &'static [Register]) -> Self {
         let mut registers = Self {
             name,
@@ -186,12 +186,12 @@ impl Registers {
         }
     }
 
-    /// Whether a register is of this kind.
+    /// Returns true if the register at an offset is of this kind.
     pub fn is(&self, offset: u32, kind: Kind) -> bool {
         self.find(offset).is_some_and(|one| one.kind == kind)
     }
 
-    /// What the program reads.
+    /// Returns the value that the program reads, or the reason to refuse the read.
     pub fn read(&self, offset: u32) -> Result<u32, What> {
         let register = self.find(offset).ok_or(What::NotModelled)?;
         match register.kind {
@@ -201,7 +201,7 @@ impl Registers {
         }
     }
 
-    /// What the program writes.
+    /// Writes a value, as the program does. Returns the effect, or the reason to refuse the write.
     pub fn write(&mut self, offset: u32, value: u32) -> Result<Written, What> {
         let register = self.find(offset).ok_or(What::NotModelled)?;
         let reserved = value & !register.mask;
@@ -232,7 +232,7 @@ impl Registers {
         Ok(Written::Stored(offset))
     }
 
-    /// Whether an event that has happened has its interrupt enabled: bit n for the event at 0x100 + 4 n (6.1.5).
+    /// Returns true if an event has happened and its interrupt is enabled. Bit n is the event at 0x100 + 4 n (6.1.5).
     pub fn interrupts(&self) -> bool {
         let mut enabled = self.get(INTEN);
         while enabled != 0 {

@@ -49,7 +49,7 @@ pub struct Rtc {
     count: u64,
     /// Periods whose events have happened.
     seen: u64,
-    /// Until then a channel's value may come too late to be noticed (6.22.7).
+    /// Period, by channel, until which a channel's value may come too late to be noticed (6.22.7).
     blind_until: [u64; CHANNELS as usize],
 }
 

@@ -50,7 +50,7 @@ pub struct Timer {
     base: u32,
     channels: u32,
     runs: bool,
-    /// When the counter was `count`.
+    /// Tick at which the counter was `count`.
     since: u64,
     count: u64,
     /// Matches up to then have become events.

@@ -87,14 +87,14 @@ macro_rules! table {
 const LONG: &[Register] = table!(0xffff);
 const SHORT: &[Register] = table!(0xff);
 
-/// What comes on the line.
+/// Byte that comes on the line.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Received {
-    /// When its last bit is over.
+    /// Tick at which its last bit is over.
     pub at: u64,
     /// Its bits.
     pub byte: u8,
-    /// Whether its stop bit is missing.
+    /// True if its stop bit is missing.
     pub is_broken: bool,
 }
 
@@ -112,9 +112,9 @@ pub struct Uarte {
     sending: Option<(Buffer, u64)>,
     receiving: Option<Buffer>,
     fifo: VecDeque<u8>,
-    /// What is still to come, by time.
+    /// Bytes that are still to come, by time.
     pub line: VecDeque<Received>,
-    /// What was sent, and when the last bit was over.
+    /// Bytes that were sent, each with the tick at which its last bit was over.
     pub sent: Vec<(u64, u8)>,
     /// Bytes that came and found no place.
     pub overruns: u64,

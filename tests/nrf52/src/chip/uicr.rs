@@ -13,9 +13,9 @@ const TABLE: &[Register] = &[
     read_write("REGOUT0", 0x304, !0),
 ];
 
-/// Where it is.
+/// Base address of UICR.
 pub const BASE: u32 = 0x1000_1000;
-/// Whether a debugger may access the chip.
+/// Offset of the register that decides if a debugger may access the chip.
 pub const APPROTECT: u32 = 0x208;
 
 /// A blank one.

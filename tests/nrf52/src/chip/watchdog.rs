@@ -15,7 +15,7 @@ const CRV: u32 = 0x504;
 const RREN: u32 = 0x508;
 const CONFIG: u32 = 0x50c;
 const RR: u32 = 0x600;
-/// What a reload request is (6.36.4.9).
+/// Value of a reload request (6.36.4.9).
 const RELOAD: u32 = 0x6e52_4635;
 /// Periods of the low-frequency clock from the event to the reset.
 const WARNING: u64 = 2;

@@ -1,9 +1,9 @@
-//! What lies in flash below the program, where a chip has the master boot record and a SoftDevice: a few instructions that
+//! Contents of flash below the program, where a chip has the master boot record and a SoftDevice: instructions that
 //! pass the reset and every exception on to the program, and supervisor calls and hard faults to the emulation.
 
 use crate::memory::Memory;
 
-/// Where the instructions write to: the emulation takes supervisor calls there.
+/// Address that the instructions write to. The emulation takes supervisor calls there.
 pub const GATE: u32 = 0x6000_0000;
 /// A word for the address of a supervisor call's stacked registers.
 pub const CALL: u32 = GATE;

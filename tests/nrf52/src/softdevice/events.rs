@@ -8,7 +8,7 @@ use shared::myo::{Address, AddressKind};
 pub type Parameters = [u16; 4];
 /// The handle of the only connection.
 pub const HANDLE: u16 = 0;
-/// What the connection's handle is where there is none.
+/// Handle of the connection where there is none.
 pub const NO_HANDLE: u16 = 0xffff;
 
 /// Microseconds of the air's clock.

@@ -10,14 +10,14 @@ use crate::refusal::What;
 /// Words of the longest write.
 const MOST_WORDS: u32 = PAGE / 4;
 
-/// What an operation does.
+/// Effect of an operation.
 #[derive(Clone, Debug)]
 enum Change {
     Erase { page: u32 },
     Write { address: u32, bytes: Vec<u8> },
 }
 
-/// What a test does to an operation.
+/// Outcome that a test gives to an operation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Fate {
     /// It succeeds.
@@ -35,9 +35,9 @@ pub enum Fate {
 #[derive(Debug, Default)]
 pub struct Flash {
     under_way: Option<(u64, Change, Fate)>,
-    /// What becomes of the next operations; those after them succeed.
+    /// Outcomes of the next operations. Those after them succeed.
     pub fates: VecDeque<Fate>,
-    /// How many have begun.
+    /// Number of operations that have begun.
     pub begun: usize,
 }
 
@@ -47,7 +47,7 @@ impl Flash {
         self.under_way = None;
     }
 
-    /// When the operation under way ends.
+    /// Returns the tick at which the operation under way ends, if there is one.
     pub fn next(&self) -> Option<u64> {
         self.under_way.as_ref().map(|(at, ..)| *at)
     }

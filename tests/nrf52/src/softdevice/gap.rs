@@ -10,13 +10,13 @@ use crate::memory::Memory;
 use crate::refusal::What;
 use crate::time::ms;
 
-/// From one advertisement of an armband to its next.
+/// Ticks from one advertisement of an armband to its next.
 const ADVERTISING: u64 = ms(100);
-/// From an advertisement to the first event of the connection.
+/// Ticks from an advertisement to the first event of the connection.
 const CONNECTING: u64 = ms(5);
 /// Bytes that a scan's buffer has at least (`BLE_GAP_SCAN_BUFFER_MIN`).
 const SCAN_BUFFER: u16 = 31;
-/// What ended by itself: scanning, connecting (`BLE_GAP_TIMEOUT_SRC_*`).
+/// Source of a time-out: scanning, connecting (`BLE_GAP_TIMEOUT_SRC_*`).
 const SCAN: u8 = 1;
 const CONNECT: u8 = 2;
 

@@ -6,7 +6,7 @@ use super::{SoftDevice, events, refused};
 use crate::memory::Memory;
 use crate::refusal::What;
 
-/// What an answer has room for: an ATT MTU of 23 without its header.
+/// Bytes that an answer has room for: an ATT MTU of 23 without its header.
 const MOST: usize = 22;
 /// A write that is answered (`BLE_GATT_OP_WRITE_REQ`).
 const WRITE_REQUEST: u8 = 1;
@@ -14,9 +14,9 @@ const WRITE_REQUEST: u8 = 1;
 /// A request to the armband's attributes.
 #[derive(Debug)]
 pub enum Request {
-    /// To read one.
+    /// Read of an attribute, by its handle.
     Read(u16),
-    /// To write one.
+    /// Write of an attribute, by its handle, with the bytes.
     Write(u16, Vec<u8>),
 }
 

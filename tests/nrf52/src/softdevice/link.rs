@@ -14,14 +14,14 @@ const UPDATE_EVENTS: u64 = 6;
 /// A link.
 #[derive(Debug)]
 pub struct Link {
-    /// Which armband.
+    /// Index of the armband.
     pub armband: usize,
     pub(super) parameters: Parameters,
     /// The next connection event.
     pub(super) at: u64,
-    /// What the armband is asked for at the next connection event.
+    /// Request that the armband gets at the next connection event.
     pub(super) request: Option<Request>,
-    /// What it answers at the one after that.
+    /// Answer that it gives at the connection event after that.
     pub(super) response: Option<Vec<u8>>,
     /// It ends then, for this reason.
     ends: Option<(u64, u8)>,

@@ -25,7 +25,7 @@ use flash::Flash;
 use gap::{Attempt, Scan};
 use link::Link;
 
-/// Which SoftDevice.
+/// Kind of SoftDevice.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Kind {
     /// S140 7.x, for the nRF52840.
@@ -35,7 +35,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Where the program begins: the end of its flash (release notes of S140 7.3.0 and S132 7.3.0).
+    /// Address at which the program begins: the end of its flash (release notes of S140 7.3.0 and S132 7.3.0).
     pub const fn program(self) -> u32 {
         match self {
             Self::S140 => 0x2_7000,
@@ -44,10 +44,11 @@ impl Kind {
     }
 }
 
-/// Where the program's RAM begins, as `memory.x` has it for both.
+/// Address at which the program's RAM begins, as `memory.x` has it for both.
 const RAM_END: u32 = 0x2000_4000;
-/// Where it could begin. The release notes say what a SoftDevice needs at least, 0x1668 bytes; what one connection of 15 ms
-/// and an ATT MTU of 23 add only a SoftDevice says, when it is enabled. This is a guess: half of what it is given.
+/// Address at which it could begin. The release notes say what a SoftDevice needs at least, 0x1668 bytes; what one
+/// connection of 15 ms and an ATT MTU of 23 add only a SoftDevice says, when it is enabled. This is a guess: half of
+/// what it is given.
 const RAM_NEED: u32 = 0x2000_3000;
 /// Priorities that it keeps for itself (S140 specification, "Interrupt model and processor availability").
 const RESERVED: [u8; 3] = [0, 1, 4];
@@ -64,7 +65,7 @@ const FIRST_OF_BLUETOOTH: u8 = 0x60;
 /// Interrupts of the chip.
 const INTERRUPTS: u16 = 48;
 
-/// What is wrong about a call.
+/// Reason to refuse a call.
 fn refused(why: &str) -> What {
     What::WrongCall {
         why: why.to_owned(),
@@ -88,13 +89,13 @@ pub struct SoftDevice {
     pub flash: Flash,
     /// Armbands within reach.
     pub armbands: Vec<Armband>,
-    /// When each notification of the wearer's armband was received, and its number.
+    /// Notifications of the wearer's armband: the tick at which each was received, and its number.
     pub received: Vec<(u64, usize)>,
     /// Most events that waited at a time.
     pub most_waiting: usize,
-    /// Whether the program has asked for the high-frequency crystal between radio events too.
+    /// True if the program has asked for the high-frequency crystal between radio events too.
     pub keeps_crystal: bool,
-    /// Where the other side of the link stops answering: everything the SoftDevice does.
+    /// True if the air is silent: the other side of the link stops answering.
     pub is_silent: bool,
 }
 
@@ -121,7 +122,7 @@ impl SoftDevice {
         }
     }
 
-    /// Where the program's RAM begins.
+    /// Returns the address at which the program's RAM begins.
     pub const fn ram_end(&self) -> u32 {
         RAM_END
     }
@@ -154,12 +155,12 @@ impl SoftDevice {
         self.interrupts = true;
     }
 
-    /// Whether the program is to be told of events, once.
+    /// Returns true, once, if the program is to be told of events.
     pub fn take_interrupt(&mut self) -> bool {
         std::mem::take(&mut self.interrupts)
     }
 
-    /// When something happens by itself next.
+    /// Returns the tick at which something happens by itself next, if something does.
     pub fn next(&self) -> Option<u64> {
         let flash = self.flash.next();
         let radio = if self.is_silent {
