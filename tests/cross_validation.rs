@@ -26,7 +26,7 @@ fn research(arguments: &[&str]) -> bool {
     Cli::try_parse_from(line).unwrap().run() == ExitCode::SUCCESS
 }
 
-/// Whether a cross-validation over two folds succeeds.
+/// Runs a cross-validation over two folds, and returns true if it succeeds.
 fn cross_validate([preset, data, out]: [&Path; 3], rest: &[&str]) -> bool {
     let [preset, data, out] = [preset, data, out].map(|path| path.to_str().unwrap());
     let line = [

@@ -32,8 +32,9 @@ use shared::myo::Address;
 use shared::myo::binding as record;
 use shared::units::Sample;
 
-/// With it the timeout of 200 ms is a second of real time, and the delay of 35 ms that may mean four lost
-/// notifications is 175 ms: a busy host does not look like an armband that is silent or lost data.
+/// Factor by which the guest's clock runs slower than real time. The timeout of 200 ms is then a second of real time,
+/// and the delay of 35 ms that may mean four lost notifications is 175 ms: a busy host does not look like an armband
+/// that is silent or lost data.
 const TIME_SCALE: u32 = 5;
 const PACE: f64 = 3.0;
 

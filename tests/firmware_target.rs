@@ -1,4 +1,4 @@
-//! Which targets the build script of the firmware accepts.
+//! Targets that the build script of the firmware accepts.
 
 use std::path::Path;
 use std::process::{Command, Output};

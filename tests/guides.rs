@@ -14,7 +14,7 @@ use myointent::cli::Cli;
 
 /// A block of commands.
 struct Block {
-    /// What it needs; none if it is run.
+    /// Requirement of the block; none if it is run.
     needs: Option<String>,
     /// Its commands without remarks.
     lines: Vec<String>,

@@ -1,4 +1,4 @@
-//! Where the tests find their reference numbers and recordings.
+//! Shared parts of the tests, and the search for their reference numbers and recordings.
 //!
 //! Reference numbers are in the repository, `tests/golden/data`; `$MYOINTENT_GOLDEN` names another
 //! folder of the same layout. Recordings are not: they are looked for in `$MYOINTENT_DATA`, or else

@@ -92,20 +92,20 @@ pub fn model() -> Vec<u8> {
     std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// What a board holds, and what is around it.
+/// Contents and surroundings of a board.
 #[derive(Clone, Debug)]
 pub struct Setting {
     /// The model's flash region from its start.
     pub model: Vec<u8>,
     /// The page of the bound armband from its start.
     pub page: Vec<u8>,
-    /// What the armband streams.
+    /// Samples that the armband streams.
     pub samples: Vec<Sample>,
-    /// How the armband behaves.
+    /// Behaviour of the armband.
     pub behaviour: Behaviour,
     /// Another armband: its address, and the strength of its signal.
     pub stranger: Option<(Address, i8)>,
-    /// Whether nothing was ever written to UICR.
+    /// True if UICR was never written.
     pub is_blank: bool,
 }
 
@@ -171,14 +171,14 @@ impl Board {
         Self { machine, pins }
     }
 
-    /// How many notifications the wearer's armband has sent.
+    /// Returns the number of notifications that the wearer's armband has sent.
     #[must_use]
     pub fn sent(&self) -> usize {
         let softdevice = self.machine.softdevice.as_ref();
         softdevice.map_or(0, |one| one.armbands[0].sent())
     }
 
-    /// What the UART has sent, as text.
+    /// Returns the text that the UART has sent.
     #[must_use]
     pub fn text(&self) -> String {
         let chip = self.machine.chip();

@@ -1,4 +1,4 @@
-//! What must hold in every run in the emulator, whatever happened in it.
+//! Conditions that must hold in every run in the emulator, whatever happened in it.
 
 use anyhow::bail;
 use xtask::{firmware::STACK_BUDGET, stack};
@@ -6,7 +6,7 @@ use xtask::{firmware::STACK_BUDGET, stack};
 use super::Run;
 
 impl Run {
-    /// What must hold in every run, whatever happened in it.
+    /// Checks the conditions that must hold in every run, whatever happened in it.
     ///
     /// # Errors
     /// As [`Output::check`](crate::output::Output::check), where the board may have restarted if a fault was injected; when

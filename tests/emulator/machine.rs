@@ -18,7 +18,7 @@ const MODEL_ADDRESS: u32 = 0x5_8000;
 const STRAPS_ADDRESS: u32 = 0x8_0000;
 const ERASED: u8 = 0xff;
 
-/// What UART0 and UART2 receive: named pipes in the folder of the run.
+/// Named pipes in the folder of the run, from which UART0 and UART2 receive.
 const COMMANDS: &str = "uart0.in";
 const BUTTON: &str = "uart2.in";
 /// The socket of the emulator's own protocol, QMP.
@@ -49,7 +49,7 @@ pub enum Fault {
     Recursion = 7,
     /// The timer of all deadlines interrupts no more.
     ClockStops = 8,
-    /// Nothing more is received from the Bluetooth controller.
+    /// The board receives nothing more from the Bluetooth controller.
     RadioStops = 9,
     /// The inference takes 300 ms for one packet, and goes on.
     InferencePauses = 10,
@@ -58,7 +58,7 @@ pub enum Fault {
 /// Configuration words of the emulated board. A reset keeps them.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Straps {
-    /// How many times slower than real time the guest's clock runs.
+    /// Factor by which the guest's clock runs slower than real time.
     pub time_scale: u32,
     /// The fault to inject.
     pub fault: Option<Fault>,

@@ -86,13 +86,13 @@ pub struct Bench {
 pub struct Scenario<'s> {
     /// The model's flash region from its start; the rest is erased.
     pub model: &'s [u8],
-    /// What the armband streams.
+    /// Samples that the armband streams.
     pub samples: &'s [Sample],
-    /// What the page of the bound armband holds from its start; a reset restores it. Without it the page is empty at first.
+    /// Page of the bound armband from its start; a reset restores it. Without it the page is empty at first.
     pub page: Option<Vec<u8>>,
-    /// How many times slower than real time the guest's clock runs.
+    /// Factor by which the guest's clock runs slower than real time.
     pub time_scale: u32,
-    /// How many times faster than 200 Hz of real time the armband streams.
+    /// Factor by which the armband streams faster than 200 Hz of real time.
     pub pace: f64,
     /// The fault that the board injects into itself.
     pub fault: Option<Fault>,
@@ -178,7 +178,7 @@ impl Board {
         Run::start_without_armband(self, Some(model), None)
     }
 
-    /// The same without a model: memory in the place of flash that a reset keeps.
+    /// Starts the machine with neither model nor Bluetooth controller: memory in the place of flash that a reset keeps.
     ///
     /// # Errors
     /// When it does not start.
@@ -186,7 +186,7 @@ impl Board {
         Run::start_without_armband(self, None, None)
     }
 
-    /// The same with this in the page of the bound armband.
+    /// Starts the machine without a Bluetooth controller, with a model and this page of the bound armband.
     ///
     /// # Errors
     /// When it does not start.

@@ -9,7 +9,7 @@ use super::MODEL_REGION;
 
 /// A damaged file.
 pub struct Damage {
-    /// What was done to it.
+    /// Description of the damage.
     pub name: &'static str,
     /// The model's region from its start; the rest is erased flash.
     pub bytes: Vec<u8>,

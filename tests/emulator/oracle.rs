@@ -9,7 +9,7 @@ use shared::stream::safe_state::Start;
 use shared::stream::smoother::Gate;
 use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample};
 
-/// What reaches the pipeline.
+/// Event that reaches the pipeline.
 #[derive(Clone, Copy, Debug)]
 pub enum Input<'s> {
     /// Samples, one after the other.
@@ -18,7 +18,7 @@ pub enum Input<'s> {
     Gap(u32),
     /// The connection has ended.
     Disconnected,
-    /// Nothing arrives for so long.
+    /// Silence of this many milliseconds, in which nothing arrives.
     Silence(Millis),
     /// The button is pressed, or a command begins an alignment that is told this of the arm.
     Align(Arm),
@@ -99,7 +99,7 @@ pub fn expected_lines(model: &[u8], inputs: &[Input<'_>]) -> anyhow::Result<Vec<
     Ok(lines)
 }
 
-/// What a call gave, then what is new about the alignment.
+/// Adds the reports of a call, then what is new about the alignment.
 fn add<E: Encode>(lines: &mut Vec<String>, pipeline: &mut Pipeline<'_, E>, reports: Reports) {
     lines.extend(reports.into_iter().map(|report| report.to_string()));
     let news = pipeline.take_alignment_report();

@@ -11,7 +11,7 @@ use std::time::Duration;
 use super::machine;
 use crate::output::LINES;
 
-/// Where it writes what it has read.
+/// Name of the file to which the reader writes what it has read.
 pub const COPY: &str = "uart0.copy";
 
 /// A thread between the machine and a file. It ends with the test program.

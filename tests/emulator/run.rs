@@ -18,7 +18,7 @@ use crate::output::{ARMBAND_LOG, LINES, Output};
 
 /// Longest wait. Far more than a healthy run needs, for a machine that is busy with other work.
 const TIMEOUT: Duration = Duration::from_secs(90);
-/// What the armband streams.
+/// Name of the file with the samples that the armband streams.
 const RECORDING: &str = "recording.i8";
 const POLL: Duration = Duration::from_millis(10);
 
@@ -29,9 +29,9 @@ pub struct Run {
     armband: Option<KillOnDrop>,
     pub(super) folder: TempDir,
     pub(super) image: PathBuf,
-    /// What it writes.
+    /// Files that armband and machine write.
     pub(super) output: Output,
-    /// Whether the board may restart: a fault is injected.
+    /// True if the board may restart: a fault is injected.
     pub(super) may_restart: bool,
 }
 
@@ -144,7 +144,7 @@ impl Run {
         self.folder.path().join(RECORDING)
     }
 
-    /// What UART0 writes, from its beginning; more comes while the machine runs.
+    /// Opens the output of UART0 at its beginning; more comes while the machine runs.
     ///
     /// # Errors
     /// When the file cannot be opened.
@@ -165,7 +165,7 @@ impl Run {
         Ok(self.answers().swap_remove(before))
     }
 
-    /// From here on [`Run::check`] accepts that the board restarts.
+    /// Lets [`Run::check`] accept from here on that the board restarts.
     pub fn expect_restart(&mut self) {
         self.may_restart = true;
     }

@@ -63,7 +63,7 @@ fn two_openings(open: [i32; CHANNELS]) -> Vec<Sample> {
         .collect()
 }
 
-/// What an armband placed like this sends.
+/// Returns the samples that an armband in this placement sends.
 fn worn(samples: &[Sample], placement: Alignment) -> Vec<Sample> {
     let inverse = placement.inverse();
     samples

@@ -1,4 +1,4 @@
-//! Which armband is followed: the bound one, and nobody's beside it.
+//! Choice of the armband: the bound one is followed, and nobody's beside it.
 
 use std::thread::sleep;
 use std::time::Duration;
@@ -13,7 +13,7 @@ use shared::units::Sample;
 use super::{ARMBAND, bound};
 
 const STRANGER: &str = "FA:00:00:00:00:01";
-/// What an unbound board says.
+/// Line that an unbound board writes.
 const NOBODY: &str = "# follows no armband: none is bound.";
 
 fn samples(count: i32) -> Vec<Sample> {

@@ -14,7 +14,7 @@ const TIME_SCALE: u32 = 3;
 const PACE: f64 = 3.0;
 /// End of the program's flash region.
 const FLASH_END: u32 = 0x5_7000;
-/// From a fault to safe pins, without any help of the program.
+/// Microseconds at most from a fault to safe pins, without any help of the program.
 const SAFE_WITHIN_US: u32 = 250_000;
 
 /// Streams a synthetic signal until the board has restarted and receives a stream again.
@@ -67,9 +67,9 @@ fn pins(run: &Run) -> Vec<Vec<Pins>> {
 
 /// A run in which the board has restarted.
 struct Restarted {
-    /// By start.
+    /// Pins of each start.
     pins: Vec<Vec<Pins>>,
-    /// By start.
+    /// Reports of each start.
     reports: Vec<Vec<Report>>,
     comments: Vec<String>,
     faults_us: Vec<u32>,

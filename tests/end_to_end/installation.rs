@@ -17,7 +17,7 @@ use shared::units::Sample;
 
 use super::{TIME_SCALE, bound, model};
 
-/// What the board says while an installation is not complete.
+/// Line that the board writes while an installation is not complete.
 const INCOMPLETE: &str = "# no model: an installation is not complete; `myointent board --port PATH install FILE` with the same \
      file goes on with it";
 /// Resets in the middle of an installation.
@@ -42,7 +42,7 @@ fn install(port: &Path) -> ExitCode {
     Cli::try_parse_from(line).expect("a command").run()
 }
 
-/// How often the board has answered that it took a block, or where it goes on.
+/// Counts the answers in which the board took a block, or said where the installation goes on.
 fn answered(run: &Run) -> usize {
     let answers = run.answers();
     answers

@@ -110,7 +110,7 @@ struct Soak {
     exact: usize,
 }
 
-/// What board and armband say at one time.
+/// Counters of the board and of the observer at one time.
 #[derive(Clone, Copy, Debug, Default)]
 struct Looked {
     counts: Counts,
@@ -231,7 +231,7 @@ impl Soak {
     }
 }
 
-/// What the board counts of what was done to it, however busy the host is.
+/// Checks the board's counts of an incident that hold however busy the host is.
 fn counted_always(incident: &Incident, before: Looked, last: Looked) -> anyhow::Result<()> {
     let (one, two) = (before.counts.session, last.counts.session);
     let expected = &incident.counted;
@@ -262,7 +262,7 @@ fn counted_always(incident: &Incident, before: Looked, last: Looked) -> anyhow::
     Ok(())
 }
 
-/// What it counts of it where the host did not disturb.
+/// Checks the board's counts of an incident that hold only where the host did not disturb.
 fn counted_exactly(incident: &Incident, before: Looked, last: Looked) -> anyhow::Result<()> {
     let (one, two) = (before.counts.session, last.counts.session);
     let expected = &incident.counted;

@@ -10,7 +10,7 @@ use shared::uart_line::Report;
 const TIME_SCALE: u32 = 3;
 const PACE: f64 = 1.0 / 3.0;
 
-/// How often `valid` fell. That it fell in time is checked in every run.
+/// Counts how often `valid` fell. That it fell in time is checked in every run.
 fn falls(run: &Run) -> usize {
     let pins = run.pins();
     let fell = |pair: &&[Pins]| pair[0].valid && !pair[1].valid;

@@ -1,4 +1,4 @@
-//! What keeps the pins safe when the program does not run as it should: without an instruction of its own.
+//! Safety of the pins when the program does not run as it should: without an instruction of its own.
 
 use nrf52::Incident;
 use nrf52::chip::Reset;

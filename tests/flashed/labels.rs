@@ -10,7 +10,7 @@ use myointent_tests::chip::{self, Board, Setting};
 /// give them to until the program listens, and drops them.
 const MOST_UNHEARD: usize = 1;
 
-/// How many notifications the board says that it has heard.
+/// Reads the number of notifications that the board says it has heard.
 fn heard(text: &str) -> anyhow::Result<usize> {
     let said = text.split_once("notifications ").map(|(_, rest)| rest);
     let number = said.and_then(|said| said.split_once(','));

@@ -1,4 +1,4 @@
-//! From reset to the first lines.
+//! Start of the program, from reset to the first lines.
 
 use nrf52::Incident;
 use nrf52::chip::{APPROTECT, Reset};

@@ -1,4 +1,4 @@
-//! Where the armband sits: electrode frames, and alignment by openings of the hand.
+//! Placement of the armband: electrode frames, and alignment by openings of the hand.
 
 use std::collections::BTreeMap;
 

@@ -47,7 +47,7 @@ const WEIGHT: f64 = 1e-3;
 /// A model's parameters by their path.
 type Parameters = BTreeMap<String, Vec<f32>>;
 
-/// What a training did.
+/// Results of a training.
 struct Trained {
     before: Parameters,
     after: Parameters,

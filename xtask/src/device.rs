@@ -83,21 +83,21 @@ fn executable(messages: &str) -> Option<PathBuf> {
     messages.lines().filter_map(executable).next_back()
 }
 
-/// How the emulated time passes.
+/// Pace of the emulated time.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Clock {
-    /// As fast as the emulator goes.
+    /// Time that passes as fast as the emulator goes.
     Free,
     /// 64 ns an instruction, on every machine: the timers count instructions.
     Instructions,
 }
 
-/// How a program ended.
+/// Result of a program's run.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Outcome {
-    /// Whether it exited with 0.
+    /// True if the program exited with 0.
     pub success: bool,
-    /// What it and the emulator printed.
+    /// Text that the program and the emulator printed.
     pub output: String,
 }
 

@@ -1,4 +1,4 @@
-//! What a board takes from its battery, by instruction counts and the data sheet's currents: an estimate on paper.
+//! Estimate on paper of what a board takes from its battery, by instruction counts and the data sheet's currents.
 
 use std::fmt;
 
@@ -24,7 +24,7 @@ const CLOCK_MHZ: f64 = 64.0;
 const PATCH_US: f64 = 50_000.0;
 /// Two for each of the words of weights and constants of a patch, if the flash needs them: assumed (docs/budgets.md).
 const WAIT_STATES: f64 = 42_700.0;
-/// Of the battery that is asked about.
+/// Capacity of the battery whose hours are estimated, in mAh.
 const BATTERY_MAH: f64 = 150.0;
 /// Milliseconds between two connection events.
 const INTERVALS_MS: [f64; 2] = [7.5, 15.0];

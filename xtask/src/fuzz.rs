@@ -30,7 +30,7 @@ const TIMEOUT: &str = "-timeout=10";
 /// KiB of address space: an allocation by a number in the input fails instead of being left unused.
 const MEMORY_KIB: u32 = 2 << 20;
 
-/// What to fuzz, and for how long.
+/// Options of the fuzzing: its targets, and its limits.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Seconds of each target at most; 10 without `--runs`.
@@ -119,12 +119,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// What a worker that has panicked left is whole: nothing is held over more than a line.
+/// Locks, even after a worker has panicked: what it left is whole, as nothing is held over more than a line.
 fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
     shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What became of a target.
+/// Result of fuzzing a target.
 struct Outcome {
     figures: Figures,
     seconds: f64,
@@ -201,7 +201,7 @@ fn fuzz(program: &Path, target: &Target, arguments: &Arguments) -> Result<Outcom
     })
 }
 
-/// What a log says of a failure.
+/// Describes a failure by its log.
 fn reason(log: &str, file: &Path) -> String {
     let lines: Vec<&str> = log.lines().collect();
     let panic = lines.iter().position(|line| line.contains("panicked at"));

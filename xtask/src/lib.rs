@@ -34,12 +34,12 @@ fn workspace() -> PathBuf {
     here.parent().unwrap_or(here).to_owned()
 }
 
-/// Where build products go.
+/// Returns the folder of the build products.
 fn target() -> PathBuf {
     env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace().join("target"), PathBuf::from)
 }
 
-/// Where those for the board go: a folder of its own, so that two versions of cargo do not rebuild each
+/// Returns the folder of the board's build products: one of its own, so that two versions of cargo do not rebuild each
 /// other's products.
 fn cross_target() -> PathBuf {
     target().join("cross")

@@ -15,7 +15,7 @@ fn prose(page: &Path) -> String {
     text.split("```").step_by(2).collect()
 }
 
-/// What follows `](` up to `)`.
+/// Finds the links of a page: the text between `](` and `)`.
 fn links(text: &str) -> impl Iterator<Item = &str> {
     let after = text.split("](").skip(1);
     after.filter_map(|rest| rest.split_once(')').map(|(link, _)| link))
@@ -38,7 +38,7 @@ fn anchor(heading: &str) -> String {
         .collect()
 }
 
-/// What is wrong with a link of a page, if anything is.
+/// Describes what is wrong with a link of a page, if anything is.
 fn fault(page: &Path, text: &str, link: &str) -> Option<String> {
     if link.contains("://") {
         return None;

@@ -11,7 +11,7 @@ use std::fmt;
 use anyhow::{Context as _, Result, ensure};
 use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SectionKind, SymbolKind};
 
-/// What the core pushes before a handler runs: eight words, those of the FPU, and a word for alignment.
+/// Bytes that the core pushes before a handler runs: eight words, those of the FPU, and a word for alignment.
 const EXCEPTION_FRAME: u64 = 4 * (8 + 18 + 1);
 
 /// A function by what it takes and whom it calls.
@@ -200,7 +200,7 @@ fn of_code(at: u64, code: &[u8], is_code: impl Fn(u64) -> bool) -> Function {
     function
 }
 
-/// What an instruction of 16 bits takes from the stack.
+/// Returns the bytes that an instruction of 16 bits takes from the stack.
 const fn taken_by(first: u32) -> u64 {
     match first & 0xff80 {
         // PUSH
@@ -211,7 +211,7 @@ const fn taken_by(first: u32) -> u64 {
     }
 }
 
-/// What an instruction of 32 bits takes from the stack.
+/// Returns the bytes that an instruction of 32 bits takes from the stack.
 const fn taken_by_wide(first: u32, second: u32) -> u64 {
     let constant = (first >> 10 & 1) << 11 | (second >> 12 & 7) << 8 | second & 0xff;
     let bytes = match first {
@@ -244,7 +244,7 @@ const fn expanded(constant: u32) -> u32 {
     }
 }
 
-/// Where a branch of 16 bits goes.
+/// Returns the offset in bytes of a branch of 16 bits; none for another instruction.
 fn branch_of(first: u32) -> Option<i64> {
     match first >> 12 {
         0b1101 if first >> 8 & 0xf < 0xe => Some(signed(first & 0xff, 8) * 2),
@@ -253,7 +253,7 @@ fn branch_of(first: u32) -> Option<i64> {
     }
 }
 
-/// Where a branch of 32 bits goes: `BL`, `B.W`, `B<c>.W`.
+/// Returns the offset in bytes of a branch of 32 bits: `BL`, `B.W`, `B<c>.W`; none for another instruction.
 fn branch_of_wide(first: u32, second: u32) -> Option<i64> {
     if first >> 11 != 0b11110 || second & 0x8000 == 0 {
         return None;

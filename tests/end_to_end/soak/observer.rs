@@ -1,4 +1,4 @@
-//! What the armband and the board say of a run while it goes on.
+//! Observation of the armband and the board while a run goes on.
 
 use std::collections::BTreeMap;
 
@@ -18,15 +18,15 @@ pub struct Observer {
     lines: Tail,
     pins: Tail,
     time_scale: f64,
-    /// How often each event is in the armband's log.
+    /// Number of times that each event is in the armband's log.
     events: BTreeMap<String, u32>,
     /// The newest notification, and when it was sent.
     sent: Option<(usize, f64)>,
     /// EMG notifications that the board has to receive, each time they come.
     on_air: u32,
-    /// How the next notification is impaired.
+    /// Number of times that the next notification counts as received, if the script impairs it.
     impaired: Option<i64>,
-    /// Whether the next notification is late because of the script, or first in its stream.
+    /// True if the next notification is late because of the script, or first in its stream.
     excused: bool,
     /// Notifications that a busy host held back.
     late: u32,
@@ -56,7 +56,7 @@ pub struct Seen {
 }
 
 impl Observer {
-    /// Of a run whose board's clock is so many times slower than real time.
+    /// Creates an observer of a run whose board's clock is `time_scale` times slower than real time.
     pub fn new(output: &Output, time_scale: u32) -> Self {
         Self {
             armband: output.follow_armband(),
@@ -126,12 +126,12 @@ impl Observer {
         self.sent.map_or(0, |(n, _)| n + 1)
     }
 
-    /// Whether the recording is over.
+    /// Returns true if the recording is over.
     pub fn has_ended(&self) -> bool {
         self.events.contains_key("end")
     }
 
-    /// What was seen so far.
+    /// Returns the counts of what was seen so far.
     pub fn seen(&self) -> Seen {
         let count = |event: &str| self.events.get(event).copied().unwrap_or(0);
         Seen {

@@ -1,4 +1,4 @@
-//! What the armband does wrong in a run, drawn from a seed, and what the board's counters have to make of it.
+//! Faults of the armband in a run, drawn from a seed, and what the board's counters have to make of them.
 
 use std::ops::RangeInclusive;
 
@@ -43,11 +43,11 @@ pub struct Incident {
     pub kinds: [&'static str; 2],
     /// The notification from which on everything is as it should be.
     pub end: usize,
-    /// What the board counts from the one before on.
+    /// Counts that the board adds from the incident before on.
     pub counted: Counted,
 }
 
-/// What faults do to the counters.
+/// Effects of faults on the counters.
 pub struct Counted {
     /// Notifications that come twice.
     pub duplicates: u32,
@@ -93,7 +93,7 @@ impl Incident {
 pub struct Plan {
     /// The armband's script.
     pub script: Vec<Value>,
-    /// In order.
+    /// Incidents in the order of time.
     pub incidents: Vec<Incident>,
     random: ChaCha8Rng,
     /// Real milliseconds for one of the board's.
@@ -103,7 +103,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Of a seed, for a run of so many notifications.
+    /// Draws the plan of a run of so many notifications from a seed.
     pub fn new(seed: u64, notifications: usize, time_scale: u32) -> Self {
         let mut plan = Self {
             script: Vec::new(),

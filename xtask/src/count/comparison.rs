@@ -14,9 +14,9 @@ pub fn change(now: u64, before: u64) -> f64 {
 
 /// A table, beside the committed one if there is one to compare with.
 pub struct Comparison<'a> {
-    /// What was counted.
+    /// Table of the new counts.
     pub table: &'a Table,
-    /// What it is compared with.
+    /// Committed table that the new one is compared with; none if there is none to compare with.
     pub committed: Option<&'a Table>,
 }
 

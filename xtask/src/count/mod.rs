@@ -23,8 +23,8 @@ use table::milliseconds;
 
 /// Emulating some hundred patches takes seconds.
 const TIMEOUT: Duration = Duration::from_secs(120);
-/// What keeps the radio's tasks waiting, and for how many milliseconds at most. While the encoder takes the window again
-/// for an alignment or after one, a sample must be done before the next one comes.
+/// Computations that keep the radio's tasks waiting: description, name of the count, and most milliseconds. While the
+/// encoder takes the window again for an alignment or after one, a sample must be done before the next one comes.
 const WAITS: [(&str, &str, f64); 3] = [
     ("the end of an alignment", "align-end", 10.0),
     ("a sample after an alignment", "align-again", 5.0),
@@ -42,7 +42,7 @@ const COMMITTED: &str = concat!(
     "/../tests/device/instructions.txt"
 );
 
-/// What to count with.
+/// Options of the count.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// A recording to run over, as an npy file of bytes, shape (n, 8). Otherwise a synthetic signal.

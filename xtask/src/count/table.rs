@@ -14,12 +14,12 @@ pub const PARTS: [(&str, f64); 8] = [
     ("smoother", 1.4),
     ("rest", 1.4),
 ];
-/// What is counted besides: the whole pipeline, and the encoder without a probe between its parts.
+/// Names of further counts: the whole pipeline, and the encoder without a probe between its parts.
 pub const MORE: [&str; 2] = ["total", "encoder"];
 
-/// What is counted of an alignment: a patch while gestures are waited for; the sample that ends it; each sample with which
-/// the encoder takes the window again; the fit alone; the change of the window alone; each sample while the model decides on
-/// the arm. Older counts lack them.
+/// Names of an alignment's counts: a patch while gestures are waited for; the sample that ends it; each sample with
+/// which the encoder takes the window again; the fit alone; the change of the window alone; each sample while the model
+/// decides on the arm. Older counts lack them.
 pub const ALIGNMENT: [&str; 6] = [
     "align-patch",
     "align-end",
@@ -95,7 +95,7 @@ impl Table {
         Ok(table)
     }
 
-    /// As the image prints it.
+    /// Formats the table as the image prints it.
     pub fn text(&self) -> String {
         let part = |part: &Part| format!("{} {} {}\n", part.name, part.mean, part.largest);
         let parts: String = self.parts.iter().map(part).collect();
@@ -119,7 +119,7 @@ impl Table {
 pub mod tests {
     use super::*;
 
-    /// What an image prints that counts the same for every part.
+    /// Returns the output of an image that counts the same for every part but `without`, which it leaves out.
     pub fn output(without: &str, mean: u64) -> String {
         let names = PARTS.map(|(name, _)| name);
         let names = names.iter().chain(&MORE);

@@ -1,4 +1,4 @@
-//! What images take of flash, RAM and stack, beside their budgets (docs/budgets.md).
+//! Flash, RAM and stack of the images, beside their budgets (docs/budgets.md).
 
 use std::fmt;
 
@@ -17,12 +17,12 @@ pub const STACK_BUDGET: u64 = 12 * 1024;
 /// Least bytes of RAM that nothing uses, below the deepest chain of calls.
 const SPARE: u64 = 6 * 1024;
 
-/// What an image takes.
+/// Sizes of an image.
 #[derive(Clone, Copy)]
 pub struct Row {
-    /// Which one.
+    /// The image.
     pub image: Image,
-    /// Of flash and RAM.
+    /// Bytes of flash and RAM.
     pub size: Size,
     /// Bytes of its deepest chain of calls.
     pub chain: u64,

@@ -57,7 +57,7 @@ impl Image {
         }
     }
 
-    /// Whether it is built with link-time optimisation. Images under a SoftDevice cannot be (see
+    /// Returns true if the image is built with link-time optimisation. Images under a SoftDevice cannot be (see
     /// firmware/build.rs); the others contain a Bluetooth host and need it to fit.
     pub(super) const fn has_lto(self) -> bool {
         matches!(self, Self::Nrf52840Sdc | Self::Emulator)

@@ -15,7 +15,7 @@ pub use image::Image;
 use crate::{size, stack, stack_chain, toolchain};
 use budget::{Row, Table};
 
-/// How to build.
+/// Options of the build.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Installs a missing cross compiler or libclang, as root, with apt-get.
@@ -29,7 +29,7 @@ pub struct Arguments {
     image: Option<String>,
 }
 
-/// How to lint.
+/// Options of the lint.
 #[derive(clap::Args)]
 pub struct LintArguments {
     /// Installs a missing compiler, linter or libclang, as root, with apt-get.

@@ -18,7 +18,7 @@ pub(super) fn seeds(target: &str) -> PathBuf {
     sources().join("corpus").join(target)
 }
 
-/// Where runs add what reaches something new.
+/// Creates the folder to which runs add inputs that reach something new.
 pub(super) fn learned(target: &str) -> Result<PathBuf> {
     let learned = folder().join("corpus").join(target);
     fs::create_dir_all(&learned)?;

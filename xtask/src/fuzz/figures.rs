@@ -1,4 +1,4 @@
-//! What libFuzzer's log says.
+//! Numbers in libFuzzer's log.
 
 /// Numbers of libFuzzer's log.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -9,7 +9,7 @@ pub(super) struct Figures {
 }
 
 impl Figures {
-    /// Of the last line `#N KIND cov: N ft: N corp: N/...` with each; the final count counts all.
+    /// Reads each from the last line `#N KIND cov: N ft: N corp: N/...` that has it; the final count counts all.
     pub fn of(log: &str) -> Self {
         let mut figures = Self::default();
         for line in log.lines() {

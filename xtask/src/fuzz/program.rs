@@ -8,17 +8,17 @@ use std::{
 
 use anyhow::{Context as _, Result, ensure};
 
-/// What counts branches; the flags of `cargo fuzz`.
+/// Compiler flags that count branches; those of `cargo fuzz`.
 const BRANCHES: [&str; 4] = [
     "-Cpasses=sancov-module",
     "-Cllvm-args=-sanitizer-coverage-level=4",
     "-Cllvm-args=-sanitizer-coverage-inline-8bit-counters",
     "-Cllvm-args=-sanitizer-coverage-pc-table",
 ];
-/// What shows libFuzzer the operands of comparisons.
+/// Compiler flag that shows libFuzzer the operands of comparisons.
 const COMPARISONS: &str = "-Cllvm-args=-sanitizer-coverage-trace-compares";
 
-/// Where the targets are.
+/// Returns the folder of the targets.
 pub(super) fn sources() -> PathBuf {
     crate::workspace().join("tests/fuzz")
 }
@@ -72,7 +72,7 @@ fn host() -> Result<String> {
     Ok(host.context("rustc names no host")?.to_owned())
 }
 
-/// What the program has to offer.
+/// Target that the program offers.
 #[derive(PartialEq, Eq, Debug)]
 pub(super) struct Target {
     pub name: String,
@@ -81,7 +81,7 @@ pub(super) struct Target {
 }
 
 impl Target {
-    /// Of a line of the program: both, with a space between.
+    /// Parses a line of the program: name and longest input, with a space between.
     fn of(line: &str) -> Result<Self> {
         let named = line.split_once(' ');
         let (name, longest) = named.with_context(|| format!("{line:?} is no target"))?;

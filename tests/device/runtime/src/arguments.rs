@@ -5,7 +5,7 @@ use alloc::{string::String, vec::Vec};
 /// Words of the command line after the program's name.
 pub type Arguments = Vec<String>;
 
-/// What `-semihosting-config arg=...` passed.
+/// Returns the words that `-semihosting-config arg=...` passed after the program's name.
 ///
 /// # Panics
 /// On a command line above 1 KiB, or not of UTF-8.

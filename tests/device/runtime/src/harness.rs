@@ -40,7 +40,7 @@ pub struct TestDescAndFn {
 pub struct TestDesc {
     /// Path without the crate.
     pub name: StaticTestName,
-    /// Whether it is marked `#[ignore]`.
+    /// True if the test is marked `#[ignore]`.
     pub ignore: bool,
     /// Why it is ignored.
     pub ignore_message: Option<&'static str>,
@@ -58,7 +58,7 @@ pub struct TestDesc {
     pub compile_fail: bool,
     /// Set for documentation tests only.
     pub no_run: bool,
-    /// Whether it is expected to panic.
+    /// Expectation of a panic.
     pub should_panic: ShouldPanic,
     /// Unit test or integration test.
     pub test_type: TestType,
@@ -72,7 +72,7 @@ pub struct StaticTestName(pub &'static str);
 #[derive(Clone, Copy, Debug)]
 pub struct StaticTestFn(pub fn() -> Result<(), &'static str>);
 
-/// Whether a test is expected to panic.
+/// Expectation of a panic in a test.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ShouldPanic {
     /// It passes if it returns.
@@ -86,17 +86,17 @@ pub enum ShouldPanic {
 /// The kind of a test.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum TestType {
-    /// In `src`.
+    /// Unit test in `src`.
     UnitTest,
-    /// In `tests`.
+    /// Integration test in `tests`.
     IntegrationTest,
     /// Elsewhere.
     Unknown,
 }
 
-/// What a test may return.
+/// Value that a test may return.
 pub trait Outcome {
-    /// Whether it passed.
+    /// Returns true if the test passed.
     fn passed(self) -> bool;
 }
 

@@ -1,4 +1,4 @@
-//! From reset to a program's own `main`, and from its end to the emulator's exit code.
+//! Start of a program from reset to its own `main`, and its end with the emulator's exit code.
 
 use core::panic::PanicInfo;
 
@@ -10,7 +10,7 @@ use semihosting::{println, process};
 
 use crate::harness;
 
-/// Of 16 MiB of RAM. No more: the start-up code clears it in every run, which takes time.
+/// Bytes of heap, of 16 MiB of RAM. No more: the start-up code clears it in every run, which takes time.
 const HEAP_BYTES: usize = 4 << 20;
 /// Exit code of a panic, the same as with `std`.
 const PANICKED: i32 = 101;

@@ -14,11 +14,11 @@ use crate::spans::{Clock, Spans};
 
 /// Amplitude of a gesture round the arm, in counts; a ratio of about 1.37 from one electrode to the next.
 const GESTURE: [i32; CHANNELS] = [118, 86, 62, 44, 32, 24, 16, 12];
-/// That of one which does not tell the arm.
+/// Amplitude of a gesture that does not tell the arm, in counts.
 const SYMMETRICAL: [i32; CHANNELS] = [118, 68, 40, 23, 17, 23, 40, 68];
 /// Amplitude of rest.
 const REST: i32 = 4;
-/// What the wearer does, in samples: rest until the window is full, then two gestures of a second.
+/// Samples of the wearer's two gestures, of a second each, after rest until the window is full.
 const GESTURES: [core::ops::Range<usize>; 2] = [1000..1200, 1400..1600];
 /// The sample before which the alignment begins; with it a patch begins, as the median lags one sample.
 const BEGINS: usize = 801;
@@ -46,7 +46,7 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// With their names.
+    /// Returns the counts with their names.
     pub fn named(&self) -> [(&'static str, Spans); 6] {
         [
             ("align-patch", self.waiting),

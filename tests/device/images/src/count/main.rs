@@ -81,7 +81,7 @@ mod image {
     device::entry!(main);
 }
 
-/// On a PC there is nothing to emulate.
+/// Points to `cargo xtask count`: on a PC there is nothing to emulate.
 #[cfg(not(target_os = "none"))]
 fn main() {
     eprintln!("this program runs on the emulated core: `cargo xtask count`");
