@@ -166,3 +166,31 @@ fn demo() -> Recording {
     };
     synthetic::generate(&options).remove(0)
 }
+
+#[cfg(test)]
+mod tests {
+    use evaluation::{EvaluatedRecording, LookAhead, gestures, integer_candidate};
+    use recordings::labels::compensation::Compensation;
+    use shared::intent::Vocabulary;
+    use shared::model::file::Model;
+
+    use super::*;
+
+    #[test]
+    fn the_shipped_model_recognises_every_gesture_of_the_demo() {
+        let (recording, vocabulary) = (demo(), Vocabulary::Three);
+        let compensation = Compensation::EachCue;
+        let recordings = [EvaluatedRecording::new(
+            &recording,
+            |_| {},
+            vocabulary,
+            compensation,
+        )];
+        let file = SHIPPED.to_vec();
+        let model = Model::parse(&file).unwrap();
+        let candidate = integer_candidate("shipped", &model, &recordings).unwrap();
+        let made = gestures(&candidate, &recordings, vocabulary, LookAhead::AllRows).unwrap();
+        let missed = made.iter().filter(|gesture| gesture.latency.is_none());
+        assert_eq!((missed.count(), made.len() > 8), (0, true), "{made:?}");
+    }
+}
