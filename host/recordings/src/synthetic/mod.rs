@@ -59,7 +59,18 @@ impl Default for SynthOptions {
 /// Generates the recordings in memory, ordered by person.
 #[must_use]
 pub fn generate(options: &SynthOptions) -> Vec<Recording> {
-    let mut recordings: Vec<_> = simulate(options).map(|(recording, _)| recording).collect();
+    timed(simulate(options))
+}
+
+/// Generates the recordings of one person in memory, as [`generate`] does; `number` is 1 for `s1`.
+#[must_use]
+pub fn generate_person(options: &SynthOptions, number: usize) -> Vec<Recording> {
+    timed(simulate_person(*options, number))
+}
+
+/// Recordings with the timing of their labels.
+fn timed(simulated: impl Iterator<Item = (Recording, Vec<Intent>)>) -> Vec<Recording> {
+    let mut recordings: Vec<_> = simulated.map(|(recording, _)| recording).collect();
     timing::find(&mut recordings);
     recordings
 }
@@ -89,30 +100,36 @@ pub fn write(options: &SynthOptions, folder: &Path) -> Result<Vec<PathBuf>, RunE
 /// The recordings, and the intent that the muscle follows at each of their samples.
 fn simulate(options: &SynthOptions) -> impl Iterator<Item = (Recording, Vec<Intent>)> {
     let options = *options;
+    (1..=options.subjects).flat_map(move |number| simulate_person(options, number))
+}
+
+/// Simulates one person, as [`simulate`] does.
+fn simulate_person(
+    options: SynthOptions,
+    number: usize,
+) -> impl Iterator<Item = (Recording, Vec<Intent>)> {
     let samples = options.seconds * SAMPLE_RATE_HZ as usize;
-    (1..=options.subjects).flat_map(move |number| {
-        let person = format!("s{number}");
-        let wearer = Wearer::new(&mut generator(options.seed, &person), options.label_lag_ms);
-        (1..=options.recordings).map(move |index| {
-            let name = format!("{person}_synthetic_{index}");
-            let mut random = generator(options.seed, &name);
-            let cues = cues(options.vocabulary, samples, &mut random);
-            let (samples, muscle) = wearer.perform(&cues, &mut random);
-            let recording = Recording {
-                data_set: DataSet::Synthetic,
-                subject: format!("{}/{person}", DataSet::Synthetic.name()),
-                path: PathBuf::new(),
-                labels: cues.into_iter().map(Some).collect(),
-                samples,
-                notes: Vec::new(),
-                other_movement: Vec::new(),
-                name,
-                timing: Timing::Cues,
-                findings: Vec::new(),
-                wearer: Normalizer::new(),
-            };
-            (recording, muscle)
-        })
+    let person = format!("s{number}");
+    let wearer = Wearer::new(&mut generator(options.seed, &person), options.label_lag_ms);
+    (1..=options.recordings).map(move |index| {
+        let name = format!("{person}_synthetic_{index}");
+        let mut random = generator(options.seed, &name);
+        let cues = cues(options.vocabulary, samples, &mut random);
+        let (samples, muscle) = wearer.perform(&cues, &mut random);
+        let recording = Recording {
+            data_set: DataSet::Synthetic,
+            subject: format!("{}/{person}", DataSet::Synthetic.name()),
+            path: PathBuf::new(),
+            labels: cues.into_iter().map(Some).collect(),
+            samples,
+            notes: Vec::new(),
+            other_movement: Vec::new(),
+            name,
+            timing: Timing::Cues,
+            findings: Vec::new(),
+            wearer: Normalizer::new(),
+        };
+        (recording, muscle)
     })
 }
 
@@ -188,6 +205,7 @@ mod tests {
             ..SMALL
         });
         assert_eq!(some[..], more[..some.len()]);
+        assert_eq!(some[2..4], generate_person(&SMALL, 2));
         assert_ne!(some, generate(&SynthOptions { seed: 8, ..SMALL }));
         assert_ne!(some[0].samples, some[1].samples);
     }

@@ -163,11 +163,10 @@ const DEMO_PERSON: usize = 7;
 /// Generates a minute of a simulated forearm.
 fn demo() -> Recording {
     let options = SynthOptions {
-        subjects: DEMO_PERSON,
         recordings: 1,
         ..SynthOptions::default()
     };
-    synthetic::generate(&options).remove(DEMO_PERSON - 1)
+    synthetic::generate_person(&options, DEMO_PERSON).remove(0)
 }
 
 #[cfg(test)]
