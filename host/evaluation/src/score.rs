@@ -59,6 +59,16 @@ impl Score {
         &self.reference[BUFFERS.len() - 1]
     }
 
+    /// Share of gestures recognised within so many milliseconds after their onset, of each person who makes gestures, in
+    /// alphabetical order.
+    #[must_use]
+    pub fn recognised_within(&self, ms: u32) -> Vec<(&str, f64)> {
+        let people = self.events.subjects.iter();
+        people
+            .filter_map(|own| Some((own.subject.as_str(), own.recognised_within(ms)?)))
+            .collect()
+    }
+
     /// Name of the row's people in tables.
     #[must_use]
     pub(crate) fn people_name(&self) -> String {

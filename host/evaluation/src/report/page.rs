@@ -8,15 +8,13 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use super::cell::{none, quantile, rate};
 use super::device;
 use super::entry::{Entry, over_all};
-use super::pictures::charts::Panel;
 use super::pictures::{
     INK, MUTED, STYLE, charts, confusion, entry_colour, overview, people, timeline,
 };
 use super::scores::estimated;
 use super::table::Table;
-use super::{Fact, MOST_ENTRIES, recognition};
-use crate::{ENERGY, EvaluationError, Measure, Score, confusion, gestures};
-use recordings::statistics::MeanSd;
+use super::{Fact, recognition};
+use crate::{EvaluationError, Measure, Score, confusion, gestures};
 
 /// Style of the page; that of the pictures comes from `pictures`.
 const PAGE_STYLE: &str = include_str!("page.css");
@@ -156,7 +154,7 @@ fn errors(entries: &[Entry<'_>]) -> Result<Markup, EvaluationError> {
                  median over all gestures, missed ones included."
             }
         }
-        @if let Some(panel) = recognition_by_time(entries) { figure { (charts::curves(&panel)) } }
+        @if let Some(panel) = recognition::of_entries(entries) { figure { (charts::curves(&panel)) } }
         @for entry in entries {
             @let (candidate, recordings) = (entry.candidate, entry.recordings);
             @let matrix = confusion(candidate, recordings, entry.vocabulary, entry.look_ahead)?;
@@ -169,29 +167,6 @@ fn errors(entries: &[Entry<'_>]) -> Result<Markup, EvaluationError> {
             }
         }
     })
-}
-
-/// Share of gestures recognised by the time since their onset, of each entry and of the energy detector: the mean over people
-/// who have all classes, if there are any.
-fn recognition_by_time<'a>(entries: &'a [Entry<'_>]) -> Option<Panel> {
-    let people = over_all(&entries.first()?.scores).next()?.people;
-    let entry = |entry: &'a Entry<'_>| {
-        let own = over_all(&entry.scores).find(|score| score.people == people)?;
-        Some((entry.name.as_str(), own))
-    };
-    let energy = entries.first()?.energy();
-    let energy = energy
-        .filter(|floor| floor.people == people)
-        .map(|floor| (ENERGY, floor));
-    let curve = |(name, score): (&str, &Score)| {
-        recognition::curve(name, |ms| {
-            let people = score.events.subjects.iter();
-            let shares: Vec<f64> = people.filter_map(|own| own.recognised_within(ms)).collect();
-            Some(MeanSd::of(&shares)?.mean)
-        })
-    };
-    let shown = entries.iter().take(MOST_ENTRIES - 1).filter_map(entry);
-    recognition::panel(shown.chain(energy.take(1)).filter_map(curve).collect())
 }
 
 /// Recordings with true and emitted labels.

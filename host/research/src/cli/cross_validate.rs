@@ -35,7 +35,8 @@ use crate::cross_validation::{Contender, CrossValidation, Gate, Job, Kind, Origi
     recipe and settings for two cores; without a table they are the reference's). The tables end with the constant relax and the\n\
     energy detector.\n\n\
     Jobs are independent. An interrupted job continues where it stopped; a finished one is not repeated. Tables are printed\n\
-    for the folds that all have, and written to the folder when these are all folds.\n\n\
+    for the folds that all have, and written to the folder when these are all folds; beside them recognition.svg, the share of\n\
+    gestures recognised by the time since their onset.\n\n\
     --paper trains what the paper's tables show, once: the student of one preset; its teacher, with a window of 600, 300 and\n\
     100 samples, and on roshambo without, before and after training on it; the five baselines; the floors. A job of\n\
     teacher-fine-tuned or teacher-lora needs that of teacher-pre-trained of its fold. The tables (main result, offsets,\n\

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use evaluation::metric::event::latency::{self, LatencySummary};
-use evaluation::metric::event::summary::{Raised, SubjectEvents};
+use evaluation::metric::event::summary::Raised;
 use evaluation::{Group, LookAhead, Measure, Score};
 use recordings::statistics::MeanSd;
 
@@ -53,15 +53,23 @@ impl<'a> Merged<'a> {
 
     /// Name in tables.
     pub(crate) fn name(&self) -> String {
-        let gate = self.gate.map(|gate| format!(", margin {gate}"));
-        let gate = gate.unwrap_or_default();
-        format!("{} ({}{gate})", self.model, self.look_ahead.name())
+        format!(
+            "{} ({}{})",
+            self.model,
+            self.look_ahead.name(),
+            self.margin()
+        )
     }
 
     /// Name in pictures: without the look-ahead.
     pub(crate) fn short_name(&self) -> String {
-        let gate = self.gate.map(|gate| format!(", margin {gate}"));
-        format!("{}{}", self.model, gate.unwrap_or_default())
+        format!("{}{}", self.model, self.margin())
+    }
+
+    /// End of a name: the confidence gate, unless it is the contender's own.
+    fn margin(&self) -> String {
+        self.gate
+            .map_or_else(String::new, |gate| format!(", margin {gate}"))
     }
 
     /// Number of classes of the contender.
@@ -104,12 +112,7 @@ impl<'a> Merged<'a> {
     /// Share of gestures recognised within so many milliseconds after their onset: the mean over a section's people; none
     /// if nobody makes gestures.
     pub(crate) fn recognised_within(&self, ms: u32, section: Section<'_>) -> Option<f64> {
-        let shares = self.means(section, |score| {
-            let people = score.events.subjects.iter();
-            let share =
-                |own: &'a SubjectEvents| Some((&own.subject[..], own.recognised_within(ms)?));
-            people.filter_map(share).collect()
-        });
+        let shares = self.means(section, |score| score.recognised_within(ms));
         let shares: Vec<f64> = shares.into_iter().map(|(_, share)| share).collect();
         Some(MeanSd::of(&shares)?.mean)
     }

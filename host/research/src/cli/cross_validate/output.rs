@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use evaluation::report::{Table, recognition};
-use evaluation::{CONSTANT, Group, LookAhead};
+use evaluation::{CONSTANT, ENERGY, Group, LookAhead};
 use execution::run_folder::write_whole;
 
 use crate::cross_validation::{
@@ -70,16 +70,19 @@ impl Tables {
     }
 }
 
-/// Picture of the gestures recognised by the time since their onset, of people who have all classes: of the labels that use
-/// all rows of the look-ahead or none.
+/// Picture of the gestures recognised by the time since their onset, of people who have all classes: by the energy detector,
+/// and by labels that use all rows of the look-ahead or none.
 fn picture(merged: &[Merged<'_>]) -> Option<String> {
-    let drawn =
-        |own: &&Merged<'_>| own.look_ahead != LookAhead::SameInstant && own.model != CONSTANT;
     let curve = |own: &Merged<'_>| {
         let section = (None, Group::AllClasses);
         recognition::curve(own.short_name(), |ms| own.recognised_within(ms, section))
     };
-    recognition::svg(merged.iter().filter(drawn).filter_map(curve).collect())
+    let is_system = |own: &&Merged<'_>| {
+        own.look_ahead != LookAhead::SameInstant && ![CONSTANT, ENERGY].contains(&own.model)
+    };
+    let systems = merged.iter().filter(is_system).filter_map(curve);
+    let energy = merged.iter().find(|own| own.model == ENERGY);
+    recognition::svg(systems, energy.and_then(curve))
 }
 
 /// Merges the scores of every contender under each confidence gate and look-ahead, on some of the people. Without
