@@ -58,7 +58,7 @@ use myointent::live::{self, Live, Options, Source};
 use recordings::Recording;
 use recordings::synthetic::{self, SynthOptions};
 
-/// The page of a source, on any free port of this machine.
+/// Starts the page of a source, on any free port of this machine.
 fn serve(source: Source) -> Live {
     live::start(Options {
         source,
@@ -74,7 +74,7 @@ fn shipped() -> Vec<u8> {
     std::fs::read(root.join("models/three-class.intent")).unwrap()
 }
 
-/// A recording of nobody.
+/// Generates a synthetic recording.
 fn synthetic(seconds: usize) -> Recording {
     let options = SynthOptions {
         subjects: 1,

@@ -1,4 +1,4 @@
-//! One command to a board, and its answer.
+//! Command to a board, and its answer.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -105,7 +105,7 @@ const fn gate(entry: i16) -> Gate {
     }
 }
 
-/// Commands, answers to others that come before their own, and their own.
+/// Returns commands, each with answers to other commands that come before its own answer, and its own answer.
 fn late() -> Vec<(Command, Vec<Answer<'static>>, Answer<'static>)> {
     let [mine, other] = ["FA:12:34:56:78:9A", "FA:12:34:56:78:9B"].map(armband);
     let bound = |address| binding(Following::Bound(address));
@@ -114,7 +114,7 @@ fn late() -> Vec<(Command, Vec<Answer<'static>>, Answer<'static>)> {
     let cancel = Command::Align(AlignCommand::Cancel);
     let [begun, cancelled, was_set] =
         [Accepted::Begin, Accepted::Cancel, Accepted::Set].map(Answer::Align);
-    // The line does not say which one is set.
+    // The line does not say which alignment is set.
     let set = Command::Align(AlignCommand::Set(turned));
     let refused = |refusals: &[Refusal]| -> Vec<_> {
         let refusals = refusals.iter().copied();
@@ -280,7 +280,7 @@ fn a_board_that_answers_something_else_alone_is_not_called_silent() {
     }
 }
 
-/// `myointent board --port LINK ...`; whether it succeeds.
+/// Runs `myointent board --port LINK ...`; returns true if it succeeds.
 fn run(link: &Path, arguments: &[&str]) -> bool {
     let line = ["myointent", "board", "--port", link.to_str().unwrap()];
     let line = line.iter().chain(arguments);
@@ -294,7 +294,7 @@ fn an_alignment_counts_as_set_once_the_board_says_that_it_is_in_force() {
     for (in_force, expected) in [(Alignment::new(3, true), true), (Alignment::NONE, false)] {
         let board = Scripted::start(&link, move |command| match command {
             Command::Align(AlignCommand::State) => Answer::Alignment(in_force).to_string(),
-            // Of a set by somebody else.
+            // Answer to a `set` that another program has sent.
             _ => Answer::Align(Accepted::Set).to_string(),
         });
         let done = run(&link, &["align", "set", "3", "--mirrored"]);

@@ -1,4 +1,4 @@
-//! A board at the other end of a pseudo-terminal: answers commands, streams samples and the pipeline's labels.
+//! Board at the other end of a pseudo-terminal: answers commands, streams samples and the pipeline's labels.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -24,20 +24,20 @@ use shared::units::{Millis, Sample, SampleIndex};
 
 use super::{shipped, synthetic};
 
-/// Between two notifications: a quarter of what an armband takes.
+/// Time between two notifications: a quarter of an armband's period.
 const PACE: Duration = Duration::from_micros(2500);
-/// Notifications that a pairing lasts: 2 s.
+/// Number of notifications that a pairing lasts: 2 s.
 const PAIRING: usize = 800;
 
-/// What happens to the board's bytes on their way.
+/// Damage to the board's bytes on their way.
 #[derive(Clone, Copy)]
 pub enum Damage {
     None,
-    /// Each chunk may be cut short or have other bytes behind it; with this seed.
+    /// Chunks that may be cut short or followed by garbage, drawn from this seed.
     CutsAndGarbage(u64),
 }
 
-/// A board that runs until it is dropped.
+/// Board that runs until it is dropped.
 pub struct Board {
     stop: Arc<AtomicBool>,
     raw: Arc<AtomicBool>,
@@ -46,18 +46,19 @@ pub struct Board {
 }
 
 impl Board {
-    /// Plays a board, its terminal at the path `link`.
+    /// Plays a board whose terminal is at the path `link`.
     pub fn start(link: &Path, damage: Damage) -> Self {
         Self::play(link, damage, Vec::new(), Following::Pinned(armband()))
     }
 
-    /// Plays a board that no armband is bound to yet; a first pairing hears none, a second one does.
+    /// Plays a board to which no armband is bound yet. A first pairing hears no armband, a second one does.
     pub fn unbound(link: &Path) -> Self {
         Self::play(link, Damage::None, Vec::new(), Following::Nobody)
     }
 
-    /// Plays a board that stays on, and whose line is pulled and put back: once for each of `dialogues`, after so many bytes,
-    /// both ways, counted from the first one that a PC sends. No load of the machine moves a cut.
+    /// Plays a board that stays on while its line is pulled and put back, once for each of `dialogues`. Each gives the
+    /// bytes in both directions after which the line is pulled, counted from the first byte that a PC sends. The
+    /// machine's load therefore moves no cut.
     pub fn pulled(link: &Path, dialogues: Vec<usize>) -> Self {
         let armband = Following::Pinned(armband());
         Self::play(link, Damage::None, dialogues, armband)
@@ -91,12 +92,12 @@ impl Board {
         }
     }
 
-    /// Whether the raw stream is on.
+    /// Returns true if the raw stream is on.
     pub fn is_raw(&self) -> bool {
         self.raw.load(Ordering::Relaxed)
     }
 
-    /// How often the line was pulled.
+    /// Returns the number of times that the line was pulled.
     pub fn cuts(&self) -> usize {
         self.cuts.load(Ordering::Relaxed)
     }
@@ -118,7 +119,7 @@ pub struct Terminal {
 impl Terminal {
     pub fn new(link: &Path) -> Self {
         let (mut master, slave) = SerialPort::pair().unwrap();
-        // A read is the pace, and a write never waits for long.
+        // A read sets the pace, and a write never waits for long.
         master.set_read_timeout(PACE).unwrap();
         master.set_write_timeout(8 * PACE).unwrap();
         let _ = std::fs::remove_file(link);
@@ -130,12 +131,12 @@ impl Terminal {
     }
 }
 
-/// The armband that is bound, or heard in a pairing.
+/// Returns the address of the armband that is bound, or heard in a pairing.
 fn armband() -> Address {
     Address::parse("FA:12:34:56:78:9A").unwrap()
 }
 
-/// Samples of a recording at four times their speed, with labels, until it is stopped.
+/// Streams a recording with labels at four times its speed, until it is stopped.
 fn run(mut wire: Wire, mut following: Following, stop: &AtomicBool, raw: &AtomicBool) {
     let bytes = shipped();
     let model = Model::parse(&bytes).unwrap();
@@ -252,12 +253,12 @@ fn answer(command: Result<Command, Refusal>, following: Following) -> Answer<'st
     }
 }
 
-/// What connects the board to a PC.
+/// Connection of the board to a PC.
 struct Wire {
     terminal: Terminal,
     link: PathBuf,
     dialogues: std::vec::IntoIter<usize>,
-    /// Bytes until the line is pulled; none before a dialogue, and once all are over.
+    /// Bytes until the line is pulled; `None` before a dialogue, and once all dialogues are over.
     left: Option<usize>,
     cuts: Arc<AtomicUsize>,
     damage: Damage,
@@ -285,12 +286,13 @@ impl Wire {
             }
         }
         let length = self.left.map_or(bytes.len(), |left| left.min(bytes.len()));
-        // With nobody at the other end, or one that is slow, bytes are lost, as on a real line.
+        // If nobody reads, or reads slowly, bytes are lost, as on a real line.
         let _ = self.terminal.master.write_all(&bytes[..length]);
         self.carried(bytes.len());
     }
 
-    /// Counts bytes, and pulls the line when as many have passed as it carries; returns how many of these did.
+    /// Counts bytes, and pulls the line once its limit has passed. Returns the number of these bytes that passed
+    /// before.
     fn carried(&mut self, bytes: usize) -> usize {
         let Some(left) = self.left else {
             return bytes;
@@ -299,8 +301,8 @@ impl Wire {
             self.left = Some(left - bytes);
             return bytes;
         }
-        // The old one is closed last: whoever has it open learns of the cut then, and a name that is free again at once could be
-        // opened by somebody who meant the old one.
+        // The old terminal is closed last: its reader learns of the cut only then, and a name that is free again at
+        // once could be opened by a program that meant the old one.
         self.terminal = Terminal::new(&self.link);
         self.left = None;
         self.cuts.fetch_add(1, Ordering::Relaxed);

@@ -1,4 +1,4 @@
-//! A browser without a window, driven over the protocol of its developer tools.
+//! Browser without a window, driven over the protocol of its developer tools.
 
 use std::io::{BufReader, Read as _, Write as _};
 use std::net::TcpStream;
@@ -10,21 +10,21 @@ use serde_json::{Value, json};
 use tungstenite::{Message, WebSocket};
 use xtask::browser;
 
-/// Of a start on a busy machine.
+/// Longest wait for a start on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A browser with one page.
+/// Browser with one page.
 pub struct Browser {
     child: Child,
     socket: WebSocket<TcpStream>,
     commands: u64,
-    /// What the page has complained about.
+    /// Exceptions, log entries and console messages of the page.
     pub complaints: Vec<String>,
     _profile: tempfile::TempDir,
 }
 
 impl Browser {
-    /// Starts the browser; none, and the test `name` booked as skipped, if there is none.
+    /// Starts the browser. Without a browser, returns `None` and books the test `name` as skipped.
     pub fn start(name: &str) -> Option<Self> {
         let program = match browser::find() {
             Ok(program) => program,
@@ -55,7 +55,7 @@ impl Browser {
             .unwrap();
         let mut lines = BufReader::new(child.stderr.take().unwrap());
         let port = port(&mut lines);
-        // A full pipe would hold it up.
+        // A full pipe would block the browser.
         std::thread::spawn(move || {
             let _ = std::io::copy(&mut lines, &mut std::io::sink());
         });
@@ -112,7 +112,7 @@ impl Browser {
         self.command("Page.navigate", json!({ "url": url }));
     }
 
-    /// The value of an expression of the page's script.
+    /// Returns the value of an expression of the page's script.
     pub fn value(&mut self, expression: &str) -> Value {
         let parameters =
             json!({ "expression": expression, "returnByValue": true, "awaitPromise": true });
@@ -132,7 +132,7 @@ impl Browser {
         ));
     }
 
-    /// The text of an element.
+    /// Returns the text of an element.
     pub fn text(&mut self, id: &str) -> String {
         let text = self.value(&format!(
             "document.getElementById('{id}')?.textContent ?? ''"
@@ -161,7 +161,7 @@ impl Browser {
         }
     }
 
-    /// The size of the window, and the user's preferences.
+    /// Sets the size of the window, and the user's preferences.
     pub fn look(&mut self, width: u32, height: u32, scheme: &str, motion: &str) {
         let metrics =
             json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
@@ -188,7 +188,7 @@ impl Drop for Browser {
     }
 }
 
-/// The port of the developer tools, which the browser prints.
+/// Reads the port of the developer tools, which the browser prints.
 fn port(lines: &mut impl std::io::BufRead) -> u16 {
     let mut all = String::new();
     loop {
@@ -202,7 +202,7 @@ fn port(lines: &mut impl std::io::BufRead) -> u16 {
     }
 }
 
-/// The address of the page's websocket.
+/// Returns the address of the page's websocket.
 fn page(port: u16) -> String {
     let end = Instant::now() + PATIENCE;
     loop {
@@ -214,7 +214,7 @@ fn page(port: u16) -> String {
             .set_read_timeout(Some(Duration::from_secs(2)))
             .unwrap();
         let mut answer = Vec::new();
-        // It may keep the connection open: what has come is enough.
+        // The browser may keep the connection open: what has come is enough.
         let _ = stream.read_to_end(&mut answer);
         let answer = String::from_utf8_lossy(&answer).into_owned();
         let body = answer.split_once("\r\n\r\n").map_or("", |(_, body)| body);

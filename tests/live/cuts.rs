@@ -1,4 +1,4 @@
-//! The line to a board, pulled at 100 random moments of each dialogue but the installation, which has its own.
+//! Line to a board, pulled at 100 random moments of each dialogue but the installation, which has its own test.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -23,8 +23,8 @@ use super::viewer::Viewer;
 
 const CUTS: usize = 100;
 
-/// Asks a board that has just been found; whether the answer is the right one. Answers to others are passed over, as the program
-/// does: the line may have been pulled before they came.
+/// Asks a board that has just been found; returns true if the answer is the right one. Passes over answers to other
+/// commands, as the program does: the line may have been pulled before they came.
 fn ask(link: &Path, command: Command) -> Result<bool, BoardError> {
     let mut board = Asked::open(link)?;
     let is_right = board.ask(command, |answer| match (command, answer) {
@@ -58,10 +58,10 @@ fn a_line_pulled_at_100_random_moments_of_commands_gives_right_answers_or_says_t
         Command::Align(AlignCommand::Begin(Arm::Unknown)),
         Command::Align(AlignCommand::Set(Alignment::new(3, true))),
         Command::Gate(GateCommand::State),
-        // Built into this board: refused.
+        // This board's armband is built in: the command is refused.
         Command::Bind(BindCommand::Begin),
     ];
-    // Some end in the command, some in its answer, some in the labels and samples behind it.
+    // Some cuts fall in the command, some in its answer, some in the labels and samples after it.
     let dialogues = (0..CUTS).map(|_| random.random_range(1..300));
     let board = Board::pulled(&link, dialogues.collect());
     let (mut answered, mut lost) = (0, 0);
@@ -101,7 +101,7 @@ fn a_line_pulled_at_100_random_moments_of_a_session_loses_nothing_that_came() {
     let folder = tempfile::tempdir().unwrap();
     let link = folder.path().join("board");
     let mut random = ChaCha8Rng::seed_from_u64(31);
-    // From the first command of the dialogue to a second of samples behind it.
+    // Cuts fall between the first command of the dialogue and a second of samples after it.
     let dialogues = (0..CUTS).map(|_| f64::exp(random.random_range(0.0..9.0)) as usize + 1);
     let board = Board::pulled(&link, dialogues.collect());
     let live = record(folder.path(), Source::Port(link), SHORT, 1);
@@ -109,11 +109,11 @@ fn a_line_pulled_at_100_random_moments_of_a_session_loses_nothing_that_came() {
     let source = synthetic(60).samples;
     viewer.find("samples", |_| true);
     wish(&mut viewer, "begin");
-    // Of the samples that a viewer was shown, those in the middle of a task.
+    // Numbers of the samples that a viewer was shown in the middle of a task.
     let mut seen = BTreeSet::new();
     let (mut lost, mut done) = (0, 0);
     let (mut in_task, mut held) = (false, false);
-    // With a whole line, at the end, the session goes on.
+    // After the last cut the line stays whole and the session goes on.
     while board.cuts() < CUTS || done < 3 {
         let message = viewer.next().unwrap();
         match message["type"].as_str().unwrap() {
@@ -127,7 +127,7 @@ fn a_line_pulled_at_100_random_moments_of_a_session_loses_nothing_that_came() {
                 held = message["phase"] == "held";
                 done = message["done"].as_u64().unwrap();
             }
-            // The traces move again: a person presses the key, until it goes on.
+            // The traces move again: a person presses the key until the session goes on.
             "samples" if held => wish(&mut viewer, "begin"),
             "samples" if in_task => {
                 let first = message["first"].as_u64().unwrap() as usize;

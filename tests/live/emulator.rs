@@ -1,4 +1,4 @@
-//! The firmware in the emulator, its UART bridged to a pseudo-terminal: what `live` shows is what armband and board did.
+//! Firmware in the emulator, its UART bridged to a pseudo-terminal: `live` shows what armband and board did.
 
 use std::io::Read as _;
 use std::sync::mpsc::{Receiver, channel};
@@ -16,14 +16,14 @@ use super::board::terminal;
 use super::viewer::Viewer;
 use super::{shipped, synthetic};
 
-/// So slow that a pause of a busy machine is short on the guest's clock, to which the armband is twice as fast as a real
-/// one: the raw stream fits the line.
+/// Factor by which the guest's clock runs slower than real time, so that a pause of a busy machine is short on it. The
+/// armband streams at twice its real rate on that clock; the raw stream fits the line.
 const TIME_SCALE: u32 = 5;
 const PACE: f64 = 0.4;
-/// For a machine that is busy with other work.
+/// Longest wait on a machine that is busy with other work.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// A board in the emulator, and the board's end of a terminal.
+/// Board in the emulator, and the board's end of a terminal.
 struct Bridge {
     run: Run,
     labels: std::fs::File,
@@ -33,7 +33,7 @@ struct Bridge {
 }
 
 impl Bridge {
-    /// Carries bytes both ways until something was seen.
+    /// Carries bytes both ways until `is_it` holds of the messages seen.
     fn until(&mut self, what: &str, is_it: impl Fn(&[Value]) -> bool) -> anyhow::Result<()> {
         let end = Instant::now() + PATIENCE;
         while !is_it(&self.seen) {

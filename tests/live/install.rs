@@ -1,4 +1,5 @@
-//! A model for a board on a pseudo-terminal, whose line is cut, or whose program on the PC is killed, at random moments.
+//! Installation of a model on a board on a pseudo-terminal; at random moments the line is cut, or the PC's program
+//! killed.
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command as Process, ExitCode, Stdio};
@@ -18,7 +19,7 @@ use super::installing_board::{Board, flash_of};
 use super::scripted::{Scripted, identity};
 use super::shipped;
 
-/// Bytes of a block's line and of its answer, about.
+/// Bytes of a block's line and of its answer, approximately.
 const BLOCK_LINES: usize = 125;
 
 fn five_class_path() -> PathBuf {
@@ -36,12 +37,12 @@ fn a_model_is_installed_though_power_and_line_are_cut_at_100_random_moments() {
     let new = five_class();
     let file = ModelFile::new(&new).unwrap();
     let mut random = ChaCha8Rng::seed_from_u64(17);
-    // A page has 64 blocks and is written again from its start: about one life in twenty is long enough for one.
+    // A page has 64 blocks and is written again from its start: about one life in twenty is long enough for a page.
     let page = 64 * BLOCK_LINES;
     let lives = (0..100).map(|_| random.random_range(0..page * 17 / 16));
     let (board, flash) = Board::on(&link, flash_of(&shipped()), lives.collect());
     let mut seen = 0;
-    // The same command again, as a person gives it, where it has given up.
+    // Where the command has given up it is given again, as a person would.
     let installed =
         (0..200).any(|_| install(&link, file, || false, |blocks| seen = seen.max(blocks)).is_ok());
     assert!(installed);
@@ -50,10 +51,10 @@ fn a_model_is_installed_though_power_and_line_are_cut_at_100_random_moments() {
     assert!(flash.lock().unwrap().region.starts_with(&new));
 }
 
-/// Set for the process alone: somebody may run all ignored tests.
+/// Environment variable with the port, set for the child process alone: somebody may run all ignored tests.
 const PORT: &str = "MYOINTENT_TEST_INSTALL";
 
-/// `myointent board --port LINK install FILE`, as a process of its own.
+/// Starts `myointent board --port LINK install FILE` as a process of its own.
 fn start(link: &Path) -> Child {
     Process::new(std::env::current_exe().unwrap())
         .args(["--exact", "install::command", "--ignored", "--nocapture"])
@@ -88,7 +89,8 @@ fn a_process_that_is_killed_at_random_moments_is_started_again_and_completes_the
     let all = new.len() / BLOCK_BYTES * BLOCK_LINES;
     let mut alive = 0;
     for _ in 0..KILLS {
-        // From the first byte of the first command on; by the bytes of the line, which no load of the machine moves.
+        // Kills fall from the first byte of the first command on. They are counted in bytes of the line, which no load
+        // of the machine moves.
         let until = board.passed() + random.random_range(0..all / KILLS);
         let mut process = start(&link);
         while board.passed() < until && process.try_wait().unwrap().is_none() {
@@ -107,7 +109,7 @@ fn a_process_that_is_killed_at_random_moments_is_started_again_and_completes_the
     let expected = format!("installed and in use: model {checksum:08x}");
     assert!(said.contains(&expected), "{said}");
     assert!(flash.lock().unwrap().region.starts_with(&new));
-    // Nothing is sent twice but what was on its way when a process was killed: a block or two.
+    // Only blocks that were on their way when a process was killed are sent twice: a block or two.
     let most = all * 21 / 20 + KILLS * 3 * BLOCK_LINES;
     assert!(
         board.passed() < most,
@@ -125,7 +127,7 @@ fn an_answer_to_a_block_that_was_sent_twice_is_no_refusal_to_begin_again() {
     let new = five_class();
     let file = ModelFile::new(&new).unwrap();
     let checksum = file.checksum();
-    // It restarts before the first block and is so slow that the block has come twice.
+    // The board restarts before the first block, and is so slow that the block has come twice.
     let board = std::thread::spawn(move || {
         let mut reader = CommandReader::new();
         let mut blocks = 0;
@@ -159,8 +161,8 @@ fn an_answer_to_a_block_that_was_sent_twice_is_no_refusal_to_begin_again() {
     board.join().unwrap();
 }
 
-/// Installs on a board whose answers are scripted; it is stopped after half a minute. Gives what came of it, and how many
-/// commands it took.
+/// Installs on a board whose answers are scripted, and stops after half a minute. Returns the result, and the number of
+/// commands that the board was sent.
 fn installed(
     lines: impl FnMut(Command) -> String + Send + 'static,
 ) -> (Result<(), BoardError>, usize) {
@@ -174,7 +176,7 @@ fn installed(
     (ended, board.end())
 }
 
-/// What a person reads, and how many commands it took.
+/// Returns the error's text, and the number of commands that the board was sent.
 fn refused(lines: impl FnMut(Command) -> String + Send + 'static) -> (String, usize) {
     let (ended, commands) = installed(lines);
     (ended.unwrap_err().to_string(), commands)
@@ -194,7 +196,7 @@ fn a_late_done_of_another_installation_is_not_taken_for_the_end() {
     let link = folder.path().join("board");
     let new = five_class();
     let file = ModelFile::new(&new).unwrap();
-    // Before the answers to the first command, to the first block, in the middle, to the last block.
+    // The late answer comes before that to the first command, to the first block, in the middle, to the last block.
     for at in [0, 1, 700, file.blocks() as usize] {
         let (board, flash) = Board::late(&link, flash_of(&shipped()), at, Progress::Installed);
         install(&link, file, || false, |_| ()).unwrap();

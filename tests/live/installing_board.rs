@@ -1,4 +1,4 @@
-//! A board at a pseudo-terminal that takes a model, and loses its power.
+//! Board at a pseudo-terminal that takes a model, and loses its power.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -23,22 +23,23 @@ pub(super) struct Flash {
     pub(super) journal: [u8; JOURNAL_BYTES],
 }
 
-/// A board at a terminal, until it is dropped.
+/// Board at a terminal, until it is dropped.
 pub(super) struct Board {
     stop: Arc<AtomicBool>,
-    /// Bytes of its line so far, both ways.
+    /// Bytes of the board's line so far, in both directions.
     passed: Arc<AtomicUsize>,
     thread: JoinHandle<usize>,
 }
 
 impl Board {
-    /// It loses its power after each of `lives`, which are in bytes of its line, both ways: a cut that no load of the machine moves.
-    /// Once they are over it stays on.
+    /// Plays a board that loses its power after each of `lives`, and then stays on. Each is a number of bytes of its
+    /// line in both directions: the machine's load moves no cut.
     pub(super) fn on(link: &Path, flash: Flash, lives: Vec<usize>) -> (Self, Arc<Mutex<Flash>>) {
         Self::play(link, flash, lives, None)
     }
 
-    /// Before the answer to the command with this number it answers one that somebody else has sent.
+    /// Plays a board that, before the answer to the command with this number, writes the answer to another program's
+    /// command.
     pub(super) fn late(
         link: &Path,
         flash: Flash,
@@ -77,7 +78,7 @@ impl Board {
                         break;
                     }
                     cuts += 1;
-                    // The old one is closed by that: whoever writes to it learns of the cut.
+                    // This closes the old terminal: whoever writes to it learns of the cut.
                     terminal = Terminal::new(&link);
                 }
                 cuts
@@ -95,19 +96,19 @@ impl Board {
         self.passed.load(Ordering::Relaxed)
     }
 
-    /// Switches it off: how often it had lost its power.
+    /// Switches the board off; returns the number of times that it had lost its power.
     pub(super) fn off(self) -> usize {
         self.stop.store(true, Ordering::Relaxed);
         self.thread.join().unwrap()
     }
 }
 
-/// What a board reads and writes while it has power.
+/// Line of a board while it has power.
 struct Line<'t> {
     port: &'t SerialPort,
     left: usize,
     passed: &'t AtomicUsize,
-    /// Commands until an answer to another one comes, and that answer.
+    /// Commands until the answer to another command comes, and that answer.
     late: Option<(usize, Progress)>,
 }
 

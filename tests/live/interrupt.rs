@@ -1,4 +1,4 @@
-//! The program as a process: Ctrl-C ends it, viewers are told, and the shell sees that all is well.
+//! Program as a process: Ctrl-C ends it, viewers are told, and its exit code is that of success.
 
 use std::io::{BufRead as _, BufReader};
 use std::process::{Child, Command, ExitCode, Stdio};
@@ -8,7 +8,7 @@ use myointent::cli::Cli;
 
 use super::viewer::Viewer;
 
-/// The address of the page that a program prints at its start.
+/// Reads the address of the page that a program prints at its start.
 pub fn address(program: &mut Child) -> String {
     let lines = BufReader::new(program.stdout.take().unwrap()).lines();
     let url = lines.map_while(Result::ok).find_map(|line| {
@@ -18,7 +18,7 @@ pub fn address(program: &mut Child) -> String {
     url.unwrap()
 }
 
-/// The program `myointent live` with these arguments, as a process.
+/// Builds the command `myointent live` with these arguments.
 pub fn live(arguments: &str) -> Command {
     let mut command = Command::new(std::env::current_exe().unwrap());
     command
@@ -48,7 +48,8 @@ fn ctrl_c_ends_the_program_in_order() {
     assert!(child.wait().unwrap().success());
 }
 
-/// Set for the process alone, the rest of its line: somebody may run all ignored tests.
+/// Environment variable with the rest of the command line, set for the child process alone: somebody may run all
+/// ignored tests.
 const CHILD: &str = "MYOINTENT_TEST_LIVE";
 
 #[test]

@@ -14,10 +14,10 @@ use super::interrupt::{interrupt, live};
 use super::shipped;
 use super::viewer::Viewer;
 
-/// Long enough for a busy machine.
+/// Longest wait on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// The program, and the pipe that its lines come through.
+/// Program, and the pipe that its lines come through.
 struct Program {
     child: Child,
     lines: Lines<BufReader<ChildStdout>>,
@@ -30,7 +30,7 @@ impl Program {
         Self { child, lines }
     }
 
-    /// The next message; none at the end. The program is a test here, whose harness writes before it.
+    /// Returns the next message; `None` at the end. The program is a test here, whose harness writes before it.
     fn next(&mut self) -> Option<Value> {
         self.lines.by_ref().map_while(Result::ok).find_map(|line| {
             let message = serde_json::from_str(&line[line.find('{')?..]).unwrap();
@@ -70,7 +70,7 @@ fn assert_documented(message: &Value) {
     }
 }
 
-/// How a program ends, and what it said on standard error.
+/// Waits for the end of a program; returns its status and its standard error.
 fn ended(mut child: Child) -> (ExitStatus, String) {
     let end = Instant::now() + PATIENCE;
     let status = loop {
@@ -146,7 +146,7 @@ fn samples_and_labels_are_those_of_replay_and_a_closed_pipe_is_success() {
     assert_eq!(found, expected);
     assert_eq!(Value::from(emg), serde_json::to_value(samples).unwrap());
     assert!(scores > 100, "{scores}");
-    // The recording begins again, and would for ever.
+    // The recording repeats for ever, so the program does not end by itself.
     let (status, said) = ended(program.close());
     assert!(status.success(), "{said}");
 }
@@ -165,7 +165,7 @@ fn a_closed_pipe_ends_a_program_that_has_nothing_to_say() {
 fn ctrl_c_ends_the_lines_with_one_that_says_so() {
     let mut program = Program::start("--json --demo");
     program.find("samples");
-    // Nobody can look.
+    // The program has no socket open: it serves no page.
     #[cfg(target_os = "linux")]
     {
         let open = std::fs::read_dir(format!("/proc/{}/fd", program.child.id())).unwrap();

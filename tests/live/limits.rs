@@ -1,4 +1,4 @@
-//! Viewers and connections without number, and what they may not take from the others.
+//! Limits on viewers and connections, so that they take nothing from the others.
 
 use std::time::{Duration, Instant};
 
@@ -68,7 +68,7 @@ fn a_mark_of_another_viewer_is_shown_while_one_floods() {
     let began = Instant::now();
     other.find("mark", |message| message["text"] == "mine");
     assert!(began.elapsed() < Duration::from_secs(5), "{began:?}");
-    // An alignment too.
+    // Requests for an alignment are limited too.
     for _ in 0..2_000 {
         flood.say(r#"{"do":"cancel"}"#);
     }
@@ -77,7 +77,7 @@ fn a_mark_of_another_viewer_is_shown_while_one_floods() {
     live.stop().unwrap();
 }
 
-/// How long a connection stays that is sent `bytes`, one at a time.
+/// Returns the time for which a connection stays open that is sent `bytes`, one at a time.
 fn stays(url: &str, bytes: &[u8]) -> Duration {
     use std::io::{ErrorKind, Read as _, Write as _};
 
@@ -118,7 +118,7 @@ fn connections_that_ask_for_nothing_or_never_end_their_request_are_closed() {
             });
         }
     });
-    // A viewer stays, however long, though it says nothing.
+    // A viewer may stay for any time without saying anything.
     viewer.find("samples", |_| true);
     live.stop().unwrap();
 }
@@ -145,7 +145,7 @@ fn connections_without_number_are_refused_and_viewers_stay() {
     viewer.find("samples", |message| {
         message["first"].as_u64().unwrap() > 400
     });
-    // Once they are over the page is there again.
+    // The page answers again once the idle connections are closed.
     let end = Instant::now() + Duration::from_secs(60);
     while idle.iter().any(|stream| !closed(stream)) {
         assert!(Instant::now() < end, "after {:?}", began.elapsed());

@@ -1,5 +1,6 @@
-//! The owner's loop without hardware: an armband that sits turned by three places, a new emulated board, a pseudo-terminal, and the
-//! page in a browser; bound, aligned, a guided session recorded, a model tuned on it, installed over the line, and right.
+//! Owner's loop without hardware: an armband turned by three places, a new emulated board, a pseudo-terminal and the
+//! page in a browser. The armband is bound and aligned; a guided session is recorded; a model is tuned on it and
+//! installed over the line, and gives the right labels.
 
 use std::fs::File;
 use std::io::Write as _;
@@ -25,29 +26,30 @@ use super::record::{pictures, step};
 use super::shipped;
 use super::viewer::Viewer;
 
-/// The guest's clock is so many times slower than real time: half of a pause of a busy machine is left of it.
+/// Factor by which the guest's clock runs slower than real time: it halves a pause of a busy machine.
 const TIME_SCALE: u32 = 2;
-/// The armband's address.
+/// Address of the armband.
 const ARMBAND: &str = "FA:12:34:56:78:9A";
-/// A synthetic person for whom the shipped model is right in 0.86 of a session: of one in 0.98, chance decides whether tuning gains.
+/// Synthetic person for whom the shipped model is right in 0.86 of a session. With one at 0.98, chance would decide
+/// whether tuning gains.
 const HARD: &str = "emil";
-/// How the armband sits.
+/// Alignment of the turned armband.
 const TURNED: Alignment = Alignment::new(3, false);
-/// Two rounds of four openings and four fists, as often as the findings ask for: 62 s.
+/// Protocol of two rounds of four openings and four fists, as many as the findings ask for: 62 s.
 const SESSION: &str = "rounds = 2\npause = 1\n\
     sequence = [\"relax\", \"open\", \"relax\", \"close\", \"relax\", \"open\", \"relax\", \"close\", \"relax\", \"open\", \"relax\", \"close\", \"relax\", \"open\", \"relax\", \"close\", \"relax\"]\n\
     [seconds]\nrelax = 1.5\nopen = 2\nclose = 2\n";
-/// Samples of a notification, and guest's time from one to the next.
+/// Guest's time between two notifications of two samples each.
 const PAIR: Duration = Duration::from_millis(10);
-/// For a machine that is busy with other work.
+/// Longest wait on a machine that is busy with other work.
 const PATIENCE: Duration = Duration::from_secs(240);
 
-/// Guest's time.
+/// Waits for so many seconds of the guest's time.
 fn wait(seconds: f64) {
     std::thread::sleep(Duration::from_secs_f64(seconds * f64::from(TIME_SCALE)));
 }
 
-/// A thread that works until it is told to stop, and what it gives then.
+/// Thread that works until it is told to stop, and then gives a result.
 struct Working<T> {
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<T>>,
@@ -67,7 +69,7 @@ impl<T: Send + 'static> Working<T> {
     }
 }
 
-/// A test that fails ends what it has started.
+/// Stops the thread, also where a test fails.
 impl<T> Drop for Working<T> {
     fn drop(&mut self) {
         self.stop.store(true, Ordering::Relaxed);
@@ -77,7 +79,7 @@ impl<T> Drop for Working<T> {
     }
 }
 
-/// Somebody who wears the armband, and does what is asked for.
+/// Wearer of the armband, who does what is asked for.
 #[derive(Clone)]
 struct Wearer(Arc<Mutex<Intent>>);
 
@@ -95,7 +97,8 @@ impl Wearer {
         self.asked(Intent::Relax);
     }
 
-    /// Appends the samples of the muscles to the armband's recording, at its rate; gives what was asked for at each.
+    /// Appends the person's samples to the armband's recording at its rate; the result is the intent asked for at each
+    /// sample.
     fn wear(&self, mut recording: File) -> Working<Vec<Intent>> {
         let Self(asked) = self.clone();
         Working::start(move |stop| {
@@ -133,13 +136,13 @@ impl Wearer {
     }
 }
 
-/// CRC-32 of a model file, as the board names it.
+/// Returns the CRC-32 of a model file as the board prints it.
 fn checksum(file: &[u8]) -> String {
     let checksum = file.last_chunk().copied().unwrap_or_default();
     format!("{:08x}", u32::from_le_bytes(checksum))
 }
 
-/// Waits for an expression of the page, for a long time.
+/// Waits for an expression of the page to be true, for `PATIENCE` at most.
 fn reach(browser: &mut Browser, expression: &str, mut meanwhile: impl FnMut(&mut Browser)) {
     let end = Instant::now() + PATIENCE;
     while browser.value(expression) != true {
@@ -153,7 +156,7 @@ fn reach(browser: &mut Browser, expression: &str, mut meanwhile: impl FnMut(&mut
     }
 }
 
-/// A part of the way, which takes its time.
+/// Part of the loop, with its start.
 struct Part(Instant);
 
 impl Part {
@@ -161,13 +164,13 @@ impl Part {
         Self(Instant::now())
     }
 
-    /// Of a clock that is so many times slower.
+    /// Returns the seconds since the start, on a clock that is `scale` times slower.
     fn seconds(&self, scale: u32) -> f64 {
         self.0.elapsed().as_secs_f64() / f64::from(scale)
     }
 }
 
-/// A picture for the docs, in which the test's own folder has the name of the default one.
+/// Writes a picture for the docs, in which the test's own folder has the name of the default one.
 fn photograph(browser: &mut Browser, folder: &Path, name: &str) {
     let own = json!(folder.display().to_string());
     let rename = format!(
@@ -191,7 +194,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
         page: None,
         samples: &[],
         time_scale: TIME_SCALE,
-        // What is late catches up.
+        // Late samples are sent at once.
         pace: 1.0,
         fault: None,
         script: json!([]),
@@ -231,7 +234,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     reach(&mut browser, &step("bind", "done"), |_| {});
     assert!(browser.text("step-bind").contains(ARMBAND));
     let bound = bound.seconds(TIME_SCALE);
-    // What is there before the stream would come with it, and late.
+    // Samples from before the stream would come with it, and late.
     let worn = wearer.wear(muscles);
     reach(&mut browser, valid, |_| {});
 
@@ -264,7 +267,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     assert_eq!(browser.value(&step("align", "done")), true);
     assert!(browser.text("step-align").contains("turned by 3 places"));
     let aligned = aligned.seconds(TIME_SCALE);
-    // All in view is from after the alignment.
+    // The view then holds only samples from after the alignment.
     wait(3.5);
     wearer.asked(Intent::Open);
     wait(2.0);
@@ -303,7 +306,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     browser.wait_for("Boolean(document.getElementById('tuned').dataset.state)");
     let state = "document.getElementById('tuned').dataset.state";
     reach(&mut browser, &format!("{state} !== 'running'"), |_| {});
-    // On the computer, whose clock is not slowed down.
+    // The computer's clock is not slowed down.
     let tuned = tuned.seconds(1);
     assert_eq!(browser.value(state), "better", "{}", browser.text("tuned"));
     assert!(browser.text("commands").contains("myointent board --port"));
@@ -323,7 +326,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
         browser.text("installed")
     );
 
-    // And right, on an armband that is aligned as before.
+    // Check the labels, on an armband that is aligned as before.
     reach(&mut browser, valid, |_| {});
     let text = browser.value(placed);
     assert!(
@@ -357,7 +360,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     worn.stop();
     let mut run = line.run();
     assert_eq!(run.lines_by_start()?.len(), 1, "the board restarted");
-    // What runs there is the file that was tuned, and no other.
+    // The board runs the tuned file, and no other.
     let identity = run.ask("$IDENTIFY*04\r\n")?;
     let own = checksum(&std::fs::read(folder.path().join("anna/anna.intent"))?);
     assert_ne!(own, checksum(&shipped()));

@@ -11,14 +11,14 @@ use super::browser::Browser;
 use super::viewer::Viewer;
 use super::{serve, synthetic};
 
-/// Where pictures of the page are left to be looked at.
+/// Folder for pictures of the page, for a person to look at.
 fn pictures() -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("live");
     std::fs::create_dir_all(&folder).unwrap();
     folder
 }
 
-/// A number that changes with every change of the picture.
+/// Script whose value changes with every change of the picture.
 const PICTURE: &str = "document.getElementById('traces').toDataURL().split('').reduce((sum, letter) => (sum * 31 + letter.charCodeAt(0)) | 0, 7)";
 
 const CONNECTED: &str = "document.getElementById('source')?.dataset.state === 'connected'";
@@ -63,7 +63,7 @@ fn the_page_follows_a_recording_and_saves_what_it_saw() {
     ] {
         browser.look(width, height, scheme, "no-preference");
         if width < 400 {
-            // A gesture says more than rest.
+            // A picture with a gesture tells more than one at rest.
             browser.wait_for("document.getElementById('label').textContent === 'close' && document.getElementById('truth').lastChild.textContent === 'close'");
         }
         browser.frames(20);
@@ -148,7 +148,7 @@ fn without_motion_the_picture_moves_by_the_second() {
     browser.look(1440, 900, "dark", "reduce");
     browser.open(live.url());
     browser.wait_for(VALID);
-    // The seconds along the axis, which nothing else is drawn over.
+    // Nothing else is drawn over the seconds along the axis.
     let lines = "(() => { const c = document.getElementById('traces'); \
         const dots = c.getContext('2d').getImageData(60, c.height - 14, c.width - 70, 10).data; \
         return dots.reduce((sum, dot, at) => (sum * 31 + dot + at) | 0, 7); })()";
@@ -200,7 +200,8 @@ fn the_page_shows_a_board_that_is_lost_and_back() {
     drop(board);
 }
 
-/// Frames a second; the longest time between two, and that of 19 in 20, in ms: of 10 s.
+/// Script that measures 10 s of frames: frames a second, and the longest and the 95th-percentile time between two in
+/// ms.
 const FRAMES: &str = "new Promise((done) => { const gaps = []; let last = performance.now(); const end = last + 10000; \
     const frame = () => { const now = performance.now(); gaps.push(now - last); last = now; \
     if (now < end) { requestAnimationFrame(frame); return; } gaps.sort((a, b) => a - b); \
@@ -248,7 +249,7 @@ fn sample_to_screen_of_the_emulated_board_with_four_more_viewers() -> anyhow::Re
         model: &super::shipped(),
         page: Some(to_record(Address::parse("FA:12:34:56:78:9A")?).to_vec()),
         samples: &synthetic(600).samples,
-        // A pause of a busy machine is half as long on the board's clock.
+        // A slowed clock halves a pause of a busy machine.
         time_scale: 2,
         pace: 1.0,
         fault: None,

@@ -1,4 +1,4 @@
-//! A board on a pseudo-terminal: connected, damaged, lost and back.
+//! Board on a pseudo-terminal: connected, damaged, lost and back.
 
 use myointent::live::{self, Live, Options, Source};
 use rand::{RngExt as _, SeedableRng as _};
@@ -20,7 +20,7 @@ fn serve(port: &Path, model: Option<Vec<u8>>) -> Live {
     .unwrap()
 }
 
-/// A path for a board's terminal.
+/// Returns a path for a board's terminal.
 fn link(folder: &tempfile::TempDir) -> PathBuf {
     folder.path().join("board")
 }
@@ -49,7 +49,7 @@ fn a_board_is_asked_what_it_is_and_shown_with_samples_labels_and_scores() {
     viewer.find("alignment", |alignment| alignment["state"] == "waiting");
     assert!(board.is_raw());
     live.stop().unwrap();
-    // As it was found.
+    // The board's raw stream is off again, as it was found.
     let end = Instant::now() + Duration::from_secs(10);
     while board.is_raw() {
         assert!(Instant::now() < end, "the raw stream is still on");
@@ -87,7 +87,7 @@ fn a_board_that_is_lost_is_found_again_and_viewers_are_told_both() {
         let board = Board::start(&link(&folder), Damage::None);
         viewer.find("source", |source| source["connected"] == true);
         viewer.find("samples", |_| true);
-        // At any moment of the dialogue.
+        // The cut falls at any moment of the dialogue.
         std::thread::sleep(Duration::from_micros(random.random_range(0..100_000)));
         drop(board);
         let source = viewer.find("source", |source| source["connected"] == false);

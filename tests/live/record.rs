@@ -1,4 +1,4 @@
-//! A guided session: led by a viewer and in a browser, recorded to the sample, over breaks, a kill and a full disk.
+//! Guided session: led by a viewer and in a browser, recorded to the sample, over breaks, a kill and a full disk.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use super::browser::Browser;
 use super::synthetic;
 use super::viewer::Viewer;
 
-/// Two rounds of three openings and three fists: 46 s.
+/// Protocol of two rounds of three openings and three fists: 46 s.
 pub const SHORT: &str = "rounds = 2\npause = 1\n\
     sequence = [\"relax\", \"open\", \"relax\", \"close\", \"relax\", \"open\", \"relax\", \"close\", \"relax\", \"open\", \"relax\", \"close\", \"relax\"]\n\
     [seconds]\nrelax = 1.5\nopen = 2\nclose = 2\n";
@@ -38,13 +38,13 @@ pub fn record(folder: &Path, source: Source, protocol: &str, speed: u32) -> Live
     .unwrap()
 }
 
-/// Says what a page says when somebody presses a button.
+/// Sends the message of a pressed button.
 pub fn wish(viewer: &mut Viewer, wish: &str) {
     viewer.say(&format!(r#"{{"do":"session","wish":"{wish}"}}"#));
 }
 
-/// The next message of the session for which `is_it` holds, and how often the session had to be told to go on: on a machine
-/// that is busy with something else the source may stand for two seconds.
+/// Returns the next message of the session for which `is_it` holds, and the number of times that the session had to be
+/// told to go on: on a machine that is busy with other work the source may stop for two seconds.
 pub fn reach(viewer: &mut Viewer, is_it: impl Fn(&Value) -> bool) -> (Value, u64) {
     let mut held = 0;
     loop {
@@ -59,11 +59,11 @@ pub fn reach(viewer: &mut Viewer, is_it: impl Fn(&Value) -> bool) -> (Value, u64
     }
 }
 
-/// The samples of a file by their numbers in the stream, and whether each never came and repeats the one before.
+/// Samples of a file by their numbers in the stream; true for a sample that never came and repeats the one before.
 pub type Numbered = BTreeMap<usize, (Sample, bool)>;
 
-/// The files of every person in a folder, each read by itself: a recording that is replayed over and over gives files of equal
-/// samples, which count once together.
+/// Reads the files of every person in a folder, each by itself: a recording that is replayed repeatedly gives files of
+/// equal samples, which count only once if read together.
 pub fn recorded(folder: &Path) -> Vec<Numbered> {
     let entries = |folder: &Path| -> Vec<PathBuf> {
         let entries = std::fs::read_dir(folder).unwrap().flatten();
@@ -87,8 +87,8 @@ pub fn recorded(folder: &Path) -> Vec<Numbered> {
     files.flat_map(read).map(|one| numbered(&one)).collect()
 }
 
-/// Every recorded sample is that of the source, or repeats the one before if a busy machine lost it on the line; none is
-/// missing within a file. Returns how many there are.
+/// Asserts that every recorded sample equals the source's, or repeats the one before if a busy machine lost it on the
+/// line, and that none is missing within a file. Returns the number of samples.
 pub fn assert_equal(files: &[Numbered], source: &[Sample]) -> usize {
     for file in files {
         let (first, last) = (file.keys().next().unwrap(), file.keys().last().unwrap());
@@ -105,17 +105,17 @@ pub fn assert_equal(files: &[Numbered], source: &[Sample]) -> usize {
     files.iter().map(BTreeMap::len).sum()
 }
 
-/// Whether a step is `done`, `now` or `next`.
+/// Builds an expression that is true if a step is in the state `done`, `now` or `next`.
 pub fn step(name: &str, state: &str) -> String {
     format!("document.getElementById('step-{name}')?.dataset.state === '{state}'")
 }
 
-/// Whether an element can be seen.
+/// Builds an expression that is true if an element can be seen.
 pub fn is_seen(id: &str) -> String {
     format!("document.getElementById('{id}')?.offsetParent instanceof Element")
 }
 
-/// Where pictures of the page are left to be looked at.
+/// Folder for pictures of the page, for a person to look at.
 pub fn pictures() -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("live");
     std::fs::create_dir_all(&folder).unwrap();
@@ -138,7 +138,7 @@ fn a_session_is_recorded_sample_for_sample_and_led_by_one_viewer() {
     leader.find("samples", |_| true);
     wish(&mut leader, "begin");
     leader.find("lead", |message| message["viewer"].is_u64());
-    // Who watches can do nothing.
+    // A viewer that only watches can do nothing.
     wish(&mut other, "finish");
     wish(&mut other, "hold");
     let (_, mut held) = reach(&mut leader, |message| message["cue"] == "open");
@@ -277,7 +277,7 @@ fn a_guided_session_in_a_browser_ends_with_a_tuned_model() {
     let mut beside = Viewer::connect(live.url());
     beside.find("samples", |_| true);
     browser.press("t");
-    // Some seconds of both cores, which may be busy.
+    // Tuning takes some seconds of both cores, which may be busy.
     let tuning = "document.getElementById('tuned').dataset.state === 'running'";
     browser.wait_for("Boolean(document.getElementById('tuned').dataset.state)");
     let end = Instant::now() + Duration::from_secs(400);
@@ -290,7 +290,7 @@ fn a_guided_session_in_a_browser_ends_with_a_tuned_model() {
             shares.push((number("steps"), number("of")));
         }
     }
-    // Before the first step and after each; then it is over.
+    // Progress comes before the first step and after each; then it is over.
     let expected = (0..=40).map(|steps| (steps, 40)).chain([(0, 0)]);
     assert!(shares.iter().copied().eq(expected), "{shares:?}");
     browser.wait_for(&format!("!({tuning})"));

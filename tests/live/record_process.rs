@@ -13,7 +13,7 @@ use super::interrupt::address;
 use super::record::{SHORT, assert_equal, reach, recorded, wish};
 use super::viewer::Viewer;
 
-/// A recording to play, a protocol, and a folder to record to.
+/// Recording to play, a protocol, and a folder to record to.
 struct Bench {
     folder: tempfile::TempDir,
     played: PathBuf,
@@ -62,7 +62,7 @@ impl Bench {
             .count()
     }
 
-    /// Starts the program, behind some words of a shell, and begins the session as a viewer once samples come.
+    /// Starts the program after the shell commands `shell`, and begins the session as a viewer once samples come.
     fn start(&self, shell: &str) -> (Child, Viewer) {
         let line = format!(
             "--person anna --speed 16 --listen 127.0.0.1:0 --replay {} --out {} --protocol {}",
@@ -91,7 +91,7 @@ impl Bench {
     }
 }
 
-/// Ctrl-C: the exit code, and what the terminal shows.
+/// Sends Ctrl-C; returns the exit code and what the terminal shows.
 fn interrupt(child: Child) -> (Option<i32>, String) {
     let process = child.id().to_string();
     let sent = Command::new("kill").args(["-INT", &process]).status();
@@ -111,7 +111,7 @@ fn a_process_that_is_killed_in_a_session_loses_a_moment_and_the_next_start_keeps
     let (mut child, mut viewer) = bench.start("");
     reach(&mut viewer, |message| message["cue"] == "close");
     let seen = viewer.find("samples", |_| true)["first"].as_u64().unwrap() as usize;
-    // SIGKILL: nothing can be done any more.
+    // SIGKILL: the process can do nothing more.
     child.kill().unwrap();
     child.wait().unwrap();
     assert_eq!(bench.journals(), 1);
@@ -119,8 +119,8 @@ fn a_process_that_is_killed_in_a_session_loses_a_moment_and_the_next_start_keeps
     assert!(matches!(&kept[..], [(_, Ok(_))]), "{kept:?}");
     assert_eq!(bench.journals(), 0);
     assert_equal(&recorded(&bench.out()), &bench.samples);
-    // 16 times as fast as an armband: 0.2 s of the process (docs/record.md), a line of 20 samples and what the recorder had not
-    // yet been handed.
+    // The loss at 16 times an armband's speed: 0.2 s of the process (docs/record.md), a line of 20 samples and what the
+    // recorder had not yet been handed.
     let last = last_sample(&bench.out());
     assert!(last + 16 * 40 > seen, "{last} of {seen}");
 }
@@ -129,7 +129,7 @@ fn a_process_that_is_killed_in_a_session_loses_a_moment_and_the_next_start_keeps
 #[test]
 fn a_full_disk_holds_the_session_and_with_room_again_nothing_is_missing() {
     let bench = Bench::new();
-    // A limit on the size of files stands for the disk: the journal cannot grow, and the signal is ignored.
+    // A limit on the size of files stands for the full disk: the journal cannot grow, and the signal is ignored.
     let (mut child, mut viewer) = bench.start("trap '' XFSZ; ulimit -S -f 100;");
     let (told, _) = reach(&mut viewer, |message| message["trouble"] != "");
     let trouble = told["trouble"].as_str().unwrap();
@@ -160,7 +160,8 @@ fn a_full_disk_holds_the_session_and_with_room_again_nothing_is_missing() {
     assert_eq!(code, Some(0), "{told}");
     let files = recorded(&bench.out());
     assert_equal(&files, &bench.samples);
-    // All up to the moment that the session was held at, which was not written when the disk was full.
+    // All samples are there up to the moment that the session was held at, which was not written when the disk was
+    // full.
     assert!(files[0].len() > 1000, "{}", files[0].len());
 }
 
@@ -205,7 +206,7 @@ fn a_folder_that_is_deleted_in_a_session_holds_it_and_nothing_is_missing_at_the_
     let bench = Bench::new();
     let (child, mut viewer) = bench.start("");
     reach(&mut viewer, |message| message["cue"] == "open");
-    // In one step: the recorder writes a new journal where it finds none, also into a folder that is being emptied.
+    // One rename: the recorder writes a new journal where it finds none, even into a folder that is being emptied.
     let deleted = bench.folder.path().join("deleted");
     std::fs::rename(bench.out().join("anna"), &deleted).unwrap();
     std::fs::remove_dir_all(deleted).unwrap();
@@ -221,11 +222,12 @@ fn a_folder_that_is_deleted_in_a_session_holds_it_and_nothing_is_missing_at_the_
     assert!(told.contains("written anew"), "{told}");
     let files = recorded(&bench.out());
     assert_equal(&files, &bench.samples);
-    // From the countdown on, before the folder was deleted.
+    // The journal has the samples from the countdown on, from before the folder was deleted.
     assert!(files[0].len() > 200, "{}", files[0].len());
 }
 
-/// Set for the process alone, the rest of its line: somebody may run all ignored tests.
+/// Environment variable with the rest of the command line, set for the child process alone: somebody may run all
+/// ignored tests.
 const CHILD: &str = "MYOINTENT_TEST_RECORD";
 
 #[test]

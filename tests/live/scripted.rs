@@ -1,4 +1,4 @@
-//! A board that answers each command as a test says.
+//! Board that answers each command as a test says.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -11,14 +11,14 @@ use shared::uart_line::command::{Command, CommandReader};
 
 use super::board::Terminal;
 
-/// The board, until it is dropped.
+/// Board that runs until it is dropped.
 pub struct Scripted {
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<usize>>,
 }
 
 impl Scripted {
-    /// Its terminal is at the path `link`; `lines` gives what it writes for a command.
+    /// Starts a board whose terminal is at the path `link`; `lines` gives what it writes for a command.
     pub fn start(link: &Path, mut lines: impl FnMut(Command) -> String + Send + 'static) -> Self {
         let stop = Arc::new(AtomicBool::new(false));
         let terminal = Terminal::new(link);
@@ -42,7 +42,7 @@ impl Scripted {
         Self { stop, thread }
     }
 
-    /// Ends it: how many commands it was sent.
+    /// Ends the board; returns the number of commands that it was sent.
     pub fn end(mut self) -> usize {
         self.stop.store(true, Ordering::Relaxed);
         self.thread.take().unwrap().join().unwrap()
@@ -58,7 +58,7 @@ impl Drop for Scripted {
     }
 }
 
-/// What a board with this model says that it is.
+/// Answer to `IDENTIFY` of a board with this model.
 pub fn identity(model: u32) -> Answer<'static> {
     Answer::Identity(Identity {
         version: "0.1.0",
@@ -71,7 +71,7 @@ pub fn identity(model: u32) -> Answer<'static> {
     })
 }
 
-/// Which armband a board follows.
+/// Answer that names the armband a board follows.
 pub fn binding(following: Following) -> Answer<'static> {
     Answer::Binding(Binding {
         following,

@@ -1,4 +1,4 @@
-//! Who is answered, and what viewers of a recording are told.
+//! Server of the page: requests that it answers, and messages to viewers of a recording.
 
 use myointent::cli::replay;
 use myointent::live::Source;
@@ -37,7 +37,7 @@ fn the_page_is_served_to_this_machine_and_to_no_other_name_or_origin() {
         request(url, "POST", "/", &format!("Host: {host}\r\n")).0,
         405
     );
-    // A websocket without an upgrade.
+    // This asks for a websocket without an upgrade.
     assert_eq!(get(url, "socket").0, 400);
     let own = format!("http://{host}");
     assert!(Viewer::connect_from(url, Some(&own)).is_ok());
@@ -71,7 +71,7 @@ fn for_other_machines_the_address_has_a_token() {
     live.stop().unwrap();
 }
 
-/// The line of a message.
+/// Line of a message, as its fields.
 fn line(message: &Value) -> (bool, u64, u64, u64, String, bool) {
     (
         message["is_label"].as_bool().unwrap(),
@@ -145,11 +145,11 @@ fn viewers_of_a_recording_see_its_samples_and_the_labels_of_replay() {
             }
         }
         assert_eq!(next, Some(recording.samples.len() as u64));
-        // The state at the start, told to whoever comes, and every line since.
+        // A viewer is told the state at the start, and every line since.
         let begun = expected.iter().position(|line| *line == found[0]).unwrap();
         assert!(begun <= 1, "came late");
         assert_eq!(found, expected[begun..]);
-        // Of every patch, once there are the six outputs that a label depends on.
+        // Scores come for every patch, once there are the six outputs that a label depends on.
         assert!((113..=114).contains(&scores), "{scores}");
     }
     live.stop().unwrap();
@@ -196,7 +196,7 @@ fn who_says_what_no_page_says_is_put_out_and_the_others_stay() {
     live.stop().unwrap();
 }
 
-/// Says it, and reads why it is refused.
+/// Sends a message, and reads why it is refused.
 fn refused(viewer: &mut Viewer, said: &str) -> String {
     viewer.say(said);
     let wanted: Value = serde_json::from_str(said).unwrap();
@@ -216,7 +216,7 @@ fn without_a_session_viewers_are_refused_what_belongs_to_one_and_told_why() {
         let text = refused(&mut viewer, said);
         assert!(text.contains("`myointent record"), "{text}");
     }
-    // It stays.
+    // The viewer stays connected.
     viewer.say(r#"{"do":"align"}"#);
     viewer.find("alignment", |message| message["state"] == "waiting");
     live.stop().unwrap();

@@ -1,5 +1,4 @@
-//! The steps of the page of `record`: a board that follows nobody yet is bound from the page, and a step may be left out; by
-//! keys alone.
+//! Steps of the page of `record`, by keys alone: an unbound board is bound from the page, and a step may be left out.
 
 use myointent::live::Source;
 
@@ -20,7 +19,7 @@ fn a_new_board_is_bound_from_the_page_and_the_steps_lead_to_the_recording() {
     browser.look(1440, 900, "light", "reduce");
     browser.open(live.url());
 
-    // It follows nobody: that is the step now, and nothing can be recorded.
+    // The board follows no armband: binding is the step now, and nothing can be recorded.
     browser.wait_for(&step("bind", "now"));
     browser.wait_for(&is_seen("bind"));
     assert_eq!(browser.value(&step("connect", "done")), true);
@@ -33,7 +32,7 @@ fn a_new_board_is_bound_from_the_page_and_the_steps_lead_to_the_recording() {
     assert!(browser.text("setup-hint").contains("follows none yet"));
     browser.screenshot(&pictures().join("steps-bind.png"));
 
-    // A pairing that hears none is said so.
+    // The page says that a pairing heard no armband.
     browser.press("b");
     let listening = "document.getElementById('setup-task').textContent.startsWith('Listening')";
     browser.wait_for(listening);
@@ -45,7 +44,7 @@ fn a_new_board_is_bound_from_the_page_and_the_steps_lead_to_the_recording() {
     browser.wait_for(&step("bind", "done"));
     assert!(browser.text("step-bind").contains("FA:12:34:56:78:9A"));
 
-    // It streams, and may be aligned; who knows how it sits need not.
+    // The board streams, and may be aligned; a user who knows how the armband sits need not align it.
     browser.wait_for(&step("align", "now"));
     browser.wait_for(&is_seen("align-now"));
     browser.screenshot(&pictures().join("steps-align.png"));
@@ -57,7 +56,7 @@ fn a_new_board_is_bound_from_the_page_and_the_steps_lead_to_the_recording() {
     browser.press("a");
     let waiting = "document.getElementById('setup-task').textContent.startsWith('Open the')";
     browser.wait_for(waiting);
-    // One that failed is said so, and may be begun again.
+    // The page says that an alignment failed, and it may be begun again.
     browser.press("a");
     browser.wait_for("document.getElementById('setup-hint').textContent.startsWith('Alignment ended; nothing changed')");
     assert_eq!(browser.value(&step("align", "now")), true);
@@ -66,7 +65,7 @@ fn a_new_board_is_bound_from_the_page_and_the_steps_lead_to_the_recording() {
     browser.press("k");
     browser.wait_for(&step("align", "done"));
     browser.wait_for(&step("record", "now"));
-    // It need not be left out once more by who loads the page again.
+    // A step that was left out stays left out when the page is loaded again.
     browser.open(live.url());
     browser.wait_for(&step("align", "done"));
     browser.wait_for(&step("record", "now"));
@@ -77,7 +76,7 @@ fn a_new_board_is_bound_from_the_page_and_the_steps_lead_to_the_recording() {
     browser.press("e");
     browser.wait_for(&step("record", "done"));
     browser.wait_for(&step("tune", "now"));
-    // Nothing was recorded: another session is what comes next.
+    // Nothing was recorded: the next step is another session.
     let main = "document.querySelector('#result button.main').id";
     assert_eq!(browser.value(main), "again");
     assert_eq!(browser.complaints, [""; 0]);

@@ -1,4 +1,4 @@
-//! A viewer without a browser: HTTP and a websocket.
+//! Viewer without a browser: HTTP and a websocket.
 
 use std::collections::VecDeque;
 use std::io::{Read as _, Write as _};
@@ -10,23 +10,23 @@ use tungstenite::client::IntoClientRequest as _;
 use tungstenite::handshake::HandshakeError;
 use tungstenite::{Message, WebSocket};
 
-/// Long enough for a busy machine.
+/// Longest wait on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// A websocket of the page.
+/// Websocket of the page.
 pub struct Viewer {
     socket: WebSocket<TcpStream>,
     waiting: VecDeque<Value>,
 }
 
-/// Host and port of a page's address, and its path.
+/// Splits a page's address into host and port, and its path.
 fn parts(url: &str) -> (&str, &str) {
     let rest = url.strip_prefix("http://").unwrap();
     let slash = rest.find('/').unwrap();
     rest.split_at(slash)
 }
 
-/// A connection to the server of a page, on which nothing is asked for yet.
+/// Connects to the server of a page, without a request.
 pub fn dial(url: &str) -> TcpStream {
     let host = url.strip_prefix("http://").unwrap_or(url);
     let host = host.split('/').next().unwrap();
@@ -35,7 +35,7 @@ pub fn dial(url: &str) -> TcpStream {
     stream
 }
 
-/// Status and all that follows it, for a request with this method, path and headers.
+/// Sends a request with this method, path and headers; returns the status and all that follows it.
 pub fn request(url: &str, method: &str, path: &str, headers: &str) -> (u16, String) {
     let mut stream = dial(parts(url).0);
     let request = format!("{method} {path} HTTP/1.1\r\n{headers}Connection: close\r\n\r\n");
@@ -46,7 +46,7 @@ pub fn request(url: &str, method: &str, path: &str, headers: &str) -> (u16, Stri
     (status, answer)
 }
 
-/// As [`request`], as a browser asks.
+/// Sends a request for a file as a browser does; returns the status and all that follows it.
 pub fn get(url: &str, file: &str) -> (u16, String) {
     let (host, path) = parts(url);
     let path = format!("{path}{file}");
@@ -54,12 +54,12 @@ pub fn get(url: &str, file: &str) -> (u16, String) {
 }
 
 impl Viewer {
-    /// A viewer of the page at `url`.
+    /// Connects a viewer to the page at `url`.
     pub fn connect(url: &str) -> Self {
         Self::connect_from(url, None).unwrap()
     }
 
-    /// A viewer whose page has this origin; else the status of the refusal.
+    /// Connects a viewer whose page has this origin; fails with the status of the refusal.
     pub fn connect_from(url: &str, origin: Option<&str>) -> Result<Self, u16> {
         let (host, path) = parts(url);
         let address = format!("ws://{host}{path}socket");
@@ -80,7 +80,7 @@ impl Viewer {
         }
     }
 
-    /// The next message; none once the program has closed the connection.
+    /// Returns the next message; `None` once the program has closed the connection.
     pub fn next(&mut self) -> Option<Value> {
         while self.waiting.is_empty() {
             match self.socket.read() {
@@ -95,7 +95,7 @@ impl Viewer {
         self.waiting.pop_front()
     }
 
-    /// The next message of a type for which `is_it` holds.
+    /// Returns the next message of a type for which `is_it` holds.
     pub fn find(&mut self, kind: &str, is_it: impl Fn(&Value) -> bool) -> Value {
         let end = Instant::now() + PATIENCE;
         while Instant::now() < end {
