@@ -1,7 +1,7 @@
-//! Scenarios: a minute of armband, what happens to it, and what board, lines and pins have to do.
+//! Scenarios: a minute of an armband with its faults, and the expected behaviour of board, lines and pins.
 //!
-//! Every file of `tests/scenario` is a test, on the simulated board in virtual time, and on the emulated one where its time
-//! may be anybody's. README.md there has the format.
+//! Every file of `tests/scenario` is a test on the simulated board in virtual time, and on the emulated board unless
+//! its `simulation_only` says why not. README.md there describes the format.
 
 #[path = "scenario/runner/bench.rs"]
 mod bench;

@@ -1,4 +1,4 @@
-//! The boards that a scenario runs on.
+//! Boards that a scenario runs on.
 
 use std::fs;
 use std::path::Path;
@@ -16,20 +16,21 @@ use shared::units::Sample;
 use super::expectation::Models;
 use super::file::{Act, File, Model, Page, Scenario, Signal};
 
-/// The armband's address.
+/// Address of the armband.
 const ARMBAND: &str = "FA:12:34:56:78:9A";
-/// With it the emulated board's timeout of 200 ms is a second of real time.
+/// Factor by which the emulated board's clock runs slower than real time: its timeout of 200 ms is a second of real
+/// time.
 const TIME_SCALE: u32 = 5;
 const PACE: f64 = 3.0;
-/// The same where the armband has its true rate by the board's clock: what depends on time is as on a board.
+/// Factor of the clock where the armband has its true rate by that clock, so that times are as on a board.
 const TRUE_RATE_TIME_SCALE: u32 = 3;
-/// Longest wait for what is expected of the emulated board.
+/// Longest wait for an expected event of the emulated board.
 const PATIENCE: Duration = Duration::from_secs(90);
 
 /// Runs a scenario on the simulated board, in virtual time.
 ///
 /// # Errors
-/// When something is not as expected.
+/// Names the first expectation that does not hold.
 pub fn simulate(file: &File, program: &Path) -> anyhow::Result<()> {
     let Some(samples) = samples(&file.name, &file.scenario)? else {
         return Ok(());
@@ -65,7 +66,7 @@ pub fn simulate(file: &File, program: &Path) -> anyhow::Result<()> {
 /// Runs a scenario on the emulated board, against the virtual armband.
 ///
 /// # Errors
-/// When something is not as expected.
+/// Names the first expectation that does not hold.
 pub fn emulate(file: &File) -> anyhow::Result<()> {
     let scenario = &file.scenario;
     let Some(samples) = samples(&file.name, scenario)? else {
@@ -103,7 +104,7 @@ pub fn emulate(file: &File) -> anyhow::Result<()> {
         script,
         arguments,
     })?;
-    // It takes no command and no press before.
+    // The board takes no command and no press before.
     run.wait_for("the board's first line", |run| !run.comments().is_empty())?;
     for act in &scenario.person {
         carry_out(act, &mut run, time_scale)?;
@@ -130,7 +131,7 @@ pub fn emulate(file: &File) -> anyhow::Result<()> {
     run.check()
 }
 
-/// A scenario's times are the board's; the armband's script has real ones.
+/// Scales a step to real time: a scenario's times are the board's, the armband's script has real ones.
 fn slowed_down(mut step: Value, time_scale: u32) -> Value {
     for key in ["ms", "for_ms"] {
         if let Some(ms) = step[key].as_u64() {
@@ -182,7 +183,7 @@ fn fault(name: Option<&str>) -> anyhow::Result<Option<emulator::Fault>> {
     }))
 }
 
-/// What the armband streams; none where the recordings are missing.
+/// Reads or generates the armband's samples; returns `None` where the recordings are missing.
 fn samples(name: &str, scenario: &Scenario) -> anyhow::Result<Option<Vec<Sample>>> {
     let count = (scenario.seconds * 200.0).round() as usize;
     let Some(recording) = &scenario.recording else {
@@ -224,7 +225,7 @@ fn synthetic(signal: Signal, count: usize) -> Vec<Sample> {
         .collect()
 }
 
-/// A model of the repository.
+/// Reads a model of the repository.
 fn model_file(name: &str) -> anyhow::Result<Vec<u8>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
     let path = folder.join(name).with_extension("intent");

@@ -1,4 +1,4 @@
-//! What has to come of a scenario.
+//! Expectations of a scenario, and their check.
 
 mod pins;
 
@@ -12,48 +12,49 @@ use shared::stream::smoother::{Gate, Reaction};
 use shared::uart_line::Kind;
 use shared::units::{Millis, Sample};
 
-/// What has to come of a scenario; only what is given is checked.
+/// Expected result of a scenario; only the given fields are checked.
 #[derive(Deserialize, Clone, Default)]
 #[serde(deny_unknown_fields, default)]
 pub struct Expectation {
-    /// The numbered lines are those of the pipeline for these inputs.
+    /// Inputs of the pipeline whose lines equal the board's numbered lines.
     pipeline: Option<Vec<Reached>>,
-    /// Why the board was safe, from `$STATE` line to `$STATE` line, `valid` where it was not; equal neighbours count once.
+    /// Causes of the safe state, from `$STATE` line to `$STATE` line, `valid` where the state was not safe; equal
+    /// neighbours count once.
     states: Option<Vec<String>>,
-    /// Why the program started, each time.
+    /// Causes of each start of the program.
     starts: Option<Vec<String>>,
-    /// Comments that come so often.
+    /// Comments with their numbers.
     comments: Vec<Comment>,
     /// Bodies of the answers; one that ends in `…` may go on.
     answers: Option<Vec<String>>,
     /// States of alignments.
     alignments: Option<Vec<String>>,
-    /// How often `valid` rises.
+    /// Number of times that `valid` rises.
     rises: Option<usize>,
-    /// The counters of the last report.
+    /// Counters of the last report.
     counters: Option<Counters>,
     /// Milliseconds from the fault to safe pins, at most.
     safe_within_ms: Option<u32>,
-    /// Raw samples are those that were sent, from some sample on, without a hole.
+    /// True if raw samples must be those sent, from some sample on, without a hole.
     raw_without_holes: bool,
-    /// At least so many lines with raw samples.
+    /// Least number of lines with raw samples.
     raw_at_least: Option<usize>,
-    /// Counts that `COUNTERS` answered with last: by name, at least and at most.
+    /// Counts in the last answer to `COUNTERS`: name, least and most.
     counts: Vec<Count>,
-    /// Mean and longest time from the newest sample that a label depends on to the pins, in tenths of a millisecond: of all
-    /// labels that change the pins. Virtual time repeats, so both are exact.
+    /// Mean and longest time from the newest sample that a label depends on to the pins, in tenths of a millisecond,
+    /// over all labels that change the pins. Virtual time repeats, so both are exact.
     delay_tenths_ms: Option<(u32, u32)>,
-    /// After an installation the labels are those of the new model, from the samples that came before and since.
+    /// True if labels after an installation must be those of the new model, from the samples before and since.
     labels_of_installed: bool,
-    /// Whether the board may restart.
+    /// True if the board may restart.
     may_restart: bool,
-    /// The region holds the file that was installed.
+    /// True if the region must hold the file that was installed.
     pub installed: bool,
     /// Events in the virtual armband's log, which the simulated one does not have.
     armband: Vec<Happened>,
 }
 
-/// An event in the virtual armband's log.
+/// Event in the virtual armband's log.
 #[derive(Deserialize, Clone)]
 #[serde(deny_unknown_fields)]
 struct Happened {
@@ -68,55 +69,55 @@ const fn often() -> usize {
     usize::MAX
 }
 
-/// The models of a scenario.
+/// Models of a scenario.
 #[derive(Clone, Copy)]
 pub struct Models<'m> {
-    /// That of the region at first.
+    /// Model in the region at the start.
     pub first: &'m [u8],
-    /// The one that is installed.
+    /// Model that is installed.
     pub other: &'m [u8],
 }
 
-/// What reached the pipeline.
+/// Input of the pipeline.
 #[derive(Deserialize, Clone)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 enum Reached {
     /// Notifications from the first to before the second number.
     Sent(usize, usize),
-    /// So many notifications are lost.
+    /// Loss of so many notifications.
     Lost(usize),
-    /// The connection has ended.
+    /// End of the connection.
     Disconnected,
-    /// Nothing comes for so many milliseconds.
+    /// Silence of so many milliseconds.
     SilenceMs(u32),
-    /// An alignment is set: places, mirrored.
+    /// Alignment that is set: places, mirrored.
     Align(u8, bool),
-    /// The operating point is changed: margins in hundredths.
+    /// Change of the operating point: margins in hundredths.
     Gate {
         entry: Option<i16>,
         other: Option<i16>,
         reaction: Option<Reaction>,
     },
-    /// An installation begins to write.
+    /// Begin of an installation's writing.
     Suspended,
-    /// The other model is in use.
+    /// Change to the other model.
     Installed,
 }
 
-/// A comment line.
+/// Comment line, and how many the board must write.
 #[derive(Deserialize, Clone)]
 #[serde(deny_unknown_fields)]
 struct Comment {
-    /// What it contains.
+    /// Text that the line contains.
     text: String,
-    /// How many there are.
+    /// Exact number of such lines.
     times: Option<usize>,
-    /// At least so many.
+    /// Least number of such lines.
     #[serde(default)]
     least: usize,
 }
 
-/// Of the link.
+/// Counters of the link.
 #[derive(Deserialize, Clone, Copy, PartialEq, Eq, Debug)]
 #[serde(deny_unknown_fields)]
 struct Counters {
@@ -125,11 +126,11 @@ struct Counters {
     resets: u32,
 }
 
-/// Of an answer to `COUNTERS`.
+/// Bounds of a count in an answer to `COUNTERS`.
 #[derive(Deserialize, Clone)]
 #[serde(deny_unknown_fields)]
 struct Count {
-    /// As README.md names them.
+    /// Name, as in README.md.
     name: String,
     #[serde(default)]
     least: u32,
@@ -141,7 +142,7 @@ const fn any() -> u32 {
     u32::MAX
 }
 
-/// The counts of an answer to `COUNTERS`, in its order.
+/// Names of the counts in an answer to `COUNTERS`, in its order.
 const COUNTS: [&str; 16] = [
     "connections",
     "failed-connects",
@@ -162,7 +163,7 @@ const COUNTS: [&str; 16] = [
 ];
 
 impl Expectation {
-    /// Whether anything is expected that can fail.
+    /// Returns true if an expectation can fail.
     pub fn checks_something(&self) -> bool {
         self.pipeline.is_some()
             || self.states.is_some()
@@ -174,7 +175,7 @@ impl Expectation {
     /// Checks what a board has written.
     ///
     /// # Errors
-    /// Says what is not as expected.
+    /// Names the first expectation that does not hold.
     pub fn check(
         &self,
         models: Models<'_>,
@@ -194,7 +195,7 @@ impl Expectation {
     /// Checks what the virtual armband has seen.
     ///
     /// # Errors
-    /// Says what is not as expected.
+    /// Names the first expectation that does not hold.
     pub fn check_armband(&self, output: &Output) -> anyhow::Result<()> {
         for Happened { event, least, most } in &self.armband {
             let found = output.event_count(event);

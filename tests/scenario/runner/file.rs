@@ -1,4 +1,4 @@
-//! A scenario's file.
+//! File of a scenario.
 
 use std::path::{Path, PathBuf};
 
@@ -8,56 +8,56 @@ use toml::{Table, Value};
 
 use super::expectation::Expectation;
 
-/// One scenario: what armband, person and board do, and what has to come of it. README.md describes the keys.
+/// Scenario: actions of armband, person and board, and the expected result. README.md describes the keys.
 #[derive(Deserialize, Clone)]
 #[serde(deny_unknown_fields)]
 pub struct Scenario {
-    /// What it shows, in one sentence.
+    /// Sentence about what the scenario shows.
     pub about: String,
     /// Seconds of EMG.
     pub seconds: f64,
-    /// The recording that they are taken from, in the folder of recordings; without one they are noise.
+    /// Recording from which the samples are taken, in the folder of recordings; without one they are synthetic.
     pub recording: Option<PathBuf>,
-    /// What it is without a recording.
+    /// Synthetic EMG, where there is no recording.
     #[serde(default)]
     pub signal: Signal,
-    /// What the model's region holds.
+    /// Content of the model's region.
     #[serde(default)]
     pub model: Model,
-    /// What the page of the bound armband holds.
+    /// Content of the page of the bound armband.
     #[serde(default)]
     pub page: Page,
-    /// Why only the simulated board runs it.
+    /// Reason why only the simulated board runs it.
     pub simulation_only: Option<String>,
-    /// How many times slower than real time the emulated board's clock runs.
+    /// Factor by which the emulated board's clock runs slower than real time.
     pub time_scale: Option<u32>,
-    /// Whether the emulated board gets the armband's rate by its own clock.
+    /// True if the armband has its true rate by the emulated board's clock.
     #[serde(default)]
     pub true_rate: bool,
-    /// What has to come of it.
+    /// Expected result.
     pub expect: Expectation,
 
     // For the board's surroundings; firmware/src/board/simulated/scenario.rs has their types.
     #[serde(rename = "run_seconds")]
     _run_seconds: Value,
-    /// What follows the last sample.
+    /// Event after the last sample.
     #[serde(default = "silence")]
     pub end: String,
-    /// How many times faster than an armband it streams.
+    /// Factor by which the armband streams faster than a real one.
     #[serde(default = "as_an_armband")]
     pub pace: f64,
-    /// The EMG characteristic that a stream starts with.
+    /// Index of the EMG characteristic that a stream starts with.
     #[serde(default)]
     pub first_lane: u8,
-    /// What the armband does wrong.
+    /// Faults of the armband.
     #[serde(default)]
     pub armband: Vec<Table>,
     /// Another armband.
     pub stranger: Option<Stranger>,
-    /// What a person does.
+    /// Actions of a person.
     #[serde(default)]
     pub person: Vec<Act>,
-    /// What goes wrong on the board.
+    /// Fault of the board.
     pub fault: Option<String>,
     #[serde(rename = "interval_ms")]
     _interval_ms: Option<Value>,
@@ -69,7 +69,7 @@ pub struct Scenario {
     _power_fails_at: Option<Value>,
     #[serde(rename = "power_fails_done")]
     _power_fails_done: Option<Value>,
-    /// The model that a person installs: a file of `models` without `.intent`.
+    /// Model that a person installs: a file of `models` without `.intent`.
     pub install: Option<String>,
 }
 
@@ -90,41 +90,41 @@ pub enum Signal {
     Effort,
     /// Rest.
     Rest,
-    /// As effort, from electrodes that are all at their limit.
+    /// Effort, with all electrodes at their limit.
     Saturated,
-    /// The same value all the time.
+    /// One value at all times.
     Constant,
 }
 
-/// What the model's region holds.
+/// Content of the model's region.
 #[derive(Deserialize, Clone, Default, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum Model {
-    /// The model of the README.
+    /// Model of the README.
     #[default]
     Shipped,
-    /// Nothing: erased flash.
+    /// Erased flash.
     Erased,
-    /// The first half of it.
+    /// First half of the shipped model.
     Half,
-    /// It with a bit of a weight changed.
+    /// Shipped model with a bit of a weight changed.
     FlippedBit,
-    /// It with another format version.
+    /// Shipped model with another format version.
     AnotherVersion,
 }
 
-/// What the page of the bound armband holds.
+/// Content of the page of the bound armband.
 #[derive(Deserialize, Clone, Copy, Default, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum Page {
-    /// The armband of the scenario.
+    /// Record of the scenario's armband.
     #[default]
     Bound,
-    /// Nothing: erased flash.
+    /// Erased flash.
     Erased,
-    /// A record without the checksum.
+    /// Record without the checksum.
     HalfWritten,
-    /// A record with a bit of the address changed.
+    /// Record with a bit of the address changed.
     FlippedBit,
 }
 
@@ -132,41 +132,41 @@ pub enum Page {
 #[derive(Deserialize, Clone)]
 #[serde(deny_unknown_fields)]
 pub struct Stranger {
-    /// A public one.
+    /// Public address.
     pub address: String,
     /// Strength of its signal, dBm; the armband's own is -50.
     pub rssi: i8,
 }
 
-/// What a person does, once as many notifications were sent as `at` says.
+/// Action of a person, once as many notifications were sent as `at` says.
 #[derive(Deserialize, Clone)]
 #[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Act {
-    /// Presses the button.
+    /// Press of the button.
     Press {
         /// Notifications before.
         at: usize,
         /// Milliseconds until it is released.
         for_ms: u64,
     },
-    /// Sends a line.
+    /// Line that is sent.
     Send {
         /// Notifications before.
         at: usize,
-        /// Its body.
+        /// Body of the line.
         command: String,
     },
-    /// Sends bytes.
+    /// Bytes that are sent.
     SendBytes {
         /// Notifications before.
         at: usize,
-        /// Each character is a byte.
+        /// Text of which each character is a byte.
         text: String,
-        /// How often.
+        /// Number of times that the text is sent.
         #[serde(default = "once")]
         times: usize,
     },
-    /// Installs a model: on the simulated board alone.
+    /// Installation of a model, on the simulated board only.
     Install {
         /// Notifications before.
         at: usize,
@@ -183,23 +183,23 @@ const fn once() -> usize {
     1
 }
 
-/// A file and what it says.
+/// File of a scenario, read.
 #[derive(Clone)]
 pub struct File {
-    /// Its name without `.toml`.
+    /// Name of the file without `.toml`.
     pub name: String,
-    /// Where it is.
+    /// Path of the file.
     pub path: PathBuf,
-    /// What it says, with every step that is repeated written out.
+    /// Text of the file, with every repeated step written out.
     pub text: String,
-    /// The same.
+    /// Scenario of this text.
     pub scenario: Scenario,
 }
 
-/// All scenarios of a folder, by name.
+/// Reads all scenarios of a folder, by name.
 ///
 /// # Errors
-/// When a file cannot be read, or is none.
+/// Fails when a file cannot be read, or is no scenario.
 pub fn all(folder: &Path) -> anyhow::Result<Vec<File>> {
     let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).with_context(|| folder.display().to_string())? {
@@ -234,7 +234,7 @@ fn read(path: PathBuf) -> anyhow::Result<File> {
     })
 }
 
-/// A step that has `times` and `every`, as many.
+/// Writes out a step with `times` and `every` as so many steps.
 fn written_out(step: Value) -> Vec<Value> {
     let Value::Table(mut step) = step else {
         return vec![step];

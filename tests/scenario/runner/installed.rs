@@ -9,13 +9,13 @@ use shared::units::{PATCH, Sample, WINDOW};
 
 use super::expectation::Models;
 
-/// Fewest labels after the installation that show something.
+/// Least number of labels after the installation.
 const LABELS: usize = 50;
 
 /// Checks the labels after the last installation, if that is asked for.
 ///
 /// # Errors
-/// When they are not those of the new model.
+/// Fails when they are not those of the new model.
 pub fn check(
     wanted: bool,
     models: Models<'_>,
@@ -34,8 +34,8 @@ pub fn check(
         found[0].emitted.0 as usize,
         found[found.len() - 1].emitted.0 as usize,
     );
-    // The encoder takes a patch of the window with each sample, and labels go on when it has nearly caught up. Nobody writes
-    // at which sample it began: one has to fit.
+    // The encoder takes a patch of the window with each sample, and labels go on when it has nearly caught up. No line
+    // says at which sample it began: one candidate has to fit.
     let earliest = first.saturating_sub(WINDOW / PATCH + PATCH) / 2 * 2;
     for resumed in (earliest..first).step_by(2) {
         let until = |end: usize| -> anyhow::Result<Vec<Report>> {
@@ -64,16 +64,16 @@ pub fn check(
     anyhow::bail!("{} labels that are not those of the new model", found.len())
 }
 
-/// Where the last installation begins.
+/// Returns the index of the report at which the last installation begins.
 fn position(reports: &[Report]) -> Option<usize> {
     let begins = |report: &Report| report.status.cause() == Some(Cause::Installation);
     let last = reports.iter().rposition(begins)?;
-    // It is written again and again.
+    // The report is written repeatedly.
     let before = reports[..last].iter().rposition(|report| !begins(report));
     Some(before.map_or(0, |before| before + 1))
 }
 
-/// The labels until the state is safe again.
+/// Returns the labels until the state is safe again.
 fn labels(reports: &[Report]) -> Vec<Report> {
     let valid = reports
         .iter()
@@ -85,7 +85,7 @@ fn labels(reports: &[Report]) -> Vec<Report> {
         .collect()
 }
 
-/// Whether labels, their samples and losses agree; the numbers of lines differ.
+/// Returns true if labels, their samples and losses agree; the numbers of lines differ.
 fn same(one: &[Report], other: &[Report]) -> bool {
     let plain = |report: &Report| {
         (

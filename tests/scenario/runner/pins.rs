@@ -50,7 +50,7 @@ impl Expectation {
         let mut delays = Vec::new();
         for (report, pins) in labels.zip(pins) {
             ensure!(pins.high == [report.status.label()], "{pins:?}: {report}");
-            // Five milliseconds a sample, the first one due by then.
+            // A sample takes five milliseconds; the first one is due by then.
             let sampled = began + 5000 * (report.emitted.0 + 1);
             delays.push((pins.at_us - sampled + 50) / 100);
         }
