@@ -1,8 +1,8 @@
-//! Hours of armband in virtual time, with faults, through session, queue, pipeline and smoother.
+//! Hours of a faulty armband in virtual time, through session, queue, pipeline and smoother.
 //!
-//! An hour by default; `MYOINTENT_SOAK_HOURS=24` for a day, `MYOINTENT_SOAK_SEED=7` for other faults and clocks. The device's
-//! clock wraps ten minutes after the start, the position of samples after eight, and the count of lost samples stays at its
-//! maximum from some 96 000 on: the first position counts as lost ones before it.
+//! A run takes an hour by default; `MYOINTENT_SOAK_HOURS=24` sets a day, `MYOINTENT_SOAK_SEED=7` other faults and
+//! clocks. The device's clock wraps ten minutes after the start, the position of samples after eight. The first
+//! position counts as lost samples before it, so their counter stays at its maximum from some 96 000 on.
 
 #[path = "soak/armband.rs"]
 mod armband;
@@ -21,7 +21,8 @@ use faults::{Fault, Faults};
 
 /// Seed of faults, delays and clocks unless another is given.
 const SEED: u64 = 42;
-/// How much larger the program may be at the end than after the first minutes: less than a byte a notification of an hour.
+/// Most growth of the program's memory from the first minutes to the end, in KiB: less than a byte a notification of an
+/// hour.
 const GROWTH_KIB: u64 = 256;
 const FIRST_MS: u64 = 900_000;
 
@@ -43,14 +44,14 @@ fn setting(name: &str) -> Option<u64> {
     Some(value.parse().unwrap_or_else(|_| panic!("{name}: a number")))
 }
 
-/// Runs so many hours and prints what happened.
+/// Runs so many hours and prints the counts.
 fn soak(device: &mut Device<'_, '_>, hours: u64, seed: u64) {
     let mut faults = Faults::new(seed);
     let mut armband = Armband::new(device, seed);
     let mut first_kib = None;
     let mut incidents = 0;
     while armband.elapsed_ms() < hours * 3_600_000 {
-        // Long enough for a full window, and for whatever came late to be decided.
+        // The pause is long enough for a full window, and for the session to decide on late notifications.
         let clean = faults.pause();
         armband.stream(clean);
         armband.must_be_true();

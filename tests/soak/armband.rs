@@ -1,4 +1,4 @@
-//! A virtual armband and the radio between, in virtual time: one millisecond after the other.
+//! Virtual armband and radio in virtual time, in steps of one millisecond.
 
 mod radio;
 
@@ -13,27 +13,28 @@ use self::radio::{Answer, FIRMWARE};
 use super::device::{Device, QUEUE, numbered};
 use super::faults::{Fault, STALLED_MS};
 
-/// Period of the notifications by the device's clock: the armband's runs up to 200 ppm slower or faster. Drawn anew with
-/// every connection.
+/// Period of the notifications in microseconds by the device's clock: the armband's runs up to 200 ppm slower or
+/// faster. Drawn anew with every connection.
 const PERIOD_US: RangeInclusive<u64> = 9_998..=10_002;
-/// Most notifications that are given up where a loss is not told from a delay: as many as are held then.
+/// Most notifications that are given up where a loss cannot be told from a delay: as many as are held then.
 const HELD: u32 = 24;
-/// Notifications lost in a row from which on that is so: the lanes cannot show them.
+/// Number of notifications lost in a row from which on the lanes do not show the loss, so it cannot be told from a
+/// delay.
 const UNSEEN: u32 = 4;
-/// Every so many notifications one has no delay.
+/// Period, in notifications, of those without a delay.
 const PROMPT_EVERY: u32 = 5;
-/// Longest delay of the others, in microseconds.
+/// Longest delay of the other notifications, in microseconds.
 const JITTER_US: u64 = 7_000;
-/// Longest time to a stream: failed attempts and operations without an answer included.
+/// Longest time to a stream, failed attempts and operations without an answer included.
 const PATIENCE_MS: u64 = 120_000;
 
-/// The four lanes of EMG.
+/// Characteristics of the four lanes of EMG.
 const EMG: [Characteristic; 4] = {
     let [_, _, emg @ .., _] = Characteristic::ALL;
     emg
 };
 
-/// What the radio has received, at its time.
+/// Notification that the radio has received, with its time.
 #[derive(Clone, Copy, Debug)]
 struct Arrival {
     at_us: u64,
@@ -42,26 +43,27 @@ struct Arrival {
     length: usize,
 }
 
-/// An armband, the radio, and the device that they meet.
+/// Armband and radio, with the device that they meet.
 pub struct Armband<'d, 'm, 's> {
     device: &'d mut Device<'m, 's>,
     random: ChaCha8Rng,
     now_us: u64,
-    /// From a notification to the next.
+    /// Time from a notification to the next.
     period_us: u64,
     /// Answers of the radio, each at its time.
     answers: VecDeque<(u64, Answer)>,
     scanning: bool,
     /// Number of the next notification since the armband was switched on.
     number: u32,
-    /// When the armband sends it.
+    /// Time at which the armband sends it.
     sends_at_us: u64,
     on_air: VecDeque<Arrival>,
-    /// Until then the radio delivers nothing.
+    /// Time until which the radio delivers nothing.
     held_until_us: u64,
-    /// Until then the inference does not run.
+    /// Time until which the inference does not run.
     busy_until_us: u64,
-    /// Connections that will fail, operations that will not be answered, or refused, firmware versions that are too old.
+    /// Number of connections that will fail; below, of operations that will not be answered, of those that will be
+    /// refused, and of firmware versions that are too old.
     refused: u32,
     unanswered: u32,
     failing: u32,
@@ -69,12 +71,12 @@ pub struct Armband<'d, 'm, 's> {
     injected: Injected,
     /// Packets that arrived while the inference did not run.
     waiting: u32,
-    /// The session's count of given-up samples at the last look, and most of them since.
+    /// Session's count of given-up samples at the last check; below, most that may be given up since.
     given_up: u32,
     may_give_up: u32,
 }
 
-/// Counts of what was done to the stream.
+/// Counts of the injected faults.
 #[derive(Default, Debug)]
 struct Injected {
     kinds: BTreeMap<&'static str, u32>,
@@ -96,7 +98,7 @@ struct Injected {
 }
 
 impl<'d, 'm, 's> Armband<'d, 'm, 's> {
-    /// An armband that advertises, before a device's first event.
+    /// Creates an armband that advertises, before a device's first event.
     pub fn new(device: &'d mut Device<'m, 's>, seed: u64) -> Self {
         Self {
             device,
@@ -121,7 +123,7 @@ impl<'d, 'm, 's> Armband<'d, 'm, 's> {
         }
     }
 
-    /// Virtual milliseconds so far.
+    /// Returns the virtual milliseconds so far.
     pub const fn elapsed_ms(&self) -> u64 {
         self.now_us / 1000
     }
@@ -138,19 +140,19 @@ impl<'d, 'm, 's> Armband<'d, 'm, 's> {
         }
     }
 
-    /// After a pause without faults labels are valid, and every count is what was injected.
+    /// Asserts that labels are valid after a pause without faults, and that every count equals the injected one.
     pub fn must_be_true(&mut self) {
         assert!(self.device.is_valid(), "not valid after {}", self.summary());
         let counters = self.device.session.counters();
         let injected = &self.injected;
-        // Samples that were lost, and those that were given up since nobody knew their place among them. The numbers that
-        // samples carry say how many are missing; none is but these.
+        // Missing samples were lost, or given up because their place among the lost ones was unknown. The numbers that
+        // samples carry say how many are missing: no other sample may be.
         let totals = self.device.truth.totals;
         let dropped = 2 * u64::from(self.device.dropped);
         let lost = 2 * u64::from(injected.lost + injected.malformed);
         let gone = lost + u64::from(counters.given_up) + dropped;
         assert_eq!(totals.missing, gone, "{}", self.summary());
-        // What came was taken, or is one of these.
+        // Samples that came were taken, given up or dropped.
         let came = 2 * u64::from(counters.notifications - counters.duplicates);
         let taken = totals.samples + u64::from(counters.given_up) + dropped;
         assert_eq!(came, taken, "{}", self.summary());
@@ -181,12 +183,12 @@ impl<'d, 'm, 's> Armband<'d, 'm, 's> {
         (self.given_up, self.may_give_up) = (counters.given_up, 0);
     }
 
-    /// How often each fault has happened.
+    /// Returns the number of times that each fault has happened.
     pub const fn faults_seen(&self) -> &BTreeMap<&'static str, u32> {
         &self.injected.kinds
     }
 
-    /// What has happened so far.
+    /// Returns the counts so far as text.
     pub fn summary(&self) -> String {
         format!(
             "{:?}; {:?}; pipeline {:?}; {} packets dropped by a full queue; injected {:?}",
@@ -198,7 +200,7 @@ impl<'d, 'm, 's> Armband<'d, 'm, 's> {
         )
     }
 
-    /// Lets something go wrong.
+    /// Injects a fault.
     pub fn suffer(&mut self, fault: Fault) {
         *self.injected.kinds.entry(fault.kind()).or_default() += 1;
         match fault {
@@ -260,14 +262,14 @@ impl<'d, 'm, 's> Armband<'d, 'm, 's> {
         }
     }
 
-    /// The link is lost, with what is on the air.
+    /// Loses the link, with what is on the air.
     fn disconnect(&mut self) {
         self.on_air.clear();
         self.answers.clear();
         self.event(Event::Disconnected);
     }
 
-    /// So many notifications that the armband sends are lost. Many of them end the stream, and are counted by nobody.
+    /// Loses so many notifications that the armband sends. Many of them end the stream, and no counter counts them.
     fn lose(&mut self, count: u32) {
         self.settle();
         if 10 * count >= STALLED_MS {
@@ -312,7 +314,7 @@ impl<'d, 'm, 's> Armband<'d, 'm, 's> {
         [first, second]
     }
 
-    /// A millisecond passes.
+    /// Advances the time by a millisecond.
     fn millisecond(&mut self) {
         self.now_us += 1000;
         if self.device.is_streaming() {

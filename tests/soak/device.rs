@@ -1,4 +1,4 @@
-//! The device between radio and label, and what has to hold of it at every moment.
+//! Device between radio and label, and the conditions that hold at every moment.
 
 use std::collections::VecDeque;
 
@@ -12,20 +12,20 @@ use shared::units::{Millis, Sample};
 
 use super::truth::Truth;
 
-/// Packets that the queue holds, as on a board.
+/// Number of packets that the queue holds, as on a board.
 pub const QUEUE: usize = 32;
-/// The clock at the start: it wraps ten minutes later.
+/// Clock at the start: it wraps ten minutes later.
 const START: Millis = Millis(u32::MAX - 600_000);
 /// Position of the first sample: positions wrap after eight minutes.
 const FIRST: u32 = u32::MAX - 96_000;
 
-/// The armband that the device follows.
+/// Address of the armband that the device follows.
 pub const ARMBAND: Address = Address {
     kind: AddressKind::Public,
     bytes: [1, 0, 0, 0, 0, 0xfa],
 };
 
-/// A sample that carries its number.
+/// Returns a sample that carries its number.
 pub const fn numbered(number: u32) -> Sample {
     let [a, b, c, d] = number.to_le_bytes();
     let noise = (number.wrapping_mul(2_654_435_761) >> 24) as u8;
@@ -46,7 +46,7 @@ fn number(sample: Sample) -> u32 {
     u32::from_le_bytes([a, b, c, d])
 }
 
-/// Everything from notification to label, as the firmware connects it.
+/// All steps from notification to label, connected as in the firmware.
 pub struct Device<'m, 's> {
     pub session: MyoSession,
     sequencer: Sequencer,
@@ -57,7 +57,7 @@ pub struct Device<'m, 's> {
     pub truth: Truth,
 }
 
-/// Runs something with a device that has this model.
+/// Runs a function with a device that has this model.
 pub fn with_device(model: &[u8], run: impl FnOnce(&mut Device<'_, '_>)) {
     let model = Model::parse(model).expect("a model");
     let encoder = DeviceEncoder::new(&model).expect("a model for boards");
@@ -84,12 +84,12 @@ pub fn with_device(model: &[u8], run: impl FnOnce(&mut Device<'_, '_>)) {
 }
 
 impl Device<'_, '_> {
-    /// The clock so many milliseconds after the start.
+    /// Returns the clock so many milliseconds after the start.
     pub const fn clock(elapsed_ms: u64) -> Millis {
         Millis(START.0.wrapping_add(elapsed_ms as u32))
     }
 
-    /// Passes an event to the session; gives the actions for the radio.
+    /// Passes an event to the session; returns the actions for the radio.
     pub fn handle(&mut self, now: Millis, event: Event<'_>) -> Vec<Action> {
         let mut actions = Vec::new();
         let (sequencer, queue) = (&mut self.sequencer, &mut self.queue);
@@ -148,12 +148,12 @@ impl Device<'_, '_> {
         }
     }
 
-    /// Whether `valid` is high.
+    /// Returns true if `valid` is high.
     pub const fn is_valid(&self) -> bool {
         self.pipeline.status().valid()
     }
 
-    /// Whether samples come, or are to come.
+    /// Returns true if samples come, or are to come.
     pub fn is_streaming(&self) -> bool {
         self.session.phase() == Phase::Streaming
     }

@@ -1,48 +1,48 @@
-//! What goes wrong, drawn from a seed.
+//! Faults, drawn from a seed.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Silences from here on end the stream, after a second; shorter ones, below [`PAUSED_MS`], do not.
+/// Shortest silence that ends the stream, after a second. Shorter ones, below [`PAUSED_MS`], do not.
 pub const STALLED_MS: u32 = 1_200;
 const PAUSED_MS: u32 = 900;
 
-/// Something that goes wrong once.
+/// Fault that happens once.
 #[derive(Clone, Copy, Debug)]
 pub enum Fault {
-    /// So many notifications are lost; the next one arrives in time.
+    /// Loss of so many notifications; the next one arrives in time.
     Lose(u32),
-    /// One notification of two is lost, so many times.
+    /// Loss of one notification of two, so many times.
     LoseEveryOther(u32),
-    /// A notification comes twice.
+    /// Notification that comes twice.
     Duplicate,
-    /// Two notifications change places.
+    /// Exchange of two notifications.
     Swap,
-    /// The radio delays everything for so many milliseconds.
+    /// Delay of everything by the radio, for so many milliseconds.
     Stall(u32),
-    /// No notification for so many milliseconds; then the stream goes on.
+    /// Silence of so many milliseconds; then the stream goes on.
     Silence(u32),
-    /// The link is lost, so many attempts to connect fail, and so many operations of the set-up are not answered.
+    /// Loss of the link, after which attempts to connect fail and operations of the set-up are not answered.
     Disconnect {
-        /// Attempts to connect that fail.
+        /// Number of attempts to connect that fail.
         refused: u32,
-        /// Operations without an answer.
+        /// Number of operations without an answer.
         unanswered: u32,
     },
-    /// The link is lost, and the armband refuses the first subscription.
+    /// Loss of the link, after which the armband refuses the first subscription.
     FailedSetUp,
-    /// The link is lost, and the armband has a firmware that is refused, once.
+    /// Loss of the link, after which the armband once has a firmware that is refused.
     OldFirmware,
-    /// A notification is cut to so many bytes.
+    /// Notification that is cut to so many bytes.
     Malformed(u8),
-    /// A notification of a characteristic that nobody subscribed to.
+    /// Notification of a characteristic without a subscription.
     Foreign,
-    /// The inference does not run for so many milliseconds.
+    /// Pause of the inference, for so many milliseconds.
     Backlog(u32),
 }
 
 impl Fault {
-    /// Names of all.
+    /// Names of all faults.
     pub const KINDS: [&'static str; 12] = [
         "lose",
         "lose-every-other",
@@ -58,7 +58,7 @@ impl Fault {
         "old-firmware",
     ];
 
-    /// Its name.
+    /// Returns the name of the fault.
     pub const fn kind(self) -> &'static str {
         Self::KINDS[match self {
             Self::Lose(_) => 0,
@@ -77,17 +77,17 @@ impl Fault {
     }
 }
 
-/// The faults of a run, and the pauses between them.
+/// Faults of a run, and the pauses between them.
 pub struct Faults(ChaCha8Rng);
 
 impl Faults {
-    /// Of a seed.
+    /// Creates the faults of a seed.
     pub fn new(seed: u64) -> Self {
         Self(ChaCha8Rng::seed_from_u64(seed))
     }
 
-    /// Notifications without a fault: 4 to 12 s; and now and then five minutes, in which a clock of 200 ppm goes wrong by
-    /// more than a round of the lanes.
+    /// Draws the number of notifications without a fault: 4 to 12 s, and sometimes five minutes, in which a clock of
+    /// 200 ppm goes wrong by more than a round of the lanes.
     pub fn pause(&mut self) -> u32 {
         if self.0.random_ratio(1, 40) {
             30_000
@@ -96,7 +96,7 @@ impl Faults {
         }
     }
 
-    /// The next one.
+    /// Draws the next fault.
     pub fn next(&mut self) -> Fault {
         let random = &mut self.0;
         match random.random_range(0..Fault::KINDS.len()) {

@@ -1,6 +1,6 @@
-//! What the program takes of the PC's memory.
+//! Memory of the program on the PC.
 
-/// Memory that it holds now; none where the system does not say.
+/// Returns the resident memory in KiB; `None` where the system does not say.
 pub fn resident_kib() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status

@@ -1,23 +1,23 @@
-//! The radio between armband and device: passes events, and answers what the session asks for.
+//! Radio between armband and device: passes events, and answers the session's actions.
 
 use shared::myo::{Action, Characteristic, Event, Phase, Uuid};
 
 use super::super::device::{ARMBAND, Device};
 use super::Armband;
 
-/// How long an operation takes.
+/// Duration of an operation in milliseconds.
 const OPERATION_MS: u64 = 6;
 
-/// A value of the Firmware Version of a real armband: 1.5.1970, rev D.
+/// Firmware Version of a real armband: 1.5.1970, rev D.
 pub(super) const FIRMWARE: [u8; 8] = [1, 0, 5, 0, 0xb2, 0x07, 2, 0];
 
-/// And of one that is refused: 0.8.
+/// Firmware Version that is refused: 0.8.
 const OLD_FIRMWARE: [u8; 8] = [0, 0, 8, 0, 0, 0, 1, 0];
 
-/// The control service, which the armband advertises.
+/// Control service, which the armband advertises.
 const CONTROL: Uuid = Uuid::Vendor(0x0001);
 
-/// What the radio does after an action.
+/// Reaction of the radio to an action.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Answer {
     Advertise,
@@ -31,7 +31,7 @@ pub(super) enum Answer {
 }
 
 impl<'d, 'm, 's> Armband<'d, 'm, 's> {
-    /// Passes an event to the device, and does what its session asks of the radio.
+    /// Passes an event to the device, and executes its session's actions.
     pub(super) fn event(&mut self, event: Event<'_>) {
         let now = Device::clock(self.now_us / 1000);
         for action in self.device.handle(now, event) {
@@ -50,7 +50,7 @@ impl<'d, 'm, 's> Armband<'d, 'm, 's> {
                 }
                 Action::Connect(_) => Answer::Connected,
                 Action::Disconnect => Answer::Disconnected,
-                // Only of a set-up: nothing is asked while it streams but what keeps the armband awake.
+                // Only operations of the set-up fail: while it streams, the session only keeps the armband awake.
                 _ if self.unanswered > 0 && self.device.session.phase() == Phase::SettingUp => {
                     self.unanswered -= 1;
                     self.injected.timeouts += 1;
@@ -70,7 +70,7 @@ impl<'d, 'm, 's> Armband<'d, 'm, 's> {
         }
     }
 
-    /// Tells the device what the radio has done.
+    /// Tells the device the radio's reaction.
     pub(super) fn answer(&mut self, answer: Answer) {
         match answer {
             Answer::Advertise if !self.scanning => {}

@@ -1,4 +1,4 @@
-//! What is known without the device's own counters: numbers that the samples carry, and the rules of README in their
+//! Expected state without the device's own counters: numbers that the samples carry, and the rules of README in their
 //! plainest form.
 
 use std::collections::VecDeque;
@@ -7,27 +7,27 @@ use shared::stream::safe_state::{SILENCE_MS, Status};
 use shared::uart_line::{Counters, Kind, Report};
 use shared::units::{HOLD, LOOK_AHEAD, Millis, PATCH, SampleIndex, WINDOW};
 
-/// How many of the window's samples have to be received ones; a patch is taken or left as a whole.
+/// Least number of received samples in the window; a patch is taken or left as a whole.
 const RECEIVED: usize = 540 - PATCH;
-/// Most samples in a row that are filled in, and most of a window's.
+/// Most samples in a row that are filled in; below, most of a window's.
 const BRIDGED: u32 = 5;
 const BRIDGED_OF_WINDOW: usize = 60;
 
-/// What is expected of the device.
+/// Expected state of the device.
 #[derive(Default)]
 pub struct Truth {
     /// Number and position of the last sample of the stream.
     last: Option<(u32, u32)>,
     /// Positions of the newest received samples.
     received: VecDeque<u32>,
-    /// When the last sample was taken.
+    /// Time at which the last sample was taken.
     at: Option<Millis>,
     position: u32,
     window: Window,
-    /// Of the lines so far.
+    /// Number of the next line.
     sequence: u32,
     status: Option<Status>,
-    /// Instant and line of the last label, while the state has been valid since.
+    /// Instant and line of the last label, if the state has been valid since.
     label: Option<(SampleIndex, SampleIndex)>,
     pub totals: Totals,
 }
@@ -37,25 +37,25 @@ pub struct Truth {
 pub struct Totals {
     /// Samples that the pipeline took.
     pub samples: u64,
-    /// Samples missing between two others, by their numbers.
+    /// Samples missing between two others, by the numbers that they carry.
     pub missing: u64,
-    /// The same as the positions have it.
+    /// Samples missing between two others, by their positions.
     pub counted: u64,
     /// Labels while valid.
     pub labels: u64,
 }
 
-/// The window of the pipeline, as a list.
+/// Window of the pipeline, as a list.
 #[derive(Default)]
 struct Window {
-    /// Whether each of its samples was filled in, since the last reset; the ring has all but the first.
+    /// True for each sample since the last reset that was filled in; the ring has all but the first.
     filled_in: VecDeque<bool>,
     length: usize,
     counters: Counters,
 }
 
 impl Truth {
-    /// Samples are missing before the next one.
+    /// Adds a gap: samples are missing before the next one.
     pub fn gap(&mut self, now: Millis, missing: u32) {
         self.silence(now);
         self.position = self.position.wrapping_add(missing);
@@ -65,7 +65,7 @@ impl Truth {
         self.window.gap(missing);
     }
 
-    /// Another stream: what was lost between is not counted.
+    /// Ends the stream: samples lost before the next stream are not counted.
     pub fn disconnected(&mut self) {
         self.last = None;
         self.received.clear();
@@ -73,7 +73,7 @@ impl Truth {
         self.window.reset();
     }
 
-    /// Time passes; after 200 ms without a sample the window begins anew.
+    /// Advances the time; after 200 ms without a sample the window begins anew.
     pub fn silence(&mut self, now: Millis) {
         if self.is_silent(now) {
             self.at = None;
@@ -81,12 +81,12 @@ impl Truth {
         }
     }
 
-    /// Whether there was no sample for 200 ms, or there is no stream.
+    /// Returns true if there was no sample for 200 ms, or there is no stream.
     pub fn is_silent(&self, now: Millis) -> bool {
         self.at.is_none_or(|at| now.elapsed_since(at) >= SILENCE_MS)
     }
 
-    /// The next sample, which carries its number.
+    /// Adds the next sample, which carries its number.
     pub fn sample(&mut self, now: Millis, number: u32) {
         self.silence(now);
         self.at = Some(now);
@@ -95,8 +95,8 @@ impl Truth {
         self.position = position.wrapping_add(1);
         if let Some((last_number, last_position)) = self.last.replace((number, position)) {
             assert!(number > last_number, "{number} after {last_number}");
-            // The lanes show losses of up to three notifications, arrival times the larger ones: exactly here, where one
-            // notification of five has no delay. So positions do not drift from the numbers, however long the run.
+            // The lanes show losses of up to three notifications, arrival times the larger ones: exactly here, where
+            // one notification of five has no delay. So positions do not drift from the numbers, however long the run.
             let step = position.wrapping_sub(last_position);
             assert_eq!(step, number - last_number, "after number {last_number}");
             self.totals.missing += u64::from(step - 1);
@@ -108,7 +108,7 @@ impl Truth {
         self.window.push(false);
     }
 
-    /// A line: numbered, its counters as they have to be, a label only while valid, with a full window and in time.
+    /// Checks a line: its number, its counters, and a label only while valid, with a full window and in time.
     pub fn line(&mut self, report: Report) {
         assert_eq!(report.sequence, self.sequence, "a report is missing");
         self.sequence = report.sequence.wrapping_add(1);
@@ -148,7 +148,8 @@ impl Truth {
         self.status = Some(report.status);
     }
 
-    /// While valid the newest label is at most as old as a label holds; the lines say what the pins say.
+    /// Returns true if the newest label, while valid, is at most as old as a label holds, and the lines agree with the
+    /// pins.
     pub fn is_current(&self, status: Status) {
         let said = self.status.map(Status::valid);
         assert!(
@@ -163,7 +164,8 @@ impl Truth {
         }
     }
 
-    /// What `valid` promises: 600 samples without a gap of more than five, a tenth of them filled in at most.
+    /// Returns true if the window keeps the promise of `valid`: 600 samples without a gap of more than five, a tenth of
+    /// them filled in at most.
     fn window_is_full(&self, emitted: SampleIndex) {
         let within = |position: &&u32| emitted.0.wrapping_sub(**position) < WINDOW as u32;
         let window: Vec<u32> = self.received.iter().filter(within).copied().collect();
@@ -178,7 +180,7 @@ impl Truth {
         );
     }
 
-    /// Counters that the next line has to have.
+    /// Returns the counters that the next line must have.
     pub const fn counters(&self) -> Counters {
         self.window.counters
     }
@@ -187,7 +189,7 @@ impl Truth {
 impl Window {
     fn push(&mut self, filled_in: bool) {
         self.length += 1;
-        // The median lags one sample: the first of a window only fills it.
+        // The median lags by one sample: the first of a window only fills it.
         if self.length > 1 {
             self.filled_in.push_back(filled_in);
         }
@@ -209,7 +211,8 @@ impl Window {
         }
     }
 
-    /// Filled-in samples of those that are kept: the newest 600, less those whose patch the incomplete one overwrites.
+    /// Returns the number of filled-in samples among the kept ones: the newest 600, less those whose patch the
+    /// incomplete one overwrites.
     fn bridged(&self) -> usize {
         let pushed = self.length - 1;
         let kept = if pushed > WINDOW {
