@@ -1,6 +1,7 @@
-//! The simulated board, beyond scenarios: power and line cut wherever they can be, and times from packet to pin and line.
+//! Simulated board, beyond scenarios: power and line cut at many places, and times from packet to pin and line.
 //!
-//! `MYOINTENT_CUTS=all` cuts at every place instead of a few that are drawn; `MYOINTENT_SEED` draws those of a run before.
+//! `MYOINTENT_CUTS=all` cuts at every place instead of a few that are drawn; `MYOINTENT_SEED` draws those of an earlier
+//! run.
 
 #[path = "simulated/cuts.rs"]
 mod cuts;
@@ -22,22 +23,22 @@ use shared::myo::binding::to_record;
 use shared::units::Sample;
 use xtask::firmware;
 
-/// The armband's address.
+/// Address of the armband.
 const ARMBAND: &str = "FA:12:34:56:78:9A";
 
-/// The simulated board's program, built once.
+/// Returns the path of the simulated board's program, built once.
 fn program() -> &'static Path {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
     PROGRAM.get_or_init(|| firmware::build_simulation().unwrap())
 }
 
-/// A model of the repository.
+/// Reads a model of the repository.
 fn model(name: &str) -> Vec<u8> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
     std::fs::read(folder.join(name).with_extension("intent")).unwrap()
 }
 
-/// What the armband streams: a person that there is not.
+/// Generates the armband's samples, of a synthetic person.
 fn samples(seconds: usize) -> Vec<Sample> {
     let options = SynthOptions {
         subjects: 1,
@@ -48,7 +49,7 @@ fn samples(seconds: usize) -> Vec<Sample> {
     synthetic::generate(&options).remove(0).samples
 }
 
-/// The page of a board that the armband is bound to.
+/// Returns the page of a board that the armband is bound to.
 fn page() -> Vec<u8> {
     to_record(Address::parse(ARMBAND).unwrap()).to_vec()
 }

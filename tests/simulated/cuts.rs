@@ -1,4 +1,4 @@
-//! Which cuts are tried, beside each other.
+//! Choice of the cuts, which are tried in parallel.
 
 use std::env;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -9,7 +9,7 @@ use rand::SeedableRng as _;
 use rand::seq::SliceRandom as _;
 use rand_chacha::ChaCha8Rng;
 
-/// The seed of what a run draws: another one each time, unless `MYOINTENT_SEED` gives it.
+/// Seed of a run's draws: a new one each time, unless `MYOINTENT_SEED` gives it.
 pub fn seed() -> u64 {
     let given = env::var("MYOINTENT_SEED").ok();
     given.map_or_else(
@@ -24,7 +24,7 @@ pub fn seed() -> u64 {
 /// Tries a cut at each of `must`, and at `few` others below `all`, or at all of them: on as many threads as the machine has.
 ///
 /// # Panics
-/// If one fails, with all that failed.
+/// Panics if one fails, with all that failed.
 pub fn each(
     all: usize,
     must: &[usize],

@@ -1,5 +1,5 @@
-//! The line pulled at 100 random bytes of each dialogue with the firmware: on its way to the board, or in the answer, which
-//! then nobody hears. A line that is back carries the next command.
+//! Cuts of the line at 100 random bytes of each dialogue with the firmware: in the command on its way to the board, or
+//! in the answer, which is then lost. A line that is put back carries the next command.
 
 use std::fmt::Write as _;
 
@@ -16,18 +16,18 @@ use shared::units::Sample;
 use super::{ARMBAND, cuts, model, page, program, samples};
 
 const CUTS: usize = 100;
-/// Notifications before the first cut: labels come.
+/// Number of notifications before the first cut, so that labels come.
 const FIRST: usize = 400;
 
-/// A command that is cut, and what is said before and after it. Every body has its answer, which may go on after `…`.
+/// Command that is cut, and the commands before and after it. Every body has its answer, which may go on after `…`.
 #[derive(Clone, Copy)]
 struct Dialogue<'d> {
-    /// What makes it mean something.
+    /// Command that gives the cut one an effect.
     before: Option<[&'d str; 2]>,
     cut: [&'d str; 2],
-    /// A question: its answer where the command was not taken, and where it was.
+    /// Question, its answer where the command was not taken, and its answer where it was.
     probe: [&'d str; 3],
-    /// What undoes it.
+    /// Command that undoes the effect.
     after: Option<[&'d str; 2]>,
 }
 
@@ -35,16 +35,16 @@ struct Dialogue<'d> {
 struct Sent {
     at: usize,
     bytes: Vec<u8>,
-    /// The command, if it is whole.
+    /// Body of the command, if it is whole.
     body: Option<String>,
 }
 
-/// Everything that is sent, and the answers that come.
+/// All bytes that are sent, and the expected answers.
 #[derive(Default)]
 struct Script {
     sent: Vec<Sent>,
     answers: Vec<String>,
-    /// How many of the commands that were cut came whole.
+    /// Number of cut commands that came whole.
     taken: usize,
 }
 
@@ -58,7 +58,7 @@ impl Script {
         self.answers.push(answer.to_owned());
     }
 
-    /// The line is pulled at a byte of the dialogue; whether the command has come whole.
+    /// Pulls the line at a byte of the dialogue; returns true if the command has come whole.
     fn cut(&mut self, at: usize, [body, answer]: [&str; 2], random: &mut ChaCha8Rng) -> bool {
         let mut bytes = framed(body).into_bytes();
         let place = random.random_range(0..bytes.len() + framed(answer).len());
@@ -66,7 +66,7 @@ impl Script {
         let is_whole = place + 1 >= bytes.len();
         bytes.truncate(place);
         if random.random_bool(0.5) {
-            // What a plug that is pulled looks like.
+            // A pulled plug looks like these bytes.
             bytes.extend([0x00, 0xff]);
         }
         self.sent.push(Sent {
@@ -81,7 +81,7 @@ impl Script {
         is_whole
     }
 
-    /// The cuts of a dialogue: `apart` notifications from one to the next, `step` within.
+    /// Plans the cuts of a dialogue: `apart` notifications from one to the next, `step` within.
     fn of(dialogue: Dialogue<'_>, apart: usize, step: usize, seed: u64) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut script = Self::default();
@@ -152,13 +152,13 @@ impl Script {
     }
 }
 
-/// A line with the right checksum.
+/// Returns a line with the right checksum.
 fn framed(body: &str) -> String {
     let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
     format!("${body}*{sum:02X}\r\n")
 }
 
-/// What a command does to the labels.
+/// Returns the effect of a command on the labels.
 fn effect(body: &str) -> Option<Input<'static>> {
     Some(match body {
         "ALIGN,begin" => Input::Align(Arm::Unknown),
@@ -175,7 +175,7 @@ fn effect(body: &str) -> Option<Input<'static>> {
     })
 }
 
-/// Every command that came whole changes the labels where it came, and nothing else does.
+/// Checks that every command that came whole changes the labels where it came, and that nothing else does.
 fn check_lines(script: &Script, ran: &Ran, samples: &[Sample]) -> anyhow::Result<()> {
     let mut inputs = Vec::new();
     let mut from = 0;
@@ -280,7 +280,7 @@ fn the_raw_stream_begins_and_ends_with_a_whole_command_alone() {
         let script = Script::of(dialogue, 60, 10, seed);
         let ran = script.run(&samples, 75).unwrap();
         check_lines(&script, &ran, &samples).unwrap();
-        // Whether it is on after each packet; for those at a command itself it is either.
+        // Expected state of the raw stream after each packet; `None` at a command itself, where it may be either.
         let mut is_on = vec![Some(false); samples.len() / 2];
         for Sent { at, body, .. } in &script.sent {
             if let Some(way) = body.as_deref().and_then(|body| body.strip_prefix("RAW,")) {
@@ -307,7 +307,7 @@ fn the_raw_stream_begins_and_ends_with_a_whole_command_alone() {
 fn an_armband_is_bound_and_forgotten_by_a_whole_command_alone() {
     let seed = cuts::seed();
     println!("MYOINTENT_SEED={seed}");
-    // 3.5 s of a stream from cut to cut: labels come in each.
+    // Cuts are 3.5 s of a stream apart: labels come in each.
     const APART: usize = 350;
     let samples = samples((FIRST + CUTS * APART) / 100 + 4);
     let set = format!("BIND,set,{ARMBAND}");
@@ -334,7 +334,7 @@ fn an_armband_is_bound_and_forgotten_by_a_whole_command_alone() {
             after: Some([&set, &bound]),
         },
     ] {
-        // All of it at once: without a stream no packets count the time.
+        // Everything is sent at once: without a stream no packets count the time.
         let script = Script::of(dialogue, APART, 0, seed);
         let ran = script
             .run(&samples, samples.len() / 200 + 3 * CUTS / 2)

@@ -1,4 +1,4 @@
-//! From the packet that a label was made of to its pin, and to the last byte of its line.
+//! Times from the packet that a label was made of to its pin, and to the last byte of its line.
 
 use myointent_tests::simulation::{self, Inputs, Ran};
 use rand::{RngExt as _, SeedableRng as _};
@@ -7,12 +7,12 @@ use shared::uart_line::{Kind, Report};
 
 use super::{model, page, program, samples};
 
-/// Milliseconds of the packet that completes a patch, with every wait state that the nRF52840 may have (docs/budgets.md): here
-/// each packet takes them.
+/// Milliseconds of the packet that completes a patch, with every wait state that the nRF52840 may have
+/// (docs/budgets.md). Here each packet takes as long.
 const PACKET_MS: f64 = 3.7;
 const SECONDS: usize = 100;
 
-/// Commands beside the raw stream.
+/// Number of commands sent beside the raw stream.
 const ASKED: usize = 1200;
 
 /// Times in microseconds, sorted.
@@ -34,7 +34,7 @@ impl Times {
     }
 }
 
-/// A board in a stream, and a PC that sends a command every 70 ms, at any moment between two packets.
+/// Runs a board in a stream, with a PC that sends a command every 70 ms at any moment between two packets.
 fn stream(commands: &[&str]) -> Ran {
     let mut random = ChaCha8Rng::seed_from_u64(3);
     let sent = |(number, command): (usize, &&str)| {
@@ -59,8 +59,8 @@ fn stream(commands: &[&str]) -> Ran {
     simulation::run(program(), &inputs).unwrap()
 }
 
-/// From packet to pin, at changes of the label; from packet to the end of the line, of every label but the first, which waits for
-/// the line that says valid.
+/// Returns the times from packet to pin, at changes of the label, and from packet to the end of the line. The first
+/// label has no time of its line: it waits for the line that says valid.
 fn times(ran: &Ran) -> (Times, Times) {
     ran.check(false).unwrap();
     let starts = ran.starts().unwrap();
@@ -111,7 +111,7 @@ fn times(ran: &Ran) -> (Times, Times) {
 fn from_packet_to_pin_and_line_a_label_takes_milliseconds_whatever_else_the_line_carries() {
     let alone = stream(&[]);
     let raw = stream(&["RAW,on"]);
-    // Oftener than any page asks; each answer is among the longest lines.
+    // The commands come more often than any page sends them; each answer is among the longest lines.
     let asked = ["IDENTIFY", "COUNTERS"].repeat(ASKED / 2);
     let asked = stream(&[&["RAW,on"], &asked[..]].concat());
     assert!(alone.emg().unwrap().is_empty());
@@ -134,7 +134,7 @@ fn from_packet_to_pin_and_line_a_label_takes_milliseconds_whatever_else_the_line
         assert!(pin.0.len() > 20 && line.0.len() > 800);
         assert!(b < 6.0, "{what}: {b} ms to the pin");
         assert!(d < most_of_line, "{what}: {d} ms to the line's end");
-        // Nothing comes before it is computed, no line before its bytes: 35 at least.
+        // No pin changes before the label is computed, and no line ends before its bytes are sent: 35 at least.
         assert!(pin.0[0] >= 3700 && line.0[0] >= 3700 + 35 * 86);
     }
     assert!(raw.emg().unwrap().len() > 8000);

@@ -1,17 +1,17 @@
-//! Where power fails in an installation, and what the region holds then.
+//! Places where power fails in an installation, and the content of the region after it.
 
 use myointent_tests::simulation::FlashOperation;
 
 /// Operations before the pages after the first: the journal erased and written, the first page erased.
 const PAGES: usize = 3;
 
-/// How much of the operation at which power fails is done, in percent.
+/// Done part of the operation at which power fails, in percent.
 const DONE: [usize; 3] = [0, 50, 100];
 
-/// Where the model's region begins, as in `memory.x`.
+/// Address of the model's region, as in `memory.x`.
 const MODEL_ADDRESS: u32 = 0x5_8000;
 
-/// What the region holds after a cut.
+/// Content of the region after a cut.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Content {
     Old,
@@ -19,20 +19,20 @@ pub(super) enum Content {
     New,
 }
 
-/// Power fails at an operation of flash.
+/// Loss of power at an operation of flash.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cut {
-    /// Which, of an installation without a cut.
+    /// Index of the operation in an installation without a cut.
     pub(super) operation: usize,
-    /// How much of it is done, in percent.
+    /// Done part of the operation, in percent.
     pub(super) done: usize,
 }
 
 impl Cut {
-    /// What the region holds then.
+    /// Returns the content of the region after the cut.
     pub(super) fn content(self, flash: &[FlashOperation]) -> Content {
         let first = |one: &FlashOperation| one.address == MODEL_ADDRESS;
-        // From the first page's first erasure to its first block.
+        // The region holds neither model from the first page's first erasure to its first block.
         let begins = flash.iter().position(first).unwrap();
         let ends = flash.iter().rposition(first).unwrap();
         let Self { operation, done } = self;
@@ -45,7 +45,8 @@ impl Cut {
         }
     }
 
-    /// The operation that comes first after it: the first one of its page, unless that was marked.
+    /// Returns the operation at which the installation goes on: the first one of the cut page, unless that page was
+    /// marked.
     pub(super) fn goes_on_at(self, flash: &[FlashOperation]) -> usize {
         let is_marked = self.done == 100 && flash[self.operation].address < MODEL_ADDRESS;
         match self.content(flash) {
@@ -61,7 +62,7 @@ impl Cut {
     }
 }
 
-/// At each page of an installation power fails at the operation with this number; before the pages at one of the first three.
+/// Plans a cut at the operation with this number of each page; before the pages, at one of the first three operations.
 pub(super) fn plan(flash: &[FlashOperation], number: usize, seed: u64) -> Vec<Cut> {
     let erased = (PAGES..flash.len())
         .filter(|place| flash[*place].is_erasure && flash[*place].address >= MODEL_ADDRESS);

@@ -1,4 +1,4 @@
-//! Power that fails at every operation of flash of an installation, and a line that is pulled at every block.
+//! Loss of power at every operation of flash of an installation, and a line that is pulled at every block.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -16,27 +16,26 @@ use shared::units::Sample;
 use super::plan::{Content, Cut, plan};
 use super::{cuts, model, page, program, samples};
 
-/// What the board says while an installation is not complete.
+/// Line that the board writes while an installation is not complete.
 const INCOMPLETE: &str = "# no model: an installation is not complete; `myointent board --port PATH install FILE` with the same \
      file goes on with it";
-/// Notifications before the installation.
+/// Number of notifications before the installation.
 const AT: usize = 400;
-/// Seconds: the installation takes 20, a restart and the first window after it 5.
+/// Seconds of a run: the installation takes 20, a restart and the first window after it 5.
 const RUN_SECONDS: usize = 36;
-/// Of samples: more than any run has.
+/// Seconds of samples: more than any run has.
 const SECONDS: usize = 64;
-/// Operations of a page: erased, written in blocks, marked; of the first one at the end too, without a mark and with the end of
-/// the journal.
+/// Operations of a page: erasure, blocks, mark. The first page's at the end has no mark, but the end of the journal.
 const PAGE_OPERATIONS: usize = 66;
 
-/// A board with one model, on which another one is installed.
+/// Board with one model, on which another one is installed.
 struct Bench {
     old: Vec<u8>,
     new: Vec<u8>,
     samples: Vec<Sample>,
 }
 
-/// A label without what depends on the lines before: reference, emission, name.
+/// Parts of a label that do not depend on the lines before: reference, emission, name.
 type Label = (u32, u32, &'static str);
 
 impl Bench {
@@ -48,7 +47,7 @@ impl Bench {
         }
     }
 
-    /// Runs an installation with what goes wrong: keys of the scenario, keys of the installation.
+    /// Runs an installation with faults: keys of the scenario, keys of the installation.
     fn install(&self, seconds: usize, scenario: &str, installation: &str) -> anyhow::Result<Ran> {
         let text = format!(
             "run_seconds = {seconds}\n{scenario}\nperson = [{{ do = \"install\", at = {AT}{installation} }}]\n"
@@ -65,7 +64,7 @@ impl Bench {
         )
     }
 
-    /// Checks what came of power that failed after one start after the other.
+    /// Checks the result of power that failed after one start after the other.
     fn check_power(&self, ran: &Ran, flash: &[FlashOperation], cuts: &[Cut]) -> anyhow::Result<()> {
         ran.check(true)?;
         ensure!(
@@ -107,7 +106,7 @@ impl Bench {
         }
     }
 
-    /// The first line of a start names the model that runs, the next one says why there is none.
+    /// Checks a start's first line, which names the model that runs, and the next one, which says why there is none.
     fn check_start(
         &self,
         content: Content,
@@ -126,7 +125,7 @@ impl Bench {
         Ok(())
     }
 
-    /// Checks what a line that was pulled came to.
+    /// Checks the result of a line that was pulled.
     fn check_line(&self, ran: &Ran) -> anyhow::Result<()> {
         ran.check(false)?;
         let reports = ran.reports()?;
@@ -152,8 +151,8 @@ impl Bench {
         self.check_resumed(&starts[0], &reports, &self.samples, 0)
     }
 
-    /// The labels after an installation in a stream are those of the new model, encoded from all samples that the window holds.
-    /// `samples` are those since the start, the first one from the packet `first`.
+    /// Checks that the labels after an installation in a stream are those of the new model, encoded from all samples in
+    /// the window. `samples` are those since the start, the first one from the packet `first`.
     fn check_resumed(
         &self,
         start: &Start,
@@ -170,7 +169,7 @@ impl Bench {
             .0 as usize;
         let found = labels(reports).split_off(labels_until(reports, suspended));
         ensure!(found.len() > 20, "{} labels", found.len());
-        // None, and the first, have the same number.
+        // The number is 0 before any sample as well as at the first.
         let before = if suspended == 0 { 0 } else { suspended + 1 };
         for packet in resumed(start)? {
             let to = 2 * (packet - first);
@@ -195,7 +194,7 @@ impl Bench {
     }
 }
 
-/// Why a board is safe after a start with this content; where power fails in the installation, up to that.
+/// Checks the causes of the safe state after a start with this content; if power fails in the installation, up to then.
 fn check_states(
     content: Content,
     is_first: bool,
@@ -213,7 +212,7 @@ fn check_states(
     let until = until.map_or(whole.len(), |place| place + 1);
     let states = states(reports);
     let is_right = if power_fails {
-        // The last line may be on its way then.
+        // The last line may still be on its way when power fails.
         states == whole[..until] || states == whole[..until - 1]
     } else {
         states == whole
@@ -222,7 +221,8 @@ fn check_states(
     Ok(())
 }
 
-/// The packets before which the new model may have come into use: those queued while the journal's page was erased.
+/// Returns the packets before which the new model may have come into use: those queued while the journal's page was
+/// erased.
 fn resumed(start: &Start) -> anyhow::Result<Range<usize>> {
     let end = start.flash.last().context("nothing was written")?.at_us;
     let after = start.packets.iter().position(|(at, _)| *at > end);
@@ -239,7 +239,7 @@ fn parsed(lines: &[String]) -> anyhow::Result<Vec<Report>> {
     Ok(reports.collect::<Result<_, _>>()?)
 }
 
-/// How many labels were emitted up to a sample.
+/// Returns the number of labels emitted up to a sample.
 fn labels_until(reports: &[Report], sample: usize) -> usize {
     let labels = reports.iter().filter(|report| report.kind == Kind::Label);
     let until = labels.take_while(|report| report.emitted.0 as usize <= sample);
@@ -269,7 +269,7 @@ fn same(found: &[Label], expected: &[Label]) -> anyhow::Result<()> {
     if let Some(place) = differs {
         anyhow::bail!("{:?}, expected {:?}", found[place], expected[place]);
     }
-    // The last one may be on its way.
+    // The last label may still be on its way.
     ensure!(
         expected.len() - found.len() <= 1,
         "{} of {} labels",
@@ -297,7 +297,7 @@ fn power_that_fails_at_any_operation_of_flash_leaves_a_safe_board_that_the_same_
         .collect();
     let planned: BTreeSet<_> = plans.iter().flatten().map(|cut| cut.operation).collect();
     assert_eq!(planned.len(), flash.len());
-    // The old model is in use after these; what comes of it in the end.
+    // These cuts leave the old model in use; the installation must still complete.
     plans
         .extend([(0, 50), (1, 100), (2, 0)].map(|(operation, done)| vec![Cut { operation, done }]));
     let must = [
@@ -332,7 +332,7 @@ fn power_that_fails_at_any_operation_of_flash_leaves_a_safe_board_that_the_same_
 
 #[test]
 fn a_line_that_is_pulled_at_every_block_of_an_installation_is_gone_on_with_where_it_was() {
-    /// A pull, and what is said then.
+    /// Milliseconds of a pull and of the lines after it.
     const PULL_MS: usize = 130;
     let seed = cuts::seed();
     println!("MYOINTENT_SEED={seed}");
@@ -340,7 +340,7 @@ fn a_line_that_is_pulled_at_every_block_of_an_installation_is_gone_on_with_where
     let new = model("five-class");
     let blocks = new.len().div_ceil(64);
     let after: Vec<_> = (0..blocks).collect();
-    // Of the block's line; with all of it the answer is what is lost.
+    // The line is pulled within the block's line, or behind it, where the answer is lost.
     let bytes = after
         .iter()
         .map(|_| random.random_range(0..=MAX_COMMAND_BYTES + 2));
@@ -357,6 +357,6 @@ fn a_line_that_is_pulled_at_every_block_of_an_installation_is_gone_on_with_where
     let begun = answers
         .iter()
         .filter(|answer| answer.starts_with("OK,INSTALL,"));
-    // A block, and the question where it goes on: one answer each, whether anybody heard it.
+    // The board answers each block, and each question where it goes on, once, received or not.
     assert_eq!(begun.count(), 2 * blocks + 1);
 }

@@ -1,42 +1,42 @@
-//! The simulated board's log of what happened when, in microseconds since a start.
+//! Event log of the simulated board, in microseconds since a start.
 
 use std::path::Path;
 
 use anyhow::{Context as _, bail};
 
-/// Where the board writes it.
+/// Name of the file to which the board writes the log.
 pub const EVENTS: &str = "events.out";
 
-/// From one start of the program to the next.
+/// Events from one start of the program to the next.
 #[derive(Clone, Default, Debug)]
 pub struct Start {
-    /// When each packet was received, and its number over all starts.
+    /// Time of each received packet, and its number over all starts.
     pub packets: Vec<(u64, usize)>,
-    /// When the last byte of each line had been sent, in the order of UART0's lines.
+    /// Time at which the last byte of each line had been sent, in the order of UART0's lines.
     pub lines: Vec<u64>,
-    /// What was done to flash.
+    /// Operations of flash.
     pub flash: Vec<FlashOperation>,
-    /// The end of it, where power failed.
+    /// Loss of power that ended the start, if one did.
     pub loss: Option<Loss>,
 }
 
-/// An operation of flash.
+/// Operation of flash.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct FlashOperation {
-    /// When it ended.
+    /// Time of its end.
     pub at_us: u64,
-    /// Whether it erased a page, and else wrote.
+    /// True for the erasure of a page, false for a write.
     pub is_erasure: bool,
-    /// Where it began.
+    /// First address.
     pub address: u32,
 }
 
-/// A loss of power.
+/// Loss of power.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Loss {
-    /// When.
+    /// Time of the loss.
     pub at_us: u64,
-    /// Packets that the armband had sent before.
+    /// Number of packets that the armband had sent before.
     pub packets: usize,
 }
 

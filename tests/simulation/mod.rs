@@ -1,4 +1,4 @@
-//! The simulated board: the firmware's own tasks in virtual time, on this machine.
+//! Simulated board: the firmware's own tasks in virtual time, on this machine.
 
 mod events;
 
@@ -15,34 +15,34 @@ pub use events::{FlashOperation, Loss, Start};
 
 use crate::output::{LINES, Output};
 
-/// What surrounds a simulated board.
+/// Surroundings of a simulated board.
 #[derive(Clone, Copy, Debug)]
 pub struct Inputs<'s> {
-    /// The scenario, as `tests/scenario/README.md` describes it.
+    /// Text of the scenario, as `tests/scenario/README.md` describes it.
     pub scenario: &'s str,
-    /// The model's flash region from its start.
+    /// Content of the model's flash region, from its start.
     pub model: &'s [u8],
-    /// What the armband streams.
+    /// Samples that the armband streams.
     pub samples: &'s [Sample],
-    /// The page of the bound armband from its start.
+    /// Content of the page of the bound armband, from its start.
     pub page: &'s [u8],
-    /// What the person installs.
+    /// Model file that the person installs.
     pub install: Option<&'s [u8]>,
 }
 
-/// What a simulated board has written.
+/// Output of a simulated board.
 pub struct Ran {
     output: Output,
-    /// The model's flash region at the end.
+    /// Content of the model's flash region at the end.
     pub region: Vec<u8>,
     folder: TempDir,
 }
 
 impl Ran {
-    /// What happened when, after each start.
+    /// Returns the events after each start, with their times.
     ///
     /// # Errors
-    /// When the log cannot be read.
+    /// Fails when the log cannot be read.
     pub fn starts(&self) -> anyhow::Result<Vec<Start>> {
         events::read(&self.folder.path().join(events::EVENTS))
     }
@@ -59,7 +59,7 @@ impl Deref for Ran {
 /// Runs a scenario to its end. `program` is what [`xtask::firmware::build_simulation`] built.
 ///
 /// # Errors
-/// When the program fails.
+/// Fails when the program does.
 pub fn run(program: &Path, inputs: &Inputs<'_>) -> anyhow::Result<Ran> {
     let folder = tempfile::Builder::new().prefix("simulation").tempdir()?;
     let path = |name: &str| folder.path().join(name);
