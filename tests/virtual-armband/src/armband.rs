@@ -1,4 +1,4 @@
-//! The armband: obeys commands, streams, and misbehaves as its [`Behaviour`] says.
+//! Armband that obeys commands, streams, and misbehaves as its [`Behaviour`] says.
 
 use std::collections::VecDeque;
 
@@ -13,13 +13,13 @@ const PERIOD_US: f64 = 10_000.0;
 const SET_MODE: u8 = 0x01;
 const SET_SLEEP: u8 = 0x09;
 
-/// A notification: handle and value.
+/// Notification: handle and value.
 pub type Notification = (u16, Vec<u8>);
 
-/// An armband. Times are microseconds on its driver's clock.
+/// Virtual armband. Times are microseconds on its driver's clock.
 #[derive(Debug)]
 pub struct Armband {
-    /// Its address.
+    /// Bluetooth address.
     pub address: Address,
     /// Strength of its signal, dBm.
     pub rssi: i8,
@@ -29,30 +29,30 @@ pub struct Armband {
     is_wearers: bool,
     /// Number of the next notification, over all connections.
     next: usize,
-    /// When it advertises again; never where none.
+    /// Time at which it advertises again; `None` for never.
     advertises_at_us: Option<u64>,
     link: Connection,
     battery: u8,
     refusals: usize,
 }
 
-/// What a connection sets.
+/// State of a connection.
 #[derive(Default, Debug)]
 struct Connection {
     is_lost: bool,
-    /// The armband has ended it, and said so.
+    /// True if the armband has ended the connection, and said so.
     is_closed: bool,
     streams_from_us: Option<u64>,
     subscribed: Vec<Characteristic>,
     sent: usize,
-    /// A step delays everything until then.
+    /// Time until which a step delays everything.
     delayed_until_us: u64,
-    /// What a swap holds back.
+    /// Notification that a swap holds back.
     held: Option<Notification>,
 }
 
 impl Armband {
-    /// Somebody's armband, which does nothing wrong.
+    /// Creates an armband that is nobody's and has no faults.
     pub fn new(address: Address, rssi: i8, samples: Vec<Sample>) -> Self {
         Self {
             address,
@@ -69,7 +69,7 @@ impl Armband {
         }
     }
 
-    /// The wearer's armband, which behaves like this; `next` is the number of its next notification.
+    /// Makes it the wearer's, with this behaviour; `next` is the number of its next notification.
     #[must_use]
     pub fn of_wearer(self, behaviour: Behaviour, next: usize) -> Self {
         let refusals = behaviour.steps.iter().map(|step| match step {
@@ -90,23 +90,23 @@ impl Armband {
         }
     }
 
-    /// Whether it is the wearer's.
+    /// Returns true if it is the wearer's armband.
     pub const fn is_wearers(&self) -> bool {
         self.is_wearers
     }
 
-    /// How many notifications it has sent, over all connections.
+    /// Returns the number of notifications that it has sent, over all connections.
     pub const fn sent(&self) -> usize {
         self.next
     }
 
-    /// Its advertisement, while it sends one.
+    /// Returns its advertisement, while it sends one.
     pub fn advertisement(&self, now_us: u64) -> Option<&'static [u8]> {
         let is_there = self.advertises_at_us.is_some_and(|at| at <= now_us);
         is_there.then_some(&gatt::ADVERTISEMENT)
     }
 
-    /// A central connects; whether the armband keeps the connection.
+    /// Connects a central; returns true if the armband keeps the connection.
     pub fn connected(&mut self) -> bool {
         self.link = Connection::default();
         if self.refusals > 0 {
@@ -117,31 +117,31 @@ impl Armband {
         true
     }
 
-    /// The connection has ended, by either side.
+    /// Ends the connection, by either side.
     pub fn disconnected(&mut self, now_us: u64) {
-        // Otherwise its own step said when it advertises.
+        // Otherwise the step that lost the link has set the next advertisement.
         if !self.link.is_lost {
             self.link.is_lost = true;
             self.advertises_at_us = Some(now_us);
         }
     }
 
-    /// Whether the connection is lost.
+    /// Returns true if the connection is lost.
     pub const fn is_lost(&self) -> bool {
         self.link.is_lost
     }
 
-    /// Whether it has ended the connection itself; else the other side hears nothing more.
+    /// Returns true if the armband has ended the connection itself; else the central hears nothing more.
     pub const fn has_closed(&self) -> bool {
         self.link.is_closed
     }
 
-    /// Whether it streams.
+    /// Returns true while it streams.
     pub const fn streams(&self) -> bool {
         self.link.streams_from_us.is_some()
     }
 
-    /// The value of an attribute that can be read.
+    /// Returns the value of an attribute; `None` where it cannot be read.
     pub fn read(&self, handle: u16) -> Option<Vec<u8>> {
         match self.attribute(handle)? {
             Attribute::Constant(value) => Some(value.clone()),
@@ -152,7 +152,7 @@ impl Armband {
         }
     }
 
-    /// Takes what is written; whether it can be.
+    /// Takes a written value; returns false where none can be written.
     pub fn write(&mut self, handle: u16, value: &[u8], now_us: u64) -> bool {
         match (self.attribute(handle), value) {
             (Some(Attribute::Subscription(of)), [1, 0]) => {
@@ -173,7 +173,7 @@ impl Armband {
         self.table.get(place)
     }
 
-    /// When it sends next; none while it does not stream, or has nothing left to send.
+    /// Returns the time at which it sends next; `None` while it does not stream, or has nothing left to send.
     pub fn due_us(&self) -> Option<u64> {
         let from = self.link.streams_from_us.filter(|_| !self.link.is_lost)?;
         if self.has_nothing_left() {
@@ -191,8 +191,8 @@ impl Armband {
         self.next >= self.samples.len() / 2
     }
 
-    /// Sends the notification that is due, as its behaviour has it: nothing, one or several. The link may be lost before
-    /// it, or it may come later.
+    /// Sends the notification that is due, with the faults of its behaviour: nothing, one or several. The link may be
+    /// lost before it, or it may come later.
     pub fn send(&mut self, now_us: u64) -> Vec<Notification> {
         let mut sent = Vec::new();
         if self.has_nothing_left() {
@@ -228,7 +228,7 @@ impl Armband {
         sent
     }
 
-    /// What is sent for a notification.
+    /// Returns the packets that are sent for a notification.
     fn packets(&mut self, number: usize, lane: usize) -> VecDeque<Notification> {
         let value: Vec<u8> = self.samples[2 * number..2 * number + 2]
             .iter()

@@ -1,19 +1,20 @@
-//! What an armband does wrong: the part of a scenario that concerns it (`tests/scenario/README.md`).
+//! Faults of an armband: the part of a scenario that concerns it (`tests/scenario/README.md`).
 
 use serde::Deserialize;
 
-/// How an armband behaves.
+/// Behaviour of an armband.
 #[derive(Clone, Debug)]
 pub struct Behaviour {
-    /// How many times faster than 200 Hz it streams.
+    /// Factor by which it streams faster than 200 Hz.
     pub pace: f64,
-    /// Milliseconds from one connection event to the next: what is due between them comes at once. 0: everything when due.
+    /// Milliseconds from one connection event to the next: notifications due between them come at once. 0: each comes
+    /// when due.
     pub interval_ms: f64,
-    /// The EMG characteristic that a stream starts with.
+    /// Index of the EMG characteristic that a stream starts with.
     pub first_lane: u8,
-    /// What follows its last sample.
+    /// Event after the last sample.
     pub end: End,
-    /// What it does wrong.
+    /// Faults.
     pub steps: Vec<Step>,
 }
 
@@ -29,87 +30,87 @@ impl Default for Behaviour {
     }
 }
 
-/// What follows the last sample.
+/// Event after the last sample.
 #[derive(Deserialize, Default, Clone, Copy, PartialEq, Eq, Debug)]
 #[serde(rename_all = "kebab-case")]
 pub enum End {
-    /// The connection stays.
+    /// Silence: the connection stays.
     #[default]
     Silence,
-    /// The armband ends it, and advertises no more.
+    /// End of the connection by the armband, which advertises no more.
     Disconnect,
 }
 
-/// One thing that the armband does. `at` counts its notifications from 0, sent or not, over all connections.
+/// Fault of the armband. `at` counts its notifications from 0, sent or not, over all connections.
 #[derive(Deserialize, Clone, Debug)]
 #[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Step {
     /// Notifications that are never sent.
     Drop {
-        /// The first.
+        /// Number of the first.
         at: usize,
-        /// How many.
+        /// Number of notifications.
         #[serde(default = "one")]
         count: usize,
     },
-    /// One that is sent twice.
+    /// Notification that is sent twice.
     Duplicate {
-        /// Which.
+        /// Number of the notification.
         at: usize,
     },
-    /// The one after it is sent before it.
+    /// Exchange of a notification with the one after it.
     Swap {
-        /// Which.
+        /// Number of the notification.
         at: usize,
     },
-    /// Something else is sent instead.
+    /// Other bytes in the place of a notification.
     Corrupt {
-        /// Which.
+        /// Number of the notification.
         at: usize,
-        /// What.
+        /// Kind of the bytes.
         kind: Corruption,
     },
-    /// One is sent late, with all that are due by then.
+    /// Notification that is sent late, with all that are due by then.
     Delay {
-        /// Which.
+        /// Number of the notification.
         at: usize,
-        /// How late.
+        /// Delay in milliseconds.
         ms: u64,
     },
-    /// Before it the link is lost.
+    /// Loss of the link before a notification.
     Vanish {
-        /// Which.
+        /// Number of the notification.
         at: usize,
-        /// So long it does not advertise.
+        /// Milliseconds in which it does not advertise.
         for_ms: u64,
     },
-    /// Before it the armband ends the connection.
+    /// End of the connection by the armband before a notification.
     Sleep {
-        /// Which.
+        /// Number of the notification.
         at: usize,
-        /// So long it does not advertise.
+        /// Milliseconds in which it does not advertise.
         for_ms: u64,
     },
-    /// Before it the battery's level falls.
+    /// Fall of the battery's level before a notification.
     Battery {
-        /// Which.
+        /// Number of the notification.
         at: usize,
-        /// Percent.
+        /// New level in percent.
         percent: u8,
     },
-    /// The first connections are closed at once.
+    /// Refusal: the first connections are closed at once.
     Refuse {
-        /// How many.
+        /// Number of connections.
         count: usize,
     },
-    /// Notifications without a subscription, from every connection to its stream: a matter of the Bluetooth stack, so
-    /// nothing comes of it here.
+    /// Notifications without a subscription, from every connection to its stream. The Bluetooth stack handles them: the
+    /// virtual armband sends none.
     Chatter {
         /// Milliseconds between them.
         #[serde(rename = "ms")]
         _ms: u64,
     },
-    /// It is switched off.
+    /// Armband that is switched off.
     Absent,
 }
 
@@ -117,16 +118,16 @@ const fn one() -> usize {
     1
 }
 
-/// What is sent instead of a notification.
+/// Bytes in the place of a notification.
 #[derive(Deserialize, Clone, Copy, PartialEq, Eq, Debug)]
 #[serde(rename_all = "kebab-case")]
 pub enum Corruption {
-    /// Its first 9 bytes.
+    /// First 9 bytes of the notification.
     Short,
-    /// Its bytes and 4 more.
+    /// Bytes of the notification and 4 more.
     Long,
-    /// Its bytes, on another characteristic.
+    /// Bytes of the notification, on another characteristic.
     Foreign,
-    /// Nothing that a Bluetooth stack passes on.
+    /// Data that no Bluetooth stack passes on.
     Garbage,
 }

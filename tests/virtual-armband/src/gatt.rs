@@ -1,4 +1,4 @@
-//! The armband's attributes: the order of its services gives each the handle that it has in logs of real armbands.
+//! Attributes of the armband: the order of its services gives each the handle that it has in logs of real armbands.
 
 use shared::myo::{Characteristic, Uuid};
 
@@ -9,26 +9,26 @@ pub const ADVERTISEMENT: [u8; 31] = [
 ];
 /// Value of the firmware version: major, minor, patch, hardware.
 pub const FIRMWARE: [u8; 8] = [1, 0, 5, 0, 0xb2, 0x07, 2, 0];
-/// A handle of the table that nobody subscribes to.
+/// Handle of the table without a subscription.
 pub const FOREIGN: u16 = 0x27;
 
-/// What an attribute is.
+/// Kind and value of an attribute.
 #[derive(Clone, Debug)]
 pub enum Attribute {
-    /// It has this value and never another.
+    /// Constant value.
     Constant(Vec<u8>),
-    /// The value of a characteristic that is used.
+    /// Value of a characteristic that is used.
     Value(Characteristic),
-    /// What enables its notifications.
+    /// Descriptor that enables the notifications of a characteristic.
     Subscription(Characteristic),
-    /// It cannot be read.
+    /// Attribute that cannot be read.
     Other,
 }
 
-/// A characteristic: its UUID, whether it notifies.
+/// UUID of a characteristic; true if it notifies.
 type Row = (Uuid, bool);
 
-/// The EMG characteristics, in the order of a stream.
+/// EMG characteristics, in the order of a stream.
 pub const EMG: [Characteristic; 4] = [
     Characteristic::ALL[2],
     Characteristic::ALL[3],
@@ -36,10 +36,10 @@ pub const EMG: [Characteristic; 4] = [
     Characteristic::ALL[5],
 ];
 
-/// The classifier's characteristic, which nobody subscribes to.
+/// UUID of the classifier's characteristic, to which the session does not subscribe.
 const UNUSED: Uuid = Uuid::Vendor(0x0104);
 
-/// All attributes, the first one with handle 1.
+/// Returns all attributes, the first one with handle 1.
 pub fn table() -> Vec<Attribute> {
     let sig = |short, notifies| (Uuid::Sig(short), notifies);
     let vendor = |short, notifies| (Uuid::Vendor(short), notifies);
@@ -100,7 +100,7 @@ fn on_air(uuid: Uuid) -> Vec<u8> {
     }
 }
 
-/// The handle of a characteristic's value.
+/// Returns the handle of a characteristic's value.
 pub fn value_handle(table: &[Attribute], characteristic: Characteristic) -> u16 {
     let is_it = |one: &Attribute| matches!(one, Attribute::Value(it) if *it == characteristic);
     // Every characteristic that is used is in the table.

@@ -1,6 +1,7 @@
-//! A Myo armband for tests, without a clock and without a radio: whoever drives it says what time it is.
+//! Virtual Myo armband for tests, without a clock and without a radio: its driver passes the time.
 //!
-//! The simulated board (`firmware/src/board/simulated`) and the emulated chip (`tests/nrf52`) put their radios in front of it.
+//! The simulated board (`firmware/src/board/simulated`) and the emulated chip (`tests/nrf52`) put their radios in front
+//! of it.
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
