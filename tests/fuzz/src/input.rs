@@ -1,22 +1,22 @@
-//! The bytes of an input as numbers and choices, from the first byte on; zeros after the end.
+//! Bytes of an input as numbers and choices, from the first byte on; zeros after the end.
 
-/// What is left of an input.
+/// Rest of an input.
 pub struct Input<'b>(pub &'b [u8]);
 
 impl<'b> Input<'b> {
-    /// Whether nothing is left.
+    /// Returns true if nothing is left.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// The next bytes, `count` at most.
+    /// Takes the next bytes, `count` at most.
     pub fn take(&mut self, count: usize) -> &'b [u8] {
         let (taken, rest) = self.0.split_at(count.min(self.0.len()));
         self.0 = rest;
         taken
     }
 
-    /// The next bytes as an array.
+    /// Takes the next bytes as an array.
     pub fn array<const N: usize>(&mut self) -> [u8; N] {
         let mut bytes = [0; N];
         let taken = self.take(N);
@@ -24,34 +24,34 @@ impl<'b> Input<'b> {
         bytes
     }
 
-    /// The next byte.
+    /// Takes the next byte.
     pub fn byte(&mut self) -> u8 {
         let [byte] = self.array();
         byte
     }
 
-    /// A number below `count`.
+    /// Takes a number below `count`.
     pub fn below(&mut self, count: usize) -> usize {
         usize::from(self.byte()) % count
     }
 
-    /// Whether the next byte is odd.
+    /// Takes a byte; returns true if it is odd.
     pub fn flag(&mut self) -> bool {
         self.byte() & 1 == 1
     }
 
-    /// A number of 32 bits.
+    /// Takes a number of 32 bits.
     pub fn word(&mut self) -> u32 {
         u32::from_le_bytes(self.array())
     }
 
-    /// As many bytes as the next byte says.
+    /// Takes as many bytes as the next byte says.
     pub fn short(&mut self) -> &'b [u8] {
         let count = self.byte();
         self.take(usize::from(count))
     }
 
-    /// Milliseconds between two events: mostly few, sometimes many, rarely any number.
+    /// Takes the milliseconds between two events: mostly few, sometimes many, rarely any number.
     pub fn pause(&mut self) -> u32 {
         match self.byte() {
             few @ 0..=199 => u32::from(few % 32),

@@ -1,13 +1,13 @@
-//! Coverage-guided fuzzing of what meets the outside: `cargo xtask fuzz`.
+//! Coverage-guided fuzzing of the code that takes input from outside: `cargo xtask fuzz`.
 //!
-//! One program for all targets; `MYOINTENT_FUZZ_TARGET` names the one that it runs. A target takes any bytes, checks
-//! what must hold of the answer, and panics if it does not: libFuzzer looks for bytes that make it.
+//! One program has all targets; `MYOINTENT_FUZZ_TARGET` names the one that it runs. A target takes any bytes and
+//! panics if a condition of the answer does not hold: libFuzzer looks for such bytes.
 //!
 //! | module | content |
 //! | --- | --- |
 //! | [`targets`] | the targets, each a file; registered in [`targets::ALL`] |
 //! | [`input`] | reads an input's bytes as numbers and choices |
-//! | [`radio`] | a session with an armband, and what must hold of its actions |
+//! | [`radio`] | a session with an armband, and the conditions of its actions |
 //! | [`seeds`] | the first inputs, made by the project's own writers: `MYOINTENT_FUZZ_SEEDS=DIR` writes them |
 #![no_main]
 #![forbid(unsafe_code)]
@@ -21,7 +21,7 @@ use std::sync::LazyLock;
 
 use targets::Target;
 
-/// The target that the environment names.
+/// Target that the environment names.
 static TARGET: LazyLock<Target> = LazyLock::new(|| {
     let name = std::env::var("MYOINTENT_FUZZ_TARGET").unwrap_or_default();
     let found = targets::ALL.into_iter().find(|target| target.name == name);
@@ -31,7 +31,7 @@ static TARGET: LazyLock<Target> = LazyLock::new(|| {
     })
 });
 
-/// Answers what xtask asks instead of fuzzing.
+/// Answers the requests of xtask that are not for fuzzing.
 fn asked() {
     if std::env::var_os("MYOINTENT_FUZZ_LIST").is_some() {
         targets::ALL

@@ -1,4 +1,4 @@
-//! A session with armbands as its radio sees it, and what must hold of its actions.
+//! Session with armbands as its radio sees it, and the conditions that hold of its actions.
 
 use shared::myo::{
     Action, Address, AddressKind, Characteristic, Event, Following, Found, MyoSession, Phase,
@@ -7,15 +7,15 @@ use shared::myo::{
 use shared::stream::link_sequence::{GapDetector, Sequencer};
 use shared::units::Millis;
 
-/// Notifications that a session holds back, and the actions of one event beside them.
+/// Most actions of an event: the notifications that a session holds back, and the others of one event.
 const MOST_ACTIONS: usize = 2 * 27 + 4;
 /// Bytes of an EMG notification.
 const EMG_BYTES: usize = 16;
 
-/// The service by which an armband is recognised.
+/// Service by which an armband is recognised.
 pub const CONTROL: Uuid = Uuid::Vendor(0x0001);
 
-/// An armband's address.
+/// Returns the address of an armband.
 pub const fn address(last: u8) -> Address {
     Address {
         kind: AddressKind::Public,
@@ -23,7 +23,7 @@ pub const fn address(last: u8) -> Address {
     }
 }
 
-/// What an armband advertises.
+/// Returns the advertisement of an armband.
 pub fn advertisement() -> [u8; 18] {
     let mut data = [0; 18];
     data[..2].copy_from_slice(&[17, 0x06]);
@@ -31,35 +31,35 @@ pub fn advertisement() -> [u8; 18] {
     data
 }
 
-/// Every characteristic.
+/// Returns every characteristic.
 pub fn everything() -> Found {
     Characteristic::ALL.into_iter().collect()
 }
 
-/// A session, its clock, and the checks of its actions.
+/// Session with its clock and the checks of its actions.
 pub struct Link {
     pub session: MyoSession,
     now: Millis,
     progress: Progress,
-    /// The operation without an answer.
+    /// Operation that has no answer yet.
     outstanding: Option<Action>,
-    /// Whether samples may be delivered.
+    /// True if samples may be delivered.
     stream: bool,
     /// Number of the next EMG notification, which is in its bytes.
     number: u64,
-    /// Whether the notification of each number was delivered.
+    /// True for each number whose notification was delivered.
     delivered: Vec<bool>,
-    /// Of the newest event; kept, so that not every event allocates.
+    /// Actions of the newest event; kept, so that not every event allocates.
     actions: Vec<Action>,
     lost: u64,
     sequencer: Sequencer,
     detector: GapDetector,
-    /// Samples delivered and missing so far.
+    /// Number of samples delivered and missing so far.
     position: u32,
 }
 
 impl Link {
-    /// A session before its first event, at a time of any clock.
+    /// Creates a session before its first event, at any time of the clock.
     pub fn new(settings: Settings, now: u32) -> Self {
         Self {
             session: MyoSession::new(settings),
@@ -77,7 +77,7 @@ impl Link {
         }
     }
 
-    /// A session that streams.
+    /// Creates a session that streams.
     pub fn streaming(now: u32) -> Self {
         let mut link = Self::new(
             Settings {
@@ -94,12 +94,12 @@ impl Link {
         link
     }
 
-    /// Time passes.
+    /// Advances the time.
     pub fn wait(&mut self, milliseconds: u32) {
         self.now = self.now.plus(milliseconds);
     }
 
-    /// An advertisement is received.
+    /// Passes an advertisement to the session.
     pub fn advertise(&mut self, last: u8, rssi: i8, data: &[u8]) {
         let address = address(last);
         self.handle(Event::Advertisement {
@@ -109,7 +109,7 @@ impl Link {
         });
     }
 
-    /// The outstanding operation succeeds.
+    /// Lets the outstanding operation succeed.
     pub fn answer(&mut self) {
         self.handle(match self.outstanding {
             Some(Action::Connect(_)) => Event::Connected,
@@ -120,7 +120,7 @@ impl Link {
         });
     }
 
-    /// An EMG notification of a lane, with a number of its own inside.
+    /// Passes an EMG notification of a lane, with a number of its own inside.
     pub fn emg(&mut self, lane: usize) {
         let mut bytes = [0x55; EMG_BYTES];
         bytes[..8].copy_from_slice(&self.number.to_le_bytes());
@@ -132,7 +132,7 @@ impl Link {
         });
     }
 
-    /// Passes an event on and checks what the session does.
+    /// Passes an event on and checks the session's actions.
     pub fn handle(&mut self, event: Event<'_>) {
         let streamed = self.session.phase() == Phase::Streaming;
         let mut actions = std::mem::take(&mut self.actions);
@@ -181,7 +181,7 @@ impl Link {
                 let number = pair[0].map(i8::cast_unsigned);
                 let is_numbered = pair[1] == [0x55; 8];
                 let number = usize::try_from(u64::from_le_bytes(number));
-                // A number beyond them was invented by the input.
+                // A number beyond them comes from the input, not from [`Self::emg`].
                 if let (true, Ok(number)) = (is_numbered, number)
                     && let Some(delivered) = self.delivered.get_mut(number)
                 {
@@ -198,7 +198,7 @@ impl Link {
                 assert!(self.stream && missing > 0);
                 self.lost += u64::from(missing);
                 self.sequencer.gap(missing);
-                // What the queue's other end finds out by itself.
+                // The queue's other end finds the gap by itself; this detector starts anew.
                 self.detector = GapDetector::new();
                 let mut skipped = self.sequencer;
                 let first = skipped.end().first;
@@ -220,14 +220,14 @@ impl Link {
         }
     }
 
-    /// At most one is outstanding.
+    /// Takes a new operation: at most one is outstanding.
     fn operation(&mut self, action: Action) {
         assert_eq!(self.outstanding, None, "and then {action:?}");
         self.outstanding = Some(action);
     }
 }
 
-/// Whether an event ends an operation.
+/// Returns true if an event ends an operation.
 fn is_answer(outstanding: Option<Action>, event: Event<'_>) -> bool {
     matches!(
         (outstanding, event),

@@ -1,4 +1,4 @@
-//! The first inputs of every target, made by the project's own writers. Nothing is cut from recordings.
+//! First inputs of every target, made by the project's own writers. Nothing is cut from recordings.
 
 use std::fs;
 use std::path::Path;
@@ -26,7 +26,7 @@ use presets::BUILT_IN;
 pub use recordings::readers::mat::fixture::{compressed, doubles, file, variable};
 use recordings::readers::npy::encode;
 
-/// Rows of a recording.
+/// Number of rows of a recording.
 const ROWS: usize = 24;
 
 /// Writes a folder for each target.
@@ -74,7 +74,7 @@ fn advertisements() -> Vec<Vec<u8>> {
     vec![advertisement().to_vec(), named]
 }
 
-/// Declarations with their values and descriptors, as an armband has them.
+/// Returns declarations with their values and descriptors, as an armband has them.
 fn attributes() -> Vec<u8> {
     let mut seed = Vec::new();
     let mut handle = 1;
@@ -84,7 +84,7 @@ fn attributes() -> Vec<u8> {
         declaration.extend(uuid);
         seed.push(declaration.len() as u8);
         seed.extend(declaration);
-        // The value is not read; a description, then the descriptor.
+        // The value is not read; the description comes next, then the descriptor.
         seed.extend([3, b'E', b'M', b'G', 2, 0, 0]);
         handle += 4;
     }
@@ -93,7 +93,7 @@ fn attributes() -> Vec<u8> {
     seed
 }
 
-/// Four lanes in turn, a loss, a swap, a battery level.
+/// Returns notifications of four lanes in turn, a loss, a swap, a battery level.
 fn notifications() -> Vec<u8> {
     let mut seed = vec![0; 4];
     for number in 0..40_u8 {
@@ -241,7 +241,7 @@ fn smallest() -> Vec<u8> {
 
 fn models() -> Vec<Vec<u8>> {
     let file = smallest();
-    // Behind the prefix and before the checksum; the first kilobyte, which ends within a tensor.
+    // The bytes lie behind the prefix and before the checksum: the first kilobyte, which ends within a tensor.
     let body = [&[1], &file[13..1024]].concat();
     let changes = (0..8_u8).map(|kind| vec![2, kind % 4, kind | 0x80, 10 * kind, 0, kind, kind]);
     let tensors = (0..8_u8).map(|kind| vec![2, kind % 4, kind, 77 * (kind % 3), kind, kind, 9]);
@@ -283,7 +283,7 @@ fn matrices() -> Vec<Vec<u8>> {
     ]
 }
 
-/// A file of each layout, behind the number of its path.
+/// Returns a file of each layout, behind the number of its path.
 fn recordings() -> Vec<Vec<u8>> {
     let counts = [2_i8, -3, 40, 5, -60, 7, 8, -9].map(i8::cast_unsigned);
     let array = encode("|i1", &[ROWS, 8], &counts.repeat(ROWS));
@@ -360,7 +360,7 @@ fn recordings() -> Vec<Vec<u8>> {
     alone_seeds.chain(pairs).collect()
 }
 
-/// What is read beside a file, and the file.
+/// Returns files, each behind the file that is read beside it.
 fn pairs() -> [[Vec<u8>; 2]; PAIRS.len()] {
     let samples = encode("<i8", &[4, 8], &1_i64.to_le_bytes().repeat(32));
     let names = encode("|S7", &[4], b"none\0\0\0paper\0\0rock\0\0\0scissor");
@@ -374,7 +374,7 @@ fn pairs() -> [[Vec<u8>; 2]; PAIRS.len()] {
     ]
 }
 
-/// The built-in ones as they are, and a change of each kind.
+/// Returns the built-in presets, and a change of each kind.
 fn presets() -> Vec<Vec<u8>> {
     let texts = BUILT_IN.map(|(_, text)| [&[0], text.as_bytes()].concat());
     let changes = (0..8_u8).map(|kind| vec![1 + kind % 3, kind, 9 + kind, 2, kind, b'1']);

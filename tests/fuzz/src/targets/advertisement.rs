@@ -1,11 +1,11 @@
-//! Advertising data: only what lists the armband's service is followed.
+//! Advertising data: the session follows only data that lists the armband's service.
 
 use shared::myo::{Event, MyoSession, Phase, Settings};
 use shared::units::Millis;
 
 use crate::radio::{CONTROL, address};
 
-/// The data of one advertisement.
+/// Takes the data of one advertisement.
 pub fn run(data: &[u8]) {
     let mut session = MyoSession::new(Settings {
         follow_strongest: true,
@@ -26,7 +26,7 @@ pub fn run(data: &[u8]) {
     assert_eq!(followed, lists_the_service(data));
 }
 
-/// The same by a plain walk over the structures.
+/// Looks for the service by a plain walk over the structures.
 fn lists_the_service(data: &[u8]) -> bool {
     let mut at = 0;
     while at < data.len() {
@@ -35,7 +35,7 @@ fn lists_the_service(data: &[u8]) -> bool {
             return false;
         }
         if end == at + 1 {
-            // A length of zero: the end, or padding.
+            // A length of zero ends the data, or pads it.
             return false;
         }
         let (kind, value) = (data[at + 1], &data[at + 2..end]);

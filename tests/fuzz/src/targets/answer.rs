@@ -1,4 +1,4 @@
-//! The answers to commands: of any counters and armbands, each a line that is no command and is read back.
+//! Answers to commands, with any counters and armbands: each is a line that is no command and is read back.
 
 use shared::myo::{Address, AddressKind, Counters, FirmwareVersion, Following};
 use shared::stream::alignment::Alignment;
@@ -8,7 +8,7 @@ use shared::uart_line::answer::{Accepted, Answer, Binding, Counts, Identity, Ref
 use super::report::is_not_answered;
 use crate::input::Input;
 
-/// An answer of any content.
+/// Takes an answer of any content.
 pub fn run(data: &[u8]) {
     let input = &mut Input(data);
     let line = answer(input).to_string();

@@ -1,10 +1,10 @@
-//! The flash record of the bound armband: any 16 bytes.
+//! Flash record of the bound armband: any 16 bytes.
 
 use shared::myo::binding::{RECORD_BYTES, from_record, to_record};
 
 use crate::input::Input;
 
-/// A record, as it is and with its checksum made right.
+/// Takes a record, unchanged and with its checksum made right.
 pub fn run(data: &[u8]) {
     let mut record: [u8; RECORD_BYTES] = Input(data).array();
     check(&record);

@@ -1,9 +1,9 @@
-//! The UART's receiver: any bytes, and any text in a right frame.
+//! Receiver of the UART: any bytes, and any text in a right frame.
 
 use shared::uart_line::answer::Answer;
 use shared::uart_line::command::{Command, CommandReader, MAX_COMMAND_BYTES};
 
-/// Bytes as they come, then the same as the body of a line.
+/// Takes bytes unchanged, then the same bytes as the body of a line.
 pub fn run(data: &[u8]) {
     let mut reader = CommandReader::new();
     for &byte in data {
@@ -24,7 +24,7 @@ pub fn run(data: &[u8]) {
     if let (true, Ok(Some(command))) = (one_line, Command::parse(&framed(data))) {
         let written = command.to_string();
         let lower = written.to_lowercase();
-        // An address may be written in small letters, and so the checksum differs: nothing else.
+        // An address may be written in lower case, which changes the checksum and nothing else.
         let sent = String::from_utf8(framed(data)).expect("a command is text");
         let same = |text: &str| {
             text.trim_end()
@@ -43,7 +43,7 @@ pub fn run(data: &[u8]) {
     }
 }
 
-/// What a command or its refusal is answered with.
+/// Checks a command, or the answer to its refusal.
 fn check(found: Option<Result<Command, shared::uart_line::answer::Refusal>>) {
     match found {
         None => {}
@@ -64,7 +64,7 @@ fn check(found: Option<Result<Command, shared::uart_line::answer::Refusal>>) {
     }
 }
 
-/// A line with the right checksum, without its end.
+/// Returns a line with the right checksum, without its end.
 pub fn framed(body: &[u8]) -> Vec<u8> {
     let sum = body.iter().fold(0, |sum, byte| sum ^ byte);
     [b"$", body, format!("*{sum:02X}").as_bytes()].concat()

@@ -1,10 +1,10 @@
-//! The attributes of a device that calls itself an armband: any values at any handles.
+//! Attributes of a device that calls itself an armband: any values at any handles.
 
 use shared::myo::{Attribute, Discovery};
 
 use crate::input::Input;
 
-/// A value for each read, short and with its length in front; 255: the read is refused.
+/// Takes a value for each read, short and with its length in front; 255: the read is refused.
 pub fn run(data: &[u8]) {
     let mut input = Input(data);
     let mut discovery = Discovery::new();

@@ -1,4 +1,4 @@
-//! The receiver of a model: any commands in any order, flash that fails, losses of power.
+//! Receiver of a model: any commands in any order, failing flash, losses of power.
 
 use std::sync::LazyLock;
 
@@ -9,14 +9,14 @@ use shared::installation::{
 
 use crate::input::Input;
 
-/// Two pages and some blocks.
+/// Bytes of the model: two pages and some blocks.
 const LENGTH: usize = 2 * PAGE_BYTES + 3 * BLOCK_BYTES + 5;
 const CAPACITY: usize = 4 * PAGE_BYTES;
 
-/// The bytes of the model that a board has before.
+/// Byte of which the board's first model consists.
 const OLD: u8 = 0x55;
 
-/// What is installed; the same each time.
+/// Model that is installed; the same each time.
 static FILE: LazyLock<Vec<u8>> =
     LazyLock::new(|| (0..LENGTH).map(|place| (place % 251) as u8).collect());
 
@@ -26,13 +26,13 @@ struct Flash {
 }
 
 impl Flash {
-    /// Whether a whole model lies here: the new one, or the old one as it was.
+    /// Returns true if a whole model lies here: the new one, or the old one unchanged.
     fn has_model(&self) -> bool {
         self.region.starts_with(&FILE) || self.region.iter().all(|byte| *byte == OLD)
     }
 }
 
-/// What happens: a byte for the kind, what belongs to it.
+/// Takes events: a byte for the kind, then its arguments.
 pub fn run(data: &[u8]) {
     let mut input = Input(data);
     let file = FILE.as_slice();
@@ -94,7 +94,7 @@ pub fn run(data: &[u8]) {
                 _ if !success => {}
                 Step::Suspend => in_use = false,
                 Step::Resume => {
-                    // After a failure at the first block, what an earlier transfer has left may be no model.
+                    // After a failure at the first block, the remains of an earlier transfer may be no model.
                     in_use = flash.has_model();
                     assert!(in_use || number == 0, "in use, and not whole");
                 }
@@ -136,7 +136,7 @@ fn write(flash: &mut Flash, installation: &Installation, step: Step) {
     }
 }
 
-/// Ones become zeros.
+/// Programs bytes as flash does: it can only clear bits.
 fn program(bytes: &mut [u8], content: &[u8]) {
     for (byte, content) in bytes.iter_mut().zip(content) {
         *byte &= content;

@@ -2,13 +2,13 @@
 
 use recordings::readers::label_file::{Purpose, parse};
 
-/// A file.
+/// Takes a file.
 pub fn run(data: &[u8]) {
     let [truth, prediction] =
         [Purpose::Truth, Purpose::Prediction].map(|purpose| parse(data, purpose));
     let Ok(labels) = truth else { return };
     assert!(!labels.is_empty(), "at least one label");
-    // A csv may name both; what names neither is the same for either purpose.
+    // A csv may name both kinds of label; a file that names neither reads the same for either purpose.
     if let Ok(prediction) = prediction {
         assert_eq!(prediction.len(), labels.len());
     }

@@ -1,4 +1,4 @@
-//! MATLAB files: any bytes behind a right head, and any variables, compressed or not.
+//! MATLAB files: any bytes behind a right header, and any variables, compressed or not.
 
 use crate::input::Input;
 pub use recordings::readers::mat::fixture::{compressed, file, packed, variable};
@@ -7,7 +7,7 @@ use recordings::readers::mat::parse;
 /// Bytes of a stored block: small, so that a variable has several.
 const BLOCK: usize = 200;
 
-/// A file as it is, its bytes behind a head, and its bytes as the content of variables.
+/// Takes a file unchanged, its bytes behind a header, and its bytes as the content of variables.
 pub fn run(data: &[u8]) {
     check(data);
     check(&file(&[data.to_vec()]));
@@ -25,7 +25,7 @@ pub fn run(data: &[u8]) {
             let count = content.len();
             content[usize::from(at) % count] = changed;
         }
-        // Compressing takes as long as ten executions: one variable of eight.
+        // Compressing takes as long as ten executions, so one variable of eight is compressed.
         variables.push(match how >> 5 {
             0..=3 => content,
             4..=6 => stored(&content),
@@ -35,7 +35,7 @@ pub fn run(data: &[u8]) {
     check(&file(&variables));
 }
 
-/// As a compressor writes what it cannot make shorter: in blocks as they are.
+/// Returns the compressed form of content that a compressor cannot make shorter: blocks that are stored.
 fn stored(content: &[u8]) -> Vec<u8> {
     let mut bytes = vec![0x78, 0x01];
     let count = content.len().div_ceil(BLOCK).max(1);

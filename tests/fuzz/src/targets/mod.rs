@@ -1,4 +1,4 @@
-//! What is fuzzed. A new target: its file, its line in [`ALL`], its seeds in [`crate::seeds`].
+//! Targets of fuzzing. A new target needs its file, its line in [`ALL`] and its seeds in [`crate::seeds`].
 
 mod advertisement;
 mod answer;
@@ -18,14 +18,14 @@ mod report;
 mod session;
 mod template;
 
-/// A target.
+/// Target of fuzzing.
 #[derive(Clone, Copy)]
 pub struct Target {
     /// Name on the command line, and of its folder of seeds.
     pub name: &'static str,
-    /// Bytes of its longest input: as many as show everything, for executions take as long as their input.
+    /// Bytes of its longest input: just enough to reach all behaviour, for executions take as long as their input.
     pub longest: usize,
-    /// Takes any bytes; panics if something does not hold that must.
+    /// Function that takes any bytes, and panics if a condition does not hold.
     pub run: fn(&[u8]),
 }
 
@@ -33,7 +33,7 @@ const fn target(name: &'static str, longest: usize, run: fn(&[u8])) -> Target {
     Target { name, longest, run }
 }
 
-/// All of them, from the radio to the PC.
+/// All targets, from the radio to the PC.
 pub const ALL: [Target; 17] = [
     target("advertisement", 256, advertisement::run),
     target("discovery", 4096, discovery::run),

@@ -1,4 +1,4 @@
-//! The model file, with length and checksum made right: what is accepted runs, and never gives anything but numbers.
+//! Model file, with length and checksum made right: an accepted file runs, and gives only numbers.
 
 use std::cell::RefCell;
 use std::sync::LazyLock;
@@ -15,10 +15,10 @@ use shared::units::{LOOK_BACK, Patch, SampleIndex};
 
 use crate::input::Input;
 
-/// Magic, version and length.
+/// Bytes of magic, version and length.
 const PREFIX: usize = 13;
 const CHECKSUM: usize = 4;
-/// A table that is made once, and of sixteen bytes at a time: a model is long.
+/// Checksum with a table that is made once and takes sixteen bytes at a time: a model is long.
 static CRC: Crc<u32, Table<16>> = Crc::<u32, Table<16>>::new(&CRC_32_ISO_HDLC);
 /// Bytes in which the header ends, roughly: half of all changes go there.
 const HEADER: usize = 320;
@@ -65,7 +65,7 @@ static BASES: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
 });
 
 thread_local! {
-    /// Large: made once.
+    /// Encoder states, made once: they are large.
     static STATES: RefCell<(Box<HostState>, Box<DeviceState>)> = {
         let model = Model::parse(&BASES[0]).expect("a model");
         let host = HostEncoder::new(&model).expect("room for every model").fresh();
@@ -75,7 +75,7 @@ thread_local! {
 
 type HostState = <HostEncoder<'static> as Encode>::State;
 
-/// A byte for the kind: a file as it is, what lies between prefix and checksum, or changes of a whole model.
+/// Takes a byte for the kind: a file unchanged, the bytes between prefix and checksum, or changes of a whole model.
 pub fn run(data: &[u8]) {
     let mut input = Input(data);
     let kind = input.byte();
@@ -88,7 +88,7 @@ pub fn run(data: &[u8]) {
         }
         _ => changed(&mut input),
     };
-    // Read as words: the file begins at a multiple of four.
+    // The file is read as words: it begins at a multiple of four.
     let mut words = vec![0_u32; file.len().div_ceil(4)];
     let region: &mut [u8] = as_bytes(&mut words);
     region[..file.len()].copy_from_slice(&file);
@@ -99,7 +99,7 @@ fn as_bytes(words: &mut [u32]) -> &mut [u8] {
     bytemuck::cast_slice_mut(words)
 }
 
-/// With length and checksum.
+/// Returns a file with length and checksum.
 fn sealed(mut file: Vec<u8>) -> Vec<u8> {
     let length = (file.len() + CHECKSUM) as u32;
     file[9..PREFIX].copy_from_slice(&length.to_le_bytes());
@@ -108,7 +108,7 @@ fn sealed(mut file: Vec<u8>) -> Vec<u8> {
     file
 }
 
-/// A model with bytes changed, numbers replaced, and pieces put in and taken out.
+/// Returns a model with bytes changed, numbers replaced, and pieces inserted and removed.
 fn changed(input: &mut Input<'_>) -> Vec<u8> {
     let base = &BASES[input.below(4)];
     let mut file = base[..base.len() - CHECKSUM].to_vec();
@@ -139,7 +139,7 @@ fn changed(input: &mut Input<'_>) -> Vec<u8> {
                 file.resize(file.len().max(PREFIX), 0);
             }
             6 => file[at] = file[at].wrapping_add(1),
-            // All numbers from here on: a tensor and more.
+            // All numbers from here on are replaced: a tensor and more.
             _ => {
                 let wild = WILD[input.below(WILD.len())].to_le_bytes();
                 let end = (at / 4 * 4 + 4 * usize::from(input.byte())).min(file.len());
@@ -184,7 +184,7 @@ fn check(region: &[u8]) {
     STATES.with_borrow_mut(|(host, device)| encode(&model, host, device));
 }
 
-/// Runs the model over the strongest and weakest inputs there are.
+/// Runs the model over the strongest and the weakest possible inputs.
 fn encode(model: &Model<'_>, host: &mut HostState, device: &mut DeviceState) {
     let encoder = HostEncoder::new(model).expect("room for every model");
     let on_device = DeviceEncoder::new(model).ok();
@@ -214,7 +214,7 @@ fn encode(model: &Model<'_>, host: &mut HostState, device: &mut DeviceState) {
     }
 }
 
-/// Silence, the strongest signal, and between.
+/// Returns a patch: silence, the strongest signal, or between.
 fn patch(number: u32) -> Patch {
     std::array::from_fn(|sample| {
         std::array::from_fn(|channel| match number {

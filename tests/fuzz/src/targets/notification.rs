@@ -5,7 +5,7 @@ use shared::myo::{Characteristic, Event};
 use crate::input::Input;
 use crate::radio::Link;
 
-/// Notifications, each a byte for its kind, the time since the one before, and perhaps bytes.
+/// Takes notifications, each a byte for its kind, the time since the one before, and perhaps bytes.
 pub fn run(data: &[u8]) {
     let mut input = Input(data);
     let mut link = Link::streaming(input.word());

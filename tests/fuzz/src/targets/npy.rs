@@ -8,7 +8,7 @@ const TYPES: [&str; 12] = [
     "|i1", "<i2", "<i4", "<i8", "|u1", "<u8", "<f4", "<f8", "|b1", "|S7", "<U7", ">f8",
 ];
 
-/// A file as it is, then its bytes as elements behind a header of any shape.
+/// Takes a file unchanged, then its bytes as elements behind a header of any shape.
 pub fn run(data: &[u8]) {
     check(data);
     let mut input = Input(data);
@@ -17,7 +17,7 @@ pub fn run(data: &[u8]) {
     let shape: Vec<usize> = (0..axes)
         .map(|_| match input.byte() {
             few @ 0..=239 => usize::from(few),
-            // Huge ones, whose product does not fit.
+            // Huge axes whose product does not fit.
             _ => input.word() as usize * input.word() as usize,
         })
         .collect();

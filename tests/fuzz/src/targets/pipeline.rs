@@ -1,4 +1,4 @@
-//! The pipeline from samples to labels: samples, losses, silences and alignments in any order at any time.
+//! Pipeline from samples to labels: samples, losses, silences and alignments in any order at any time.
 
 use shared::intent::{Intent, MAX_CLASSES, MAX_LOGITS};
 use shared::model::{Encode, LookBackLogits};
@@ -13,7 +13,7 @@ use shared::units::{LOOK_BACK, Millis, Patch, WINDOW};
 
 use crate::input::Input;
 
-/// A model that answers with what is in the patch.
+/// Model whose scores are the values in the patch.
 struct Plain {
     classes: usize,
 }
@@ -45,11 +45,11 @@ impl Encode for Plain {
     }
 }
 
-/// The pipeline, its clock, and what must hold of its reports.
+/// Pipeline with its clock and the checks of its reports.
 struct Device<'s> {
     pipeline: Pipeline<'s, Plain>,
     now: Millis,
-    /// Whether each sample of the window was received, the newest last; the others are filled in.
+    /// True for each sample of the window that was received, the newest last; the others are filled in.
     window: Vec<bool>,
     last_sample: Option<Millis>,
     counters: Counters,
@@ -58,7 +58,7 @@ struct Device<'s> {
     last_label: Option<Report>,
 }
 
-/// Settings, then what happens: a byte for the kind, what belongs to it.
+/// Takes settings, then events: a byte for the kind, then its arguments.
 pub fn run(data: &[u8]) {
     let mut input = Input(data);
     let bits = input.byte();
@@ -96,14 +96,14 @@ pub fn run(data: &[u8]) {
         sequence: 0,
         last_label: None,
     };
-    // Samples are expensive, and two windows with the labels after them show all that there is.
+    // Samples take long, and two windows with the labels after them reach all behaviour.
     let mut samples = 0;
     while !input.is_empty() && samples < 2 * WINDOW + 300 {
         samples += device.step(&mut input);
     }
 }
 
-/// Flat: any gesture fits it.
+/// Returns a flat template, which any gesture fits.
 fn template() -> Template {
     let mut bytes = [0; shared::stream::alignment::TEMPLATE_BYTES];
     let mut diagonal = 8;
@@ -116,7 +116,7 @@ fn template() -> Template {
 }
 
 impl Device<'_> {
-    /// What an input's next byte says; the samples that it took.
+    /// Executes the event of the input's next bytes; returns the number of samples that it took.
     fn step(&mut self, input: &mut Input<'_>) -> usize {
         let kind = input.byte();
         match kind % 16 {
@@ -179,7 +179,7 @@ impl Device<'_> {
         self.check(reports, false);
     }
 
-    /// Takes over the counters, and checks what `valid` promises.
+    /// Takes over the counters, and checks the promises of `valid`.
     fn check(&mut self, reports: Reports, received: bool) {
         let mut labelled = false;
         for report in reports {
@@ -192,7 +192,7 @@ impl Device<'_> {
         if received {
             self.window.push(true);
         }
-        // Between two labels nothing is claimed that was not claimed with the last one.
+        // Between two labels the state claims only what it claimed with the last one.
         if labelled && self.pipeline.status().valid() {
             self.check_window();
         }

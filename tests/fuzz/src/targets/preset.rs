@@ -1,4 +1,4 @@
-//! Presets: what is accepted can be trained with, and is the same after it was written and read again.
+//! Presets: an accepted preset can be trained with, and is the same after writing and reading it.
 
 use crate::input::Input;
 use presets::invariants::check;
@@ -50,7 +50,7 @@ const LINES: [&str; 7] = [
     "ensemble = { members = 3, epochs = 2 }",
 ];
 
-/// A byte for the kind: a text as it is, or changes of a preset that comes with the program.
+/// Takes a byte for the kind: a text unchanged, or changes of a preset that comes with the program.
 pub fn run(data: &[u8]) {
     let mut input = Input(data);
     let kind = input.below(1 + BUILT_IN.len());
@@ -68,7 +68,7 @@ pub fn run(data: &[u8]) {
     }
 }
 
-/// A preset whose values are replaced, lines put in and taken out, bytes changed.
+/// Returns a preset with values replaced, lines inserted and removed, bytes changed.
 fn changed(preset: &str, input: &mut Input<'_>) -> String {
     let mut lines: Vec<String> = preset.lines().map(str::to_owned).collect();
     while !input.is_empty() {

@@ -1,5 +1,5 @@
-//! Files of recordings, under the names of every published layout: what is accepted has a label a sample, movements
-//! inside it, and is the same after it was written and read again.
+//! Files of recordings, under the names of every published layout: an accepted recording has a label for each sample
+//! and movements inside it, and is the same after writing and reading it.
 
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
@@ -10,8 +10,8 @@ use recordings::readers::npy;
 pub use recordings::readers::open::{Found, Request, of_bytes};
 use recordings::{DataSet, Recording};
 
-/// A path of each layout. No such folder exists: what would be read beside a file is not there, unless it is one of
-/// [`PAIRS`].
+/// Paths, one of each layout. No such folder exists: a file that would be read beside another is missing, unless it is
+/// one of [`PAIRS`].
 pub const PATHS: [&str; 19] = [
     "/nowhere/s3/s3_grasp_1.csv",
     "/nowhere/s1_r_1/s1_r_1-rock-0-emg.csv",
@@ -34,14 +34,14 @@ pub const PATHS: [&str; 19] = [
     "trial_1/R_1_C_3.csv",
 ];
 
-/// The last of the paths: below [`FOLDER`], each with a file that is read beside it.
+/// Files below [`FOLDER`], each read beside one of the last of the paths.
 pub const PAIRS: [&str; 3] = [
     "subject03_session01_ann.npy",
     "s3/e2_ann.npy",
     "trial_1/metadata.json",
 ];
 
-/// A folder of this process, with the folders of the paths.
+/// Folder of this process, with the folders of the paths.
 static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
     let folder = env::temp_dir().join(format!("myointent-fuzz-{}", process::id()));
     for path in PAIRS.map(|name| folder.join(name)) {
@@ -53,7 +53,7 @@ static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
 /// Samples of the longest recording that a file of a few kilobytes may hold: `uci-gestures` names its times, 200 samples a row.
 const MOST: usize = 200;
 
-/// A byte for the path, for a pair the length of the file beside it and that file, then the file.
+/// Takes a byte for the path, for a pair the length of the file beside it and that file, then the file.
 pub fn run(data: &[u8]) {
     let mut input = Input(data);
     let number = input.below(PATHS.len());
@@ -96,7 +96,7 @@ fn check(recording: &Recording) {
     read_again(recording);
 }
 
-/// Written as label and eight counts a row, which any recording can be.
+/// Writes a recording as label and eight counts a row, which any recording can be, and reads it again.
 fn read_again(recording: &Recording) {
     let rows = recording.samples.iter().zip(&recording.labels);
     let data: Vec<u8> = rows

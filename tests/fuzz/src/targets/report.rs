@@ -1,4 +1,4 @@
-//! The lines that a device writes, of every kind: what parses is written back byte for byte, and is no command.
+//! Lines of a device, of every kind: a line that parses is written back byte for byte, and is no command.
 
 use shared::uart_line::Report;
 use shared::uart_line::alignment::AlignmentReport;
@@ -9,7 +9,7 @@ use shared::uart_line::line::{Line, LineReader, MAX_LINE_BYTES};
 
 use super::command::framed;
 
-/// A line as it is, then the same as the body of a line.
+/// Takes a line unchanged, then the same bytes as the body of a line.
 pub fn run(data: &[u8]) {
     check(data);
     let mut line = framed(data);
@@ -18,7 +18,7 @@ pub fn run(data: &[u8]) {
     stream(data);
 }
 
-/// Bytes as they come: what is found among them is a line, and the reader takes the next line whatever came before.
+/// Feeds bytes to the reader: what it finds is a line, and it takes the next line after any bytes.
 fn stream(data: &[u8]) {
     let mut reader = LineReader::new();
     for &byte in data {
@@ -60,7 +60,7 @@ fn check(line: &[u8]) {
     }
 }
 
-/// A receiver connected to the own transmitter does not talk to itself.
+/// Checks that a receiver connected to its own transmitter does not answer itself.
 pub fn is_not_answered(line: &str) {
     let mut reader = CommandReader::new();
     let answer = line.bytes().find_map(|byte| reader.push(byte));

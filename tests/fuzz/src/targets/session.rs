@@ -1,11 +1,12 @@
-//! The session with armbands: any events in any order at any time.
+//! Session with armbands: any events in any order at any time.
 
 use shared::myo::{Characteristic, Event, Found, Settings};
 
 use crate::input::Input;
 use crate::radio::{Link, address, advertisement};
 
-/// Settings and first time, then events: a byte for the kind, the time since the one before, what belongs to it.
+/// Takes settings and a first time, then events: a byte for the kind, the time since the one before, then its
+/// arguments.
 pub fn run(data: &[u8]) {
     let mut input = Input(data);
     let bits = input.byte();
@@ -57,7 +58,7 @@ pub fn run(data: &[u8]) {
     }
 }
 
-/// The characteristics of a set's bits.
+/// Returns the characteristics of a set's bits.
 fn found(bits: u8) -> Found {
     let all = Characteristic::ALL.into_iter();
     all.filter(|one| bits & (1 << one.index()) != 0).collect()

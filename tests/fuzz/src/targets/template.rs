@@ -1,10 +1,10 @@
-//! The alignment template of a model file: any bytes, and what it fits to any gesture.
+//! Alignment template of a model file: any bytes, and its fit to any gesture.
 
 use shared::stream::alignment::{Alignment, Profile, TEMPLATE_BYTES, Template};
 
 use crate::input::Input;
 
-/// A template, then the mean activity of eight electrodes.
+/// Takes a template, then the mean activity of eight electrodes.
 pub fn run(data: &[u8]) {
     let _ = Template::from_bytes(data);
     let mut input = Input(data);
@@ -31,7 +31,7 @@ pub fn run(data: &[u8]) {
         fits.other_arm.alignment.mirrored()
     );
     assert_eq!(fits.lead(), fits.other_arm.distance - fit.distance);
-    // An armband turned by the answer fits best as it is, and as well; so does the other arm.
+    // An armband turned by the answer needs no further turn and fits as well as before; so does the other arm.
     let turned = fit.alignment.apply(means);
     let again = template.fit(Profile::new(turned));
     assert_eq!(again.nearest.distance, fit.distance);
