@@ -1,4 +1,4 @@
-//! Equality with the numbers that the published reference code gave.
+//! Equality with the numbers of the published reference code.
 
 #[path = "golden/cases.rs"]
 mod cases;

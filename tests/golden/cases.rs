@@ -1,5 +1,4 @@
-//! The golden checks that run on the host and on the emulated core: each is a test here and, by
-//! [`ON_BOTH`], a test there.
+//! Golden checks that run on the host and on the emulated core: each is a test here and, by [`ON_BOTH`], a test there.
 
 use std::path::Path;
 
@@ -13,7 +12,7 @@ pub type Read = fn(&Path) -> Check;
 
 macro_rules! on_both {
     ($($name:ident: $read:expr,)*) => {
-        /// Names, and how to read their data.
+        /// Names of the checks, and functions that read their data.
         pub const ON_BOTH: &[(&str, Read)] = &[$((stringify!($name), $read)),*];
         $(
             #[test]

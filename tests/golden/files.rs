@@ -1,4 +1,4 @@
-//! Reading reference files.
+//! Readers of reference files.
 
 use std::fs;
 use std::path::Path;
@@ -6,11 +6,11 @@ use std::path::Path;
 use recordings::npy::{self, Values};
 use serde_json::Value;
 
-/// An element type of the reference's npy files.
+/// Element type of the reference's npy files.
 pub trait Element {
-    /// Its name in numpy.
+    /// Name of the type in numpy.
     const DESCR: &'static str;
-    /// Exact for every value of the type.
+    /// Converts a value, exactly for every value of the type.
     fn from_f64(value: f64) -> Self;
 }
 
@@ -27,7 +27,7 @@ macro_rules! elements {
 
 elements!(i8 = "|i1" i16 = "<i2" f32 = "<f4");
 
-/// All values of an npy file, last axis fastest, whichever axis is fastest in the file.
+/// Reads all values of an npy file, last axis fastest, whichever axis is fastest in the file.
 pub fn npy<T: Element>(path: &Path) -> Vec<T> {
     let array = npy::read(path).unwrap_or_else(|error| panic!("{error}"));
     let Values::Numbers(values) = &array.values else {
@@ -37,14 +37,14 @@ pub fn npy<T: Element>(path: &Path) -> Vec<T> {
     values.iter().map(|&value| T::from_f64(value)).collect()
 }
 
-/// A JSON file.
+/// Reads a JSON file.
 pub fn json(path: &Path) -> Value {
     let text =
         fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     serde_json::from_str(&text).unwrap()
 }
 
-/// FNV-1a of 64 bits, in hexadecimal: what stands for numbers that are not in the repository.
+/// FNV-1a of 64 bits, in hexadecimal: it stands for numbers that are not in the repository.
 pub fn checksum(bytes: impl Iterator<Item = u8>) -> String {
     let hash = bytes.fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
@@ -52,7 +52,7 @@ pub fn checksum(bytes: impl Iterator<Item = u8>) -> String {
     format!("{hash:016x}")
 }
 
-/// Run-length labels, -1 for none, unrolled.
+/// Unrolls run-length labels; -1 is `None`.
 pub fn labels(runs: &Value) -> Vec<Option<usize>> {
     let run = |run: &Value| {
         let class = usize::try_from(run[0].as_i64().unwrap()).ok();

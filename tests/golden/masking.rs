@@ -1,4 +1,4 @@
-//! Training masks, drawn often enough to tell their law: golden/masking.json.
+//! Training masks, drawn often enough to compare their distribution: golden/masking.json.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -13,12 +13,12 @@ use shared::units::WINDOW;
 use crate::files::json;
 use crate::statistics::{Figure, deviation};
 
-/// Draws of each task and kind of window.
+/// Number of draws for each task and kind of window.
 const DRAWS: usize = 20_000;
-/// The rarest length of runs that is compared: below, a count is no longer nearly normal.
+/// Least expected number of runs of a length that is compared: smaller counts are not nearly normal.
 const LEAST_RUNS: f64 = 25.0;
 
-/// How a mask lies, in the file's words; `None` where nothing is masked.
+/// Position of a mask, in the file's words; `None` where nothing is masked.
 fn kind(mask: &[bool], last_before_change: Option<usize>) -> Option<&'static str> {
     let hidden = count(mask);
     let around = |t: usize| t - TRANSITION_BUFFER..t + TRANSITION_BUFFER;
@@ -96,7 +96,7 @@ fn check_runs(
     }
 }
 
-/// Compares shares of a window, one a mask of one kind, with the file's summary of them.
+/// Compares shares of a window, one for each mask of one kind, with the file's summary of them.
 fn check_shares(name: &str, summary: &Value, shares: &[f64]) {
     let figure = |what: &'static str| Figure {
         name: format!("{name}: {what}"),
@@ -105,7 +105,7 @@ fn check_shares(name: &str, summary: &Value, shares: &[f64]) {
         rounding: 5e-5,
     };
     figure("mean").mean(shares);
-    // At most the error of a normal law's deviation; a uniform law's is less.
+    // This is the error of a normal distribution's deviation, an upper limit: a uniform distribution's is less.
     let spread = deviation(shares);
     let error = figure("std").error(spread / 2.0_f64.sqrt(), shares.len());
     figure("std").within(spread, error);

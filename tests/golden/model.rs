@@ -1,4 +1,4 @@
-//! The teacher with the reference's weights: golden/model.
+//! Teacher with the reference's weights: golden/model.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -15,15 +15,15 @@ use training::teacher::model::{Teacher, TeacherConfig, TeacherInput, TeacherOutp
 
 use crate::files::json;
 
-/// Intents; MASK is the class after them.
+/// Number of intents; MASK is the class after them.
 const CLASSES: usize = 3;
-/// f32 arithmetic of another order of sums: the reference's own two precisions are 1.5e-6 apart.
+/// Tolerance for f32 sums in another order: the reference's own two precisions are 1.5e-6 apart.
 const TOLERANCE: f32 = 1e-5;
 
 /// Values by name, with their shapes.
 pub type Tensors = BTreeMap<String, (Vec<usize>, Vec<f32>)>;
 
-/// All tensors of a file; whole numbers and flags are exact as f32.
+/// Reads all tensors of a file; whole numbers and flags are exact as f32.
 pub fn tensors(path: &Path) -> Tensors {
     let bytes = std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let file = SafeTensors::deserialize(&bytes).unwrap();
@@ -56,7 +56,7 @@ pub fn tensors(path: &Path) -> Tensors {
     tensors.collect()
 }
 
-/// The dimensions that the paper trains with.
+/// Returns the dimensions that the paper trains with.
 fn paper() -> TeacherConfig {
     Preset::find("paper").unwrap().teacher
 }
@@ -69,7 +69,7 @@ pub fn reference(golden: &Path, file: &str, device: &Device) -> Teacher {
     .unwrap()
 }
 
-/// What the reference was shown, `windows` windows of it.
+/// Builds the reference's input, of all windows.
 pub fn input(
     emg: &[f32],
     emg_mask: &[f32],
@@ -96,11 +96,11 @@ pub fn input(
     }
 }
 
-/// Largest difference of two lists of equal length.
+/// Returns the largest difference of two lists of equal length.
 fn distance(found: &[f32], expected: &[f32]) -> f32 {
     assert_eq!(found.len(), expected.len());
     let differences = found.iter().zip(expected).map(|(a, b)| (a - b).abs());
-    // A maximum of f32 passes over what is not a number.
+    // A maximum of f32 ignores NaN.
     differences.fold(
         0.0,
         |most, d| if d.is_nan() { f32::NAN } else { most.max(d) },

@@ -13,19 +13,19 @@ use shared::units::{CHANNELS, Sample, WINDOW};
 
 use crate::files::{checksum, json, npy};
 
-/// The real recording. Its publishers state no licence, so the repository holds checksums of the
-/// reference's numbers instead of the numbers.
+/// Name of the real recording. Its publishers state no licence, so the repository holds checksums of the reference's
+/// numbers instead of the numbers.
 const REAL: &str = "real_myo";
-/// Where the recording lies among the others.
+/// Path of the recording in the folder of recordings.
 const REAL_FILE: &str = "one-subject-myo/stream/raw_emg.csv";
 
 const RECORDINGS: [&str; 4] = ["synth_a", "synth_b", "synth_short", REAL];
-/// Those that the reference processed in every other way too.
+/// Recordings that the reference processed in every other way too.
 const SYNTHETIC: [&str; 2] = ["synth_a", "synth_b"];
-/// Those of at least a window.
+/// Recordings of at least a window.
 const LIVE: [&str; 3] = ["synth_a", "synth_b", REAL];
 
-/// Recordings beside the reference's file `NAME.processing.npy` of each.
+/// Reads recordings, each with the reference's file `NAME.processing.npy`.
 fn recordings(golden: &Path, names: &[&str], processing: &str) -> Vec<Recording> {
     let folder = golden.join("preprocess");
     let stored = |name: &str| {
@@ -50,7 +50,7 @@ fn recordings(golden: &Path, names: &[&str], processing: &str) -> Vec<Recording>
     names.iter().filter_map(read).collect()
 }
 
-/// [`REAL`] and the reference's input, or a line that says which file would be needed.
+/// Returns [`REAL`] and the reference's input; without it, prints which file is needed.
 ///
 /// The input is computed by the rule in data/README.md; its checksum must be the reference's.
 fn real(golden: &Path, processing: &str) -> Option<(Vec<Sample>, Vec<Input>)> {
@@ -86,13 +86,13 @@ fn real(golden: &Path, processing: &str) -> Option<(Vec<Sample>, Vec<Input>)> {
     Some((raw, expected))
 }
 
-/// A line of eight numbers.
+/// Parses a line of eight numbers.
 fn row(line: &str) -> Sample {
     let mut numbers = line.split(',').map(|number| number.trim().parse().unwrap());
     array::from_fn(|_| numbers.next().unwrap())
 }
 
-/// Centred median of three with zeros beyond the ends, absolute value, a share of 128.
+/// Computes the centred median of three with zeros beyond the ends, then the absolute value as a share of 128.
 fn by_the_rule(raw: &[Sample]) -> Vec<Input> {
     let at = |index: Option<usize>| index.and_then(|index| raw.get(index)).copied();
     let clean = |index: usize| {

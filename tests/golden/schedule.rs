@@ -1,4 +1,4 @@
-//! The learning rate that the reference really used: golden/lr_schedule.json.
+//! Learning rate of the reference at each step: golden/lr_schedule.json.
 
 use burn::tensor::Device;
 use myointent_tests::golden;
@@ -16,13 +16,13 @@ use training::teacher::window::WindowShape;
 
 use crate::files::json;
 
-/// The paper's.
+/// Window shape of the paper.
 const SHAPE: WindowShape = WindowShape {
     window: WINDOW,
     patch: 1,
 };
 
-/// A corpus that gives so many windows, one sample apart.
+/// Builds a corpus of so many windows, one sample apart.
 fn corpus(windows: usize) -> Corpus {
     let samples = WINDOW + windows - 1;
     Corpus {

@@ -10,10 +10,10 @@ use serde_json::Value;
 
 use crate::files::{json, labels, npy};
 
-/// What the files call the sets of windows.
+/// Names of the sets of windows in the files.
 const SETS: [&str; 3] = ["three_class", "mask_class_wins", "edge_rows"];
 
-/// Whether a setting of a case is the second of the two that there are.
+/// Returns true if a setting of a case is the second of its two values.
 fn second(case: &Value, setting: &str, [first, second]: [&str; 2]) -> bool {
     match case[setting].as_str() {
         Some(found) if found == first => false,
@@ -22,13 +22,13 @@ fn second(case: &Value, setting: &str, [first, second]: [&str; 2]) -> bool {
     }
 }
 
-/// Whether only the instant's own row counts.
+/// Returns true if only the instant's own row counts.
 fn same_instant(case: &Value) -> bool {
     second(case, "maj_vote_range", ["future", "single"])
 }
 
-/// Whether the smoother has the case's options: it sums logits, and all windows weigh the same. The
-/// reference can also sum probabilities, or weigh windows and rows by their distance.
+/// Returns true if the smoother has the case's options: it sums logits, and all windows weigh the same. The reference
+/// can also sum probabilities, or weigh windows and rows by their distance.
 fn is_supported(case: &Value) -> bool {
     let weight = case["weight_max_factor"].as_f64().unwrap();
     let progressive = second(case, "weighting_method", ["equal", "progressive"]);

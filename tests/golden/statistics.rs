@@ -1,14 +1,14 @@
-//! Figures of two samples: do they come from one law?
+//! Comparison of two samples: do they come from one distribution?
 //!
-//! Two samples of one law differ by chance. Every figure is compared within so many standard errors of
-//! the difference, the errors taken from the spread of our own draws, whose seed is fixed.
+//! Two samples of one distribution differ by chance. Every figure must agree within a number of standard errors of the
+//! difference. The errors come from the spread of our own draws, whose seed is fixed.
 
 use serde_json::Value;
 
-/// Of some 1500 figures, all within so many standard errors with a probability of 0.99.
+/// Most standard errors of a difference: all of some 1500 figures are within them with a probability of 0.99.
 const ERRORS: f64 = 4.5;
 
-/// One comparison with the file: the figure's name, and how many draws the file's figure is of.
+/// Comparison with the file: the figure's name, and the number of draws behind the file's figure.
 pub struct Figure<'a> {
     pub name: String,
     pub draws: f64,
@@ -33,12 +33,12 @@ impl Figure<'_> {
         );
     }
 
-    /// A mean, one value a draw.
+    /// Compares a mean, of one value a draw.
     pub fn mean(&self, values: &[f64]) {
         self.within(mean(values), self.error(deviation(values), values.len()));
     }
 
-    /// A share of draws. Pooled, so that what one side never drew is judged too.
+    /// Compares a share of draws. The error is pooled, so that a value one side never drew is judged too.
     pub fn probability(&self, found: usize, of: usize) {
         let expected = self.expected.as_f64().unwrap();
         let pooled = (found as f64 + expected * self.draws) / (of as f64 + self.draws);
@@ -46,7 +46,7 @@ impl Figure<'_> {
         self.within(found as f64 / of as f64, self.error(deviation, of));
     }
 
-    /// A ratio of two sums over masks. Runs of one mask resemble each other: the spread is that of masks.
+    /// Compares a ratio of two sums over masks. Runs of one mask resemble each other: the spread is that of masks.
     pub fn ratio(&self, above: &[f64], below: &[f64]) {
         let ratio = mean(above) / mean(below);
         let residuals: Vec<f64> = above

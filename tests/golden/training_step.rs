@@ -31,7 +31,7 @@ impl ModuleMapper for InPlace<'_> {
     }
 }
 
-/// A model's values by the reference's names.
+/// Returns a model's values by the reference's names.
 fn by_name(teacher: &Teacher) -> Tensors {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("teacher.safetensors");
@@ -105,8 +105,8 @@ fn a_training_step_has_the_references_losses_gradients_and_changes() {
     let after = by_name(&teacher);
     for (name, expected) in expected["parameter_delta_l2_f64"].as_object().unwrap() {
         let pairs = before[name].1.iter().zip(&after[name].1);
-        // A key's bias adds the same to all scores of a query, so its gradient is 0. What f32 leaves
-        // of it AdamW divides by its own size: the reference's f64 leaves less.
+        // A key's bias adds the same to all scores of a query, so its gradient is 0. AdamW divides the rounding error
+        // of f32 in it by its own size: the reference's f64 has less of it.
         let keys = if name.ends_with("in_proj_bias") {
             WIDTH..2 * WIDTH
         } else {
@@ -133,7 +133,7 @@ fn check_gradient(name: &str, found: &[f32], expected: &Value) {
         sum - number("sum")
     );
     assert!((length / number("l2") - 1.0).abs() < 1e-4, "{name}: norm");
-    // A sum of n errors, each small beside the gradient's mean magnitude.
+    // The tolerance is that of a sum of n errors, each small beside the gradient's mean magnitude.
     assert!(
         (sum - number("sum")).abs() < 1e-4 * number("l2"),
         "{name}: sum"

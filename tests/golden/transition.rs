@@ -1,4 +1,4 @@
-//! Transition accuracy equals the reference's on all of its cases, verdict by verdict.
+//! Transition accuracy: equal to the reference's on all of its cases, verdict by verdict.
 
 use evaluation::EvaluationError;
 use evaluation::metric::raw_accuracy::raw_accuracy;
@@ -6,7 +6,7 @@ use evaluation::metric::transition::{Rule, TransitionScore, Windows, score};
 use serde_json::Value;
 use shared::intent::Intent;
 
-/// A file of golden numbers, or none: then the skip has been announced.
+/// Reads a file of golden numbers. Returns `None` if it is missing: the skip is announced then.
 fn golden(test: &str, file: &str) -> Option<String> {
     let path = myointent_tests::golden(test)?.join(file);
     let text = std::fs::read_to_string(&path);
@@ -31,7 +31,7 @@ fn labels(runs: &Value) -> Vec<Option<Intent>> {
         .collect()
 }
 
-/// The verdicts as the reference writes them.
+/// Returns the verdicts as the reference writes them.
 fn codes(result: &Result<TransitionScore, EvaluationError>) -> Value {
     match result {
         Err(EvaluationError::SingleSampleLabel { .. }) => Value::from("no_change_in_truth_buffer"),
@@ -51,7 +51,7 @@ fn pairs<'a>(ranges: impl IntoIterator<Item = &'a std::ops::Range<usize>>) -> Va
         .collect()
 }
 
-/// Equal but for the last bit, which serde_json's quick float parser may miss.
+/// Compares two numbers, ignoring the last bit, which serde_json's quick float parser may miss.
 fn equal(found: Option<f64>, expected: &Value) -> bool {
     let (Some(found), Some(expected)) = (found, expected.as_f64()) else {
         return false;

@@ -1,7 +1,7 @@
-//! Golden checks: the same on a PC and on the emulated core.
+//! Golden checks, equal on a PC and on the emulated core.
 //!
-//! The PC reads the reference's files (tests/golden) into a [`Check`], and runs it or passes it as bytes to an
-//! image for the emulated core.
+//! The PC reads the reference's files (tests/golden) into a [`Check`], and runs it or passes it as bytes to an image
+//! for the emulated core.
 #![no_std]
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
@@ -18,18 +18,18 @@ use serde::{Deserialize, Serialize};
 use preprocess::Recording;
 use smoother::Set;
 
-/// A check with its data.
+/// Check with its data.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub enum Check {
-    /// [`preprocess::whole`].
+    /// Data of [`preprocess::whole`].
     WholeRecordings(Vec<Recording>),
-    /// [`preprocess::stream`].
+    /// Data of [`preprocess::stream`].
     Stream(Vec<Recording>),
-    /// [`preprocess::rectified_first`].
+    /// Data of [`preprocess::rectified_first`].
     RectifiedFirst(Vec<Recording>),
-    /// [`preprocess::live_edges`].
+    /// Data of [`preprocess::live_edges`].
     LiveEdges(Vec<Recording>),
-    /// [`smoother::live`].
+    /// Data of [`smoother::live`].
     LiveLabels(Vec<Set>),
 }
 
@@ -37,7 +37,7 @@ impl Check {
     /// Checks every case.
     ///
     /// # Panics
-    /// At the first case that differs from the reference, or if there is no case.
+    /// Panics at the first case that differs from the reference, or if there is no case.
     pub fn run(&self) {
         let count = match self {
             Self::WholeRecordings(recordings) => each(recordings, preprocess::whole),

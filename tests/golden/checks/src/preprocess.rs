@@ -1,4 +1,4 @@
-//! Median and rectification.
+//! Checks of median and rectification.
 
 use alloc::{string::String, vec::Vec};
 
@@ -6,15 +6,15 @@ use serde::{Deserialize, Serialize};
 use shared::stream::preprocess::{DIVISOR, Median, Preprocessor, clean};
 use shared::units::{CHANNELS, CleanSample, Sample, WINDOW};
 
-/// The model's input at one instant, 0 ... 1.
+/// Input of the model at one instant, 0 ... 1.
 pub type Input = [f32; CHANNELS];
 
-/// A recording and the reference's output.
+/// Recording, and the reference's output.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub struct Recording {
-    /// Its name in the reference's files.
+    /// Name in the reference's files.
     pub name: String,
-    /// As the armband sent it.
+    /// Samples as the armband sent them.
     pub raw: Vec<Sample>,
     /// The expected output.
     pub expected: Vec<Input>,
@@ -30,13 +30,13 @@ fn cleaned(samples: impl IntoIterator<Item = Sample>) -> Vec<Input> {
     clean(samples, Median::Three).map(scaled).collect()
 }
 
-/// A whole recording gives the reference's input.
+/// Asserts that a whole recording gives the reference's input.
 pub fn whole(recording: &Recording) {
     let output = cleaned(recording.raw.iter().copied());
     assert!(output == recording.expected, "{} differs", recording.name);
 }
 
-/// Sample by sample it gives the same, one sample late.
+/// Asserts that sample by sample the preprocessor gives the reference's input one sample late.
 pub fn stream(recording: &Recording) {
     let Recording {
         name,
@@ -53,8 +53,8 @@ pub fn stream(recording: &Recording) {
     assert_eq!(preprocessor.finish().map(scaled), expected.last().copied());
 }
 
-/// The reference can also rectify before the median. The preprocessor has no such option: the check shows
-/// that the order of the two steps matters.
+/// Asserts that rectifying before the median gives the reference's output of that order, and another one than ours. The
+/// preprocessor has no such option.
 pub fn rectified_first(recording: &Recording) {
     let Recording {
         name,
@@ -80,8 +80,8 @@ pub fn rectified_first(recording: &Recording) {
     assert!(output != cleaned(raw.iter().copied()), "{name} is the same");
 }
 
-/// The reference's live path preprocesses each window of raw samples by itself. Compares the first and the
-/// last sample of every window that was stored.
+/// Compares the first and the last sample of every window that was stored. The reference's live path preprocesses each
+/// window of raw samples by itself.
 pub fn live_edges(recording: &Recording) {
     let edges: Vec<_> = recording
         .raw

@@ -1,4 +1,4 @@
-//! Look-ahead and hold against the reference's live aggregator.
+//! Checks of look-ahead and hold against the reference's live aggregator.
 
 use alloc::{string::String, vec::Vec};
 
@@ -6,32 +6,32 @@ use serde::{Deserialize, Serialize};
 use shared::stream::smoother::{AggregationMode, Settings, Smoother};
 use shared::units::SampleIndex;
 
-/// The three classes and MASK, which the reference lets win.
+/// Number of classes: three intents, and MASK, which the reference lets win.
 pub const CLASSES: usize = 4;
-/// Rows that the files keep of every window.
+/// Number of rows that the files keep of every window.
 pub const TAIL: usize = 52;
 
 /// Windows and the reference's labels under many settings.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub struct Set {
-    /// Its name in the reference's files.
+    /// Name in the reference's files.
     pub name: String,
     /// Newest rows of every window, oldest first, [`TAIL`] x [`CLASSES`] a window, in 1/256.
     pub tails: Vec<i16>,
-    /// The settings.
+    /// Cases with their settings.
     pub cases: Vec<Case>,
 }
 
-/// Settings and the labels under them.
+/// Settings, and the labels under them.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub struct Case {
-    /// [`AggregationMode::SameInstant`], or else [`AggregationMode::AllRowsFrom`].
+    /// True for [`AggregationMode::SameInstant`], false for [`AggregationMode::AllRowsFrom`].
     pub same_instant: bool,
-    /// In rows, here samples.
+    /// Look-ahead in rows, here samples.
     pub look_ahead: u32,
-    /// In windows.
+    /// Hold in windows.
     pub hold: u32,
-    /// One per window; none where no label was due.
+    /// Labels, one per window; `None` where no label was due.
     pub labels: Vec<Option<u8>>,
 }
 
@@ -50,7 +50,7 @@ impl Case {
     }
 }
 
-/// The labels equal those of the reference's live aggregator in every case.
+/// Asserts that the labels equal those of the reference's live aggregator in every case.
 pub fn live(set: &Set) {
     let scores: Vec<f32> = set
         .tails
