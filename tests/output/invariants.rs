@@ -1,4 +1,4 @@
-//! What must hold in every run, whatever happened in it.
+//! Conditions that hold in every run, whatever happened in it.
 
 use anyhow::{Context as _, bail};
 use shared::intent::Intent;
@@ -7,17 +7,17 @@ use shared::uart_line::Kind;
 
 use super::{Line, Output, Pins};
 
-/// From the last byte to the pin: the silence, the sample's way in, and delays of a busy host.
+/// Longest time from the last byte to the pin: the silence, the sample's way in, and delays of a busy host.
 const SAFE_WITHIN_US: u32 = SILENCE_MS * 1000 + 25_000;
 
-/// The same where a fault keeps the program from it.
+/// Longest such time where a fault keeps the program from it.
 const SAFE_BY_HARDWARE_WITHIN_US: u32 = 250_000;
 
 impl Output {
-    /// What must hold in every run, whatever happened in it; with `may_restart` the board may have restarted.
+    /// Checks the conditions that hold in every run; with `may_restart` the board may have restarted.
     ///
     /// # Errors
-    /// When a line is damaged, missing or a label while `valid` is low; when the board restarted; when `valid` fell too
+    /// Fails when a line is damaged, missing or a label while `valid` is low; when the board restarted; when `valid` fell too
     /// late, or another pin than relax's was high while it was low; when the inference was too slow.
     pub fn check(&self, may_restart: bool) -> anyhow::Result<()> {
         let fault = self.bad_line(may_restart)?;

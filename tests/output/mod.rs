@@ -1,4 +1,4 @@
-//! What a board has written, an emulated or a simulated one: files of a folder, which every call reads again.
+//! Output of a board, emulated or simulated: files of a folder, which every call reads again.
 
 mod invariants;
 mod pins;
@@ -15,18 +15,18 @@ use shared::uart_line::{Report, alignment::AlignmentReport, emg::EmgReport};
 pub use pins::Pins;
 pub use tail::Tail;
 
-/// The lines of UART0, unless somebody copies them elsewhere.
+/// Name of the file with the lines of UART0, unless another program copies them elsewhere.
 pub const LINES: &str = "uart0.out";
-/// What UART2 carries: the levels of the pins.
+/// Name of the file with UART2's output: the levels of the pins.
 pub const LEVELS: &str = "uart2.out";
-/// The armband's log of events.
+/// Name of the armband's log of events.
 pub const ARMBAND_LOG: &str = "armband";
 
-/// Lines of each file in the message of a failure.
+/// Number of lines of each file in the message of a failure.
 const TAIL: usize = 12;
 /// Starts of the lines that are numbered together.
 const NUMBERED: [&str; 3] = ["$LABEL,", "$STATE,", "$ALIGN,"];
-/// Whether a line has a number: a label, a state, or what an alignment does.
+/// Returns true if a line has a number: a label, a state, or a report of an alignment.
 #[must_use]
 pub fn is_numbered(line: &str) -> bool {
     NUMBERED.iter().any(|start| line.starts_with(start))
@@ -35,12 +35,12 @@ pub fn is_numbered(line: &str) -> bool {
 /// Start of the first line that the program writes.
 const STARTED: &str = "# myointent ";
 
-/// A line of UART0 for programs.
+/// Line of UART0 for programs.
 #[derive(Clone, Copy, Debug)]
 pub enum Line {
-    /// A label or a state.
+    /// Label or state.
     Report(Report),
-    /// What an alignment does.
+    /// Report of an alignment.
     Alignment(AlignmentReport),
 }
 
@@ -48,7 +48,7 @@ impl Line {
     /// Parses a line.
     ///
     /// # Errors
-    /// When it is none.
+    /// Fails when it is none.
     pub fn parse(line: &str) -> anyhow::Result<Self> {
         let bytes = line.as_bytes();
         let parsed = if line.starts_with("$ALIGN,") {
@@ -59,7 +59,7 @@ impl Line {
         parsed.with_context(|| line.to_owned())
     }
 
-    /// Its number.
+    /// Returns the number of the line.
     #[must_use]
     pub const fn sequence(&self) -> u32 {
         match self {
@@ -68,7 +68,7 @@ impl Line {
         }
     }
 
-    /// The report, if it is one.
+    /// Returns the report, if the line is one.
     #[must_use]
     pub const fn report(self) -> Option<Report> {
         match self {
@@ -85,16 +85,16 @@ impl Line {
     }
 }
 
-/// The files of a board.
+/// Files of a board.
 #[derive(Clone, Debug)]
 pub struct Output {
     folder: PathBuf,
-    /// The file that the lines of UART0 come to.
+    /// Name of the file with the lines of UART0.
     lines: &'static str,
 }
 
 impl Output {
-    /// Of the files in a folder, the lines of UART0 in the one with this name.
+    /// Refers to the files in a folder, of which `lines` has the lines of UART0.
     #[must_use]
     pub fn new(folder: &Path, lines: &'static str) -> Self {
         Self {
@@ -103,7 +103,7 @@ impl Output {
         }
     }
 
-    /// The file of UART0's lines.
+    /// Returns the path of the file with UART0's lines.
     #[must_use]
     pub fn lines_file(&self) -> PathBuf {
         self.folder.join(self.lines)
@@ -127,7 +127,7 @@ impl Output {
         Tail::new(&self.folder.join(ARMBAND_LOG))
     }
 
-    /// Complete lines of UART0 that are reports, line ends included.
+    /// Returns the complete lines of UART0 that are reports, line ends included.
     #[must_use]
     pub fn lines(&self) -> Vec<String> {
         let lines = self.file(self.lines);
@@ -138,10 +138,10 @@ impl Output {
             .collect()
     }
 
-    /// Bodies of the complete answers on UART0, each without `$`, checksum and line end.
+    /// Returns the bodies of the complete answers on UART0, each without `$`, checksum and line end.
     ///
     /// # Panics
-    /// If a checksum is wrong.
+    /// Panics if a checksum is wrong.
     #[must_use]
     pub fn answers(&self) -> Vec<String> {
         let lines = self.file(self.lines);
@@ -159,10 +159,10 @@ impl Output {
             .collect()
     }
 
-    /// The raw stream, parsed.
+    /// Returns the raw stream, parsed.
     ///
     /// # Errors
-    /// When a line cannot be parsed.
+    /// Fails when a line cannot be parsed.
     pub fn emg(&self) -> anyhow::Result<Vec<EmgReport>> {
         let lines = self.file(self.lines);
         let lines = lines.split_inclusive('\n').filter(|l| l.ends_with('\n'));
@@ -171,7 +171,7 @@ impl Output {
             .collect()
     }
 
-    /// Complete lines of UART0 that are comments, without line end.
+    /// Returns the complete lines of UART0 that are comments, without line end.
     #[must_use]
     pub fn comments(&self) -> Vec<String> {
         let lines = self.file(self.lines);
@@ -182,10 +182,10 @@ impl Output {
             .collect()
     }
 
-    /// Labels and states, parsed.
+    /// Returns labels and states, parsed.
     ///
     /// # Errors
-    /// When a line cannot be parsed.
+    /// Fails when a line cannot be parsed.
     pub fn reports(&self) -> anyhow::Result<Vec<Report>> {
         Ok(self
             .parsed()?
@@ -194,10 +194,10 @@ impl Output {
             .collect())
     }
 
-    /// What alignments did, parsed.
+    /// Returns the reports of alignments, parsed.
     ///
     /// # Errors
-    /// When a line cannot be parsed.
+    /// Fails when a line cannot be parsed.
     pub fn alignments(&self) -> anyhow::Result<Vec<AlignmentReport>> {
         Ok(self
             .parsed()?
@@ -211,10 +211,10 @@ impl Output {
         lines.map(|line| Line::parse(&line)).collect()
     }
 
-    /// The lines for programs after each start of the program, the newest start last.
+    /// Returns the lines for programs after each start of the program, the newest start last.
     ///
     /// # Errors
-    /// When a line is damaged, or comes before the first start.
+    /// Fails when a line is damaged, or comes before the first start.
     pub fn lines_by_start(&self) -> anyhow::Result<Vec<Vec<Line>>> {
         let mut starts: Vec<Vec<Line>> = Vec::new();
         let text = self.file(self.lines);
@@ -230,10 +230,10 @@ impl Output {
         Ok(starts)
     }
 
-    /// Labels and states after each start of the program, the newest start last.
+    /// Returns labels and states after each start of the program, the newest start last.
     ///
     /// # Errors
-    /// As [`Output::lines_by_start`].
+    /// Fails as [`Output::lines_by_start`] does.
     pub fn reports_by_start(&self) -> anyhow::Result<Vec<Vec<Report>>> {
         let starts = self.lines_by_start()?.into_iter();
         Ok(starts
@@ -241,7 +241,7 @@ impl Output {
             .collect())
     }
 
-    /// Every state of the pins.
+    /// Returns every state of the pins.
     #[must_use]
     pub fn pins(&self) -> Vec<Pins> {
         let text = self.file(LEVELS);
@@ -249,7 +249,7 @@ impl Output {
         lines.filter_map(Pins::parse).collect()
     }
 
-    /// The events in the armband's log.
+    /// Returns the events in the armband's log.
     #[must_use]
     pub fn armband_events(&self) -> Vec<Value> {
         let text = self.file(ARMBAND_LOG);
@@ -258,14 +258,14 @@ impl Output {
             .collect()
     }
 
-    /// How often an event is in the armband's log.
+    /// Returns the number of times that an event is in the armband's log.
     #[must_use]
     pub fn event_count(&self, event: &str) -> usize {
         let events = self.armband_events();
         events.iter().filter(|line| line["event"] == event).count()
     }
 
-    /// Bytes of the deepest stack so far.
+    /// Returns the bytes of the deepest stack so far.
     #[must_use]
     pub fn stack(&self) -> u64 {
         let text = self.file(LEVELS);
@@ -275,13 +275,14 @@ impl Output {
             .unwrap_or(0)
     }
 
-    /// When the simulated armband began to stream, in microseconds; the virtual one does not say.
+    /// Returns the times at which the simulated armband began to stream, in microseconds; the virtual one does not log
+    /// them.
     #[must_use]
     pub fn streams_us(&self) -> Vec<u32> {
         self.times_us("STREAM ")
     }
 
-    /// When the faults were injected, by the guest's clock, in microseconds.
+    /// Returns the times of the injected faults, in microseconds of the guest's clock.
     #[must_use]
     pub fn faults_us(&self) -> Vec<u32> {
         self.times_us("FAULT ")
@@ -300,7 +301,7 @@ impl Output {
         String::from_utf8_lossy(&bytes).into_owned()
     }
 
-    /// The last lines of every file, for the message of a failure.
+    /// Returns the last lines of every file, for the message of a failure.
     #[must_use]
     pub fn tails(&self) -> String {
         let mut text = String::new();

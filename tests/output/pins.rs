@@ -1,27 +1,26 @@
-//! The log of the emulated pins:
-//! `PINS <time us> <last HCI byte us> valid=0 relax=0 ... pinch=0 armband=0 alignment=0`.
+//! Log of the emulated pins: `PINS <time us> <last HCI byte us> valid=0 relax=0 ... pinch=0 armband=0 alignment=0`.
 
 use shared::intent::Intent;
 
-/// The pins from one instant on.
+/// State of the pins from one instant on.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Pins {
-    /// The guest's clock, in microseconds; wraps after 71 minutes.
+    /// Time of the guest's clock, in microseconds; wraps after 71 minutes.
     pub at_us: u32,
-    /// When the newest byte from the controller was received, on the same clock.
+    /// Time at which the newest byte from the controller was received, on the same clock.
     pub last_byte_us: u32,
-    /// The `valid` pin.
+    /// Level of the `valid` pin.
     pub valid: bool,
-    /// The intents whose pin is high.
+    /// Intents whose pin is high.
     pub high: Vec<Intent>,
-    /// The LED that is lit while an armband streams.
+    /// Level of the LED that is lit while an armband streams.
     pub armband: bool,
-    /// The LED of the alignment.
+    /// Level of the LED of the alignment.
     pub alignment_led: bool,
 }
 
 impl Pins {
-    /// Parses a line; none if it is of another kind or damaged.
+    /// Parses a line; returns `None` if it is of another kind or damaged.
     #[must_use]
     pub fn parse(line: &str) -> Option<Self> {
         let mut words = line.trim_end().strip_prefix("PINS ")?.split(' ');
@@ -54,8 +53,8 @@ impl Pins {
         Some(pins)
     }
 
-    /// Microseconds since the newest byte from the controller; 0 if it was received while the line
-    /// was being written.
+    /// Returns the microseconds since the newest byte from the controller; 0 if it was received while the line was
+    /// being written.
     #[must_use]
     pub const fn since_last_byte_us(&self) -> u32 {
         let passed = self.at_us.wrapping_sub(self.last_byte_us);

@@ -1,20 +1,20 @@
-//! A file that grows, line by line.
+//! Reader of a file that grows, line by line.
 
 use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
 
-/// Reads a file's complete lines, each once: for files that are too long to be read again and again.
+/// Reader of a file's complete lines, each once: for files that are too long to be read repeatedly.
 #[derive(Debug)]
 pub struct Tail {
     path: PathBuf,
     read: u64,
-    /// The beginning of a line that is not complete.
+    /// Beginning of a line that is not complete.
     begun: Vec<u8>,
 }
 
 impl Tail {
-    /// Of a file, which may be created later.
+    /// Creates a reader of a file, which may be created later.
     #[must_use]
     pub fn new(path: &Path) -> Self {
         Self {
@@ -24,10 +24,10 @@ impl Tail {
         }
     }
 
-    /// The lines that were completed since the last call, without their ends.
+    /// Returns the lines that were completed since the last call, without their ends.
     ///
     /// # Errors
-    /// When the file exists and cannot be read.
+    /// Fails when the file exists and cannot be read.
     pub fn lines(&mut self) -> std::io::Result<Vec<String>> {
         if !self.path.exists() {
             return Ok(Vec::new());
