@@ -38,22 +38,22 @@ use shared::units::Sample;
 const TIME_SCALE: u32 = 5;
 const PACE: f64 = 3.0;
 
-/// The virtual armband's address unless another one is given.
+/// Address of the virtual armband unless another one is given.
 const ARMBAND: &str = "FA:12:34:56:78:9A";
 
-/// The page of a board to which the virtual armband is bound.
+/// Returns the page of a board to which the virtual armband is bound.
 fn bound() -> Vec<u8> {
     let armband = Address::parse(ARMBAND).expect("an address");
     record::to_record(armband).to_vec()
 }
 
-/// The model that the README flashes.
+/// Reads the model that the README flashes.
 fn model() -> Vec<u8> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../models/three-class.intent");
     std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// The file of a recording; without it, reports the test as skipped.
+/// Returns the file of a recording; without it, books the test as skipped and returns `None`.
 fn recording(test: &str, recording: &str) -> Option<PathBuf> {
     let path = myointent_tests::data(test)?.join(recording);
     if !path.is_file() {
@@ -64,7 +64,7 @@ fn recording(test: &str, recording: &str) -> Option<PathBuf> {
     Some(path)
 }
 
-/// The first seconds of a recording; without it, reports the test as skipped.
+/// Reads the first seconds of a recording; without it, books the test as skipped and returns `None`.
 fn samples(test: &str, recording: &str, seconds: usize) -> Option<Vec<Sample>> {
     let path = self::recording(test, recording)?;
     let recording = myointent::cli::replay::one_recording(&path, None)

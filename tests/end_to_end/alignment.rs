@@ -1,7 +1,8 @@
-//! A turned armband: after a press of the button and two openings of the hand the device has turned its electrodes.
+//! Alignment of a turned armband: after a press of the button and two openings of the hand the device has turned its
+//! electrodes.
 //!
-//! The lines are compared with those of the shared pipeline, in which the alignment begins at the sample at which it began
-//! on the device: when the button is looked at depends on the emulator's clock.
+//! The lines are compared with those of the shared pipeline, whose alignment begins at the sample at which it began on
+//! the device: the time at which the device reads the button depends on the emulator's clock.
 
 use myointent::cli::replay::one_recording;
 use myointent_tests::emulator::{Bench, Input, Run, Scenario, bench, expected_lines};
@@ -17,16 +18,17 @@ use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
 use shared::uart_line::command::{AlignCommand, Command};
 use shared::units::{CHANNELS, Sample};
 
-/// Half the usual: while the encoder takes the window again, it has a patch with each sample.
+/// Half the usual pace: while the encoder takes the window again, it has a patch with each sample.
 const PACE: f64 = 1.5;
 
 /// Mean of an open hand that is the same on both arms, in 1/256 octaves.
 const SYMMETRICAL: [i16; CHANNELS] = [400, 200, 0, -200, -300, -200, 0, 200];
 
-/// Amplitudes of an opening that is nearly so.
+/// Amplitudes of an opening that is nearly symmetrical.
 const NEARLY_SYMMETRICAL: [i32; CHANNELS] = [118, 68, 40, 23, 17, 23, 40, 68];
 
-/// A model whose template is a ramp round the arm, or about another mean, 2 nats per square octave in every direction.
+/// Returns a model whose template is a ramp round the arm, or about another mean, 2 nats per square octave in every
+/// direction.
 fn model(mean: Option<[i16; CHANNELS]>) -> Vec<u8> {
     let dimensions = Dimensions {
         width: 48,
@@ -46,10 +48,10 @@ fn model(mean: Option<[i16; CHANNELS]>) -> Vec<u8> {
     parts.to_bytes().expect("a writable model")
 }
 
-/// Noise whose amplitude falls round the arm as the ramp does.
+/// Amplitudes of noise that falls round the arm as the ramp does.
 const RAMP: [i32; CHANNELS] = [118, 86, 62, 44, 32, 24, 16, 12];
 
-/// Noise of an amplitude: gestures of a second at 4 s and at 6 s, rest besides.
+/// Returns noise of these amplitudes: gestures of a second at 4 s and at 6 s, one of 1.5 s at 9.5 s, rest besides.
 fn two_openings(open: [i32; CHANNELS]) -> Vec<Sample> {
     let mut noise = Noise(9);
     (0..2400)
@@ -72,8 +74,8 @@ fn worn(samples: &[Sample], placement: Alignment) -> Vec<Sample> {
         .collect()
 }
 
-/// Streams, and presses the button at the first of it, or has a command tell the arm; compares all lines, and gives those of
-/// the alignment.
+/// Streams; at the first sample presses the button, or sends a command that tells the arm. Compares all lines; returns
+/// the reports of the alignment.
 fn align(
     bench: &Bench,
     model: &[u8],
@@ -90,7 +92,7 @@ fn align(
         script: json!([]),
         arguments: ["--end", "disconnect"].map(str::to_owned).to_vec(),
     })?;
-    // Without a stream there is nothing to align.
+    // The alignment needs a stream.
     run.wait_for("the stream", |run| {
         run.pins().last().is_some_and(|pins| pins.armband)
     })?;
@@ -122,7 +124,8 @@ fn align(
     })?;
     let news = run.alignments()?;
     let begun = news[0].emitted.0 as usize + 1;
-    // 45 ms of the guest's clock are some 70 samples, and this program looks for the stream every 10 ms. Gestures begin at 800.
+    // The bound is met: 45 ms of the guest's clock are some 70 samples, and this program looks for the stream every 10
+    // ms. Gestures begin at 800.
     assert!(begun.is_multiple_of(2) && begun < 700, "begun at {begun}");
     let (before, after) = samples.split_at(begun);
     let expected = expected_lines(
@@ -139,7 +142,8 @@ fn align(
     Ok((run, news))
 }
 
-/// The first two openings of the hand in a recording, with rest before, between and after them, then its first seconds.
+/// Returns the first two openings of the hand in a recording, with rest before, between and after them, then its first
+/// seconds.
 fn two_openings_of(recording: &Recording, seconds: usize) -> Vec<Sample> {
     let all = runs(&recording.labels);
     let labelled = |wanted| all.iter().filter(move |run| run.label == Some(wanted));
@@ -148,7 +152,7 @@ fn two_openings_of(recording: &Recording, seconds: usize) -> Vec<Sample> {
     let rest = &recording.samples[rest..rest + 200];
     let mut stream = rest.to_vec();
     for run in labelled(Intent::Open).take(2) {
-        // People are earlier and later than their labels.
+        // People move earlier or later than their labels.
         stream.extend(&recording.samples[run.start.saturating_sub(100)..run.end + 100]);
         stream.extend(rest);
     }
@@ -157,7 +161,7 @@ fn two_openings_of(recording: &Recording, seconds: usize) -> Vec<Sample> {
     stream
 }
 
-/// An alignment of the synthetic openings that finds this.
+/// Checks that an alignment of the synthetic openings finds this placement.
 fn finds(test: &str, placement: Alignment) -> anyhow::Result<()> {
     let Some(bench) = bench(test) else {
         return Ok(());
@@ -168,7 +172,7 @@ fn finds(test: &str, placement: Alignment) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// An alignment of the synthetic openings that finds something: its lines, and its LED.
+/// Checks the lines and the LED of an alignment of the synthetic openings; returns its reports.
 fn lines_and_led(
     bench: &Bench,
     model: &[u8],
@@ -187,7 +191,7 @@ fn lines_and_led(
         (AlignmentState::Disconnected, 0),
     ];
     assert_eq!(states, expected, "{}", run.tails());
-    // Nothing comes between the last label before the change and those after it for 0.4 s at most.
+    // At most 0.4 s lie between the last label before the change and the first after it.
     let reports = run.reports()?;
     let valid = reports.iter().filter(|report| report.status.valid());
     let after: Vec<_> = valid
@@ -200,7 +204,7 @@ fn lines_and_led(
         after[0]
     );
 
-    // Dark; on and off while gestures are waited for; lit until the armband has gone.
+    // The LED is dark, then blinks while gestures are waited for, then is lit until the armband has gone.
     let mut led: Vec<_> = run.pins().iter().map(|pins| pins.alignment_led).collect();
     led.dedup();
     assert!(
@@ -245,7 +249,7 @@ fn the_arm_that_a_command_tells_is_not_left_to_the_model_and_the_lines_equal_the
     let arm = Arm::Known { mirrored: true };
     let news = lines_and_led(&bench, &model(Some(SYMMETRICAL)), &samples, arm)?;
     assert_eq!(news[2].alignment, placement);
-    // With the end of the second gesture.
+    // The decision comes with the end of the second gesture.
     let decided = news[2].emitted.0;
     assert!((1400..1450).contains(&decided), "decided at {decided}");
     Ok(())
@@ -284,7 +288,7 @@ fn a_recorded_persons_turned_armband_is_aligned_and_the_lines_equal_the_pipeline
         .filter(|news| news.state == AlignmentState::Aligned)
         .collect();
     assert_eq!(aligned.len(), 1, "{}", run.tails());
-    // One place beside it is as good: people differ by that much.
+    // One place beside it counts as right: people differ by that much.
     let places = aligned[0].alignment.places_from(placement);
     assert!(places.is_some_and(|places| places <= 1), "{}", aligned[0]);
     let open = run

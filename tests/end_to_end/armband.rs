@@ -1,4 +1,4 @@
-//! The unit tests of the virtual armband, which all other tests here rely on.
+//! Unit tests of the virtual armband, which all other tests here rely on.
 
 use std::process::Command;
 
@@ -17,7 +17,7 @@ fn the_virtual_armband_passes_its_own_tests() -> anyhow::Result<()> {
         .output()?;
     let output = String::from_utf8_lossy(&tests.stderr);
     assert!(tests.status.success(), "{output}");
-    // With no test found, unittest succeeds as well.
+    // Without any test found, unittest succeeds as well.
     assert!(!output.contains("Ran 0 tests"), "{output}");
     Ok(())
 }

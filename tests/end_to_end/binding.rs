@@ -1,4 +1,4 @@
-//! Choice of the armband: the bound one is followed, and nobody's beside it.
+//! Choice of the armband: the board follows the bound one, and no other beside it.
 
 use std::thread::sleep;
 use std::time::Duration;
@@ -22,7 +22,8 @@ fn samples(count: i32) -> Vec<Sample> {
         .collect()
 }
 
-/// A board with this page, the armband and a stranger's, which is heard with so many dBm; the armband with -50.
+/// Starts a board with this page, the armband, and a stranger's armband with this signal strength in dBm; the armband
+/// has -50.
 fn start(
     bench: &Bench,
     page: Option<Vec<u8>>,
@@ -35,7 +36,7 @@ fn start(
         model: &super::model(),
         page,
         samples,
-        // In real time: tests wait for what takes seconds of the guest's clock.
+        // Tests wait for what takes seconds of the guest's clock, so it runs in real time.
         time_scale: 1,
         pace: 1.0,
         fault,
@@ -48,7 +49,7 @@ fn ask(run: &mut Run, command: BindCommand) -> anyhow::Result<String> {
     run.ask(&Command::Bind(command).to_string())
 }
 
-/// Waits until the board says that a restart will not change this.
+/// Waits until the board says that the binding will outlast a restart.
 fn wait_until_kept(run: &mut Run, expected: &str) -> anyhow::Result<()> {
     for _ in 0..100 {
         if ask(run, BindCommand::State)? == expected {
@@ -74,8 +75,8 @@ fn an_unbound_board_follows_nobody_and_can_be_bound_and_made_to_forget() -> anyh
     let mut run = start(&bench, None, -60, &samples(12_000), None)?;
     run.wait_for("what to do", |run| said(run, NOBODY))?;
     assert_eq!(ask(&mut run, BindCommand::State)?, "OK,BIND,nobody,-,1");
-    // Far more than a scan takes. A wait by time, here and below: a board that follows nobody writes nothing that could be
-    // waited for, and the armbands hear nothing of it.
+    // Three seconds are far more than a scan takes. The test waits by time, here and below: a board that follows no
+    // armband writes nothing to wait for, and the armbands receive nothing from it.
     sleep(Duration::from_secs(3));
     let connected =
         |run: &Run| run.event_count("connected") + run.event_count("stranger-connected");
@@ -128,7 +129,7 @@ fn holding_the_button_binds_the_strongest_armband_and_a_restart_keeps_it() -> an
     let mut led: Vec<_> = run.pins().iter().map(|pins| pins.armband).collect();
     led.dedup();
     assert!(led.len() > 20, "{led:?}");
-    // It panics after its third label.
+    // The board panics after its third label.
     run.wait_for("a stream after the restart", |run| {
         let comments = run.comments();
         let restart = comments

@@ -12,7 +12,7 @@ use shared::units::Sample;
 
 use super::{ARMBAND, TIME_SCALE, bound, model};
 
-/// Half the usual: while the encoder takes the window again, it has a patch with each sample.
+/// Half the usual pace: while the encoder takes the window again, it has a patch with each sample.
 const PACE: f64 = 1.5;
 
 fn samples(count: usize) -> Vec<Sample> {
@@ -54,7 +54,7 @@ fn compare(run: &mut Run, inputs: &[Input<'_>]) -> anyhow::Result<()> {
     run.check()
 }
 
-/// A line with the right checksum.
+/// Returns a line with the right checksum.
 fn framed(body: &str) -> String {
     let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
     format!("${body}*{sum:02X}\r\n")
@@ -139,7 +139,7 @@ fn a_flood_of_bytes_changes_no_label() -> anyhow::Result<()> {
             .map(|_| (noise.signed() * 127.0) as i8 as u8)
             .collect();
         run.send(bytes)?;
-        // A whole line, whatever came before.
+        // Bytes before a whole line do not matter.
         run.send(Command::Identify.to_string())?;
     }
     let identified = |run: &Run| {
@@ -204,7 +204,7 @@ fn the_raw_stream_equals_the_samples_sent_and_changes_no_label() -> anyhow::Resu
         return Ok(());
     };
     let samples = samples(1400);
-    // Twice as fast as an armband to the guest: what the board has no time for it drops.
+    // The guest gets twice the rate of an armband, and drops what it has no time for.
     let mut run = start_at(&bench, &samples, 2.0 / f64::from(TIME_SCALE))?;
     assert_eq!(run.ask(&Command::Raw(true).to_string())?, "OK,RAW,on");
     run.wait_for("samples", |run| run.emg().is_ok_and(|emg| emg.len() > 400))?;
@@ -248,7 +248,7 @@ fn a_reader_that_stops_reading_changes_no_label() -> anyhow::Result<()> {
     })?;
     assert_eq!(run.ask(&Command::Raw(true).to_string())?, "OK,RAW,on");
     reader.pause(true);
-    // The pipe is full after 1200 notifications; then the board has nowhere to write to, for less than its watchdog bears.
+    // The pipe is full after 1200 notifications; then the board cannot write, for less time than its watchdog allows.
     run.wait_for("most of the stream", |run| run.event_count("sent") > 1600)?;
     reader.pause(false);
     run.wait_for("the end of the stream", |run| {
@@ -260,7 +260,7 @@ fn a_reader_that_stops_reading_changes_no_label() -> anyhow::Result<()> {
     })?;
     let expected = expected_lines(&model(), &[Input::Samples(&samples), Input::Disconnected])?;
 
-    // Every line that came is one of those expected, in their order, and what is missing was counted.
+    // Every line that came is one of those expected, in their order, and the missing ones were counted.
     let lines = run.lines();
     let mut wanted = expected.iter();
     for line in &lines {

@@ -9,7 +9,8 @@ use shared::stream::safe_state::Cause;
 use shared::uart_line::Report;
 use shared::units::Sample;
 
-/// Smaller than elsewhere: these runs mostly wait on the guest's clock.
+/// Factor by which the guest's clock runs slower than real time. It is smaller than elsewhere: these runs mostly wait
+/// on that clock.
 const TIME_SCALE: u32 = 3;
 const PACE: f64 = 3.0;
 /// End of the program's flash region.
@@ -24,8 +25,8 @@ fn play(test: &str, fault: Fault) -> anyhow::Result<Option<Restarted>> {
     let Some(bench) = bench(test) else {
         return Ok(None);
     };
-    // Enough for a label, and then for the watchdog to expire. Labels change whatever the model is: a hand that rests, and
-    // opens for 0.6 s out of 1.2 s.
+    // The samples suffice for a label, and then for the watchdog to expire. Labels change with any model: a hand rests,
+    // and opens for 0.6 s out of 1.2 s.
     let mut person = Follower::new("anna");
     let samples: Vec<Sample> = (0..4000)
         .map(|n| match n / 120 % 2 {
@@ -58,14 +59,14 @@ fn play(test: &str, fault: Fault) -> anyhow::Result<Option<Restarted>> {
     }))
 }
 
-/// The pins after each start, which sets the guest's clock to 0.
+/// Returns the pins after each start, which sets the guest's clock to 0.
 fn pins(run: &Run) -> Vec<Vec<Pins>> {
     let pins = run.pins();
     let starts = pins.chunk_by(|one, next| one.at_us <= next.at_us);
     starts.map(<[Pins]>::to_vec).collect()
 }
 
-/// A run in which the board has restarted.
+/// Result of a run in which the board has restarted.
 struct Restarted {
     /// Pins of each start.
     pins: Vec<Vec<Pins>>,
@@ -77,8 +78,8 @@ struct Restarted {
 }
 
 impl Restarted {
-    /// The second start reports its reason and its state; the pins are safe until the armband streams
-    /// again.
+    /// Checks that the second start reports its reason and its state, and that the pins are safe until the armband
+    /// streams again.
     fn check_restart(&self, reason: &str, cause: Cause) {
         let tails = &self.tails;
         let starts = self
@@ -98,7 +99,8 @@ impl Restarted {
         );
     }
 
-    /// The pins of the first run were valid when the fault was injected, safe in time after it, and stayed so.
+    /// Checks that the pins of the first run were valid when the fault was injected, safe in time after it, and stayed
+    /// so.
     fn safe_in_time(&self) {
         let fault = self.faults_us[0];
         let before = self.pins[0].iter().rfind(|pins| pins.at_us <= fault);
@@ -114,8 +116,8 @@ impl Restarted {
         assert!(after.into_iter().all(is_safe), "{}", self.tails);
     }
 
-    /// The pins stayed valid until the restart, and were no old label's: they changed with the muscle after the time within
-    /// which those of a board that does nothing fall.
+    /// Checks that the pins stayed valid until the restart, and did not hold an old label: they changed after the time
+    /// within which the pins of a halted board fall.
     fn live_until_restart(&self) {
         let fault = self.faults_us[0];
         let pins = &self.pins[0];
@@ -128,7 +130,7 @@ impl Restarted {
         assert!(changes > 1, "{changes} changes\n{}", self.tails);
     }
 
-    /// The first run of the program ended with a label cleared; gives the panic's message.
+    /// Checks that the first run of the program ended with a label cleared; returns the panic's message.
     fn panic_message(&self) -> &str {
         let [.., valid, last] = &self.pins[0][..] else {
             panic!("no pins\n{}", self.tails);
@@ -156,7 +158,7 @@ fn a_task_that_stops_is_ended_by_the_watchdog() -> anyhow::Result<()> {
     let Some(run) = play(test, Fault::TaskStops)? else {
         return Ok(());
     };
-    // The pins do not wait for the line: nothing but the reset clears the label, and until then it follows the muscle.
+    // The pins do not wait for the line: only the reset clears the label, and until then it follows the muscle.
     run.live_until_restart();
     assert!(
         !run.comments
@@ -286,7 +288,7 @@ fn a_stream_that_comes_and_is_not_taken_is_ended_by_the_watchdog() -> anyhow::Re
     Ok(())
 }
 
-/// Streams with one of these packets in the place of every 27th notification: each a gap that is bridged.
+/// Streams with such a packet in the place of every 27th notification: each leaves a gap that is bridged.
 fn play_with(test: &str, kind: &str) -> anyhow::Result<()> {
     const PACKETS: u32 = 28;
     let Some(bench) = bench(test) else {
@@ -305,7 +307,7 @@ fn play_with(test: &str, kind: &str) -> anyhow::Result<()> {
             .and_then(|reports| reports.last().copied());
         last.and_then(|report| report.status.cause()) == Some(Cause::Disconnected)
     })?;
-    // Among it: no restart.
+    // The check includes that the board did not restart.
     run.check()?;
     let lost = run.reports()?.last().map(|report| report.counters.lost);
     // A busy host may lose more.
@@ -333,7 +335,8 @@ fn a_clock_that_stops_is_ended_by_the_watchdog() -> anyhow::Result<()> {
     let Some(run) = play(test, Fault::ClockStops)? else {
         return Ok(());
     };
-    // Packets go on by interrupts of their own, and with them labels and the dead-man timer, which is another timer.
+    // Packets are processed by their own interrupts, and so labels and the dead-man timer, which is another timer, go
+    // on.
     run.live_until_restart();
     let label = run.reports[0].last().expect("reports").status.label();
     let last = run.pins[0].last().expect("pins");
@@ -348,7 +351,7 @@ fn a_radio_that_stops_is_safe_and_ended_by_the_watchdog_after_a_minute() -> anyh
     let Some(bench) = bench(test) else {
         return Ok(());
     };
-    // Real time: the minute is the guest's.
+    // The minute is the guest's, at real time.
     let mut run = bench.start(&Scenario {
         model: &super::model(),
         page: Some(super::bound()),

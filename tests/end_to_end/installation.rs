@@ -1,4 +1,4 @@
-//! `myointent board install` and the emulated board, whose regions are memory that a reset keeps.
+//! Installation with `myointent board install` on the emulated board, whose regions are memory that a reset keeps.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -20,7 +20,7 @@ use super::{TIME_SCALE, bound, model};
 /// Line that the board writes while an installation is not complete.
 const INCOMPLETE: &str = "# no model: an installation is not complete; `myointent board --port PATH install FILE` with the same \
      file goes on with it";
-/// Resets in the middle of an installation.
+/// Number of resets in the middle of an installation.
 const RESETS: usize = 8;
 
 fn other() -> PathBuf {
@@ -35,7 +35,7 @@ fn checksum() -> anyhow::Result<String> {
     Ok(format!("{checksum:08x}"))
 }
 
-/// The command, as a person gives it.
+/// Runs the command as a person gives it.
 fn install(port: &Path) -> ExitCode {
     let (port, file) = (port.display().to_string(), other().display().to_string());
     let line = ["myointent", "board", "--port", &port, "install", &file];
@@ -109,11 +109,11 @@ fn an_installation_goes_on_after_resets_at_random_moments() -> anyhow::Result<()
     run.wait_for("the start", |run| !run.comments().is_empty())?;
     let bridge = Bridge::start(run)?;
     let port = bridge.port().to_owned();
-    // It goes on by itself, as with any board that is lost.
+    // The installation goes on by itself, as with any board that is lost.
     let command = std::thread::spawn(move || install(&port));
     let mut random = ChaCha8Rng::seed_from_u64(17);
     for number in 1..=RESETS {
-        // By what the board has said: no load of the machine moves it much.
+        // The resets fall by the board's answers, which the machine's load moves little.
         let blocks = answered(&bridge.run()) + random.random_range(3..150);
         while answered(&bridge.run()) < blocks {
             ensure!(!command.is_finished(), "it ended: {}", bridge.run().tails());
@@ -126,7 +126,7 @@ fn an_installation_goes_on_after_resets_at_random_moments() -> anyhow::Result<()
             let starts = comments
                 .iter()
                 .filter(|comment| comment.starts_with("# myointent "));
-            // Behind the name of the program: why it is safe.
+            // The line after the program's name says why it is safe.
             starts.count() == number + 1
                 && !comments[comments.len() - 1].starts_with("# myointent ")
         })?;

@@ -1,4 +1,4 @@
-//! A damaged model leaves the device in the safe state, and the UART says why.
+//! Damaged model: the device stays in the safe state, and the UART says why.
 
 use myointent_tests::emulator::{board, damages};
 use shared::stream::safe_state::Cause;

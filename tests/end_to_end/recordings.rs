@@ -1,4 +1,4 @@
-//! The device writes the lines that `myointent replay` prints.
+//! Device's lines, equal to those that `myointent replay` prints.
 
 use myointent::cli::replay;
 use myointent_tests::emulator::{Input, bench, expected_lines};

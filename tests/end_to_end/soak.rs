@@ -1,8 +1,8 @@
-//! An armband that misbehaves all the time, for as long as one likes, and a board that keeps its promises.
+//! Armband that misbehaves all the time, and a board that keeps its promises.
 //!
-//! `MYOINTENT_SOAK_SECONDS` says how long it streams: 70 s of real time by default, which three incidents take with a full
-//! window after each; half an hour by hand. To the board the armband has its 200 Hz: its clock runs `MYOINTENT_SOAK_SCALE`
-//! times slower than real time, and so does the armband. With the default, 3, a busy host disturbs little.
+//! `MYOINTENT_SOAK_SECONDS` sets how long it streams: 70 s of real time by default, which suffices for three incidents
+//! with a full window after each; half an hour by hand. The armband has its 200 Hz by the board's clock: both run
+//! `MYOINTENT_SOAK_SCALE` times slower than real time. With the default, 3, a busy host disturbs little.
 
 #[path = "soak/observer.rs"]
 mod observer;
@@ -26,19 +26,19 @@ use plan::{Incident, KINDS, Plan, SHORTEST};
 const SEED: u64 = 42;
 const SECONDS: usize = 70;
 const TIME_SCALE: u32 = 3;
-/// Notifications that are waited for at a time.
+/// Number of notifications that one wait covers.
 const STEP: usize = 50;
-/// Samples from a label to the next.
+/// Samples from a label to the next, unless it changes.
 const HOLD: u32 = 20;
 /// Least samples from one label to the next.
 const PATCH: u32 = 10;
-/// Bytes that the deepest stack of the second half may be above that of the first: an interrupt that came at a deeper
+/// Bytes by which the deepest stack of the second half may exceed that of the first: an interrupt came at a deeper
 /// place.
 const STACK_GROWTH: u64 = 256;
-/// Runs that are long enough for that, in incidents: every kind has happened in each half.
+/// Least number of incidents for that comparison: every kind has happened in each half.
 const LONG: usize = 2 * KINDS.len();
 
-/// A number that the environment may change.
+/// Returns a number that the environment may change.
 fn setting<T: FromStr>(name: &str, default: T) -> T {
     std::env::var(name).map_or(default, |text| {
         let number = text.parse().ok();
@@ -46,7 +46,7 @@ fn setting<T: FromStr>(name: &str, default: T) -> T {
     })
 }
 
-/// Rest and effort in turn.
+/// Returns samples of rest and effort in turn.
 fn samples(notifications: usize) -> Vec<Sample> {
     let mut noise = Noise(5);
     (0..2 * notifications)
@@ -102,11 +102,11 @@ fn an_armband_that_misbehaves_for_minutes_leaves_counters_true_and_no_label_whil
     Ok(())
 }
 
-/// A run, and what was seen of it.
+/// Run with its observations.
 struct Soak {
     run: Run,
     observer: RefCell<Observer>,
-    /// Incidents at which the host was quick enough for exact counts.
+    /// Number of incidents at which the host was quick enough for exact counts.
     exact: usize,
 }
 
@@ -120,7 +120,7 @@ struct Looked {
 impl Soak {
     /// Waits until so many notifications were sent.
     fn wait_for(&mut self, notifications: usize) -> anyhow::Result<()> {
-        // In steps, each of which may take as long as a wait may.
+        // Each step may take as long as a wait may.
         loop {
             let next = notifications.min(self.observer.borrow().sent() + STEP);
             let observer = &self.observer;
@@ -148,7 +148,7 @@ impl Soak {
         Ok(Looked { counts, seen })
     }
 
-    /// Waits for an incident and for what follows; checks what the board made of it.
+    /// Waits for an incident and the window after it; checks the board's reaction.
     fn incident(&mut self, incident: &Incident, before: Looked) -> anyhow::Result<Looked> {
         self.wait_for(incident.valid_at())?;
         let first = self.look()?;
@@ -161,7 +161,7 @@ impl Soak {
         let kinds = incident.kinds.join(" and ");
         let failed = || format!("after {kinds}\n{}", self.run.tails());
         counted_always(incident, before, last).with_context(failed)?;
-        // A busy host may look like an armband that stalls, and so lost samples appear from nowhere.
+        // A delay of a busy host may look like an armband that stalls, and so samples count as lost that were not.
         let labels = last.seen.labels - first.seen.labels;
         let samples = last.seen.emitted - first.seen.emitted;
         let late = last.seen.late - before.seen.late;
@@ -182,7 +182,7 @@ impl Soak {
         self.run.pins().last().is_some_and(|pins| pins.valid)
     }
 
-    /// The pins show, one after the other, what the lines say.
+    /// Checks that the pins show, one after the other, the labels of the lines.
     fn pins_follow_lines(&self) -> anyhow::Result<()> {
         let mut shown: Vec<(bool, Intent)> = Vec::new();
         for Pins { valid, high, .. } in self.run.pins() {
@@ -194,7 +194,7 @@ impl Soak {
             .map(|report| (report.status.valid(), report.status.label()))
             .collect();
         said.dedup();
-        // One of them may be a label ahead.
+        // One of the two may be a label ahead.
         let both = shown.len().min(said.len());
         ensure!(
             shown[..both] == said[..both] && shown.len().abs_diff(said.len()) <= 1,
@@ -204,8 +204,8 @@ impl Soak {
         Ok(())
     }
 
-    /// The stream ends: everything that was sent was received, unless the board has ended more connections than it
-    /// should have.
+    /// Waits for the end of the stream. Checks that everything that was sent was received, unless the board has ended
+    /// more connections than planned.
     fn end(&mut self, stalls: u32) -> anyhow::Result<Looked> {
         let observer = &self.observer;
         self.run.wait_for("the end of the recording", |_| {

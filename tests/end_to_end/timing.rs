@@ -1,4 +1,4 @@
-//! Timing: on the guest's clock the armband streams at 200 Hz, both slowed down by the same factor.
+//! Timing: on the guest's clock the armband streams at 200 Hz; both are slowed down by the same factor.
 
 use myointent_tests::emulator::{Bench, Run, Scenario, bench};
 use myointent_tests::output::Pins;
@@ -6,7 +6,7 @@ use serde_json::json;
 use shared::stream::safe_state::Cause;
 use shared::uart_line::Report;
 
-/// Guest and armband run at a third of their speed.
+/// Factor by which guest and armband run slower than real time.
 const TIME_SCALE: u32 = 3;
 const PACE: f64 = 1.0 / 3.0;
 
@@ -21,7 +21,7 @@ fn last(run: &Run) -> Option<Report> {
     run.reports().ok()?.last().copied()
 }
 
-/// A run at 200 Hz on the guest's clock.
+/// Plays samples at 200 Hz on the guest's clock.
 fn play(
     test: &str,
     seconds: usize,
@@ -100,8 +100,8 @@ fn after_a_pause_the_lost_are_counted_and_a_full_window_is_valid_again() -> anyh
 
     let reports = run.reports()?;
     let end = *reports.last().expect("reports");
-    // The lanes show the loss modulo four notifications, the clock how many times four: on a busy host
-    // one time too many or too few. What arrived before that was decided counts as lost.
+    // The lanes show the loss modulo four notifications, the clock shows how many times four: on a busy host one time
+    // too many or too few. Samples that arrived before the decision count as lost.
     let samples = 8 * 200;
     let off = end.emitted.0 as i32 + 1 - samples;
     assert!(

@@ -7,12 +7,12 @@ use myointent_tests::output::{Output, Tail};
 use serde_json::Value;
 use shared::uart_line::Report;
 
-/// A notification that the armband sends so much later than due, in the board's milliseconds, was held back by a busy
-/// host: the board may take that for a loss.
+/// Milliseconds of the board after which a notification counts as held back by a busy host: the board may take such a
+/// delay for a loss.
 const LATE_MS: f64 = 25.0;
 const PERIOD_MS: f64 = 10.0;
 
-/// Follows the files of a run.
+/// Reader of a run's files.
 pub struct Observer {
     armband: Tail,
     lines: Tail,
@@ -20,7 +20,7 @@ pub struct Observer {
     time_scale: f64,
     /// Number of times that each event is in the armband's log.
     events: BTreeMap<String, u32>,
-    /// The newest notification, and when it was sent.
+    /// Newest notification, and the time at which it was sent.
     sent: Option<(usize, f64)>,
     /// EMG notifications that the board has to receive, each time they come.
     on_air: u32,
@@ -31,25 +31,25 @@ pub struct Observer {
     /// Notifications that a busy host held back.
     late: u32,
     labels: u32,
-    /// Emission time of the newest.
+    /// Sample at which the newest label was emitted.
     emitted: u32,
     stack: u64,
 }
 
-/// Everything that is counted.
+/// Counts of all observations.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Seen {
-    /// Connections of the armband.
+    /// Number of connections of the armband.
     pub connections: u32,
-    /// Connections that it closed at once.
+    /// Number of connections that it closed at once.
     pub refusals: u32,
-    /// EMG notifications that the board has to receive, each time they come.
+    /// Number of EMG notifications that the board has to receive, each time they come.
     pub on_air: u32,
-    /// Notifications that a busy host held back.
+    /// Number of notifications that a busy host held back.
     pub late: u32,
-    /// `$LABEL` lines.
+    /// Number of `$LABEL` lines.
     pub labels: u32,
-    /// The sample at which the newest of them was emitted.
+    /// Sample at which the newest of them was emitted.
     pub emitted: u32,
     /// Bytes of the deepest stack.
     pub stack: u64,
@@ -75,7 +75,7 @@ impl Observer {
         }
     }
 
-    /// Takes over what was written since the last call.
+    /// Reads what was written since the last call.
     pub fn read(&mut self) -> anyhow::Result<()> {
         for line in self.armband.lines()? {
             let event: Value = serde_json::from_str(&line).with_context(|| line.clone())?;
@@ -100,7 +100,7 @@ impl Observer {
         let name = event["event"].as_str().context("no event")?;
         *self.events.entry(name.to_owned()).or_default() += 1;
         match name {
-            // Of none, one or two.
+            // The notification counts as received zero, one or two times.
             "drop" => self.impaired = Some(0),
             "duplicate" => self.impaired = Some(2),
             "corrupt" if event["kind"] != "long" => self.impaired = Some(0),
@@ -121,7 +121,7 @@ impl Observer {
         Ok(())
     }
 
-    /// Notifications sent so far, those that were dropped included.
+    /// Returns the number of notifications sent so far, including those that were dropped.
     pub fn sent(&self) -> usize {
         self.sent.map_or(0, |(n, _)| n + 1)
     }

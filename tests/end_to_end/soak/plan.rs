@@ -1,4 +1,4 @@
-//! Faults of the armband in a run, drawn from a seed, and what the board's counters have to make of them.
+//! Faults of the armband in a run, drawn from a seed, and their expected effect on the board's counters.
 
 use std::ops::RangeInclusive;
 
@@ -10,19 +10,19 @@ use serde_json::{Value, json};
 /// Notifications of a stream without a fault until labels are valid again: a window is 300, the first label comes 31
 /// later, and held notifications are decided in less than 40.
 const WINDOW: usize = 380;
-/// Notifications over which labels are counted then: ten labels.
+/// Number of notifications over which labels are counted then: ten labels.
 const COUNTED: usize = 100;
-/// Notifications from the last fault to the next: the two, and time for the test to look.
+/// Number of notifications from the last fault to the next: the two, and time for the test to look.
 const PAUSE: usize = WINDOW + COUNTED + 30;
-/// Notifications between two small faults: each is decided before the next.
+/// Number of notifications between two small faults: each is decided before the next.
 const APART: usize = 10;
-/// Notifications between two great faults.
+/// Number of notifications between two great faults.
 const BETWEEN: usize = 60;
 /// Most notifications of an incident.
 const LONGEST: usize = 500;
 /// Least notifications of a run: an incident between two pauses.
 pub const SHORTEST: usize = WINDOW + LONGEST + PAUSE;
-/// Milliseconds between two notifications that nobody subscribed to, from each connection to its stream.
+/// Milliseconds between two notifications without a subscription, from each connection to its stream.
 const CHATTER_MS: usize = 50;
 
 /// Names of the great faults.
@@ -39,9 +39,9 @@ pub const KINDS: [&str; 8] = [
 
 /// Small faults, then two great ones.
 pub struct Incident {
-    /// Kinds of the great ones.
+    /// Kinds of the two great ones.
     pub kinds: [&'static str; 2],
-    /// The notification from which on everything is as it should be.
+    /// Number of the first notification after the faults.
     pub end: usize,
     /// Counts that the board adds from the incident before on.
     pub counted: Counted,
@@ -49,15 +49,15 @@ pub struct Incident {
 
 /// Effects of faults on the counters.
 pub struct Counted {
-    /// Notifications that come twice.
+    /// Number of notifications that come twice.
     pub duplicates: u32,
-    /// Pairs that change places.
+    /// Number of pairs that change places.
     pub reordered: u32,
-    /// Notifications that are too short.
+    /// Number of notifications that are too short.
     pub malformed: u32,
-    /// Samples that are lost, and those that are given up because their place is unknown.
+    /// Number of samples that are lost, and of those given up because their place is unknown.
     pub lost: RangeInclusive<u32>,
-    /// Connections that the board ends, because it hears nothing.
+    /// Number of connections that the board ends because it hears nothing.
     pub stalls: u32,
 }
 
@@ -78,25 +78,25 @@ impl Counted {
 }
 
 impl Incident {
-    /// The notification at which labels are valid, and counted from.
+    /// Returns the number of the notification at which labels are valid, and counted from.
     pub const fn valid_at(&self) -> usize {
         self.end + WINDOW
     }
 
-    /// The notification up to which labels are counted.
+    /// Returns the number of the notification up to which labels are counted.
     pub const fn labelled_to(&self) -> usize {
         self.valid_at() + COUNTED
     }
 }
 
-/// The faults of a run.
+/// Faults of a run.
 pub struct Plan {
-    /// The armband's script.
+    /// Script of the armband.
     pub script: Vec<Value>,
     /// Incidents in the order of time.
     pub incidents: Vec<Incident>,
     random: ChaCha8Rng,
-    /// Real milliseconds for one of the board's.
+    /// Number of real milliseconds for one of the board's.
     time_scale: usize,
     at: usize,
     counted: Counted,
@@ -135,7 +135,7 @@ impl Plan {
         plan
     }
 
-    /// Each kind as often as the others, in any order.
+    /// Draws a kind, each as often as the others, in any order.
     fn next_kind(&mut self, left: &mut Vec<&'static str>) -> &'static str {
         if left.is_empty() {
             left.extend(KINDS);
@@ -148,12 +148,12 @@ impl Plan {
         self.random.random_range(range)
     }
 
-    /// The script's milliseconds are real ones.
+    /// Converts the board's milliseconds to the script's, which are real ones.
     const fn real_ms(&self, ms: usize) -> usize {
         ms * self.time_scale
     }
 
-    /// A burst of faults that are bridged, repaired or ignored.
+    /// Adds a burst of faults that are bridged, repaired or ignored.
     fn small(&mut self) {
         for _ in 0..self.below(3..9) {
             let at = self.at;
@@ -189,11 +189,12 @@ impl Plan {
         }
     }
 
-    /// A fault that ends the window or the connection, or may.
+    /// Adds a fault that ends the window or the connection, or may.
     fn great(&mut self, kind: &str) {
         let at = self.at;
         match kind {
-            // Four and more are seen by their times, to four; what came until then is given up.
+            // Four and more lost notifications are recognised by their times, to a multiple of four; what came until
+            // then is given up.
             "loss" => {
                 let count = self.below(3..14);
                 self.drop(count);
@@ -208,7 +209,7 @@ impl Plan {
                 self.script
                     .push(json!({"do": "drop", "at": at, "count": count}));
                 self.at += count;
-                // What is lost between two streams is not counted.
+                // Samples lost between two streams are not counted.
                 self.counted.stalls += 1;
             }
             "quota" => {
@@ -233,7 +234,7 @@ impl Plan {
             "long-stall" => {
                 let ms = self.below(230..450);
                 self.delay(ms);
-                // More come at once than can be held: the burst and what follows until it is over may be given up.
+                // More come at once than can be held: the burst and the notifications until its end may be given up.
                 self.counted.lose(0..=2 * 100);
             }
             _ => {
@@ -250,7 +251,7 @@ impl Plan {
         self.script
             .push(json!({"do": "drop", "at": self.at, "count": count}));
         let lost = 2 * count as u32;
-        // Up to three are seen by their lanes, exactly.
+        // Up to three lost notifications are recognised by their lanes, exactly.
         self.counted.lose(match count {
             0..=3 => lost..=lost,
             _ => lost - 8..=lost + 40,
