@@ -1,5 +1,5 @@
-//! The published recordings: counts, labels, lag and splices are as their description states. The
-//! recordings themselves are outside the repository.
+//! Published recordings: counts, labels, lag and splices are as their description states. The recordings themselves are
+//! outside the repository.
 
 #[path = "recordings/labels.rs"]
 mod labels;
@@ -22,7 +22,7 @@ use recordings::split::predefined::PredefinedSplit;
 use recordings::{Library, LoadOptions, Recording, load, runs};
 use shared::intent::Intent;
 
-/// The folder of one set; without it, prints the skip of the test.
+/// Returns the folder of one set; without it, prints the skip of the test.
 fn folder(test: &str, set: &str) -> Option<PathBuf> {
     let folder = data(test)?.join(set);
     if folder.is_dir() {

@@ -1,4 +1,4 @@
-//! Labels of several sets, and how late the muscle follows them.
+//! Labels of several sets, and their lag behind the muscle.
 
 use recordings::labels::lag::{self, LabelLag};
 use recordings::labels::set_lag::Lag;
@@ -11,7 +11,7 @@ use super::read;
 #[test]
 fn the_lag_estimated_on_training_people_is_the_nominal_one() {
     let test = "the_lag_estimated_on_training_people_is_the_nominal_one";
-    // Medians of onset and release in ms over everybody, from the recordings' description, by the same rule.
+    // Medians of onset and release in ms over all people, from the recordings' description, by the same rule.
     for (set, onset, release) in [
         ("roshambo", 285.0, 325.0),
         ("ss-stm", 620.0, 950.0),
@@ -116,7 +116,7 @@ fn labels_from_activity_are_muscle_onsets_without_a_lag() {
         let recordings: Vec<_> = library.recordings.iter().collect();
         assert_eq!(recordings[0].data_set.label_lag(), 0);
         assert_eq!(lag::estimate(&recordings), None, "nothing moves them");
-        // As if they were cues: the rule that measures cues finds the muscle where the labels are.
+        // Labels are used as cues: the rule that measures cues finds the muscle where the labels are.
         let cues: Vec<_> = recordings
             .iter()
             .map(|&recording| Recording {

@@ -1,4 +1,4 @@
-//! The set with broken files.
+//! Set with broken files.
 
 use std::collections::BTreeSet;
 use std::sync::OnceLock;
@@ -7,7 +7,7 @@ use recordings::{Damage, Fault, Finding, Library, LoadError, LoadOptions, Place,
 
 use super::{folder, read};
 
-/// `myo-readings` is large; its tests share one library.
+/// Reads `myo-readings`, once for all its tests: it is large.
 fn myo_readings(test: &str) -> Option<&'static Library> {
     static LIBRARY: OnceLock<Option<Library>> = OnceLock::new();
     folder(test, "myo-readings")?;
@@ -31,7 +31,7 @@ fn myo_readings_leaves_out_its_four_broken_files_and_says_where() {
     let labelled: Vec<_> = outside.iter().filter(|r| r.has_labels()).collect();
     assert_eq!(labelled.len(), 1);
     assert_eq!(labelled[0].full_name(), "myo-readings/69069/1/3");
-    // Of one sitting of 32 people; four people's labels drift.
+    // All files are of one sitting of 32 people; the labels of four people drift, which leaves 16 files unmarked.
     let marked = outside.iter().filter(|r| !r.other_movement.is_empty());
     assert_eq!(marked.count(), 127 - 16);
     let found: Vec<_> = library

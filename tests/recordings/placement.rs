@@ -11,7 +11,7 @@ use shared::units::Sample;
 
 use super::read;
 
-/// Mean over people of a gesture's pattern: ln(1 + mean |x|) by channel, less its mean over channels.
+/// Returns the mean over people of a gesture's pattern: ln(1 + mean |x|) by channel, less its mean over channels.
 fn pattern(
     recordings: &[Recording],
     samples: impl Fn(&Recording) -> Vec<Sample>,
@@ -43,7 +43,7 @@ fn pattern(
     mean
 }
 
-/// Correlation of two lists of centred patterns.
+/// Returns the correlation of two lists of centred patterns.
 fn correlation(a: &[[f64; 8]], b: &[[f64; 8]]) -> f64 {
     let dot = |a: &[[f64; 8]], b: &[[f64; 8]]| -> f64 {
         a.iter()
@@ -79,7 +79,7 @@ fn electrode_frames_fit_the_gestures_that_two_sets_share() {
         let expected = aligned(&reference);
         let found = correlation(&aligned(&library), &expected);
         assert!(found > 0.7, "{set}: {found}");
-        // Of all 16 ways to put a ring on the arm, no other fits better.
+        // None of the 16 ways to put a ring on the arm fits better.
         let as_recorded: Vec<_> = intents
             .iter()
             .map(|&i| pattern(&library.recordings, |r| r.samples.clone(), i))
@@ -108,7 +108,7 @@ fn electrode_frames_fit_the_gestures_that_two_sets_share() {
 /// Samples in the common frame with their lag-compensated labels.
 type Labelled = (Vec<Sample>, Vec<Option<Intent>>);
 
-/// The recordings of everybody who opens the hand, test people left out, by person.
+/// Reads the recordings of everybody who opens the hand, by person, test people left out.
 fn openers(test: &str) -> Option<BTreeMap<String, Vec<Labelled>>> {
     let mut people: BTreeMap<String, Vec<Labelled>> = BTreeMap::new();
     for set in [
@@ -135,8 +135,8 @@ fn openers(test: &str) -> Option<BTreeMap<String, Vec<Labelled>>> {
     Some(people)
 }
 
-/// Placements found less the frame of the data set, of everybody who opens the hand, by templates of people of other
-/// quarters; none if poor.
+/// Aligns everybody who opens the hand, by templates of people of the other quarters. Returns the placements found less
+/// the frame of the data set; `None` for a poor alignment.
 fn placements(people: &BTreeMap<String, Vec<Labelled>>) -> BTreeMap<&str, Option<Alignment>> {
     fn borrowed(own: &[Labelled]) -> Vec<(&[Sample], &[Option<Intent>])> {
         let streams = own.iter();

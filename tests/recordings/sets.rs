@@ -1,4 +1,4 @@
-//! Each published set against its description.
+//! Published sets, each against its description.
 
 use recordings::{Recording, runs};
 use shared::intent::{Intent, Vocabulary};
@@ -103,7 +103,7 @@ fn one_subject_myo_takes_its_classes_from_the_metadata() {
     assert!(unlabelled[0].path.ends_with("stream/raw_emg.csv"));
 }
 
-/// Stretches of a label.
+/// Counts the stretches of a label.
 fn stretches(recording: &Recording, label: Option<Intent>) -> usize {
     let runs = runs(&recording.labels);
     runs.iter().filter(|run| run.label == label).count()

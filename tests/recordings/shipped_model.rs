@@ -1,4 +1,4 @@
-//! The shipped model on held-out people.
+//! Shipped model on held-out people.
 
 use std::collections::BTreeSet;
 
@@ -17,7 +17,7 @@ use shared::units::{CleanSample, PATCH, WINDOW};
 
 use super::read;
 
-/// The recordings with labels shifted by the lag of their data set.
+/// Returns the recordings with labels shifted by the lag of their data set.
 fn evaluated(library: &Library) -> Vec<EvaluatedRecording> {
     let evaluated = |recording: &Recording| {
         let labels = recording.labels_in(Vocabulary::Three);
@@ -57,7 +57,7 @@ fn the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_mad
         names.any(|name| name == recording.subject)
     };
     let (mut recordings, training): (Vec<_>, Vec<_>) = all.into_iter().partition(left_out);
-    // The model was trained on the others. Nobody looks at the test people here.
+    // The model was trained on the others. Test people are not scored here.
     recordings.retain(|recording| !is_test(&recording.subject));
     let people: BTreeSet<_> = recordings
         .iter()
@@ -92,7 +92,7 @@ fn the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_mad
         assert!(balanced(score) > balanced(energy) && balanced(energy) > balanced(constant));
         let difference = Difference::of(Measure::Recognition, score, constant).unwrap();
         assert!(difference.mean.mean > 0.3, "{difference:?}");
-        // Three people show nothing, however clear their numbers.
+        // Three people show no difference, however clear their numbers.
         assert_eq!((difference.people, difference.is_shown()), (3, false));
         // The hand moves 50 ms or more before a label of the newest patch, and 0.25 s before one with look-ahead.
         let latency = score.events.latency.unwrap();
@@ -111,7 +111,7 @@ fn the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_mad
     }
 }
 
-/// The table of docs/decisions.md: the shipped model with several lead-ins, on the people that it left out.
+/// Prints the table of docs/decisions.md: the shipped model with several lead-ins, on the people that it left out.
 #[test]
 #[ignore = "a measurement of some minutes"]
 fn the_lead_in_decides_the_first_labels() {
@@ -173,7 +173,7 @@ fn the_lead_in_decides_the_first_labels() {
     assert!(future.is_shown());
 }
 
-/// The first samples of a recording, repeated to a window.
+/// Returns the first samples of a recording, repeated to a window.
 fn first(emg: &[CleanSample], samples: usize) -> Vec<CleanSample> {
     let lead = emg[..samples].iter().copied().cycle();
     lead.take(WINDOW).collect()
