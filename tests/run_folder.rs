@@ -1,4 +1,4 @@
-//! Run folders: what belongs together, who works in them, and what a stopped program leaves behind.
+//! Run folders: their files, the process that works in them, and the state that a stopped program leaves behind.
 
 #[path = "small.rs"]
 mod small;
@@ -19,7 +19,7 @@ use presets::config::ResolvedConfig;
 use recordings::{LoadOptions, load};
 use small::{folder, recordings, small_preset};
 
-/// A folder with recordings and a preset.
+/// Folder with recordings and a preset.
 struct Bench {
     folder: PathBuf,
     data: PathBuf,
@@ -42,7 +42,7 @@ impl Bench {
         self.folder.join(name)
     }
 
-    /// The preset with some text replaced, which must be there.
+    /// Writes the preset with some text replaced, which must be there.
     fn edited(&self, edits: &[(&str, &str)]) -> PathBuf {
         let mut text = fs::read_to_string(&self.preset).unwrap();
         for (from, to) in edits {
@@ -54,7 +54,7 @@ impl Bench {
         path
     }
 
-    /// Arguments of a command that begins a run.
+    /// Returns the arguments of a command that begins a run.
     fn begin(&self, command: &str, run: &str, more: &[&str]) -> Vec<String> {
         let preset = self.preset.to_str().unwrap();
         self.begin_with(command, preset, run, more)
@@ -67,7 +67,7 @@ impl Bench {
         line
     }
 
-    /// Arguments of a command on a run.
+    /// Returns the arguments of a command on a run.
     fn on(&self, command: &str, run: &str, more: &[&str]) -> Vec<String> {
         let run = self.path(run);
         let mut line = vec![command.to_owned(), "--run".to_owned()];
@@ -76,7 +76,7 @@ impl Bench {
         line
     }
 
-    /// The resolved configuration of `train` with another seed.
+    /// Returns the resolved configuration of `train` with another seed.
     fn configuration(&self, seed: u64) -> RunContextParts {
         let mut preset = Preset::find(self.preset.to_str().unwrap()).unwrap();
         preset.seed = seed;
@@ -98,7 +98,7 @@ fn succeeds(line: &[String]) {
     assert_eq!(run(line), ExitCode::SUCCESS, "{line:?}");
 }
 
-/// Fails with a message that has these words.
+/// Asserts that a command fails with a message that has these words.
 fn fails(line: &[String], words: &str) {
     let output = process(line).output().unwrap();
     let message = String::from_utf8_lossy(&output.stderr);
@@ -110,7 +110,7 @@ fn are_wrong_arguments(line: &[String]) {
     assert_eq!(run(line), ExitCode::from(2), "{line:?}");
 }
 
-/// The program in a process of its own: this test program, which starts with `child`.
+/// Builds the program's command in a process of its own: this test program, which starts with `child`.
 fn process(line: &[String]) -> Command {
     let mut command = Command::new(std::env::current_exe().unwrap());
     command
@@ -122,7 +122,7 @@ fn process(line: &[String]) -> Command {
 
 const LINE: &str = "MYOINTENT_TEST_LINE";
 
-/// Not a test: the process that [`process`] starts.
+/// Runs the command line of the process that [`process`] starts. It is not a test.
 #[test]
 #[ignore = "other tests start it, as a process"]
 fn child() {
@@ -173,7 +173,7 @@ fn a_student_that_no_board_runs_is_refused_before_training() {
         "no board can run this student",
     );
     assert!(!bench.path("run/teacher.bpk").exists());
-    // Heads that the model format does not have.
+    // The model format does not have these heads.
     let heads = [("heads = 4\nlayers = 2\nspan", "heads = 2\nlayers = 2\nspan")];
     let preset = bench.edited(&heads);
     fails(
@@ -223,6 +223,6 @@ fn an_empty_variable_names_no_recordings() {
         .unwrap();
     let message = String::from_utf8_lossy(&child.stderr);
     assert_eq!(child.status.code(), Some(0), "{message}");
-    // `./data`, as in quickstart, and it says so.
+    // The default is `./data`, as in quickstart, and the message says so.
     assert!(message.contains("recordings in data"), "{message}");
 }

@@ -1,4 +1,4 @@
-//! Parts of a run that belong together, and files that a command never replaces.
+//! Files of a run that belong together, and files that a command never replaces.
 
 use std::fs;
 use std::io::BufRead as _;
@@ -12,7 +12,7 @@ use training::run::context::RunContext;
 use super::{Bench, fails, succeeds};
 use crate::small::myointent;
 
-/// The scores in a model file's header.
+/// Reads the scores in a model file's header.
 fn figures(file: &Path) -> Vec<(String, f32)> {
     let bytes = fs::read(file).unwrap();
     let model = Model::parse(&bytes).unwrap();
@@ -95,7 +95,7 @@ fn resume_is_refused_with_another_configuration() {
             "(seed 7 / 8)",
         );
     }
-    // What an interrupted command advises is the same command with --resume.
+    // An interrupted command advises the same command with --resume.
     let fold = ["--protocol", "2-fold", "--fold", "1"];
     succeeds(&bench.begin("train", "fold", &fold));
     succeeds(&bench.begin("train", "fold", &[&fold[..], &["--resume"]].concat()));
@@ -116,7 +116,7 @@ fn a_run_is_not_replaced_by_a_second_one() {
         succeeds(&bench.begin(command, command, &["--seed", "7", "--overwrite"]));
         assert!(content("config.json") != before, "{command}");
     }
-    // What another command of the same folder has written is somebody's, too.
+    // Files that another command has written into the same folder are not replaced.
     let foreign = bench.path("foreign");
     fs::create_dir(&foreign).unwrap();
     fs::write(foreign.join("student.intent"), "somebody's").unwrap();

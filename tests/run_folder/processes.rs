@@ -1,4 +1,4 @@
-//! Two processes and one run, killed and interrupted ones.
+//! Two processes in one run, and runs that are killed or interrupted.
 
 use std::fs;
 use std::path::Path;
@@ -81,7 +81,7 @@ fn an_interrupted_command_advises_what_it_has() {
         message.contains("the same command and --resume"),
         "{message}"
     );
-    // Not complete: there is nothing to quantize.
+    // The run is not complete: there is nothing to quantize.
     fails(&bench.on("quantize", "run", &[]), "not trained yet");
 }
 
