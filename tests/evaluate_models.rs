@@ -19,7 +19,7 @@ use shared::model::dimensions::Dimensions;
 use shared::model::file::random::random_model;
 use small::{folder, myointent, recordings};
 
-/// A small model that has seen these people.
+/// Writes a small model that has seen these people.
 fn model(path: &Path, seen: &[&str], vocabulary: Vocabulary) {
     let dimensions = Dimensions {
         width: 32,
@@ -43,7 +43,7 @@ fn evaluate(folder: &Path, more: &[&str]) -> bool {
     myointent(&arguments)
 }
 
-/// Subject, model and balanced accuracy of each row of the CSV file.
+/// Returns subject, model and balanced accuracy of each row of the CSV file.
 fn rows(folder: &Path) -> Vec<(String, String, f64)> {
     let text = fs::read_to_string(folder.join("people.csv")).unwrap();
     let row = |line: &str| {
@@ -82,7 +82,7 @@ fn people_whom_a_model_has_seen_are_left_out_unless_asked_for() {
     let marked = text
         .lines()
         .filter(|line| line.ends_with("seen in training by one"));
-    // Both people, under the model, the constant and the energy detector.
+    // Both people have a row under the model, the constant and the energy detector.
     assert_eq!(marked.count(), 6);
     assert!(evaluate(
         &folder,
@@ -137,7 +137,7 @@ fn several_models_and_the_floors_stand_side_by_side_and_the_page_begins_with_the
     ));
 }
 
-/// The evaluation of one model on the recordings below `folder`.
+/// Evaluates one model on the recordings below `folder`.
 fn evaluated(folder: &Path, file: &Path, selection: &Selection) -> ModelEvaluation {
     let models = [NamedModel {
         name: "one".to_owned(),
@@ -179,7 +179,7 @@ fn a_page_of_several_compares_them_over_the_people_whom_both_have_not_seen() {
         .find(|row| row.contains("b - a"))
         .unwrap();
     assert!(row.contains(" n 2, no difference shown"), "{row}");
-    // Floors over other people are other floors.
+    // The floors of other people are other floors.
     assert!(text.contains("energy detector (b)"));
     for section in [
         "Results",
@@ -190,11 +190,11 @@ fn a_page_of_several_compares_them_over_the_people_whom_both_have_not_seen() {
     ] {
         assert!(text.contains(&format!("<h2>{section}</h2>")), "{section}");
     }
-    // Worst and best of each.
+    // The report draws the worst and the best recording of each.
     assert_eq!(text.matches("EMG and labels: ").count(), 4);
     assert!(!text.contains("<script") && !text.contains("http"));
 
-    // The same file twice has two names, and nothing to compare.
+    // Two copies of one file have two names, and no difference.
     assert!(report(&[&a, &a]));
     let text = fs::read_to_string(&page).unwrap();
     let row = text
@@ -242,7 +242,7 @@ fn a_model_tuned_on_the_only_person_is_reported_and_said_to_have_seen_them() {
         let text = report(&["own.intent", "shipped.intent"], more);
         assert!(!text.contains(unseen), "{more:?}");
         assert!(text.contains("own (has seen them) on 4 subjects, shipped on 4 subjects"));
-        // In tables, differences and pictures too.
+        // Marks are in tables, differences and pictures too.
         let row = |cell: &str| text.split("<tr>").any(|row| row.contains(cell));
         assert!(row("<td>own (has seen them)</td>") && row("shipped - own (has seen them)"));
         assert!(text.contains("seen in training"));

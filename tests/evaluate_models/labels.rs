@@ -1,4 +1,4 @@
-//! The labels that models are scored against.
+//! Labels that models are scored against.
 
 use std::fs;
 use std::path::Path;
@@ -13,7 +13,8 @@ use shared::units::{CHANNELS, Sample};
 use super::{evaluated, model};
 use crate::small::folder;
 
-/// Rest, open, rest, scissors, rest, close, again and again; the muscle follows each cue after another time about `late`.
+/// Generates rest, open, rest, scissors, rest, close repeatedly, with the cues; the muscle follows each cue by a time
+/// near `late`.
 fn cued(late: usize, seed: u64) -> (Vec<Sample>, Vec<&'static str>) {
     let mut random = Noise(seed);
     let (mut samples, mut cues, mut loud) = (Vec::new(), Vec::new(), false);
@@ -63,7 +64,7 @@ fn as_roshambo(folder: &Path, people: &[(&str, usize)]) {
     }
 }
 
-/// Writes the same recordings as somebody's own csv files, a folder a person.
+/// Writes the same recordings as a user's own csv files, a folder a person.
 fn as_own(folder: &Path, people: &[(&str, usize)]) {
     for (at, &(person, late)) in people.iter().enumerate() {
         let (samples, cues) = cued(late, at as u64);
@@ -84,7 +85,7 @@ fn as_own(folder: &Path, people: &[(&str, usize)]) {
     }
 }
 
-/// The lag-compensated labels of each recording.
+/// Returns the lag-compensated labels of each recording.
 fn truths(folder: &Path, model: &Path, selection: &Selection) -> Vec<Vec<Option<Intent>>> {
     let recordings = evaluated(folder, model, selection).recordings;
     recordings
@@ -134,7 +135,7 @@ fn who_is_evaluated_takes_no_part_in_a_constant_lag() {
             .unwrap()
     };
     let lag = first_open(&people) - 400;
-    // The cues are followed 40 to 80 samples late by those who are trained on.
+    // The training people follow the cues 40 to 80 samples late.
     assert!((35..=85).contains(&lag), "{lag}");
     assert_eq!(first_open(&people[..3]) - 400, lag);
 }

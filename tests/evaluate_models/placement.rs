@@ -1,4 +1,4 @@
-//! A turned armband, lost notifications, alignment and its template.
+//! Evaluation of a turned armband, lost notifications, alignment and its template.
 
 use std::fs;
 
@@ -98,7 +98,7 @@ fn alignment_finds_the_same_however_the_armband_is_turned_and_its_openings_are_n
     assert_eq!(straight.results.alignments, turned.results.alignments);
     let aligned = straight.results.alignments.iter();
     assert!(aligned.clone().any(|own| own.outcome == "aligned"));
-    // As the logits are, where an alignment was found.
+    // The logits are compared where an alignment was found.
     for (at, recording) in straight.recordings.iter().enumerate() {
         let mut found = aligned.clone().filter(|own| own.outcome == "aligned");
         if found.any(|own| own.subject == recording.subject) {
@@ -134,7 +134,7 @@ fn an_alignment_that_is_told_the_arm_takes_no_placement_on_the_other_one() {
     recordings(&folder);
     let file = folder.join("one.intent");
     model(&file, &[], Vocabulary::Three);
-    // And a template whose electrodes run the other way round: one of the two is on the wrong arm.
+    // The second template's electrodes run the other way round: one of the two templates is for the wrong arm.
     let bytes = fs::read(&file).unwrap();
     let template = Model::parse(&bytes).unwrap().header.template.unwrap();
     let mut reversed = template.to_bytes();
