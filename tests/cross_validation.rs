@@ -20,7 +20,7 @@ use serde_json::Value;
 use shared::intent::Intent;
 use small::{folder, myointent, recordings, small_preset};
 
-/// Runs `myointent-research` and returns whether it succeeded.
+/// Runs `myointent-research`; returns true if it succeeds.
 fn research(arguments: &[&str]) -> bool {
     let line = std::iter::once("myointent-research").chain(arguments.iter().copied());
     Cli::try_parse_from(line).unwrap().run() == ExitCode::SUCCESS
@@ -43,7 +43,7 @@ fn cross_validate([preset, data, out]: [&Path; 3], rest: &[&str]) -> bool {
     research(&[&line[..], rest].concat())
 }
 
-/// The small preset with settings of the baselines.
+/// Writes the small preset with settings of the baselines.
 fn preset_with_baselines(folder: &Path) -> PathBuf {
     let text = fs::read_to_string(small_preset(folder)).unwrap();
     let baselines = "[baselines]\nstride = 600\nepochs = 1\nlstm_step = 100\n";
@@ -96,7 +96,7 @@ fn a_teacher_is_fine_tuned_from_a_run_or_from_safetensors() {
     assert!(teacher("tuned") != teacher("first"));
     assert!(teacher("adapted") != teacher("first"));
 
-    // Subjects that the other fold holds out were trained on in this one.
+    // The start comes from fold 1, which has trained on subjects that fold 2 holds out.
     assert!(!train("leak", "2", &["--from", start]));
     assert!(!run("leak").exists());
 
@@ -182,7 +182,7 @@ fn a_cross_validation_evaluates_everybody_once_for_each_seed_and_goes_on() {
     }
 }
 
-/// The fields of a line of CSV, of which those with a comma are in quotes.
+/// Splits a line of CSV into its fields; those with a comma are in quotes.
 fn fields(line: &str) -> Vec<String> {
     let quoted = line.split('"').enumerate();
     let text: String = quoted
@@ -197,7 +197,8 @@ fn fields(line: &str) -> Vec<String> {
     text.split(',').map(str::to_owned).collect()
 }
 
-/// Synthetic recordings of other people than those of [`recordings`] as files of roshambo, whose subject 06 is a test person.
+/// Writes synthetic recordings of other people than those of [`recordings`] as files of roshambo, whose subject 06 is a
+/// test person.
 fn roshambo(folder: &Path, subjects: &[&str]) -> PathBuf {
     let options = SynthOptions {
         subjects: subjects.len(),
@@ -249,7 +250,7 @@ fn a_cross_validation_scores_the_test_people_apart_by_students_that_never_saw_th
         let seeded = [&["--seeds", "1"], more].concat();
         cross_validate([&preset, &data, &out], &seeded)
     };
-    // Model, look-ahead, seed, fold, subject, people and classes of each row of people.csv.
+    // Each row of people.csv gives model, look-ahead, seed, fold, subject, people and classes.
     let rows = || -> Vec<Vec<String>> {
         let text = fs::read_to_string(out.join("people.csv")).unwrap();
         let mut lines = text.lines().map(fields);
@@ -285,12 +286,13 @@ fn a_cross_validation_scores_the_test_people_apart_by_students_that_never_saw_th
     assert!(!page.contains("Test people"));
     let trained = student();
 
-    // Students are not trained again to look at them.
+    // Students are not trained again to score the test people.
     assert!(command(&["--test-people"]));
     assert!(student() == trained);
     let all = rows();
     let (test, development): (Vec<_>, Vec<_>) = all.iter().partition(|row| row[5] == "test");
-    // Four people once, one test person by the student of each of two folds; each under two modes and two floors.
+    // The four people count once; one test person is scored by the student of each of two folds. Each comes under two
+    // modes and two floors.
     assert_eq!((development.len(), test.len()), (4 * 4, 2 * 4));
     assert!(
         test.iter()

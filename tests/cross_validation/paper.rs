@@ -1,11 +1,11 @@
-//! The paper's tables.
+//! Tables of the paper.
 
 use std::fs;
 
 use super::{cross_validate, json, names, preset_with_baselines, roshambo};
 use crate::small::{folder, recordings};
 
-/// The rows of the table with this caption, cell by cell.
+/// Returns the rows of the table with this caption, cell by cell.
 fn rows<'a>(page: &'a str, caption: &str) -> Vec<Vec<&'a str>> {
     let from = page
         .find(caption)
@@ -32,7 +32,7 @@ fn the_papers_tables_are_those_of_one_cross_validation_that_goes_on() {
         |rest: &[&str]| cross_validate([&preset, &data, &out], &[&["--paper"], rest].concat());
     assert!(!command(&["--seeds", "1,2"]), "one seed");
     assert!(command(&["--list"]) && !out.exists());
-    // What starts from another teacher says which.
+    // A job that starts from another teacher says which.
     assert!(!command(&["--only", "teacher-lora", "--fold", "2"]));
     assert!(command(&["--only", "teacher-pre-trained", "--fold", "2"]));
     let job = |name: &str| out.join(name).join("seed-42/fold-2");
@@ -88,7 +88,7 @@ fn the_papers_tables_are_those_of_one_cross_validation_that_goes_on() {
         names_of("Look-ahead")[..6],
         ["small", "small", "small", "teacher", "teacher", "teacher"]
     );
-    // Everybody once, the target's people in its table; relax alone follows nothing.
+    // Everybody counts once, the target's people in its table; relax alone follows no gesture.
     let constant = &rows(&page, "Main result")[7];
     assert_eq!(constant[0], "all 3");
     assert!(constant[8].starts_with("8 / "), "{constant:?}");
