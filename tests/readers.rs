@@ -1,5 +1,5 @@
-//! A user's own recordings, and files that look like published ones: who is who, which columns are which, and what a
-//! refusal says. All inputs are made here.
+//! Readers of a user's own recordings, and of files that look like published ones: people, columns, and the words of
+//! refusals. All inputs are made here.
 
 #[path = "readers/columns.rs"]
 mod columns;
@@ -12,7 +12,7 @@ use shared::intent::Intent;
 use shared::units::Sample;
 use tempfile::TempDir;
 
-/// A folder with these files in it.
+/// Writes a folder with these files in it.
 fn folder<T: AsRef<[u8]>>(files: &[(&str, T)]) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     for (name, bytes) in files {
@@ -31,7 +31,7 @@ fn people(path: &Path) -> Vec<String> {
     read(path).subjects()
 }
 
-/// Sample `at` of a person: noise without repeats.
+/// Returns sample `at` of a person: noise without repeats.
 fn sample(person: u32, at: u32) -> Sample {
     std::array::from_fn(|channel| {
         let mixed = (at * 8 + channel as u32 + 1_000_003 * person).wrapping_mul(2_654_435_761);
@@ -41,7 +41,7 @@ fn sample(person: u32, at: u32) -> Sample {
 
 const HEADER: &str = "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7";
 
-/// 700 samples of a person, rest and a fist in turn.
+/// Returns 700 samples of a person, rest and a fist in turn.
 fn own(person: u32) -> String {
     let mut text = format!("{HEADER}\n");
     for at in 0..700 {
@@ -56,7 +56,7 @@ fn row(sample: &Sample, separator: &str) -> String {
     values.join(separator)
 }
 
-/// 700 rows without header.
+/// Returns 700 rows without header.
 fn bare(person: u32, separator: &str) -> String {
     (0..700)
         .map(|at| row(&sample(person, at), separator) + "\r\n")
@@ -141,7 +141,7 @@ fn loose_files_are_of_the_person_of_their_folder_or_of_their_prefix() {
     assert_eq!(people(published.path()), ["react-emg/s3", "react-emg/s4"]);
 }
 
-/// An array of so many columns, counts of a person.
+/// Returns an array of so many columns, counts of a person.
 fn npy_of(person: u32, columns: usize) -> Vec<u8> {
     let data: Vec<u8> = (0..700)
         .flat_map(|at| {
@@ -182,7 +182,7 @@ fn recordings_in_the_layout_of_libemg_are_people_by_folder_and_not_the_published
     );
 }
 
-/// A text of `myo-readings`: rest and a fist in turn.
+/// Returns a text of `myo-readings`: rest and a fist in turn.
 fn fist(person: u32) -> String {
     let label = |at: u32| if (at / 100).is_multiple_of(2) { 0 } else { 7 };
     (0..700)
@@ -217,7 +217,7 @@ fn a_left_hand_of_myo_readings_is_mirrored_and_of_the_same_person() {
         "{:?}",
         left.notes
     );
-    // What the left arm has shown is not expected of the right one.
+    // Signals of the left arm are not expected of the right one.
     let alone = folder(&[("_readings_right_hand/12345-1/7.txt", fist(2))]);
     assert_eq!(
         right,

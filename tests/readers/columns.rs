@@ -1,4 +1,4 @@
-//! Channels and labels by the names of their columns, and refusals.
+//! Channels and labels found by the names of their columns, and refusals.
 
 use recordings::{LoadOptions, load};
 use shared::intent::Intent;
@@ -6,7 +6,7 @@ use shared::units::Sample;
 
 use super::{bare, folder, npy_of, own, read_one, row, sample};
 
-/// Rows of a person with a header, each made from number and sample.
+/// Writes rows of a person with a header, each made from number and sample.
 fn table(header: &str, row: impl Fn(u32, &Sample) -> String) -> String {
     let rows = (0..700).map(|at| row(at, &sample(1, at)));
     std::iter::once(header.to_owned())
@@ -129,7 +129,7 @@ fn eight_columns_without_a_header_are_read_if_they_are_asked_for() {
     );
 }
 
-/// The message about a file that is asked for by itself.
+/// Returns the message about a file that is named by itself.
 fn refusal(name: &str, bytes: &[u8]) -> String {
     let folder = folder(&[(name, bytes)]);
     match load(&folder.path().join(name), &LoadOptions::default()) {
