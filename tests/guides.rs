@@ -1,7 +1,8 @@
-//! The commands of the guides: those that need nothing are run, in the order of the page; of all others the program, the
+//! Commands of the guides, in the order of the page. Those that need nothing are run; of all others the program, the
 //! subcommand and the options are checked.
 //!
-//! A block of `sh` is run. One that says what it needs (```` ```sh needs: a board ````) is parsed, and SKIPPED with that reason.
+//! A block of `sh` is run. A block that says what it needs (```` ```sh needs: a board ````) is parsed, and SKIPPED with
+//! that reason.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -12,11 +13,11 @@ use clap::Parser as _;
 use clap::error::ErrorKind;
 use myointent::cli::Cli;
 
-/// A block of commands.
+/// Block of commands.
 struct Block {
-    /// Requirement of the block; none if it is run.
+    /// Requirement of the block; `None` if it is run.
     needs: Option<String>,
-    /// Its commands without remarks.
+    /// Commands of the block without remarks.
     lines: Vec<String>,
 }
 
@@ -57,7 +58,7 @@ fn blocks(text: &str) -> Vec<Block> {
     blocks
 }
 
-/// The words of a command, and the file that its output goes to. The guides need no quotes.
+/// Splits a command into words, and the file that its output goes to. The guides need no quotes.
 fn words(line: &str) -> (Vec<String>, Option<String>) {
     assert!(
         !line.contains(['"', '\'', '\\', '|', ';', '&', '$', '*']),
@@ -84,14 +85,14 @@ fn parse(words: &[String]) -> Result<(), String> {
             parsed.err().and_then(refused)
         }
         "cargo" => return cargo(&words[1..]),
-        // A program of somebody else.
+        // Another project's program.
         "probe-rs" => None,
         other => Some(format!("{other}: which program is that?")),
     };
     error.map_or(Ok(()), Err)
 }
 
-/// The steps of `xtask` and the names of packages, tests and features are those of the repository.
+/// Checks that the steps of `xtask` and the names of packages, tests and features are those of the repository.
 fn cargo(words: &[String]) -> Result<(), String> {
     let read = |path: &str| fs::read_to_string(repository().join(path)).unwrap();
     let (step, rest) = words.split_first().ok_or("cargo: no command")?;
@@ -100,7 +101,7 @@ fn cargo(words: &[String]) -> Result<(), String> {
             let name = rest.first().ok_or("cargo xtask: no step")?;
             let known = read("xtask/src/main.rs");
             let variant = name[..1].to_uppercase() + &name[1..];
-            // Whole, with or without arguments.
+            // The name is matched whole, with or without arguments.
             let is_step = |end: &str| known.contains(&format!("Step::{variant}{end}"));
             if ["(", " "].into_iter().any(is_step) {
                 Ok(())
@@ -132,10 +133,10 @@ fn cargo(words: &[String]) -> Result<(), String> {
 }
 
 const LINE: &str = "MYOINTENT_GUIDE_LINE";
-/// Behind what the test program writes by itself.
+/// Line before the command's output, after the lines that the test program writes by itself.
 const BEGIN: &str = "-- begin --";
 
-/// Not a test: the program in a process of its own, in the folder of a guide.
+/// Runs the program in a process of its own, in the folder of a guide. It is not a test.
 #[test]
 #[ignore = "other tests start it, as a process"]
 fn child() {
@@ -149,7 +150,7 @@ fn child() {
         Err(error) => error.exit(),
     };
     assert!(code == std::process::ExitCode::SUCCESS, "failed");
-    // Without the lines that the test program would write.
+    // It exits here: the test program would write further lines.
     std::process::exit(0);
 }
 
@@ -171,7 +172,7 @@ fn run(folder: &Path, words: &[String], out: Option<&str>) {
     }
 }
 
-/// A preset of a guide trains for minutes; here its size does not matter.
+/// Makes a preset of a guide small, which else trains for minutes: its size does not matter here.
 fn make_small(path: &Path) {
     if path.extension().is_none_or(|ending| ending != "toml") {
         return;
@@ -193,7 +194,7 @@ fn make_small(path: &Path) {
     fs::write(path, text).unwrap();
 }
 
-/// A folder with the repository's models and nothing else.
+/// Makes a folder with the repository's models and nothing else.
 fn workplace(name: &str) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"))
         .join("guides")
@@ -243,7 +244,7 @@ macro_rules! guides {
             }
         )*
 
-        /// Guides that a test runs.
+        /// Names of the guides that a test runs.
         const RUN: &[&str] = &[$($name),*];
     };
 }

@@ -13,14 +13,14 @@ pub mod simulation;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// The folder of reference numbers; without one, books the test `name` as skipped.
+/// Returns the folder of reference numbers; without one, books the test `name` as skipped.
 #[must_use]
 pub fn golden(name: &str) -> Option<PathBuf> {
     let (variable, hint) = ("MYOINTENT_GOLDEN", "unset it to use the repository's");
     folder(name, variable, "golden/data", hint)
 }
 
-/// The folder of recordings; without one, books the test `name` as skipped.
+/// Returns the folder of recordings; without one, books the test `name` as skipped.
 #[must_use]
 pub fn data(name: &str) -> Option<PathBuf> {
     let hint = "set it to a folder of recordings; docs/recordings.md has addresses and commands";
@@ -30,7 +30,7 @@ pub fn data(name: &str) -> Option<PathBuf> {
 /// Books the test `name` as skipped: prints `SKIPPED name: reason`, past the capture of test output, so that it can be counted.
 ///
 /// # Panics
-/// If `MYOINTENT_REQUIRE` is `all`, so that no test passes because something is missing; and if it has another value.
+/// Panics if `MYOINTENT_REQUIRE` is `all`, so that no test passes because something is missing; and if it has another value.
 pub fn skip(name: &str, reason: &str) {
     let required = std::env::var("MYOINTENT_REQUIRE").unwrap_or_default();
     match required.as_str() {
@@ -38,13 +38,13 @@ pub fn skip(name: &str, reason: &str) {
         "all" => panic!("{name} needs what is missing, and MYOINTENT_REQUIRE=all: {reason}"),
         other => panic!("MYOINTENT_REQUIRE={other}: expected all, or unset it"),
     }
-    // One write, on a line of its own: tests run side by side, and lines that begin so are counted.
+    // The skip is one write and a line of its own: tests run side by side, and lines that begin so are counted.
     let line = format!("\nSKIPPED {name}: {reason}\n");
-    // A lost line is all that can go wrong, and there is nobody to tell.
+    // The worst failure is a lost line, which nothing could report.
     let _ = std::io::stderr().write_all(line.as_bytes());
 }
 
-/// The folder that a variable names, or a default beside this file.
+/// Returns the folder that a variable names, or a default beside this file.
 fn folder(name: &str, variable: &str, default: &str, hint: &str) -> Option<PathBuf> {
     let folder = std::env::var_os(variable).map_or_else(
         || Path::new(env!("CARGO_MANIFEST_DIR")).join(default),

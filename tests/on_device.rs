@@ -25,7 +25,7 @@ use xtask::{
     toolchain::{self, Toolchain},
 };
 
-/// The slowest test takes 8 s on an idle core.
+/// Longest run of a test, of which the slowest takes 8 s on an idle core.
 const TIMEOUT: Duration = Duration::from_secs(120);
 
 fn main() -> ExitCode {
@@ -81,7 +81,7 @@ fn names(unit_tests: &Path) -> Result<Vec<String>> {
     Ok(names)
 }
 
-/// Runs an image with one argument, to the exit code 0.
+/// Runs an image with one argument; expects exit code 0.
 fn pass(image: &Path, argument: &str) -> Result<()> {
     let outcome = device::run(image, &[argument], Clock::Free, TIMEOUT)?;
     ensure!(outcome.success, "{}", outcome.output);
@@ -114,7 +114,7 @@ fn counts_add_up(image: &Path) -> Result<()> {
     let whole = sum(&["preprocess", "ring", "encoder", "smoother", "rest"])?;
     let total = sum(&["total"])?;
     ensure!(whole.abs_diff(total) <= 3, "{whole} of {total}");
-    // What no part explains is small: the parts cost alone what they cost in the pipeline.
+    // The rest is small: the parts cost alone what they cost in the pipeline.
     let rest = sum(&["rest"])?;
     ensure!(rest > 0 && rest < total / 20, "rest {rest} of {total}");
     // With a probe between the encoder's parts the compiler arranges them differently: by 1 % at most so far.

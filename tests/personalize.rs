@@ -1,4 +1,4 @@
-//! A model tuned on one person's recordings, through the command line itself.
+//! Model tuned on one person's recordings, through the command line itself.
 
 #[path = "small.rs"]
 #[expect(dead_code, reason = "nothing is trained from the start here")]
@@ -42,7 +42,8 @@ fn personalize(model: &Path, data: &Path, out: &Path, more: &[&str]) -> ExitCode
     Cli::try_parse_from(line).unwrap().run()
 }
 
-/// Recordings of one synthetic person in a folder of their own, in the order in which they are read.
+/// Writes recordings of one synthetic person into a folder of their own; returns them in the order in which they are
+/// read.
 fn person(folder: &Path) -> Vec<PathBuf> {
     let options = SynthOptions {
         subjects: 1,
@@ -78,7 +79,7 @@ fn turn(path: &Path) {
     rewrite(path, |fields| fields[1..=CHANNELS].rotate_left(3));
 }
 
-/// Takes one class for another and that for the one.
+/// Exchanges the labels of two classes.
 fn exchange(path: &Path, [one, other]: [&'static str; 2]) {
     rewrite(path, |fields| {
         if fields[0] == one {
@@ -103,7 +104,7 @@ fn remeasure(path: &Path, change: impl Fn(usize, f64) -> f64) {
     fs::write(path, lines.join("\n")).unwrap();
 }
 
-/// Balanced accuracy of a model on the part of a person's recordings that `personalize` holds back.
+/// Returns the balanced accuracy of a model on the part of a person's recordings that `personalize` holds back.
 fn on_the_part_held_back(model: &Path, recordings: &Path) -> f64 {
     let bytes = fs::read(model).unwrap();
     let header = Model::parse(&bytes).unwrap().header;
@@ -128,7 +129,7 @@ fn who_is_unlike_the_people_of_the_training_gets_a_better_model() {
     expected.push("synthetic/s1".to_owned());
     assert_eq!(seen(&out), expected);
 
-    // A file is not replaced, whatever it is.
+    // A file is not replaced, whatever its content.
     let again = personalize(&shipped(), &recordings, &out, &[]);
     assert_eq!(again, ExitCode::FAILURE);
     assert_eq!(seen(&out), expected);
@@ -139,7 +140,7 @@ fn the_old_model_is_kept_if_the_new_one_is_worse() {
     let folder = folder("personalize-worse");
     let recordings = folder.join("recordings");
     let files = person(&recordings);
-    // What is tuned on says the opposite of what is held back, the last recording.
+    // The labels that it is tuned on contradict those held back, of the last recording.
     let [first, second] = [&files[0], &files[1]];
     for path in [first, second] {
         exchange(path, ["1", "2"]);
@@ -160,7 +161,8 @@ fn the_old_model_is_kept_if_the_new_one_is_worse() {
 #[test]
 fn a_model_that_never_leaves_rest_is_not_written() {
     let folder = folder("personalize-constant");
-    // A whole count is a hundredth of what the armband sends; mains hum above all gestures; nothing on any channel.
+    // The changes are: a whole count for a hundredth of the armband's value, mains hum above all gestures, and silence
+    // on all channels.
     let hum = |at: usize| (60.0 * (at as f64 * std::f64::consts::FRAC_PI_2).cos()).round();
     type Change = Box<dyn Fn(usize, f64) -> f64>;
     let kinds: [(&str, Change); 3] = [
@@ -194,7 +196,8 @@ fn exchanged_labels_are_not_tuned_on() {
         let out = folder.join("new.intent");
         let code = personalize(&shipped(), &recordings, &out, &[]);
         assert!(!out.exists(), "{pair:?}");
-        // Rest that is labelled as a gesture may leave too few gestures to divide, which is refused before it is judged.
+        // Rest that is labelled as a gesture may leave too few gestures to divide, which is refused before the model is
+        // judged.
         let refusals = [ExitCode::from(KEPT), ExitCode::FAILURE];
         let expected = &refusals[..if pair == ["1", "2"] { 1 } else { 2 }];
         assert!(expected.contains(&code), "{pair:?}: {code:?}");
@@ -231,7 +234,7 @@ fn real_recordings_are_tuned_on_and_the_file_says_so() {
     };
     let folder = folder("personalize-real");
     let out = folder.join("new.intent");
-    // A person of development whom the shipped model has not seen.
+    // This person of the development group was not seen by the shipped model.
     let (data, person) = (data.join("wang-myo"), "wang-myo/S8");
     assert!(!seen(&shipped()).iter().any(|seen| seen == person));
     let code = personalize(&shipped(), &data, &out, &["--subject", "S8"]);

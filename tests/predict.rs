@@ -1,4 +1,4 @@
-//! `predict` and then `score`, as the README and the guide show them, on recordings of any length.
+//! Commands `predict` and then `score`, as the README and the guide show them, on recordings of any length.
 
 #[path = "small.rs"]
 #[expect(
@@ -16,7 +16,7 @@ use shared::model::dimensions::Dimensions;
 use shared::model::file::random::random_model;
 use small::{folder, myointent};
 
-/// A small model file.
+/// Writes a small model file.
 fn model(folder: &Path) -> PathBuf {
     let dimensions = Dimensions {
         width: 32,
@@ -30,7 +30,7 @@ fn model(folder: &Path) -> PathBuf {
     path
 }
 
-/// A recording of so many samples, with labels, as a person's own csv.
+/// Writes a recording of so many samples, with labels, as a person's own csv.
 fn recording(folder: &Path, samples: usize) -> PathBuf {
     let mut text = "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n".to_owned();
     for at in 0..samples {

@@ -1,4 +1,4 @@
-//! The main command at a small size: from synthetic recordings to an evaluated model file.
+//! Main command at a small size: from synthetic recordings to an evaluated model file.
 
 #[path = "small.rs"]
 mod small;
@@ -57,7 +57,7 @@ fn quickstart_leaves_a_model_a_table_and_a_page() {
             "teacher"
         ]
     );
-    // A constant has the recall of one class of the three, and sees no gesture.
+    // A constant has a recall of 1 for one class of the three, and recognises no gesture.
     let constant = results["published"]
         .as_array()
         .unwrap()
@@ -122,7 +122,7 @@ fn an_integer_student_is_deterministic_and_near_the_float_student() {
             worst = worst.max((logit - rows[0][class]).abs());
         }
     }
-    // Weights keep 7 bits: a few hundredths of the largest logit.
+    // Weights keep 7 bits: the error is a few hundredths of the largest logit.
     assert!(
         worst < 0.05 * largest + 0.02,
         "off by {worst}, logits up to {largest}"
@@ -151,7 +151,7 @@ fn replay_prints_the_lines_of_a_device_from_three_seconds_on() {
         .iter()
         .filter(|report| report.kind == Kind::Label)
         .collect();
-    // 30 s less the 3 s of the first window and 0.25 s of look-ahead, a label every 0.1 s.
+    // 30 s remain, less the 3 s of the first window and 0.25 s of look-ahead, with a label every 0.1 s.
     assert!(
         (260..=268).contains(&labels.len()),
         "{} labels",
@@ -159,7 +159,7 @@ fn replay_prints_the_lines_of_a_device_from_three_seconds_on() {
     );
     for label in labels {
         assert!(label.emitted.0 >= 600);
-        // The look-ahead, and the one sample that the median lags.
+        // Labels lag by the look-ahead and the one sample of the median.
         assert_eq!(label.emitted.since(label.instant), 51);
     }
 }

@@ -1,9 +1,10 @@
-//! A missing part: a skipped test, or with `MYOINTENT_REQUIRE=all` a failed one. In processes of their own, because the
-//! variable is the whole process's.
+//! Missing part: a skipped test, or with `MYOINTENT_REQUIRE=all` a failed one. The tests run in processes of their own,
+//! because the variable is the whole process's.
 
 use std::process::Command;
 
-/// Runs the ignored test below with a value of `MYOINTENT_REQUIRE`; whether it passed, and what it printed.
+/// Runs the ignored test below with a value of `MYOINTENT_REQUIRE`; returns true if it passed, and the text that it
+/// printed.
 fn with(required: Option<&str>) -> (bool, String) {
     let mut command = Command::new(std::env::current_exe().unwrap());
     command.args(["--ignored", "--exact", "finds_no_recordings"]);

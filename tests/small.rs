@@ -1,4 +1,4 @@
-//! The smallest run there is, through the command line itself.
+//! Small run through the command line itself: the smallest that trains.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use clap::Parser as _;
 use myointent::cli::Cli;
 use recordings::synthetic::{self, SynthOptions};
 
-/// A preset that trains in seconds; its accuracy does not matter.
+/// Writes a preset that trains in seconds; its accuracy does not matter.
 pub fn small_preset(folder: &Path) -> PathBuf {
     let text = presets::BUILT_IN[0].1;
     let text = text
@@ -26,13 +26,13 @@ pub fn small_preset(folder: &Path) -> PathBuf {
     path
 }
 
-/// Runs the program and returns whether it succeeded.
+/// Runs the program; returns true if it succeeds.
 pub fn myointent(arguments: &[&str]) -> bool {
     let line = std::iter::once("myointent").chain(arguments.iter().copied());
     Cli::try_parse_from(line).unwrap().run() == ExitCode::SUCCESS
 }
 
-/// An empty folder of this test's own.
+/// Makes an empty folder of this test's own.
 pub fn folder(name: &str) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = fs::remove_dir_all(&folder);
