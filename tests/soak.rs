@@ -21,7 +21,7 @@ use faults::{Fault, Faults};
 
 /// Seed of faults, delays and clocks unless another is given.
 const SEED: u64 = 42;
-/// Most growth of the program's memory from the first minutes to the end, in KiB: less than a byte a notification of an
+/// Largest growth of the program's memory from the first minutes to the end, in KiB: less than a byte a notification of an
 /// hour.
 const GROWTH_KIB: u64 = 256;
 const FIRST_MS: u64 = 900_000;

@@ -18,7 +18,7 @@ use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
 use shared::uart_line::command::{AlignCommand, Command};
 use shared::units::{CHANNELS, Sample};
 
-/// Half the usual pace: while the encoder takes the window again, it has a patch with each sample.
+/// Pace of the armband, half the usual one: while the encoder takes the window again, it has a patch with each sample.
 const PACE: f64 = 1.5;
 
 /// Mean of an open hand that is the same on both arms, in 1/256 octaves.

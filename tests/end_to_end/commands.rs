@@ -12,7 +12,7 @@ use shared::units::Sample;
 
 use super::{ARMBAND, TIME_SCALE, bound, model};
 
-/// Half the usual pace: while the encoder takes the window again, it has a patch with each sample.
+/// Pace of the armband, half the usual one: while the encoder takes the window again, it has a patch with each sample.
 const PACE: f64 = 1.5;
 
 fn samples(count: usize) -> Vec<Sample> {

@@ -30,12 +30,12 @@ const TIME_SCALE: u32 = 3;
 const STEP: usize = 50;
 /// Samples from a label to the next, unless it changes.
 const HOLD: u32 = 20;
-/// Least samples from one label to the next.
+/// Smallest number of samples from one label to the next.
 const PATCH: u32 = 10;
 /// Bytes by which the deepest stack of the second half may exceed that of the first: an interrupt came at a deeper
 /// place.
 const STACK_GROWTH: u64 = 256;
-/// Least number of incidents for that comparison: every kind has happened in each half.
+/// Smallest number of incidents for that comparison: every kind has happened in each half.
 const LONG: usize = 2 * KINDS.len();
 
 /// Returns a number that the environment may change.

@@ -15,7 +15,7 @@ use crate::statistics::{Figure, deviation};
 
 /// Number of draws for each task and kind of window.
 const DRAWS: usize = 20_000;
-/// Least expected number of runs of a length that is compared: smaller counts are not nearly normal.
+/// Smallest expected number of runs of a length that is compared: smaller counts are not nearly normal.
 const LEAST_RUNS: f64 = 25.0;
 
 /// Position of a mask, in the file's words; `None` where nothing is masked.

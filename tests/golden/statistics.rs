@@ -5,7 +5,7 @@
 
 use serde_json::Value;
 
-/// Most standard errors of a difference: all of some 1500 figures are within them with a probability of 0.99.
+/// Largest difference in standard errors: all of some 1500 figures are within them with a probability of 0.99.
 const ERRORS: f64 = 4.5;
 
 /// Comparison with the file: the figure's name, and the number of draws behind the file's figure.

@@ -39,7 +39,7 @@ struct Sent {
     body: Option<String>,
 }
 
-/// All bytes that are sent, and the expected answers.
+/// Bytes that are sent, and the expected answers.
 #[derive(Default)]
 struct Script {
     sent: Vec<Sent>,

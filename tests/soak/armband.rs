@@ -16,7 +16,7 @@ use super::faults::{Fault, STALLED_MS};
 /// Period of the notifications in microseconds by the device's clock: the armband's runs up to 200 ppm slower or
 /// faster. Drawn anew with every connection.
 const PERIOD_US: RangeInclusive<u64> = 9_998..=10_002;
-/// Most notifications that are given up where a loss cannot be told from a delay: as many as are held then.
+/// Largest number of notifications given up where a loss cannot be told from a delay: as many as are held then.
 const HELD: u32 = 24;
 /// Number of notifications lost in a row from which on the lanes do not show the loss, so it cannot be told from a
 /// delay.

@@ -46,7 +46,7 @@ fn number(sample: Sample) -> u32 {
     u32::from_le_bytes([a, b, c, d])
 }
 
-/// All steps from notification to label, connected as in the firmware.
+/// Steps from notification to label, connected as in the firmware.
 pub struct Device<'m, 's> {
     pub session: MyoSession,
     sequencer: Sequencer,

@@ -7,9 +7,9 @@ use shared::stream::safe_state::{SILENCE_MS, Status};
 use shared::uart_line::{Counters, Kind, Report};
 use shared::units::{HOLD, LOOK_AHEAD, Millis, PATCH, SampleIndex, WINDOW};
 
-/// Least number of received samples in the window; a patch is taken or left as a whole.
+/// Smallest number of received samples in the window; a patch is taken or left as a whole.
 const RECEIVED: usize = 540 - PATCH;
-/// Most samples in a row that are filled in; below, most of a window's.
+/// Largest number of samples filled in, in a row; below, of a window.
 const BRIDGED: u32 = 5;
 const BRIDGED_OF_WINDOW: usize = 60;
 

@@ -18,9 +18,9 @@ const PAUSE: usize = WINDOW + COUNTED + 30;
 const APART: usize = 10;
 /// Number of notifications between two great faults.
 const BETWEEN: usize = 60;
-/// Most notifications of an incident.
+/// Largest number of notifications of an incident.
 const LONGEST: usize = 500;
-/// Least notifications of a run: an incident between two pauses.
+/// Smallest number of notifications of a run: an incident between two pauses.
 pub const SHORTEST: usize = WINDOW + LONGEST + PAUSE;
 /// Milliseconds between two notifications without a subscription, from each connection to its stream.
 const CHATTER_MS: usize = 50;

@@ -1,6 +1,6 @@
 //! Coverage-guided fuzzing of the code that takes input from outside: `cargo xtask fuzz`.
 //!
-//! One program has all targets; `MYOINTENT_FUZZ_TARGET` names the one that it runs. A target takes any bytes and
+//! The program has all targets; `MYOINTENT_FUZZ_TARGET` names the one that it runs. A target takes any bytes and
 //! panics if a condition of the answer does not hold: libFuzzer looks for such bytes.
 //!
 //! | module | content |

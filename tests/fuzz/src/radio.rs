@@ -7,7 +7,7 @@ use shared::myo::{
 use shared::stream::link_sequence::{GapDetector, Sequencer};
 use shared::units::Millis;
 
-/// Most actions of an event: the notifications that a session holds back, and the others of one event.
+/// Largest number of actions of an event: the notifications that a session holds back, and the others of one event.
 const MOST_ACTIONS: usize = 2 * 27 + 4;
 /// Bytes of an EMG notification.
 const EMG_BYTES: usize = 16;

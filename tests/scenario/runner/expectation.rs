@@ -37,7 +37,7 @@ pub struct Expectation {
     safe_within_ms: Option<u32>,
     /// True if raw samples must be those sent, from some sample on, without a hole.
     raw_without_holes: bool,
-    /// Least number of lines with raw samples.
+    /// Smallest number of lines with raw samples.
     raw_at_least: Option<usize>,
     /// Counts in the last answer to `COUNTERS`: name, least and most.
     counts: Vec<Count>,
@@ -112,7 +112,7 @@ struct Comment {
     text: String,
     /// Exact number of such lines.
     times: Option<usize>,
-    /// Least number of such lines.
+    /// Smallest number of such lines.
     #[serde(default)]
     least: usize,
 }

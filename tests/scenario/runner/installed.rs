@@ -9,7 +9,7 @@ use shared::units::{PATCH, Sample, WINDOW};
 
 use super::expectation::Models;
 
-/// Least number of labels after the installation.
+/// Smallest number of labels after the installation.
 const LABELS: usize = 50;
 
 /// Checks the labels after the last installation, if that is asked for.
