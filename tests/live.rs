@@ -1,5 +1,7 @@
 //! `myointent live`: the page and its messages, lines of JSON, a board on a pseudo-terminal, and the page in a browser.
 
+#[path = "live/align.rs"]
+mod align;
 #[cfg(target_os = "linux")]
 #[path = "live/ask.rs"]
 mod ask;

@@ -171,6 +171,7 @@ fn run(mut wire: Wire, mut following: Following, stop: &AtomicBool, raw: &Atomic
             match command {
                 Ok(Command::Align(AlignCommand::Begin(arm))) => pipeline.begin_alignment(arm),
                 Ok(Command::Align(AlignCommand::Cancel)) => pipeline.cancel_alignment(),
+                Ok(Command::Align(AlignCommand::Set(known))) => pipeline.set_alignment(known),
                 _ => {}
             }
             let may_bind = following.address().is_none();
