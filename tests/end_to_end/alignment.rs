@@ -124,7 +124,7 @@ fn align(
     })?;
     let news = run.alignments()?;
     let begun = news[0].emitted.0 as usize + 1;
-    // The bound is met: 45 ms of the guest's clock are some 70 samples, and this program looks for the stream every 10
+    // 700 leaves room: 45 ms of the guest's clock are some 70 samples, and this program looks for the stream every 10
     // ms. Gestures begin at 800.
     assert!(begun.is_multiple_of(2) && begun < 700, "begun at {begun}");
     let (before, after) = samples.split_at(begun);

@@ -79,7 +79,7 @@ fn the_page_follows_a_recording_and_saves_what_it_saw() {
         browser.value("document.getElementById('pause').ariaPressed"),
         "true"
     );
-    // It stands once the labels have come that are as much later as their look-ahead.
+    // The picture stops once the labels have come that are later by their look-ahead.
     browser.wait_for(&format!(
         "(async () => {{ const before = {PICTURE}; \
          for (let frame = 0; frame < 20; frame++) await new Promise(requestAnimationFrame); \

@@ -79,7 +79,7 @@ fn electrode_frames_fit_the_gestures_that_two_sets_share() {
         let expected = aligned(&reference);
         let found = correlation(&aligned(&library), &expected);
         assert!(found > 0.7, "{set}: {found}");
-        // None of the 16 ways to put a ring on the arm fits better.
+        // Among all 16 ways to put a ring on the arm, no other fits better.
         let as_recorded: Vec<_> = intents
             .iter()
             .map(|&i| pattern(&library.recordings, |r| r.samples.clone(), i))

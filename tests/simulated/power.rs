@@ -288,7 +288,8 @@ fn power_that_fails_at_any_operation_of_flash_leaves_a_safe_board_that_the_same_
     let starts = whole.starts().unwrap();
     let flash = &starts[0].flash;
     let blocks = bench.new.len().div_ceil(64);
-    // The journal erased, written and erased; every block; every page erased, the first one twice, and marked but for the first.
+    // The journal is erased, written and erased; every block is written; every page is erased, the first one twice,
+    // and marked but for the first.
     let pages = bench.new.len().div_ceil(4096);
     assert_eq!(flash.len(), 3 + blocks + (pages + 1) + (pages - 1));
     let seed = cuts::seed();
