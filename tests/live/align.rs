@@ -4,7 +4,7 @@ use myointent::live::Source;
 use serde_json::Value;
 
 use super::browser::Browser;
-use super::page::pictures;
+use super::record::pictures;
 use super::viewer::Viewer;
 use super::{serve, synthetic};
 

@@ -1,6 +1,5 @@
 //! The page in a browser: it loads, moves, follows the recording, pauses, saves, and says when the stream is gone.
 
-use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use myointent::live::Source;
@@ -8,15 +7,9 @@ use recordings::{LoadOptions, load};
 use serde_json::json;
 
 use super::browser::Browser;
+use super::record::pictures;
 use super::viewer::Viewer;
 use super::{serve, synthetic};
-
-/// Folder for pictures of the page, for a person to look at.
-fn pictures() -> PathBuf {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("live");
-    std::fs::create_dir_all(&folder).unwrap();
-    folder
-}
 
 /// Script whose value changes with every change of the picture.
 const PICTURE: &str = "document.getElementById('traces').toDataURL().split('').reduce((sum, letter) => (sum * 31 + letter.charCodeAt(0)) | 0, 7)";
