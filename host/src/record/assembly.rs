@@ -3,7 +3,7 @@
 //! A recording is a stretch of one round without a gap. Up to five missing samples are bridged as on a board, by repeating
 //! the last one, and marked so; a longer gap begins another recording.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use shared::intent::Intent;
@@ -13,7 +13,7 @@ use shared::units::{Sample, SampleIndex};
 use super::journal::Entry;
 use super::session::{Continuity, GapDetector, RejectReason, has_reached};
 use recordings::labels::cued::{Hold, follow};
-use recordings::labels::motion::motions;
+use recordings::labels::motion::Motion;
 
 /// Samples of rest on either side of a cut in a long recording.
 const REST_AROUND: usize = 100;
@@ -29,12 +29,12 @@ pub(crate) struct Part {
     pub(crate) bridged: Vec<bool>,
     /// Placement of the armband, as the board was aligned.
     pub(crate) placements: Vec<Alignment>,
-    /// Cue.
-    pub(crate) cues: Vec<Option<Intent>>,
+    /// Cue; unknown where nothing is asked for.
+    pub(crate) cues: Vec<Motion>,
     /// Number of the attempt; 0 outside of trials.
     pub(crate) trials: Vec<u32>,
-    /// Label of the muscle; none if it is unknown or the trial is not used.
-    pub(crate) labels: Vec<Option<Intent>>,
+    /// Motion that the muscle shows; unknown if the trial is not used.
+    pub(crate) motions: Vec<Motion>,
     /// Holds of the trials that are used.
     pub(crate) holds: Vec<Hold>,
 }
@@ -53,13 +53,13 @@ pub(crate) struct Assembly {
 }
 
 impl Assembly {
-    /// Classes that every model has, and those of the cues.
-    pub(crate) fn classes(&self) -> Vec<Intent> {
+    /// Classes that every model has, and the motions of the cues.
+    pub(crate) fn asked(&self) -> Vec<Motion> {
+        let always = [Intent::Relax, Intent::Open, Intent::Close].map(Motion::Intent);
         let cues = self.parts.iter().flat_map(|part| &part.cues);
-        let always = [Intent::Relax, Intent::Open, Intent::Close];
-        let intents = always.iter().chain(cues.flatten());
-        let intents: BTreeSet<usize> = intents.map(|intent| intent.class()).collect();
-        intents.into_iter().filter_map(Intent::from_class).collect()
+        let is_asked =
+            |motion: &Motion| always.contains(motion) || cues.clone().any(|cue| cue == motion);
+        Motion::named().filter(is_asked).collect()
     }
 }
 
@@ -100,7 +100,7 @@ pub(crate) fn assemble(entries: &[Entry]) -> Assembly {
             Entry::Cue { at, cue, trial } => {
                 stretch
                     .cues
-                    .push((*at, Entry::intent(cue.as_ref()), *trial));
+                    .push((*at, Entry::motion(cue.as_ref()), *trial));
             }
             Entry::Rejected { trial, why } => {
                 assembly.rejected.insert(*trial, *why);
@@ -116,7 +116,6 @@ pub(crate) fn assemble(entries: &[Entry]) -> Assembly {
 }
 
 /// Samples without a gap, with their cues and rounds; a cue may be written before its first sample.
-#[derive(Default)]
 struct Stretch {
     first: u32,
     samples: Vec<Sample>,
@@ -124,11 +123,26 @@ struct Stretch {
     placements: Vec<Alignment>,
     /// Placement from the next sample on.
     placement: Alignment,
-    cues: Vec<(u32, Option<Intent>, u32)>,
+    cues: Vec<(u32, Motion, u32)>,
     /// First sample of each round.
     rounds: Vec<u32>,
     /// Cue and trial in force before the first of `cues`.
-    carried: (Option<Intent>, u32),
+    carried: (Motion, u32),
+}
+
+impl Default for Stretch {
+    fn default() -> Self {
+        Self {
+            first: 0,
+            samples: Vec::new(),
+            bridged: Vec::new(),
+            placements: Vec::new(),
+            placement: Alignment::NONE,
+            cues: Vec::new(),
+            rounds: Vec::new(),
+            carried: (Motion::Unknown, 0),
+        }
+    }
 }
 
 impl Stretch {
@@ -203,8 +217,8 @@ impl Part {
         let mut start = 0;
         while self.samples.len() - start > most {
             let is_rest = |at: usize| {
-                let around = &self.labels[at - REST_AROUND..at + REST_AROUND];
-                around.iter().all(|label| *label == Some(Intent::Relax))
+                let around = &self.motions[at - REST_AROUND..at + REST_AROUND];
+                around.iter().all(|motion| *motion == Motion::RELAX)
             };
             let latest = start + most - REST_AROUND;
             let earliest = start + (most / 2).max(REST_AROUND);
@@ -218,15 +232,11 @@ impl Part {
     }
 
     fn label(&mut self, rejected: &BTreeMap<u32, RejectReason>) {
-        let followed = follow(&self.samples, &motions(&self.cues));
-        self.labels = followed
-            .motions
-            .iter()
-            .map(|motion| motion.label())
-            .collect();
-        for (label, trial) in self.labels.iter_mut().zip(&self.trials) {
+        let followed = follow(&self.samples, &self.cues);
+        self.motions = followed.motions;
+        for (motion, trial) in self.motions.iter_mut().zip(&self.trials) {
             if rejected.contains_key(trial) {
-                *label = None;
+                *motion = Motion::Unknown;
             }
         }
         let used = |hold: &Hold| !rejected.contains_key(&self.trials[hold.samples.start]);

@@ -2,8 +2,9 @@
 //!
 //! Recordings have ReactEMG's csv layout, with further columns that its readers ignore. `gt` is the label of the muscle.
 //! Columns after the channels: `sample`, the index in the stream; `cue`; `trial`, the attempt; `used`, 0 if the trial is not
-//! used; `bridged`, 1 if the sample is missing and repeats the one before; `turn` and `mirrored`, the placement of the
-//! armband: the reader aligns the channels by it, as the board does.
+//! used; `bridged`, 1 if the sample is missing and repeats the one before; `movement`, the name of another movement where cue
+//! or label is -2; `turn` and `mirrored`, the placement of the armband: the reader aligns the channels by it, as the board
+//! does.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -11,7 +12,6 @@ use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use shared::intent::Intent;
 use shared::units::{CHANNELS, SAMPLE_RATE_HZ, Sample};
 
 use super::RecordError;
@@ -19,8 +19,9 @@ use super::assembly::{Assembly, Part, assemble};
 use super::journal::{ENDING, open};
 use super::quality::{Quality, judge};
 use execution::run_folder::write_whole;
+use recordings::labels::motion::{GroundTruth, Motion};
 use recordings::readers::formats::react_emg::{
-    MIRRORED_COLUMN, MUSCLE_COLUMN, RECORDER_COLUMNS, TURN_COLUMN,
+    MIRRORED_COLUMN, MOVEMENT_COLUMN, MUSCLE_COLUMN, RECORDER_COLUMNS, TURN_COLUMN,
 };
 use recordings::{LoadOptions, load};
 
@@ -54,7 +55,7 @@ pub(crate) fn convert(journal: &Path) -> Result<Conversion, RecordError> {
     let cued = assembly
         .parts
         .iter()
-        .filter(|part| part.cues.iter().any(Option::is_some));
+        .filter(|part| part.cues.iter().any(|cue| *cue != Motion::Unknown));
     let pieces = cued.flat_map(|part| {
         let files = part.files(LONGEST).into_iter();
         files.map(move |samples| (part, samples))
@@ -78,8 +79,11 @@ pub(crate) fn convert(journal: &Path) -> Result<Conversion, RecordError> {
         }
         let aligned = |at: usize| part.placements[at].apply(part.samples[at]);
         let samples: Vec<Sample> = piece.clone().map(aligned).collect();
+        let truth: GroundTruth = part.motions[piece].iter().copied().collect();
         let same = read.recordings.first().is_some_and(|recording| {
-            recording.samples == samples && recording.labels == part.labels[piece]
+            recording.samples == samples
+                && recording.labels == truth.labels
+                && recording.other_movement == truth.other_movement
         });
         if !same {
             return Err(RecordError::Unlike { path });
@@ -119,32 +123,34 @@ fn csv(assembly: &Assembly, part: &Part, samples: Range<usize>, synthetic: bool)
         String::new()
     };
     let mut text = format!(
-        "gt{channels},{},{TURN_COLUMN},{MIRRORED_COLUMN}{muscle}\n",
+        "gt{channels},{},{MOVEMENT_COLUMN},{TURN_COLUMN},{MIRRORED_COLUMN}{muscle}\n",
         RECORDER_COLUMNS.join(",")
     );
-    let class = |label: Option<Intent>| match label {
-        Some(intent) => intent.class().to_string(),
-        None => "-1".to_owned(),
-    };
     for at in samples {
-        text += &class(part.labels[at]);
+        let (motion, cue) = (part.motions[at], part.cues[at]);
+        text += &motion.number().to_string();
         for value in part.samples[at] {
             // Writing to a string cannot fail.
             let _ = write!(text, ",{value}");
         }
-        let (trial, cue) = (part.trials[at], class(part.cues[at]));
+        let trial = part.trials[at];
         let used = u8::from(!assembly.rejected.contains_key(&trial));
         let placement = part.placements[at];
         let bridged = u8::from(part.bridged[at]);
+        let movement = [motion, cue]
+            .into_iter()
+            .find(|motion| matches!(motion, Motion::Other(_)));
         let _ = write!(
             text,
-            ",{},{cue},{trial},{used},{bridged},{},{}",
+            ",{},{},{trial},{used},{bridged},{},{},{}",
             part.index[at],
+            cue.number(),
+            movement.map_or("", Motion::name),
             placement.turn(),
             u8::from(placement.mirrored())
         );
         if synthetic {
-            let _ = write!(text, ",{}", class(part.labels[at]));
+            let _ = write!(text, ",{}", motion.number());
         }
         text.push('\n');
     }

@@ -3,12 +3,11 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use shared::intent::Intent;
-
 use super::journal::{FORMAT, LARGEST};
 use super::protocol::BUILT_IN;
 use execution::run_folder::RunError;
 use recordings::LoadError;
+use recordings::labels::motion::Motion;
 
 /// Error of a protocol, a journal or the recordings made of it.
 #[derive(Debug, thiserror::Error)]
@@ -154,12 +153,12 @@ pub enum RecordError {
         /// `both` or `neither`.
         found: &'static str,
     },
-    /// No class has the name that a protocol gives.
-    #[error("{name}: {found:?} is no class: expected {}", Intent::ALL.map(Intent::name).join(", "))]
-    Class {
+    /// No motion has the name that a protocol gives.
+    #[error("{name}: {found:?} is no gesture: expected {}", Motion::named().map(Motion::name).collect::<Vec<_>>().join(", "))]
+    Motion {
         /// The file.
         name: String,
-        /// Name of the class.
+        /// Name in the protocol.
         found: String,
     },
     /// A number of a protocol is out of bounds.

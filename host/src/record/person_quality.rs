@@ -1,16 +1,14 @@
 //! Quality of guided recordings, judged from their files: all recordings of a person count together.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
-use shared::intent::Intent;
 use shared::units::{CHANNELS, Sample};
 
 use super::assembly::{Assembly, Part};
 use super::quality::{Quality, judge};
 use recordings::labels::cued::follow;
-use recordings::labels::motion::motions;
-use recordings::readers::formats::react_emg::RECORDER_COLUMNS;
+use recordings::labels::motion::{Motion, motions};
+use recordings::readers::formats::react_emg::{MOVEMENT_COLUMN, RECORDER_COLUMNS};
 use recordings::{DataSet, Library, Recording};
 
 /// Guided recordings of a person.
@@ -34,7 +32,7 @@ pub(crate) fn quality_by_person(library: &Library) -> Vec<PersonQuality> {
         matches!(recording.data_set, DataSet::ReactEmg | DataSet::Synthetic)
     };
     for recording in library.recordings.iter().filter(is_own) {
-        let Some(part) = part(&recording.path, &recording.labels) else {
+        let Some(part) = part(recording) else {
             continue;
         };
         let assembly = people.entry(&recording.subject).or_default();
@@ -51,8 +49,8 @@ pub(crate) fn quality_by_person(library: &Library) -> Vec<PersonQuality> {
 }
 
 /// Reads a file of the layout; none for another layout, or if it cannot be read any more.
-fn part(path: &Path, labels: &[Option<Intent>]) -> Option<Part> {
-    let mut rows = csv::Reader::from_path(path).ok()?;
+fn part(recording: &Recording) -> Option<Part> {
+    let mut rows = csv::Reader::from_path(&recording.path).ok()?;
     let header = rows.headers().ok()?.clone();
     let position = |name: &str| header.iter().position(|own| own == name);
     let columns = RECORDER_COLUMNS.map(position);
@@ -65,9 +63,10 @@ fn part(path: &Path, labels: &[Option<Intent>]) -> Option<Part> {
         *column = position(&format!("emg_{channel}"))?;
     }
     let mut part = Part {
-        labels: labels.to_vec(),
+        motions: motions(&recording.labels, &recording.other_movement),
         ..Part::default()
     };
+    let movement = position(MOVEMENT_COLUMN);
     let mut is_used = Vec::new();
     for row in rows.records() {
         let row = row.ok()?;
@@ -76,16 +75,24 @@ fn part(path: &Path, labels: &[Option<Intent>]) -> Option<Part> {
         for (value, &column) in sample.iter_mut().zip(&channels) {
             *value = i8::try_from(number(column)?).ok()?;
         }
-        let class = usize::try_from(number(cue)?).ok();
         part.samples.push(sample);
         part.index.push(u32::try_from(number(index)?).ok()?);
         part.bridged.push(number(bridged)? != 0);
-        part.cues.push(class.and_then(Intent::from_class));
+        let name = movement.and_then(|column| row.get(column));
+        part.cues.push(cued(number(cue)?, name.unwrap_or("")));
         part.trials.push(u32::try_from(number(trial)?).ok()?);
         is_used.push(number(used)? != 0);
     }
-    let mut holds = follow(&part.samples, &motions(&part.cues)).holds;
+    let mut holds = follow(&part.samples, &part.cues).holds;
     holds.retain(|hold| is_used.get(hold.samples.start) == Some(&true));
     part.holds = holds;
     Some(part)
+}
+
+/// Motion that was asked for, by its number and, for other movement, its name.
+fn cued(number: i64, name: &str) -> Motion {
+    match Motion::from_number(number) {
+        Some(Motion::OTHER) => Motion::from_name(name).unwrap_or(Motion::OTHER),
+        motion => motion.unwrap_or(Motion::Unknown),
+    }
 }

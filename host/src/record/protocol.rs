@@ -1,27 +1,29 @@
 //! Protocols of recording sessions: which gestures, in which order and for how long, as a TOML file.
 //!
-//! Guided: a sequence of classes, from rest to rest, in rounds; each round is a recording. Free: the person names the gestures
-//! by keys. A cue block is a rest and the gestures up to the next rest; it is repeated as a whole.
+//! Guided: a sequence of motions, from rest to rest, in rounds; each round is a recording. Free: the person names the gestures
+//! by keys. A cue block is a rest and the gestures up to the next rest; it is repeated as a whole. A gesture is an intent or
+//! another movement: a named one (`point`), or `other`, whatever the person does.
 
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use std::path::Path;
 
 use serde::Deserialize;
-use shared::intent::Intent;
 use shared::units::SAMPLE_RATE_HZ;
 
 use super::RecordError;
 use execution::bounded_read;
+use recordings::labels::motion::Motion;
 
 /// Built-in protocols: name and TOML text.
-pub(crate) const BUILT_IN: [(&str, &str); 5] = [
+pub(crate) const BUILT_IN: [(&str, &str); 6] = [
     ("quick", include_str!("../../protocols/quick.toml")),
     (
         "quick-five",
         include_str!("../../protocols/quick-five.toml"),
     ),
     ("quick-six", include_str!("../../protocols/quick-six.toml")),
+    ("daily", include_str!("../../protocols/daily.toml")),
     ("paper", include_str!("../../protocols/paper.toml")),
     ("free", include_str!("../../protocols/free.toml")),
 ];
@@ -33,14 +35,14 @@ const PAUSE: RangeInclusive<f64> = 1.0..=120.0;
 /// Hours of a session: a journal has room for it, even if each block is repeated once.
 const HOURS: RangeInclusive<f64> = 0.0..=8.0;
 const MOST_ROUNDS: u32 = 50;
-/// Greatest number of classes in a sequence.
+/// Greatest number of motions in a sequence.
 const MOST_STEPS: usize = 500;
 
-/// Step of a cue block: a class and its duration.
+/// Step of a cue block: a motion and its duration.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Step {
-    /// The class.
-    pub(crate) intent: Intent,
+    /// The motion.
+    pub(crate) motion: Motion,
     /// Duration in samples.
     pub(crate) samples: u32,
 }
@@ -65,7 +67,7 @@ pub(crate) enum Course {
     /// Free choice of the person among these gestures.
     Free {
         /// Gestures, rest first.
-        gestures: Vec<Intent>,
+        gestures: Vec<Motion>,
     },
 }
 
@@ -125,21 +127,21 @@ impl Protocol {
         matches!(self.course, Course::Free { .. })
     }
 
-    /// Names of the classes of the protocol, in class order.
-    pub(crate) fn class_names(&self) -> Vec<&'static str> {
-        self.intents().into_iter().map(Intent::name).collect()
+    /// Names of the motions of the protocol, in the order of [`Motion::named`].
+    pub(crate) fn names(&self) -> Vec<&'static str> {
+        self.motions().into_iter().map(Motion::name).collect()
     }
 
-    /// Classes of the protocol, in class order.
-    pub(crate) fn intents(&self) -> Vec<Intent> {
-        let is_used = |intent: &Intent| match &self.course {
+    /// Motions of the protocol, in the order of [`Motion::named`].
+    pub(crate) fn motions(&self) -> Vec<Motion> {
+        let is_used = |motion: &Motion| match &self.course {
             Course::Guided { blocks, .. } => {
                 let mut steps = blocks.iter().flat_map(|block| &block.steps);
-                steps.any(|step| step.intent == *intent)
+                steps.any(|step| step.motion == *motion)
             }
-            Course::Free { gestures } => gestures.contains(intent),
+            Course::Free { gestures } => gestures.contains(motion),
         };
-        Intent::ALL.into_iter().filter(is_used).collect()
+        Motion::named().filter(is_used).collect()
     }
 
     /// Samples of the session without a repeated block; none if it is free.
@@ -198,53 +200,53 @@ impl ProtocolFile {
         )?;
         bounded(
             name,
-            "classes in the sequence",
+            "motions in the sequence",
             sequence.len() as f64,
             &(3.0..=MOST_STEPS as f64),
         )?;
         let none = BTreeMap::new();
         let seconds = self.seconds.as_ref().unwrap_or(&none);
-        for (class, &value) in seconds {
-            intent(name, class)?;
-            bounded(name, &format!("seconds of {class}"), value, &SECONDS)?;
+        for (motion, &value) in seconds {
+            named(name, motion)?;
+            bounded(name, &format!("seconds of {motion}"), value, &SECONDS)?;
         }
         let ends = || RecordError::Ends {
             name: name.to_owned(),
         };
         let mut blocks: Vec<CueBlock> = Vec::new();
         let mut last = None;
-        for class in sequence {
-            let intent = intent(name, class)?;
-            if last == Some(intent) {
+        for found in sequence {
+            let motion = named(name, found)?;
+            if last == Some(motion) {
                 return Err(RecordError::Twice {
                     name: name.to_owned(),
-                    class: intent.name(),
+                    class: motion.name(),
                 });
             }
-            last = Some(intent);
-            let Some(&own) = seconds.get(intent.name()) else {
+            last = Some(motion);
+            let Some(&own) = seconds.get(motion.name()) else {
                 return Err(RecordError::NoSeconds {
                     name: name.to_owned(),
-                    missing: intent.name(),
+                    missing: motion.name(),
                 });
             };
             let step = Step {
-                intent,
+                motion,
                 samples: samples(own),
             };
             match blocks.last_mut() {
-                Some(block) if intent != Intent::Relax => block.steps.push(step),
-                None if intent != Intent::Relax => return Err(ends()),
+                Some(block) if motion != Motion::RELAX => block.steps.push(step),
+                None if motion != Motion::RELAX => return Err(ends()),
                 _ => blocks.push(CueBlock { steps: vec![step] }),
             }
         }
-        if last != Some(Intent::Relax) {
+        if last != Some(Motion::RELAX) {
             return Err(ends());
         }
         Ok(Course::Guided { rounds, blocks })
     }
 
-    fn free(&self, name: &str, classes: &[String]) -> Result<Course, RecordError> {
+    fn free(&self, name: &str, motions: &[String]) -> Result<Course, RecordError> {
         for (key, given) in [
             ("rounds", self.rounds.is_some()),
             ("seconds", self.seconds.is_some()),
@@ -254,13 +256,13 @@ impl ProtocolFile {
                 return Err(RecordError::Meaningless { name, key });
             }
         }
-        let found = classes.iter().map(|class| intent(name, class));
-        let mut gestures: Vec<Intent> = found.collect::<Result<_, _>>()?;
-        gestures.sort_unstable();
-        gestures.dedup();
-        if gestures.first() != Some(&Intent::Relax)
+        let found = motions.iter().map(|motion| named(name, motion));
+        let found: Vec<Motion> = found.collect::<Result<_, _>>()?;
+        let is_used = |motion: &Motion| found.contains(motion);
+        let gestures: Vec<Motion> = Motion::named().filter(is_used).collect();
+        if gestures.first() != Some(&Motion::RELAX)
             || gestures.len() < 2
-            || gestures.len() != classes.len()
+            || gestures.len() != motions.len()
         {
             let name = name.to_owned();
             return Err(RecordError::Gestures { name });
@@ -269,12 +271,14 @@ impl ProtocolFile {
     }
 }
 
-/// Class of a name in the protocol `name`.
-fn intent(name: &str, class: &str) -> Result<Intent, RecordError> {
-    Intent::from_name(class).ok_or_else(|| RecordError::Class {
-        name: name.to_owned(),
-        found: class.to_owned(),
-    })
+/// Motion that is called `found` in the protocol `name`.
+fn named(name: &str, found: &str) -> Result<Motion, RecordError> {
+    let mut all = Motion::named();
+    all.find(|motion| motion.name() == found)
+        .ok_or_else(|| RecordError::Motion {
+            name: name.to_owned(),
+            found: found.to_owned(),
+        })
 }
 
 /// Checks a number of the protocol `name` and returns it.

@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use shared::intent::Intent;
 use shared::units::{CHANNELS, SAMPLE_PERIOD_MS};
 
 use super::assembly::{Assembly, Part};
 use recordings::Severity;
 use recordings::examiner::electrodes::{SATURATED, SILENT, levels, saturation};
 use recordings::labels::cued::Reaction;
+use recordings::labels::motion::Motion;
 use recordings::runs;
 use recordings::statistics::median;
 
@@ -177,15 +177,15 @@ pub(crate) fn judge(assembly: &Assembly, damaged: bool) -> Quality {
     let samples: usize = assembly.parts.iter().map(|part| part.samples.len()).sum();
     let seconds = samples as f64 * f64::from(SAMPLE_PERIOD_MS) / 1000.0;
     let mut findings = Vec::new();
-    let classes = assembly.classes();
-    let counts = classes
+    let asked = assembly.asked();
+    let counts = asked
         .iter()
-        .map(|&intent| (intent.name(), count(assembly, intent)))
+        .map(|&motion| (motion.name(), count(assembly, motion)))
         .collect::<BTreeMap<_, _>>();
     if samples == 0 {
         findings.push(Finding::Nothing);
     } else {
-        gestures(assembly, &classes, &mut findings);
+        gestures(assembly, &asked, &mut findings);
         electrodes(&assembly.parts, &mut findings);
         let percent = 100.0 * assembly.lost as f64 / (samples as f64 + assembly.lost as f64);
         if percent > 100.0 * LOSSES {
@@ -207,33 +207,36 @@ pub(crate) fn judge(assembly: &Assembly, damaged: bool) -> Quality {
     }
 }
 
-fn count(assembly: &Assembly, intent: Intent) -> usize {
+fn count(assembly: &Assembly, motion: Motion) -> usize {
     let parts = assembly.parts.iter();
     let labelled = |part: &Part| {
-        let runs = runs(&part.labels).into_iter();
-        runs.filter(|run| run.label == Some(intent)).count()
+        let runs = runs(&part.motions).into_iter();
+        runs.filter(|run| run.label == motion).count()
     };
     parts.map(labelled).sum()
 }
 
-fn gestures(assembly: &Assembly, classes: &[Intent], findings: &mut Vec<Finding>) {
+fn gestures(assembly: &Assembly, asked: &[Motion], findings: &mut Vec<Finding>) {
     let mut late = Vec::new();
-    for &intent in classes.iter().filter(|&&intent| intent != Intent::Relax) {
-        let class = intent.name();
+    for &motion in asked.iter().filter(|&&motion| motion != Motion::RELAX) {
+        let class = motion.name();
         let (mut of, mut unfollowed, mut contrasts) = (0, 0, Vec::new());
         for hold in assembly.parts.iter().flat_map(|part| &part.holds) {
             let cued = hold.gestures.iter().zip(&hold.contrasts);
-            for (_, &contrast) in cued.filter(|((_, own), _)| own.label() == Some(intent)) {
+            for (_, &contrast) in cued.filter(|((_, own), _)| *own == motion) {
                 of += 1;
                 contrasts.push(contrast);
                 match hold.reaction {
+                    // A cue for whatever the person does has no delay.
+                    Reaction::Followed(_) if motion == Motion::OTHER => {}
                     Reaction::Followed(samples) => late.push(f64::from(samples)),
                     Reaction::Weak | Reaction::Elsewhere => unfollowed += 1,
                 }
             }
         }
-        let found = count(assembly, intent);
-        if found < ENOUGH {
+        let found = count(assembly, motion);
+        // Other movement needs no number of its own.
+        if found < ENOUGH && motion.label().is_some() {
             let expected = if found < FEWEST { FEWEST } else { ENOUGH };
             findings.push(Finding::Seldom {
                 class,

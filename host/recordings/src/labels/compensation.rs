@@ -64,10 +64,7 @@ impl Recording {
 
     /// Labels and other movement where the muscle follows its cues.
     fn followed(&self) -> GroundTruth {
-        let mut cues = motions(&self.labels);
-        for movement in &self.other_movement {
-            cues[movement.samples.clone()].fill(Motion::Other(movement.kind));
-        }
+        let mut cues = motions(&self.labels, &self.other_movement);
         name_movements(&mut cues);
         // Unknown stretches count as rest for the muscle's level, but stay unknown.
         let known_rest = |cue: &Motion| match cue {

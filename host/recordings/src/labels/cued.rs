@@ -10,6 +10,9 @@
 //! 3. From gesture to gesture the muscle stays active, which does not show the change: the label changes as late after
 //!    the cue as the muscle has followed the hold.
 //!
+//! 4. A cue of [`Motion::OTHER`] asks for whatever the person does: activity is other movement, whenever it begins, and
+//!    quiet within the cue is unknown.
+//!
 //! Rests without a hold beside them are relax as cued. A gesture is any movement that is asked for, an intent or
 //! another.
 
@@ -123,6 +126,9 @@ impl Segment {
         let activity = activity(&samples[self.from..self.to]);
         let (reaction, active) = match &activity {
             None => (Reaction::Weak, None),
+            Some(activity) if cued.iter().any(|run| run.label == Motion::OTHER) => {
+                self.during(activity)
+            }
             Some(activity) => self.followed(activity),
         };
         let late = match reaction {
@@ -172,16 +178,29 @@ impl Segment {
         let (Some(onset), true) = (onset, 2 * inside >= self.hold.len()) else {
             return (Reaction::Elsewhere, None);
         };
+        let late = onset as i64 - self.hold.start as i64;
+        let late = i32::try_from(late).unwrap_or(0);
+        let end = self.released(onset, activity);
+        (Reaction::Followed(late), Some(onset..end))
+    }
+
+    /// Reaction to a cue that may be followed at any time.
+    fn during(&self, activity: &[Activity]) -> (Reaction, Option<Range<usize>>) {
+        let end = self.released(self.hold.start, activity);
+        (Reaction::Followed(0), Some(self.hold.start..end))
+    }
+
+    /// Sample after the activity that begins within the cue, at `onset` or later.
+    fn released(&self, onset: usize, activity: &[Activity]) -> usize {
         let mut end = onset;
         for at in onset..self.to {
             // Activity that begins after the end of the cue is another movement.
-            if is_active(&at) && (at < self.hold.end || at == end) {
+            let is_active = activity[at - self.from] == Activity::Active;
+            if is_active && (at < self.hold.end || at == end) {
                 end = at + 1;
             }
         }
-        let late = onset as i64 - self.hold.start as i64;
-        let late = i32::try_from(late).unwrap_or(0);
-        (Reaction::Followed(late), Some(onset..end))
+        end
     }
 
     /// Median envelope of a cue's later half minus that of the rest before it.
@@ -204,6 +223,7 @@ mod tests {
     use shared::intent::Intent;
 
     use super::*;
+    use crate::recording::movement::MovementKind;
 
     const R: Motion = Motion::RELAX;
     const O: Motion = Motion::Intent(Intent::Open);
@@ -262,6 +282,28 @@ mod tests {
         assert_eq!(names, [R, O, C, R]);
         assert!(near(labels[2].start, 1160), "{labels:?}");
         assert_eq!(found.holds[0].contrasts.len(), 2);
+    }
+
+    #[test]
+    fn within_a_cue_of_other_movement_activity_is_other_whenever_it_begins_and_quiet_is_unknown() {
+        let cues = cues(&[(R, 600), (Motion::OTHER, 4000), (R, 600)]);
+        let found = follow(&muscle(cues.len(), &[2000..2600, 3500..4700]), &cues);
+        let labels = runs(&found.motions);
+        let names: Vec<_> = labels.iter().map(|run| run.label).collect();
+        let (other, unknown) = (Motion::OTHER, Motion::Unknown);
+        assert_eq!(names, [R, unknown, other, unknown, other, R]);
+        for (run, expected) in labels.iter().skip(1).zip([600, 2000, 2600, 3500, 4700]) {
+            assert!(near(run.start, expected), "{run:?}");
+        }
+        assert_eq!(found.holds[0].reaction, Reaction::Followed(0));
+        // A named movement must be followed, as a gesture must.
+        let named = cues.iter().map(|&cue| match cue {
+            Motion::OTHER => Motion::Other(MovementKind::Point),
+            cue => cue,
+        });
+        let named: Vec<Motion> = named.collect();
+        let found = follow(&muscle(cues.len(), &[2000..2600, 3500..4700]), &named);
+        assert_eq!(found.holds[0].reaction, Reaction::Elsewhere);
     }
 
     #[test]

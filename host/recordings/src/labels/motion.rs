@@ -19,7 +19,16 @@ pub enum Motion {
 
 impl Motion {
     /// Rest.
-    pub(crate) const RELAX: Self = Self::Intent(Intent::Relax);
+    pub const RELAX: Self = Self::Intent(Intent::Relax);
+
+    /// Any movement that is none of the six intents.
+    pub const OTHER: Self = Self::Other(MovementKind::Other);
+
+    /// All motions that have a name of their own: the intents in class order, then other movement.
+    pub fn named() -> impl Iterator<Item = Self> {
+        let others = MovementKind::NO_INTENT.map(Self::Other);
+        Intent::ALL.map(Self::Intent).into_iter().chain(others)
+    }
 
     /// Motion of a label in a file: the name of an intent, `other`, the name of another movement (`point`), `unknown`, or none for any
     /// other word.
@@ -43,6 +52,34 @@ impl Motion {
         }
     }
 
+    /// Motion of a number in a file: the class of an intent, -1 if it is unknown, -2 for other movement.
+    #[must_use]
+    pub fn from_number(number: i64) -> Option<Self> {
+        match number {
+            -1 => Some(Self::Unknown),
+            -2 => Some(Self::OTHER),
+            _ => {
+                let class = usize::try_from(number).ok();
+                class.and_then(Intent::from_class).map(Self::Intent)
+            }
+        }
+    }
+
+    /// Number of the motion in a file, as [`Self::from_number`] reads it.
+    #[must_use]
+    pub const fn number(self) -> i8 {
+        match self {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_possible_wrap,
+                reason = "six classes"
+            )]
+            Self::Intent(intent) => intent.class() as i8,
+            Self::Unnamed | Self::Unknown => -1,
+            Self::Other(_) => -2,
+        }
+    }
+
     /// The label of a sample.
     pub const fn label(self) -> Option<Intent> {
         match self {
@@ -52,11 +89,23 @@ impl Motion {
     }
 }
 
-/// Cues as motions: without a cue the motion is unknown.
-pub fn motions(cues: &[Option<Intent>]) -> Vec<Motion> {
-    let cues = cues.iter();
-    cues.map(|cue| cue.map_or(Motion::Unknown, Motion::Intent))
-        .collect()
+impl From<Intent> for Motion {
+    fn from(intent: Intent) -> Self {
+        Self::Intent(intent)
+    }
+}
+
+/// Motion of each sample by labels and other movement; unknown where there is neither.
+#[must_use]
+pub fn motions(labels: &[Option<Intent>], other_movement: &[Movement]) -> Vec<Motion> {
+    let labels = labels.iter();
+    let mut motions: Vec<Motion> = labels
+        .map(|label| label.map_or(Motion::Unknown, Motion::Intent))
+        .collect();
+    for movement in other_movement {
+        motions[movement.samples.clone()].fill(Motion::Other(movement.kind));
+    }
+    motions
 }
 
 /// Labels and other movement of a recording, as [`Recording`](crate::Recording) holds them.

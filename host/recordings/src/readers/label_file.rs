@@ -6,13 +6,10 @@
 
 use std::path::Path;
 
-use shared::intent::Intent;
-
 use super::error::{Damage, Fault, LoadError};
 use super::npy::{self, Values};
 use super::table;
 use crate::labels::motion::Motion;
-use crate::recording::movement::MovementKind;
 use execution::bounded_read;
 use execution::file_kind::FileKind;
 
@@ -166,21 +163,12 @@ fn array(bytes: &[u8]) -> Result<Vec<Motion>, Damage> {
 
 /// Motion of a class number, 0 to 5, of -1 for unknown, or of -2 for other movement.
 pub(crate) fn from_number(value: f64) -> Result<Motion, Fault> {
-    let fault = || Fault::Label {
+    let whole = (value.fract() == 0.0).then_some(value as i64);
+    let motion = whole.and_then(Motion::from_number);
+    motion.ok_or_else(|| Fault::Label {
         expected: "-2 (other), -1 (unknown), 0, 1, 2, 3, 4, 5",
         found: value.to_string(),
-    };
-    if value == -1.0 {
-        return Ok(Motion::Unknown);
-    }
-    if value == -2.0 {
-        return Ok(Motion::Other(MovementKind::Other));
-    }
-    let class = (value.fract() == 0.0 && value >= 0.0).then_some(value as usize);
-    class
-        .and_then(Intent::from_class)
-        .map(Motion::Intent)
-        .ok_or_else(fault)
+    })
 }
 
 /// Motion of a name ([`Motion::from_name`]) or a number.
@@ -197,8 +185,11 @@ pub(crate) fn from_text(text: &str) -> Result<Motion, Fault> {
 
 #[cfg(test)]
 mod tests {
+    use shared::intent::Intent;
+
     use super::*;
     use crate::readers::error::Place;
+    use crate::recording::movement::MovementKind;
 
     const R: Motion = Motion::RELAX;
     const W: Motion = Motion::Intent(Intent::WaveIn);

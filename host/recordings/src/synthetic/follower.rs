@@ -1,22 +1,29 @@
 //! A simulated person who follows cues that come one after another.
 
+use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
-use shared::intent::Intent;
 use shared::units::Sample;
 
 use super::SynthOptions;
 use super::wearer::{Muscle, Wearer};
+use crate::labels::motion::Motion;
+use crate::recording::movement::MovementKind;
 use crate::seed::generator;
+
+/// Samples for which a person does one thing who may do anything.
+const WHIM: u32 = 300;
 
 /// A person who follows cues, a reaction time later.
 pub struct Follower {
     wearer: Wearer,
     muscle: Muscle,
     random: ChaCha8Rng,
-    intent: Intent,
+    motion: Motion,
     /// The last cue; `wait` is the number of samples until the muscle follows it.
-    asked: Intent,
+    asked: Motion,
     wait: usize,
+    /// Samples since the muscle began to follow the cue.
+    since: u32,
 }
 
 impl std::fmt::Debug for Follower {
@@ -37,30 +44,38 @@ impl Follower {
             muscle: Muscle::at_rest(&wearer),
             wearer,
             random,
-            intent: Intent::Relax,
-            asked: Intent::Relax,
+            motion: Motion::RELAX,
+            asked: Motion::RELAX,
             wait: 0,
+            since: 0,
         }
     }
 
-    /// Next sample, while `asked` is cued.
-    pub fn sample(&mut self, asked: Intent) -> Sample {
+    /// Next sample, while `asked` is cued; a cue of [`Motion::OTHER`] is followed by any movement, another every 1.5 s.
+    pub fn sample(&mut self, asked: impl Into<Motion>) -> Sample {
+        let asked = asked.into();
         if asked != self.asked {
             self.asked = asked;
+            self.since = 0;
             self.wait = self.wearer.reaction(&mut self.random);
         }
-        if self.wait == 0 {
-            self.intent = self.asked;
-        } else {
+        if self.wait > 0 {
             self.wait -= 1;
+        } else {
+            self.choose();
+            self.since = self.since.wrapping_add(1);
         }
         self.muscle
-            .sample(&self.wearer, self.intent, &mut self.random)
+            .sample(&self.wearer, self.motion, &mut self.random)
     }
 
-    /// Intent that the muscle follows now.
-    #[must_use]
-    pub const fn intent(&self) -> Intent {
-        self.intent
+    /// Chooses the motion for the cue.
+    fn choose(&mut self) {
+        if self.asked != Motion::OTHER {
+            self.motion = self.asked;
+        } else if self.since.is_multiple_of(WHIM) {
+            let kinds = MovementKind::NO_INTENT;
+            self.motion = Motion::Other(kinds[self.random.random_range(0..kinds.len())]);
+        }
     }
 }

@@ -6,6 +6,9 @@ const NAMESPACE = "http://www.w3.org/2000/svg";
 
 const ARM = ["M60 128V92", 27];
 
+/** A loose hand whose forearm turns. */
+const TURNED = [[["M60 104V92", 27], ["M60 84V72", 38], ["M49 66L46 26", 10.5], ["M57 64L56 20", 11], ["M65.500 64L67 22", 11], ["M74 68L78 32", 10], ["M47 82Q34 74 29 56", 11.5]]];
+
 /** Layers of [path, width]; lines are thin strokes on top, arrows show where the hand goes. */
 const HANDS = {
   relax: {
@@ -61,6 +64,60 @@ const HANDS = {
       [ARM, ["M60 88V76", 42], ["M58 68L58 20", 11.5], ["M67 69L77 25", 11.5], ["M75 75L94 41", 10.5], ["M47 70Q42 38 24 50", 11], ["M48 90Q20 88 19 61", 12]],
     ],
     lines: ["M64 80Q72 83 77 79"],
+  },
+  point: {
+    text: "Point with the index finger",
+    layers: [
+      [ARM, ["M58 82H66", 38], ["M50 66L46 16", 12]],
+      [["M81 66V80", 11]],
+      [["M71.500 62V80", 12]],
+      [["M60.500 61V80", 12]],
+      [["M44 92Q56 94 70 86", 12.5]],
+    ],
+    lines: [],
+  },
+  "two-fingers": {
+    text: "Stretch index and middle finger",
+    layers: [
+      [ARM, ["M58 82H66", 38], ["M49 66L37 20", 11.5], ["M60 66L66 15", 12]],
+      [["M81 66V80", 11]],
+      [["M71.500 62V80", 12]],
+      [["M44 92Q56 94 72 86", 12.5]],
+    ],
+    lines: [],
+  },
+  "thumb-up": {
+    text: "Thumb up, the other fingers closed",
+    layers: [
+      [["M-8 84H40", 27], ["M48 84H58", 40]],
+      [["M50 66L54 24", 13.5]],
+      [["M56 102H76", 11]],
+      [["M56 91.500H80", 12]],
+      [["M56 80H82", 12]],
+      [["M56 68H80", 12]],
+    ],
+    lines: [],
+  },
+  supination: {
+    text: "Turn the palm up, the hand loose",
+    layers: TURNED,
+    lines: [],
+    arrow: ["M24 106Q60 124 94 104", "M83 101L95 103.500L89 114"],
+  },
+  pronation: {
+    text: "Turn the palm down, the hand loose",
+    layers: TURNED,
+    lines: [],
+    arrow: ["M96 106Q60 124 26 104", "M37 101L25 103.500L31 114"],
+  },
+  other: {
+    text: "Do whatever you like, but do not open or close the hand",
+    layers: [
+      [["M-8 84H40", 27], ["M44 84L62 80", 27], ["M66 92Q80 96 88 92", 10]],
+      [["M78 52V98", 30]],
+      [["M62 72Q84 70 92 74", 10.5], ["M62 82Q84 82 92 86", 10.5]],
+    ],
+    lines: ["M66 40H90", "M70 28Q74 22 70 16", "M82 28Q86 22 82 16"],
   },
 };
 

@@ -7,6 +7,12 @@ const MINUTES = 10;
 const CAPACITY = MINUTES * 60 * RATE;
 export const CLASSES = ["relax", "open", "close", "wave-in", "wave-out", "pinch"];
 
+/** The class of a gesture, as colours and keys have it: movement that is none of the intents is one class, `other`. */
+export const classOf = (name) => (CLASSES.includes(name) ? name : "other");
+
+/** Number of a gesture in a recording: -1 without one, -2 for other movement. */
+const number = (name) => (name === null || CLASSES.includes(name) ? CLASSES.indexOf(name) : -2);
+
 export class SampleHistory {
   emg = new Int8Array(CAPACITY * CHANNELS);
   truth = new Array(CAPACITY).fill(null);
@@ -89,6 +95,11 @@ export class SampleHistory {
     return this.truth[sample % CAPACITY];
   }
 
+  /** Label of a sample, or the state without one; null if it is not known. */
+  labelAt(sample) {
+    return this.labels[lastUpTo(this.labels, "from", sample)] ?? null;
+  }
+
   /** The newest samples without a gap: [first, end]. */
   stretch() {
     let first = this.end ?? 0;
@@ -136,7 +147,7 @@ export function lastUpTo(list, key, value) {
 
 /**
  * Csv of a history in ReactEMG's layout, with further columns that its readers ignore, and its duration in seconds.
- * Label: -1 where the recording has none, and for every sample of a board.
+ * Label: -1 where the recording has none, and for every sample of a board; -2 for other movement.
  */
 export function csv(history) {
   const channels = Array.from({ length: CHANNELS }, (_, channel) => `emg_${channel}`);
@@ -152,7 +163,7 @@ export function csv(history) {
       mark += 1;
     }
     rows.push([
-      CLASSES.indexOf(history.truthAt(sample)),
+      number(history.truthAt(sample)),
       ...values,
       sample,
       label?.label ?? "",

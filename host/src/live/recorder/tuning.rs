@@ -13,12 +13,17 @@ use execution::run_folder::write_whole;
 use recordings::{LoadOptions, load};
 use training::run::personalize::{Personalized, TuningSettings, personalize};
 
-/// Measures that are shown; the decision uses all of them.
-const SHOWN: [(Measure, &str); 4] = [
+/// Measures that are shown where the recordings have them; the decision uses all of them.
+const SHOWN: [(Measure, &str); 6] = [
     (Measure::BalancedAccuracy, "balanced accuracy"),
     (Measure::TransitionAccuracy, "transition accuracy"),
     (Measure::Recognition, "gestures recognised"),
     (Measure::FalseActivations, "false activations a minute"),
+    (Measure::Raised, "other movements that raise a label"),
+    (
+        Measure::OtherActivations,
+        "labels a minute of other movement",
+    ),
 ];
 
 /// Message for viewers, and the model file if it is kept.
@@ -144,12 +149,15 @@ fn outcome(done: Personalized, out: &Path, next: Vec<String>, installs: bool) ->
         before: mean(measure, old),
         after: mean(measure, new),
     });
+    let of = |measure| mean(measure, old).zip(mean(measure, new));
+    let halves = halves(of(Measure::Recognition), of(Measure::OtherActivations));
     let judged_on = format!(
-        "on the {:.0} s held back, after {:.0} s to tune on",
+        "on the {:.0} s held back, after {:.0} s to tune on.{halves}",
         done.judged_seconds, done.tuned_seconds
     );
+    let is_known = |row: &MeasureRow| row.before.is_some() || row.after.is_some();
     let judged = TuningState {
-        rows: rows.to_vec(),
+        rows: rows.into_iter().filter(is_known).collect(),
         ..TuningState::default()
     };
     let doubt = match &done.doubt[..] {
@@ -160,7 +168,7 @@ fn outcome(done: Personalized, out: &Path, next: Vec<String>, installs: bool) ->
         let worse = TuningState {
             state: "worse",
             text: format!(
-                "{judged_on} {why}. Nothing is written; more recordings may help.{doubt}"
+                "{why}, {judged_on} Nothing is written; more recordings may help.{doubt}"
             ),
             ..judged
         };
@@ -170,7 +178,7 @@ fn outcome(done: Personalized, out: &Path, next: Vec<String>, installs: bool) ->
         Ok(()) => {
             let better = TuningState {
                 state: "better",
-                text: format!("not worse {judged_on}. It is in {}.{doubt}", out.display()),
+                text: format!("not worse {judged_on} It is in {}.{doubt}", out.display()),
                 commands: next,
                 installs,
                 ..judged
@@ -178,5 +186,39 @@ fn outcome(done: Personalized, out: &Path, next: Vec<String>, installs: bool) ->
             (better, Some(done.bytes))
         }
         Err(error) => (failed(error.to_string()), None),
+    }
+}
+
+/// Sentences about what is meant and what is not, each before and after; empty where the recordings have none.
+fn halves(recognised: Option<(f64, f64)>, raised: Option<(f64, f64)>) -> String {
+    let mut text = String::new();
+    if let Some((before, after)) = recognised {
+        let percent = |share: f64| 100.0 * share;
+        text += &format!(
+            " Of the gestures {:.0} % are recognised, before {:.0} %.",
+            percent(after),
+            percent(before)
+        );
+    }
+    if let Some((before, after)) = raised {
+        text += &format!(
+            " A minute of movement that means nothing raises {after:.1} labels, before {before:.1}."
+        );
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::halves;
+
+    #[test]
+    fn what_is_meant_and_what_is_not_have_a_sentence_each() {
+        assert_eq!(
+            halves(Some((0.875, 1.0)), Some((12.0, 2.54))),
+            " Of the gestures 100 % are recognised, before 88 %. \
+             A minute of movement that means nothing raises 2.5 labels, before 12.0."
+        );
+        assert_eq!(halves(None, None), "");
     }
 }

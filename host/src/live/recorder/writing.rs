@@ -3,8 +3,6 @@
 use std::path::PathBuf;
 use std::time::SystemTime;
 
-use shared::intent::Intent;
-
 use super::summary::summary;
 use super::{RecordOptions, RunningRecorder, Unconverted};
 use crate::live::event::Event;
@@ -14,6 +12,7 @@ use crate::record::journal::{ENDING, Entry, FlushOutcome, Header, Journal};
 use crate::record::session::{Action, HoldReason, Input, Output};
 use execution::progress;
 use execution::run_folder::utc;
+use recordings::labels::motion::Motion;
 
 impl RunningRecorder {
     /// Creates a journal. Returns false on failure, which viewers are told.
@@ -40,11 +39,7 @@ impl RunningRecorder {
             began,
             person: person.clone(),
             protocol: protocol.name.clone(),
-            classes: protocol
-                .class_names()
-                .into_iter()
-                .map(str::to_owned)
-                .collect(),
+            classes: protocol.names().into_iter().map(str::to_owned).collect(),
             free: protocol.is_free(),
             source,
             synthetic,
@@ -72,10 +67,10 @@ impl RunningRecorder {
     pub(super) fn write_outputs(&mut self) {
         while let Some(output) = self.session.poll() {
             if let Output::Cue { cue, .. } = output {
-                self.recorder.cue.set(cue.unwrap_or(Intent::Relax));
+                self.recorder.cue.set(cue.unwrap_or(Motion::RELAX));
             }
             if let Output::Pause | Output::Over = output {
-                self.recorder.cue.set(Intent::Relax);
+                self.recorder.cue.set(Motion::RELAX);
             }
             if let Some(journal) = &mut self.journal {
                 journal.entry(&Entry::of(output));

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use shared::intent::Intent;
+use recordings::labels::motion::Motion;
 use shared::units::SampleIndex;
 
 /// Greatest number of samples that the person may be ahead of the reader: 0.1 s of its stream.
@@ -23,7 +23,7 @@ struct Shared {
 
 #[derive(Debug)]
 struct State {
-    intent: Intent,
+    motion: Motion,
     /// First sample that was not read yet.
     unread: SampleIndex,
 }
@@ -31,7 +31,7 @@ struct State {
 impl Default for SharedCue {
     fn default() -> Self {
         let state = State {
-            intent: Intent::Relax,
+            motion: Motion::RELAX,
             unread: SampleIndex(0),
         };
         Self(Arc::new(Shared {
@@ -42,8 +42,8 @@ impl Default for SharedCue {
 }
 
 impl SharedCue {
-    pub(crate) fn set(&self, intent: Intent) {
-        self.state().intent = intent;
+    pub(crate) fn set(&self, motion: Motion) {
+        self.state().motion = motion;
     }
 
     /// Records that all samples before `unread` were read.
@@ -53,13 +53,13 @@ impl SharedCue {
     }
 
     /// Gesture asked for at a sample. Waits while the sample is too far ahead of the reader, at most for `patience`.
-    pub(crate) fn at(&self, sample: SampleIndex, patience: Duration) -> Intent {
+    pub(crate) fn at(&self, sample: SampleIndex, patience: Duration) -> Motion {
         let is_ahead = |state: &mut State| sample.since(state.unread) > AHEAD;
         let waited = self
             .0
             .has_read
             .wait_timeout_while(self.state(), patience, is_ahead);
-        waited.unwrap_or_else(PoisonError::into_inner).0.intent
+        waited.unwrap_or_else(PoisonError::into_inner).0.motion
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -69,7 +69,11 @@ impl SharedCue {
 
 #[cfg(test)]
 mod tests {
+    use shared::intent::Intent;
+
     use super::*;
+
+    const OPEN: Motion = Motion::Intent(Intent::Open);
 
     /// Duration longer than any test.
     const FOREVER: Duration = Duration::from_secs(3600);
@@ -81,20 +85,20 @@ mod tests {
         let follows = std::thread::spawn(move || person.at(SampleIndex(AHEAD + 1), FOREVER));
         // It must not answer before, however long this thread waits: relax would be the answer.
         std::thread::sleep(Duration::from_millis(20));
-        cue.set(Intent::Open);
+        cue.set(OPEN);
         cue.read(SampleIndex(1));
-        assert_eq!(follows.join().unwrap(), Intent::Open);
+        assert_eq!(follows.join().unwrap(), OPEN);
     }
 
     #[test]
     fn a_person_does_not_wait_for_a_reader_who_is_near_or_reads_no_more() {
         let cue = SharedCue::default();
-        cue.set(Intent::Close);
-        assert_eq!(cue.at(SampleIndex(AHEAD), FOREVER), Intent::Close);
+        cue.set(OPEN);
+        assert_eq!(cue.at(SampleIndex(AHEAD), FOREVER), OPEN);
         let soon = Duration::from_millis(1);
-        assert_eq!(cue.at(SampleIndex(1000), soon), Intent::Close);
+        assert_eq!(cue.at(SampleIndex(1000), soon), OPEN);
         // The index wraps.
         cue.read(SampleIndex(u32::MAX));
-        assert_eq!(cue.at(SampleIndex(3), FOREVER), Intent::Close);
+        assert_eq!(cue.at(SampleIndex(3), FOREVER), OPEN);
     }
 }

@@ -5,11 +5,13 @@ use shared::units::CHANNELS;
 use super::*;
 use crate::record::session::Output;
 
-const O: Option<Intent> = Some(Intent::Open);
-const R: Option<Intent> = Some(Intent::Relax);
+const O: Motion = Motion::Intent(Intent::Open);
+const R: Motion = Motion::RELAX;
+const U: Motion = Motion::Unknown;
 
-fn cue(at: u32, cue: Option<Intent>, trial: u32) -> Entry {
+fn cue(at: u32, cue: impl Into<Option<Motion>>, trial: u32) -> Entry {
     let at = SampleIndex(at);
+    let cue = cue.into();
     Entry::of(Output::Cue { at, cue, trial })
 }
 
@@ -50,7 +52,7 @@ fn every_sample_has_the_cue_of_its_index_wherever_that_is_written() {
             panic!("{assembly:?}");
         };
         assert_eq!((part.samples.len(), assembly.lost), (40, 0));
-        assert!(part.cues[..10].iter().all(Option::is_none));
+        assert!(part.cues[..10].iter().all(|cue| *cue == U));
         assert!(part.cues[10..].iter().all(|cue| *cue == R));
         assert_eq!((part.trials[9], part.trials[10]), (0, 1));
         assert_eq!(part.index, (100..140).collect::<Vec<_>>());
@@ -157,26 +159,33 @@ fn samples_of_a_bad_trial_stay_and_have_no_label() {
     let (good, bad) = (entries(false), entries(true));
     assert_eq!(good.parts[0].samples, bad.parts[0].samples);
     assert_eq!(
-        (good.parts[0].labels[1000], good.parts[0].labels[300]),
+        (good.parts[0].motions[1000], good.parts[0].motions[300]),
         (O, R)
     );
-    assert!(bad.parts[0].labels[..1200].iter().all(Option::is_none));
-    assert_eq!((bad.parts[0].cues[1000], bad.parts[0].labels[1700]), (O, R));
+    assert!(
+        bad.parts[0].motions[..1200]
+            .iter()
+            .all(|motion| *motion == U)
+    );
+    assert_eq!(
+        (bad.parts[0].cues[1000], bad.parts[0].motions[1700]),
+        (O, R)
+    );
     assert_eq!(
         (good.parts[0].holds.len(), bad.parts[0].holds.len()),
         (1, 0)
     );
     // The muscle still works when the rest of the next trial begins, so no rest is labelled there.
-    assert_ne!(bad.parts[0].labels[1250], R);
+    assert_ne!(bad.parts[0].motions[1250], R);
 }
 
 #[test]
 fn a_long_part_is_cut_in_its_rests_and_nothing_is_missing() {
     // Rest and gesture alternate, five seconds each.
     let label = |at: usize| if (at / 1000).is_multiple_of(2) { R } else { O };
-    let part = |labels: Vec<Option<Intent>>| Part {
-        samples: vec![[0; CHANNELS]; labels.len()],
-        labels,
+    let part = |motions: Vec<Motion>| Part {
+        samples: vec![[0; CHANNELS]; motions.len()],
+        motions,
         ..Part::default()
     };
     let long = part((0..20_000).map(label).collect());
@@ -189,7 +198,7 @@ fn a_long_part_is_cut_in_its_rests_and_nothing_is_missing() {
         };
         assert_eq!(before.end, after.start);
         assert!(before.len() <= 6_500 && before.len() > 3_000, "{before:?}");
-        assert_eq!(long.labels[before.end - 100..before.end + 100], [R; 200]);
+        assert_eq!(long.motions[before.end - 100..before.end + 100], [R; 200]);
     }
     // A recording without a rest is cut all the same.
     let held = part(vec![O; 20_000]).files(6_500);

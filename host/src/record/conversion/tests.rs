@@ -4,28 +4,31 @@ use shared::units::{Millis, Sample, SampleIndex};
 use super::*;
 use crate::record::journal::{Entry, Header, Journal, read};
 use crate::record::protocol::Protocol;
+use crate::record::quality::Finding;
 use crate::record::session::{Action, Input, Output, Session};
 use crate::record::{PersonQuality, quality_by_person};
 use recordings::DataSet;
+use recordings::MovementKind;
 use recordings::synthetic::Follower;
 
 const SHORT: &str = "rounds = 2\npause = 1\nsequence = [\"relax\", \"open\", \"relax\", \"close\", \"relax\"]\n\
     [seconds]\nrelax = 2\nopen = 2\nclose = 2\n";
 
-/// Records a session with a simulated person. Returns the samples from the session's first one on.
+/// Records a short session with a simulated person. Returns the samples from the session's first one on.
 fn record(path: &Path, synthetic: bool, seconds: u32) -> Vec<Sample> {
-    let protocol = Protocol::parse("short.toml", SHORT).unwrap();
+    record_by(SHORT, path, synthetic, seconds)
+}
+
+/// Records a session by the text of a protocol.
+fn record_by(protocol: &str, path: &Path, synthetic: bool, seconds: u32) -> Vec<Sample> {
+    let protocol = Protocol::parse("short.toml", protocol).unwrap();
     let header = Header {
         format: 0,
         version: "0.1.0".into(),
         began: "2026-11-22T11:03:23Z".into(),
         person: "anna".into(),
         protocol: protocol.name.clone(),
-        classes: protocol
-            .intents()
-            .iter()
-            .map(|intent| intent.name().to_owned())
-            .collect(),
+        classes: protocol.names().into_iter().map(str::to_owned).collect(),
         free: false,
         source: "demo".into(),
         synthetic,
@@ -35,7 +38,7 @@ fn record(path: &Path, synthetic: bool, seconds: u32) -> Vec<Sample> {
     // Each file has another person: equal recordings count once.
     let mut person = Follower::new(path.file_stem().unwrap().to_str().unwrap());
     let mut sent = Vec::new();
-    let mut cued = Intent::Relax;
+    let mut cued = Motion::RELAX;
     session.handle(
         Millis(0),
         Input::Samples {
@@ -51,7 +54,7 @@ fn record(path: &Path, synthetic: bool, seconds: u32) -> Vec<Sample> {
         session.handle(now, Input::Samples { first, count: 2 });
         while let Some(output) = session.poll() {
             if let Output::Cue { cue, .. } = output {
-                cued = cue.unwrap_or(Intent::Relax);
+                cued = cue.unwrap_or(Motion::RELAX);
             }
             journal.entry(&Entry::of(output));
         }
@@ -101,6 +104,48 @@ fn a_session_becomes_a_recording_a_round_that_readers_take_sample_for_sample() {
         }
     }
     assert_eq!(conversion.quality.counts["open"], 2);
+}
+
+#[test]
+fn other_movement_keeps_its_name_and_is_no_gesture() {
+    let protocol = "pause = 1\nsequence = [\"relax\", \"open\", \"relax\", \"point\", \"relax\", \"other\", \"relax\"]\n\
+        [seconds]\nrelax = 3\nopen = 3\npoint = 3\nother = 10\n";
+    let folder = tempfile::tempdir().unwrap();
+    let person = folder.path().join("anna");
+    fs::create_dir(&person).unwrap();
+    let journal = person.join("anna_1_short.journal");
+    record_by(protocol, &journal, false, 60);
+    let conversion = convert(&journal).unwrap();
+    let library = load(&person, &LoadOptions::default()).unwrap();
+    let [recording] = &library.recordings[..] else {
+        panic!("{:?}", library.skipped);
+    };
+    let seconds = |kind| {
+        let movements = recording.other_movement.iter();
+        let own = movements.filter(|movement| movement.kind == kind);
+        own.map(|movement| movement.samples.len()).sum::<usize>() as f64 / 200.0
+    };
+    let (point, other) = (seconds(MovementKind::Point), seconds(MovementKind::Other));
+    assert!((2.0..4.0).contains(&point), "{point}");
+    // Whatever a simulated person does, activity by activity.
+    assert!((5.0..=11.0).contains(&other), "{other}");
+    let text = fs::read_to_string(&conversion.files[0]).unwrap();
+    let row = |cue: &str| text.lines().filter(|row| row.contains(cue)).count();
+    assert!(row(",-2,2,1,0,point,0,0") > 500, "{}", &text[..400]);
+    let counts = &conversion.quality.counts;
+    assert_eq!((counts["open"], counts["point"]), (1, 1), "{counts:?}");
+    assert_eq!(quality_by_person(&library)[0].quality, conversion.quality);
+    let findings = &conversion.quality.findings;
+    let is_of_other = |finding: &Finding| {
+        matches!(
+            finding,
+            Finding::Seldom {
+                class: "point" | "other",
+                ..
+            }
+        )
+    };
+    assert!(!findings.iter().any(is_of_other), "{findings:?}");
 }
 
 #[test]
@@ -282,7 +327,8 @@ fn a_session_of_hours_becomes_recordings_that_can_be_read() {
     for (trial, at) in (0..count).step_by(together).enumerate() {
         let (at, trial) = (SampleIndex(at), trial as u32 + 1);
         let gesture = trial % 8 == 0;
-        let cue = Some(if gesture { Intent::Open } else { Intent::Relax });
+        let intent = if gesture { Intent::Open } else { Intent::Relax };
+        let cue = Some(intent.into());
         journal.entry(&Entry::of(Output::Cue { at, cue, trial }));
         let level = if gesture { 117_u64 } else { 100 };
         let sample = |of: usize| -> Sample {

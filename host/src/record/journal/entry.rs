@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use crc::{CRC_32_ISO_HDLC, Crc};
+use recordings::labels::motion::Motion;
 use serde::{Deserialize, Serialize};
-use shared::intent::Intent;
 use shared::units::{CHANNELS, Sample, SampleIndex};
 
 use crate::record::session::{Output, RejectReason};
@@ -26,7 +26,7 @@ pub(crate) struct Header {
     pub(crate) person: String,
     /// Name of the protocol.
     pub(crate) protocol: String,
-    /// Classes of the protocol.
+    /// Motions of the protocol.
     pub(crate) classes: Vec<String>,
     /// Whether the session is free: the person names the gestures.
     pub(crate) free: bool,
@@ -69,7 +69,7 @@ pub(crate) enum Entry {
     Cue {
         /// Index of the first sample of the cue.
         at: u32,
-        /// Class; none for no cue.
+        /// Name of the motion; none for no cue.
         cue: Option<String>,
         /// Number of the attempt.
         trial: u32,
@@ -93,7 +93,7 @@ impl Entry {
             Output::Round { number, at } => Self::Round { number, at: at.0 },
             Output::Cue { at, cue, trial } => Self::Cue {
                 at: at.0,
-                cue: cue.map(|intent| intent.name().to_owned()),
+                cue: cue.map(|motion| motion.name().to_owned()),
                 trial,
             },
             Output::Rejected { trial, why } => Self::Rejected { trial, why },
@@ -125,9 +125,10 @@ impl Entry {
         (rest.is_empty() && more.is_empty()).then(|| samples.to_vec())
     }
 
-    /// Class of a cue by its name.
-    pub(crate) fn intent(cue: Option<&String>) -> Option<Intent> {
-        Intent::from_name(cue?)
+    /// Motion of a cue by its name; unknown without one.
+    pub(crate) fn motion(cue: Option<&String>) -> Motion {
+        cue.and_then(|name| Motion::from_name(name))
+            .unwrap_or(Motion::Unknown)
     }
 
     /// Formats the line, with its end.

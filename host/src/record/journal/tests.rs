@@ -31,7 +31,7 @@ fn sample(at: u32) -> Sample {
 fn fill<W: Write>(writer: &mut Writer<W>, count: u32) {
     for at in (0..count).step_by(2) {
         if at % 50 == 0 {
-            let cue = Some(Intent::ALL[at as usize / 50 % 6]);
+            let cue = Some(Intent::ALL[at as usize / 50 % 6].into());
             let output = Output::Cue {
                 at: SampleIndex(at),
                 cue,

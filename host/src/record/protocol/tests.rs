@@ -1,3 +1,5 @@
+use shared::intent::Intent;
+
 use super::*;
 
 /// Reason why a protocol is refused, without the name of its file.
@@ -12,14 +14,15 @@ const SHORT: &str = "rounds = 2\npause = 3\nsequence = [\"relax\", \"open\", \"c
 #[test]
 fn a_sequence_is_divided_into_cue_blocks_at_each_rest() {
     let protocol = Protocol::parse("some/mine.toml", SHORT).unwrap();
-    let step = |intent, samples| Step { intent, samples };
-    let rest = step(Intent::Relax, 400);
+    let step = |motion, samples| Step { motion, samples };
+    let [open, close] = [Intent::Open, Intent::Close].map(Motion::Intent);
+    let rest = step(Motion::RELAX, 400);
     let block = |steps: &[Step]| CueBlock {
         steps: steps.to_vec(),
     };
     let blocks = vec![
-        block(&[rest, step(Intent::Open, 300), step(Intent::Close, 200)]),
-        block(&[rest, step(Intent::Close, 200)]),
+        block(&[rest, step(open, 300), step(close, 200)]),
+        block(&[rest, step(close, 200)]),
         block(&[rest]),
     ];
     assert_eq!(
@@ -31,8 +34,7 @@ fn a_sequence_is_divided_into_cue_blocks_at_each_rest() {
         }
     );
     assert_eq!(protocol.samples(), Some(2 * (600 + 1900)));
-    let found = protocol.intents();
-    assert_eq!(found, [Intent::Relax, Intent::Open, Intent::Close]);
+    assert_eq!(protocol.motions(), [Motion::RELAX, open, close]);
 }
 
 #[test]
@@ -43,17 +45,38 @@ fn every_built_in_protocol_has_each_gesture_as_often_as_personalize_needs() {
             assert_eq!((name, protocol.samples()), ("free", None));
             continue;
         };
-        for intent in protocol.intents() {
+        for motion in protocol.motions() {
             let steps = blocks.iter().flat_map(|block| &block.steps);
-            let once = steps.filter(|step| step.intent == intent).count();
-            // Twice in the last round, which is held back, and twice before it.
-            assert!(*rounds >= 2 && once >= 2, "{name}: {intent:?}");
+            let once = steps.filter(|step| step.motion == motion).count();
+            // Twice in the last round, which is held back, and twice before it; of other movement each kind once.
+            let least = if motion.label().is_some() { 2 } else { 1 };
+            assert!(*rounds >= 2 && once >= least, "{name}: {motion:?}");
         }
     }
     let seconds = |name| Protocol::find(name).unwrap().samples().unwrap() as f64 / 200.0;
-    assert!((110.0..=130.0).contains(&seconds("quick")));
+    assert!((170.0..=190.0).contains(&seconds("quick")));
+    assert!((240.0..=280.0).contains(&seconds("daily")));
     assert!((120.0..=190.0).contains(&seconds("quick-five")));
     assert!((120.0..=230.0).contains(&seconds("quick-six")));
+}
+
+/// Seconds for which each motion of a built-in protocol is asked for.
+fn seconds_of(name: &str, is_counted: impl Fn(Motion) -> bool) -> f64 {
+    let protocol = Protocol::find(name).unwrap();
+    let Course::Guided { rounds, blocks } = protocol.course else {
+        panic!("{name} is guided");
+    };
+    let steps = blocks.iter().flat_map(|block| &block.steps);
+    let counted = steps.filter(|step| is_counted(step.motion));
+    f64::from(rounds) * counted.map(|step| f64::from(step.samples)).sum::<f64>() / 200.0
+}
+
+#[test]
+fn the_quick_protocol_has_half_a_minute_of_named_other_movement_and_the_daily_one_two_minutes_of_any()
+ {
+    let is_named = |motion| matches!(motion, Motion::Other(_)) && motion != Motion::OTHER;
+    assert!(seconds_of("quick", is_named) >= 30.0);
+    assert!(seconds_of("daily", |motion| motion == Motion::OTHER) >= 120.0);
 }
 
 #[test]
@@ -65,7 +88,7 @@ fn the_paper_s_sequence_is_the_paper_s() {
     let letters: String = blocks
         .iter()
         .flat_map(|block| &block.steps)
-        .map(|step| step.intent.name()[..1].to_uppercase())
+        .map(|step| step.motion.name()[..1].to_uppercase())
         .collect();
     assert_eq!(letters, "ROCORORCR");
 }
@@ -103,7 +126,8 @@ fn what_cannot_be_done_is_refused_with_its_reason() {
         ),
         (
             edit("\"open\", \"close\"", "\"fist\""),
-            "\"fist\" is no class: expected relax, open, close, wave-in, wave-out, pinch",
+            "\"fist\" is no gesture: expected relax, open, close, wave-in, wave-out, pinch, radial-deviation, ulnar-deviation, \
+             pronation, supination, point, two-fingers, three-fingers, four-fingers, fingers-together, thumb-up, other",
         ),
         (
             edit("\"open\", \"close\"", "\"open\", \"open\""),

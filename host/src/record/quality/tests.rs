@@ -1,5 +1,6 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use shared::intent::Intent;
 use shared::units::{Sample, SampleIndex};
 
 use super::*;
@@ -15,7 +16,7 @@ fn assembly(holds: usize, mut amplitude: impl FnMut(usize, Intent) -> i8) -> Ass
     let mut entries = vec![Entry::Round { number: 1, at: 0 }];
     let mut at = 0;
     let mut one = |intent, trial, count: u32, amplitude: &mut dyn FnMut(usize, Intent) -> i8| {
-        let (first, cue) = (SampleIndex(at), Some(intent));
+        let (first, cue) = (SampleIndex(at), Some(Motion::Intent(intent)));
         entries.push(Entry::of(Output::Cue {
             at: first,
             cue,

@@ -1,6 +1,6 @@
 //! Course of a session: which cue follows, and what happens after a failed trial.
 
-use shared::intent::Intent;
+use recordings::labels::motion::Motion;
 use shared::units::SampleIndex;
 
 use super::input::{HoldReason, Output, RejectReason};
@@ -27,7 +27,7 @@ impl Session {
         self.set_cue(at, None, 0);
     }
 
-    pub(super) fn set_cue(&mut self, at: SampleIndex, cue: Option<Intent>, trial: u32) {
+    pub(super) fn set_cue(&mut self, at: SampleIndex, cue: Option<Motion>, trial: u32) {
         self.cue = cue;
         self.trial = trial;
         self.outputs.push_back(Output::Cue { at, cue, trial });
@@ -36,7 +36,7 @@ impl Session {
     /// Begins the next trial; after the last one begins the next round, or ends the session.
     pub(super) fn next_trial(&mut self, at: SampleIndex) {
         if !self.is_guided() {
-            self.free(at, Intent::Relax);
+            self.free(at, Motion::RELAX);
             return;
         }
         match self.schedule.begin_block() {
@@ -52,7 +52,7 @@ impl Session {
     }
 
     fn begin_step(&mut self, at: SampleIndex, step: Step, trial: u32) {
-        self.set_cue(at, Some(step.intent), trial);
+        self.set_cue(at, Some(step.motion), trial);
         let end = Some(at.plus(step.samples));
         self.phase = Phase::Cued { from: at, end };
     }
@@ -68,33 +68,33 @@ impl Session {
     }
 
     /// Sets the cue of a free session: a rest begins a trial, as in a guided one.
-    pub(super) fn free(&mut self, at: SampleIndex, intent: Intent) {
-        if intent == Intent::Relax || self.trial == 0 {
+    pub(super) fn free(&mut self, at: SampleIndex, motion: Motion) {
+        if motion == Motion::RELAX || self.trial == 0 {
             self.previous = (self.trial > 0).then_some(self.trial);
             self.trials += 1;
             self.trial = self.trials;
         }
         let trial = self.trial;
-        self.set_cue(at, Some(intent), trial);
+        self.set_cue(at, Some(motion), trial);
         self.phase = Phase::Cued {
             from: at,
             end: None,
         };
     }
 
-    pub(super) fn mark(&mut self, at: SampleIndex, intent: Intent) {
+    pub(super) fn mark(&mut self, at: SampleIndex, motion: Motion) {
         if let Course::Free { gestures } = &self.protocol.course
-            && gestures.contains(&intent)
-            && self.cue != Some(intent)
+            && gestures.contains(&motion)
+            && self.cue != Some(motion)
         {
-            self.free(at, intent);
+            self.free(at, motion);
         }
     }
 
     /// Rejects a trial on request: the current one, or the previous one during the rest after it.
     pub(super) fn repeat(&mut self, at: SampleIndex) {
         match self.previous.take() {
-            Some(before) if self.cue == Some(Intent::Relax) => {
+            Some(before) if self.cue == Some(Motion::RELAX) => {
                 self.bad += 1;
                 let (trial, why) = (before, RejectReason::Person);
                 self.outputs.push_back(Output::Rejected { trial, why });
@@ -108,7 +108,7 @@ impl Session {
         if self.is_guided() {
             self.next_trial(at);
         } else {
-            self.free(at, Intent::Relax);
+            self.free(at, Motion::RELAX);
         }
     }
 
@@ -144,7 +144,7 @@ impl Session {
     /// Ends the session on request and rejects a gesture in progress.
     pub(super) fn finish(&mut self) {
         let cued = matches!(self.phase, Phase::Cued { .. });
-        if cued && self.is_guided() && self.cue != Some(Intent::Relax) {
+        if cued && self.is_guided() && self.cue != Some(Motion::RELAX) {
             self.fail(RejectReason::Interrupted);
         }
         self.over();

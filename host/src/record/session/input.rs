@@ -1,6 +1,6 @@
 //! Inputs and outputs of a session.
 
-use shared::intent::Intent;
+use recordings::labels::motion::Motion;
 use shared::units::SampleIndex;
 
 /// Input of a session.
@@ -33,7 +33,7 @@ pub(crate) enum Action {
     /// End the session.
     Finish,
     /// Name the gesture done from now on, in a free session.
-    Mark(Intent),
+    Mark(Motion),
 }
 
 /// Reason why a session is held.
@@ -82,8 +82,8 @@ pub(crate) enum Output {
     Cue {
         /// First sample of the cue.
         at: SampleIndex,
-        /// Class to perform.
-        cue: Option<Intent>,
+        /// Motion to perform.
+        cue: Option<Motion>,
         /// Number of the attempt, counted over all trials from 1; 0 outside of trials.
         trial: u32,
     },

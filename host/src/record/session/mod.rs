@@ -17,7 +17,7 @@ pub(crate) mod view;
 
 use std::collections::VecDeque;
 
-use shared::intent::Intent;
+use recordings::labels::motion::Motion;
 use shared::units::{Millis, SampleIndex};
 
 pub(crate) use self::continuity::{Continuity, GapDetector, has_reached};
@@ -56,7 +56,7 @@ pub(crate) struct Session {
     phase: Phase,
     schedule: RoundSchedule,
     /// Current cue and number of the attempt.
-    cue: Option<Intent>,
+    cue: Option<Motion>,
     trial: u32,
     /// Number of the previous attempt.
     previous: Option<u32>,
@@ -165,7 +165,7 @@ impl Session {
                 } else if self.is_guided() {
                     self.next_trial(first);
                 } else {
-                    self.free(first, Intent::Relax);
+                    self.free(first, Motion::RELAX);
                 }
             }
             Phase::Ready { .. } => self.ready(first),
@@ -195,7 +195,7 @@ impl Session {
                 self.hold(HoldReason::Person)
             }
             (Action::Finish, _) => self.finish(),
-            (Action::Mark(intent), Phase::Cued { .. }) => self.mark(at, intent),
+            (Action::Mark(motion), Phase::Cued { .. }) => self.mark(at, motion),
             _ => {}
         }
     }

@@ -1,3 +1,5 @@
+use shared::intent::Intent;
+
 use super::*;
 
 /// Two rounds of two trials and a rest: relax 2 s, open 1.5 s, close 1 s; 3 s of pause.
@@ -37,7 +39,7 @@ impl Driver {
             self.outputs.push(match output {
                 Output::Round { number, at } => format!("R{number}@{}", at.0),
                 Output::Cue { at, cue, trial } => {
-                    let name = cue.map_or("-", Intent::name);
+                    let name = cue.map_or("-", Motion::name);
                     format!("{name}{trial}@{}", at.0)
                 }
                 Output::Rejected { trial, why } => format!("bad{trial}:{why:?}"),
@@ -276,14 +278,14 @@ fn in_a_free_session_the_person_says_what_is_done() {
     driver.samples(200);
     assert_eq!(driver.outputs(), "R1@1002 -0@1002 relax1@1202");
     driver.samples(100);
-    driver.act(Action::Mark(Intent::Open));
-    driver.act(Action::Mark(Intent::Open));
+    driver.act(Action::Mark(Intent::Open.into()));
+    driver.act(Action::Mark(Intent::Open.into()));
     // A gesture that is not in the protocol is ignored.
-    driver.act(Action::Mark(Intent::Pinch));
+    driver.act(Action::Mark(Intent::Pinch.into()));
     driver.samples(300);
-    driver.act(Action::Mark(Intent::Close));
+    driver.act(Action::Mark(Intent::Close.into()));
     driver.samples(300);
-    driver.act(Action::Mark(Intent::Relax));
+    driver.act(Action::Mark(Motion::RELAX));
     assert_eq!(driver.outputs(), "open1@1302 close1@1602 relax2@1902");
     driver.act(Action::Repeat);
     assert_eq!(driver.outputs(), "bad1:Person relax3@1902");
@@ -325,7 +327,7 @@ proptest::proptest! {
                 6 => driver.act(Action::Begin),
                 7 => driver.act(Action::Repeat),
                 8 => driver.act(if value < 40 { Action::Finish } else { Action::Hold }),
-                9 => driver.act(Action::Mark(Intent::ALL[value as usize % 6])),
+                9 => driver.act(Action::Mark(Intent::ALL[value as usize % 6].into())),
                 10 => driver.handle(Input::Tick),
                 _ => driver.handle(Input::Hold(HoldReason::SourceLost)),
             }

@@ -1,7 +1,7 @@
 //! View of a session for a page, in samples of the stream.
 
+use recordings::labels::motion::Motion;
 use serde::Serialize;
-use shared::intent::Intent;
 
 use super::{HoldReason, Phase, Session};
 
@@ -11,7 +11,7 @@ const AHEAD: usize = 6;
 /// Coming step.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 pub(crate) struct UpcomingStep {
-    /// Class to perform.
+    /// Motion to perform.
     pub(crate) cue: &'static str,
     /// Duration in samples.
     pub(crate) samples: u32,
@@ -26,11 +26,11 @@ pub(crate) struct View {
     pub(crate) protocol: String,
     /// Whether the session is free.
     pub(crate) free: bool,
-    /// Classes of the protocol.
+    /// Motions of the protocol.
     pub(crate) classes: Vec<&'static str>,
     /// Reason for the hold, if it is held.
     pub(crate) why: Option<HoldReason>,
-    /// Class of the current cue.
+    /// Motion of the current cue.
     pub(crate) cue: Option<&'static str>,
     /// First sample of the countdown or the cue.
     pub(crate) from: Option<u32>,
@@ -70,14 +70,14 @@ impl Session {
             phase,
             protocol: self.protocol.name.clone(),
             free: self.protocol.is_free(),
-            classes: self.protocol.class_names(),
+            classes: self.protocol.names(),
             why,
-            cue: self.cue.map(Intent::name),
+            cue: self.cue.map(Motion::name),
             from: from.map(|at| at.0),
             end: end.map(|at| at.0),
             coming: coming
                 .map(|step| UpcomingStep {
-                    cue: step.intent.name(),
+                    cue: step.motion.name(),
                     samples: step.samples,
                 })
                 .collect(),

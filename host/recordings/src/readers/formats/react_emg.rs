@@ -3,9 +3,9 @@
 //! under ReactEMG's names of files.
 //!
 //! The folder names the person, once all files are known (`library/people.rs`). Values are the armband's counts. Label
-//! -1 is unlabelled, -2 other movement. Columns besides channels and label are ignored, with three exceptions. [`MUSCLE_COLUMN`] marks
-//! synthetic recordings. [`RECORDER_COLUMNS`] mark labels of the muscle. By [`TURN_COLUMN`] and [`MIRRORED_COLUMN`] the
-//! channels are turned as by an aligned board.
+//! -1 is unlabelled, -2 other movement. Columns besides channels and label are ignored, with four exceptions. [`MUSCLE_COLUMN`] marks
+//! synthetic recordings. [`RECORDER_COLUMNS`] mark labels of the muscle, and beside them [`MOVEMENT_COLUMN`] names other
+//! movement. By [`TURN_COLUMN`] and [`MIRRORED_COLUMN`] the channels are turned as by an aligned board.
 
 use std::path::Path;
 
@@ -33,6 +33,9 @@ pub const TURN_COLUMN: &str = "turn";
 /// Column of recordings by `myointent record`: 1 if the armband is on the other arm.
 pub const MIRRORED_COLUMN: &str = "mirrored";
 
+/// Column of recordings by `myointent record`: name of the movement where the label is -2.
+pub const MOVEMENT_COLUMN: &str = "movement";
+
 /// Columns that `myointent record` writes behind the channels. The labels beside them are the muscle's.
 pub const RECORDER_COLUMNS: [&str; 5] = ["sample", "cue", "trial", "used", "bridged"];
 
@@ -48,6 +51,9 @@ pub(crate) fn read_csv(
     let placements = columns
         .position(TURN_COLUMN)
         .zip(columns.position(MIRRORED_COLUMN));
+    let has = |name: &&str| columns.position(name).is_some();
+    let is_recorded = RECORDER_COLUMNS.iter().all(has);
+    let movement = columns.position(MOVEMENT_COLUMN).filter(|_| is_recorded);
     let (mut samples, mut labels, mut has_numbers) = (Samples::default(), Vec::new(), false);
     let (mut placed, mut auxiliary) = (Vec::new(), AuxiliaryColumns::find(columns));
     for (line, row) in table::rows(text).skip(columns.first_line - 1) {
@@ -81,7 +87,13 @@ pub(crate) fn read_csv(
             None => Motion::Unknown,
             Some(column) => {
                 has_numbers |= fields[column].parse::<f64>().is_ok();
-                from_text(fields[column]).map_err(at_line)?
+                let motion = from_text(fields[column]).map_err(at_line)?;
+                let name = movement.map_or("", |column| fields[column]);
+                if motion == Motion::OTHER && !name.is_empty() {
+                    from_text(name).map_err(at_line)?
+                } else {
+                    motion
+                }
             }
         });
     }
@@ -98,8 +110,7 @@ pub(crate) fn read_csv(
         samples.collect(),
         labels.into_iter().collect(),
     )?;
-    let has = |name: &&str| columns.position(name).is_some();
-    if RECORDER_COLUMNS.iter().all(has) {
+    if is_recorded {
         recording.timing = Timing::Muscle;
     }
     let label = columns.label.and_then(|column| columns.names.get(column));
@@ -251,6 +262,25 @@ mod tests {
         let other = Movement::new(MovementKind::Other, 1..3);
         let point = Movement::new(MovementKind::Point, 3..4);
         assert_eq!(recording.other_movement, [other, point]);
+    }
+
+    #[test]
+    fn a_recorded_file_names_its_other_movement_in_a_column() {
+        let read = |header: &str, name: &str| {
+            let text = format!(
+                "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7,sample,cue,trial,used,{header},movement\n\
+                 -2,1,2,3,4,5,6,7,8,0,-2,1,1,0,{name}\n0,1,2,3,4,5,6,7,8,1,-2,1,1,0,point\n"
+            );
+            read_csv(Path::new("/d/anna/anna_1.csv"), &text)
+        };
+        let kind = |name| read("bridged", name).unwrap().other_movement[0].kind;
+        assert_eq!(kind("thumb-up"), MovementKind::ThumbUp);
+        assert_eq!(kind(""), MovementKind::Other);
+        let damage = read("bridged", "fist").unwrap_err();
+        assert_eq!(damage.place, Place::Line(2), "{damage:?}");
+        // In other files the column may mean anything.
+        let other = read("mine", "fist").unwrap();
+        assert_eq!(other.other_movement[0].kind, MovementKind::Other);
     }
 
     #[test]
