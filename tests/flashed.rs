@@ -2,6 +2,8 @@
 //!
 //! Needs the cross compiler: `cargo xtask toolchain --install`.
 
+#[path = "flashed/air.rs"]
+mod air;
 #[path = "flashed/faults.rs"]
 mod faults;
 #[path = "flashed/flash.rs"]
@@ -10,3 +12,5 @@ mod flash;
 mod labels;
 #[path = "flashed/start.rs"]
 mod start;
+#[path = "flashed/uart.rs"]
+mod uart;

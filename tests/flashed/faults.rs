@@ -136,6 +136,23 @@ fn the_guard_of_the_stack_ends_a_program_that_grows_into_it() -> anyhow::Result<
 }
 
 #[test]
+fn the_words_of_a_panic_outlive_the_boot_loader_of_a_board_with_usb() -> anyhow::Result<()> {
+    let test = "the_words_of_a_panic_outlive_the_boot_loader_of_a_board_with_usb";
+    let Some(mut board) = board_with_valid_labels(test)? else {
+        return Ok(());
+    };
+    // Adafruit's boot loader for the nRF52840 keeps words from 0x20007f7c on, and its own variables and stack above
+    // (linker/nrf52840.ld of Adafruit_nRF52_Bootloader).
+    board.machine.boot_loader_ram = Some(0x2000_7f7c..0x2004_0000);
+    leave_interrupts(&mut board)?;
+    board.machine.core().jump(0xf_0000);
+    board.run_ms(1000)?;
+    let words = "# the run before panicked: hard fault at 0x000f0000, ";
+    assert!(board.text().contains(words), "{}", board.text());
+    Ok(())
+}
+
+#[test]
 fn a_fault_restarts_the_board_within_the_time_that_a_probe_needs() -> anyhow::Result<()> {
     let test = "a_fault_restarts_the_board_within_the_time_that_a_probe_needs";
     let Some(mut board) = board_with_valid_labels(test)? else {

@@ -47,6 +47,22 @@ fn the_uart_runs_on_the_crystal() -> anyhow::Result<()> {
 }
 
 #[test]
+fn the_errata_of_the_nrf52832_are_worked_around() -> anyhow::Result<()> {
+    let test = "the_errata_of_the_nrf52832_are_worked_around";
+    let Some(image) = chip::image(test, Image::Nrf52832S132) else {
+        return Ok(());
+    };
+    let mut board = Board::new(Image::Nrf52832S132, image, Setting::default());
+    // Refused otherwise: sleep without the workaround of 108, a start of the RC oscillator against that of 132.
+    for why in [Reset::Pin, Reset::Software, Reset::Watchdog] {
+        board.run_ms(1000)?;
+        board.machine.reset(why);
+    }
+    board.run_ms(1000)?;
+    Ok(())
+}
+
+#[test]
 fn an_older_softdevice_is_named_at_each_start() -> anyhow::Result<()> {
     let test = "an_older_softdevice_is_named_at_each_start";
     let Some(image) = chip::image(test, Image::Nrf52840S140) else {

@@ -9,6 +9,7 @@ use nrf52::softdevice::Kind;
 use nrf52::time::ms;
 use program::Program;
 
+const CLOCK: u32 = 0x4000_0000;
 const UARTE: u32 = 0x4000_2000;
 const TIMER1: u32 = 0x4000_9000;
 const WDT: u32 = 0x4001_0000;
@@ -132,6 +133,54 @@ fn a_task_at_the_wrong_time() {
     let (subject, what) = refused(Program::default().store(RTC1, 1));
     assert_eq!(subject, "RTC1.TASKS_START");
     assert!(matches!(what, What::Untimely { .. }), "{what}");
+}
+
+#[test]
+fn a_receiver_that_is_stopped_while_a_shortcut_starts_it_again() {
+    let program = Program::default()
+        .store(UARTE + 0x514, 8)
+        .store(UARTE + 0x500, 8)
+        .store(UARTE + 0x534, 0x2000_4000)
+        .store(UARTE + 0x538, 4)
+        .store(UARTE + 0x200, 1 << 5)
+        .store(UARTE, 1)
+        .store(UARTE + 0x004, 1);
+    let (subject, what) = refused(program);
+    assert_eq!(subject, "UARTE0.TASKS_STOPRX");
+    assert!(matches!(what, What::Untimely { .. }), "{what}");
+}
+
+/// Returns the refusal that ends a program on the nRF52832.
+fn refused_on_the_nrf52832(program: Program) -> What {
+    let mut machine = program.machine(Model::Nrf52832, None);
+    let refusal = machine.run(ms(10));
+    refusal.expect_err("the program has to be refused").what
+}
+
+#[test]
+fn sleep_without_the_workaround_of_erratum_108() {
+    const WFI: u16 = 0xbf30;
+    let sleeps = || Program::default().then(&[WFI]);
+    assert_eq!(refused_on_the_nrf52832(sleeps()), What::RamIsLost);
+    // What FICR holds at 0x258, of which seven bits count.
+    let program = Program::default().store(CLOCK + 0xee4, 0x43).then(&[WFI]);
+    let mut machine = program.machine(Model::Nrf52832, None);
+    machine.run(ms(10)).expect("it may sleep");
+    let mut machine = sleeps().machine(Model::Nrf52840, None);
+    machine.run(ms(10)).expect("the other chip may");
+}
+
+#[test]
+fn the_rc_oscillator_within_the_time_of_erratum_132() {
+    // subs r3, #1; bne: four cycles a turn.
+    let wait = |turns| Program::default().load(3, turns).then(&[0x3b01, 0xd1fd]);
+    let what = refused_on_the_nrf52832(wait(1500).store(CLOCK + 0x008, 1));
+    assert!(matches!(what, What::Untimely { .. }), "{what}");
+    for turns in [100, 3000] {
+        let program = wait(turns).store(CLOCK + 0x008, 1);
+        let mut machine = program.machine(Model::Nrf52832, None);
+        machine.run(ms(10)).expect("before and after it may");
+    }
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! The whole: core, chip, SoftDevice and armbands, in virtual time.
 
+use std::ops::Range;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, MutexGuard};
 
@@ -35,6 +36,8 @@ pub struct Machine {
     image: Image,
     now: u64,
     interrupts: u64,
+    /// RAM that a boot loader uses after every reset, before the program starts. None without one.
+    pub boot_loader_ram: Option<Range<u32>>,
     /// The SoftDevice, where the image needs one.
     pub softdevice: Option<SoftDevice>,
     /// Incidents, each with the tick at which it happened.
@@ -70,6 +73,7 @@ impl Machine {
             image,
             now: 0,
             interrupts: 0,
+            boot_loader_ram: None,
             softdevice,
             incidents: vec![(0, Incident::Started(Reset::Power))],
             instructions: 0,
@@ -136,6 +140,7 @@ impl Machine {
             }
             if count.is_multiple_of(16) {
                 if self.core.sleeps() {
+                    self.check_sleep()?;
                     self.now = self.now.max(until);
                 }
                 if count.is_multiple_of(256) {
@@ -144,6 +149,13 @@ impl Machine {
             }
         }
         Ok(())
+    }
+
+    fn check_sleep(&mut self) -> Result<(), Refusal> {
+        if self.chip().keeps_ram_asleep() {
+            return Ok(());
+        }
+        self.refuse("the core".to_owned(), What::RamIsLost)
     }
 
     /// Looks for what only shows in the core.
@@ -276,6 +288,9 @@ impl Machine {
         if why == Reset::Power {
             // Other garbage each time.
             chip.bus.memory.lose_power(self.now);
+        }
+        if let Some(ram) = self.boot_loader_ram.clone() {
+            chip.bus.memory.scramble(ram, self.now);
         }
         drop(chip);
         if let Some(softdevice) = &mut self.softdevice {

@@ -1,5 +1,6 @@
 //! Flash and RAM, as DMA, the SoftDevice and a test see them. The core reaches them by its address space.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use rsemu::core::space::RamStore;
@@ -30,18 +31,24 @@ impl Memory {
         memory
     }
 
-    /// Fills RAM with anything, by xorshift: a program that reads what it has not written shows itself.
+    /// Fills RAM with anything: a program that reads what it has not written shows itself.
     pub fn lose_power(&self, garbage: u64) {
+        // The chips have 256 KiB at most.
+        self.scramble(RAM..RAM + self.ram.len() as u32, garbage);
+    }
+
+    /// Fills a part of RAM with anything, by xorshift.
+    pub fn scramble(&self, part: Range<u32>, garbage: u64) {
         let mut state = garbage | 1;
-        let bytes = (0..self.ram.len()).map(|_| {
+        let bytes = part.clone().map(|_| {
             state ^= state << 13;
             state ^= state >> 7;
             state ^= state << 17;
             (state >> 32) as u8
         });
         let bytes: Vec<u8> = bytes.collect();
-        // As long as it is.
-        let _ = self.ram.write_at(0, &bytes);
+        // A part outside stays as it is.
+        let _ = self.write(part.start, &bytes);
     }
 
     /// Returns true if all of it is RAM.

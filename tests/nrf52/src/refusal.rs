@@ -96,6 +96,11 @@ pub enum What {
     /// A supervisor call in an IT block: the emulated core would lose its state.
     #[error("is a supervisor call in an IT block, which the emulated core does not support")]
     CallInItBlock,
+    /// Sleep after which RAM may hold anything.
+    #[error(
+        "sleeps, and RAM cannot be trusted afterwards: erratum 108 asks for a write to 0x40000ee4 before"
+    )]
+    RamIsLost,
     /// Two faults, one in the other.
     #[error("is where the core locked up")]
     LockedUp,

@@ -9,6 +9,10 @@ pub const ADVERTISEMENT: [u8; 31] = [
 ];
 /// Value of the firmware version: major, minor, patch, hardware.
 pub const FIRMWARE: [u8; 8] = [1, 0, 5, 0, 0xb2, 0x07, 2, 0];
+/// The characteristic of the preferred connection parameters.
+const PREFERRED: Uuid = Uuid::Sig(0x2a04);
+/// Its value: 7.5 to 15 ms, no latency, 3 s. What a real armband prefers is not known.
+pub const PREFERRED_PARAMETERS: [u8; 8] = [6, 0, 12, 0, 0, 0, 44, 1];
 /// Handle of the table without a subscription.
 pub const FOREIGN: u16 = 0x27;
 
@@ -83,7 +87,11 @@ pub fn table() -> Vec<Attribute> {
             declaration.extend(on_air(uuid));
             table.push(Attribute::Constant(declaration));
             let used = Characteristic::from_uuid(uuid);
-            table.push(used.map_or(Attribute::Other, Attribute::Value));
+            let other = match uuid {
+                PREFERRED => Attribute::Constant(PREFERRED_PARAMETERS.to_vec()),
+                _ => Attribute::Other,
+            };
+            table.push(used.map_or(other, Attribute::Value));
             if notifies {
                 let constant = Attribute::Constant(vec![0, 0]);
                 table.push(used.map_or(constant, Attribute::Subscription));

@@ -2,10 +2,12 @@
 //!
 //! Clocks take their time to start; both sources of the high-frequency clock are exact. The supply is ideal.
 
+use super::Model;
 use super::bus::{Bus, Peripheral, Reset};
 use super::register::{
     INTEN, Register, Registers, clear, event, one_clears, read_only, read_write, set, task,
 };
+use crate::refusal::What;
 use crate::time::{ms, us};
 
 const HFCLKSTART: u32 = 0x000;
@@ -21,6 +23,10 @@ const LFCLKSTAT: u32 = 0x418;
 const LFCLKSRCCOPY: u32 = 0x41c;
 const LFCLKSRC: u32 = 0x518;
 const RESETREAS: u32 = 0x400;
+/// Register without a name that the workaround of erratum 108 of the nRF52832 writes.
+const ERRATUM_108: u32 = 0xee4;
+/// Ticks after a stop, or a reset, in which the RC oscillator must not be started: erratum 132 of the nRF52832.
+const ERRATUM_132: std::ops::RangeInclusive<u64> = us(66)..=us(138);
 const INTERRUPTS: u32 = 0x3 | 1 << 2 | 7 << 5;
 
 /// HFCLKSTAT and LFCLKSTAT: running (5.4.6).
@@ -29,7 +35,9 @@ const RUNNING: u32 = 1 << 16;
 /// Ticks that the crystal of the high-frequency clock takes to start (5.4.7).
 const HFXO: u64 = us(360);
 
-const TABLE: &[Register] = &[
+macro_rules! table {
+    ($($more:expr)?) => {
+        &[
     task("TASKS_HFCLKSTART", HFCLKSTART),
     task("TASKS_HFCLKSTOP", HFCLKSTOP),
     task("TASKS_LFCLKSTART", LFCLKSTART),
@@ -52,7 +60,13 @@ const TABLE: &[Register] = &[
     read_write("APPROTECT.DISABLE", 0x558, 0xff),
     read_write("DCDCEN", 0x578, 1),
     read_write("DCDCEN0", 0x580, 1),
-];
+    $($more)?
+        ]
+    };
+}
+
+const NRF52840: &[Register] = table!();
+const NRF52832: &[Register] = table!(read_write("ERRATUM108", ERRATUM_108, 0x4f));
 
 /// Retained over every reset but the loss of power (5.3.6).
 const RETAINED: [u32; 3] = [RESETREAS, 0x51c, 0x520];
@@ -61,14 +75,21 @@ const RETAINED: [u32; 3] = [RESETREAS, 0x51c, 0x520];
 #[derive(Debug)]
 pub struct ClockAndPower {
     registers: Registers,
+    model: Model,
     high: Option<u64>,
     low: Option<u64>,
+    /// Tick at which the low-frequency clock stopped.
+    low_stopped: u64,
 }
 
 impl ClockAndPower {
-    /// After a reset; `before` is what ran until then.
-    pub fn new(why: Reset, before: Option<&Self>) -> Self {
-        let mut registers = Registers::new("CLOCK/POWER", TABLE);
+    /// After a reset at this tick; `before` is what ran until then.
+    pub fn new(model: Model, why: Reset, now: u64, before: Option<&Self>) -> Self {
+        let table = match model {
+            Model::Nrf52840 => NRF52840,
+            Model::Nrf52832 => NRF52832,
+        };
+        let mut registers = Registers::new("CLOCK/POWER", table);
         if let Some(before) = before.filter(|_| why != Reset::Power) {
             for offset in RETAINED {
                 registers.put(offset, before.registers.get(offset));
@@ -85,9 +106,17 @@ impl ClockAndPower {
         registers.put(RESETREAS, registers.get(RESETREAS) | bit);
         Self {
             registers,
+            model,
             high: None,
             low: None,
+            low_stopped: now,
         }
+    }
+
+    /// Returns true if RAM can be trusted after the core has slept, by the trim value that the factory wrote to FICR:
+    /// erratum 108 of the nRF52832.
+    pub fn keeps_ram_asleep(&self, trim: u32) -> bool {
+        self.model != Model::Nrf52832 || self.registers.get(ERRATUM_108) == trim & 0x4f
     }
 }
 
@@ -129,12 +158,18 @@ impl Peripheral for ClockAndPower {
             }
             LFCLKSTART => {
                 let source = self.registers.get(LFCLKSRC);
+                let is_early = ERRATUM_132.contains(&(bus.now - self.low_stopped));
+                if source & 3 == 0 && self.model == Model::Nrf52832 && is_early {
+                    let when = "66 to 138 us after it was stopped or reset: erratum 132";
+                    return self.refuse(offset, bus, What::Untimely { when });
+                }
                 self.registers.put(LFCLKRUN, 1);
                 self.registers.put(LFCLKSRCCOPY, source);
                 self.low = Some(bus.now + low_frequency_start(source));
             }
             _ => {
                 self.low = None;
+                self.low_stopped = bus.now;
                 bus.low_frequency_runs = false;
                 self.registers.put(LFCLKRUN, 0);
                 self.registers.put(LFCLKSTAT, 0);

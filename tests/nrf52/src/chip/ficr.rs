@@ -15,11 +15,15 @@ const TABLE: &[Register] = &[
     read_only("INFO.PACKAGE", 0x108),
     read_only("INFO.RAM", 0x10c),
     read_only("INFO.FLASH", 0x110),
+    read_only("ERRATUM108", ERRATUM_108),
     read_only("PRODTEST", 0x350).times(3),
     read_only("TEMP.A", 0x404).times(6),
     read_only("TEMP.B", 0x41c).times(6),
     read_only("TEMP.T", 0x434).times(5),
 ];
+
+/// Offset of the value that the workaround of erratum 108 of the nRF52832 copies: it has no name.
+pub const ERRATUM_108: u32 = 0x258;
 
 /// Base address of FICR.
 pub const BASE: u32 = 0x1000_0000;
@@ -39,6 +43,7 @@ pub fn of(part: u32, variant: [u8; 4], ram: u32, flash: u32) -> Registers {
         (0x104, u32::from_be_bytes(variant)),
         (0x108, 0x2004),
         (0x10c, ram),
+        (ERRATUM_108, 0xffff_fff3),
         (0x110, flash),
     ];
     for (offset, value) in values {

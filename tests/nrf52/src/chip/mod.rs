@@ -159,7 +159,7 @@ impl Chip {
         let mut chip = Self {
             bus: Bus::new(memory),
             model,
-            clock_and_power: ClockAndPower::new(Reset::Power, None),
+            clock_and_power: ClockAndPower::new(model, Reset::Power, 0, None),
             uarte: Uarte::new(model == Model::Nrf52832, None),
             gpiote: Gpiote::new(),
             timers: timers(),
@@ -184,7 +184,8 @@ impl Chip {
 
     /// Resets everything but memory; what a reset spares is said at each part (5.3.6).
     pub fn reset(&mut self, why: Reset) {
-        self.clock_and_power = ClockAndPower::new(why, Some(&self.clock_and_power));
+        let (now, before) = (self.bus.now, &self.clock_and_power);
+        self.clock_and_power = ClockAndPower::new(self.model, why, now, Some(before));
         let short = self.model == Model::Nrf52832;
         let before = std::mem::replace(&mut self.uarte, Uarte::new(short, None));
         self.uarte = Uarte::new(short, Some(before));

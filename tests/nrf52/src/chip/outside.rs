@@ -1,6 +1,6 @@
 //! Surroundings of the chip: levels of pins, the UART's line, a programmer.
 
-use super::{Chip, FICR, Received, uicr};
+use super::{Chip, FICR, Received, ficr, uicr};
 use crate::time::HZ;
 
 /// Ticks of a byte that comes at 115200 baud.
@@ -48,9 +48,20 @@ impl Chip {
         self.uarte.overruns
     }
 
+    /// Sets if RXDRDY comes for bytes whose stop bit is missing.
+    pub fn count_broken_bytes(&mut self, counts: bool) {
+        self.uarte.counts_broken = counts;
+    }
+
     /// Least milliseconds that the watchdog had left when it was fed.
     pub fn closest_to_watchdog_ms(&self) -> Option<f64> {
         self.watchdog.closest_ms()
+    }
+
+    /// Returns true if RAM can be trusted after the core has slept.
+    pub fn keeps_ram_asleep(&self) -> bool {
+        let trim = self.ficr.get(ficr::ERRATUM_108);
+        self.clock_and_power.keeps_ram_asleep(trim)
     }
 
     /// A word of UICR.

@@ -1,4 +1,5 @@
-//! UARTE (product specification, 6.34): both directions by DMA. Flow control, parity and stopping are not modelled.
+//! UARTE (product specification, 6.34): both directions by DMA. Flow control, parity and stopping the transmitter are not
+//! modelled.
 
 use std::collections::VecDeque;
 
@@ -10,12 +11,15 @@ use crate::refusal::What;
 use crate::time::HZ;
 
 const STARTRX: u32 = 0x000;
+const STOPRX: u32 = 0x004;
 const STARTTX: u32 = 0x008;
+const FLUSHRX: u32 = 0x02c;
 const RXDRDY: u32 = 0x108;
 const ENDRX: u32 = 0x110;
 const TXDRDY: u32 = 0x11c;
 const ENDTX: u32 = 0x120;
 const ERROR: u32 = 0x124;
+const RXTO: u32 = 0x144;
 const RXSTARTED: u32 = 0x14c;
 const TXSTARTED: u32 = 0x150;
 const SHORTS: u32 = 0x200;
@@ -40,8 +44,12 @@ const BAUD_115200: u32 = 0x01d6_0000;
 const BAUD: u64 = 115_108;
 /// Start, eight bits, stop.
 const BITS: u64 = 10;
-/// Bytes that wait while no buffer is given (6.34.4 promises four after the receiver was told to stop).
+/// Bytes that wait while no buffer is given (6.34.3 promises four after the receiver was told to stop).
 const FIFO: usize = 4;
+/// Times of a byte from STOPRX to RXTO: four more may come (6.34.3).
+const STOPPING: u64 = 5;
+/// SHORTS: ENDRX starts STARTRX.
+const RESTARTS: u32 = 1 << 5;
 /// ERRORSRC: a byte came while the FIFO was full; a stop bit was missing.
 const OVERRUN: u32 = 1;
 const FRAMING: u32 = 1 << 2;
@@ -50,7 +58,9 @@ macro_rules! table {
     ($count:literal) => {
         &[
             task("TASKS_STARTRX", STARTRX),
+            task("TASKS_STOPRX", STOPRX),
             task("TASKS_STARTTX", STARTTX),
+            task("TASKS_FLUSHRX", FLUSHRX),
             event("EVENTS_CTS", 0x100),
             event("EVENTS_NCTS", 0x104),
             event("EVENTS_RXDRDY", RXDRDY),
@@ -58,7 +68,7 @@ macro_rules! table {
             event("EVENTS_TXDRDY", TXDRDY),
             event("EVENTS_ENDTX", ENDTX),
             event("EVENTS_ERROR", ERROR),
-            event("EVENTS_RXTO", 0x144),
+            event("EVENTS_RXTO", RXTO),
             event("EVENTS_RXSTARTED", RXSTARTED),
             event("EVENTS_TXSTARTED", TXSTARTED),
             event("EVENTS_TXSTOPPED", 0x158),
@@ -111,6 +121,10 @@ pub struct Uarte {
     registers: Registers,
     sending: Option<(Buffer, u64)>,
     receiving: Option<Buffer>,
+    /// True from STARTRX to RXTO.
+    listens: bool,
+    /// Tick of RXTO, once the receiver was told to stop.
+    stops: Option<u64>,
     fifo: VecDeque<u8>,
     /// Bytes that are still to come, by time.
     pub line: VecDeque<Received>,
@@ -118,23 +132,37 @@ pub struct Uarte {
     pub sent: Vec<(u64, u8)>,
     /// Bytes that came and found no place.
     pub overruns: u64,
+    /// True if RXDRDY comes for a byte whose stop bit is missing too. The specification says that such a byte is not stored
+    /// (6.34.4), and not if it is counted.
+    pub counts_broken: bool,
 }
 
 impl Uarte {
     /// After a reset; what is on the line does not care.
     pub fn new(short_lengths: bool, before: Option<Self>) -> Self {
         let table = if short_lengths { SHORT } else { LONG };
-        let (line, sent, overruns) = before.map_or_else(Default::default, |before| {
-            (before.line, before.sent, before.overruns)
-        });
+        let (line, sent, overruns, counts_broken) =
+            before.map_or_else(Default::default, |before| {
+                let Self {
+                    line,
+                    sent,
+                    overruns,
+                    counts_broken,
+                    ..
+                } = before;
+                (line, sent, overruns, counts_broken)
+            });
         Self {
             registers: Registers::new("UARTE0", table),
             sending: None,
             receiving: None,
+            listens: false,
+            stops: None,
             fifo: VecDeque::new(),
             line,
             sent,
             overruns,
+            counts_broken,
         }
     }
 
@@ -165,18 +193,24 @@ impl Uarte {
         self.raise(ERROR, bus);
     }
 
+    /// A byte is over on the line.
     fn take(&mut self, received: Received, bus: &mut Bus) {
-        if !self.is_enabled() || self.registers.get(PSEL_RXD) & DISCONNECTED != 0 {
+        if !self.listens {
             return;
         }
         if received.is_broken {
-            self.error(FRAMING, bus);
+            // It is not stored; those that follow are (6.34.4).
+            if self.counts_broken {
+                self.raise(RXDRDY, bus);
+            }
+            return self.error(FRAMING, bus);
         }
         if self.fifo.len() == FIFO {
             self.overruns += 1;
             return self.error(OVERRUN, bus);
         }
         self.fifo.push_back(received.byte);
+        self.raise(RXDRDY, bus);
         self.drain(bus);
     }
 
@@ -187,13 +221,52 @@ impl Uarte {
         {
             bus.memory.write(buffer.address + buffer.done, &[byte]);
             buffer.done += 1;
-            self.raise(RXDRDY, bus);
-            self.receiving = Some(buffer).filter(|buffer| buffer.done < buffer.length);
-            if self.receiving.is_none() {
-                self.registers.put(RXD_AMOUNT, buffer.done);
-                self.raise(ENDRX, bus);
+            self.receiving = Some(buffer);
+            if buffer.done == buffer.length {
+                self.end_reception(bus);
             }
         }
+    }
+
+    fn end_reception(&mut self, bus: &mut Bus) {
+        if let Some(buffer) = self.receiving.take() {
+            self.registers.put(RXD_AMOUNT, buffer.done);
+            self.raise(ENDRX, bus);
+        }
+    }
+
+    /// The receiver stops: ENDRX comes before RXTO (6.34.3).
+    fn stop(&mut self, bus: &mut Bus) {
+        self.end_reception(bus);
+        (self.listens, self.stops) = (false, None);
+        self.raise(RXTO, bus);
+    }
+
+    /// Starts a transfer of either direction.
+    fn start(&mut self, is_send: bool, bus: &mut Bus) {
+        if is_send {
+            let buffer = self.buffer(TXD_PTR, bus);
+            self.raise(TXSTARTED, bus);
+            if buffer.length == 0 {
+                self.raise(ENDTX, bus);
+            } else {
+                self.sending = Some((buffer, bus.now + Self::byte_ticks()));
+            }
+        } else {
+            let buffer = self.buffer(RXD_PTR, bus);
+            self.raise(RXSTARTED, bus);
+            self.listens = true;
+            self.receiving = Some(buffer);
+            self.drain(bus);
+        }
+    }
+
+    /// Moves what the FIFO still holds to RAM; ENDRX comes even if that is nothing (6.34.3).
+    fn flush(&mut self, bus: &mut Bus) {
+        let buffer = self.buffer(RXD_PTR, bus);
+        self.receiving = Some(buffer);
+        self.drain(bus);
+        self.end_reception(bus);
     }
 }
 
@@ -216,6 +289,11 @@ impl Peripheral for Uarte {
             ENABLE if value != 0 && value != ENABLED => "0 or 8",
             BAUDRATE if value != BAUD_115200 => "0x01d60000, 115200 baud: no other is modelled",
             CONFIG if value != 0 => "0: flow control, parity and two stop bits are not modelled",
+            ENABLE if value == 0 && self.sending.is_some() => "the transmitter has to end first",
+            ENABLE if value == 0 => {
+                (self.receiving, self.listens, self.stops) = (None, false, None);
+                return self.fifo.clear();
+            }
             // Only while it is disabled (6.34.1).
             PSEL..=PSEL_RXD | BAUDRATE | CONFIG if self.is_enabled() => "it has to be disabled",
             _ => return,
@@ -226,48 +304,41 @@ impl Peripheral for Uarte {
     fn task(&mut self, offset: u32, bus: &mut Bus) {
         let is_send = offset == STARTTX;
         let pin = if is_send { PSEL_TXD } else { PSEL_RXD };
-        let busy = if is_send {
-            self.sending.is_some()
-        } else {
-            self.receiving.is_some()
+        let is_busy = match offset {
+            STARTTX => self.sending.is_some(),
+            STARTRX | FLUSHRX => self.receiving.is_some(),
+            _ => false,
         };
-        let when = if !self.is_enabled() {
-            "while it is disabled"
-        } else if self.registers.get(pin) & DISCONNECTED != 0 {
-            "without a pin"
-        } else if busy {
-            "while the transfer before is under way"
-        } else {
-            ""
+        let when = match offset {
+            _ if !self.is_enabled() => "while it is disabled",
+            _ if self.registers.get(pin) & DISCONNECTED != 0 => "without a pin",
+            _ if is_busy => "while the transfer before is under way",
+            STOPRX if !self.listens => "while the receiver is stopped",
+            STOPRX if self.registers.get(SHORTS) & RESTARTS != 0 => {
+                "while the shortcut from ENDRX would start it again"
+            }
+            FLUSHRX if self.listens => "before RXTO",
+            _ => "",
         };
         if !when.is_empty() {
             return self.refuse(offset, bus, What::Untimely { when });
         }
-        if is_send {
-            let buffer = self.buffer(TXD_PTR, bus);
-            self.raise(TXSTARTED, bus);
-            if buffer.length == 0 {
-                self.raise(ENDTX, bus);
-            } else {
-                self.sending = Some((buffer, bus.now + Self::byte_ticks()));
-            }
-        } else {
-            let buffer = self.buffer(RXD_PTR, bus);
-            self.raise(RXSTARTED, bus);
-            self.receiving = Some(buffer);
-            self.drain(bus);
+        match offset {
+            STOPRX => self.stops = Some(bus.now + STOPPING * Self::byte_ticks()),
+            FLUSHRX => self.flush(bus),
+            _ => self.start(is_send, bus),
         }
     }
 
     fn shorts(&self, event: u32) -> Vec<u32> {
-        let restarts = event == ENDRX && self.registers.get(SHORTS) >> 5 & 1 == 1;
+        let restarts = event == ENDRX && self.registers.get(SHORTS) & RESTARTS != 0;
         restarts.then_some(STARTRX).into_iter().collect()
     }
 
     fn next(&self) -> Option<u64> {
         let sends = self.sending.map(|(_, at)| at);
         let receives = self.line.front().map(|received| received.at);
-        sends.into_iter().chain(receives).min()
+        [sends, receives, self.stops].into_iter().flatten().min()
     }
 
     fn due(&mut self, bus: &mut Bus) {
@@ -286,6 +357,9 @@ impl Peripheral for Uarte {
         }
         while let Some(received) = self.line.pop_front_if(|received| received.at <= bus.now) {
             self.take(received, bus);
+        }
+        if self.stops.is_some_and(|at| at <= bus.now) {
+            self.stop(bus);
         }
     }
 }

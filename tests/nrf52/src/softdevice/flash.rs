@@ -39,6 +39,8 @@ pub struct Flash {
     pub fates: VecDeque<Fate>,
     /// Number of operations that have begun.
     pub begun: usize,
+    /// True if an erasure finds no time while the radio is in use.
+    pub needs_silence: bool,
 }
 
 impl Flash {
@@ -104,7 +106,12 @@ impl SoftDevice {
     }
 
     fn begin(&mut self, change: Change, ticks: u64, chip: &mut Chip) -> u32 {
-        let fate = self.flash.fates.pop_front().unwrap_or(Fate::Success);
+        let is_erasure = matches!(change, Change::Erase { .. });
+        let fate = if is_erasure && self.flash.needs_silence && self.uses_the_air() {
+            Fate::TimeOut
+        } else {
+            self.flash.fates.pop_front().unwrap_or(Fate::Success)
+        };
         self.flash.begun += 1;
         if fate != Fate::TimeOut {
             chip.bus.halt(ticks);

@@ -8,7 +8,7 @@ use super::link::{Link, connection_parameters};
 use super::{SoftDevice, refused};
 use crate::memory::Memory;
 use crate::refusal::What;
-use crate::time::ms;
+use crate::time::{ms, us};
 
 /// Ticks from one advertisement of an armband to its next.
 const ADVERTISING: u64 = ms(100);
@@ -26,10 +26,36 @@ pub struct Scan {
     buffer: u32,
     /// It waits until the program has read an advertisement.
     is_paused: bool,
+    since: u64,
+    times: ScanTimes,
     at: u64,
     until: u64,
     /// The armband whose advertisement comes next.
     turn: usize,
+}
+
+impl Scan {
+    /// Ticks that the receiver was on by then.
+    pub(super) fn receiver_on(&self, now: u64) -> u64 {
+        let ScanTimes {
+            interval, window, ..
+        } = self.times;
+        let (whole, part) = ((now - self.since) / interval, (now - self.since) % interval);
+        whole * window + part.min(window)
+    }
+
+    /// Returns true if the receiver is on.
+    fn hears(&self, now: u64) -> bool {
+        (now - self.since) % self.times.interval < self.times.window
+    }
+}
+
+/// Times of a scan in ticks: the receiver is on for a window in each interval.
+#[derive(Clone, Copy, Debug)]
+struct ScanTimes {
+    interval: u64,
+    window: u64,
+    timeout: u64,
 }
 
 /// An attempt to connect.
@@ -98,24 +124,40 @@ impl SoftDevice {
         if self.scan.is_some() || self.attempt.is_some() {
             return Ok(answer::INVALID_STATE);
         }
-        let Some(timeout) = scan_timeout(parameters, memory) else {
+        let Some(times) = scan_times(parameters, memory) else {
             return Ok(answer::INVALID_PARAM);
         };
         self.scan = Some(Scan {
             buffer: data,
             is_paused: false,
+            since: now,
+            times,
             at: now + ADVERTISING / 2,
-            until: now.saturating_add(timeout),
+            until: now.saturating_add(times.timeout),
             turn: 0,
         });
         Ok(answer::SUCCESS)
     }
 
-    pub(super) fn stop_scan(&mut self) -> u32 {
+    pub(super) fn stop_scan(&mut self, now: u64) -> u32 {
         match self.scan.take() {
-            Some(_) => answer::SUCCESS,
+            Some(scan) => {
+                self.scanned += scan.receiver_on(now);
+                answer::SUCCESS
+            }
             None => answer::INVALID_STATE,
         }
+    }
+
+    /// Ticks that the receiver was on for scans, from the start on.
+    pub fn scanned(&self, now: u64) -> u64 {
+        let present = self.scan.as_ref().map_or(0, |scan| scan.receiver_on(now));
+        self.scanned + present
+    }
+
+    /// Returns true while it scans, tries to connect, or has a link.
+    pub const fn uses_the_air(&self) -> bool {
+        self.scan.is_some() || self.attempt.is_some() || self.link.is_some()
     }
 
     pub(super) fn connect(
@@ -134,7 +176,7 @@ impl SoftDevice {
         if tag as u8 != 1 {
             return Ok(answer::NOT_FOUND);
         }
-        let Some(timeout) = scan_timeout(scan, memory) else {
+        let Some(ScanTimes { timeout, .. }) = scan_times(scan, memory) else {
             return Ok(answer::INVALID_PARAM);
         };
         let Some(parameters) = connection_parameters(parameters, memory) else {
@@ -176,7 +218,7 @@ impl SoftDevice {
             return;
         };
         if scan.until <= now {
-            self.scan = None;
+            self.stop_scan(now);
             return self.push(events::timed_out(SCAN));
         }
         if scan.is_paused || scan.at > now {
@@ -186,7 +228,7 @@ impl SoftDevice {
         // Armbands share the time between two of their advertisements.
         scan.at = now + ADVERTISING / count as u64;
         scan.turn = (scan.turn + 1) % count;
-        let heard = self.armbands.get(scan.turn);
+        let heard = self.armbands.get(scan.turn).filter(|_| scan.hears(now));
         let heard = heard.and_then(|one| Some((one, one.advertisement(air_us(now))?)));
         if let Some((armband, data)) = heard {
             scan.is_paused = true;
@@ -229,16 +271,20 @@ impl SoftDevice {
     }
 }
 
-/// The time-out of `ble_gap_scan_params_t`, if its intervals are allowed.
-fn scan_timeout(parameters: u32, memory: &Memory) -> Option<u64> {
+/// The times of `ble_gap_scan_params_t`, if they are allowed.
+fn scan_times(parameters: u32, memory: &Memory) -> Option<ScanTimes> {
     let interval = memory.half(parameters + 2)?;
     let window = memory.half(parameters + 4)?;
     let timeout = memory.half(parameters + 6)?;
     // At least 2.5 ms, in units of 0.625 ms.
     let is_allowed = interval >= 4 && window >= 4 && window <= interval;
-    let ticks = match timeout {
+    let timeout = match timeout {
         0 => u64::MAX,
         units => ms(10) * u64::from(units),
     };
-    is_allowed.then_some(ticks)
+    is_allowed.then_some(ScanTimes {
+        interval: us(625) * u64::from(interval),
+        window: us(625) * u64::from(window),
+        timeout,
+    })
 }

@@ -83,6 +83,8 @@ pub struct SoftDevice {
     interrupts: bool,
     whitelist: Vec<[u8; 7]>,
     scan: Option<Scan>,
+    /// Ticks of the scans that have ended.
+    scanned: u64,
     attempt: Option<Attempt>,
     link: Option<Link>,
     /// Operations of flash.
@@ -111,6 +113,7 @@ impl SoftDevice {
             interrupts: false,
             whitelist: Vec::new(),
             scan: None,
+            scanned: 0,
             attempt: None,
             link: None,
             flash: Flash::default(),
@@ -227,7 +230,7 @@ impl SoftDevice {
             // Transmission power is not modelled.
             call::GAP_TX_POWER_SET => answer::SUCCESS,
             call::GAP_SCAN_START => return self.start_scan(first, second, now, &memory),
-            call::GAP_SCAN_STOP => self.stop_scan(),
+            call::GAP_SCAN_STOP => self.stop_scan(now),
             call::GAP_CONNECT => return self.connect([second, third, fourth], now, &memory),
             call::GAP_CONNECT_CANCEL => self.cancel_connect(),
             call::GAP_CONN_PARAM_UPDATE => {

@@ -1,0 +1,90 @@
+//! The UART's receiver: nothing that comes on the line ends it.
+
+use std::iter::repeat_n;
+
+use nrf52::chip::PAGE;
+use shared::model::noise::Noise;
+use shared::myo::{Address, binding};
+use xtask::firmware::Image;
+
+use myointent_tests::chip::{self, BINDING, Board, Setting};
+
+/// Bytes of noise in all.
+const NOISE: usize = 1_000_000;
+const OTHER: &str = "F1:23:45:67:89:AB";
+
+fn board(test: &str, built: Image) -> Option<Board> {
+    let image = chip::image(test, built)?;
+    Some(Board::new(built, image, Setting::default()))
+}
+
+fn bound(board: &Board) -> Option<Address> {
+    let page = board.machine.chip().bus.memory.read(BINDING, PAGE);
+    binding::from_record(page.as_deref().and_then(<[u8]>::first_chunk)?)
+}
+
+#[test]
+fn bytes_that_come_while_a_page_is_erased_do_not_end_the_receiver() -> anyhow::Result<()> {
+    let test = "bytes_that_come_while_a_page_is_erased_do_not_end_the_receiver";
+    for built in [Image::Nrf52840S140, Image::Nrf52832S132] {
+        let Some(mut board) = board(test, built) else {
+            return Ok(());
+        };
+        board.run_ms(500)?;
+        // The core stands still for 85 ms; these take 260 ms. Outside of a line they mean nothing.
+        board.send(&format!("BIND,set,{OTHER}"));
+        board.send_bytes(repeat_n(b'x', 3000));
+        board.run_ms(1000)?;
+        assert_eq!(bound(&board), Address::parse(OTHER).ok(), "{built}");
+        board.send("IDENTIFY");
+        board.wait_for("$OK,IDENTIFY", 1000)?;
+        let is_said = board.text().contains("# received bytes were lost");
+        assert!(is_said, "{built}:\n{}", board.text());
+    }
+    Ok(())
+}
+
+#[test]
+fn a_command_that_comes_while_a_page_is_erased_is_answered() -> anyhow::Result<()> {
+    let test = "a_command_that_comes_while_a_page_is_erased_is_answered";
+    let Some(mut board) = board(test, Image::Nrf52840S140) else {
+        return Ok(());
+    };
+    board.run_ms(500)?;
+    board.send(&format!("BIND,set,{OTHER}"));
+    // 17 ms.
+    board.send_bytes(repeat_n(b'x', 200));
+    board.send("IDENTIFY");
+    board.wait_for("$OK,IDENTIFY", 1000)?;
+    assert_eq!(bound(&board), Address::parse(OTHER).ok());
+    assert!(!board.text().contains("lost"), "{}", board.text());
+    Ok(())
+}
+
+#[test]
+fn a_command_is_answered_after_a_million_bytes_of_noise() -> anyhow::Result<()> {
+    let test = "a_command_is_answered_after_a_million_bytes_of_noise";
+    // Whether RXDRDY comes for a byte without its stop bit no specification says.
+    for counts_broken in [false, true] {
+        let Some(mut board) = board(test, Image::Nrf52840S140) else {
+            return Ok(());
+        };
+        board.run_ms(500)?;
+        let mut noise = Noise(11);
+        let mut any = || ((noise.signed() + 1.0) * 128.0) as u8;
+        let bytes: Vec<_> = (0..NOISE / 2).map(|_| (any(), any() < 16)).collect();
+        let now = board.machine.now();
+        {
+            let mut chip = board.machine.chip();
+            chip.count_broken_bytes(counts_broken);
+            chip.receive(now, bytes);
+        }
+        // 87 us each.
+        board.run_ms(NOISE as u64 / 2 * 87 / 1000 + 500)?;
+        board.send("IDENTIFY");
+        board.wait_for("$OK,IDENTIFY", 1000)?;
+        board.send("COUNTERS");
+        board.wait_for("$OK,COUNTERS", 1000)?;
+    }
+    Ok(())
+}
