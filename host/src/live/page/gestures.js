@@ -7,7 +7,7 @@ const NAMESPACE = "http://www.w3.org/2000/svg";
 const ARM = ["M60 128V92", 27];
 
 /** A loose hand whose forearm turns. */
-const TURNED = [[["M60 104V92", 27], ["M60 84V72", 38], ["M49 66L46 26", 10.5], ["M57 64L56 20", 11], ["M65.500 64L67 22", 11], ["M74 68L78 32", 10], ["M47 82Q34 74 29 56", 11.5]]];
+const TURNED = [[["M60 128V92", 27], ["M60 84V72", 38], ["M49 66L46 26", 10.5], ["M57 64L56 20", 11], ["M65.500 64L67 22", 11], ["M74 68L78 32", 10], ["M47 82Q34 74 29 56", 11.5]]];
 
 /** Layers of [path, width]; lines are thin strokes on top, arrows show where the hand goes. */
 const HANDS = {
@@ -111,13 +111,13 @@ const HANDS = {
     arrow: ["M96 106Q60 124 26 104", "M37 101L25 103.500L31 114"],
   },
   other: {
-    text: "Do whatever you like, but do not open or close the hand",
+    text: "Do whatever you like with the hand",
     layers: [
       [["M-8 84H40", 27], ["M44 84L62 80", 27], ["M66 92Q80 96 88 92", 10]],
-      [["M78 52V98", 30]],
-      [["M62 72Q84 70 92 74", 10.5], ["M62 82Q84 82 92 86", 10.5]],
+      [["M70 58H92V92H70ZM80 64V86", 18]],
+      [["M60 68Q82 66 90 70", 10.5], ["M60 78Q82 77 91 81", 10.5], ["M60 88Q80 88 88 91", 10.5]],
     ],
-    lines: ["M66 40H90", "M70 28Q74 22 70 16", "M82 28Q86 22 82 16"],
+    lines: ["M74 38Q78 32 74 26", "M86 38Q90 32 86 26"],
   },
 };
 
