@@ -1,0 +1,95 @@
+//! Label beside cue: whether they agree, in words and shape, and how often they did.
+
+use myointent::live::Source;
+use recordings::Recording;
+use shared::intent::Intent;
+
+use super::browser::Browser;
+use super::record::pictures;
+use super::{serve, synthetic};
+
+/// Widths and colours of the lines that the page draws from now on.
+const WATCH_LINES: &str = "(() => { window.drawn = {}; \
+    const stroke = CanvasRenderingContext2D.prototype.stroke; \
+    CanvasRenderingContext2D.prototype.stroke = function (...all) { \
+        (window.drawn[this.strokeStyle] ??= new Set()).add(this.lineWidth); return stroke.apply(this, all); }; \
+    return true; })()";
+
+/// A recording whose open and closed hands are named the other way round.
+fn swapped() -> Recording {
+    let mut recording = synthetic(60);
+    for label in recording.labels.iter_mut().flatten() {
+        *label = match *label {
+            Intent::Open => Intent::Close,
+            Intent::Close => Intent::Open,
+            other => other,
+        };
+    }
+    recording
+}
+
+/// Share of the labels in gestures that are as asked, in per cent.
+fn share(browser: &mut Browser) -> u32 {
+    let text = browser.text("share");
+    let number = text.split(" % in gestures").next().unwrap();
+    let number = number.rsplit(' ').next().unwrap();
+    number.parse().unwrap_or_else(|_| panic!("{text}"))
+}
+
+#[test]
+fn a_label_that_is_not_as_asked_is_marked_in_words_and_counted() {
+    let name = "a_label_that_is_not_as_asked_is_marked_in_words_and_counted";
+    let Some(mut browser) = Browser::start(name) else {
+        return;
+    };
+    let right = "document.getElementById('agrees')?.dataset.state === 'right'";
+    let wrong = "document.getElementById('agrees')?.dataset.state === 'wrong'";
+    let counted = "Number(document.getElementById('share')?.dataset.gestures) > 40";
+    browser.look(1440, 900, "light", "no-preference");
+    for (what, recording) in [("right", synthetic(60)), ("wrong", swapped())] {
+        let live = serve(Source::Replay(Box::new(recording)));
+        browser.open(live.url());
+        let (state, text) = match what {
+            "right" => (right, "✓as asked"),
+            _ => (wrong, "✗not as asked"),
+        };
+        browser.wait_for(&format!(
+            "{state} && document.getElementById('label').textContent !== 'relax'"
+        ));
+        // One frame, or it could be another state's.
+        let shown = browser.value(&format!(
+            "{state} ? document.getElementById('agrees').textContent : '{text}'"
+        ));
+        assert_eq!(shown, text);
+        browser.screenshot(&pictures().join(format!("agrees-{what}.png")));
+        browser.wait_for(counted);
+        let share = share(&mut browser);
+        let expected = if what == "right" { 60..=100 } else { 0..=40 };
+        assert!(expected.contains(&share), "{what}: {share} %");
+        live.stop().unwrap();
+    }
+    assert_eq!(browser.complaints, [""; 0]);
+}
+
+#[test]
+fn the_score_of_other_movement_is_drawn_as_strong_as_the_others() {
+    let name = "the_score_of_other_movement_is_drawn_as_strong_as_the_others";
+    let Some(mut browser) = Browser::start(name) else {
+        return;
+    };
+    let live = serve(Source::Demo);
+    browser.look(1440, 900, "light", "no-preference");
+    browser.open(live.url());
+    browser.wait_for("document.getElementById('valid')?.dataset.valid === 'yes'");
+    browser.value(WATCH_LINES);
+    browser.frames(5);
+    let colour = |name: &str| {
+        format!(
+            "Math.max(0, ...(window.drawn[getComputedStyle(document.documentElement).getPropertyValue('--{name}').trim()] ?? []))"
+        )
+    };
+    let open = browser.value(&colour("open"));
+    assert_eq!(open, 2);
+    assert_eq!(browser.value(&colour("other")), open);
+    live.stop().unwrap();
+}
