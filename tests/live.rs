@@ -55,6 +55,8 @@ mod server;
 mod steps;
 #[path = "live/viewer.rs"]
 mod viewer;
+#[path = "live/words.rs"]
+mod words;
 
 use std::path::Path;
 
