@@ -30,6 +30,8 @@ mod interrupt;
 #[cfg(unix)]
 #[path = "live/json.rs"]
 mod json;
+#[path = "live/keys.rs"]
+mod keys;
 #[path = "live/limits.rs"]
 mod limits;
 #[cfg(target_os = "linux")]
