@@ -16,6 +16,9 @@ mod browser;
 #[path = "live/cuts.rs"]
 mod cuts;
 #[cfg(target_os = "linux")]
+#[path = "live/empty.rs"]
+mod empty;
+#[cfg(target_os = "linux")]
 #[path = "live/emulator.rs"]
 mod emulator;
 #[cfg(target_os = "linux")]
