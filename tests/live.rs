@@ -55,6 +55,8 @@ mod record_process;
 mod scripted;
 #[path = "live/server.rs"]
 mod server;
+#[path = "live/sizes.rs"]
+mod sizes;
 #[cfg(target_os = "linux")]
 #[path = "live/steps.rs"]
 mod steps;

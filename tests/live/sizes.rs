@@ -1,0 +1,102 @@
+//! Page in windows of all sizes: label and cue are in view, nothing is wider than the window, no card is half empty.
+
+use myointent::live::Source;
+
+use super::browser::Browser;
+use super::record::{SHORT, pictures, record};
+use super::serve;
+
+/// Name, width and height of each window; the zoomed ones are 1440 x 900 and 1366 x 768 at 200 %.
+const WINDOWS: [(&str, u32, u32); 7] = [
+    ("1366", 1366, 768),
+    ("1440", 1440, 900),
+    ("2560", 2560, 1440),
+    ("phone", 390, 844),
+    ("landscape", 844, 390),
+    ("zoomed", 720, 450),
+    ("zoomed-small", 683, 384),
+];
+
+/// Ids of those elements that are not in view as a whole.
+fn hidden(browser: &mut Browser, ids: &[&str]) -> String {
+    let ids = ids.join("','");
+    let expression = format!(
+        "['{ids}'].filter((id) => {{ const box = document.getElementById(id).getBoundingClientRect(); \
+         return !(box.height > 0 && box.top >= 0 && box.bottom <= innerHeight && box.left >= 0 && box.right <= innerWidth); }}).join()"
+    );
+    browser.value(&expression).as_str().unwrap().to_owned()
+}
+
+/// Cards whose lowest content ends far above their lower edge.
+const HALF_EMPTY: &str = "[...document.querySelectorAll('main section, main .lead > *')].filter((card) => card.checkVisibility() && card.id !== 'result') \
+    .filter((card) => { const inner = [...card.querySelectorAll('*')].filter((one) => one.checkVisibility() && !one.closest('.unseen')); \
+        const lowest = Math.max(...inner.map((one) => one.getBoundingClientRect().bottom)); \
+        return card.getBoundingClientRect().bottom - lowest > 60; }).map((card) => card.className).join()";
+
+const FITS: &str = "document.documentElement.scrollWidth <= innerWidth";
+
+/// Distances of the header's content and the cards' from the edges of the window, left and right.
+const EDGES: &str = "(() => { const edge = (first, last) => [first.getBoundingClientRect().left, innerWidth - last.getBoundingClientRect().right].map(Math.round).join(); \
+    const head = edge(document.querySelector('h1'), document.querySelector('.tools')); \
+    const cards = document.querySelectorAll('main > *'); \
+    const shown = [...cards].filter((card) => card.checkVisibility()); \
+    const left = Math.min(...shown.map((card) => card.getBoundingClientRect().left)); \
+    const right = Math.min(...shown.map((card) => innerWidth - card.getBoundingClientRect().right)); \
+    return head === [left, right].map(Math.round).join(); })()";
+
+#[test]
+fn label_and_cue_are_in_view_in_windows_of_all_sizes() {
+    let Some(mut browser) = Browser::start("label_and_cue_are_in_view_in_windows_of_all_sizes")
+    else {
+        return;
+    };
+    let live = serve(Source::Demo);
+    for (name, width, height) in WINDOWS {
+        browser.look(width, height, "light", "no-preference");
+        browser.open(live.url());
+        browser.wait_for("document.getElementById('valid')?.dataset.valid === 'yes' && !document.getElementById('truth').hidden");
+        browser.frames(20);
+        browser.screenshot(&pictures().join(format!("size-{name}.png")));
+        let picture = if name == "phone" {
+            vec!["label", "truth", "agrees"]
+        } else {
+            vec!["label", "truth", "agrees", "traces"]
+        };
+        assert_eq!(hidden(&mut browser, &picture), "", "{name}");
+        assert_eq!(browser.value(FITS), true, "{name}");
+        assert_eq!(browser.value(HALF_EMPTY), "", "{name}");
+        if width > 860 {
+            assert_eq!(browser.value(EDGES), true, "{name}");
+        }
+    }
+    live.stop().unwrap();
+}
+
+#[test]
+fn task_and_label_are_in_view_in_a_session_in_windows_of_all_sizes() {
+    let name = "task_and_label_are_in_view_in_a_session_in_windows_of_all_sizes";
+    let Some(mut browser) = Browser::start(name) else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let protocol = SHORT.replace("rounds = 2", "rounds = 8");
+    let live = record(folder.path(), Source::Demo, &protocol, 1);
+    browser.look(1440, 900, "light", "no-preference");
+    browser.open(live.url());
+    browser.wait_for("document.getElementById('session')?.dataset.phase === 'waiting' && document.getElementById('valid').dataset.valid === 'yes'");
+    browser.press("Enter");
+    for (name, width, height) in WINDOWS {
+        browser.look(width, height, "light", "no-preference");
+        browser.wait_for("document.getElementById('session').dataset.phase === 'cued'");
+        browser.frames(20);
+        browser.screenshot(&pictures().join(format!("session-{name}.png")));
+        assert_eq!(
+            hidden(&mut browser, &["task", "label", "agrees"]),
+            "",
+            "{name}"
+        );
+        assert_eq!(browser.value(FITS), true, "{name}");
+        assert_eq!(browser.value(HALF_EMPTY), "", "{name}");
+    }
+    live.stop().unwrap();
+}
