@@ -1,5 +1,7 @@
 //! `myointent live`: the page and its messages, lines of JSON, a board on a pseudo-terminal, and the page in a browser.
 
+#[path = "live/accessible.rs"]
+mod accessible;
 #[path = "live/agreement.rs"]
 mod agreement;
 #[path = "live/align.rs"]
