@@ -291,14 +291,21 @@ fn run(link: &Path, arguments: &[&str]) -> bool {
 fn an_alignment_counts_as_set_once_the_board_says_that_it_is_in_force() {
     let folder = tempfile::tempdir().unwrap();
     let link = folder.path().join("board");
-    for (in_force, expected) in [(Alignment::new(3, true), true), (Alignment::NONE, false)] {
+    let set = ["align", "set", "3", "--mirrored"];
+    let reset = ["align", "reset"];
+    for (in_force, asked, expected) in [
+        (Alignment::new(3, true), &set[..], true),
+        (Alignment::NONE, &set, false),
+        (Alignment::NONE, &reset, true),
+        (Alignment::new(3, true), &reset, false),
+    ] {
         let board = Scripted::start(&link, move |command| match command {
             Command::Align(AlignCommand::State) => Answer::Alignment(in_force).to_string(),
             // Answer to a `set` that another program has sent.
             _ => Answer::Align(Accepted::Set).to_string(),
         });
-        let done = run(&link, &["align", "set", "3", "--mirrored"]);
-        assert_eq!(done, expected, "{in_force:?}");
+        let done = run(&link, asked);
+        assert_eq!(done, expected, "{asked:?} {in_force:?}");
         board.end();
     }
 }

@@ -101,6 +101,8 @@ enum Align {
         #[arg(long)]
         mirrored: bool,
     },
+    /// Take back whatever is in force: each electrode counts as in training.
+    Reset,
     /// Say which one is in force.
     State,
 }
@@ -197,6 +199,7 @@ fn run_align(board: &mut Board, align: &Align) -> anyhow::Result<()> {
         Align::Begin { mirrored } => AlignCommand::Begin(mirrored.unwrap_or_default()),
         Align::Cancel => AlignCommand::Cancel,
         Align::Set { turn, mirrored } => AlignCommand::Set(Alignment::new(turn, mirrored)),
+        Align::Reset => AlignCommand::Set(Alignment::NONE),
         Align::State => {
             writeln!(std::io::stdout(), "{}", Placed(in_force(board)?))?;
             return Ok(());

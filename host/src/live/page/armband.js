@@ -50,7 +50,6 @@ export class Armband {
       const outside = element(svg, "text", { class: "place", x: u, y: v }, String(place + 1));
       this.#pods.push({ activity, number, outside });
     }
-    this.place(0, false, "as in training, or not known");
   }
 
   /** Electrode numbers by the alignment in force. */

@@ -1,9 +1,11 @@
 // The page: takes messages from the program, draws, and passes on what the viewer asks for.
 
+import { Agreement } from "./agreement.js";
 import { Armband } from "./armband.js";
 import { CHANNELS, SampleHistory, csv } from "./history.js";
 import { Clock, RATE } from "./clock.js";
-import { Panel, alignmentText } from "./panel.js";
+import { Panel } from "./panel.js";
+import { Placement } from "./placement.js";
 import { Session } from "./session.js";
 import { Steps } from "./steps.js";
 import { Traces } from "./traces.js";
@@ -14,6 +16,8 @@ const history = new SampleHistory();
 const panel = new Panel();
 const traces = new Traces(find("traces"));
 const armband = new Armband(find("armband"), find("placement"));
+const agreement = new Agreement();
+const placement = new Placement(armband, say);
 const session = new Session(say);
 const steps = new Steps(say);
 const still = matchMedia("(prefers-reduced-motion: reduce)");
@@ -80,11 +84,13 @@ const TAKE = {
     newest = message.is_label && message.valid ? message : message.is_label ? newest : null;
     history.report(message);
     panel.report(message);
+    judge(message);
   },
   scores: (message) => history.scores.push(message),
   alignment(message) {
     history.placed = message.turn + 8 * message.mirrored;
-    placed(message.turn, message.mirrored, alignmentText(message), message.state === "waiting");
+    placement.take(message);
+    aligns(message.state === "waiting");
   },
   mark: (message) => history.marks.push(message),
   session(message) {
@@ -118,11 +124,22 @@ function noStream() {
   newest = null;
   panel.noLabel("no stream");
   history.placed = 0;
-  placed(0, false, "not known", false);
+  placement.clear();
+  aligns(false);
 }
 
-function placed(turn, mirrored, text, waiting) {
-  armband.place(turn, mirrored, text);
+/** Whether a label is what was asked for. */
+function judge(message) {
+  if (message.is_label && message.valid) {
+    const { state, cue } = agreement.take(history, message);
+    if (cue !== "relax" && (state === "right" || state === "wrong")) {
+      placement.judged(state === "right");
+    }
+    panel.share(agreement);
+  }
+}
+
+function aligns(waiting) {
   aligning = waiting;
   find("align").setAttribute("aria-pressed", String(waiting));
 }
@@ -197,7 +214,7 @@ addEventListener("keydown", (event) => {
     event.preventDefault();
     return;
   }
-  const keys = { " ": "pause", m: "mark", s: "save", a: "align" };
+  const keys = { " ": "pause", m: "mark", s: "save", a: "align", u: "undo" };
   const id = keys[event.key.toLowerCase()];
   if (id && !(event.key === " " && event.target instanceof HTMLButtonElement)) {
     event.preventDefault();

@@ -1,5 +1,7 @@
 // Texts and numbers beside the traces. Only what has changed is written to the document.
 
+import { percent } from "./agreement.js";
+
 const CAUSES = {
   boot: "started; needs 3 s of samples",
   watchdog: "the watchdog restarted the board; needs 3 s of samples",
@@ -78,6 +80,15 @@ export class Panel {
     write(this.#truth.querySelector("b"), label ?? "no label");
   }
 
+  /** Shares of the labels that are as asked, in per cent; `data-gestures` is the number of those in gestures. */
+  share(agreement) {
+    const [gestures, rest] = [percent(agreement.gestures), percent(agreement.rest)];
+    const parts = [gestures === null ? "" : `${gestures} % in gestures`, rest === null ? "" : `${rest} % in rest`].filter(Boolean);
+    find("share").hidden = parts.length === 0;
+    find("share").dataset.gestures = agreement.gestures[1];
+    write(find("share"), `labels as asked: ${parts.join(", ")}`);
+  }
+
   number(id, text) {
     write(find(id), text);
   }
@@ -102,7 +113,7 @@ export class Panel {
 /** How the armband sits, in words. */
 export function placement({ turn, mirrored }) {
   const turned = turn ? `turned by ${turn} place${turn === 1 ? "" : "s"}` : "";
-  const parts = [turned, mirrored ? "mirrored (other arm)" : ""].filter(Boolean);
+  const parts = [turned, mirrored ? "on the other arm" : ""].filter(Boolean);
   return parts.join(", ") || "as in training";
 }
 

@@ -11,7 +11,7 @@ const CROSS_ORIGIN_RESOURCE_POLICY: HeaderName =
     HeaderName::from_static("cross-origin-resource-policy");
 
 /// Path, MIME type and text of each file.
-const FILES: [(&str, &str, &str); 15] = [
+const FILES: [(&str, &str, &str); 17] = [
     ("", HTML, include_str!("../page/index.html")),
     (
         "icon.svg",
@@ -21,11 +21,13 @@ const FILES: [(&str, &str, &str); 15] = [
     ("live.css", CSS, include_str!("../page/live.css")),
     ("session.css", CSS, include_str!("../page/session.css")),
     ("live.js", SCRIPT, include_str!("../page/live.js")),
+    ("agreement.js", SCRIPT, include_str!("../page/agreement.js")),
     ("armband.js", SCRIPT, include_str!("../page/armband.js")),
     ("clock.js", SCRIPT, include_str!("../page/clock.js")),
     ("gestures.js", SCRIPT, include_str!("../page/gestures.js")),
     ("panel.js", SCRIPT, include_str!("../page/panel.js")),
     ("history.js", SCRIPT, include_str!("../page/history.js")),
+    ("placement.js", SCRIPT, include_str!("../page/placement.js")),
     ("result.js", SCRIPT, include_str!("../page/result.js")),
     ("session.js", SCRIPT, include_str!("../page/session.js")),
     ("steps.js", SCRIPT, include_str!("../page/steps.js")),

@@ -17,6 +17,8 @@ pub(super) enum ViewerMessage {
     Align,
     /// Cancel the alignment.
     Cancel,
+    /// Put a known alignment in force.
+    Place { turn: u8, mirrored: bool },
     /// Begin a pairing on the board.
     Bind,
     /// Control the recording session.
@@ -36,6 +38,7 @@ impl ViewerMessage {
             Self::Mark { .. } => "mark",
             Self::Align => "align",
             Self::Cancel => "cancel",
+            Self::Place { .. } => "place",
             Self::Bind => "bind",
             Self::Session {
                 command: SessionCommand::Install,

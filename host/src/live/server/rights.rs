@@ -54,7 +54,10 @@ const NO_BOARD: Right = Nobody("there is no board here: `myointent record --port
 
 /// Requests, and who may send them in [`Mode::Live`], `Replay`, `Record`, `RecordBoard`.
 const TABLE: [(&[&str], [Right; 4]); 4] = [
-    (&["ping", "mark", "align", "cancel"], [All, All, All, All]),
+    (
+        &["ping", "mark", "align", "cancel", "place"],
+        [All, All, All, All],
+    ),
     (
         &["session", "gesture"],
         [NO_SESSION, NO_SESSION, Leader, Leader],

@@ -5,7 +5,9 @@ use std::time::{Duration, Instant};
 
 use axum::body::Bytes;
 use axum::extract::ws::{Message as Frame, WebSocket};
-use shared::intent::Intent;
+use recordings::labels::motion::Motion;
+use shared::stream::alignment::Alignment;
+use shared::units::CHANNELS;
 use tokio::sync::broadcast::error::TryRecvError;
 use tokio::time::{MissedTickBehavior, interval, interval_at, timeout};
 
@@ -156,13 +158,18 @@ impl Viewer {
             }
             ViewerMessage::Align => self.request_source(SourceRequest::Align),
             ViewerMessage::Cancel => self.request_source(SourceRequest::CancelAlignment),
+            ViewerMessage::Place { turn, .. } if usize::from(turn) >= CHANNELS => Err(UNKNOWN),
+            ViewerMessage::Place { turn, mirrored } => {
+                let known = Alignment::new(turn, mirrored);
+                self.request_source(SourceRequest::SetAlignment(known))
+            }
             ViewerMessage::Bind => self.request_source(SourceRequest::Bind),
             ViewerMessage::Session { command } => self.request_recorder(command.request()),
-            ViewerMessage::Gesture { ref class } => match Intent::from_name(class) {
-                Some(intent) => {
-                    self.request_recorder(RecorderRequest::Action(Action::Mark(intent)))
+            ViewerMessage::Gesture { ref class } => match Motion::from_name(class) {
+                None | Some(Motion::Unknown) => Err(UNKNOWN),
+                Some(motion) => {
+                    self.request_recorder(RecorderRequest::Action(Action::Mark(motion)))
                 }
-                None => Err(UNKNOWN),
             },
         });
         match (done, message) {

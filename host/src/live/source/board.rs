@@ -186,6 +186,7 @@ impl<E: Encode> BoardConnection<'_, '_, E> {
             self.send(match request {
                 SourceRequest::Align => Command::Align(AlignCommand::Begin(Arm::Unknown)),
                 SourceRequest::CancelAlignment => Command::Align(AlignCommand::Cancel),
+                SourceRequest::SetAlignment(known) => Command::Align(AlignCommand::Set(known)),
                 SourceRequest::Bind => Command::Bind(BindCommand::Begin),
                 SourceRequest::Install(model) => {
                     self.leave();

@@ -3,7 +3,9 @@
 #[cfg(any(feature = "bluetooth", test))]
 pub(crate) mod bluetooth;
 mod board;
+mod demo;
 mod dialogue;
+mod person;
 mod playback;
 mod scored_pipeline;
 mod scores;
@@ -15,13 +17,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Receiver;
 
 use shared::myo::Address;
+use shared::stream::alignment::Alignment;
 
 use self::board::BoardSource;
+use self::person::{Cues, Person};
 use self::playback::{Playback, SampleSource};
 pub(crate) use self::shared_cue::SharedCue;
 use super::SHIPPED;
 use super::hub::Hub;
-use recordings::synthetic::{self, Follower, SynthOptions};
 use recordings::{DataSet, Recording};
 
 /// Source of a stream.
@@ -93,10 +96,12 @@ impl Source {
             }
             Self::Demo => {
                 let name = "synthetic, of nobody".to_owned();
-                let emg = match cue_and_speed {
-                    Some((cue, _)) => SampleSource::Person(Box::new(Follower::new("demo")), cue),
-                    None => of(demo()),
+                let cues = match cue_and_speed {
+                    Some((cue, _)) => Cues::Session(cue),
+                    None => Cues::List(demo::cues()),
                 };
+                let person = Person::new(demo::follower(), cues);
+                let emg = SampleSource::Person(Box::new(person));
                 playback("demo", name, emg, model).run(context)
             }
         }
@@ -110,6 +115,8 @@ pub(crate) enum SourceRequest {
     Align,
     /// Cancel the alignment in progress.
     CancelAlignment,
+    /// Put an alignment in force that is known.
+    SetAlignment(Alignment),
     /// Begin a pairing; boards only.
     Bind,
     /// Install this model; boards only.
@@ -155,44 +162,4 @@ fn follow(_: Option<Address>, _: Option<Vec<u8>>, _: &Context) -> anyhow::Result
     anyhow::bail!(
         "this program was built without Bluetooth: cargo run --release --features bluetooth -- live --bluetooth any"
     )
-}
-
-/// The simulated person of the demo: the first whom the shipped model recognises in every gesture.
-const DEMO_PERSON: usize = 7;
-
-/// Generates a minute of a simulated forearm.
-fn demo() -> Recording {
-    let options = SynthOptions {
-        recordings: 1,
-        ..SynthOptions::default()
-    };
-    synthetic::generate_person(&options, DEMO_PERSON).remove(0)
-}
-
-#[cfg(test)]
-mod tests {
-    use evaluation::{EvaluatedRecording, LookAhead, gestures, integer_candidate};
-    use recordings::labels::compensation::Compensation;
-    use shared::intent::Vocabulary;
-    use shared::model::file::Model;
-
-    use super::*;
-
-    #[test]
-    fn the_shipped_model_recognises_every_gesture_of_the_demo() {
-        let (recording, vocabulary) = (demo(), Vocabulary::Three);
-        let compensation = Compensation::EachCue;
-        let recordings = [EvaluatedRecording::new(
-            &recording,
-            |_| {},
-            vocabulary,
-            compensation,
-        )];
-        let file = SHIPPED.to_vec();
-        let model = Model::parse(&file).unwrap();
-        let candidate = integer_candidate("shipped", &model, &recordings).unwrap();
-        let made = gestures(&candidate, &recordings, vocabulary, LookAhead::AllRows).unwrap();
-        let missed = made.iter().filter(|gesture| gesture.latency.is_none());
-        assert_eq!((missed.count(), made.len() > 8), (0, true), "{made:?}");
-    }
 }

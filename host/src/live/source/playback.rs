@@ -9,10 +9,10 @@ use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
 use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample, SampleIndex};
 
+use super::Context;
+use super::person::Person;
 use super::scored_pipeline::ScoredPipeline;
-use super::{Context, SharedCue};
 use crate::live::event::Event;
-use recordings::synthetic::Follower;
 
 /// Samples in one notification of the armband.
 const TOGETHER: usize = 2;
@@ -30,7 +30,7 @@ pub(crate) enum SampleSource {
         labels: Vec<Option<Intent>>,
     },
     /// Simulated person who does what is asked for.
-    Person(Box<Follower>, SharedCue),
+    Person(Box<Person>),
 }
 
 /// Samples to play in real time, and the model to run on them.
@@ -68,14 +68,24 @@ impl SampleSource {
                     again: offset == 0 && first.0 > 0,
                 }
             }
-            Self::Person(person, cue) => {
-                let cue = cue.at(first, LATE);
+            Self::Person(person) => {
+                let (emg, cues) = person.next::<TOGETHER>(first, LATE);
+                let names = || cues.map(|cue| cue.map(Intent::name)).to_vec();
                 Notification {
-                    emg: (0..TOGETHER).map(|_| person.sample(cue)).collect(),
-                    truth: None,
+                    emg: emg.to_vec(),
+                    truth: cues.iter().any(Option::is_some).then(names),
                     again: false,
                 }
             }
+        }
+    }
+
+    /// Tells a person whether an alignment is in progress. Returns whether it has to begin anew, because the person has come to
+    /// rest: an alignment that begins in a gesture could take that for an opening.
+    fn align(&mut self, is_aligning: bool) -> bool {
+        match self {
+            Self::Recording { .. } => false,
+            Self::Person(person) => person.align(is_aligning),
         }
     }
 }
@@ -112,6 +122,9 @@ impl Playback {
             let period = Duration::from_millis(u64::from(SAMPLE_PERIOD_MS)) * TOGETHER as u32;
             due += period / self.speed.max(1);
             scored.requests(context);
+            if self.samples.align(scored.is_aligning()) {
+                scored.begin_alignment();
+            }
             let notification = self.samples.next(next);
             next = take(context, &mut scored, notification, next);
         }

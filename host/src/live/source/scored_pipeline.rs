@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use shared::model::Encode;
 use shared::model::file::Model;
-use shared::pipeline::{Pipeline, Reports};
+use shared::pipeline::{AlignmentPhase, Pipeline, Reports};
 use shared::stream::alignment::{Alignment, Arm};
 use shared::stream::smoother::{Settings, SettingsError};
 use shared::uart_line::Report;
@@ -124,12 +124,23 @@ impl<'r, E: Encode> ScoredPipeline<'r, E> {
         self.pipeline.disconnected(now)
     }
 
-    /// Begins or cancels an alignment, as viewers have asked for.
+    /// Whether an alignment is in progress.
+    pub(super) const fn is_aligning(&self) -> bool {
+        matches!(self.pipeline.alignment_phase(), AlignmentPhase::Waiting)
+    }
+
+    /// Begins an alignment, anew if one is in progress.
+    pub(super) fn begin_alignment(&mut self) {
+        self.pipeline.begin_alignment(Arm::Unknown);
+    }
+
+    /// Begins, cancels or sets an alignment, as viewers have asked for.
     pub(super) fn requests(&mut self, context: &Context) {
         while let Ok(request) = context.requests.try_recv() {
             match request {
-                SourceRequest::Align => self.pipeline.begin_alignment(Arm::Unknown),
+                SourceRequest::Align => self.begin_alignment(),
                 SourceRequest::CancelAlignment => self.pipeline.cancel_alignment(),
+                SourceRequest::SetAlignment(alignment) => self.set_alignment(alignment),
                 // There is no board.
                 SourceRequest::Bind | SourceRequest::Install(_) => {}
             }
