@@ -1,34 +1,35 @@
 // Agreement of labels with what was asked for: the recording's cue, or the session's.
 
+import { CLASSES } from "./history.js";
 import { RATE } from "./clock.js";
-import { classOf } from "./history.js";
-
-/** The label that a cue asks for: other movement is to raise none. */
-const expected = (cue) => (classOf(cue) === "other" ? "relax" : cue);
 
 /** Samples after a change of the cue in which no label is judged: nobody follows at once. */
 const GRACE = RATE;
 const STEP = RATE / 20;
 
 export class Agreement {
-  /** [as asked, all] of the labels in gestures, and in rest. */
-  gestures = [0, 0];
-  rest = [0, 0];
-
-  clear() {
-    this.gestures = [0, 0];
-    this.rest = [0, 0];
+  constructor() {
+    this.clear();
   }
 
-  /** Judges a label and counts it. */
+  clear() {
+    /** [as asked, all] of the labels in gestures, in rest and in other movement. */
+    this.gestures = [0, 0];
+    this.rest = [0, 0];
+    this.other = [0, 0];
+  }
+
+  /** Judges a label and counts it. Returns whether it is right; null in rest, and where it is not judged. */
   take(history, { instant, label }) {
     const { state, cue } = judge(history, instant, label);
-    if (state === "right" || state === "wrong") {
-      const counts = expected(cue) === "relax" ? this.rest : this.gestures;
-      counts[0] += state === "right" ? 1 : 0;
-      counts[1] += 1;
+    if (state !== "right" && state !== "wrong") {
+      return null;
     }
-    return { state, cue };
+    const isRight = state === "right";
+    const counts = cue === "relax" ? this.rest : CLASSES.includes(cue) ? this.gestures : this.other;
+    counts[0] += isRight ? 1 : 0;
+    counts[1] += 1;
+    return counts === this.gestures ? isRight : null;
   }
 }
 
@@ -43,7 +44,9 @@ export function judge(history, sample, label) {
       return { state: "soon", cue };
     }
   }
-  return { state: label === expected(cue) ? "right" : "wrong", cue };
+  // A movement that is none of the classes means nothing, as rest does.
+  const expected = CLASSES.includes(cue) ? cue : "relax";
+  return { state: label === expected ? "right" : "wrong", cue };
 }
 
 /** A share of counted labels in per cent; null of none. */

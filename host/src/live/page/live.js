@@ -4,6 +4,7 @@ import { Agreement } from "./agreement.js";
 import { Armband } from "./armband.js";
 import { CHANNELS, SampleHistory, csv } from "./history.js";
 import { Clock, RATE } from "./clock.js";
+import { Now } from "./now.js";
 import { Panel } from "./panel.js";
 import { Placement } from "./placement.js";
 import { Session } from "./session.js";
@@ -13,6 +14,7 @@ import { Traces } from "./traces.js";
 const find = (id) => document.getElementById(id);
 const clock = new Clock();
 const history = new SampleHistory();
+const now = new Now();
 const panel = new Panel();
 const traces = new Traces(find("traces"));
 const armband = new Armband(find("armband"), find("placement"));
@@ -26,6 +28,9 @@ let socket = null;
 let ended = false;
 let connected = false;
 let newest = null;
+/** The last report of the stream; null without one, and then why there is none. */
+let report = null;
+let noReport = "no label yet";
 let paused = null;
 let held = null;
 let marks = 0;
@@ -78,13 +83,13 @@ const TAKE = {
     history.samples(message.first, message.emg, message.truth);
     clock.samples(end, message.at);
     arrived.push([message.at, message.emg.length]);
-    panel.truth(message.truth?.at(-1));
   },
   report(message) {
     newest = message.is_label && message.valid ? message : message.is_label ? newest : null;
+    report = message;
     history.report(message);
     panel.report(message);
-    judge(message);
+    count(message);
   },
   scores: (message) => history.scores.push(message),
   alignment(message) {
@@ -95,6 +100,10 @@ const TAKE = {
   mark: (message) => history.marks.push(message),
   session(message) {
     history.cue(message.from ?? history.end ?? 0, message.cue);
+    if (message.phase === "waiting") {
+      agreement.clear();
+      now.share(agreement);
+    }
     session.show(message);
   },
   lead: (message) => session.lead(message),
@@ -121,21 +130,21 @@ function lost(text) {
 }
 
 function noStream() {
-  newest = null;
-  panel.noLabel("no stream");
+  newest = report = null;
+  noReport = "no stream";
   history.placed = 0;
   placement.clear();
   aligns(false);
 }
 
-/** Whether a label is what was asked for. */
-function judge(message) {
+/** Counts whether a label is what was asked for. */
+function count(message) {
   if (message.is_label && message.valid) {
-    const { state, cue } = agreement.take(history, message);
-    if (cue !== "relax" && (state === "right" || state === "wrong")) {
-      placement.judged(state === "right");
+    const isRight = agreement.take(history, message);
+    if (isRight !== null) {
+      placement.judged(isRight);
     }
-    panel.share(agreement);
+    now.share(agreement);
   }
 }
 
@@ -237,6 +246,7 @@ function edge() {
 
 function frame() {
   session.frame(edge());
+  now.show(history, (history.end ?? 1) - 1, report, noReport);
   traces.draw(history, paused ?? edge(), paused === null ? newest : held);
   // Of what is drawn for the first time: from its arrival at the program to the picture.
   const end = Math.min(history.end ?? 0, edge());
@@ -294,6 +304,7 @@ panel.legend(null);
 numbers();
 setInterval(numbers, 1000);
 setInterval(activity, 100);
+setInterval(() => now.speak(), 2000);
 setInterval(ping, 10_000);
 connect();
 requestAnimationFrame(frame);

@@ -2,6 +2,7 @@
 
 import { CHANNELS, lastUpTo } from "./history.js";
 import { RATE } from "./clock.js";
+import { cues, labels } from "./rows.js";
 import { axis, grid, marks, ruler } from "./time.js";
 
 const GUTTER = 52;
@@ -79,10 +80,12 @@ export class Traces {
       top += scores + gap;
     }
     if (history.hasTruth) {
-      this.#truth(view, top, label);
+      this.#caption("asked", top + label / 2);
+      cues(view, top, label);
       top += label + gap;
     }
-    this.#labels(view, top, label);
+    this.#caption("label", top + label / 2);
+    labels(view, top, label, this.hold, (cause) => `not valid: ${cause}`);
     ruler(view, newest, this.hold, top + label, rule);
     marks(view, height - bottom);
     axis(view, height - bottom, bottom);
@@ -160,8 +163,8 @@ export class Traces {
     const start = Math.max(0, lastUpTo(view.history.scores, "instant", view.from) - 1);
     names.forEach((name, place) => {
       pen.strokeStyle = this.#colours[name];
-      pen.lineWidth = name === "other" ? 1.2 : 2;
-      pen.setLineDash(name === "other" ? [4, 3] : []);
+      pen.lineWidth = 2;
+      pen.setLineDash(name === "other" ? [6, 3] : []);
       pen.save();
       pen.beginPath();
       pen.rect(view.left, top, view.width - view.left, height);
@@ -185,64 +188,6 @@ export class Traces {
       pen.restore();
     });
     pen.setLineDash([]);
-  }
-
-  // One block of a label, with its name if there is room.
-  #block(view, from, to, name, top, height, safe) {
-    const pen = this.#context;
-    const [left, right] = [Math.max(view.left, view.x(from)), Math.min(view.width, view.x(to))];
-    if (right <= left) {
-      return;
-    }
-    if (safe) {
-      pen.strokeStyle = this.#colours.line;
-      pen.strokeRect(left + 0.5, top + 0.5, right - left - 1, height - 1);
-    } else {
-      // Rest is most of the time: quiet, so that gestures stand out.
-      pen.fillStyle = name === "relax" ? this.#colours.line : this.#colours[name] ?? this.#colours.quiet;
-      pen.fillRect(left, top, right - left, height);
-    }
-    if (pen.measureText(name).width + 10 < right - left) {
-      const onRest = name === "relax" ? this.#colours.ink : this.#colours["on-class"];
-      pen.fillStyle = safe ? this.#colours.quiet : onRest;
-      pen.textAlign = "left";
-      pen.fillText(name, left + 5, top + height / 2 + 0.5);
-    }
-  }
-
-  #truth(view, top, height) {
-    this.#caption("cue", top + height / 2);
-    const end = Math.min(view.history.end, Math.floor(view.to));
-    let from = Math.max(view.history.first, Math.ceil(view.from));
-    while (from < end) {
-      const name = view.history.truthAt(from);
-      let to = from + 1;
-      while (to < end && view.history.truthAt(to) === name) {
-        to += 1;
-      }
-      if (name) {
-        this.#block(view, from, to, name, top, height, false);
-      }
-      from = to;
-    }
-  }
-
-  #labels(view, top, height) {
-    this.#caption("label", top + height / 2);
-    const { labels } = view.history;
-    let at = Math.max(0, lastUpTo(labels, "from", view.from));
-    while (at < labels.length && labels[at].from < view.to) {
-      const { from, label, valid, cause } = labels[at];
-      let next = at + 1;
-      while (next < labels.length && labels[next].label === label && labels[next].valid === valid) {
-        next += 1;
-      }
-      // The newest label is for the hold alone; a state lasts.
-      const open = valid ? Math.min(view.to, labels[next - 1].from + this.hold) : view.to;
-      const to = next < labels.length ? labels[next].from : open;
-      this.#block(view, from, to, valid ? label : `not valid: ${cause}`, top, height, !valid);
-      at = next;
-    }
   }
 
   /** Samples from one label to the next. */

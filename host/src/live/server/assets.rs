@@ -11,7 +11,7 @@ const CROSS_ORIGIN_RESOURCE_POLICY: HeaderName =
     HeaderName::from_static("cross-origin-resource-policy");
 
 /// Path, MIME type and text of each file.
-const FILES: [(&str, &str, &str); 17] = [
+const FILES: [(&str, &str, &str); 20] = [
     ("", HTML, include_str!("../page/index.html")),
     (
         "icon.svg",
@@ -19,16 +19,19 @@ const FILES: [(&str, &str, &str); 17] = [
         include_str!("../page/icon.svg"),
     ),
     ("live.css", CSS, include_str!("../page/live.css")),
+    ("layout.css", CSS, include_str!("../page/layout.css")),
     ("session.css", CSS, include_str!("../page/session.css")),
     ("live.js", SCRIPT, include_str!("../page/live.js")),
     ("agreement.js", SCRIPT, include_str!("../page/agreement.js")),
     ("armband.js", SCRIPT, include_str!("../page/armband.js")),
     ("clock.js", SCRIPT, include_str!("../page/clock.js")),
     ("gestures.js", SCRIPT, include_str!("../page/gestures.js")),
+    ("now.js", SCRIPT, include_str!("../page/now.js")),
     ("panel.js", SCRIPT, include_str!("../page/panel.js")),
     ("history.js", SCRIPT, include_str!("../page/history.js")),
     ("placement.js", SCRIPT, include_str!("../page/placement.js")),
     ("result.js", SCRIPT, include_str!("../page/result.js")),
+    ("rows.js", SCRIPT, include_str!("../page/rows.js")),
     ("session.js", SCRIPT, include_str!("../page/session.js")),
     ("steps.js", SCRIPT, include_str!("../page/steps.js")),
     ("time.js", SCRIPT, include_str!("../page/time.js")),
@@ -151,8 +154,8 @@ mod tests {
                 texts.extend(colours.map(|colour| colour.trim_end_matches(')')));
             }
         }
-        // Excluded: the class of the session's task, and the colour of a line in the legend, which is no text.
-        texts.retain(|text| !["now", "on-class", "other"].contains(text));
+        // Excluded: the class of the session's task.
+        texts.retain(|text| !["now", "on-class"].contains(text));
         assert!(
             texts.contains("quiet") && texts.contains("bad"),
             "{texts:?}"
