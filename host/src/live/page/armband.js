@@ -27,12 +27,10 @@ export class Armband {
   #pods = [];
   #arrow;
   #tip;
-  #text;
   #turn = 0;
   #mirrored = false;
 
-  constructor(svg, text) {
-    this.#text = text;
+  constructor(svg) {
     element(svg, "ellipse", { class: "arm", rx: WIDE - 22, ry: HIGH - 20 });
     element(svg, "circle", { class: "arm", cx: -13, cy: 4, r: 8 });
     element(svg, "circle", { class: "arm", cx: 14, cy: 6, r: 10 });
@@ -53,7 +51,7 @@ export class Armband {
   }
 
   /** Electrode numbers by the alignment in force. */
-  place(turn, mirrored, text) {
+  place(turn, mirrored) {
     [this.#turn, this.#mirrored] = [turn, mirrored];
     this.#pods.forEach((pod, place) => {
       pod.number.textContent = String(electrodeAt(place, turn, mirrored) + 1);
@@ -61,7 +59,6 @@ export class Armband {
       pod.outside.setAttribute("visibility", turn || mirrored ? "visible" : "hidden");
     });
     this.#draw(turn, mirrored);
-    this.#text.textContent = text;
   }
 
   // From the model's first place to where the armband's first electrode is.

@@ -2,6 +2,7 @@
 
 import { Agreement } from "./agreement.js";
 import { Armband } from "./armband.js";
+import "./help.js";
 import { CHANNELS, SampleHistory, csv } from "./history.js";
 import { Clock, RATE } from "./clock.js";
 import { Now } from "./now.js";
@@ -17,7 +18,7 @@ const history = new SampleHistory();
 const now = new Now();
 const panel = new Panel();
 const traces = new Traces(find("traces"));
-const armband = new Armband(find("armband"), find("placement"));
+const armband = new Armband(find("armband"));
 const agreement = new Agreement();
 const placement = new Placement(armband, say);
 const session = new Session(say);

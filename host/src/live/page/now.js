@@ -10,7 +10,7 @@ const CAUSES = {
   disconnected: "the armband was disconnected",
   silence: "no sample for 200 ms",
   gap: "more than 5 samples in a row were lost; needs 3 s of samples",
-  losses: "more than 10 % of the window was lost",
+  losses: "more than 10 % of the last 3 s were lost",
   stalled: "the board was too slow; needs 3 s of samples",
   installation: "a new model is being installed",
 };
@@ -57,7 +57,7 @@ export class Now {
     write(this.#agrees.firstElementChild, sign);
     write(this.#agrees.lastElementChild, word);
     this.#valid.dataset.valid = entry === null ? "unknown" : entry.valid ? "yes" : "no";
-    write(this.#valid, entry === null ? none : entry.valid ? "valid" : `not valid: ${causeText(entry.cause)}`);
+    write(this.#valid, entry === null ? none : entry.valid ? "in use" : `not in use: ${causeText(entry.cause)}`);
   }
 
   /** Shows the shares of the labels that are as asked; `data-gestures` is the number of those in gestures. */

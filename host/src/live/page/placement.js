@@ -1,6 +1,17 @@
 // How the armband sits: what an alignment changed, how to take that back, and whether labels are worse since.
 
-import { alignmentText, placement } from "./panel.js";
+const OUTCOMES = {
+  waiting: (found) => `rest, open the hand wide for a second, rest; ${found} of 2 openings seen`,
+  aligned: () => "aligned",
+  "in-force": () => "in force",
+  "poor-distance": () => "not aligned: those were no openings of the hand; nothing changed",
+  "poor-margin": () => "not aligned: two placements look alike; nothing changed",
+  timeout: () => "not aligned: no two openings of the hand in 30 s; nothing changed",
+  cancelled: () => "alignment ended; nothing changed",
+  disconnected: () => "not aligned since the armband was connected",
+  unavailable: () => "this model has no template, so it cannot be aligned",
+  set: () => "set",
+};
 
 /** Labels in gestures that are compared, at least: 3 s of them. The first ones after a change may belong to before. */
 const ENOUGH = 30;
@@ -20,6 +31,35 @@ function write(node, text) {
 const NONE = { turn: 0, mirrored: false };
 const same = (one, other) => one.turn === other.turn && one.mirrored === other.mirrored;
 const isNone = (placed) => same(placed, NONE);
+
+/** How the armband sits, in words. */
+export function placement({ turn, mirrored }) {
+  const turned = turn ? `turned by ${turn} place${turn === 1 ? "" : "s"}` : "";
+  const parts = [turned, mirrored ? "on the other arm" : ""].filter(Boolean);
+  return parts.join(", ") || "as in training";
+}
+
+/** What an alignment does, or what came of it, in words. */
+export function outcome({ state, gestures }) {
+  return (OUTCOMES[state] ?? (() => state))(gestures);
+}
+
+const sentence = (text) => `${text[0].toUpperCase()}${text.slice(1)}`;
+
+/** What is in force, and what came of an alignment, as a sentence. */
+function said(message) {
+  const placed = isNone(message) ? null : placement(message);
+  switch (message.state) {
+    case "waiting":
+      return `Aligning: ${outcome(message)}`;
+    case "aligned":
+      return `Aligned: ${placed ?? "it sits as in training"}`;
+    case "set": case "in-force": case "disconnected":
+      return placed ? `Set: ${placed}` : "Not aligned";
+    default:
+      return sentence(placed ? `${placed}; ${outcome(message)}` : outcome(message));
+  }
+}
 
 export class Placement {
   #armband;
@@ -41,19 +81,18 @@ export class Placement {
     this.clear();
   }
 
-  /** Takes a message about the alignment. */
-  take(message) {
+  /** Takes a message about the alignment; an old one is of what was in force before this page was opened. */
+  take(message, isOld) {
     const { turn, mirrored, state } = message;
     const placed = { turn, mirrored };
     if (!same(placed, this.#now)) {
-      // What is in force already was found before this page was opened.
-      this.#before = this.#asked || state === "in-force" ? null : this.#now;
+      this.#before = this.#asked || isOld || state === "in-force" ? null : this.#now;
       this.#asked = false;
       this.#shareBefore = this.#before && this.#share();
       this.#judged = [];
     }
     this.#now = placed;
-    this.#show(alignmentText(message));
+    this.#show(message);
   }
 
   /** Takes whether a label in a gesture is the one asked for. */
@@ -71,7 +110,7 @@ export class Placement {
     this.#before = this.#shareBefore = null;
     this.#asked = false;
     this.#judged = [];
-    this.#show("not aligned");
+    this.#show({ ...NONE, state: "disconnected", distance: null, margin: null });
   }
 
   #put(placed) {
@@ -86,9 +125,14 @@ export class Placement {
     return counted.length < ENOUGH ? null : Math.round((100 * counted.filter(Boolean).length) / counted.length);
   }
 
-  #show(text) {
+  #show(message) {
     const before = this.#before;
-    this.#armband.place(this.#now.turn, this.#now.mirrored, text);
+    this.#armband.place(this.#now.turn, this.#now.mirrored);
+    write(find("placement"), said(message));
+    const { distance, margin } = message;
+    find("fit").hidden = distance === null;
+    write(find("distance"), distance === null ? "" : `${distance / 100}`);
+    write(find("margin"), margin === null ? "" : `${margin / 100}`);
     find("undo").hidden = before === null;
     write(find("undo").firstElementChild, before === null ? "" : `Undo: ${placement(before)}`);
     find("reset").hidden = isNone(this.#now) || (before !== null && isNone(before));

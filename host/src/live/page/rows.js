@@ -4,8 +4,8 @@ import { RATE } from "./clock.js";
 import { judge } from "./agreement.js";
 import { lastUpTo } from "./history.js";
 
-/** Height of the hatching under a label that differs from what was asked, and the step in which it is looked for. */
-const HATCHED = 5;
+/** Height and distance of the strokes under a label that is not as asked, in px, and the step in which it is looked for. */
+const HATCHED = 6;
 const STEP = RATE / 20;
 
 // One block of a label, with its name if there is room.
@@ -74,14 +74,17 @@ export function labels(view, top, height, hold, none) {
 function differences(view, from, to, label, top) {
   const { pen, history } = view;
   pen.strokeStyle = view.colours.bad;
-  pen.lineWidth = 1.5;
+  pen.lineWidth = 2;
   pen.beginPath();
   const first = Math.max(from, history.first, Math.floor(view.from));
-  for (let sample = Math.ceil(first / STEP) * STEP; sample < Math.min(to, view.to, history.end); sample += STEP) {
+  const end = Math.min(to, view.to, history.end);
+  for (let sample = Math.ceil(first / STEP) * STEP; sample < end; sample += STEP) {
     if (judge(history, sample, label).state === "wrong") {
-      const x = view.x(sample);
-      pen.moveTo(x, top + HATCHED);
-      pen.lineTo(x + HATCHED, top);
+      const right = view.x(Math.min(end, sample + STEP));
+      for (let x = Math.ceil(view.x(sample) / HATCHED) * HATCHED; x < right; x += HATCHED) {
+        pen.moveTo(x, top + HATCHED);
+        pen.lineTo(x + HATCHED / 2, top + 1);
+      }
     }
   }
   pen.stroke();

@@ -1,6 +1,6 @@
 // Steps to a model of one's own: which are done, which one is now; and what connecting, binding and aligning ask for.
 
-import { outcome, placement } from "./panel.js";
+import { outcome, placement } from "./placement.js";
 
 const NAMES = { connect: "Connect", bind: "Bind", align: "Align", record: "Record", tune: "Tune", compare: "Compare", install: "Install" };
 const FOLLOWS = ["bound", "built-in", "strongest"];
@@ -143,7 +143,7 @@ export class Steps {
       return null;
     }
     if (alignment?.state === "waiting") {
-      return ["Open the hand wide, twice", sentence(outcome(alignment).replace("waiting: ", "")), ["align-now", "skip"], null];
+      return ["Open the hand wide, twice", sentence(outcome(alignment)), ["align-now", "skip"], null];
     }
     if (!report?.valid) {
       const followed = binding?.armband ? `The board follows ${binding.armband}. ` : "";

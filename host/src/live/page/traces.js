@@ -2,6 +2,7 @@
 
 import { CHANNELS, lastUpTo } from "./history.js";
 import { RATE } from "./clock.js";
+import { causeText } from "./now.js";
 import { cues, labels } from "./rows.js";
 import { axis, grid, marks, ruler } from "./time.js";
 
@@ -85,7 +86,7 @@ export class Traces {
       top += label + gap;
     }
     this.#caption("label", top + label / 2);
-    labels(view, top, label, this.hold, (cause) => `not valid: ${cause}`);
+    labels(view, top, label, this.hold, (cause) => `no label: ${causeText(cause)}`);
     ruler(view, newest, this.hold, top + label, rule);
     marks(view, height - bottom);
     axis(view, height - bottom, bottom);

@@ -11,7 +11,7 @@ const CROSS_ORIGIN_RESOURCE_POLICY: HeaderName =
     HeaderName::from_static("cross-origin-resource-policy");
 
 /// Path, MIME type and text of each file.
-const FILES: [(&str, &str, &str); 20] = [
+const FILES: [(&str, &str, &str); 21] = [
     ("", HTML, include_str!("../page/index.html")),
     (
         "icon.svg",
@@ -27,6 +27,7 @@ const FILES: [(&str, &str, &str); 20] = [
     ("clock.js", SCRIPT, include_str!("../page/clock.js")),
     ("gestures.js", SCRIPT, include_str!("../page/gestures.js")),
     ("now.js", SCRIPT, include_str!("../page/now.js")),
+    ("help.js", SCRIPT, include_str!("../page/help.js")),
     ("panel.js", SCRIPT, include_str!("../page/panel.js")),
     ("history.js", SCRIPT, include_str!("../page/history.js")),
     ("placement.js", SCRIPT, include_str!("../page/placement.js")),
