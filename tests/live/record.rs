@@ -371,6 +371,7 @@ fn pictures_of_a_session() {
     }
     browser.look(1440, 900, "light", "no-preference");
     browser.press("e");
+    browser.press("e");
     browser.wait_for("!document.getElementById('result').hidden");
     browser.screenshot(&pictures().join("record-early.png"));
     live.stop().unwrap();

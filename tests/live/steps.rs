@@ -74,6 +74,7 @@ fn a_new_board_is_bound_from_the_page_and_the_steps_lead_to_the_recording() {
     browser.press("Enter");
     browser.wait_for("document.getElementById('session').dataset.phase === 'ready'");
     browser.press("e");
+    browser.press("e");
     browser.wait_for(&step("record", "done"));
     browser.wait_for(&step("tune", "now"));
     // Nothing was recorded: the next step is another session.

@@ -1,6 +1,6 @@
 //! Distribution of events from one source to all viewers. A slow viewer loses messages; the source never waits for one.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -12,6 +12,9 @@ use super::event::{Event, Topic};
 
 /// Number of messages that a viewer may be behind: 4 s of samples.
 const BEHIND: usize = 512;
+
+/// Number of the newest messages with samples that a new viewer gets: 5 s, the width of the picture.
+const RECENT: usize = 500;
 
 /// Message as JSON.
 pub(crate) type Message = Arc<str>;
@@ -26,15 +29,54 @@ pub(crate) struct Hub {
 #[derive(Debug)]
 struct State {
     newest: BTreeMap<Topic, Message>,
+    recent: Recent,
     /// Recorder, which receives every event it needs without loss.
     recorder: Option<Sender<Event>>,
     sender: broadcast::Sender<Message>,
 }
 
+/// Samples, scores, reports and marks of the last seconds, in order.
+#[derive(Debug, Default)]
+struct Recent {
+    messages: VecDeque<(Kind, Message)>,
+    samples: usize,
+    reports: usize,
+}
+
+/// Kind of a recent message.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Kind {
+    Samples,
+    Report,
+    Other,
+}
+
+impl Recent {
+    fn push(&mut self, event: &Event, message: &Message) {
+        let kind = match event {
+            Event::Samples { .. } => Kind::Samples,
+            Event::Report { .. } => Kind::Report,
+            Event::Scores { .. } | Event::Mark { .. } => Kind::Other,
+            _ => return,
+        };
+        self.messages.push_back((kind, message.clone()));
+        self.samples += usize::from(kind == Kind::Samples);
+        self.reports += usize::from(kind == Kind::Report);
+        // The second bound is for a source without samples.
+        while self.samples > RECENT || self.messages.len() > 2 * RECENT {
+            let Some((kind, _)) = self.messages.pop_front() else {
+                break;
+            };
+            self.samples -= usize::from(kind == Kind::Samples);
+            self.reports -= usize::from(kind == Kind::Report);
+        }
+    }
+}
+
 /// Messages for one viewer.
 #[derive(Debug)]
 pub(crate) struct Subscription {
-    /// Newest message of each topic, sent first.
+    /// Newest message of each topic, and for a new viewer those of the last seconds; sent first.
     pub(crate) known: Vec<Message>,
     /// Messages that follow, without a gap.
     pub(crate) following: broadcast::Receiver<Message>,
@@ -53,6 +95,7 @@ impl Hub {
     pub(crate) fn new() -> Self {
         let state = State {
             newest: BTreeMap::new(),
+            recent: Recent::default(),
             recorder: None,
             sender: broadcast::channel(BEHIND).0,
         };
@@ -102,6 +145,7 @@ impl Hub {
         if let Some(topic) = event.topic() {
             state.newest.insert(topic, message.clone());
         }
+        state.recent.push(event, &message);
         // There may be no viewer.
         let _ = state.sender.send(message);
     }
@@ -118,6 +162,7 @@ impl Hub {
         ] {
             state.newest.remove(&topic);
         }
+        state.recent = Recent::default();
     }
 
     /// Forgets the results of the session before; a new one begins.
@@ -130,7 +175,20 @@ impl Hub {
 
     /// Subscribes a new viewer.
     pub(crate) fn subscribe(&self) -> Subscription {
-        self.lock().subscription()
+        let state = self.lock();
+        let mut subscription = state.subscription();
+        if state.recent.reports > 0 {
+            let others = state
+                .newest
+                .iter()
+                .filter(|(topic, _)| **topic != Topic::Report);
+            subscription.known = others.map(|(_, message)| message.clone()).collect();
+        }
+        let recent = state.recent.messages.iter();
+        subscription
+            .known
+            .extend(recent.map(|(_, message)| message.clone()));
+        subscription
     }
 
     /// Subscribes a viewer again that has lost messages. Returns a message with their number, untaken ones included.
@@ -172,16 +230,56 @@ mod tests {
             hub.publish(&event);
         }
         let mut viewer = hub.subscribe();
-        let [known] = &viewer.known[..] else {
-            panic!("{viewer:?}");
-        };
-        assert_eq!(
-            &**known,
-            r#"{"type":"line","damaged":2,"missing":0,"samples":0}"#
-        );
+        let expected = [
+            r#"{"type":"line","damaged":2,"missing":0,"samples":0}"#,
+            r#"{"type":"mark","sample":1,"text":""}"#,
+        ];
+        let known: Vec<&str> = viewer.known.iter().map(|message| &**message).collect();
+        assert_eq!(known, expected);
         hub.publish(&mark(7));
         let next = viewer.following.try_recv().unwrap();
         assert_eq!(&*next, r#"{"type":"mark","sample":7,"text":""}"#);
+    }
+
+    #[test]
+    fn a_new_viewer_gets_the_samples_and_reports_of_the_last_seconds_in_order() {
+        let hub = Hub::new();
+        let samples = |first: usize| Event::Samples {
+            at: 0.0,
+            first: first as u32,
+            emg: Vec::new(),
+            truth: None,
+        };
+        let report = |number| Event::Report {
+            at: 0.0,
+            is_label: true,
+            number,
+            instant: 0,
+            emitted: 0,
+            label: "open",
+            valid: true,
+            cause: None,
+            lost: 0,
+            bridged: 0,
+            resets: 0,
+        };
+        hub.publish(&report(1));
+        for first in 0..RECENT {
+            hub.publish(&samples(first));
+        }
+        assert_eq!(hub.subscribe().known.len(), 1 + RECENT);
+        // Without a recent report, the newest one is known.
+        hub.publish(&samples(RECENT));
+        let known = hub.subscribe().known;
+        assert_eq!(known.len(), 1 + RECENT);
+        assert!(known[0].contains(r#""number":1,"#), "{}", known[0]);
+        hub.publish(&report(2));
+        let known = hub.subscribe().known;
+        assert_eq!(known.len(), RECENT + 1);
+        assert!(known[0].contains(r#""first":1,"#), "{}", known[0]);
+        assert!(known[RECENT].contains(r#""number":2,"#));
+        hub.forget_stream();
+        assert_eq!(hub.subscribe().known.len(), 0);
     }
 
     #[test]

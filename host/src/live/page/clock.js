@@ -15,6 +15,11 @@ export class Clock {
     return performance.now() + this.#offset;
   }
 
+  /** Whether a clock that stands at `now` may be the one known so far: within 2 s. */
+  goesOn(now) {
+    return this.#stream !== null && Math.abs(this.now() - now) < 2000;
+  }
+
   /** First guess, until a ping has returned. */
   hello(now) {
     this.#offset = now - performance.now();

@@ -35,8 +35,10 @@ export class SampleHistory {
 
   /** Takes consecutive samples. */
   samples(first, emg, truth) {
-    if (this.end === null || first < this.end - RATE || first - this.end > CAPACITY / 2) {
+    if (this.end !== null && (first < this.end - RATE || first - this.end > CAPACITY / 2)) {
       this.clear();
+    }
+    if (this.end === null) {
       this.first = this.end = first;
     }
     for (; this.end < first; this.end += 1) {

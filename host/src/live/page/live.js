@@ -25,6 +25,9 @@ const session = new Session(say);
 const steps = new Steps(say);
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 
+/** Time for which a notice of something that is over stays, in ms. */
+const PASSING = 8000;
+
 let socket = null;
 let ended = false;
 let connected = false;
@@ -106,13 +109,16 @@ const TAKE = {
       now.share(agreement);
     }
     session.show(message);
+    if (session.isRunning && paused !== null) {
+      actions.pause();
+    }
   },
   lead: (message) => session.lead(message),
   kept: (message) => session.kept(message),
   tuning: (message) => session.tuning(message),
   installing: (message) => session.installing(message),
   comment: (message) => panel.number("comment", message.text),
-  refused: (message) => panel.notice(`not done: ${message.text}`),
+  refused: (message) => panel.notice(`not done: ${message.text}`, PASSING),
   skipped(message) {
     skipped += message.messages;
     panel.number("skipped", `${skipped} messages`);
@@ -160,7 +166,14 @@ function connect() {
   socket = new WebSocket(address);
   socket.onopen = ping;
   socket.onmessage = ({ data }) => {
-    for (const message of JSON.parse(data)) {
+    const messages = JSON.parse(data);
+    // The first ones repeat the last seconds; after a break, this page may have them.
+    const [first] = messages;
+    const again = first?.type === "hello" && clock.goesOn(first.now) ? history.end : null;
+    for (const message of messages) {
+      if (again !== null && isBefore(message, again)) {
+        continue;
+      }
       TAKE[message.type]?.(message);
       steps.take(message);
     }
@@ -172,6 +185,12 @@ function connect() {
     // A program that is started again has the same address, unless that has a token.
     setTimeout(connect, ended ? 3000 : 1000);
   };
+}
+
+/** Whether a message is about samples before this one. */
+function isBefore(message, end) {
+  const of = { samples: "first", report: "emitted", scores: "instant", mark: "sample" }[message.type];
+  return of !== undefined && message[of] < end;
 }
 
 function say(message) {
@@ -193,7 +212,7 @@ const actions = {
     held = newest;
     find("pause").setAttribute("aria-pressed", String(paused !== null));
     find("pause").firstChild.textContent = paused === null ? "Pause" : "Resume";
-    panel.notice(paused === null ? "" : "paused: arrow keys move by half a second; the stream is still recorded");
+    panel.notice(paused === null ? "" : "paused: arrow keys move by half a second; the stream goes on");
   },
   mark() {
     if (history.end !== null) {
@@ -207,7 +226,7 @@ const actions = {
     const name = fileName(new Date());
     download(name, text);
     const gap = history.stretch()[0] > history.first ? ", from the last gap on" : "";
-    panel.notice(`saved ${seconds.toFixed(1)} s${gap}: ${name}`);
+    panel.notice(`saved ${seconds.toFixed(1)} s${gap}: ${name}`, PASSING);
   },
   align: () => say({ do: aligning ? "cancel" : "align" }),
 };
@@ -222,6 +241,9 @@ addEventListener("keydown", (event) => {
   }
   if (session.key(event)) {
     event.preventDefault();
+    return;
+  }
+  if (session.isAsking) {
     return;
   }
   const keys = { " ": "pause", m: "mark", s: "save", a: "align", u: "undo" };
@@ -247,7 +269,8 @@ function edge() {
 
 function frame() {
   session.frame(edge());
-  now.show(history, (history.end ?? 1) - 1, report, noReport);
+  const [at, label] = paused === null ? [(history.end ?? 1) - 1, report] : [paused, history.labelAt(paused)];
+  now.show(history, at, label, noReport);
   traces.draw(history, paused ?? edge(), paused === null ? newest : held);
   // Of what is drawn for the first time: from its arrival at the program to the picture.
   const end = Math.min(history.end ?? 0, edge());

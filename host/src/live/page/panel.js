@@ -9,6 +9,8 @@ function write(node, text) {
 }
 
 export class Panel {
+  #passing = 0;
+
   source(state, text) {
     const node = find("source");
     node.dataset.state = state;
@@ -39,7 +41,12 @@ export class Panel {
     find("legend").replaceChildren(...(entries.length ? entries : [none]));
   }
 
-  notice(text) {
+  /** Shows a notice until the next one, or for so many ms. */
+  notice(text, ms = null) {
+    clearTimeout(this.#passing);
     write(find("notice"), text);
+    if (ms !== null) {
+      this.#passing = setTimeout(() => this.notice(""), ms);
+    }
   }
 }

@@ -1,9 +1,10 @@
 // A recording session: what to do now, what comes next and how long. The program leads; the page shows and passes on keys.
 
 import { RATE } from "./clock.js";
+import { Ending } from "./ending.js";
 import { draw, words } from "./gestures.js";
 import { Result } from "./result.js";
-import { CLASSES } from "./history.js";
+import { CLASSES, classOf } from "./history.js";
 
 const HELD = {
   person: "Waiting for you",
@@ -25,8 +26,15 @@ const HINTS = {
   gone: "Leave the folder of the recordings where it is, then go on.",
 };
 
+const HOW = {
+  relax: "Rest.",
+  other: "Type, write, lift a cup, walk, talk with your hands. Open or close it only when asked.",
+};
+
 const KEYS = { b: "bind", k: "skip", Enter: "begin", r: "repeat", h: "hold", e: "finish", t: "tune", i: "install", n: "again" };
 const BUTTONS = ["begin", "repeat", "hold", "finish"];
+/** Gestures by the number of their key. */
+const MARKS = [...CLASSES, "other"];
 
 const find = (id) => document.getElementById(id);
 const still = matchMedia("(prefers-reduced-motion: reduce)");
@@ -49,12 +57,20 @@ export class Session {
   #view = null;
   #result = new Result();
   #root = find("session");
+  #ending;
 
   constructor(say) {
     this.#say = say;
-    for (const id of [...BUTTONS, "tune", "install", "again"]) {
+    this.#ending = new Ending(say);
+    for (const id of ["begin", "repeat", "hold", "tune", "install", "again"]) {
       find(id).addEventListener("click", () => say({ do: "session", wish: id }));
     }
+    find("finish").addEventListener("click", () => this.#ending.ask(this.#view));
+  }
+
+  /** Whether the task goes on: the picture must not stand still then. */
+  get isRunning() {
+    return this.#view?.phase === "ready" || this.#view?.phase === "cued";
   }
 
   hello({ you, record }) {
@@ -76,9 +92,12 @@ export class Session {
     this.#view = view;
     this.#root.dataset.phase = view.phase;
     this.#root.dataset.free = view.free;
-    this.#root.dataset.label = view.cue ?? view.coming[0]?.cue ?? "relax";
+    this.#root.dataset.label = classOf(view.cue ?? view.coming[0]?.cue ?? "relax");
     if (another) {
       this.#result.clear();
+    }
+    if (view.phase === "over" || view.phase === "waiting") {
+      this.#ending.close();
     }
     this.#task();
     this.#next();
@@ -105,26 +124,39 @@ export class Session {
     this.#buttons();
   }
 
+  /** Whether a question is asked, to which all keys belong. */
+  get isAsking() {
+    return this.#ending.isAsking;
+  }
+
   /** Whether a key is one of the session's. */
   key(event) {
     if (this.#root.hidden || event.repeat) {
       return false;
     }
     const name = event.key.length === 1 ? event.key.toLowerCase() : event.key;
-    const id = KEYS[name];
-    if (id && !(name === "Enter" && event.target instanceof HTMLButtonElement)) {
+    if (this.isAsking) {
+      return this.#ending.key(name);
+    }
+    const id = name === " " ? this.#spaceKey() : KEYS[name];
+    if (id && !(["Enter", " "].includes(name) && event.target instanceof HTMLButtonElement)) {
       const button = find(id);
       if (!button.disabled && button.offsetParent !== null) {
         button.click();
       }
       return true;
     }
-    const gesture = this.#view?.free ? CLASSES[Number(name)] : undefined;
-    if (gesture && /^[0-5]$/.test(name) && this.#view.classes.includes(gesture)) {
+    const gesture = this.#view?.free ? MARKS[Number(name)] : undefined;
+    if (gesture && /^[0-6]$/.test(name) && this.#view.classes.includes(gesture)) {
       this.#say({ do: "gesture", class: gesture });
       return true;
     }
     return false;
+  }
+
+  // The task would go on behind a picture that stands: in a session the space bar has both wait.
+  #spaceKey() {
+    return this.isRunning ? "hold" : this.#view?.phase === "held" ? "begin" : undefined;
   }
 
   /** The countdown, at a position of the stream. */
@@ -182,7 +214,7 @@ export class Session {
         ? "Press a gesture's key as you begin it, and 0 as you let go."
         : "Do what the picture shows as soon as it changes, and hold it until it changes again.",
       ready: coming.length ? "Rest until the picture changes." : "",
-      cued: free ? "Until you press another key." : cue === "relax" ? "Rest." : "Firmly, as you always would. Hold it.",
+      cued: free ? "Until you press another key." : HOW[cue] ?? "Firmly, as you always would. Hold it.",
       held: HINTS[why] ?? "",
       over: "",
     };
@@ -201,7 +233,7 @@ export class Session {
   #coming() {
     const chips = this.#view.coming.map(({ cue, samples }) => {
       const chip = document.createElement("li");
-      chip.dataset.label = cue;
+      chip.dataset.label = classOf(cue);
       chip.textContent = `${cue} ${samples / RATE} s`;
       return chip;
     });
@@ -221,7 +253,7 @@ export class Session {
         button.dataset.label = name;
         button.append(name, " ");
         const key = document.createElement("kbd");
-        key.textContent = CLASSES.indexOf(name);
+        key.textContent = MARKS.indexOf(name);
         button.append(key);
         button.addEventListener("click", () => this.#say({ do: "gesture", class: name }));
         return button;
@@ -250,6 +282,7 @@ export class Session {
       finish: running || view.phase === "held",
     };
     const watches = this.#watches();
+    find("pause").disabled = running;
     for (const id of BUTTONS) {
       find(id).hidden = !shown[id];
       find(id).disabled = watches || id === "repeat" && !view.can_repeat;
