@@ -27,8 +27,10 @@ pub(crate) enum Event {
         /// Path or name.
         name: String,
         connected: bool,
-        /// State of the source and advice; empty if there is nothing to say.
+        /// State of the source; empty if there is nothing to say.
         detail: String,
+        /// What to do about it, in order.
+        steps: Vec<String>,
     },
     /// Model that this program runs.
     Model {

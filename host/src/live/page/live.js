@@ -2,6 +2,7 @@
 
 import { Agreement } from "./agreement.js";
 import { Armband } from "./armband.js";
+import { Empty } from "./empty.js";
 import "./help.js";
 import { CHANNELS, SampleHistory, csv } from "./history.js";
 import { Clock, RATE } from "./clock.js";
@@ -21,6 +22,7 @@ const traces = new Traces(find("traces"));
 const armband = new Armband(find("armband"));
 const agreement = new Agreement();
 const placement = new Placement(armband, say);
+const empty = new Empty();
 const session = new Session(say);
 const steps = new Steps(say);
 const still = matchMedia("(prefers-reduced-motion: reduce)");
@@ -131,6 +133,7 @@ const TAKE = {
 
 function lost(text) {
   connected = false;
+  empty.gone(ended);
   panel.source("lost", text);
   find("align").disabled = true;
   noStream();
@@ -176,6 +179,7 @@ function connect() {
       }
       TAKE[message.type]?.(message);
       steps.take(message);
+      empty.take(message);
     }
   };
   socket.onclose = () => {
@@ -282,6 +286,7 @@ function frame() {
 }
 
 function numbers() {
+  empty.show();
   if (latencies.length) {
     const sorted = latencies.toSorted((a, b) => a - b);
     const at = (share) => sorted[Math.floor(share * (sorted.length - 1))].toFixed(0);

@@ -11,7 +11,7 @@ const CROSS_ORIGIN_RESOURCE_POLICY: HeaderName =
     HeaderName::from_static("cross-origin-resource-policy");
 
 /// Path, MIME type and text of each file.
-const FILES: [(&str, &str, &str); 22] = [
+const FILES: [(&str, &str, &str); 23] = [
     ("", HTML, include_str!("../page/index.html")),
     (
         "icon.svg",
@@ -25,6 +25,7 @@ const FILES: [(&str, &str, &str); 22] = [
     ("agreement.js", SCRIPT, include_str!("../page/agreement.js")),
     ("armband.js", SCRIPT, include_str!("../page/armband.js")),
     ("clock.js", SCRIPT, include_str!("../page/clock.js")),
+    ("empty.js", SCRIPT, include_str!("../page/empty.js")),
     ("ending.js", SCRIPT, include_str!("../page/ending.js")),
     ("gestures.js", SCRIPT, include_str!("../page/gestures.js")),
     ("now.js", SCRIPT, include_str!("../page/now.js")),

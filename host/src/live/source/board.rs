@@ -1,5 +1,7 @@
 //! A board on a serial port or pseudo-terminal. The port is opened again after it was lost or used for an installation.
 
+mod advice;
+
 use std::cell::RefCell;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -14,6 +16,7 @@ use shared::stream::alignment::Arm;
 use shared::uart_line::command::{AlignCommand, BindCommand, Command};
 use shared::units::Millis;
 
+use self::advice::Advice;
 use super::dialogue::{BoardEvent, Dialogue, Losses};
 use super::scored_pipeline::ScoredPipeline;
 use super::{Context, SourceRequest};
@@ -46,7 +49,7 @@ impl BoardSource {
     pub(crate) fn run(mut self, context: &Context) -> anyhow::Result<()> {
         let mut losses = Losses::default();
         while let Some(model) = self.show(context, &mut losses)? {
-            self.publish(context, false, "a model is being installed");
+            self.publish(context, false, "a model is being installed", Vec::new());
             if install(&self.path, &model, context) {
                 self.model = Some(model);
             }
@@ -74,15 +77,15 @@ impl BoardSource {
         losses: &mut Losses,
         mut scored: Option<ScoredPipeline<'_, E>>,
     ) -> Option<Vec<u8>> {
-        let mut missing = String::new();
+        let mut missing = (String::new(), Vec::new());
         while !context.stop.requested() {
             let ended = match board::open_port(&self.path, WAIT, WRITE) {
                 Ok(port) => {
-                    missing.clear();
+                    missing.0.clear();
                     if let model @ Some(_) = early_installation(context) {
                         return model;
                     }
-                    self.publish(context, false, NOTHING_YET);
+                    self.publish(context, false, NOTHING_YET, Vec::new());
                     let session = BoardConnection {
                         context,
                         port,
@@ -100,30 +103,30 @@ impl BoardSource {
                 break;
             }
             context.hub.forget_stream();
-            let lost = match ended {
+            let error = match ended {
                 ConnectionEnd::Installs(model) => return Some(model),
-                ConnectionEnd::Lost(error) if error.kind() == ErrorKind::UnexpectedEof => {
-                    "the port was closed".to_owned()
-                }
-                ConnectionEnd::Lost(error) => error.to_string(),
+                ConnectionEnd::Lost(error) => error,
             };
-            let detail = format!("{lost}; looking for it again");
-            // An unchanged error is told once.
-            if detail != missing {
-                self.publish(context, false, &detail);
-                missing = detail;
+            let ports = SerialPort::available_ports().unwrap_or_default();
+            let Advice { why, steps } = Advice::of(&error, &self.path, &ports);
+            let told = (format!("{why}; looking for it again"), steps);
+            // What has not changed is told once.
+            if told != missing {
+                self.publish(context, false, &told.0, told.1.clone());
+                missing = told;
             }
             wait(context, AGAIN);
         }
         None
     }
 
-    fn publish(&self, context: &Context, connected: bool, detail: &str) {
+    fn publish(&self, context: &Context, connected: bool, detail: &str, steps: Vec<String>) {
         context.hub.publish(&Event::Source {
             kind: "port",
             name: self.path.display().to_string(),
             connected,
             detail: detail.to_owned(),
+            steps,
         });
     }
 }
@@ -252,7 +255,12 @@ impl<E: Encode> BoardConnection<'_, '_, E> {
         };
         if state != self.published {
             self.published = state;
-            board.publish(self.context, state.is_empty(), state);
+            let steps = if self.dialogue.is_silent(now(self.context)) {
+                Advice::silent(&board.path)
+            } else {
+                Vec::new()
+            };
+            board.publish(self.context, state.is_empty(), state, steps);
         }
     }
 }

@@ -107,6 +107,7 @@ impl Playback {
             name: self.name.clone(),
             connected: true,
             detail: String::new(),
+            steps: Vec::new(),
         });
         hub.publish(&Event::of_model(&model));
         hub.publish(&Event::of_report(hub.now(), &scored.state_report()));

@@ -34,6 +34,13 @@ use execution::revision::revision;
 /// Pause between two ticks of the session, as on a board.
 const TICK: Duration = Duration::from_millis(50);
 
+/// What to do while no armband streams.
+const STEPS: [&str; 3] = [
+    "Put the armband on and move the hand: it sleeps when it is not worn. Its logo lights up or pulses when it is awake.",
+    "If it stays dark, charge it with its USB cable.",
+    "End every other program that may hold it: Myo Connect, a phone, a board of this project.",
+];
+
 /// Armband to follow, and the model that labels its samples.
 #[derive(Debug)]
 pub(crate) struct ArmbandSource {
@@ -190,11 +197,13 @@ impl ArmbandSession<'_, '_> {
                 "looking for it: wear it, and move the hand if it sleeps"
             }
         };
+        let steps = if self.streams { &[][..] } else { &STEPS };
         let source = Event::Source {
             kind: "bluetooth",
             name: armband.map_or_else(|| "any armband".to_owned(), |address| address.to_string()),
             connected: self.streams,
             detail: detail.to_owned(),
+            steps: steps.iter().map(|&step| step.to_owned()).collect(),
         };
         let board = Event::Board {
             version: env!("CARGO_PKG_VERSION").to_owned(),
