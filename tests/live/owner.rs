@@ -261,7 +261,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     };
     assert!(
         text.as_str()
-            .is_some_and(|text| text.starts_with("turned by 3 places; aligned")),
+            .is_some_and(|text| text == "Aligned: turned by 3 places"),
         "{text}"
     );
     assert_eq!(browser.value(&step("align", "done")), true);

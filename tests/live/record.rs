@@ -215,7 +215,11 @@ fn a_guided_session_in_a_browser_ends_with_a_tuned_model() {
         return;
     };
     let folder = tempfile::tempdir().unwrap();
-    let live = record(folder.path(), Source::Demo, SHORT, 4);
+    // With a movement that means nothing in each round.
+    let protocol = SHORT
+        .replace("\"relax\"]", "\"relax\", \"point\", \"relax\"]")
+        .replace("[seconds]", "[seconds]\npoint = 3");
+    let live = record(folder.path(), Source::Demo, &protocol, 4);
     browser.look(1440, 900, "light", "no-preference");
     browser.open(live.url());
     browser.wait_for("document.getElementById('source')?.dataset.state === 'connected'");
@@ -304,7 +308,17 @@ fn a_guided_session_in_a_browser_ends_with_a_tuned_model() {
         browser.value("document.getElementById('install').hidden"),
         true
     );
-    assert!(browser.text("scores").contains("balanced accuracy"));
+    let scores = browser.text("scores");
+    for row in ["balanced accuracy", "other movements that raise a label"] {
+        assert!(scores.contains(row), "{scores}");
+    }
+    let told = browser.text("tuned");
+    for half in [
+        "Of the gestures ",
+        "A minute of movement that means nothing raises ",
+    ] {
+        assert!(told.contains(half), "{told}");
+    }
     for done in ["record", "tune", "compare"] {
         assert_eq!(browser.value(&step(done, "done")), true, "{done}");
     }

@@ -45,6 +45,8 @@ let skipped = 0;
 let dropped = 0;
 let arrived = [];
 let shown = 0;
+/** Right edge of the picture, in samples. */
+let drawn = null;
 let latencies = [];
 
 const TAKE = {
@@ -98,9 +100,9 @@ const TAKE = {
     count(message);
   },
   scores: (message) => history.scores.push(message),
-  alignment(message) {
+  alignment(message, isOld) {
     history.placed = message.turn + 8 * message.mirrored;
-    placement.take(message);
+    placement.take(message, isOld);
     aligns(message.state === "waiting");
   },
   mark: (message) => history.marks.push(message),
@@ -177,7 +179,7 @@ function connect() {
       if (again !== null && isBefore(message, again)) {
         continue;
       }
-      TAKE[message.type]?.(message);
+      TAKE[message.type]?.(message, first?.type === "hello");
       steps.take(message);
       empty.take(message);
     }
@@ -264,18 +266,30 @@ addEventListener("keydown", (event) => {
   }
 });
 
-/** Where the picture ends: with the stream, evenly; without motion in steps of a second, ahead of it. */
-function edge() {
+/** Position of the stream, which moves evenly. */
+function position() {
   const end = history.end ?? 0;
-  const position = Math.min(end, clock.position() ?? end);
-  return still.matches ? Math.ceil(position / RATE) * RATE : position;
+  return Math.min(end, clock.position() ?? end);
+}
+
+/** Where the picture ends: with the stream; without motion in steps of a second. */
+function edge() {
+  return still.matches ? Math.floor(position() / RATE) * RATE : position();
 }
 
 function frame() {
-  session.frame(edge());
+  session.frame(position());
   const [at, label] = paused === null ? [(history.end ?? 1) - 1, report] : [paused, history.labelAt(paused)];
   now.show(history, at, label, noReport);
-  traces.draw(history, paused ?? edge(), paused === null ? newest : held);
+  const to = paused ?? edge();
+  // Without motion the picture stands until the next second.
+  if (!still.matches || to !== drawn || traces.isStale) {
+    traces.draw(history, to, paused === null ? newest : held);
+    if (still.matches) {
+      activity();
+    }
+    drawn = to;
+  }
   // Of what is drawn for the first time: from its arrival at the program to the picture.
   const end = Math.min(history.end ?? 0, edge());
   if (paused === null && connected && end > shown) {
@@ -293,14 +307,15 @@ function numbers() {
     panel.number("latency", `${at(0.5)} ms, up to ${at(1)}`);
     latencies = [];
   }
-  const now = clock.now();
-  arrived = arrived.filter(([at]) => at > now - 2500);
+  const time = clock.now();
+  arrived = arrived.filter(([at]) => at > time - 2500);
   const [first, last] = [arrived[0], arrived.at(-1)];
   const samples = arrived.slice(1).reduce((sum, [, count]) => sum + count, 0);
   panel.number("rate", samples ? ((1000 * samples) / (last[0] - first[0])).toFixed(0) : "0");
   find("mark").disabled = find("save").disabled = history.end === null;
 }
 
+/** Bars of the electrodes. */
 function activity() {
   const end = history.end ?? 0;
   const levels = new Array(CHANNELS).fill(0);
@@ -332,7 +347,7 @@ function fileName(date) {
 panel.legend(null);
 numbers();
 setInterval(numbers, 1000);
-setInterval(activity, 100);
+setInterval(() => still.matches || activity(), 100);
 setInterval(() => now.speak(), 2000);
 setInterval(ping, 10_000);
 connect();

@@ -57,7 +57,7 @@ export class Now {
     write(this.#agrees.firstElementChild, sign);
     write(this.#agrees.lastElementChild, word);
     this.#valid.dataset.valid = entry === null ? "unknown" : entry.valid ? "yes" : "no";
-    write(this.#valid, entry === null ? none : entry.valid ? "in use" : `not in use: ${causeText(entry.cause)}`);
+    write(this.#valid, entry === null ? none : entry.valid ? "label in use" : `label not in use: ${causeText(entry.cause)}`);
   }
 
   /** Shows the shares of the labels that are as asked; `data-gestures` is the number of those in gestures. */

@@ -28,7 +28,7 @@ const HINTS = {
 
 const HOW = {
   relax: "Rest.",
-  other: "Type, write, lift a cup, walk, talk with your hands. Open or close it only when asked.",
+  other: "Type, write, lift a cup, walk, talk with your hands. Open it wide or make a fist only when asked.",
 };
 
 const KEYS = { b: "bind", k: "skip", Enter: "begin", r: "repeat", h: "hold", e: "finish", t: "tune", i: "install", n: "again" };

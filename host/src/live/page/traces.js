@@ -8,6 +8,8 @@ import { axis, grid, marks, ruler } from "./time.js";
 
 const GUTTER = 52;
 const HEIGHTS = { scores: 84, label: 22, ruler: 34, axis: 18, gap: 8 };
+/** Height below which the traces need the room of the scores. */
+const ROOM = 340;
 // Of a lane: strong samples may reach into the next ones.
 const REACH = 0.85;
 const SCALES = [16, 32, 64, 128];
@@ -18,6 +20,8 @@ export class Traces {
   #colours = {};
   #scale = 64;
   #weak = 0;
+  /** Whether size or colours have changed since the picture was drawn. */
+  isStale = true;
   /** Seconds over the width. */
   seconds = 5;
   /** Whether scores are drawn; without them the traces have their room. */
@@ -42,10 +46,12 @@ export class Traces {
     for (const name of names) {
       this.#colours[name] = style.getPropertyValue(`--${name}`).trim();
     }
+    this.isStale = true;
     this.font = `12px ${getComputedStyle(document.body).fontFamily}`;
   }
 
   #resize() {
+    this.isStale = true;
     const ratio = devicePixelRatio || 1;
     const { clientWidth, clientHeight } = this.#canvas;
     this.#canvas.width = Math.round(clientWidth * ratio);
@@ -56,6 +62,7 @@ export class Traces {
 
   /** Draws what was seen up to a position, in samples; `newest` is the label whose look-ahead and hold are shown, or null. */
   draw(history, position, newest) {
+    this.isStale = false;
     const pen = this.#context;
     const { clientWidth: width, clientHeight: height } = this.#canvas;
     pen.clearRect(0, 0, width, height);
@@ -67,7 +74,7 @@ export class Traces {
       x: (sample) => GUTTER + ((sample - position + span) / span) * (width - GUTTER - 1),
     };
     const { scores, label, ruler: rule, axis: bottom, gap } = HEIGHTS;
-    const withScores = this.model !== null && this.scores;
+    const withScores = this.model !== null && this.scores && height > ROOM;
     const rest = (withScores ? scores + gap : 0) + (history.hasTruth ? label + gap : 0) + label + gap + rule + bottom + gap;
     const lane = (height - rest) / CHANNELS;
     grid(view, height - bottom);
@@ -124,8 +131,9 @@ export class Traces {
     const pen = this.#context;
     const middle = top + height / 2;
     const gain = (REACH * height) / this.#scale;
-    this.#caption(String(channel + 1), middle);
-    if (channel === 0) {
+    const beside = channel === 0 && height < 30 ? `±${this.#scale} · ` : "";
+    this.#caption(`${beside}${channel + 1}`, middle);
+    if (channel === 0 && !beside) {
       this.#caption(`±${this.#scale}`, middle + 15);
     }
     pen.strokeStyle = this.#colours.trace;
