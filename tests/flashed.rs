@@ -10,6 +10,8 @@ mod faults;
 mod flash;
 #[path = "flashed/labels.rs"]
 mod labels;
+#[path = "flashed/merged.rs"]
+mod merged;
 #[path = "flashed/start.rs"]
 mod start;
 #[path = "flashed/uart.rs"]

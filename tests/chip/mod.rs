@@ -65,6 +65,16 @@ impl Pins {
 /// If the image does not build: that is no reason to skip.
 #[must_use]
 pub fn image(name: &str, image: Built) -> Option<Image> {
+    let elf = elf(name, image)?;
+    Some(Image::parse(&elf).expect("an image"))
+}
+
+/// The ELF file of an image; if it cannot be built here, reports the test `name` as skipped.
+///
+/// # Panics
+/// If the image does not build: that is no reason to skip.
+#[must_use]
+pub fn elf(name: &str, image: Built) -> Option<Vec<u8>> {
     static BUILT: OnceLock<Mutex<HashMap<&str, Vec<u8>>>> = OnceLock::new();
     let found = toolchain::find(false).map_err(|reason| {
         crate::skip(name, &format!("{reason:#}").replace('\n', " "));
@@ -79,7 +89,7 @@ pub fn image(name: &str, image: Built) -> Option<Image> {
         let file = file.unwrap_or_else(|error| panic!("the image {image}: {error:#}"));
         std::fs::read(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()))
     });
-    Some(Image::parse(elf).expect("an image"))
+    Some(elf.clone())
 }
 
 /// The model that the README flashes.

@@ -13,6 +13,7 @@ pub mod emulator;
 pub mod energy;
 pub mod firmware;
 pub mod fuzz;
+pub mod merge;
 #[cfg(test)]
 mod pages;
 pub mod qemu;

@@ -4,7 +4,7 @@
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
-use xtask::{browser, count, emulator, energy, firmware, fuzz, toolchain};
+use xtask::{browser, count, emulator, energy, firmware, fuzz, merge, toolchain};
 
 /// Build steps of the workspace that plain cargo cannot express.
 #[derive(Parser)]
@@ -18,6 +18,8 @@ struct Arguments {
 enum Step {
     /// Builds the images of all boards, prints their flash, RAM and stack, and fails over a budget.
     Images(firmware::Arguments),
+    /// Writes one Intel hex of program, model and a SoftDevice: all that a chip is flashed with.
+    Merge(merge::Arguments),
     /// Runs clippy on the board's program, for the targets and features of its images.
     Lint(firmware::LintArguments),
     /// Counts the instructions of a patch on the emulated Cortex-M4F, part by part.
@@ -49,6 +51,7 @@ enum Step {
 fn main() -> Result<()> {
     match Arguments::parse().step {
         Step::Images(arguments) => firmware::build(&arguments),
+        Step::Merge(arguments) => merge::run(&arguments),
         Step::Lint(arguments) => firmware::lint(&arguments),
         Step::Count(arguments) => count::print(&arguments),
         Step::Energy => energy::print(),
