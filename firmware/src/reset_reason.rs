@@ -64,10 +64,10 @@ mod kept {
         unsafe_code,
         reason = "only the linker can exclude memory from being cleared"
     )]
-    // SAFETY: cortex-m-rt places sections `.uninit.*` in RAM, as NOLOAD, and its start-up code does not
+    // SAFETY: memory.x places sections `.kept.*` in RAM, as NOLOAD, and the start-up code does not
     // write them, so the initial value never arrives: every one of the 2^32 values that memory may hold
     // is a valid `AtomicU32`, and `previous_end` treats those that are none of the constants below as unknown.
-    #[unsafe(link_section = ".uninit.LAST_RUN")]
+    #[unsafe(link_section = ".kept.LAST_RUN")]
     static LAST_RUN: AtomicU32 = AtomicU32::new(0);
     const RUNNING: u32 = 0x5255_4e21;
     const PANICKED: u32 = 0x5041_4e21;
@@ -80,7 +80,7 @@ mod kept {
     )]
     // SAFETY: as above: every value of a byte is a valid `AtomicU8`, and `previous_end` empties the message unless a panic
     // has written it.
-    #[unsafe(link_section = ".uninit.LAST_MESSAGE")]
+    #[unsafe(link_section = ".kept.LAST_MESSAGE")]
     static LAST_MESSAGE: [AtomicU8; MESSAGE_BYTES] = [const { AtomicU8::new(0) }; MESSAGE_BYTES];
 
     /// The end of the previous run. To be called once, at the start.
