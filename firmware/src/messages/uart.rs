@@ -7,7 +7,7 @@ use core::fmt::{self, Write as _};
 
 use embassy_futures::select::{Either3, select3};
 use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, channel::Channel};
-use shared::myo::{Counters, FirmwareVersion, Following};
+use shared::myo::{ConnectionParameters, Counters, FirmwareVersion, Following};
 use shared::uart_line::answer::{Answer, Identity};
 use shared::uart_line::command::BEGIN_PAIRING;
 use shared::uart_line::emg::EmgReport;
@@ -46,6 +46,10 @@ pub enum UartMessage {
     LowBattery(u8),
     /// The inference is too slow: packets dropped since the start.
     PacketsDropped(u32),
+    /// Received bytes were lost, and the command that they belonged to.
+    BytesLost,
+    /// Connection parameters that the armband prefers.
+    Preferred(ConnectionParameters),
 }
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -166,6 +170,10 @@ impl UartMessage {
             Self::PacketsDropped(packets) => {
                 write!(line, "# inference too slow: {packets} packets dropped\r\n")
             }
+            Self::BytesLost => {
+                line.write_str("# received bytes were lost: send the command again\r\n")
+            }
+            Self::Preferred(preferred) => write_preferred(line, preferred),
         }
     }
 }
@@ -199,6 +207,26 @@ fn write_following(line: &mut Line, following: Following) -> fmt::Result {
             line.write_str(BEGIN_PAIRING)
         }
     }
+}
+
+fn write_preferred(line: &mut Line, preferred: ConnectionParameters) -> fmt::Result {
+    line.write_str("# the armband prefers an interval of ")?;
+    // Units of 1.25 ms, in hundredths of a millisecond.
+    let [least, most] = [preferred.min_interval, preferred.max_interval].map(|units| {
+        let hundredths = u32::from(units) * 125;
+        (hundredths / 100, hundredths % 100)
+    });
+    write!(
+        line,
+        "{}.{:02} to {}.{:02} ms",
+        least.0, least.1, most.0, most.1
+    )?;
+    let timeout = u32::from(preferred.supervision_timeout) * 10;
+    write!(
+        line,
+        ", latency {}, time-out {timeout} ms\r\n",
+        preferred.latency
+    )
 }
 
 fn write_counters(line: &mut Line, counters: Counters) -> fmt::Result {

@@ -9,6 +9,7 @@ use shared::button::{self, Press};
 use shared::stream::alignment::Arm;
 use shared::uart_line::answer::{Answer, Counts, Refusal};
 use shared::uart_line::command::{AlignCommand, BindCommand, Command, CommandReader};
+use shared::units::Millis;
 
 use crate::board::{Button, CommandPort};
 use crate::clock::now;
@@ -17,7 +18,7 @@ use crate::messages::{
     packets::PACKETS,
     raw,
     requests::{self, InferenceAnswer, InferenceRequest, InstallationRequest},
-    uart,
+    uart::{self, UartMessage},
 };
 
 /// Period at which the button is read: at least twice while its contact is debounced.
@@ -25,6 +26,8 @@ const LOOK: Duration = Duration::from_millis(15);
 const _: () = assert!(LOOK.as_millis() * 2 <= button::DEBOUNCE_MS as u64);
 /// Bytes that are taken at once; other tasks run before the next ones, however many wait.
 const AT_ONCE: usize = 32;
+/// Milliseconds between two messages that bytes were lost: on a noisy line that is always so.
+const REMINDER_MS: u32 = 10_000;
 
 /// Runs forever.
 #[embassy_executor::task]
@@ -33,6 +36,7 @@ pub async fn run(mut port: CommandPort, mut button: Button) -> ! {
     let mut contact = button::Button::new();
     let mut ticker = Ticker::every(LOOK);
     let mut bytes = [0; AT_ONCE];
+    let mut reminded: Option<Millis> = None;
     loop {
         match select(ticker.next(), port.read(&mut bytes)).await {
             Either::First(()) => match contact.look(now(), button.is_down()) {
@@ -56,7 +60,13 @@ pub async fn run(mut port: CommandPort, mut button: Button) -> ! {
                     }
                 }
             }
-            Either::Second(Err(_)) => reader.interrupt(),
+            Either::Second(Err(_)) => {
+                reader.interrupt();
+                if reminded.is_none_or(|at| now().elapsed_since(at) >= REMINDER_MS) {
+                    reminded = Some(now());
+                    uart::enqueue(UartMessage::BytesLost);
+                }
+            }
         }
         yield_now().await;
     }

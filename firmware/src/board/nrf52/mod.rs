@@ -4,8 +4,11 @@ mod chip_flash;
 #[cfg(feature = "radio-trouble")]
 mod controller;
 mod dead_man;
+#[cfg(feature = "nrf52832")]
+mod errata;
 #[cfg(feature = "radio-softdevice")]
 mod softdevice;
+mod uart;
 mod wiring;
 
 use core::{cell::RefCell, fmt};
@@ -13,23 +16,17 @@ use core::{cell::RefCell, fmt};
 use critical_section::Mutex;
 use defmt_rtt as _;
 use embassy_nrf::{
-    bind_interrupts,
-    buffered_uarte::{self, BufferedUarte, BufferedUarteRx, BufferedUarteTx},
     gpio::{Input, Level, Output},
     gpiote::OutputChannel,
-    interrupt::{self, InterruptExt as _, Priority},
-    pac,
-    peripherals::{self, UARTE0},
+    interrupt::Priority,
+    pac, peripherals,
     ppi::Event,
-    uarte::{Baudrate, Config, Parity},
     wdt,
 };
 use shared::intent::{Intent, MAX_CLASSES};
 use shared::stream::safe_state::Status;
 
-use static_cell::ConstStaticCell;
-
-use super::{Board, BytesLost};
+use super::Board;
 use crate::messages::pin_state::PinState;
 use crate::reset_reason::{End, ResetReason, keep_end, previous_end};
 use crate::settings::WATCHDOG_MS;
@@ -39,10 +36,7 @@ pub use controller::{RadioParts, run_radio};
 pub use softdevice::{RadioParts, run_radio};
 
 pub use dead_man::DeadMan;
-
-bind_interrupts!(struct Interrupts {
-    UARTE0 => buffered_uarte::InterruptHandler<UARTE0>;
-});
+pub use uart::{CommandPort, LabelPort};
 
 /// Bits of RESETREAS (nRF52840 product specification, section 5.3.7.9).
 const RESET_BY_PIN: u32 = 1 << 0;
@@ -51,12 +45,13 @@ const RESET_BY_SOFTWARE: u32 = 1 << 2;
 
 /// Takes the peripherals and sets all outputs to their safe levels.
 pub fn start() -> Board {
+    #[cfg(feature = "nrf52832")]
+    errata::work_around();
     let mut config = embassy_nrf::config::Config::default();
     // The SoftDevices reserve the priorities 0, 1 and 4, and refuse to start if an interrupt of the
     // program has one of them.
     config.gpiote_interrupt_priority = Priority::P2;
     config.time_interrupt_priority = Priority::P2;
-    interrupt::UARTE0.set_priority(Priority::P3);
     // Instructions from flash would wait otherwise. Before the SoftDevice, which reserves the register.
     pac::NVMC.icachecnf().write(|cache| cache.set_cacheen(true));
     let peripherals = embassy_nrf::init(config);
@@ -72,7 +67,7 @@ pub fn start() -> Board {
     };
     critical_section::with(|section| OUTPUTS.borrow(section).replace(Some(outputs)));
 
-    let (labels, commands) = start_uart(wiring.uart);
+    let (labels, commands) = uart::start(wiring.uart);
     Board {
         labels,
         commands,
@@ -83,36 +78,6 @@ pub fn start() -> Board {
         dead_man,
         reset_reason: reset_reason(),
     }
-}
-
-/// Bytes that are received while the program computes: 11 ms of them, three times its longest turn.
-const RECEIVE_BYTES: usize = 128;
-const SEND_BYTES: usize = 64;
-
-fn start_uart(parts: wiring::Uart) -> (LabelPort, CommandPort) {
-    static RECEIVED: ConstStaticCell<[u8; RECEIVE_BYTES]> =
-        ConstStaticCell::new([0; RECEIVE_BYTES]);
-    static SENT: ConstStaticCell<[u8; SEND_BYTES]> = ConstStaticCell::new([0; SEND_BYTES]);
-    let mut config = Config::default();
-    config.baudrate = Baudrate::Baud115200;
-    config.parity = Parity::Excluded;
-    let [counts, restarts] = parts.links;
-    let uart = BufferedUarte::new(
-        parts.uart,
-        parts.timer,
-        counts,
-        restarts,
-        parts.group,
-        parts.rx,
-        parts.tx,
-        Interrupts,
-        config,
-        RECEIVED.take(),
-        SENT.take(),
-    );
-    wiring::pull_up_uart_rx();
-    let (received, sent) = uart.split();
-    (LabelPort(sent), CommandPort(received))
 }
 
 /// Must be called before the SoftDevice is enabled, which reserves the register.
@@ -131,39 +96,6 @@ fn reset_reason() -> ResetReason {
         // A blank chip is reset once, before the program has run, to set its registers in UICR.
         bits if bits & RESET_BY_SOFTWARE != 0 && end != End::Unknown => ResetReason::Software,
         _ => ResetReason::Power,
-    }
-}
-
-/// The UART's transmitter.
-pub struct LabelPort(BufferedUarteTx<'static>);
-
-impl LabelPort {
-    /// Sends a line; 115200 baud take 9 ms for the longest.
-    pub async fn send(&mut self, line: &[u8]) {
-        let mut rest = line;
-        while !rest.is_empty() {
-            let Ok(count) = self.0.write(rest).await else {
-                return defmt::error!("the UART refused a line");
-            };
-            rest = rest.get(count..).unwrap_or_default();
-        }
-        // So that whoever waits for the line knows that the UART takes lines.
-        if self.0.flush().await.is_err() {
-            defmt::error!("the UART did not send a line");
-        }
-    }
-}
-
-/// The UART's receiver.
-pub struct CommandPort(BufferedUarteRx<'static>);
-
-impl CommandPort {
-    /// Waits for bytes and takes some; gives their number. A byte with an error is a byte: the checksum finds it.
-    ///
-    /// # Errors
-    /// If bytes were lost, because they were not taken in time.
-    pub async fn read(&mut self, buffer: &mut [u8]) -> Result<usize, BytesLost> {
-        self.0.read(buffer).await.map_err(|_| BytesLost)
     }
 }
 

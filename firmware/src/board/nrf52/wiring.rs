@@ -8,8 +8,7 @@ use embassy_nrf::{
     Peri, Peripherals,
     gpio::{AnyPin, Input, Level, Output, OutputDrive, Pull},
     gpiote::{Channel, OutputChannel, OutputChannelPolarity},
-    pac, peripherals,
-    ppi::{AnyConfigurableChannel, AnyGroup},
+    peripherals,
 };
 use shared::intent::MAX_CLASSES;
 
@@ -33,25 +32,13 @@ pub struct Wiring {
     /// Button: begins an alignment. Connects the pin to ground while it is down.
     pub button: Input<'static>,
     /// The UART of labels and commands, 115200 8N1.
-    pub uart: Uart,
+    pub uart: super::uart::Parts,
     /// Parts of the radio.
     pub radio: super::RadioParts,
     /// The dead-man timer and its connections to the pins.
     pub dead_man: super::dead_man::Parts,
     /// The watchdog.
     pub watchdog: Peri<'static, peripherals::WDT>,
-}
-
-/// A UART that receives while the program computes.
-pub struct Uart {
-    pub uart: Peri<'static, peripherals::UARTE0>,
-    pub tx: Peri<'static, AnyPin>,
-    pub rx: Peri<'static, AnyPin>,
-    /// Counts received bytes.
-    pub timer: Peri<'static, peripherals::TIMER2>,
-    /// Connect the UART to the timer, and the end of a buffer to the start of the next.
-    pub links: [Peri<'static, AnyConfigurableChannel>; 2],
-    pub group: Peri<'static, AnyGroup>,
 }
 
 /// Configures every pin, outputs at their safe levels.
@@ -112,13 +99,12 @@ pub fn wire(p: Peripherals) -> Wiring {
         armband_led,
         alignment_led,
         button: Input::new(button, Pull::Up),
-        uart: Uart {
+        uart: super::uart::Parts {
             uart: p.UARTE0,
             tx: p.P0_06.into(),
             rx: p.P0_08.into(),
-            timer: p.TIMER2,
+            counter: p.TIMER2,
             links: [p.PPI_CH4.into(), p.PPI_CH5.into()],
-            group: p.PPI_GROUP0.into(),
         },
         #[cfg(feature = "radio-softdevice")]
         radio: super::RadioParts {},
@@ -136,13 +122,6 @@ pub fn wire(p: Peripherals) -> Wiring {
         },
         watchdog: p.WDT,
     }
-}
-
-/// Pulls the UART's RX pin up, P0.08 on both kits: unconnected, it would receive noise. To be called once the UART is
-/// configured, which takes the pull away.
-pub fn pull_up_uart_rx() {
-    let pin = pac::P0.pin_cnf(8);
-    pin.modify(|configuration| configuration.set_pull(pac::gpio::vals::Pull::Pullup));
 }
 
 /// An output that tasks of the peripheral interconnect can set too. Only tasks set it: writing the port does nothing.
