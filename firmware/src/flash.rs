@@ -1,6 +1,9 @@
 //! The parts of flash that the program writes: regions of `memory.x` of their own, which no section of the program lies in.
 
-use embassy_sync::{blocking_mutex::raw::NoopRawMutex, mutex::Mutex};
+use embassy_sync::{
+    blocking_mutex::raw::NoopRawMutex,
+    mutex::{Mutex, MutexGuard},
+};
 
 /// Bytes of a page, which flash is erased by.
 pub const PAGE_BYTES: u32 = 4096;
@@ -19,8 +22,31 @@ pub trait Flash {
     async fn write(&mut self, address: u32, words: &[u8]) -> Result<(), FlashFailed>;
 }
 
-/// Flash for those who write it, in turns.
-pub type SharedFlash<F> = Mutex<NoopRawMutex, F>;
+/// Flash for those who write it, in turns, and the air, for the radio and for who needs silence.
+pub struct SharedFlash<F> {
+    flash: Mutex<NoopRawMutex, F>,
+    air: Mutex<NoopRawMutex, ()>,
+}
+
+impl<F> SharedFlash<F> {
+    /// Shares it.
+    pub const fn new(flash: F) -> Self {
+        Self {
+            flash: Mutex::new(flash),
+            air: Mutex::new(()),
+        }
+    }
+
+    /// Waits for flash.
+    pub async fn lock(&self) -> MutexGuard<'_, NoopRawMutex, F> {
+        self.flash.lock().await
+    }
+
+    /// Waits for the air: nobody else uses the radio, where an erasure finds no time beside it.
+    pub async fn air(&self) -> MutexGuard<'_, NoopRawMutex, ()> {
+        self.air.lock().await
+    }
+}
 
 /// A region.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -71,6 +71,8 @@ async fn take(
         let outcome = match request(step) {
             Some(request) => inference(request).await,
             None => {
+                // Without a model, which the first step suspends, the radio gives the air up.
+                let _air = flash.air().await;
                 let mut flash = flash.lock().await;
                 let written = write(installation, &mut *flash, step).await;
                 written.map_err(|FlashFailed| Refused::Flash)

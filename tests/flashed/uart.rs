@@ -38,8 +38,10 @@ fn bytes_that_come_while_a_page_is_erased_do_not_end_the_receiver() -> anyhow::R
         assert_eq!(bound(&board), Address::parse(OTHER).ok(), "{built}");
         board.send("IDENTIFY");
         board.wait_for("$OK,IDENTIFY", 1000)?;
+        // The ring of the nRF52840 holds them all.
         let is_said = board.text().contains("# received bytes were lost");
-        assert!(is_said, "{built}:\n{}", board.text());
+        let is_lost = built == Image::Nrf52832S132;
+        assert_eq!(is_said, is_lost, "{built}:\n{}", board.text());
     }
     Ok(())
 }

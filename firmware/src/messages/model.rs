@@ -2,9 +2,14 @@
 
 use core::cell::Cell;
 
-use embassy_sync::blocking_mutex::{Mutex, raw::CriticalSectionRawMutex};
+use embassy_sync::{
+    blocking_mutex::{Mutex, raw::CriticalSectionRawMutex},
+    signal::Signal,
+};
 
 static IN_USE: Mutex<CriticalSectionRawMutex, Cell<Option<u32>>> = Mutex::new(Cell::new(None));
+
+static CHANGED: Signal<CriticalSectionRawMutex, ()> = Signal::new();
 
 /// CRC-32 of the model's file; none without a model.
 pub fn current() -> Option<u32> {
@@ -14,4 +19,12 @@ pub fn current() -> Option<u32> {
 /// Sets the model that is in use from now on.
 pub fn set(checksum: Option<u32>) {
     IN_USE.lock(|cell| cell.set(checksum));
+    CHANGED.signal(());
+}
+
+/// Waits until there is a model, or none. To be called by one task alone.
+pub async fn until(is_there: bool) {
+    while current().is_some() != is_there {
+        CHANGED.wait().await;
+    }
 }

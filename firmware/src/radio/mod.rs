@@ -69,13 +69,32 @@ pub enum Scanned<'a> {
 /// Seconds after which a scan is begun again, so that the stack answers where nobody advertises.
 pub const SCAN_SECONDS: u16 = 10;
 
+/// Share of the time for which a scan receives.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Pace {
+    /// All of it.
+    Always,
+    /// One window in [`REST`]: an armband that advertises is heard ten times later, on average.
+    Seldom,
+}
+
+/// Windows from one to the next of a scan that receives seldom.
+pub const REST: u16 = 10;
+
 /// A Bluetooth stack as a central.
 ///
 /// Every future may be dropped, which ends its operation.
 pub trait Radio {
+    /// True if an erasure of flash finds its time beside scans and connections. Where it does not, the radio is not used
+    /// while a model is installed.
+    const LEAVES_FLASH_TIME: bool;
+
     /// Scans passively for as long as it is polled, and passes every advertisement on; every [`SCAN_SECONDS`] at the latest
-    /// it says that the stack has answered, if it has. Returns where the stack refuses to scan.
-    async fn scan(&mut self, report: impl FnMut(Scanned<'_>));
+    /// it says that the stack has answered, if it has, and asks for the pace. Returns where the stack refuses to scan.
+    async fn scan(&mut self, pace: impl Fn() -> Pace, report: impl FnMut(Scanned<'_>));
+
+    /// Waits until nothing is left of an operation that was dropped.
+    async fn silence(&mut self);
 
     /// Connects, runs the handler on the connection, and disconnects when the handler returns.
     ///

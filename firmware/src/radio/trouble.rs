@@ -25,8 +25,8 @@ use trouble_host::{
 };
 
 use super::{
-    Advertisement, ConnectFailed, ConnectionHandler, Disconnected, Link, OperationFailed, Radio,
-    SCAN_SECONDS, Scanned, driver::SessionDriver, guarded::Guarded,
+    Advertisement, ConnectFailed, ConnectionHandler, Disconnected, Link, OperationFailed, Pace,
+    REST, Radio, SCAN_SECONDS, Scanned, driver::SessionDriver, guarded::Guarded,
 };
 use crate::flash::{Flash, SharedFlash};
 
@@ -35,7 +35,7 @@ const NOTIFICATION_BYTES: usize = trouble_host::config::GATT_CLIENT_NOTIFICATION
 /// Services that the client keeps: none is looked for.
 const MAX_SERVICES: usize = 1;
 
-/// Window and interval of a scan. Equal: it scans all the time, which costs nothing but power.
+/// Window of a scan.
 const SCAN_WINDOW: Duration = Duration::from_millis(60);
 
 /// The session's connection parameters, in the units of this host.
@@ -132,16 +132,24 @@ struct TroubleRadio<'s, 'r, C: Controller> {
 }
 
 impl<C: CentralController> Radio for TroubleRadio<'_, '_, C> {
-    async fn scan(&mut self, mut report: impl FnMut(Scanned<'_>)) {
-        let config = ScanConfig {
-            active: false,
-            interval: SCAN_WINDOW,
-            window: SCAN_WINDOW,
-            ..ScanConfig::default()
-        };
+    // Nordic's scheduler erases a page in parts, between radio events.
+    const LEAVES_FLASH_TIME: bool = true;
+
+    async fn silence(&mut self) {}
+
+    async fn scan(&mut self, pace: impl Fn() -> Pace, mut report: impl FnMut(Scanned<'_>)) {
         self.advertisements.0.clear();
         let mut scanner = Scanner::new(&mut self.central);
         loop {
+            let config = ScanConfig {
+                active: false,
+                interval: match pace() {
+                    Pace::Always => SCAN_WINDOW,
+                    Pace::Seldom => SCAN_WINDOW * u32::from(REST),
+                },
+                window: SCAN_WINDOW,
+                ..ScanConfig::default()
+            };
             let Ok(_session) = scanner.scan(&config).await else {
                 return;
             };

@@ -10,8 +10,8 @@ use virtual_armband::{Armband, Notification};
 
 use super::{fault, hardware};
 use crate::radio::{
-    Advertisement, ConnectFailed, ConnectionHandler, Disconnected, Link, OperationFailed, Radio,
-    SCAN_SECONDS, Scanned,
+    Advertisement, ConnectFailed, ConnectionHandler, Disconnected, Link, OperationFailed, Pace,
+    REST, Radio, SCAN_SECONDS, Scanned,
 };
 
 /// Milliseconds between two advertisements of an armband.
@@ -30,10 +30,18 @@ pub struct SimulatedRadio<'a> {
 }
 
 impl Radio for SimulatedRadio<'_> {
-    async fn scan(&mut self, mut report: impl FnMut(Scanned<'_>)) {
+    const LEAVES_FLASH_TIME: bool = true;
+
+    async fn silence(&mut self) {}
+
+    async fn scan(&mut self, pace: impl Fn() -> Pace, mut report: impl FnMut(Scanned<'_>)) {
         let mut begun = Instant::now();
         loop {
-            Timer::after_millis(ADVERTISING_MS).await;
+            let windows = match pace() {
+                Pace::Always => 1,
+                Pace::Seldom => u64::from(REST),
+            };
+            Timer::after_millis(ADVERTISING_MS * windows).await;
             fault::radio_works().await;
             // As a SoftDevice, which says nothing when a scan begins.
             if begun.elapsed() >= Duration::from_secs(SCAN_SECONDS.into()) {

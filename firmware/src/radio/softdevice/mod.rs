@@ -16,7 +16,7 @@ use nrf_softdevice::{
 use shared::myo::{self, AddressKind, ConnectionParameters};
 
 use super::{
-    Advertisement, ConnectFailed, ConnectionHandler, Radio, SCAN_SECONDS, Scanned,
+    Advertisement, ConnectFailed, ConnectionHandler, Pace, REST, Radio, SCAN_SECONDS, Scanned,
     driver::SessionDriver,
 };
 use crate::flash::{Flash, SharedFlash};
@@ -41,8 +41,7 @@ struct SoftdeviceRadio<'s> {
     ending: Ending,
 }
 
-/// Window and interval of a scan, in units of 0.625 ms. Equal: it scans all the time, which costs
-/// nothing but power.
+/// Window of a scan, in units of 0.625 ms.
 const SCAN_WINDOW: u32 = 96;
 
 /// Time after which an attempt to connect ends by itself, in units of 10 ms: before the session's time-out of 5 s cancels
@@ -93,17 +92,27 @@ async fn established(
 }
 
 impl Radio for SoftdeviceRadio<'_> {
-    async fn scan(&mut self, mut report: impl FnMut(Scanned<'_>)) {
+    // A page takes 85 ms, and the events of a link follow each other without a pause.
+    const LEAVES_FLASH_TIME: bool = false;
+
+    async fn silence(&mut self) {
         self.ending.finished().await;
-        let config = central::ScanConfig {
-            active: false,
-            extended: false,
-            interval: SCAN_WINDOW,
-            window: SCAN_WINDOW,
-            timeout: SCAN_SECONDS * 100,
-            ..central::ScanConfig::default()
-        };
+    }
+
+    async fn scan(&mut self, pace: impl Fn() -> Pace, mut report: impl FnMut(Scanned<'_>)) {
+        self.ending.finished().await;
         loop {
+            let config = central::ScanConfig {
+                active: false,
+                extended: false,
+                interval: match pace() {
+                    Pace::Always => SCAN_WINDOW,
+                    Pace::Seldom => SCAN_WINDOW * u32::from(REST),
+                },
+                window: SCAN_WINDOW,
+                timeout: SCAN_SECONDS * 100,
+                ..central::ScanConfig::default()
+            };
             let scan = central::scan(self.softdevice, &config, |found| {
                 report(Scanned::Advertisement(&advertisement(found)));
                 None::<()>
