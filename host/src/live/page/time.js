@@ -74,6 +74,6 @@ export function ruler({ pen, colours, from, to, x, width }, newest, hold, top, h
   const { instant, emitted } = newest;
   pen.fillStyle = colours.shade;
   pen.fillRect(x(instant), 0, Math.min(x(emitted), width) - x(instant), top + height);
-  bracket(instant, emitted, `waits ${ms(emitted - instant)}`, top + 10);
-  bracket(instant, instant + hold, `stays ${ms(hold)}`, top + 25);
+  bracket(instant, emitted, `waits ${ms(emitted - instant)}`, top + 16);
+  bracket(instant, instant + hold, `stays ${ms(hold)}`, top + 31);
 }

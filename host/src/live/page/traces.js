@@ -7,7 +7,7 @@ import { cues, labels } from "./rows.js";
 import { axis, grid, marks, ruler } from "./time.js";
 
 const GUTTER = 52;
-const HEIGHTS = { scores: 84, label: 22, ruler: 34, axis: 18, gap: 8 };
+const HEIGHTS = { scores: 84, label: 22, ruler: 40, axis: 18, gap: 8 };
 /** Height below which the traces need the room of the scores. */
 const ROOM = 340;
 // Of a lane: strong samples may reach into the next ones.
@@ -131,9 +131,9 @@ export class Traces {
     const pen = this.#context;
     const middle = top + height / 2;
     const gain = (REACH * height) / this.#scale;
-    const beside = channel === 0 && height < 30 ? `±${this.#scale} · ` : "";
-    this.#caption(`${beside}${channel + 1}`, middle);
-    if (channel === 0 && !beside) {
+    this.#caption(String(channel + 1), middle);
+    // Low lanes have no room for it.
+    if (channel === 0 && height > 28) {
       this.#caption(`±${this.#scale}`, middle + 15);
     }
     pen.strokeStyle = this.#colours.trace;
