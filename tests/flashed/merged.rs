@@ -79,7 +79,7 @@ fn the_merged_file_holds_every_region_and_nothing_else() -> anyhow::Result<()> {
         ],
     };
     // As a file, which the library that writes it reads.
-    let softdevice = Part::hex("SoftDevice", &merged(&[stand_in.clone()])?)?;
+    let softdevice = Part::hex("SoftDevice", &merged(std::slice::from_ref(&stand_in))?)?;
     assert_eq!(softdevice, stand_in);
     let model = chip::model();
     let parts = [

@@ -28,7 +28,7 @@ use embassy_nrf::{
     uarte::{Baudrate, Config, Parity},
 };
 use embassy_sync::waitqueue::AtomicWaker;
-use embassy_time::Timer;
+use embassy_time::{Duration, Timer};
 use static_cell::ConstStaticCell;
 
 use crate::board::BytesLost;
@@ -40,6 +40,8 @@ const RING_BYTES: usize = if cfg!(feature = "nrf52832") {
     1024
 };
 const SEND_BYTES: usize = 64;
+/// Time from a byte to the look at what has come: eleven more.
+const GATHERING: Duration = Duration::from_millis(1);
 /// Most milliseconds that the receiver takes to stop: it waits for four more bytes (nRF52840 product specification, UARTE).
 const STOPPING_MS: usize = 10;
 /// Most reads of a register until a flush has ended, which takes microseconds.
@@ -192,7 +194,11 @@ impl CommandPort {
                 continue;
             }
             match self.take(buffer)? {
-                0 => self.received().await,
+                0 => {
+                    self.received().await;
+                    // Others follow it: a turn of the task for each byte would take half of the core.
+                    Timer::after(GATHERING).await;
+                }
                 count => return Ok(count),
             }
         }
