@@ -254,7 +254,7 @@ fn a_command_is_taken_whole_or_not_at_all_and_the_next_one_is_answered_rightly()
         let checked = script.run(&samples, 75).and_then(|ran| {
             check_lines(&script, &ran, &samples)?;
             let said = ran.comments();
-            ensure!(said.len() == 4, "{said:#?}");
+            ensure!(said.len() == 5, "{said:#?}");
             Ok(())
         });
         checked.with_context(|| dialogue.cut[0].to_owned()).unwrap();

@@ -33,11 +33,12 @@ use static_cell::ConstStaticCell;
 
 use crate::board::BytesLost;
 
-/// Bytes of the ring: 89 ms, more than a page takes. On the nRF52832, whose DMA counts with eight bits, 22 ms.
-const RING_BYTES: usize = if cfg!(feature = "nrf52832") {
-    255
-} else {
+/// Bytes of the ring: on the nRF52840 under a SoftDevice 89 ms, more than a page takes to be erased. Else 22 ms: the DMA of the
+/// nRF52832 counts with eight bits, and without a SoftDevice a page is erased in parts of 10 ms.
+const RING_BYTES: usize = if cfg!(all(feature = "nrf52840", feature = "radio-softdevice")) {
     1024
+} else {
+    255
 };
 const SEND_BYTES: usize = 64;
 /// Time from a byte to the look at what has come: eleven more.
