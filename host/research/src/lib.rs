@@ -9,4 +9,5 @@ mod baselines;
 pub mod cli;
 mod cross_validation;
 mod job;
+mod other_movement;
 mod personalization;

@@ -3,6 +3,7 @@
 mod baselines;
 mod cross_validate;
 mod evaluate;
+mod other_movement;
 mod personalization;
 mod shell;
 
@@ -39,6 +40,8 @@ enum Command {
     CrossValidate(cross_validate::Arguments),
     /// Measure what tuning a model on a person's own recordings gains, by their duration.
     Personalization(personalization::Arguments),
+    /// Measure what it buys to show a model other movement of the same person.
+    OtherMovement(other_movement::Arguments),
 }
 
 impl Cli {
@@ -58,6 +61,7 @@ impl Cli {
             Command::Evaluate(arguments) => evaluate::run(&arguments),
             Command::CrossValidate(arguments) => cross_validate::run(&arguments),
             Command::Personalization(arguments) => personalization::run(&arguments),
+            Command::OtherMovement(arguments) => other_movement::run(&arguments),
         };
         match result {
             Ok(()) => ExitCode::SUCCESS,

@@ -1,0 +1,121 @@
+//! Measurement of one person: a model as it is, and tuned on gestures alone, on other movement too, and on all kinds but the
+//! one that is judged.
+
+use burn::tensor::Device;
+use shared::model::file::Model;
+
+use super::halves::{Half, Hold, halves, joined};
+use evaluation::{Measure, Score};
+use execution::interrupt::Interrupt;
+use recordings::{Library, Recording};
+use training::run::personalize::{Person, PersonalizeError, TuningSettings, judge, tune};
+
+/// Measures that are shown, each label at its emission time.
+pub(crate) const SHOWN: [Measure; 6] = [
+    Measure::BalancedAccuracyEmitted,
+    Measure::TransitionAccuracyEmitted,
+    Measure::Recognition,
+    Measure::Raised,
+    Measure::OtherActivations,
+    Measure::FalseActivations,
+];
+
+/// Values of [`SHOWN`]; none where the recordings lack what is counted.
+pub(crate) type Values = [Option<f64>; SHOWN.len()];
+
+/// What a model was tuned on.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) enum Variant {
+    /// Nothing: the model as it is.
+    AsItIs,
+    /// Gestures, and this many seconds of other movement, of all kinds.
+    Tuned(f64),
+    /// Gestures and all other movement but one kind; judged on that kind, in turn, and averaged.
+    Unshown,
+}
+
+/// Settings of the measurement.
+pub(crate) struct Measurement<'a> {
+    pub(crate) library: &'a Library,
+    pub(crate) model: &'a [u8],
+    /// Seconds of other movement to tune on.
+    pub(crate) amounts: &'a [f64],
+    pub(crate) settings: &'a TuningSettings,
+    pub(crate) device: Device,
+    pub(crate) interrupt: &'a Interrupt,
+}
+
+impl Measurement<'_> {
+    /// Measures a person (`data-set/person`).
+    ///
+    /// # Errors
+    /// When the model is refused, the person's recordings do not allow it, or the user interrupts.
+    pub(crate) fn person(&self, subject: &str) -> Result<Vec<(Variant, Values)>, PersonalizeError> {
+        let own = self.library.recordings.iter();
+        let own: Vec<&Recording> = own.filter(|own| own.subject == subject).collect();
+        let vocabulary = Model::parse(self.model)?.header.dimensions.vocabulary;
+        let [first, second] = halves(&own, vocabulary);
+        let judged = second.holds(f64::INFINITY, |_| true);
+        let mut variants = vec![(Variant::AsItIs, self.judge(&own, &judged, self.model)?)];
+        for &seconds in [0.0].iter().chain(self.amounts) {
+            let file = self.tune(&own, &first.holds(seconds, |_| true))?;
+            let values = self.judge(&own, &judged, &file)?;
+            variants.push((Variant::Tuned(seconds), values));
+        }
+        if first.others.len() > 1 {
+            variants.push((Variant::Unshown, self.unshown(&own, &first, &second)?));
+        }
+        Ok(variants)
+    }
+
+    /// Mean over the kinds of other movement, each judged by a model that was tuned on the others.
+    fn unshown(
+        &self,
+        own: &[&Recording],
+        first: &Half,
+        second: &Half,
+    ) -> Result<Values, PersonalizeError> {
+        let mut all = Vec::new();
+        for kind in first.others.keys() {
+            let file = self.tune(own, &first.holds(f64::INFINITY, |other| other != *kind))?;
+            let judged = second.holds(f64::INFINITY, |other| other == *kind);
+            all.push(self.judge(own, &judged, &file)?);
+        }
+        Ok(std::array::from_fn(|measure| {
+            let values: Option<Vec<f64>> = all.iter().map(|values| values[measure]).collect();
+            values.map(|values| values.iter().sum::<f64>() / values.len() as f64)
+        }))
+    }
+
+    fn tune(&self, own: &[&Recording], holds: &[Hold]) -> Result<Vec<u8>, PersonalizeError> {
+        let person = self.whole(own, holds)?;
+        let (settings, interrupt) = (self.settings, self.interrupt);
+        tune(
+            self.model,
+            &person.whole(),
+            settings,
+            &self.device,
+            interrupt,
+            |_| (),
+        )
+    }
+
+    fn judge(
+        &self,
+        own: &[&Recording],
+        holds: &[Hold],
+        file: &[u8],
+    ) -> Result<Values, PersonalizeError> {
+        let score = judge("", file, &self.whole(own, holds)?.whole())?;
+        Ok(values(&score))
+    }
+
+    fn whole(&self, own: &[&Recording], holds: &[Hold]) -> Result<Person, PersonalizeError> {
+        let model = Model::parse(self.model)?;
+        Person::new(&joined(own, holds), None, &model.header)
+    }
+}
+
+fn values(score: &Score) -> Values {
+    SHOWN.map(|measure| measure.mean(score).map(|own| own.mean))
+}
