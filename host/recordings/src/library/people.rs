@@ -15,10 +15,15 @@ use crate::recording::{DataSet, Recording};
 /// Maximum number of names in one sentence.
 const SHOWN: usize = 6;
 
-/// Names the people of the user's own recordings in or below a folder; returns sentences on the choices.
-pub(super) fn by_folder(base: &Path, recordings: &mut [Recording]) -> Vec<String> {
+/// Names the people of the user's own recordings in or below a folder, but of files that `is_named`; returns sentences on
+/// the choices.
+pub(super) fn by_folder(
+    base: &Path,
+    recordings: &mut [Recording],
+    is_named: &dyn Fn(&Path) -> bool,
+) -> Vec<String> {
     let own: Vec<usize> = (0..recordings.len())
-        .filter(|&at| is_own(recordings[at].data_set))
+        .filter(|&at| is_own(recordings[at].data_set) && !is_named(&recordings[at].path))
         .collect();
     let mut places: Vec<Folders> = own
         .iter()

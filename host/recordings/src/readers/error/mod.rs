@@ -6,6 +6,7 @@ mod fault;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use crate::description::DescriptionError;
 use crate::examiner::finding::Finding;
 use excerpt::printable;
 pub use fault::Fault;
@@ -101,6 +102,9 @@ pub enum LoadError {
         /// Description of the files that there are instead.
         found: String,
     },
+    /// A description that cannot be used.
+    #[error(transparent)]
+    Description(#[from] DescriptionError),
     /// A damaged file.
     #[error("{}, {damage}", path.display())]
     Damaged {

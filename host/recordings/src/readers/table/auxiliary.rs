@@ -45,6 +45,21 @@ impl AuxiliaryColumns {
         }
     }
 
+    /// The columns with a clock in this column alone.
+    pub fn clocked(self, at: usize, name: String) -> Self {
+        Self {
+            clocks: vec![(at, Clock::of(name))],
+            ..self
+        }
+    }
+
+    /// Clock that gives the rate: times take precedence over row numbers.
+    pub fn clock(&self) -> Option<&Clock> {
+        let clocks = || self.clocks.iter().map(|(_, clock)| clock);
+        let times = clocks().find(|clock| !clock.counts());
+        times.or_else(|| clocks().next())
+    }
+
     /// Adds the fields of a row.
     pub fn push(&mut self, separator: Separator, fields: &[&str]) {
         for (at, clock) in &mut self.clocks {
@@ -63,10 +78,6 @@ impl AuxiliaryColumns {
         if let Some((_, devices)) = &self.devices {
             devices.judge()?;
         }
-        // Times take precedence over row numbers.
-        let clocks = || self.clocks.iter().map(|(_, clock)| clock);
-        let times = clocks().find(|clock| !clock.counts());
-        let clock = times.or_else(|| clocks().next());
-        Rows::of(samples, clock, self.filled_in)
+        Rows::of(samples, self.clock(), self.filled_in)
     }
 }
