@@ -7,6 +7,7 @@
 mod error;
 mod pattern;
 mod reader;
+mod rows;
 pub mod survey;
 mod values;
 mod words;

@@ -8,6 +8,7 @@ use super::layout::{Beginning, LABELS};
 use crate::examiner::clock::{self, Clock, Timebase};
 use crate::examiner::finding::{Finding, Scale};
 use crate::examiner::scale::ScaleDetector;
+use crate::statistics::median;
 
 /// Minimum mean number of rows from one change of a label to the next.
 const HELD: usize = 20;
@@ -66,7 +67,40 @@ impl Roles {
     /// Roles of the columns of files of one layout; none if there are no eight channels.
     pub fn of(files: &[Beginning]) -> Option<Self> {
         let first = files.first()?;
-        let is_same = files.iter().all(|file| file.names == first.names);
+        if files.iter().all(|file| file.names == first.names) {
+            return Self::of_alike(files);
+        }
+        // Columns that are known by their names, which differ from file to file.
+        let own = files
+            .iter()
+            .map(|file| Self::of_alike(std::slice::from_ref(file)));
+        let own: Vec<Self> = own.collect::<Option<_>>()?;
+        let scale = own[0]
+            .scale
+            .filter(|scale| own.iter().all(|other| other.scale == Some(*scale)));
+        let least = own
+            .iter()
+            .map(|own| own.range.0)
+            .fold(f64::INFINITY, f64::min);
+        let most = own
+            .iter()
+            .map(|own| own.range.1)
+            .fold(f64::NEG_INFINITY, f64::max);
+        Some(Self {
+            names: Vec::new(),
+            channels: None,
+            more: None,
+            time: own[0].time,
+            // Where columns move, a person names the one of the labels.
+            label: None,
+            rate: median(&own.iter().filter_map(|own| own.rate).collect::<Vec<_>>()),
+            scale,
+            range: (least, most),
+        })
+    }
+
+    fn of_alike(files: &[Beginning]) -> Option<Self> {
+        let first = files.first()?;
         let width = files.iter().map(|file| file.columns.len()).min()?;
         let all = |wanted: Behaviour, at: usize| {
             files
@@ -98,16 +132,11 @@ impl Roles {
         let label = label.or_else(|| others.iter().copied().find(held));
         let (scale, range) = scale(files, &channels);
         Some(Self {
-            names: if is_same {
-                first.names.clone()
-            } else {
-                Vec::new()
-            },
-            channels: (is_same || named.is_none()).then_some(channels),
+            names: first.names.clone(),
+            channels: Some(channels),
             more: (changing.len() > CHANNELS).then_some(changing.len()),
             time,
-            // Where columns move, a person names the one of the labels.
-            label: label.filter(|_| is_same),
+            label,
             rate: time.and_then(|time| rate(files, time)),
             scale,
             range,
@@ -117,20 +146,16 @@ impl Roles {
 
 /// Rows a second by a column of times: the armband's rate where it is near to it, else as it is.
 fn rate(files: &[Beginning], time: usize) -> Option<f64> {
-    let mut rates: Vec<f64> = files
-        .iter()
-        .filter_map(|file| {
-            let name = file.names.get(time).cloned();
-            let mut clock = Clock::of(name.unwrap_or_else(|| format!("number {}", time + 1)));
-            file.columns[time].iter().for_each(|text| clock.push(text));
-            match clock.timebase() {
-                Timebase::Rate { hz, .. } => Some(hz),
-                Timebase::Unclear => None,
-            }
-        })
-        .collect();
-    rates.sort_by(f64::total_cmp);
-    rates.get(rates.len() / 2).copied()
+    let rates = files.iter().filter_map(|file| {
+        let name = file.names.get(time).cloned();
+        let mut clock = Clock::of(name.unwrap_or_else(|| format!("number {}", time + 1)));
+        file.columns[time].iter().for_each(|text| clock.push(text));
+        match clock.timebase() {
+            Timebase::Rate { hz, .. } => Some(hz),
+            Timebase::Unclear => None,
+        }
+    });
+    median(&rates.collect::<Vec<_>>())
 }
 
 /// Whether a rate counts as the armband's.

@@ -8,7 +8,7 @@ use shared::units::{CHANNELS, SAMPLE_RATE_HZ};
 
 use crate::description::Described;
 use crate::description::pattern::Field;
-use crate::description::reader::Rows;
+use crate::description::rows::Rows;
 use crate::labels::activity::activity;
 use crate::labels::motion::Motion;
 use crate::readers::label_file;
