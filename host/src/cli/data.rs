@@ -64,16 +64,45 @@ fn inspect_help() -> String {
     )
 }
 
+/// Fields of a description, and how one is made.
+const DESCRIBE_HELP: &str = "\
+Looks at csv, txt, tsv and npy files: columns, separator, rate by a column of times, scale, names in the paths, words of
+labels with their seconds. Writes DIR/recordings.toml, with comments on what cannot be seen. Correct it, and every
+command reads the folder by it. An existing file is never replaced.
+
+Fields (files and rate are required):
+  files        paths below the folder; {person}, {session}, {gesture}, {trial} (a number) and {any} stand for text.
+               Without {person} the folder is the person. Files that are named otherwise are not read
+  folder       the folder, if the description is not in it
+  separator    \",\", \";\", \"\\t\" or \" \"
+  header       whether the first row is names
+  channels     the eight columns in the armband's order, by name or by number (1 first); without it they are found by
+               their names, in an array of eight columns by their order
+  time         column of times or sample numbers: shows rate and gaps
+  label        column of labels; or
+  label_files  paths of files with one label a sample, with fields of `files`; or {gesture} in `files`
+  labels       { relax = [...], open = [...], close, wave-in (flexion), wave-out (extension), pinch, other (movement that
+               is none of these) or a kind of it (point, pronation, thumb-up, ...), unknown }: words and numbers of each;
+               \"*\" stands for all that are in no list, which are errors without it
+  rate         200; others are refused
+  scale        counts for a value of 1: 128 where a file has counts / 128
+  rectified    false; true is refused
+  arm          \"left\" mirrors the channels
+  rotation     0 to 7: channel c of the common frame is channel c + rotation here, on the left arm 6 + rotation - c
+  timing       \"cues\": the muscle follows the labels late, or a file is one hold; \"muscle\": labels lie on its activity;
+               \"from-activity\": one gesture a file, found in its activity
+  cue_lag_ms   lag of the muscle after the cues; estimated without it
+
+Examples:
+  myointent data describe mine
+  myointent data inspect mine
+  myointent data describe /read-only/set --out set.toml     every command takes set.toml in place of the folder";
+
 /// Arguments of `myointent data describe`.
 #[derive(Args, Debug)]
 #[command(
     // Not in `long_about`, which the one line of the subcommand hides.
-    after_help = "Looks at csv, txt, tsv and npy files: columns, separator, rate by a column of times, scale, names in the \
-        paths, words of labels with their seconds. Writes DIR/recordings.toml, with comments on what cannot be seen. \
-        Correct it, and every command reads the folder by it. An existing file is never replaced.\n\nExamples:\n  \
-        myointent data describe mine\n  \
-        myointent data inspect mine\n  \
-        myointent data describe /read-only/set --out set.toml     every command takes set.toml in place of the folder"
+    after_help = DESCRIBE_HELP,
 )]
 pub struct DescribeArguments {
     /// Folder of recordings

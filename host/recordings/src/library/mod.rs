@@ -122,14 +122,11 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
     library.examine(options.strict)?;
     // Named again without the copies, so that nobody is named after one.
     library.people = people::by_folder(folder, &mut library.recordings, &is_named);
-    library.people.extend(described.iter().map(|described| {
+    let told = described.iter().filter_map(|described| {
         let own = |own: &&Recording| described.fields_of(&own.path).is_some();
-        let recordings = library.recordings.iter().filter(own).count();
-        format!(
-            "recordings as {} describes them: {recordings}",
-            described.file.display()
-        )
-    }));
+        people::described(&described.file, library.recordings.iter().filter(own))
+    });
+    library.people.extend(told.collect::<Vec<_>>());
     library.follow_wearers();
     timing::find(&mut library.recordings);
     Ok(library)

@@ -232,6 +232,31 @@ fn told(people: &BTreeSet<&str>, places: &[Folders], prefixes: bool) -> Vec<Stri
     told
 }
 
+/// Sentence on the recordings that a description describes; none if there are none.
+pub(super) fn described<'r>(
+    file: &Path,
+    recordings: impl Iterator<Item = &'r Recording>,
+) -> Option<String> {
+    let (mut count, mut people) = (0, BTreeSet::new());
+    for recording in recordings {
+        count += 1;
+        people.insert(
+            recording
+                .subject
+                .split_once('/')
+                .map_or("", |(_, person)| person),
+        );
+    }
+    let people_listed = listed(people.iter().copied());
+    let file = file.display();
+    (count > 0).then(|| {
+        format!(
+            "as {file} describes them: {count} recordings of {} people: {people_listed}",
+            people.len()
+        )
+    })
+}
+
 fn listed<'n>(names: impl ExactSizeIterator<Item = &'n str>) -> String {
     let more = if names.len() > SHOWN { ", ..." } else { "" };
     let names: Vec<&str> = names.take(SHOWN).collect();

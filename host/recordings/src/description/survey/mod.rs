@@ -171,6 +171,8 @@ fn survey(folder: &Path, is_elsewhere: bool) -> Result<String, SurveyError> {
             .collect(),
         people: BTreeSet::new(),
         words: Words::default(),
+        known: crate::load(folder, &crate::LoadOptions::default())
+            .map_or(0, |library| library.recordings.len()),
     };
     let draft = described(folder, &text.draft())?;
     text.words = Words::of(&draft, &paths);

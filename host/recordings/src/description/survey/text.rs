@@ -34,6 +34,8 @@ pub(super) struct Text<'s> {
     pub others: Vec<(usize, PathBuf)>,
     pub people: BTreeSet<String>,
     pub words: Words,
+    /// Recordings that are read without a description.
+    pub known: usize,
 }
 
 /// A text as TOML has it.
@@ -294,10 +296,17 @@ impl fmt::Display for Text<'_> {
         writeln!(
             f,
             "# Recordings of this folder, as `myointent data describe` sees them. Check each line and correct it, then look at\n\
-             # what comes of it: myointent data inspect. docs/recordings.md has all fields.\n"
+             # what comes of it: myointent data inspect. `myointent data describe --help` has all fields.\n"
         )?;
         if let Some(folder) = self.folder {
             writeln!(f, "folder = {}", quoted(&folder.to_string_lossy()))?;
+        }
+        if 2 * self.known > self.files.len() {
+            let known = self.known;
+            writeln!(
+                f,
+                "# {known} recordings are read without this file. Remove it if `data inspect` then shows what it should.\n"
+            )?;
         }
         self.paths(f)?;
         f.write_str(&self.columns())?;

@@ -251,7 +251,8 @@ fn what_is_named_otherwise_is_not_read_and_told() {
         library
             .people
             .iter()
-            .any(|told| told.contains("recordings.toml describes them: 1")),
+            .any(|told| told
+                .contains("recordings.toml describes them: 1 recordings of 1 people: anna")),
         "{:?}",
         library.people
     );
