@@ -51,7 +51,7 @@ fn behaviour(column: &[String]) -> Behaviour {
     let numbers: Vec<f64> = column.iter().filter_map(|text| text.parse().ok()).collect();
     let changes = column.windows(2).filter(|pair| pair[0] != pair[1]).count();
     let is_numeric = numbers.len() == column.len() && column.len() > 1;
-    let distinct: BTreeSet<&String> = column.iter().take_while(|text| !text.is_empty()).collect();
+    let distinct: BTreeSet<&String> = column.iter().collect();
     if is_numeric && numbers.is_sorted() && changes * HELD > column.len() {
         Behaviour::Rises
     } else if distinct.len() <= LABELS && changes * HELD <= column.len() {
@@ -115,6 +115,12 @@ impl Roles {
                 .collect(),
         };
         let channels: [usize; CHANNELS] = changing.get(..CHANNELS)?.try_into().ok()?;
+        if files
+            .iter()
+            .all(|file| file.columns[channels[0]].is_empty())
+        {
+            return None;
+        }
         let others = (0..width).filter(|at| !changing.contains(at));
         let others: Vec<usize> = others.collect();
         let names: Vec<&str> = others

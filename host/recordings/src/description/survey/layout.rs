@@ -10,7 +10,6 @@ use crate::readers::npy::{self, Values};
 use crate::readers::table;
 use crate::readers::table::columns::Columns;
 use crate::readers::table::separator::Separator;
-use crate::readers::table::shape::Shape;
 use execution::bounded_read;
 use execution::file_kind::FileKind;
 
@@ -90,11 +89,11 @@ pub(super) fn look(path: &Path) -> Result<Look, LoadError> {
         return Ok(Look::Nothing);
     };
     let by_name = Columns::of(text).is_ok_and(|columns| !columns.names.is_empty());
-    let separator = SEPARATORS.iter().find(|(own, _)| *own == separator);
-    let separator = separator.map(|(_, text)| *text);
+    let mark = SEPARATORS.iter().find(|(own, _)| *own == separator);
+    let mark = mark.map(|(_, text)| *text);
     Ok(match width {
-        _ if by_name => layout(separator, 0, Vec::new()),
-        CHANNELS.. if Shape::of(text).is_some() => layout(separator, width, names),
+        _ if by_name => layout(mark, 0, Vec::new()),
+        CHANNELS.. if has_channels(text, separator) => layout(mark, width, names),
         1 => labels(
             table::rows(text)
                 .map(|(_, row)| row.trim().to_owned())
@@ -102,6 +101,24 @@ pub(super) fn look(path: &Path) -> Result<Look, LoadError> {
         ),
         _ => Look::Nothing,
     })
+}
+
+/// Whether most of the first rows have eight numbers or more; labels may be words.
+fn has_channels(text: &str, separator: Separator) -> bool {
+    const FIRST: usize = 20;
+    let rows = table::rows(text)
+        .map(|(_, row)| row)
+        .filter(|row| !table::is_note(row));
+    let rows: Vec<&str> = rows.take(FIRST).collect();
+    let is_number = |field: &&str| separator.number(field).parse::<f64>().is_ok();
+    let numbers = |row: &&&str| {
+        separator
+            .fields(row)
+            .iter()
+            .filter(|field| is_number(field))
+            .count()
+    };
+    2 * rows.iter().filter(|row| numbers(row) >= CHANNELS).count() > rows.len()
 }
 
 /// A file of these labels.

@@ -238,3 +238,6 @@ fn replaced(pattern: &Pattern, from: &str, to: &str) -> Option<Pattern> {
     let at = text.rfind(from)?;
     Pattern::try_from(format!("{}{to}{}", &text[..at], &text[at + from.len()..])).ok()
 }
+
+#[cfg(test)]
+mod tests;

@@ -93,7 +93,7 @@ pub enum LoadError {
     /// No file in a format that is read here.
     #[error(
         "no recordings in {}: expected one of the published layouts, or tables with eight channels (see \
-         `myointent data inspect --help`), found {found}",
+         `myointent data inspect --help`), found {found}; `myointent data describe` writes a description of other layouts",
         path.display()
     )]
     NoRecordings {
