@@ -9,7 +9,7 @@ use super::values::Column;
 use super::words::Words;
 use crate::readers::error::{Damage, Fault, Place};
 use crate::readers::npy::{self, Array, Values};
-use crate::readers::table::auxiliary::AuxiliaryColumns;
+use crate::readers::table::auxiliary::{AuxiliaryColumns, unnamed};
 use crate::readers::table::columns::Columns;
 use crate::readers::table::separator::Separator;
 use crate::readers::table::{self, Samples};
@@ -78,10 +78,14 @@ impl Description {
     fn table(&self, text: &str) -> Result<Rows, Damage> {
         let columns = self.columns(text)?;
         let mut auxiliary = AuxiliaryColumns::find(&columns);
-        if let Some(time) = &self.time {
-            let at = position(time, &columns.names, columns.count, columns.first_line)?;
-            let name = columns.names.get(at).cloned();
-            auxiliary = auxiliary.clocked(at, name.unwrap_or_else(|| format!("number {}", at + 1)));
+        let time = self
+            .time
+            .as_ref()
+            .map(|time| position(time, &columns.names, columns.count, columns.first_line));
+        let time = time.transpose()?;
+        // Where neither a name nor the description tells, no column is a clock.
+        if time.is_some() || columns.names.is_empty() {
+            auxiliary = auxiliary.clocked(time, &columns.names);
         }
         let (mut samples, mut words) =
             (Samples::default(), columns.label.map(|_| Words::default()));
@@ -184,9 +188,10 @@ impl Description {
         let [label, time] =
             [&self.label, &self.time].map(|column| column.as_ref().map(at).transpose());
         let (label, time) = (label?, time?);
+        // One field is pushed, the time.
         let mut auxiliary = AuxiliaryColumns::default();
-        if let Some(time) = time {
-            auxiliary = auxiliary.clocked(0, format!("number {}", time + 1));
+        if let Some(at) = time {
+            auxiliary = AuxiliaryColumns::default().clocked(Some(0), &[unnamed(at)]);
         }
         let (mut samples, mut words) = (Samples::default(), label.map(|_| Words::default()));
         for (row, values) in values.chunks_exact(width.max(1)).enumerate() {
@@ -228,7 +233,7 @@ fn position(column: &Column, names: &[String], count: usize, line: usize) -> Res
     };
     found.ok_or_else(|| {
         let column = match column {
-            Column::At(at) => format!("number {}", at + 1),
+            Column::At(at) => unnamed(*at),
             Column::Named(name) => format!("\"{name}\""),
         };
         let found = if names.is_empty() {

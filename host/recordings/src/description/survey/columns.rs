@@ -8,6 +8,7 @@ use super::layout::{Beginning, LABELS};
 use crate::examiner::clock::{self, Clock, Timebase};
 use crate::examiner::finding::{Finding, Scale};
 use crate::examiner::scale::ScaleDetector;
+use crate::readers::table::auxiliary::unnamed;
 use crate::statistics::median;
 
 /// Minimum mean number of rows from one change of a label to the next.
@@ -154,7 +155,7 @@ impl Roles {
 fn rate(files: &[Beginning], time: usize) -> Option<f64> {
     let rates = files.iter().filter_map(|file| {
         let name = file.names.get(time).cloned();
-        let mut clock = Clock::of(name.unwrap_or_else(|| format!("number {}", time + 1)));
+        let mut clock = Clock::of(name.unwrap_or_else(|| unnamed(time)));
         file.columns[time].iter().for_each(|text| clock.push(text));
         match clock.timebase() {
             Timebase::Rate { hz, .. } => Some(hz),

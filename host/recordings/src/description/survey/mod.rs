@@ -99,15 +99,15 @@ struct Files {
 
 fn files(folder: &Path) -> Result<Files, LoadError> {
     let (_, paths) = crate::library::files(folder)?;
+    // What cannot be read is told by `inspect`.
     let looks: Vec<(PathBuf, Look)> = paths
         .into_par_iter()
+        .flatten()
         .map(|path| {
-            let path = path?;
-            // What cannot be read is told by `inspect`.
             let look = layout::look(&path).unwrap_or(Look::Nothing);
-            Ok((path, look))
+            (path, look)
         })
-        .collect::<Result<_, LoadError>>()?;
+        .collect();
     let mut files = Files::default();
     for (path, look) in looks {
         match look {

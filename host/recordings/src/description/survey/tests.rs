@@ -146,6 +146,17 @@ fn a_folder_without_samples_says_what_it_has() {
     }
 }
 
+#[cfg(unix)]
+#[test]
+fn a_dangling_link_stops_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = table("", 300, |at| counts(at, 8, |v| v.to_string()));
+    std::fs::write(folder.path().join("a.csv"), text).unwrap();
+    std::os::unix::fs::symlink("/nowhere/b.csv", folder.path().join("b.csv")).unwrap();
+    let (_, text) = describe(folder.path(), None).unwrap();
+    assert!(text.contains("files = \"a.csv\""), "{text}");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
     /// Whatever the files hold, a description is written that is one, but for what it says is refused, or an error says why

@@ -29,8 +29,8 @@ impl AuxiliaryColumns {
         let others: Vec<usize> = (0..columns.count).filter(|at| !taken(at)).collect();
         let name = |at: usize| columns.names.get(at).map_or("", |name| name.trim());
         let clocks = if columns.names.is_empty() {
-            let unnamed = |at: usize| (at, Clock::of(format!("number {}", at + 1)));
-            others.iter().map(|&at| unnamed(at)).collect()
+            let clock = |at: usize| (at, Clock::of(unnamed(at)));
+            others.iter().map(|&at| clock(at)).collect()
         } else {
             let names: Vec<&str> = others.iter().map(|&at| name(at)).collect();
             let clock = column(&names).map(|found| others[found]);
@@ -45,10 +45,11 @@ impl AuxiliaryColumns {
         }
     }
 
-    /// The columns with a clock in this column alone.
-    pub fn clocked(self, at: usize, name: String) -> Self {
+    /// The columns with a clock in this column alone, or none.
+    pub fn clocked(self, at: Option<usize>, names: &[String]) -> Self {
+        let name = |at: usize| names.get(at).cloned().unwrap_or_else(|| unnamed(at));
         Self {
-            clocks: vec![(at, Clock::of(name))],
+            clocks: at.map(|at| (at, Clock::of(name(at)))).into_iter().collect(),
             ..self
         }
     }
@@ -80,4 +81,9 @@ impl AuxiliaryColumns {
         }
         Rows::of(samples, self.clock(), self.filled_in)
     }
+}
+
+/// What a column without a name is called.
+pub(crate) fn unnamed(at: usize) -> String {
+    format!("number {}", at + 1)
 }
