@@ -94,6 +94,29 @@ mod tests {
         "data/alice/R_0_C_3.csv": {"class_idx": 3, "class_name": "Key_Grip"}}"#;
 
     #[test]
+    fn screen_guided_recordings_are_people_by_folder_with_their_classes() {
+        let folder = tempfile::tempdir().unwrap();
+        let samples = crate::examiner::fixture::emg(700, 1);
+        let row = |sample: &Sample| sample.map(|value| value.to_string()).join(",") + "\r\n";
+        let rows: String = samples.iter().map(row).collect();
+        let details = r#"{"num_reps": 1, "class_map": {"0": "Hand_Close", "1": "No_Motion"}}"#;
+        std::fs::create_dir(folder.path().join("anna")).unwrap();
+        for (name, text) in [
+            ("collection_details.json", details),
+            ("C_0_R_0_emg.csv", &rows),
+        ] {
+            std::fs::write(folder.path().join("anna").join(name), text).unwrap();
+        }
+        let library = crate::load(folder.path(), &crate::LoadOptions::default()).unwrap();
+        assert_eq!(
+            library.recordings[0].full_name(),
+            "react-emg/anna/C_0_R_0_emg"
+        );
+        assert_eq!(library.recordings[0].labels, vec![Some(Intent::Close); 700]);
+        assert!(library.ignored.is_empty(), "{:?}", library.ignored);
+    }
+
+    #[test]
     fn the_class_comes_from_its_number() {
         let details = r#"{"num_motions": 2, "class_map": {"0": "Hand_Close", "1": "Hand_Open"}}"#;
         let class = |file: &str| class_name(details, &Path::new("/d/anna").join(file));
