@@ -19,9 +19,9 @@ pub enum Problem {
     Needs {
         /// The field.
         field: &'static str,
-        /// What it needs.
+        /// The missing part.
         needs: &'static str,
-        /// What to do.
+        /// Advice.
         advice: &'static str,
     },
     /// A field of a path that cannot be filled in.

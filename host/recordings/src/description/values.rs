@@ -101,9 +101,9 @@ impl TryFrom<bool> for Rectified {
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Arm {
-    /// As in the published sets.
+    /// Right arm, as in the published sets.
     Right,
-    /// Mirrored.
+    /// Left arm: mirrored.
     Left,
 }
 
@@ -214,12 +214,12 @@ impl TryFrom<Vec<Column>> for Channels {
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum LabelTiming {
-    /// What the person was asked for; the muscle follows. Also holds of whole files.
+    /// Cues, which the muscle follows. Also holds of whole files.
     #[default]
     Cues,
     /// The muscle's own activity.
     Muscle,
-    /// Not known: found in the muscle's activity, one gesture a file.
+    /// Unknown times, found in the muscle's activity: one gesture a file.
     FromActivity,
 }
 

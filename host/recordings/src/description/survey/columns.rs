@@ -16,7 +16,7 @@ const HELD: usize = 20;
 /// Largest deviation of a rate from the armband's, as a share, that counts as its own.
 const OFF: f64 = 0.1;
 
-/// What the columns of many files are.
+/// Roles of the columns of files of one layout.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct Roles {
     /// Names of the columns, if all files have the same.

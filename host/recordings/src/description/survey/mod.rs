@@ -153,7 +153,8 @@ fn survey(folder: &Path, is_elsewhere: bool) -> Result<String, SurveyError> {
     let below = |path: &PathBuf| path.strip_prefix(folder).unwrap_or(path).to_owned();
     let relative: Vec<PathBuf> = paths.iter().map(below).collect();
     let labels: BTreeSet<PathBuf> = labels.iter().map(below).collect();
-    let partner = partner(&relative, &labels);
+    // A column of labels goes before a file of them.
+    let partner = partner(&relative, &labels).filter(|_| roles.label.is_none());
     let has_labels = roles.label.is_some() || partner.is_some();
     let unnamed = || none("names of files that have nothing in common, or braces".to_owned());
     let pattern = names::pattern(&relative, has_labels).ok_or_else(unnamed)?;
@@ -192,7 +193,7 @@ fn described(folder: &Path, text: &str) -> Result<Described, LoadError> {
     })
 }
 
-/// How names of samples become those of labels: `emg` and `ann`, if every recording has such a file.
+/// Change from names of samples to those of labels, `emg` and `ann`, if every recording has such a file.
 fn partner(samples: &[PathBuf], labels: &BTreeSet<PathBuf>) -> Option<(String, String)> {
     let first = samples.first()?;
     let name = first.file_name()?.to_str()?;

@@ -63,7 +63,7 @@ pub(super) fn pattern(paths: &[PathBuf], has_labels: bool) -> Option<Pattern> {
     of_file(parts(&stems)).or_else(|| of_file(vec![Slot::part(stems.clone(), None)]))
 }
 
-/// The value that most have.
+/// Value that most have.
 fn most<T>(all: &[T], value: impl Fn(&T) -> usize) -> Option<usize> {
     let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
     for own in all {

@@ -3,7 +3,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::description::Problem;
 
-/// What is written for a folder with these files, without comments.
+/// Lines that are written for a folder with these files, without comments, and the whole text.
 fn written(files: &[(&str, String)]) -> Result<(Vec<String>, String), SurveyError> {
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in files {
@@ -86,6 +86,32 @@ fn words_of_a_column_are_its_labels_and_more_columns_are_told() {
     let labels = r#"labels = { relax = ["rest"], close = ["fist"], unknown = ["snap"] }"#;
     assert!(has(&lines, labels), "{lines:?}");
     assert!(text.contains("9 columns look like channels"), "{text}");
+}
+
+#[test]
+fn labels_are_in_a_column_or_in_a_file_beside_but_not_in_both() {
+    let table = |end: &dyn Fn(usize) -> String| {
+        table("", 400, |at| counts(at, 8, |v| v.to_string()) + &end(at))
+    };
+    let words: String = (0..400).map(|at| format!("{}\n", at / 100)).collect();
+    let files = |samples: String| {
+        [
+            ("anna/1_emg.csv", samples),
+            ("anna/1_ann.txt", words.clone()),
+        ]
+    };
+    let (lines, _) = written(&files(table(&|_| String::new()))).unwrap();
+    assert!(
+        has(&lines, r#"label_files = "anna/1_ann.txt""#),
+        "{lines:?}"
+    );
+    let column = files(table(&|at| format!(",{}", at / 200)));
+    let (lines, _) = written(&column).unwrap();
+    assert!(has(&lines, "label = 9"), "{lines:?}");
+    assert!(
+        !lines.iter().any(|line| line.starts_with("label_files")),
+        "{lines:?}"
+    );
 }
 
 #[test]

@@ -20,7 +20,7 @@ const WORDS: usize = 40;
 /// Maximum number of words under unknown.
 const LISTED: usize = 30;
 
-/// What was seen in a folder.
+/// Observations of a folder.
 pub(super) struct Text<'s> {
     /// The folder, if the description is elsewhere.
     pub folder: Option<&'s Path>,

@@ -13,7 +13,7 @@ use crate::labels::activity::activity;
 use crate::labels::motion::Motion;
 use crate::readers::label_file;
 
-/// What a word stands beside.
+/// Samples of a word.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(super) struct Word {
     /// Files that have it.

@@ -1,4 +1,4 @@
-//! What is refused, and the words for it.
+//! Refusals, and their words.
 
 use std::path::Path;
 

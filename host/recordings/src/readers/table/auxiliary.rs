@@ -83,7 +83,7 @@ impl AuxiliaryColumns {
     }
 }
 
-/// What a column without a name is called.
+/// Name of a column without one.
 pub(crate) fn unnamed(at: usize) -> String {
     format!("number {}", at + 1)
 }
