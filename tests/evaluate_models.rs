@@ -4,6 +4,8 @@
 #[expect(dead_code, reason = "nothing is trained here")]
 mod small;
 
+#[path = "evaluate_models/described.rs"]
+mod described;
 #[path = "evaluate_models/labels.rs"]
 mod labels;
 #[path = "evaluate_models/placement.rs"]

@@ -1,6 +1,8 @@
 //! Published recordings: counts, labels, lag and splices are as their description states. The recordings themselves are
 //! outside the repository.
 
+#[path = "recordings/described.rs"]
+mod described;
 #[path = "recordings/labels.rs"]
 mod labels;
 #[path = "recordings/myo_readings.rs"]

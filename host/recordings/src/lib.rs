@@ -11,6 +11,7 @@
 pub mod alignment;
 pub mod catalogue;
 pub mod corpus;
+pub mod description;
 pub mod examiner;
 pub mod labels;
 pub mod library;

@@ -1,4 +1,4 @@
-//! `myointent data`: contents of a folder of recordings, and synthetic recordings. Published ones are fetched by `fetch`.
+//! `myointent data`: contents of a folder of recordings, a first description of one, and synthetic recordings. Published ones are fetched by `fetch`.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -12,6 +12,7 @@ use super::contents::{Recordings, tables};
 use super::fetch;
 use evaluation::report::Table;
 use recordings::catalogue::{Address, SOURCES};
+use recordings::description::survey::describe;
 use recordings::synthetic::{self, SynthOptions};
 use recordings::{DataSet, LoadOptions, load};
 
@@ -20,6 +21,8 @@ use recordings::{DataSet, LoadOptions, load};
 pub enum Command {
     /// Show subjects, seconds per intent, transitions, and what is wrong with recordings
     Inspect(InspectArguments),
+    /// Write a first recordings.toml, which says how to read a folder of your own files, by looking at them
+    Describe(DescribeArguments),
     /// Write synthetic recordings, to try things without a data set
     Synth(SynthArguments),
     /// Download a published data set, or put a downloaded archive in place
@@ -53,11 +56,61 @@ fn inspect_help() -> String {
          file.\n\nFormats are recognised by content and name of the files:\n{readers}\n\
          Names of folders identify the person: keep the published layout below PATH. In your own recordings the folder \
          is the person, whatever the files are called. A file of eight columns without a header is read, without labels, \
-         if PATH is that file. Nothing is read but regular files \
+         if PATH is that file. A recordings.toml (`myointent data describe`) says how to read files of any other layout; \
+         PATH may be such a file. Nothing is read but regular files \
          of at most 128 MiB.\n\nExamples:\n  \
          myointent data inspect recordings\n  \
          myointent data inspect recordings/s1/s1_grasp.csv --json"
     )
+}
+
+/// Fields of a description, and how one is made.
+const DESCRIBE_HELP: &str = "\
+Looks at csv, txt, tsv and npy files: columns, separator, rate by a column of times, scale, names in the paths, words of
+labels with their seconds. Writes DIR/recordings.toml, with comments on what cannot be seen. Correct it, and every
+command reads the folder by it. An existing file is never replaced.
+
+Fields (files and rate are required):
+  files        paths below the folder; {person}, {session}, {gesture}, {trial} (a number) and {any} stand for text.
+               Without {person} the folder is the person. Files that are named otherwise are not read
+  folder       the folder, if the description is not in it
+  separator    \",\", \";\", \"\\t\" or \" \"
+  header       whether the first row is names
+  channels     the eight columns in the armband's order, by name or by number (1 first); without it they are found by
+               their names, in an array of eight columns by their order
+  time         column of times or sample numbers: shows rate and gaps
+  label        column of labels; or
+  label_files  paths of files with one label a sample, with fields of `files`; or {gesture} in `files`
+  labels       { relax = [...], open = [...], close, wave-in (flexion), wave-out (extension), pinch, other (movement that
+               is none of these) or a kind of it (point, pronation, thumb-up, ...), unknown }: words and numbers of each;
+               \"*\" stands for all that are in no list, which are errors without it
+  rate         200; others are refused
+  scale        counts for a value of 1: 128 where a file has counts / 128
+  rectified    false; true is refused
+  arm          \"left\" mirrors the channels
+  rotation     0 to 7: channel c of the common frame is channel c + rotation here, on the left arm 6 + rotation - c
+  timing       \"cues\": the muscle follows the labels late, or a file is one hold; \"muscle\": labels lie on its activity;
+               \"from-activity\": one gesture a file, found in its activity
+  cue_lag_ms   lag of the muscle after the cues; estimated without it
+
+Examples:
+  myointent data describe mine
+  myointent data inspect mine
+  myointent data describe /read-only/set --out set.toml     every command takes set.toml in place of the folder";
+
+/// Arguments of `myointent data describe`.
+#[derive(Args, Debug)]
+#[command(
+    // Not in `long_about`, which the one line of the subcommand hides.
+    after_help = DESCRIBE_HELP,
+)]
+pub struct DescribeArguments {
+    /// Folder of recordings
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+    /// File to write in place of DIR/recordings.toml
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
 }
 
 /// Arguments of `myointent data synth`.
@@ -109,6 +162,7 @@ fn vocabulary(text: &str) -> Result<Vocabulary, String> {
 pub(super) fn run(command: Command) -> anyhow::Result<()> {
     match command {
         Command::Inspect(args) => inspect(&args),
+        Command::Describe(args) => write_description(&args),
         Command::Synth(args) => write_synthetic(&args),
         Command::Fetch(args) => fetch::run(&args),
     }
@@ -145,6 +199,18 @@ fn inspect(args: &InspectArguments) -> anyhow::Result<()> {
     };
     std::io::stdout().write_all(report.as_bytes())?;
     some_recording(&library, &args.path)
+}
+
+fn write_description(args: &DescribeArguments) -> anyhow::Result<()> {
+    let (path, text) = describe(&args.folder, args.out.as_deref())?;
+    let read = args.out.as_ref().unwrap_or(&args.folder);
+    writeln!(
+        std::io::stdout(),
+        "{text}\nwritten: {}\nnext:    correct it, then myointent data inspect {}",
+        path.display(),
+        read.display()
+    )?;
+    Ok(())
 }
 
 fn write_synthetic(args: &SynthArguments) -> anyhow::Result<()> {

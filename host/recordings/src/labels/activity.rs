@@ -48,7 +48,7 @@ const WEAK: &str = "unlabelled: the muscle hardly rises above rest";
 
 /// Activity of the muscle at one sample.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Activity {
+pub(crate) enum Activity {
     Quiet,
     Active,
     Uncertain,
@@ -91,7 +91,7 @@ fn label(samples: &[Sample], motion: Motion) -> Option<GroundTruth> {
 }
 
 /// Activity of the muscle at each sample; none if the contrast is too weak.
-pub(super) fn activity(samples: &[Sample]) -> Option<Vec<Activity>> {
+pub(crate) fn activity(samples: &[Sample]) -> Option<Vec<Activity>> {
     let envelope = Envelope::new(samples);
     let coarse = envelope.all(COARSE);
     let levels = Levels::of(&coarse)?;

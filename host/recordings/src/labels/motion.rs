@@ -42,6 +42,38 @@ impl Motion {
         }
     }
 
+    /// Motion of a gesture as data sets and LibEMG call it (`Hand_Open`, `waveIn`, `rock`); none for a name that says
+    /// nothing for certain.
+    #[must_use]
+    pub fn of_gesture(name: &str) -> Option<Self> {
+        use MovementKind as Kind;
+        let name = name.to_lowercase().replace([' ', '-'], "_");
+        Some(match name.trim_matches('_') {
+            "no_motion" | "no_movement" | "rest" | "resting" | "relax" | "relaxed" | "neutral"
+            | "nogesture" | "no_gesture" => Self::RELAX,
+            "hand_open" | "open" | "open_hand" | "paper" | "extend_fingers" => {
+                Self::Intent(Intent::Open)
+            }
+            "hand_close" | "close" | "closed" | "fist" | "rock" | "closed_fist" => {
+                Self::Intent(Intent::Close)
+            }
+            "wrist_flexion" | "flexion" | "wavein" | "wave_in" => Self::Intent(Intent::WaveIn),
+            "wrist_extension" | "extension" | "waveout" | "wave_out" => {
+                Self::Intent(Intent::WaveOut)
+            }
+            "pinch" | "pinch_grip" => Self::Intent(Intent::Pinch),
+            "pronation" | "wrist_pronation" => Self::Other(Kind::Pronation),
+            "supination" | "wrist_supination" => Self::Other(Kind::Supination),
+            "radial_deviation" => Self::Other(Kind::RadialDeviation),
+            "ulnar_deviation" => Self::Other(Kind::UlnarDeviation),
+            "point" | "pointing" => Self::Other(Kind::Point),
+            "scissor" | "scissors" | "two" => Self::Other(Kind::TwoFingers),
+            "three" => Self::Other(Kind::ThreeFingers),
+            "thumb_up" | "thumbs_up" => Self::Other(Kind::ThumbUp),
+            _ => return None,
+        })
+    }
+
     /// Name of the motion as a file has it.
     #[must_use]
     pub const fn name(self) -> &'static str {

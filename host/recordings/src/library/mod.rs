@@ -2,7 +2,7 @@
 
 pub mod inspection;
 mod people;
-mod session;
+pub(crate) mod session;
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use shared::stream::normalizer::Normalizer;
 
+use super::description::{Described, FILE_NAME};
 use super::examiner::copies::{self, Repeat};
 use super::examiner::examine;
 use super::labels::timing;
@@ -64,14 +65,18 @@ pub struct Ignored {
 /// Reads every recording at or below a path: a folder of many sets, one set, or one file.
 ///
 /// A single file of eight channels is read whatever set it is of; in a folder, a file is read only if its layout
-/// says what it is. No file of more than 128 MiB is read, and nothing but regular files.
+/// says what it is, or a [description](crate::description) in the folder or above it. The path may be a description's
+/// own. No file of more than 128 MiB is read, and nothing but regular files.
 ///
 /// # Errors
-/// [`LoadError::Damaged`] or [`LoadError::Io`] at the first damaged or unreadable file in path order with
+/// [`LoadError::Description`] for a description that cannot be used; [`LoadError::Damaged`] or [`LoadError::Io`] at the first damaged or unreadable file in path order with
 /// [`LoadOptions::strict`]; [`LoadError::NoRecordings`] if none is found; [`LoadError::Io`] if the path
 /// itself cannot be read.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
-    let (root, files) = files(path)?;
+    let given = path.extension().is_some_and(|ending| ending == "toml");
+    let given = given.then(|| Described::read(path)).transpose()?;
+    let (root, files) = files(given.as_ref().map_or(path, |given| &given.folder))?;
+    let described = descriptions(given, &root, &files)?;
     let alone = !root.is_dir();
     let request = Request {
         wants: |data_set| options.wants(data_set),
@@ -79,9 +84,13 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
     };
     let found: Vec<Result<_, LoadError>> = files
         .into_par_iter()
+        .filter(|file| !file.as_ref().is_ok_and(|file| file.ends_with(FILE_NAME)))
         .map(|file| {
             let file = file?;
-            let found = open(&file, &request)?;
+            let found = match governing(&described, &file) {
+                Some(described) => described.open(&file, &request)?,
+                None => open(&file, &request)?,
+            };
             Ok((file, found))
         })
         .collect();
@@ -105,11 +114,19 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
     }
     let folder = if alone { root.parent() } else { None };
     let folder = folder.unwrap_or(&root);
-    people::by_folder(folder, &mut library.recordings);
+    // By the description where its pattern has the person, else by folder.
+    let is_named =
+        |file: &Path| governing(&described, file).is_some_and(|own| own.names_person_of(file));
+    people::by_folder(folder, &mut library.recordings, &is_named);
     library.repeats = copies::leave_out(&mut library.recordings);
     library.examine(options.strict)?;
     // Named again without the copies, so that nobody is named after one.
-    library.people = people::by_folder(folder, &mut library.recordings);
+    library.people = people::by_folder(folder, &mut library.recordings, &is_named);
+    let told = described.iter().filter_map(|described| {
+        let own = |own: &&Recording| described.fields_of(&own.path).is_some();
+        people::described(&described.file, library.recordings.iter().filter(own))
+    });
+    library.people.extend(told.collect::<Vec<_>>());
     library.follow_wearers();
     timing::find(&mut library.recordings);
     Ok(library)
@@ -173,6 +190,34 @@ impl Library {
     }
 }
 
+/// Descriptions of the files: the one that was given, or those in the folders and above them.
+fn descriptions(
+    given: Option<Described>,
+    root: &Path,
+    files: &[Result<PathBuf, LoadError>],
+) -> Result<Vec<Described>, LoadError> {
+    if let Some(given) = given {
+        return Ok(vec![given]);
+    }
+    let within = files
+        .iter()
+        .flatten()
+        .filter(|file| file.ends_with(FILE_NAME));
+    let above = Described::above(root);
+    let all = within
+        .chain(&above)
+        .map(|file| Ok(Described::read(file)?.seen_from(root)));
+    all.collect()
+}
+
+/// The description of a file: of those whose folder it is in, the deepest.
+fn governing<'d>(described: &'d [Described], file: &Path) -> Option<&'d Described> {
+    let own = described
+        .iter()
+        .filter(|described| file.starts_with(&described.folder));
+    own.max_by_key(|described| described.folder.components().count())
+}
+
 /// Files that were passed over, by reason.
 fn passed_over(ignored: &[Ignored]) -> String {
     let mut by_reason: BTreeMap<SkipReason, Vec<&Path>> = BTreeMap::new();
@@ -193,7 +238,7 @@ fn passed_over(ignored: &[Ignored]) -> String {
 
 /// The path, absolute so that folder names are known, and the files at or below it in path order, or why one cannot be
 /// read.
-fn files(path: &Path) -> Result<(PathBuf, Vec<Result<PathBuf, LoadError>>), LoadError> {
+pub(crate) fn files(path: &Path) -> Result<(PathBuf, Vec<Result<PathBuf, LoadError>>), LoadError> {
     let root = path
         .canonicalize()
         .map_err(|source| LoadError::io(path, source))?;

@@ -15,10 +15,15 @@ use crate::recording::{DataSet, Recording};
 /// Maximum number of names in one sentence.
 const SHOWN: usize = 6;
 
-/// Names the people of the user's own recordings in or below a folder; returns sentences on the choices.
-pub(super) fn by_folder(base: &Path, recordings: &mut [Recording]) -> Vec<String> {
+/// Names the people of the user's own recordings in or below a folder, but of files that `is_named`; returns sentences on
+/// the choices.
+pub(super) fn by_folder(
+    base: &Path,
+    recordings: &mut [Recording],
+    is_named: &dyn Fn(&Path) -> bool,
+) -> Vec<String> {
     let own: Vec<usize> = (0..recordings.len())
-        .filter(|&at| is_own(recordings[at].data_set))
+        .filter(|&at| is_own(recordings[at].data_set) && !is_named(&recordings[at].path))
         .collect();
     let mut places: Vec<Folders> = own
         .iter()
@@ -225,6 +230,31 @@ fn told(people: &BTreeSet<&str>, places: &[Folders], prefixes: bool) -> Vec<Stri
         ));
     }
     told
+}
+
+/// Sentence on the recordings that a description describes; none if there are none.
+pub(super) fn described<'r>(
+    file: &Path,
+    recordings: impl Iterator<Item = &'r Recording>,
+) -> Option<String> {
+    let (mut count, mut people) = (0, BTreeSet::new());
+    for recording in recordings {
+        count += 1;
+        people.insert(
+            recording
+                .subject
+                .split_once('/')
+                .map_or("", |(_, person)| person),
+        );
+    }
+    let people_listed = listed(people.iter().copied());
+    let file = file.display();
+    (count > 0).then(|| {
+        format!(
+            "as {file} describes them: {count} recordings of {} people: {people_listed}",
+            people.len()
+        )
+    })
 }
 
 fn listed<'n>(names: impl ExactSizeIterator<Item = &'n str>) -> String {

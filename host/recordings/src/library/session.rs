@@ -2,7 +2,7 @@
 
 /// Kind of session that a folder's name shows.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Session {
+pub(crate) enum Session {
     /// Date, weekday or numbered session, anywhere in a path.
     Time,
     /// Part of a session, below a person's folder.
@@ -11,6 +11,13 @@ pub(super) enum Session {
     Container,
     /// Number alone: a session below a folder, else a person.
     Number,
+}
+
+impl Session {
+    /// Whether it names a session or a part of one wherever it stands.
+    pub(crate) const fn is_part_of_a_person(self) -> bool {
+        matches!(self, Self::Time | Self::Part)
+    }
 }
 
 /// Words for the time of a session.
@@ -75,7 +82,7 @@ const CONTAINERS: [&str; 12] = [
 ];
 
 /// Kind of session that a folder's name shows; none if it may be a person's.
-pub(super) fn session(name: &str) -> Option<Session> {
+pub(crate) fn session(name: &str) -> Option<Session> {
     if name.starts_with('.') {
         return Some(Session::Container);
     }

@@ -38,6 +38,8 @@ pub enum SkipReason {
     NotWanted,
     /// It is another copy of what is read: untrimmed, or a copy of another person's file.
     Copy,
+    /// Its path is none of those that the description of its folder names.
+    Pattern,
 }
 
 impl fmt::Display for SkipReason {
@@ -50,6 +52,7 @@ impl fmt::Display for SkipReason {
             }
             Self::NotWanted => "of a data set that is not asked for",
             Self::Copy => "a copy of another file",
+            Self::Pattern => "not named as `files` in recordings.toml says",
         })
     }
 }

@@ -9,7 +9,7 @@ fn who(paths: &[&str]) -> (Vec<String>, Vec<String>) {
             ..Recording::new(DataSet::ReactEmg, "", vec![[1; 8]], vec![None])
         })
         .collect();
-    let told = by_folder(Path::new("/d"), &mut recordings);
+    let told = by_folder(Path::new("/d"), &mut recordings, &|_| false);
     let named = recordings.iter().map(Recording::full_name);
     (named.collect(), told)
 }
@@ -119,6 +119,6 @@ fn published_people_keep_their_names() {
         vec![[1; 8]],
         vec![None],
     )];
-    assert!(by_folder(Path::new("/d"), &mut recordings).is_empty());
+    assert!(by_folder(Path::new("/d"), &mut recordings, &|_| false).is_empty());
     assert_eq!(recordings[0].subject, "roshambo/01");
 }

@@ -140,6 +140,24 @@ pub enum Fault {
         /// The first line.
         found: String,
     },
+    /// A column of the description that a file does not have.
+    #[error(
+        "expected column {column} of the description, found {}",
+        excerpt(found)
+    )]
+    DescribedColumn {
+        /// The column.
+        column: String,
+        /// Columns of the file.
+        found: String,
+    },
+    /// A label that the description does not explain.
+    #[error(
+        "expected a label that is listed in `labels` of the description, found \"{}\": add it to one of the lists, such as \
+         unknown",
+        excerpt(_0)
+    )]
+    Word(String),
     /// A file without rows.
     #[error("expected one row per sample, found none")]
     Empty,

@@ -6,6 +6,7 @@ mod fault;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use crate::description::DescriptionError;
 use crate::examiner::finding::Finding;
 use excerpt::printable;
 pub use fault::Fault;
@@ -92,7 +93,7 @@ pub enum LoadError {
     /// No file in a format that is read here.
     #[error(
         "no recordings in {}: expected one of the published layouts, or tables with eight channels (see \
-         `myointent data inspect --help`), found {found}",
+         `myointent data inspect --help`), found {found}; `myointent data describe` writes a description of other layouts",
         path.display()
     )]
     NoRecordings {
@@ -101,6 +102,9 @@ pub enum LoadError {
         /// Description of the files that there are instead.
         found: String,
     },
+    /// A description that cannot be used.
+    #[error(transparent)]
+    Description(#[from] DescriptionError),
     /// A damaged file.
     #[error("{}, {damage}", path.display())]
     Damaged {

@@ -1,33 +1,53 @@
 //! Recordings that LibEMG's screen-guided training makes: csv of eight counts, no header, one class a file, which
-//! `metadata.json` beside it names. The published ones of `one-subject-myo` have a reader of their own.
+//! `metadata.json` beside it names, or `collection_details.json` by the number in `C_0_R_1_emg.csv`. The published ones of `one-subject-myo` have a reader of their own.
 
 use std::path::Path;
 
 use serde_json::Value;
-use shared::intent::Intent;
 use shared::units::Sample;
 
 use super::react_emg::own;
 use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::Damage;
-use crate::recording::movement::MovementKind;
 use crate::recording::{DataSet, Recording};
 use execution::bounded_read;
 
 /// Key in LibEMG's metadata for each file.
-pub(crate) const CLASS: &str = "\"class_name\"";
+const CLASS: &str = "\"class_name\"";
 
-/// Text of the `metadata.json` beside a file, if it names classes.
-pub(crate) fn metadata(path: &Path) -> Option<String> {
-    let path = path.with_file_name("metadata.json");
-    let text = bounded_read::read_text(&path, bounded_read::RECORDING).ok()?;
-    text.contains(CLASS).then_some(text)
+/// Key of the classes by number.
+const CLASSES: &str = "class_map";
+
+/// Files that name the classes, each with a key that it has.
+const NAMES: [(&str, &str); 2] = [
+    ("metadata.json", CLASS),
+    ("collection_details.json", CLASSES),
+];
+
+/// Whether a file names the classes of those beside it.
+pub(crate) fn is_metadata(path: &Path, text: &str) -> bool {
+    let is_it = |(name, key): &(&str, &str)| path.ends_with(name) && text.contains(key);
+    NAMES.iter().any(is_it)
 }
 
-/// Class of a file. The metadata's keys are the recorder's paths, of which the last part is compared.
+/// Text of the file beside a recording that names its class.
+pub(crate) fn metadata(path: &Path) -> Option<String> {
+    NAMES.iter().find_map(|(name, _)| {
+        let path = path.with_file_name(name);
+        let text = bounded_read::read_text(&path, bounded_read::RECORDING).ok()?;
+        is_metadata(&path, &text).then_some(text)
+    })
+}
+
+/// Class of a file: by its number, or by its path. The metadata's keys are the recorder's paths, of which the last part
+/// is compared.
 pub(crate) fn class_name(metadata: &str, path: &Path) -> Option<String> {
     let file = path.file_name()?.to_str()?;
     let metadata: Value = serde_json::from_str(metadata).ok()?;
+    if let Some(classes) = metadata.get(CLASSES) {
+        let (number, _) = file.strip_prefix("C_")?.split_once("_R_")?;
+        return classes.get(number)?.as_str().map(str::to_owned);
+    }
     let (_, entry) = metadata
         .as_object()?
         .iter()
@@ -35,29 +55,12 @@ pub(crate) fn class_name(metadata: &str, path: &Path) -> Option<String> {
     entry.get("class_name")?.as_str().map(str::to_owned)
 }
 
-/// Motion of a class by LibEMG's names of gestures; none for an unknown name.
-pub(crate) fn motion(class: &str) -> Option<Motion> {
-    let class = class.to_lowercase().replace([' ', '-'], "_");
-    let motion = match class.as_str() {
-        "no_motion" | "no_movement" | "rest" | "relax" => Motion::RELAX,
-        "hand_open" | "open" => Motion::Intent(Intent::Open),
-        "hand_close" | "close" | "fist" => Motion::Intent(Intent::Close),
-        "wrist_flexion" => Motion::Intent(Intent::WaveIn),
-        "wrist_extension" => Motion::Intent(Intent::WaveOut),
-        "pinch" | "pinch_grip" => Motion::Intent(Intent::Pinch),
-        "pronation" | "wrist_pronation" => Motion::Other(MovementKind::Pronation),
-        "supination" | "wrist_supination" => Motion::Other(MovementKind::Supination),
-        "radial_deviation" => Motion::Other(MovementKind::RadialDeviation),
-        "ulnar_deviation" => Motion::Other(MovementKind::UlnarDeviation),
-        _ => return None,
-    };
-    Some(motion)
-}
-
 /// A user's own recording, with the class that the metadata name.
 pub(crate) fn read(path: &Path, samples: Vec<Sample>, metadata: &str) -> Result<Recording, Damage> {
     let class = class_name(metadata, path);
-    let motion = class.as_deref().map(|class| (class, motion(class)));
+    let motion = class
+        .as_deref()
+        .map(|class| (class, Motion::of_gesture(class)));
     let truth: GroundTruth = samples
         .iter()
         .map(|_| {
@@ -69,11 +72,11 @@ pub(crate) fn read(path: &Path, samples: Vec<Sample>, metadata: &str) -> Result<
     let mut recording = own(path, DataSet::ReactEmg, samples, truth)?;
     match motion {
         Some((class, None)) => recording.notes.push(format!(
-            "no labels: the class {class} of metadata.json is none of the six intents"
+            "no labels: the class {class} of its metadata is none that is known"
         )),
         None => recording
             .notes
-            .push("no labels: metadata.json does not name its class".to_owned()),
+            .push("no labels: its metadata does not name its class".to_owned()),
         Some(_) => {}
     }
     Ok(recording)
@@ -81,12 +84,51 @@ pub(crate) fn read(path: &Path, samples: Vec<Sample>, metadata: &str) -> Result<
 
 #[cfg(test)]
 mod tests {
+    use shared::intent::Intent;
+
     use super::*;
 
     const METADATA: &str = r#"{"continuous": false,
         "data/alice/R_0_C_1.csv": {"class_idx": 1, "class_name": "Hand_Open"},
         "data\\alice\\R_0_C_2.csv": {"class_idx": 2, "class_name": "No_Motion"},
         "data/alice/R_0_C_3.csv": {"class_idx": 3, "class_name": "Key_Grip"}}"#;
+
+    #[test]
+    fn screen_guided_recordings_are_people_by_folder_with_their_classes() {
+        let folder = tempfile::tempdir().unwrap();
+        let samples = crate::examiner::fixture::emg(700, 1);
+        let row = |sample: &Sample| sample.map(|value| value.to_string()).join(",") + "\r\n";
+        let rows: String = samples.iter().map(row).collect();
+        let details = r#"{"num_reps": 1, "class_map": {"0": "Hand_Close", "1": "No_Motion"}}"#;
+        std::fs::create_dir(folder.path().join("anna")).unwrap();
+        for (name, text) in [
+            ("collection_details.json", details),
+            ("C_0_R_0_emg.csv", &rows),
+        ] {
+            std::fs::write(folder.path().join("anna").join(name), text).unwrap();
+        }
+        let library = crate::load(folder.path(), &crate::LoadOptions::default()).unwrap();
+        assert_eq!(
+            library.recordings[0].full_name(),
+            "react-emg/anna/C_0_R_0_emg"
+        );
+        assert_eq!(library.recordings[0].labels, vec![Some(Intent::Close); 700]);
+        assert!(library.ignored.is_empty(), "{:?}", library.ignored);
+    }
+
+    #[test]
+    fn the_class_comes_from_its_number() {
+        let details = r#"{"num_motions": 2, "class_map": {"0": "Hand_Close", "1": "Hand_Open"}}"#;
+        let class = |file: &str| class_name(details, &Path::new("/d/anna").join(file));
+        assert_eq!(class("C_1_R_0_emg.csv").as_deref(), Some("Hand_Open"));
+        assert_eq!(class("C_2_R_0_emg.csv"), None);
+        assert_eq!(class("R_0_C_1.csv"), None);
+        assert!(is_metadata(
+            Path::new("/d/anna/collection_details.json"),
+            details
+        ));
+        assert!(!is_metadata(Path::new("/d/anna/metadata.json"), details));
+    }
 
     #[test]
     fn the_class_comes_from_the_metadata() {

@@ -39,8 +39,8 @@ impl DataSet {
             Self::UciGestures => "01/1_raw_data_*.txt with time, channel1..channel8, class",
             Self::EmgEpn612 => "JSON per user with trainingSamples, testingSamples",
             Self::ReactEmg => {
-                "your own: a table with eight channels by name (emg_0..emg_7, label in gt), or LibEMG's csv with \
-                 metadata.json; and ReactEMG's sN_*.npy (n, 9)"
+                "your own: a table with eight channels by name (emg_0..emg_7, label in gt), what a recordings.toml \
+                 describes, or LibEMG's csv with metadata.json or collection_details.json; and ReactEMG's sN_*.npy (n, 9)"
             }
             Self::Synthetic => "as react-emg, with a column synthetic_muscle",
         }

@@ -8,7 +8,8 @@ use shared::intent::Intent;
 use shared::stream::normalizer::Normalizer;
 use shared::units::Sample;
 
-use super::libemg::{class_name, motion};
+use super::libemg::class_name;
+use crate::labels::motion::Motion;
 use crate::readers::error::{Damage, Fault};
 use crate::readers::path::{folder, stem};
 use crate::recording::{DataSet, Recording, Timing};
@@ -66,7 +67,7 @@ pub(crate) fn read(
 
 fn intent(class: &str) -> Result<Option<Intent>, Damage> {
     let expected = "No_Motion, Hand_Open, Hand_Close, Wrist_Flexion, Wrist_Extension";
-    match motion(class) {
+    match Motion::of_gesture(class) {
         Some(motion) => Ok(motion.label()),
         None => Err(Damage::of_file(Fault::Label {
             expected,

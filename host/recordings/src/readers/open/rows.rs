@@ -38,7 +38,7 @@ pub(super) fn open(
             emg_epn::read(path, text).map_err(damage)
         });
     }
-    if path.ends_with("metadata.json") && text.contains(libemg::CLASS) {
+    if libemg::is_metadata(path, text) {
         return Ok(Found::Part);
     }
     request.nothing(path, FileKind::Json)

@@ -29,8 +29,8 @@ impl AuxiliaryColumns {
         let others: Vec<usize> = (0..columns.count).filter(|at| !taken(at)).collect();
         let name = |at: usize| columns.names.get(at).map_or("", |name| name.trim());
         let clocks = if columns.names.is_empty() {
-            let unnamed = |at: usize| (at, Clock::of(format!("number {}", at + 1)));
-            others.iter().map(|&at| unnamed(at)).collect()
+            let clock = |at: usize| (at, Clock::of(unnamed(at)));
+            others.iter().map(|&at| clock(at)).collect()
         } else {
             let names: Vec<&str> = others.iter().map(|&at| name(at)).collect();
             let clock = column(&names).map(|found| others[found]);
@@ -43,6 +43,22 @@ impl AuxiliaryColumns {
             devices: device.map(|at| (at, Devices::of(name(at).to_owned()))),
             filled_in: columns.position(FILLED_IN).is_some(),
         }
+    }
+
+    /// The columns with a clock in this column alone, or none.
+    pub fn clocked(self, at: Option<usize>, names: &[String]) -> Self {
+        let name = |at: usize| names.get(at).cloned().unwrap_or_else(|| unnamed(at));
+        Self {
+            clocks: at.map(|at| (at, Clock::of(name(at)))).into_iter().collect(),
+            ..self
+        }
+    }
+
+    /// Clock that gives the rate: times take precedence over row numbers.
+    pub fn clock(&self) -> Option<&Clock> {
+        let clocks = || self.clocks.iter().map(|(_, clock)| clock);
+        let times = clocks().find(|clock| !clock.counts());
+        times.or_else(|| clocks().next())
     }
 
     /// Adds the fields of a row.
@@ -63,10 +79,11 @@ impl AuxiliaryColumns {
         if let Some((_, devices)) = &self.devices {
             devices.judge()?;
         }
-        // Times take precedence over row numbers.
-        let clocks = || self.clocks.iter().map(|(_, clock)| clock);
-        let times = clocks().find(|clock| !clock.counts());
-        let clock = times.or_else(|| clocks().next());
-        Rows::of(samples, clock, self.filled_in)
+        Rows::of(samples, self.clock(), self.filled_in)
     }
+}
+
+/// Name of a column without one.
+pub(crate) fn unnamed(at: usize) -> String {
+    format!("number {}", at + 1)
 }

@@ -1,0 +1,240 @@
+//! Description of anybody's recordings, `recordings.toml`: which files, which columns, which labels.
+//!
+//! A description stands in the folder that it describes, or names it as `folder`. It takes the place of a reader: what
+//! it reads goes the way of all recordings, through the examiner, the naming of people and the timing of labels.
+//! [`survey`] writes a first one.
+
+mod error;
+mod pattern;
+mod reader;
+mod rows;
+pub mod survey;
+mod values;
+mod words;
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use shared::units::SAMPLE_PERIOD_MS;
+
+use crate::readers::error::LoadError;
+pub use error::{DescriptionError, Problem};
+use execution::bounded_read;
+use pattern::{Field, Fields, Pattern};
+use values::{Arm, Channels, Column, CueLag, LabelTiming, Mark, Rate, Rectified, Rotation, Scale};
+use words::Labels;
+
+/// Name of a description in the folder that it describes.
+pub const FILE_NAME: &str = "recordings.toml";
+/// Folders above a path in which its description is looked for: person, session and two more.
+const ABOVE: usize = 4;
+
+/// Description of the recordings of a folder.
+#[derive(Clone, PartialEq, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Description {
+    /// Folder of the recordings, seen from the description's own; the same if not given.
+    folder: Option<PathBuf>,
+    /// Paths of the recordings.
+    files: Pattern,
+    /// Paths of files with a label for each sample.
+    label_files: Option<Pattern>,
+    separator: Option<Mark>,
+    /// Whether the first row is names; found if not given.
+    header: Option<bool>,
+    /// Columns of the channels; found by their names if not given.
+    channels: Option<Channels>,
+    /// Column of times or sample numbers; found by its name if not given.
+    time: Option<Column>,
+    /// Column of labels.
+    label: Option<Column>,
+    #[serde(default)]
+    labels: Labels,
+    rate: Rate,
+    #[serde(default)]
+    scale: Scale,
+    #[serde(default)]
+    rectified: Rectified,
+    arm: Option<Arm>,
+    #[serde(default)]
+    rotation: Rotation,
+    #[serde(default)]
+    timing: LabelTiming,
+    cue_lag_ms: Option<CueLag>,
+}
+
+impl Description {
+    /// Parses the text of a description; `path` is for messages.
+    ///
+    /// # Errors
+    /// [`DescriptionError`] with the line, or the first reason why fields contradict each other.
+    fn parse(path: &Path, text: &str) -> Result<Self, DescriptionError> {
+        let error = |line, problem| DescriptionError {
+            path: path.to_owned(),
+            line,
+            problem,
+        };
+        let description: Self = toml::from_str(text).map_err(|reason| {
+            let before = reason.span().and_then(|span| text.get(..span.start));
+            let line = before.map(|before| before.matches('\n').count() + 1);
+            error(line, Problem::Syntax(reason.message().to_owned()))
+        })?;
+        match description.contradiction() {
+            Some(problem) => Err(error(None, problem)),
+            None => Ok(description),
+        }
+    }
+
+    fn contradiction(&self) -> Option<Problem> {
+        let needs = |field, needs, advice| {
+            Some(Problem::Needs {
+                field,
+                needs,
+                advice,
+            })
+        };
+        let has_gesture = self.files.has(Field::Gesture);
+        let has_words = self.label.is_some() || self.label_files.is_some() || has_gesture;
+        let is_named = |column: &&Column| matches!(column, Column::Named(_));
+        let channels = self.channels.iter().flat_map(|channels| &channels.0);
+        let mut columns = channels.chain(&self.time).chain(&self.label);
+        if self.label.is_some() && self.label_files.is_some() {
+            return Some(Problem::Both("label", "label_files"));
+        }
+        if let Some(beyond) = self
+            .label_files
+            .as_ref()
+            .and_then(|own| own.beyond(&self.files))
+        {
+            return Some(Problem::Beyond(beyond.name()));
+        }
+        if has_words && self.labels.is_empty() {
+            let advice =
+                "say what the words mean, or write {any} for {gesture} and leave `label` out";
+            return needs("{gesture}, `label` or `label_files`", "`labels`", advice);
+        }
+        if !has_words && !self.labels.is_empty() {
+            let needed = "{gesture} in `files`, `label` or `label_files`";
+            return needs("labels", needed, "say where the words are");
+        }
+        if self.timing == LabelTiming::FromActivity {
+            if !has_gesture {
+                return needs(
+                    "timing = \"from-activity\"",
+                    "{gesture} in `files`",
+                    "it labels one gesture a file",
+                );
+            }
+            if self.label.is_some() || self.label_files.is_some() {
+                return Some(Problem::Both("timing = \"from-activity\"", "label"));
+            }
+        }
+        if self.cue_lag_ms.is_some() && self.timing != LabelTiming::Cues {
+            return needs(
+                "cue_lag_ms",
+                "timing = \"cues\"",
+                "other labels are not late",
+            );
+        }
+        let by_hand = self.separator.is_some() || self.header.is_some();
+        if by_hand && self.channels.is_none() {
+            return needs(
+                "separator` and `header",
+                "`channels`",
+                "without it, columns are found by their names",
+            );
+        }
+        if self.header == Some(false) && columns.any(|column| is_named(&column)) {
+            return needs(
+                "header = false",
+                "columns by number",
+                "without a header they have no names",
+            );
+        }
+        None
+    }
+
+    /// Lag of the muscle after the cues, in samples; none if it is to be estimated.
+    fn lag_samples(&self) -> Option<usize> {
+        self.cue_lag_ms
+            .map(|lag| (lag.0 / SAMPLE_PERIOD_MS) as usize)
+    }
+}
+
+/// A description and the folder that it describes.
+#[derive(Clone, PartialEq, Debug)]
+pub(crate) struct Described {
+    /// The description's file.
+    pub file: PathBuf,
+    /// The folder, absolute.
+    pub folder: PathBuf,
+    description: Description,
+    /// Names before a person's, where the folder lies within the one that was asked for.
+    above: String,
+}
+
+impl Described {
+    /// Reads a description.
+    ///
+    /// # Errors
+    /// [`LoadError::Io`] or [`LoadError::Description`].
+    pub fn read(file: &Path) -> Result<Self, LoadError> {
+        let text = bounded_read::read_text(file, bounded_read::PRESET);
+        let text = text.map_err(|source| LoadError::io(file, source))?;
+        let description = Description::parse(file, &text)?;
+        let own = file.parent().unwrap_or(file);
+        let folder = description
+            .folder
+            .as_ref()
+            .map_or(own.to_owned(), |folder| own.join(folder));
+        let missing = |_| DescriptionError {
+            path: file.to_owned(),
+            line: None,
+            problem: Problem::Folder(folder.clone()),
+        };
+        let folder = match folder.canonicalize() {
+            Ok(folder) if folder.is_dir() => folder,
+            other => return Err(missing(other).into()),
+        };
+        Ok(Self {
+            file: file.to_owned(),
+            folder,
+            description,
+            above: String::new(),
+        })
+    }
+
+    /// The description with people named as seen from a folder: `lab/anna` where it describes the folder `lab` in it.
+    pub fn seen_from(self, root: &Path) -> Self {
+        let below = self.folder.strip_prefix(root).unwrap_or(Path::new(""));
+        let above = below.iter().map(|name| name.to_string_lossy() + "/");
+        Self {
+            above: above.collect(),
+            ..self
+        }
+    }
+
+    /// The description nearest above a path.
+    pub fn above(path: &Path) -> Option<PathBuf> {
+        let folders = path.ancestors().skip(1).take(ABOVE);
+        folders
+            .map(|folder| folder.join(FILE_NAME))
+            .find(|file| file.is_file())
+    }
+
+    /// Fields of a file's path; none if the description is not about it.
+    pub fn fields_of(&self, path: &Path) -> Option<Fields> {
+        let below = path.strip_prefix(&self.folder).ok()?;
+        let is_known = |word: &str| self.description.labels.has(word);
+        self.description.files.fields_of(below, is_known)
+    }
+
+    /// Whether the path of a file names its person.
+    pub fn names_person_of(&self, path: &Path) -> bool {
+        let fields = self.fields_of(path);
+        fields.is_some_and(|fields| fields.get(Field::Person).is_some())
+    }
+}
+
+#[cfg(test)]
+mod tests;

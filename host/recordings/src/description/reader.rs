@@ -1,0 +1,178 @@
+//! Recordings of one file, as a description says.
+
+use std::path::Path;
+
+use shared::intent::Intent;
+
+use super::pattern::{Field, Fields, Pattern};
+use super::rows::{Labels, Rows, labels};
+use super::values::LabelTiming;
+use super::words::Words;
+use super::{Described, Description};
+use crate::labels::activity::labelled;
+use crate::labels::compensation::Compensation;
+use crate::labels::motion::{GroundTruth, Motion};
+use crate::readers::error::{Damage, Fault, LoadError};
+use crate::readers::open::{Found, Request, SkipReason, open};
+use crate::readers::path::left_arm;
+use crate::recording::{DataSet, Recording, Timing};
+use execution::bounded_read;
+
+/// Note of a recording that is named after the left arm.
+const LEFT: &str = "named after the left arm, read as it is: if the armband was on the left arm, write arm = \"left\"";
+
+impl Described {
+    /// Reads a file of the folder if its path is one of the description's.
+    pub fn open(
+        &self,
+        path: &Path,
+        request: &Request<impl Fn(DataSet) -> bool>,
+    ) -> Result<Found, LoadError> {
+        let description = &self.description;
+        let below = path.strip_prefix(&self.folder).unwrap_or(path);
+        let of_labels = |labels: &Pattern| labels.fields_of(below, |_| true).is_some();
+        if description.label_files.as_ref().is_some_and(of_labels) {
+            return Ok(Found::Part);
+        }
+        let Some(fields) = self.fields_of(path) else {
+            return if request.alone {
+                open(path, request)
+            } else {
+                Ok(Found::Nothing(SkipReason::Pattern))
+            };
+        };
+        if !(request.wants)(DataSet::ReactEmg) {
+            return Ok(Found::Nothing(SkipReason::NotWanted));
+        }
+        let rows = self.rows(path, &fields)?;
+        let pieces = rows.recordings(description, path, fields.get(Field::Gesture))?;
+        let named = |recording| self.named(recording, below, &fields);
+        Ok(Found::Recordings(pieces.into_iter().map(named).collect()))
+    }
+
+    /// Rows of a file, and of the file of its labels.
+    pub(super) fn rows(&self, path: &Path, fields: &Fields) -> Result<Rows, LoadError> {
+        let description = &self.description;
+        let bytes = read(path)?;
+        let rows = description.rows(&bytes);
+        let mut rows = rows.map_err(|damage| damage.in_file(path))?;
+        if let Some(pattern) = &description.label_files {
+            let file = self.folder.join(pattern.path_of(fields));
+            if !file.exists() {
+                let name = file.file_name().unwrap_or_default().to_string_lossy();
+                let missing = Damage::of_file(Fault::Partner(name.into_owned()));
+                return Err(missing.in_file(path));
+            }
+            let labels = labels(&read(&file)?, rows.samples.len());
+            rows.labels = labels.map_err(|damage| damage.in_file(&file))?;
+            rows.labels_file = Some(file);
+        } else if let (None, Some(word)) = (&description.label, fields.get(Field::Gesture)) {
+            rows.labels.words = Some(Words::of_file(word, rows.samples.len()));
+        }
+        Ok(rows)
+    }
+
+    /// A recording with the names that its path gives.
+    fn named(&self, recording: Recording, below: &Path, fields: &Fields) -> Recording {
+        let piece = recording.name;
+        let person = fields.get(Field::Person);
+        let whole = below.with_extension("");
+        // The person's own folder is no part of the name.
+        let own = person.and_then(|person| whole.strip_prefix(person).ok());
+        let own = own
+            .filter(|own| own.iter().next().is_some())
+            .unwrap_or(&whole);
+        let names: Vec<_> = own.iter().map(|name| name.to_string_lossy()).collect();
+        let subject = person.map_or(recording.subject, |person| {
+            format!("{}/{}{person}", DataSet::ReactEmg.name(), self.above)
+        });
+        Recording {
+            subject,
+            name: names.join("/") + &piece,
+            ..recording
+        }
+    }
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, LoadError> {
+    let bytes = bounded_read::read(path, bounded_read::RECORDING);
+    bytes.map_err(|source| LoadError::io(path, source))
+}
+
+impl Rows {
+    /// Recordings of the rows: one, or its pieces where the clock leaps.
+    fn recordings(
+        self,
+        description: &Description,
+        path: &Path,
+        gesture: Option<&str>,
+    ) -> Result<Vec<Recording>, LoadError> {
+        let damage = |damage: Damage| damage.in_file(path);
+        let labels_file = self.labels_file.as_deref().unwrap_or(path);
+        let truth = truth(description, self.labels, self.samples.len());
+        let truth = truth.map_err(|damage| damage.in_file(labels_file))?;
+        let placement = description.rotation.placement(description.arm);
+        let samples = self
+            .samples
+            .into_iter()
+            .map(|sample| placement.apply(sample));
+        let subject = format!("{}/unknown", DataSet::ReactEmg.name());
+        let mut recording = Recording {
+            path: path.to_owned(),
+            other_movement: truth.other_movement,
+            ..Recording::new(DataSet::ReactEmg, subject, samples.collect(), truth.labels)
+        };
+        if description.arm.is_none() && left_arm(path) {
+            recording.notes.push(LEFT.to_owned());
+        }
+        let rows = self.auxiliary.rows(&recording.samples);
+        let pieces = rows
+            .map_err(|finding| damage(Damage::refused(finding)))?
+            .apply(recording);
+        let motion = gesture.and_then(|word| description.labels.motion(word));
+        Ok(pieces
+            .into_iter()
+            .map(|piece| timed(description, motion, piece))
+            .collect())
+    }
+}
+
+/// Motion of each row.
+fn truth(description: &Description, labels: Labels, samples: usize) -> Result<GroundTruth, Damage> {
+    let Some(words) = labels.words else {
+        return Ok(std::iter::repeat_n(Motion::Unknown, samples).collect());
+    };
+    let mut motions = Vec::new();
+    for (word, row) in words.distinct() {
+        let motion = description.labels.motion(word);
+        let unknown = || Damage::at(labels.at.place(*row), Fault::Word(word.clone()));
+        motions.push(motion.ok_or_else(unknown)?);
+    }
+    Ok(words.at.iter().map(|&word| motions[word]).collect())
+}
+
+/// A recording with labels at the times that the description says.
+fn timed(description: &Description, motion: Option<Motion>, recording: Recording) -> Recording {
+    let muscle = |recording| Recording {
+        timing: Timing::Muscle,
+        ..recording
+    };
+    match (description.timing, motion) {
+        (LabelTiming::Muscle, _) => muscle(recording),
+        // Rest has no activity to find.
+        (LabelTiming::FromActivity, Some(motion)) if motion != Motion::Intent(Intent::Relax) => {
+            let found = labelled(DataSet::ReactEmg, "", recording.samples.clone(), motion);
+            muscle(Recording {
+                labels: found.labels,
+                other_movement: found.other_movement,
+                notes: [recording.notes.clone(), found.notes].concat(),
+                ..recording
+            })
+        }
+        (LabelTiming::FromActivity, _) => recording,
+        (LabelTiming::Cues, _) => match description.lag_samples() {
+            Some(lag) => muscle(recording.compensated(Compensation::Constant(lag))),
+            None => recording,
+        },
+    }
+}

@@ -1,0 +1,283 @@
+//! Rows of a file as a description has them: samples, words of labels, a clock.
+
+use std::path::PathBuf;
+
+use shared::units::{CHANNELS, Sample};
+
+use super::Description;
+use super::values::Column;
+use super::words::Words;
+use crate::readers::error::{Damage, Fault, Place};
+use crate::readers::npy::{self, Array, Values};
+use crate::readers::table::auxiliary::{AuxiliaryColumns, unnamed};
+use crate::readers::table::columns::Columns;
+use crate::readers::table::separator::Separator;
+use crate::readers::table::{self, Samples};
+use execution::file_kind::FileKind;
+
+/// Labels of the rows, and where they stand.
+#[derive(Default)]
+pub(super) struct Labels {
+    pub words: Option<Words>,
+    pub at: At,
+}
+
+/// Places of rows in their file.
+#[derive(Clone, Copy, Default)]
+pub(super) enum At {
+    /// A name.
+    #[default]
+    File,
+    /// Lines from this one on.
+    Lines(usize),
+    /// Bytes from this one on, so many a row.
+    Bytes(u64, u64),
+}
+
+impl At {
+    const fn of(array: &Array) -> Self {
+        let start = array.byte_of_row(0);
+        Self::Bytes(start, array.byte_of_row(1) - start)
+    }
+
+    pub const fn place(self, row: usize) -> Place {
+        match self {
+            Self::File => Place::File,
+            Self::Lines(first) => Place::Line(first + row),
+            Self::Bytes(start, bytes) => Place::Byte(start + row as u64 * bytes),
+        }
+    }
+}
+
+/// Rows of a file: samples, words of labels, and what stands beside them.
+pub(super) struct Rows {
+    pub samples: Vec<Sample>,
+    pub labels: Labels,
+    /// File of the labels, if it is another.
+    pub labels_file: Option<PathBuf>,
+    pub auxiliary: AuxiliaryColumns,
+}
+
+impl Description {
+    /// Rows of a file's bytes.
+    pub(super) fn rows(&self, bytes: &[u8]) -> Result<Rows, Damage> {
+        match FileKind::of(bytes) {
+            FileKind::Npy => self.array(&npy::parse(bytes)?),
+            FileKind::Table | FileKind::Text => match str::from_utf8(bytes) {
+                Ok(text) => self.table(text.trim_start_matches('\u{feff}')),
+                Err(error) => Err(Damage::at_byte(error.valid_up_to() as u64, Fault::Text)),
+            },
+            FileKind::Empty => Err(Damage::of_file(Fault::Empty)),
+            found => Err(Damage::of_file(Fault::Kind {
+                expected: "a table of text or an npy array, as a description has them",
+                found,
+            })),
+        }
+    }
+
+    fn table(&self, text: &str) -> Result<Rows, Damage> {
+        let columns = self.columns(text)?;
+        let mut auxiliary = AuxiliaryColumns::find(&columns);
+        let time = self
+            .time
+            .as_ref()
+            .map(|time| position(time, &columns.names, columns.count, columns.first_line));
+        let time = time.transpose()?;
+        // Where neither a name nor the description tells, no column is a clock.
+        if time.is_some() || columns.names.is_empty() {
+            auxiliary = auxiliary.clocked(time, &columns.names);
+        }
+        let (mut samples, mut words) =
+            (Samples::default(), columns.label.map(|_| Words::default()));
+        for (line, row) in table::rows(text).skip(columns.first_line - 1) {
+            let at_line = |fault| Damage::at_line(line, fault);
+            let fields = columns.separator.fields(row);
+            if fields.len() != columns.count {
+                return Err(at_line(Fault::Fields {
+                    expected: columns.count,
+                    found: fields.len(),
+                }));
+            }
+            let mut counts = [0.0; CHANNELS];
+            for (count, &at) in counts.iter_mut().zip(&columns.channels) {
+                let text = columns.separator.number(fields[at]);
+                *count = table::number(line, at + 1, &text)? * self.scale.0;
+            }
+            samples.push(&counts, columns.channels[0] + 1, at_line);
+            auxiliary.push(columns.separator, &fields);
+            if let Some((words, at)) = words.as_mut().zip(columns.label) {
+                words.push(fields[at]);
+            }
+        }
+        Ok(Rows {
+            samples: samples.finish()?,
+            labels: Labels {
+                words,
+                at: At::Lines(columns.first_line),
+            },
+            labels_file: None,
+            auxiliary,
+        })
+    }
+
+    /// Columns of a table.
+    fn columns(&self, text: &str) -> Result<Columns, Damage> {
+        let mut columns = match &self.channels {
+            None => Columns::of(text).map_err(|error| Damage::at_line(error.line, error.fault))?,
+            Some(channels) => {
+                let mut rows = table::rows(text).skip_while(|(_, row)| table::is_note(row));
+                let Some((line, first)) = rows.next() else {
+                    return Err(Damage::of_file(Fault::Empty));
+                };
+                let separator = self
+                    .separator
+                    .map_or_else(|| Separator::of(first), |mark| mark.0);
+                let fields = separator.fields(first);
+                let is_number = |at: usize| {
+                    let field = fields.get(at).map(|field| separator.number(field));
+                    field.is_some_and(|field| field.parse::<f64>().is_ok())
+                };
+                let all_numbers = channels.0.iter().all(|column| match column {
+                    Column::At(at) => is_number(*at),
+                    Column::Named(_) => false,
+                });
+                let header = self.header.unwrap_or(!all_numbers);
+                let names: Vec<String> = if header {
+                    fields.iter().map(|&name| name.to_owned()).collect()
+                } else {
+                    Vec::new()
+                };
+                let mut found = [0; CHANNELS];
+                for (found, column) in found.iter_mut().zip(&channels.0) {
+                    *found = position(column, &names, fields.len(), line)?;
+                }
+                Columns {
+                    separator,
+                    count: fields.len(),
+                    names,
+                    channels: found,
+                    label: None,
+                    first_line: line + usize::from(header),
+                }
+            }
+        };
+        let label = self.label.as_ref();
+        let at = |label| position(label, &columns.names, columns.count, columns.first_line);
+        columns.label = label.map(at).transpose()?;
+        Ok(columns)
+    }
+
+    fn array(&self, array: &Array) -> Result<Rows, Damage> {
+        let Values::Numbers(values) = &array.values else {
+            return Err(wrong_array(array));
+        };
+        let &[_, width] = &array.shape[..] else {
+            return Err(wrong_array(array));
+        };
+        let at = |column: &Column| position(column, &[], width, 1).map_err(|_| wrong_array(array));
+        let mut channels: [usize; CHANNELS] = std::array::from_fn(|channel| channel);
+        match &self.channels {
+            Some(described) => {
+                for (channel, column) in channels.iter_mut().zip(&described.0) {
+                    *channel = at(column)?;
+                }
+            }
+            None if width == CHANNELS => {}
+            None => return Err(wrong_array(array)),
+        }
+        let [label, time] =
+            [&self.label, &self.time].map(|column| column.as_ref().map(at).transpose());
+        let (label, time) = (label?, time?);
+        // One field is pushed, the time.
+        let mut auxiliary = AuxiliaryColumns::default();
+        if let Some(at) = time {
+            auxiliary = AuxiliaryColumns::default().clocked(Some(0), &[unnamed(at)]);
+        }
+        let (mut samples, mut words) = (Samples::default(), label.map(|_| Words::default()));
+        for (row, values) in values.chunks_exact(width.max(1)).enumerate() {
+            let counts = channels.map(|channel: usize| values[channel] * self.scale.0);
+            samples.push(&counts, channels[0] + 1, |fault| {
+                Damage::at_byte(array.byte_of_row(row), fault)
+            });
+            if let Some((words, at)) = words.as_mut().zip(label) {
+                words.push(&values[at].to_string());
+            }
+            if let Some(at) = time {
+                auxiliary.push(Separator::Comma, &[&values[at].to_string()]);
+            }
+        }
+        Ok(Rows {
+            samples: samples.finish()?,
+            labels: Labels {
+                words,
+                at: At::of(array),
+            },
+            labels_file: None,
+            auxiliary,
+        })
+    }
+}
+
+fn wrong_array(array: &Array) -> Damage {
+    Damage::of_file(Fault::Array {
+        expected: "numbers, (n, 8), or (n, more) and the numbers of the columns in the description",
+        found: array.describe(),
+    })
+}
+
+/// Position of a column.
+fn position(column: &Column, names: &[String], count: usize, line: usize) -> Result<usize, Damage> {
+    let found = match column {
+        Column::At(at) => Some(*at).filter(|at| *at < count),
+        Column::Named(wanted) => names.iter().position(|name| name == wanted),
+    };
+    found.ok_or_else(|| {
+        let column = match column {
+            Column::At(at) => unnamed(*at),
+            Column::Named(name) => format!("\"{name}\""),
+        };
+        let found = if names.is_empty() {
+            format!("{count} columns without names")
+        } else {
+            names.join(", ")
+        };
+        Damage::at_line(line, Fault::DescribedColumn { column, found })
+    })
+}
+
+/// Labels of a file with one a sample.
+pub(super) fn labels(bytes: &[u8], samples: usize) -> Result<Labels, Damage> {
+    let mut words = Words::default();
+    let at = if FileKind::of(bytes) == FileKind::Npy {
+        let array = npy::parse(bytes)?;
+        match (&array.shape[..], &array.values) {
+            ([_] | [_, 1], Values::Numbers(values)) => {
+                values
+                    .iter()
+                    .for_each(|value| words.push(&value.to_string()));
+            }
+            ([_] | [_, 1], Values::Text(texts)) => texts.iter().for_each(|text| words.push(text)),
+            _ => {
+                return Err(Damage::of_file(Fault::Array {
+                    expected: "one label a sample, (n)",
+                    found: array.describe(),
+                }));
+            }
+        }
+        At::of(&array)
+    } else {
+        let text = str::from_utf8(bytes);
+        let text =
+            text.map_err(|error| Damage::at_byte(error.valid_up_to() as u64, Fault::Text))?;
+        table::rows(text).for_each(|(_, row)| words.push(row));
+        At::Lines(1)
+    };
+    if words.at.len() != samples {
+        let labels = words.at.len();
+        return Err(Damage::of_file(Fault::LabelCount { samples, labels }));
+    }
+    Ok(Labels {
+        words: Some(words),
+        at,
+    })
+}

@@ -1,0 +1,204 @@
+//! Folders of other people's layouts, read by the description that `data describe` writes and a person mends: what it
+//! wrote, what was mended, and the seconds of each class that came of it.
+
+#[path = "described/layouts.rs"]
+mod layouts;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use recordings::description::survey::describe;
+use recordings::library::inspection::Inspection;
+use recordings::{Library, LoadOptions, load};
+use tempfile::TempDir;
+
+use super::{data, folder, skip};
+
+/// A layout, and what comes of it.
+struct Layout {
+    /// Lines that `describe` wrote, without comments.
+    wrote: &'static [&'static str],
+    /// Lines that a person wrote in place of the one of the same field, or beside them.
+    mended: &'static [&'static str],
+    /// People, recordings, and seconds by class.
+    found: (usize, usize, &'static str),
+}
+
+/// Lines of a description without comments, and without the folder, which differs.
+fn lines(text: &str) -> Vec<&str> {
+    let lines = text
+        .lines()
+        .map(|line| line.split("    #").next().unwrap_or_default());
+    let is_field =
+        |line: &&str| !line.is_empty() && !line.starts_with('#') && !line.starts_with("folder");
+    lines.filter(is_field).collect()
+}
+
+/// The description of a folder as written and as mended, in a folder of its own.
+fn mended(folder: &Path, mended: &[&str]) -> (String, PathBuf, TempDir) {
+    let own = tempfile::tempdir().unwrap();
+    let path = own.path().join("mine.toml");
+    let (_, wrote) = describe(folder, Some(&path)).unwrap();
+    let field = |line: &str| line.split(" = ").next().unwrap_or_default().to_owned();
+    let is_mended = |line: &str| mended.iter().any(|own| field(own) == field(line));
+    let kept = wrote.lines().filter(|line| !is_mended(line));
+    let text: Vec<&str> = kept.chain(mended.iter().copied()).collect();
+    std::fs::write(&path, text.join("\n") + "\n").unwrap();
+    (wrote, path, own)
+}
+
+/// Seconds by class, as `data inspect` shows them.
+fn seconds(library: &Library) -> String {
+    let Inspection { sets, .. } = Inspection::new(library);
+    let mut seconds: BTreeMap<&str, f64> = BTreeMap::new();
+    for set in &sets {
+        for (&intent, own) in &set.seconds_by_intent {
+            *seconds.entry(intent).or_default() += own;
+        }
+        *seconds.entry("~other").or_default() += set.seconds_other_movement;
+        *seconds.entry("~unlabelled").or_default() += set.seconds_unlabelled;
+    }
+    let told = seconds.iter().filter(|(_, seconds)| **seconds >= 0.5);
+    let told: Vec<String> = told
+        .map(|(class, seconds)| format!("{} {seconds:.0}", class.trim_start_matches('~')))
+        .collect();
+    told.join(", ")
+}
+
+/// Checks a layout.
+fn check(folder: &Path, layout: &Layout) {
+    assert!(layout.mended.len() < 5, "mended in under five lines");
+    let (wrote, path, _own) = mended(folder, layout.mended);
+    assert_eq!(lines(&wrote), layout.wrote);
+    let library = load(&path, &LoadOptions::default()).unwrap();
+    let found = (
+        library.subjects().len(),
+        library.recordings.len(),
+        seconds(&library),
+    );
+    let (people, recordings, by_class) = layout.found;
+    assert_eq!(found, (people, recordings, by_class.to_owned()));
+}
+
+/// A folder of the small inputs beside the recordings; without it, prints the skip of the test.
+fn case(test: &str, name: &str) -> Option<PathBuf> {
+    let folder = data(test)?.join("../cases").join(name);
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    skip(test, &format!("no folder {}", folder.display()));
+    None
+}
+
+/// Reads a published set by its reader, and by a description that is mended so.
+fn both(test: &str, set: &str, lines: &[&str]) -> Option<[Library; 2]> {
+    let folder = folder(test, set)?;
+    assert!(lines.len() < 5, "mended in under five lines");
+    let (_, path, _own) = mended(&folder, lines);
+    let published = load(&folder, &LoadOptions::default()).unwrap();
+    Some([published, load(&path, &LoadOptions::default()).unwrap()])
+}
+
+#[test]
+fn a_description_reads_what_the_sets_reader_reads() {
+    let test = "a_description_reads_what_the_sets_reader_reads";
+    for (set, lines) in [
+        (
+            "roshambo",
+            &[
+                r#"labels = { relax = ["none"], open = ["paper"], close = ["rock"], two-fingers = ["scissor"] }"#,
+            ][..],
+        ),
+        ("epn", &[]),
+        // The set's reader does not look at the times, which leap once.
+        ("myo-rps", &["time = \"index\""]),
+    ] {
+        let Some([published, described]) = both(test, set, lines) else {
+            continue;
+        };
+        assert_eq!(
+            described.subjects().len(),
+            published.subjects().len(),
+            "{set}"
+        );
+        assert_eq!(
+            described.recordings.len(),
+            published.recordings.len(),
+            "{set}"
+        );
+        for (own, by_reader) in described.recordings.iter().zip(&published.recordings) {
+            let path = own.path.display();
+            assert_eq!(own.path, by_reader.path);
+            assert!(own.samples == by_reader.samples, "{path}");
+            assert!(own.labels == by_reader.labels, "{path}");
+            assert_eq!(own.other_movement, by_reader.other_movement, "{path}");
+            assert_eq!(own.timing, by_reader.timing, "{path}");
+        }
+    }
+}
+
+#[test]
+fn other_rates_are_refused_with_the_reason() {
+    let test = "other_rates_are_refused_with_the_reason";
+    for (found, lines, rate) in [
+        (folder(test, "uci-gestures"), &[][..], 105),
+        (folder(test, "eating"), &["rate = 103"], 103),
+        (case(test, "rate/half"), &[], 100),
+    ] {
+        let Some(folder) = found else {
+            continue;
+        };
+        let (_, path, _own) = mended(&folder, lines);
+        let error = load(&path, &LoadOptions::default())
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains(&format!("expected 200 rows a second, found {rate}")),
+            "{error}"
+        );
+        assert!(error.contains("mine.toml, line "), "{error}");
+    }
+}
+
+#[test]
+fn what_the_examiner_refuses_stays_refused() {
+    let test = "what_the_examiner_refuses_stays_refused";
+    for (name, words) in [
+        ("two-bands/interleaved", "left, right"),
+        ("all-damaged", "expected a number in field 2, found \"x\""),
+    ] {
+        let Some(folder) = case(test, name) else {
+            return;
+        };
+        let (_, path, _own) = mended(&folder, &[]);
+        let library = load(&path, &LoadOptions::default()).unwrap();
+        let skipped = library.skipped[0].line();
+        assert!(
+            library.recordings.is_empty() && skipped.contains(words),
+            "{name}: {skipped}"
+        );
+    }
+}
+
+#[test]
+fn an_existing_description_is_never_replaced() {
+    let own = tempfile::tempdir().unwrap();
+    let rows = (0..300).map(|row: usize| {
+        format!(
+            "{}\n",
+            [row % 7; 8].map(|value| value.to_string()).join(",")
+        )
+    });
+    std::fs::write(own.path().join("a.csv"), rows.collect::<String>()).unwrap();
+    let (path, text) = describe(own.path(), None).unwrap();
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
+    let error = describe(own.path(), None).unwrap_err().to_string();
+    assert!(
+        error.contains("recordings.toml exists: correct it"),
+        "{error}"
+    );
+    let error = describe(&own.path().join("a.csv"), None)
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("expected a folder"), "{error}");
+}
