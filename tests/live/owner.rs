@@ -259,11 +259,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
             break text;
         }
     };
-    assert!(
-        text.as_str()
-            .is_some_and(|text| text == "Aligned: turned by 3 places"),
-        "{text}"
-    );
+    assert_eq!(text, "Aligned: turned by 3 places");
     assert_eq!(browser.value(&step("align", "done")), true);
     assert!(browser.text("step-align").contains("turned by 3 places"));
     let aligned = aligned.seconds(TIME_SCALE);
@@ -329,11 +325,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     // Check the labels, on an armband that is aligned as before.
     reach(&mut browser, valid, |_| {});
     let text = browser.value(placed);
-    assert!(
-        text.as_str()
-            .is_some_and(|text| text.starts_with("turned by 3 places")),
-        "{text}"
-    );
+    assert_eq!(text, "In force: turned by 3 places");
     let shown = "document.getElementById('label').textContent.toLowerCase()";
     for intent in [Intent::Open, Intent::Close, Intent::Open, Intent::Close] {
         for asked in [intent, Intent::Relax] {

@@ -4,12 +4,14 @@ import { Agreement } from "./agreement.js";
 import { Armband } from "./armband.js";
 import { Empty } from "./empty.js";
 import "./help.js";
-import { CHANNELS, SampleHistory, csv } from "./history.js";
+import { CHANNELS, SampleHistory } from "./history.js";
 import { Clock, RATE } from "./clock.js";
 import { Now } from "./now.js";
 import { Panel } from "./panel.js";
 import { Placement } from "./placement.js";
+import { Rates } from "./rates.js";
 import { Session } from "./session.js";
+import { save } from "./save.js";
 import { Steps } from "./steps.js";
 import { Traces } from "./traces.js";
 
@@ -18,6 +20,7 @@ const clock = new Clock();
 const history = new SampleHistory();
 const now = new Now();
 const panel = new Panel();
+const rates = new Rates();
 const traces = new Traces(find("traces"));
 const armband = new Armband(find("armband"));
 const agreement = new Agreement();
@@ -43,11 +46,9 @@ let marks = 0;
 let aligning = false;
 let skipped = 0;
 let dropped = 0;
-let arrived = [];
 let shown = 0;
 /** Right edge of the picture, in samples. */
 let drawn = null;
-let latencies = [];
 
 const TAKE = {
   hello(message) {
@@ -90,14 +91,16 @@ const TAKE = {
     const end = message.first + message.emg.length;
     history.samples(message.first, message.emg, message.truth);
     clock.samples(end, message.at);
-    arrived.push([message.at, message.emg.length]);
+    rates.samples(message.at, message.emg.length);
   },
-  report(message) {
+  report(message, isOld, repeats) {
     newest = message.is_label && message.valid ? message : message.is_label ? newest : null;
     report = message;
     history.report(message);
     panel.report(message);
-    count(message);
+    if (!repeats) {
+      count(message);
+    }
   },
   scores: (message) => history.scores.push(message),
   alignment(message, isOld) {
@@ -169,17 +172,22 @@ function connect() {
   const address = new URL("socket", location.href);
   address.protocol = "ws:";
   socket = new WebSocket(address);
-  socket.onopen = ping;
+  socket.onopen = () => {
+    ended = false;
+    ping();
+  };
   socket.onmessage = ({ data }) => {
     const messages = JSON.parse(data);
     // The first ones repeat the last seconds; after a break, this page may have them.
     const [first] = messages;
     const again = first?.type === "hello" && clock.goesOn(first.now) ? history.end : null;
     for (const message of messages) {
-      if (again !== null && isBefore(message, again)) {
+      const repeats = again !== null && isBefore(message, again);
+      // A report may be the newest there is, and changes nothing if it is known.
+      if (repeats && message.type !== "report") {
         continue;
       }
-      TAKE[message.type]?.(message, first?.type === "hello");
+      TAKE[message.type]?.(message, first?.type === "hello", repeats);
       steps.take(message);
       empty.take(message);
     }
@@ -206,7 +214,6 @@ function say(message) {
 }
 
 function ping() {
-  ended = false;
   for (const wait of [0, 50, 100, 150]) {
     setTimeout(() => say({ do: "ping", sent: performance.now() }), wait);
   }
@@ -228,11 +235,7 @@ const actions = {
     }
   },
   save() {
-    const { text, seconds } = csv(history);
-    const name = fileName(new Date());
-    download(name, text);
-    const gap = history.stretch()[0] > history.first ? ", from the last gap on" : "";
-    panel.notice(`saved ${seconds.toFixed(1)} s${gap}: ${name}`, PASSING);
+    panel.notice(save(history), PASSING);
   },
   align: () => say({ do: aligning ? "cancel" : "align" }),
 };
@@ -293,7 +296,7 @@ function frame() {
   // Of what is drawn for the first time: from its arrival at the program to the picture.
   const end = Math.min(history.end ?? 0, edge());
   if (paused === null && connected && end > shown) {
-    latencies.push(Math.max(0, clock.age(end)));
+    rates.drawn(clock.age(end));
   }
   shown = end;
   requestAnimationFrame(frame);
@@ -301,17 +304,11 @@ function frame() {
 
 function numbers() {
   empty.show();
-  if (latencies.length) {
-    const sorted = latencies.toSorted((a, b) => a - b);
-    const at = (share) => sorted[Math.floor(share * (sorted.length - 1))].toFixed(0);
-    panel.number("latency", `${at(0.5)} ms, up to ${at(1)}`);
-    latencies = [];
+  const latency = rates.latency();
+  if (latency !== null) {
+    panel.number("latency", latency);
   }
-  const time = clock.now();
-  arrived = arrived.filter(([at]) => at > time - 2500);
-  const [first, last] = [arrived[0], arrived.at(-1)];
-  const samples = arrived.slice(1).reduce((sum, [, count]) => sum + count, 0);
-  panel.number("rate", samples ? ((1000 * samples) / (last[0] - first[0])).toFixed(0) : "0");
+  panel.number("rate", rates.perSecond(clock.now()));
   find("mark").disabled = find("save").disabled = history.end === null;
 }
 
@@ -326,22 +323,6 @@ function activity() {
     }
   }
   armband.activity(levels);
-}
-
-/** Hands a text to the browser as a file. */
-function download(name, text) {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([text], { type: "text/csv" }));
-  link.download = name;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
-}
-
-/** live_20261123_051200.csv */
-function fileName(date) {
-  const two = (number) => String(number).padStart(2, "0");
-  const day = `${date.getFullYear()}${two(date.getMonth() + 1)}${two(date.getDate())}`;
-  return `live_${day}_${two(date.getHours())}${two(date.getMinutes())}${two(date.getSeconds())}.csv`;
 }
 
 panel.legend(null);

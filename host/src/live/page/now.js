@@ -48,11 +48,13 @@ export class Now {
     this.#label.dataset.label = entry?.label ?? "relax";
     this.#label.classList.toggle("safe", label === null);
     write(this.#label, entry?.label ?? "–");
-    this.#asked.hidden = !history.hasTruth;
+    // Between two sessions nothing is asked for.
+    const isAsked = history.hasTruth && (cue !== null || history.cues.length === 0);
+    this.#asked.hidden = !isAsked;
     this.#asked.lastChild.dataset.label = cue ?? "relax";
     write(this.#asked.lastChild, cue ?? "–");
     const [sign, word] = SIGNS[state] ?? ["", ""];
-    this.#agrees.hidden = !history.hasTruth;
+    this.#agrees.hidden = !isAsked;
     this.#agrees.dataset.state = state;
     write(this.#agrees.firstElementChild, sign);
     write(this.#agrees.lastElementChild, word);

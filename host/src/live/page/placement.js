@@ -55,7 +55,7 @@ function said(message) {
     case "aligned":
       return `Aligned: ${placed ?? "it sits as in training"}`;
     case "set": case "in-force": case "disconnected":
-      return placed ? `Set: ${placed}` : "Not aligned";
+      return placed ? `In force: ${placed}` : "Not aligned";
     default:
       return sentence(placed ? `${placed}; ${outcome(message)}` : outcome(message));
   }

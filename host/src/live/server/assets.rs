@@ -11,7 +11,7 @@ const CROSS_ORIGIN_RESOURCE_POLICY: HeaderName =
     HeaderName::from_static("cross-origin-resource-policy");
 
 /// Path, MIME type and text of each file.
-const FILES: [(&str, &str, &str); 23] = [
+const FILES: [(&str, &str, &str); 25] = [
     ("", HTML, include_str!("../page/index.html")),
     (
         "icon.svg",
@@ -33,8 +33,10 @@ const FILES: [(&str, &str, &str); 23] = [
     ("panel.js", SCRIPT, include_str!("../page/panel.js")),
     ("history.js", SCRIPT, include_str!("../page/history.js")),
     ("placement.js", SCRIPT, include_str!("../page/placement.js")),
+    ("rates.js", SCRIPT, include_str!("../page/rates.js")),
     ("result.js", SCRIPT, include_str!("../page/result.js")),
     ("rows.js", SCRIPT, include_str!("../page/rows.js")),
+    ("save.js", SCRIPT, include_str!("../page/save.js")),
     ("session.js", SCRIPT, include_str!("../page/session.js")),
     ("steps.js", SCRIPT, include_str!("../page/steps.js")),
     ("time.js", SCRIPT, include_str!("../page/time.js")),

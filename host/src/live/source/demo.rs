@@ -31,7 +31,6 @@ mod tests {
     use recordings::Recording;
     use recordings::labels::compensation::Compensation;
     use shared::intent::Vocabulary;
-    use shared::model::Encode as _;
     use shared::model::encoder::HostEncoder;
     use shared::model::file::Model;
     use shared::pipeline::AlignmentPhase;
@@ -104,7 +103,7 @@ mod tests {
             }
             let ([sample], _) = person.next(index, Duration::ZERO);
             let now = Millis(index.0 * SAMPLE_PERIOD_MS);
-            drop(pipeline.sample(now, sample));
+            let _ = pipeline.sample(now, sample);
             match pipeline.take_alignment_report().map(|report| report.state) {
                 None | Some(AlignmentState::Waiting) => {}
                 Some(AlignmentState::Aligned) => return Ok(pipeline.alignment()),

@@ -1,0 +1,27 @@
+// Saves a history as a csv file.
+
+import { csv } from "./history.js";
+
+/** Hands the history to the browser as a file. Returns what was saved, in words. */
+export function save(history) {
+  const { text, seconds } = csv(history);
+  const name = fileName(new Date());
+  download(name, text);
+  const gap = history.stretch()[0] > history.first ? ", from the last gap on" : "";
+  return `saved ${seconds.toFixed(1)} s${gap}: ${name}`;
+}
+
+function download(name, text) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([text], { type: "text/csv" }));
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+}
+
+/** live_20261123_051200.csv */
+function fileName(date) {
+  const two = (number) => String(number).padStart(2, "0");
+  const day = `${date.getFullYear()}${two(date.getMonth() + 1)}${two(date.getDate())}`;
+  return `live_${day}_${two(date.getHours())}${two(date.getMinutes())}${two(date.getSeconds())}.csv`;
+}
