@@ -1,6 +1,5 @@
 //! Scores of a model on subjects that it was not trained on, under every condition.
 
-use crate::EvaluationError;
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
@@ -14,12 +13,12 @@ use super::condition::{LookAhead, Truth};
 use super::evaluated_recording::EvaluatedRecording;
 use super::group::{Group, groups};
 use super::metric::confusion::Confusion;
-use super::metric::event::gesture::Gesture;
 use super::metric::event::summary::{EventSummary, SubjectEvents};
-use super::metric::event::{EventRule, RecordingEvents};
+use super::metric::event::{EventRule, RecordingEvents, gesture::Gesture};
 use super::metric::summary::{RecordingScore, Summary, summary};
 use super::metric::transition::Rule;
 use super::smoothing::{SmoothedLabels, smooth};
+use crate::EvaluationError;
 
 /// Widths of the buffer around a transition, in samples (paper: 200; ablation: 60 and 120).
 pub const BUFFERS: [usize; 3] = [60, 120, 200];
@@ -395,8 +394,7 @@ mod tests {
         let latencies = &scores[0].events.subjects[0].latencies;
         // Three changes are followed, of which two begin a gesture; none is left out for being emitted late.
         assert_eq!((reference.len(), latencies.len()), (3, 2));
-        for (latency, offset) in latencies.iter().zip([reference[0], reference[2]]) {
-            assert_eq!(latency - offset, 51);
-        }
+        assert_eq!(latencies[0] - reference[0], 51);
+        assert_eq!(latencies[1] - reference[2], 51);
     }
 }

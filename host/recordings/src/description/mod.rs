@@ -174,6 +174,30 @@ pub(crate) struct Described {
 }
 
 impl Described {
+    /// Descriptions of files: the one that was given, or those in the folders and above them.
+    pub(crate) fn of_files(
+        given: Option<Self>,
+        root: &Path,
+        files: &[Result<PathBuf, LoadError>],
+    ) -> Result<Vec<Self>, LoadError> {
+        if let Some(given) = given {
+            return Ok(vec![given]);
+        }
+        let files = files.iter().flatten();
+        let within = files.filter(|file| file.ends_with(FILE_NAME));
+        let above = Self::above(root);
+        let all = within
+            .chain(&above)
+            .map(|file| Ok(Self::read(file)?.seen_from(root)));
+        all.collect()
+    }
+
+    /// The description of a file: of those whose folder it is in, the deepest.
+    pub(crate) fn governing<'d>(all: &'d [Self], file: &Path) -> Option<&'d Self> {
+        let own = all.iter().filter(|own| file.starts_with(&own.folder));
+        own.max_by_key(|own| own.folder.components().count())
+    }
+
     /// Reads a description.
     ///
     /// # Errors

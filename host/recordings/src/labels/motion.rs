@@ -101,11 +101,6 @@ impl Motion {
     #[must_use]
     pub const fn number(self) -> i8 {
         match self {
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_possible_wrap,
-                reason = "six classes"
-            )]
             Self::Intent(intent) => intent.class() as i8,
             Self::Unnamed | Self::Unknown => -1,
             Self::Other(_) => -2,

@@ -76,7 +76,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
     let given = path.extension().is_some_and(|ending| ending == "toml");
     let given = given.then(|| Described::read(path)).transpose()?;
     let (root, files) = files(given.as_ref().map_or(path, |given| &given.folder))?;
-    let described = descriptions(given, &root, &files)?;
+    let described = Described::of_files(given, &root, &files)?;
     let alone = !root.is_dir();
     let request = Request {
         wants: |data_set| options.wants(data_set),
@@ -87,7 +87,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
         .filter(|file| !file.as_ref().is_ok_and(|file| file.ends_with(FILE_NAME)))
         .map(|file| {
             let file = file?;
-            let found = match governing(&described, &file) {
+            let found = match Described::governing(&described, &file) {
                 Some(described) => described.open(&file, &request)?,
                 None => open(&file, &request)?,
             };
@@ -115,8 +115,9 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
     let folder = if alone { root.parent() } else { None };
     let folder = folder.unwrap_or(&root);
     // By the description where its pattern has the person, else by folder.
-    let is_named =
-        |file: &Path| governing(&described, file).is_some_and(|own| own.names_person_of(file));
+    let is_named = |file: &Path| {
+        Described::governing(&described, file).is_some_and(|own| own.names_person_of(file))
+    };
     people::by_folder(folder, &mut library.recordings, &is_named);
     library.repeats = copies::leave_out(&mut library.recordings);
     library.examine(options.strict)?;
@@ -188,34 +189,6 @@ impl Library {
             }
         }
     }
-}
-
-/// Descriptions of the files: the one that was given, or those in the folders and above them.
-fn descriptions(
-    given: Option<Described>,
-    root: &Path,
-    files: &[Result<PathBuf, LoadError>],
-) -> Result<Vec<Described>, LoadError> {
-    if let Some(given) = given {
-        return Ok(vec![given]);
-    }
-    let within = files
-        .iter()
-        .flatten()
-        .filter(|file| file.ends_with(FILE_NAME));
-    let above = Described::above(root);
-    let all = within
-        .chain(&above)
-        .map(|file| Ok(Described::read(file)?.seen_from(root)));
-    all.collect()
-}
-
-/// The description of a file: of those whose folder it is in, the deepest.
-fn governing<'d>(described: &'d [Described], file: &Path) -> Option<&'d Described> {
-    let own = described
-        .iter()
-        .filter(|described| file.starts_with(&described.folder));
-    own.max_by_key(|described| described.folder.components().count())
 }
 
 /// Files that were passed over, by reason.

@@ -148,7 +148,7 @@ fn table(people: &[(String, Vec<(Variant, Values)>)], amounts: &[f64]) -> Table 
         });
         let name = match variant {
             Variant::AsItIs => "nothing".to_owned(),
-            Variant::Tuned(seconds) if seconds == 0.0 => "gestures".to_owned(),
+            Variant::Tuned(0.0) => "gestures".to_owned(),
             Variant::Tuned(seconds) => format!("{seconds} s of others too"),
             Variant::Unshown => "all kinds but the one judged".to_owned(),
         };
