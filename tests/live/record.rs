@@ -319,6 +319,23 @@ fn a_guided_session_in_a_browser_ends_with_a_tuned_model() {
     ] {
         assert!(told.contains(half), "{told}");
     }
+    let headline = if written {
+        "A model of your own is ready"
+    } else {
+        "The old model stays"
+    };
+    assert!(
+        browser.text("verdict").starts_with(headline),
+        "{}",
+        browser.text("verdict")
+    );
+    let drawn = "[...document.querySelectorAll('#scores tbody tr')].every((row) => row.querySelectorAll('.bars i').length === 2)";
+    assert_eq!(browser.value(drawn), true);
+    let copy = "document.querySelector('.command button')";
+    browser.value(&format!("{copy}.click()"));
+    browser.wait_for(&format!(
+        "['Copied', 'Selected'].includes({copy}.textContent)"
+    ));
     for done in ["record", "tune", "compare"] {
         assert_eq!(browser.value(&step(done, "done")), true, "{done}");
     }

@@ -9,12 +9,40 @@ function made(name, text, className = "") {
   return node;
 }
 
-/** A command with what it does; a click selects it. */
+/** A command with what it does, and a button that copies it; without leave to, it is selected. */
 function command(text, what) {
   const box = made("div", "", "command");
-  box.append(made("span", what, "quiet"), made("code", text));
+  const [code, copy] = [made("code", text), made("button", "Copy")];
+  copy.type = "button";
+  copy.setAttribute("aria-label", `Copy: ${what}`);
+  copy.addEventListener("click", async () => {
+    try {
+      await navigator.clipboard.writeText(text);
+      copy.textContent = "Copied";
+    } catch {
+      getSelection().selectAllChildren(code);
+      copy.textContent = "Selected";
+    }
+  });
+  box.append(made("span", what, "quiet"), code, copy);
   return box;
 }
+
+/** Two bars for a measure, before and after, on a scale of their own; the numbers stand beside them. */
+function bars(before, after) {
+  const cell = made("td", "", "bars");
+  cell.setAttribute("aria-hidden", "true");
+  const whole = Math.max(1, before ?? 0, after ?? 0);
+  cell.append(...[before, after].map((value) => {
+    const bar = document.createElement("i");
+    bar.style.width = `${(100 * (value ?? 0)) / whole}%`;
+    return bar;
+  }));
+  return cell;
+}
+
+/** Headlines after a tuning. */
+const HEADLINES = { better: "A model of your own is ready", worse: "The old model stays: more recordings may help" };
 
 const number = (value, digits) => (value === null ? "–" : value.toFixed(digits));
 
@@ -52,6 +80,10 @@ export class Result {
     this.next = { better: installs ? "install" : null, worse: "again" }[state] ?? (state === "failed" ? "tune" : null);
     const words = { running: "Tuning:", better: "The tuned model is kept:", worse: "The old model stays:", failed: "Not tuned:" };
     this.#told("tuned", state, words[state], text);
+    if (HEADLINES[state]) {
+      find("verdict").textContent = HEADLINES[state];
+      find("verdict").dataset.good = state === "better";
+    }
     this.#taken(this.isTuning ? steps / (of || 1) : null);
     this.#scores(rows);
     this.#install(installs);
@@ -110,7 +142,7 @@ export class Result {
       const digits = measure.includes("minute") ? 1 : 3;
       const head = made("th", measure);
       head.scope = "row";
-      row.append(head, made("td", number(before, digits)), made("td", number(after, digits)));
+      row.append(head, made("td", number(before, digits)), made("td", number(after, digits)), bars(before, after));
       return row;
     }));
   }
