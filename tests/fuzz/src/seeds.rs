@@ -66,6 +66,7 @@ fn all() -> Vec<(&'static str, Vec<Vec<u8>>)> {
         ("recording", recordings()),
         ("labels", labels()),
         ("preset", presets()),
+        ("description", descriptions()),
     ]
 }
 
@@ -379,6 +380,34 @@ fn presets() -> Vec<Vec<u8>> {
     let texts = BUILT_IN.map(|(_, text)| [&[0], text.as_bytes()].concat());
     let changes = (0..8_u8).map(|kind| vec![1 + kind % 3, kind, 9 + kind, 2, kind, b'1']);
     texts.into_iter().chain(changes).collect()
+}
+
+/// Returns tables alone, and behind a description of each kind of label.
+fn descriptions() -> Vec<Vec<u8>> {
+    let row = |at: i32| {
+        let counts: Vec<String> = (0..8)
+            .map(|channel| ((at * 7 + channel * 3) % 19 - 9).to_string())
+            .collect();
+        format!(
+            "{}.{:03},{},{}\n",
+            at / 200,
+            at % 200 * 5,
+            counts.join(","),
+            ["rest", "fist"][at as usize / 40 % 2]
+        )
+    };
+    let rows: String = (0..90).map(row).collect();
+    let table = format!("t,a,b,c,d,e,f,g,h,pose\n{rows}");
+    let start = "files = \"{person}/{trial}.csv\"\nchannels = [\"a\", \"b\", \"c\", \"d\", \"e\", \"f\", \"g\", \"h\"]\nrate = 200\n";
+    let labelled = format!(
+        "{start}time = \"t\"\nlabel = \"pose\"\nlabels = {{ relax = [\"rest\"], close = [\"fist\"], unknown = [\"*\"] }}\n\
+         scale = 1\ntiming = \"muscle\"\n"
+    );
+    let named = "files = \"{person}/{gesture}.csv\"\nlabels = { open = [1] }\nrate = 200\ntiming = \"from-activity\"\n";
+    let texts = ["", start, &labelled, named];
+    texts
+        .map(|text| format!("{text}\0{table}").into_bytes())
+        .to_vec()
 }
 
 fn labels() -> Vec<Vec<u8>> {

@@ -4,6 +4,7 @@ mod advertisement;
 mod answer;
 mod binding;
 mod command;
+mod description;
 mod discovery;
 mod installation;
 mod labels;
@@ -34,7 +35,7 @@ const fn target(name: &'static str, longest: usize, run: fn(&[u8])) -> Target {
 }
 
 /// All targets, from the radio to the PC.
-pub const ALL: [Target; 17] = [
+pub const ALL: [Target; 18] = [
     target("advertisement", 256, advertisement::run),
     target("discovery", 4096, discovery::run),
     target("notification", 1024, notification::run),
@@ -52,4 +53,5 @@ pub const ALL: [Target; 17] = [
     target("recording", 4096, recording::run),
     target("labels", 4096, labels::run),
     target("preset", 2048, preset::run),
+    target("description", 4096, description::run),
 ];
