@@ -73,6 +73,8 @@ use myointent::live::{self, Live, Options, Source};
 use recordings::Recording;
 use recordings::synthetic::{self, SynthOptions};
 
+use self::browser::Browser;
+
 /// Starts the page of a source, on any free port of this machine.
 fn serve(source: Source) -> Live {
     live::start(Options {
@@ -82,6 +84,15 @@ fn serve(source: Source) -> Live {
         record: None,
     })
     .unwrap()
+}
+
+/// Opens the page of the demo in a browser; none where there is no browser.
+fn demo_page(test: &str) -> Option<(Browser, Live)> {
+    let mut browser = Browser::start(test)?;
+    let live = serve(Source::Demo);
+    browser.look(1440, 900, "light", "no-preference");
+    browser.open(live.url());
+    Some((browser, live))
 }
 
 fn shipped() -> Vec<u8> {

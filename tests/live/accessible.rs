@@ -6,7 +6,7 @@ use myointent::live::Source;
 
 use super::browser::Browser;
 use super::record::{SHORT, record};
-use super::serve;
+use super::{demo_page, serve};
 
 const VALID: &str = "document.getElementById('valid')?.dataset.valid === 'yes'";
 
@@ -49,12 +49,9 @@ fn controls_have_names_and_sizes_and_no_region_interrupts_a_reader() {
 #[test]
 fn a_screen_reader_hears_label_and_cue_and_not_every_tenth_of_a_second() {
     let name = "a_screen_reader_hears_label_and_cue_and_not_every_tenth_of_a_second";
-    let Some(mut browser) = Browser::start(name) else {
+    let Some((mut browser, live)) = demo_page(name) else {
         return;
     };
-    let live = serve(Source::Demo);
-    browser.look(1440, 900, "light", "no-preference");
-    browser.open(live.url());
     browser.wait_for(VALID);
     browser.wait_for(
         "/^asked: \\w+; label: \\w+/.test(document.getElementById('spoken').textContent)",

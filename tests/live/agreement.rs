@@ -6,7 +6,7 @@ use shared::intent::Intent;
 
 use super::browser::Browser;
 use super::record::pictures;
-use super::{serve, synthetic};
+use super::{demo_page, serve, synthetic};
 
 /// Widths and colours of the lines that the page draws from now on.
 const WATCH_LINES: &str = "(() => { window.drawn = {}; \
@@ -74,12 +74,9 @@ fn a_label_that_is_not_as_asked_is_marked_in_words_and_counted() {
 #[test]
 fn the_score_of_other_movement_is_drawn_as_strong_as_the_others() {
     let name = "the_score_of_other_movement_is_drawn_as_strong_as_the_others";
-    let Some(mut browser) = Browser::start(name) else {
+    let Some((mut browser, live)) = demo_page(name) else {
         return;
     };
-    let live = serve(Source::Demo);
-    browser.look(1440, 900, "light", "no-preference");
-    browser.open(live.url());
     browser.wait_for("document.getElementById('valid')?.dataset.valid === 'yes'");
     browser.value(WATCH_LINES);
     browser.frames(5);

@@ -3,10 +3,9 @@
 use myointent::live::Source;
 use serde_json::Value;
 
-use super::browser::Browser;
 use super::record::pictures;
 use super::viewer::Viewer;
-use super::{serve, synthetic};
+use super::{demo_page, serve, synthetic};
 
 /// Turn of a placement, and whether it is mirrored.
 fn placed(message: &Value) -> (u64, bool) {
@@ -71,12 +70,9 @@ fn a_board_is_told_the_placement_that_a_viewer_takes_back() {
 #[test]
 fn the_page_says_what_an_alignment_changed_and_offers_a_worse_one_back() {
     let name = "the_page_says_what_an_alignment_changed_and_offers_a_worse_one_back";
-    let Some(mut browser) = Browser::start(name) else {
+    let Some((mut browser, live)) = demo_page(name) else {
         return;
     };
-    let live = serve(Source::Demo);
-    browser.look(1440, 900, "light", "no-preference");
-    browser.open(live.url());
     // Gestures are labelled as asked so far.
     browser.wait_for("Number(document.getElementById('share')?.dataset.gestures) > 40");
     let mut other = Viewer::connect(live.url());

@@ -6,7 +6,7 @@ use myointent::live::Source;
 
 use super::browser::Browser;
 use super::record::{SHORT, pictures, record};
-use super::{serve, synthetic};
+use super::{demo_page, serve, synthetic};
 
 /// Whether a phase of the session is shown.
 fn phase(name: &str) -> String {
@@ -104,12 +104,9 @@ fn a_paused_page_shows_the_label_and_cue_of_where_it_is() {
 #[test]
 fn that_something_was_saved_is_not_said_for_ever() {
     let name = "that_something_was_saved_is_not_said_for_ever";
-    let Some(mut browser) = Browser::start(name) else {
+    let Some((mut browser, live)) = demo_page(name) else {
         return;
     };
-    let live = serve(Source::Demo);
-    browser.look(1440, 900, "light", "no-preference");
-    browser.open(live.url());
     browser.wait_for("document.getElementById('valid')?.dataset.valid === 'yes'");
     browser.press("s");
     browser.wait_for("document.getElementById('notice').textContent.startsWith('saved')");
@@ -130,12 +127,9 @@ const IS_FULL: &str = "(() => { const c = document.getElementById('traces'); if 
 #[test]
 fn a_page_that_is_loaded_again_shows_the_last_seconds_at_once() {
     let name = "a_page_that_is_loaded_again_shows_the_last_seconds_at_once";
-    let Some(mut browser) = Browser::start(name) else {
+    let Some((mut browser, live)) = demo_page(name) else {
         return;
     };
-    let live = serve(Source::Demo);
-    browser.look(1440, 900, "light", "no-preference");
-    browser.open(live.url());
     browser.wait_for(IS_FULL);
     browser.open(live.url());
     browser.wait_for("document.getElementById('source')?.dataset.state === 'connected'");

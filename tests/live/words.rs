@@ -1,10 +1,7 @@
 //! Words of the page: plain, each with an explanation behind a "?", and numbers for those who open them.
 
-use myointent::live::Source;
-
-use super::browser::Browser;
+use super::demo_page;
 use super::record::pictures;
-use super::serve;
 
 /// Texts that the page draws into the picture from now on.
 const WATCH_TEXTS: &str = "(() => { window.texts = new Set(); \
@@ -15,12 +12,9 @@ const WATCH_TEXTS: &str = "(() => { window.texts = new Set(); \
 #[test]
 fn the_page_speaks_plainly_and_explains_itself_by_mouse_and_keys() {
     let name = "the_page_speaks_plainly_and_explains_itself_by_mouse_and_keys";
-    let Some(mut browser) = Browser::start(name) else {
+    let Some((mut browser, live)) = demo_page(name) else {
         return;
     };
-    let live = serve(Source::Demo);
-    browser.look(1440, 900, "light", "no-preference");
-    browser.open(live.url());
     browser.wait_for("document.getElementById('valid')?.dataset.valid === 'yes'");
     browser.value(WATCH_TEXTS);
     browser.press("a");

@@ -29,7 +29,7 @@ pub(crate) enum Event {
         connected: bool,
         /// State of the source; empty if there is nothing to say.
         detail: String,
-        /// What to do about it, in order.
+        /// Steps that help, in order.
         steps: Vec<String>,
     },
     /// Model that this program runs.

@@ -273,12 +273,11 @@ impl ProtocolFile {
 
 /// Motion that is called `found` in the protocol `name`.
 fn named(name: &str, found: &str) -> Result<Motion, RecordError> {
-    let mut all = Motion::named();
-    all.find(|motion| motion.name() == found)
-        .ok_or_else(|| RecordError::Motion {
-            name: name.to_owned(),
-            found: found.to_owned(),
-        })
+    let motion = Motion::from_name(found).filter(|motion| *motion != Motion::Unknown);
+    motion.ok_or_else(|| RecordError::Motion {
+        name: name.to_owned(),
+        found: found.to_owned(),
+    })
 }
 
 /// Checks a number of the protocol `name` and returns it.

@@ -11,7 +11,7 @@ pub const ADVERTISEMENT: [u8; 31] = [
 pub const FIRMWARE: [u8; 8] = [1, 0, 5, 0, 0xb2, 0x07, 2, 0];
 /// The characteristic of the preferred connection parameters.
 const PREFERRED: Uuid = Uuid::Sig(0x2a04);
-/// Its value: 7.5 to 15 ms, no latency, 3 s. What a real armband prefers is not known.
+/// Value of the characteristic: 7.5 to 15 ms, no latency, 3 s. What a real armband prefers is not known.
 pub const PREFERRED_PARAMETERS: [u8; 8] = [6, 0, 12, 0, 0, 0, 44, 1];
 /// Handle of the table without a subscription.
 pub const FOREIGN: u16 = 0x27;

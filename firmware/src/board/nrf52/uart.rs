@@ -1,6 +1,6 @@
 //! The UART of labels and commands.
 //!
-//! Its receiver needs no instruction to go on. The one of embassy-nrf 0.11 does: it ends for good where the core stands
+//! The receiver needs no instruction to go on. The one of embassy-nrf 0.11 does: it ends for good where the core stands
 //! still for two halves of its buffer, 11 ms, as it does for 85 ms while a page of flash is erased.
 //!
 //! ```text

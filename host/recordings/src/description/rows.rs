@@ -91,13 +91,7 @@ impl Description {
             (Samples::default(), columns.label.map(|_| Words::default()));
         for (line, row) in table::rows(text).skip(columns.first_line - 1) {
             let at_line = |fault| Damage::at_line(line, fault);
-            let fields = columns.separator.fields(row);
-            if fields.len() != columns.count {
-                return Err(at_line(Fault::Fields {
-                    expected: columns.count,
-                    found: fields.len(),
-                }));
-            }
+            let fields = columns.fields(line, row)?;
             let mut counts = [0.0; CHANNELS];
             for (count, &at) in counts.iter_mut().zip(&columns.channels) {
                 let text = columns.separator.number(fields[at]);

@@ -5,27 +5,16 @@ mod refusals;
 use std::path::Path;
 
 use shared::intent::Intent;
-use tempfile::TempDir;
 
 use super::*;
 use crate::labels::activity;
+use crate::library::tests::folder;
 use crate::recording::movement::{Movement, MovementKind};
 use crate::{Library, LoadError, LoadOptions, Timing, load, npy, runs};
 
 const R: Option<Intent> = Some(Intent::Relax);
 const O: Option<Intent> = Some(Intent::Open);
 const C: Option<Intent> = Some(Intent::Close);
-
-/// A folder with these files in it.
-fn folder(files: &[(&str, Vec<u8>)]) -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, bytes) in files {
-        let path = folder.path().join(name);
-        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(path, bytes).unwrap();
-    }
-    folder
-}
 
 fn described(text: &str, files: &[(&str, Vec<u8>)]) -> Result<Library, LoadError> {
     let folder = folder(files);

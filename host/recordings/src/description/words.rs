@@ -108,7 +108,7 @@ pub(super) struct Words {
 }
 
 impl Words {
-    /// The same word for all samples.
+    /// One word for all samples.
     pub fn of_file(word: &str, samples: usize) -> Self {
         Self {
             distinct: vec![(plain(word), 0)],

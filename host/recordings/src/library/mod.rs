@@ -238,7 +238,7 @@ pub(crate) fn files(path: &Path) -> Result<(PathBuf, Vec<Result<PathBuf, LoadErr
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
     #[test]
@@ -294,7 +294,7 @@ mod tests {
     const HEADER: &str = "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n";
 
     /// A folder with these files in it.
-    fn folder(files: &[(&str, &[u8])]) -> tempfile::TempDir {
+    pub(crate) fn folder<T: AsRef<[u8]>>(files: &[(&str, T)]) -> tempfile::TempDir {
         let folder = tempfile::tempdir().unwrap();
         for (name, bytes) in files {
             let path = folder.path().join(name);

@@ -38,7 +38,7 @@ pub enum SkipReason {
     NotWanted,
     /// It is another copy of what is read: untrimmed, or a copy of another person's file.
     Copy,
-    /// Its path is none of those that the description of its folder names.
+    /// A path that the description of its folder does not name.
     Pattern,
 }
 

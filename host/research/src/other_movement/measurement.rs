@@ -5,7 +5,7 @@ use burn::tensor::Device;
 use shared::model::file::Model;
 
 use super::halves::{Half, Hold, halves, joined};
-use evaluation::{Measure, Score};
+use evaluation::Measure;
 use execution::interrupt::Interrupt;
 use recordings::{Library, Recording};
 use training::run::personalize::{Person, PersonalizeError, TuningSettings, judge, tune};
@@ -23,7 +23,7 @@ pub(crate) const SHOWN: [Measure; 6] = [
 /// Values of [`SHOWN`]; none where the recordings lack what is counted.
 pub(crate) type Values = [Option<f64>; SHOWN.len()];
 
-/// What a model was tuned on.
+/// Material that a model was tuned on.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) enum Variant {
     /// Nothing: the model as it is.
@@ -55,12 +55,11 @@ impl Measurement<'_> {
         let own: Vec<&Recording> = own.filter(|own| own.subject == subject).collect();
         let vocabulary = Model::parse(self.model)?.header.dimensions.vocabulary;
         let [first, second] = halves(&own, vocabulary);
-        let judged = second.holds(f64::INFINITY, |_| true);
-        let mut variants = vec![(Variant::AsItIs, self.judge(&own, &judged, self.model)?)];
+        let judged = self.whole(&own, &second.holds(f64::INFINITY, |_| true))?;
+        let mut variants = vec![(Variant::AsItIs, values(self.model, &judged)?)];
         for &seconds in [0.0].iter().chain(self.amounts) {
             let file = self.tune(&own, &first.holds(seconds, |_| true))?;
-            let values = self.judge(&own, &judged, &file)?;
-            variants.push((Variant::Tuned(seconds), values));
+            variants.push((Variant::Tuned(seconds), values(&file, &judged)?));
         }
         if first.others.len() > 1 {
             variants.push((Variant::Unshown, self.unshown(&own, &first, &second)?));
@@ -78,8 +77,8 @@ impl Measurement<'_> {
         let mut all = Vec::new();
         for kind in first.others.keys() {
             let file = self.tune(own, &first.holds(f64::INFINITY, |other| other != *kind))?;
-            let judged = second.holds(f64::INFINITY, |other| other == *kind);
-            all.push(self.judge(own, &judged, &file)?);
+            let judged = self.whole(own, &second.holds(f64::INFINITY, |other| other == *kind))?;
+            all.push(values(&file, &judged)?);
         }
         Ok(std::array::from_fn(|measure| {
             let values: Option<Vec<f64>> = all.iter().map(|values| values[measure]).collect();
@@ -100,22 +99,14 @@ impl Measurement<'_> {
         )
     }
 
-    fn judge(
-        &self,
-        own: &[&Recording],
-        holds: &[Hold],
-        file: &[u8],
-    ) -> Result<Values, PersonalizeError> {
-        let score = judge("", file, &self.whole(own, holds)?.whole())?;
-        Ok(values(&score))
-    }
-
     fn whole(&self, own: &[&Recording], holds: &[Hold]) -> Result<Person, PersonalizeError> {
         let model = Model::parse(self.model)?;
         Person::new(&joined(own, holds), None, &model.header)
     }
 }
 
-fn values(score: &Score) -> Values {
-    SHOWN.map(|measure| measure.mean(score).map(|own| own.mean))
+/// Values of a model file on all recordings of a person.
+fn values(file: &[u8], judged: &Person) -> Result<Values, PersonalizeError> {
+    let score = judge("", file, &judged.whole())?;
+    Ok(SHOWN.map(|measure| measure.mean(&score).map(|own| own.mean)))
 }

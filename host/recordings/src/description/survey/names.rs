@@ -1,6 +1,6 @@
 //! Pattern of paths, guessed from the paths.
 //!
-//! What is the same in all paths is text. What differs is a field: the outermost folder is the person; in the file's
+//! Parts that are the same in all paths are text. Parts that differ are fields: the outermost folder is the person; in the file's
 //! name, the words around a part (`R_0`, `subject08`), known gestures, sessions and numbers tell. Where names have
 //! different numbers of parts (`wave_in_3`, `open_3`), those that are alike are taken off both ends, and what is left is
 //! one field.

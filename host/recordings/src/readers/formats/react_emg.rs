@@ -58,13 +58,7 @@ pub(crate) fn read_csv(
     let (mut placed, mut auxiliary) = (Vec::new(), AuxiliaryColumns::find(columns));
     for (line, row) in table::rows(text).skip(columns.first_line - 1) {
         let at_line = |fault| Damage::at_line(line, fault);
-        let fields = columns.separator.fields(row);
-        if fields.len() != columns.count {
-            return Err(at_line(Fault::Fields {
-                expected: columns.count,
-                found: fields.len(),
-            }));
-        }
+        let fields = columns.fields(line, row)?;
         let number = |column: usize| {
             table::number(line, column + 1, &columns.separator.number(fields[column]))
         };

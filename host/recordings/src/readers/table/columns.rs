@@ -10,7 +10,7 @@ use shared::units::CHANNELS;
 
 use super::separator::Separator;
 use super::shape::Shape;
-use crate::readers::error::Fault;
+use crate::readers::error::{Damage, Fault};
 use crate::readers::table;
 
 /// Names of columns that hold labels; the first is ReactEMG's and goes before the others.
@@ -62,6 +62,19 @@ pub(crate) struct TableError {
 }
 
 impl Columns {
+    /// Splits a row into its fields.
+    ///
+    /// # Errors
+    /// When it has more or fewer than there are columns.
+    pub(crate) fn fields<'r>(&self, line: usize, row: &'r str) -> Result<Vec<&'r str>, Damage> {
+        let fields = self.separator.fields(row);
+        if fields.len() != self.count {
+            let (expected, found) = (self.count, fields.len());
+            return Err(Damage::at_line(line, Fault::Fields { expected, found }));
+        }
+        Ok(fields)
+    }
+
     /// The columns of a text.
     pub fn of(text: &str) -> Result<Self, TableError> {
         let mut rows = table::rows(text).skip_while(|(_, row)| is_preface(row));

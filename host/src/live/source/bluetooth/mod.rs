@@ -34,7 +34,7 @@ use execution::revision::revision;
 /// Pause between two ticks of the session, as on a board.
 const TICK: Duration = Duration::from_millis(50);
 
-/// What to do while no armband streams.
+/// Advice while no armband streams, in order.
 const STEPS: [&str; 3] = [
     "Put the armband on and move the hand: it sleeps when it is not worn. Its logo lights up or pulses when it is awake.",
     "If it stays dark, charge it with its USB cable.",

@@ -1,4 +1,4 @@
-//! What to do about a serial port that cannot be used, step by step.
+//! Advice about a serial port that cannot be used, step by step.
 
 use std::io::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
