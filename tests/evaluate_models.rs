@@ -249,6 +249,8 @@ fn a_model_tuned_on_the_only_person_is_reported_and_said_to_have_seen_them() {
         assert!(row("<td>own (has seen them)</td>") && row("shipped - own (has seen them)"));
         assert!(text.contains("seen in training"));
     }
+    let one = report(&["own.intent"], &["--subjects", "synthetic/s1"]);
+    assert!(one.contains("own (has seen them) on 1 subject, of "));
     let alone = report(&["own.intent"], &[]);
     assert!(alone.contains("own (has seen them) on 4 subjects"));
     let text = report(&["part.intent", "shipped.intent"], &["--seen"]);

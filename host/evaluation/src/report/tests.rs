@@ -1,5 +1,7 @@
 //! Tables and a page of synthetic recordings, checked as a whole.
 
+mod one_person;
+
 use std::collections::BTreeMap;
 use std::{error::Error, fs};
 

@@ -1,0 +1,67 @@
+//! A page on one person: nothing that needs several. What few people and narrow screens are shown.
+
+use super::*;
+
+/// So many people with all three classes.
+fn people(count: usize) -> Evaluated {
+    let made_up = |at| EvaluatedRecording::made_up(&format!("synthetic/{at}"), &[0, 1, 0, 2, 0]);
+    Evaluated::new((0..count).map(made_up).collect())
+}
+
+#[test]
+fn of_one_person_nothing_is_the_worst_or_best_and_no_interval_is_promised() {
+    let evaluated = people(1);
+    let entry = || evaluated.entry();
+    for entries in [vec![entry()], vec![entry(), entry()]] {
+        let html = page(&evaluated, &entries).html().unwrap();
+        for several in [
+            "the worst first",
+            "the best one",
+            "its best one",
+            "the lowest",
+            "with 95 % intervals",
+            "Means over people",
+            "1 people",
+        ] {
+            assert!(!html.contains(several), "{several}");
+        }
+        assert!(html.contains("One person: no intervals."));
+    }
+}
+
+#[test]
+fn intervals_are_told_of_where_they_are_drawn_and_elsewhere_the_page_says_why_there_are_none() {
+    let page_of = |evaluated: &Evaluated| page(evaluated, &[evaluated.entry()]).html().unwrap();
+    let (three, six) = (page_of(&people(3)), page_of(&people(6)));
+    assert!(three.contains("Fewer than six people: no intervals."));
+    assert!(!three.contains("with 95 % intervals") && six.contains("with 95 % intervals"));
+    assert!(six.contains("the worst first"));
+}
+
+#[test]
+fn latencies_of_several_models_are_drawn_on_one_scale() {
+    let (two, one) = (two_people(), people(1));
+    let html = page(&two, &[two.entry(), one.entry()]).html().unwrap();
+    // The numbers of the axes.
+    let pictures: Vec<&str> = html.split("<title>Latency of gestures</title>").collect();
+    let numbers = |picture: &str| {
+        let (svg, _) = picture.split_once("</svg>").unwrap();
+        let texts = svg
+            .split("</text>")
+            .filter_map(|text| text.rsplit('>').next());
+        let texts = texts.filter(|text| text.parse::<f64>().is_ok());
+        texts.map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(pictures.len(), 3);
+    assert_eq!(numbers(pictures[1]), numbers(pictures[2]));
+}
+
+#[test]
+fn what_a_terminal_shows_has_at_most_100_columns() {
+    let evaluated = four_people();
+    for table in tables(&evaluated.results) {
+        let text = table.plain();
+        let widest = text.lines().map(|line| line.chars().count()).max();
+        assert!(widest <= Some(100), "{text}");
+    }
+}
