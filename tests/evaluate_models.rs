@@ -246,7 +246,7 @@ fn a_model_tuned_on_the_only_person_is_reported_and_said_to_have_seen_them() {
         assert!(text.contains("own (has seen them) on 4 subjects, shipped on 4 subjects"));
         // Marks are in tables, differences and pictures too.
         let row = |cell: &str| text.split("<tr>").any(|row| row.contains(cell));
-        assert!(row("<td>own (has seen them)</td>") && row("shipped - own (has seen them)"));
+        assert!(row(">own (has seen them)</td>") && row("shipped - own (has seen them)"));
         assert!(text.contains("seen in training"));
     }
     let one = report(&["own.intent"], &["--subjects", "synthetic/s1"]);
@@ -265,7 +265,7 @@ fn a_model_tuned_on_the_only_person_is_reported_and_said_to_have_seen_them() {
         &["--model", &own, "--model", &shipped, "--seen"]
     ));
     let text = fs::read_to_string(&page).unwrap();
-    assert!(text.contains("<td>own (has seen them)</td>") && !text.contains("shipped (has seen"));
+    assert!(text.contains(">own (has seen them)</td>") && !text.contains("shipped (has seen"));
 }
 
 #[test]

@@ -7,6 +7,7 @@ use clap::Args;
 use training::backend::BackendArguments;
 
 use crate::cli::evaluate_models;
+use crate::cli::output::Width;
 
 /// Arguments of `evaluate`.
 #[derive(Debug, Args)]
@@ -41,6 +42,8 @@ pub struct Arguments {
     /// Print JSON instead of tables.
     #[arg(long)]
     pub(super) json: bool,
+    #[command(flatten)]
+    pub(super) width: Width,
     #[cfg(feature = "train")]
     #[command(flatten)]
     pub(super) backend: BackendArguments,
@@ -52,7 +55,8 @@ pub struct Arguments {
 /// When a model is missing or damaged, or a run is to be evaluated and the program was built without training.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(data) = &arguments.models.data {
-        return evaluate_models::run(&arguments.model, data, &arguments.models, arguments.json);
+        let width = (!arguments.json).then_some(&arguments.width);
+        return evaluate_models::run(&arguments.model, data, &arguments.models, width);
     }
     #[cfg(feature = "train")]
     return super::steps::evaluate::run(arguments);

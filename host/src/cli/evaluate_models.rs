@@ -9,7 +9,7 @@ use serde::de::{IntoDeserializer as _, value};
 use serde::{Deserialize as _, Serialize};
 
 use crate::cli::arguments::{every_recording, warn_of_test_people};
-use crate::cli::output::{PAGE, first_line, refuse_unlike};
+use crate::cli::output::{PAGE, Width, first_line, refuse_unlike};
 use evaluation::model_evaluation::{
     EvaluatedSubject, ModelResults, NamedModel, Selection, Turn, Worn, evaluate_models,
 };
@@ -125,7 +125,7 @@ fn label_lag(text: &str) -> Result<LabelLag, value::Error> {
     LabelLag::deserialize(text.into_deserializer())
 }
 
-/// Evaluates model files on the recordings below `data`.
+/// Evaluates model files on the recordings below `data`. Without a `width` prints JSON instead of tables.
 ///
 /// # Errors
 /// When a model or the recordings are refused, nobody is left, or a file cannot be written.
@@ -133,7 +133,7 @@ pub(in crate::cli) fn run(
     models: &[PathBuf],
     data: &Path,
     options: &Options,
-    json: bool,
+    width: Option<&Width>,
 ) -> anyhow::Result<()> {
     let models = models
         .iter()
@@ -175,17 +175,15 @@ pub(in crate::cli) fn run(
         write_whole(path, &table)?;
     }
     let mut out = std::io::stdout().lock();
-    if json {
+    let Some(width) = width else {
         let found = Evaluated {
             results,
             findings: grouped(library.findings()),
         };
         writeln!(out, "{}", serde_json::to_string_pretty(&found)?)?;
         return Ok(());
-    }
-    for table in tables(results) {
-        writeln!(out, "{}", table.plain())?;
-    }
+    };
+    width.print(&tables(results, width.wide), &mut out)?;
     for (what, how) in labels(&results.lags, &results.gestures) {
         writeln!(out, "{what}: {how}")?;
     }
@@ -205,7 +203,8 @@ struct Evaluated<'r> {
 pub(in crate::cli) fn warn(results: &ModelResults) {
     let count = |people: usize, what: &str| {
         if people > 0 {
-            progress::log(&format!("{what}: {people} people"));
+            let noun = if people == 1 { "person" } else { "people" };
+            progress::log(&format!("{what}: {people} {noun}"));
         }
     };
     count(

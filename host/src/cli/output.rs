@@ -4,10 +4,40 @@
 //! and no other file.
 
 use std::fs::File;
-use std::io::{ErrorKind, Read as _};
+use std::io::{self, ErrorKind, Read as _, Write};
 use std::path::{Path, PathBuf};
 
+use clap::Args;
+use evaluation::report::Table;
+
 use thiserror::Error;
+
+/// Width of the tables on the terminal.
+#[derive(Debug, Args)]
+pub(super) struct Width {
+    /// Print all tables with all columns; without it, what matters in 100 columns.
+    #[arg(long)]
+    pub(super) wide: bool,
+}
+
+impl Width {
+    /// Prints tables.
+    ///
+    /// # Errors
+    /// When nobody reads them.
+    pub(super) fn print(&self, tables: &[Table], out: &mut impl Write) -> io::Result<()> {
+        for table in tables {
+            writeln!(out, "{}", table.text(self.wide))?;
+        }
+        if !self.wide {
+            writeln!(
+                out,
+                "--wide prints all tables and columns; the report has them too\n"
+            )?;
+        }
+        Ok(())
+    }
+}
 
 /// First bytes of a page.
 pub(super) const PAGE: &[u8] = b"<!DOCTYPE html>";

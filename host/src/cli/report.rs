@@ -10,7 +10,7 @@ use super::arguments::every_recording;
 #[cfg(feature = "train")]
 use super::arguments::warn_of_test_people;
 use super::evaluate_models::{PeopleArguments, warn};
-use super::output::{PAGE, refuse_unlike};
+use super::output::{PAGE, Width, refuse_unlike};
 #[cfg(feature = "train")]
 use super::steps::{find_run, recordings};
 use evaluation::model_evaluation::{NamedModel, Selection, evaluate_models};
@@ -58,6 +58,8 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE", default_value = "report.html")]
     out: PathBuf,
     #[command(flatten)]
+    width: Width,
+    #[command(flatten)]
     people: PeopleArguments,
     #[cfg(feature = "train")]
     #[command(flatten)]
@@ -84,9 +86,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let data = data.map_or_else(String::new, |data| data.display().to_string());
     write(&reported, &data, &arguments.out)?;
     let mut out = std::io::stdout().lock();
-    for table in tables(&reported)? {
-        writeln!(out, "{}", table.plain())?;
-    }
+    let tables = tables(&reported, arguments.width.wide)?;
+    arguments.width.print(&tables, &mut out)?;
     writeln!(out, "report: {}", arguments.out.display())?;
     Ok(())
 }

@@ -10,6 +10,12 @@ pub fn none() -> String {
     "-".to_owned()
 }
 
+/// A number with its noun: `1 subject`, `2 subjects`.
+#[must_use]
+pub fn number_of(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
+
 /// Adds the number of people where the row has another one: `0.912 [0.88, 0.94] n 29`.
 #[must_use]
 pub fn of_people(cell: String, people: usize, of_row: usize) -> String {

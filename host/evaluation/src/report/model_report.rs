@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
+use super::cell::number_of;
 use super::entry::{Entry, over_all};
 use super::page::Page;
 use super::people::{COLUMNS, people_of, people_table};
 use super::run_report::PEOPLE;
-use super::scores::{differences, emitted, is_floor, sort, table};
+use super::scores::{differences, emitted, is_floor, narrow, sort, table};
 use super::{Fact, Table, labels};
 use crate::model_evaluation::{
     ALIGNED, AlignedSubject, EvaluatedModel, EvaluatedSubject, ModelEvaluation, ModelResults,
@@ -36,10 +37,13 @@ pub fn write(
     let people = people_table(&first.everybody(), &|subject| remark(results, subject));
     let report = Page {
         title: format!("Evaluation of {}", names.join(", ")),
-        summary: format!("On {} subjects of {data}.", results.subjects.len()),
+        summary: format!(
+            "On {} of {data}.",
+            number_of(results.subjects.len(), "subject")
+        ),
         entries: &entries[..entries.len().min(super::MOST_ENTRIES)],
         provenance,
-        tables: tables_of_models(results),
+        tables: tables_of_models(results, true),
         people_tables: people.into_iter().collect(),
         notes: notes(),
         ..Page::default()
@@ -94,11 +98,12 @@ pub(super) fn entries<'a>(
         .collect()
 }
 
-/// Tables: scores of all models and floors; differences of the first model to all others; people, the worst first.
+/// Tables: scores of all models and floors; if `wide`, differences of the first model to all others, and labels as emitted;
+/// people, the worst first.
 #[must_use]
-pub fn tables(results: &ModelResults) -> Vec<Table> {
+pub fn tables(results: &ModelResults, wide: bool) -> Vec<Table> {
     let results = &marked(results);
-    let mut tables = tables_of_models(results);
+    let mut tables = tables_of_models(results, wide);
     let first: Vec<Score> = of_first(results).cloned().collect();
     let everybody: Vec<&Score> = over_all(&first).collect();
     tables.extend(people_table(&everybody, &|subject| {
@@ -108,12 +113,16 @@ pub fn tables(results: &ModelResults) -> Vec<Table> {
 }
 
 /// Caption of the scores of model files.
-pub(super) const SCORES: &str = "Lag-compensated labels, each model with its own look-ahead; mean [95 % interval] over subjects";
+pub(super) const SCORES: &str = "Lag-compensated labels, each model with its own look-ahead; mean over subjects, with its 95 % interval from six on";
 
 /// Tables: scores of all models and floors; the first model against the others and the floors; alignments.
-fn tables_of_models(results: &ModelResults) -> Vec<Table> {
+fn tables_of_models(results: &ModelResults, wide: bool) -> Vec<Table> {
     let mut scores: Vec<&Score> = results.scores.iter().collect();
     sort(&mut scores);
+    if !wide {
+        let scores = [narrow(SCORES, &scores)].into_iter();
+        return scores.chain(alignments(results)).collect();
+    }
     let pairs = of_first(results).flat_map(|own| {
         let others = results.scores.iter().filter(|other| other.same_people(own));
         let others = others.filter(|other| other.model != own.model);

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use execution::run_folder::write_whole;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
+use recordings::statistics::FEWEST;
 
 use super::cell::{none, quantile, rate};
 use super::device;
@@ -96,11 +97,7 @@ impl<'s> Page<'s> {
         let devices = device::table(entries.iter().filter_map(file));
         let results = html! {
             @if !rows.is_empty() {
-                p.remark {
-                    "Means over people who have all classes of the model, and of the others in rows of their own (fewer); \
-                     with 95 % intervals, from six people on. n: people of a number, where the row has more. Grey: floors, \
-                     which need no model."
-                }
+                p.remark { (whose(&rows)) " Grey: floors, which need no model." }
                 figure { (overview::overview(&rows)) }
             }
             @for table in &self.tables { (table) }
@@ -144,8 +141,37 @@ impl<'s> Page<'s> {
     }
 }
 
+/// Whose scores the picture at the top shows, and whether it has intervals.
+fn whose(rows: &[(&str, &Score)]) -> String {
+    let people = rows.iter().map(|(_, score)| score.widest().subjects.len());
+    let means = "Means over people who have all classes of the model, and of the others in rows of their own (fewer)";
+    let n = "n: people of a number, where the row has more.";
+    match people.max().unwrap_or(0) {
+        1 if all_of_one_person(rows.iter().map(|(_, score)| *score)) => {
+            "One person: no intervals.".to_owned()
+        }
+        0..FEWEST => format!("{means}. Fewer than six people: no intervals. {n}"),
+        _ => format!("{means}; with 95 % intervals, from six people on. {n}"),
+    }
+}
+
+/// Whether all rows are of one and the same person.
+fn all_of_one_person<'s>(rows: impl IntoIterator<Item = &'s Score>) -> bool {
+    let rows = rows.into_iter();
+    let mut people = rows.flat_map(|score| &score.widest().subjects);
+    let first = people.next().map(|own| &own.subject);
+    first.is_some() && people.all(|own| Some(&own.subject) == first)
+}
+
 /// Confusion and latencies, a row of two pictures for each entry.
 fn errors(entries: &[Entry<'_>]) -> Result<Markup, EvaluationError> {
+    let latencies = |entry: &Entry<'_>| -> Result<Vec<_>, EvaluationError> {
+        let (candidate, recordings) = (entry.candidate, entry.recordings);
+        let gestures = gestures(candidate, recordings, entry.vocabulary, entry.look_ahead)?;
+        Ok(gestures.iter().map(|own| own.latency).collect())
+    };
+    let latencies: Vec<Vec<_>> = entries.iter().map(latencies).collect::<Result<_, _>>()?;
+    let histograms = charts::latencies(&latencies);
     Ok(html! {
         @if !entries.is_empty() {
             p.remark {
@@ -155,15 +181,13 @@ fn errors(entries: &[Entry<'_>]) -> Result<Markup, EvaluationError> {
             }
         }
         @if let Some(panel) = recognition::of_entries(entries) { figure { (charts::curves(&panel)) } }
-        @for entry in entries {
+        @for (at, entry) in entries.iter().enumerate() {
             @let (candidate, recordings) = (entry.candidate, entry.recordings);
             @let matrix = confusion(candidate, recordings, entry.vocabulary, entry.look_ahead)?;
-            @let gestures = gestures(candidate, recordings, entry.vocabulary, entry.look_ahead)?;
-            @let latencies: Vec<_> = gestures.iter().map(|own| own.latency).collect();
             @if entries.len() > 1 { h3 { (entry.name) } }
             div.pair {
                 figure { (confusion::matrix(&matrix)) }
-                @if !latencies.is_empty() { figure { (charts::latencies(&latencies)) } }
+                @if !latencies[at].is_empty() { figure { (histograms[at]) } }
             }
         }
     })
@@ -183,7 +207,8 @@ fn recordings(entries: &[Entry<'_>]) -> Result<Markup, EvaluationError> {
                  change near them."
             }
             h3 {
-                @if several { "The person with the lowest balanced accuracy of each model, then its best one" }
+                @if all_of_one_person(entries.iter().flat_map(Entry::everybody)) { "The person's recording with the most gestures" }
+                @else if several { "The person with the lowest balanced accuracy of each model, then its best one" }
                 @else { "The people with the lowest balanced accuracy, the worst first, then the best one" }
             }
             @for recording in &timelines { figure { (timeline::svg(recording)) } }

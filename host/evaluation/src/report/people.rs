@@ -82,16 +82,18 @@ fn shown<T>(value: Option<T>, show: impl Fn(T) -> String) -> String {
 
 /// Table of the people of a model's rows, the lowest balanced accuracy first, each with a remark; none without a row.
 pub(super) fn people_table(scores: &[&Score], remark: &dyn Fn(&str) -> String) -> Option<Table> {
-    let caption = format!(
-        "People, the lowest balanced accuracy of {} first",
-        scores.first()?.model
-    );
+    let people = people_of(scores.iter().copied());
+    let model = &scores.first()?.model;
+    let caption = match people.len() {
+        1 => format!("Person, under {model}"),
+        _ => format!("People, the lowest balanced accuracy of {model} first"),
+    };
     let names = COLUMNS.map(|(name, _)| name);
     let mut table = Table::new(
         caption,
         ["subject"].into_iter().chain(names).chain(["remark"]),
     );
-    for person in people_of(scores.iter().copied()) {
+    for person in people {
         let cells = COLUMNS.map(|(_, cell)| cell(&person)).into_iter();
         let subject = [person.subject.to_owned()].into_iter();
         table.push(subject.chain(cells).chain([remark(person.subject)]));

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::Fact;
+use super::cell::number_of;
 use super::entry::{Entry, SHOWN, onsets};
 use super::labels;
 use super::page::Page;
@@ -53,16 +54,16 @@ pub(super) fn contents<'a>(
     results: &Results,
     entries: &'a [Entry<'a>],
 ) -> Page<'a> {
-    let mut tables = tables(results);
+    let mut tables = tables(results, true);
     // Lag-compensated labels and the differences to the floors; then the rest.
     let more_tables = tables.split_off(tables.len().min(2));
     let people = |entry: &Entry<'_>| people_table(&entry.everybody(), &|_| String::new());
     Page {
         title: format!("Intent detection: preset {}", config.preset.name),
         summary: format!(
-            "Trained on {} subjects, evaluated on {} held-out subjects.",
-            config.split.training.len(),
-            config.split.held_out.len()
+            "Trained on {}, evaluated on {}.",
+            number_of(config.split.training.len(), "subject"),
+            number_of(config.split.held_out.len(), "held-out subject")
         ),
         entries,
         provenance: vec![(String::new(), provenance(config, results))],

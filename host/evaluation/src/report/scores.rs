@@ -115,23 +115,48 @@ const EMITTED: [Column; 12] = [
     SUBJECTS,
 ];
 
-/// Columns of a summary, 100 letters together.
-const NARROW: [Column; 8] = [
+const BALANCED: Column = ("balanced", |own| {
+    narrow_interval(own, Measure::BalancedAccuracy)
+});
+const EVENTS: Column = ("events", |own| {
+    mean(own, Measure::Recognition, narrow_share)
+});
+const MEDIAN: Column = ("lat. ms", |own| {
+    let median = own.events.latency.map(|latency| quantile(latency.median));
+    counted(median.unwrap_or_else(none), own, Measure::Recognition)
+});
+const FALSE: Column = ("false/min", |own| {
+    mean(own, Measure::FalseActivations, narrow_rate)
+});
+const PEOPLE: Column = ("n", SUBJECTS.1);
+
+/// Columns of a summary of one model, 100 letters together.
+const SUMMARY: [Column; 8] = [
     RECORDINGS,
     CLASSES,
-    ("balanced", |own| narrow(own, Measure::BalancedAccuracy)),
-    ("transition", |own| narrow(own, Measure::TransitionAccuracy)),
-    ("events", |own| {
-        mean(own, Measure::Recognition, narrow_share)
+    BALANCED,
+    ("transition", |own| {
+        narrow_interval(own, Measure::TransitionAccuracy)
     }),
-    ("lat. ms", |own| {
-        let median = own.events.latency.map(|latency| quantile(latency.median));
-        counted(median.unwrap_or_else(none), own, Measure::Recognition)
+    EVENTS,
+    MEDIAN,
+    FALSE,
+    PEOPLE,
+];
+
+/// Columns of several models, 100 letters together.
+const NARROW: [Column; 9] = [
+    RECORDINGS,
+    CLASSES,
+    MODEL,
+    PEOPLE,
+    BALANCED,
+    ("TA", |own| {
+        mean(own, Measure::TransitionAccuracy, narrow_share)
     }),
-    ("false/min", |own| {
-        mean(own, Measure::FalseActivations, narrow_rate)
-    }),
-    ("n", SUBJECTS.1),
+    EVENTS,
+    MEDIAN,
+    FALSE,
 ];
 
 fn people(score: &Score) -> usize {
@@ -154,7 +179,7 @@ pub(super) fn estimated(score: &Score, measure: Measure) -> String {
     counted(cell, score, measure)
 }
 
-fn narrow(score: &Score, measure: Measure) -> String {
+fn narrow_interval(score: &Score, measure: Measure) -> String {
     let cell = narrow_estimate(measure.mean(score), measure.interval(score));
     counted(cell, score, measure)
 }
@@ -174,11 +199,18 @@ fn offset(score: &Score, of: fn(OffsetSummary) -> f64) -> String {
     of_people(one_ms(widest.offset.map(of)), followed, people(score))
 }
 
-/// Tables of an evaluation: lag-compensated labels and the differences to the floors; labels as published; spliced
-/// recordings; then the paper's measures.
+/// Tables of an evaluation: lag-compensated labels; if `wide`, also the differences to the floors, labels as published,
+/// spliced recordings and the paper's measures.
 #[must_use]
-pub fn tables(results: &Results) -> Vec<Table> {
+pub fn tables(results: &Results, wide: bool) -> Vec<Table> {
     let compensated = shown(&results.published, Truth::LagCompensated, results);
+    if !wide {
+        let own = |score: &&Score| is_floor(score) || score.look_ahead == results.aggregation;
+        let own: Vec<&Score> = compensated.into_iter().filter(own).collect();
+        let caption =
+            "Lag-compensated labels: moved to the onset of muscle activity; with look-ahead";
+        return vec![narrow(caption, &own)];
+    }
     let published = shown(&results.published, Truth::Published, results);
     let spliced = shown(&results.spliced, Truth::LagCompensated, results);
     let mut tables = vec![
@@ -247,7 +279,7 @@ pub fn summary(results: &Results, model: &str) -> Table {
         rows.extend(compensated().filter(|score| score.model == floor && score.data_set == last));
         names.resize(rows.len(), format!("{last}: {name}"));
     }
-    let mut table = of_columns("", &rows, &NARROW);
+    let mut table = of_columns("", &rows, &SUMMARY);
     for (row, name) in table.rows.iter_mut().zip(names) {
         row[0] = name;
     }
@@ -261,6 +293,11 @@ pub(super) fn table(caption: &str, scores: &[&Score]) -> Table {
     let mut columns = SCORES.to_vec();
     columns.retain(|(name, _)| *name != OTHER.0 || scores.iter().any(other));
     of_columns(caption, scores, &columns)
+}
+
+/// Table with a row for each score and what matters most, for a terminal.
+pub(super) fn narrow(caption: &str, scores: &[&Score]) -> Table {
+    of_columns(caption, scores, &NARROW)
 }
 
 /// Table of labels at the times when they are emitted, with the shares of gestures that are recognised so soon.

@@ -4,10 +4,11 @@ use std::path::Path;
 
 use shared::intent::Vocabulary;
 
+use super::cell::number_of;
 use super::entry::{Entry, over_all};
 use super::model_report::{self, SCORES, marked};
 use super::page::Page;
-use super::scores::{differences, sort, table};
+use super::scores::{differences, narrow, sort, table};
 use super::{MOST_ENTRIES, Table, people, run_report};
 use crate::model_evaluation::{ModelEvaluation, NamedModel};
 use crate::results::{Evaluation, Results};
@@ -103,18 +104,18 @@ impl Reported {
     }
 }
 
-/// The tables of a page, as the terminal shows them too.
+/// The tables that the terminal shows: those of the page if `wide`, else what matters in them.
 ///
 /// # Errors
 /// When the metrics of a run cannot be read.
-pub fn tables(reported: &[Reported]) -> Result<Vec<Table>, EvaluationError> {
+pub fn tables(reported: &[Reported], wide: bool) -> Result<Vec<Table>, EvaluationError> {
     if let [Reported::Run(run)] = reported {
-        return Ok(super::scores::tables(&run.results));
+        return Ok(super::scores::tables(&run.results, wide));
     }
     if let [Reported::Model(own)] = reported {
-        return Ok(model_report::tables(&own.evaluation.results));
+        return Ok(model_report::tables(&own.evaluation.results, wide));
     }
-    Ok(side_by_side(&entries(reported)?))
+    Ok(side_by_side(&entries(reported)?, wide))
 }
 
 /// Writes the page. `data` names the recordings of model files; at most [`MOST_ENTRIES`] are drawn.
@@ -169,7 +170,7 @@ fn several<'a>(reported: &[Reported], entries: &'a [Entry<'a>], data: &str) -> P
     let names: Vec<&str> = entries.iter().map(|entry| &entry.name[..]).collect();
     let counts = entries.iter().map(|entry| {
         let people = over_all(&entry.scores).map(|score| score.widest().subjects.len());
-        format!("{} on {} subjects", entry.name, people.sum::<usize>())
+        format!("{} on {}", entry.name, number_of(people.sum(), "subject"))
     });
     let mut summary = counts.collect::<Vec<_>>().join(", ");
     let mut notes = Vec::new();
@@ -195,8 +196,8 @@ fn several<'a>(reported: &[Reported], entries: &'a [Entry<'a>], data: &str) -> P
         notes.push(whom.to_owned());
     }
     let mut tables = match reported {
-        [Reported::Model(own)] => model_report::tables(&own.evaluation.results),
-        _ => side_by_side(entries),
+        [Reported::Model(own)] => model_report::tables(&own.evaluation.results, true),
+        _ => side_by_side(entries, true),
     };
     // The last one is that of the people.
     let people_tables = tables.split_off(tables.len() - 1);
@@ -215,7 +216,7 @@ fn several<'a>(reported: &[Reported], entries: &'a [Entry<'a>], data: &str) -> P
 
 /// Tables of scores, differences and people. Differences: of every later entry to every earlier one, data set by data
 /// set, and of each to its floors over all recordings.
-fn side_by_side(entries: &[Entry<'_>]) -> Vec<Table> {
+fn side_by_side(entries: &[Entry<'_>], wide: bool) -> Vec<Table> {
     let mut scores: Vec<&Score> = entries.iter().flat_map(|own| &own.scores).collect();
     for floor in entries.iter().flat_map(|own| &own.floors) {
         if !scores.contains(&floor) {
@@ -223,6 +224,9 @@ fn side_by_side(entries: &[Entry<'_>]) -> Vec<Table> {
         }
     }
     sort(&mut scores);
+    if !wide {
+        return vec![narrow(SCORES, &scores), people::side_by_side(entries)];
+    }
     let mut pairs: Vec<(&Score, &Score)> = Vec::new();
     for (at, later) in entries.iter().enumerate() {
         for earlier in &entries[..at] {

@@ -2,6 +2,9 @@
 
 use maud::{Markup, Render, html};
 
+/// Columns of a terminal.
+const TERMINAL: usize = 100;
+
 /// Letters of a cell above which its line may break on a page.
 const LONG: usize = 32;
 
@@ -41,6 +44,32 @@ impl Table {
         let rule = |column: &Column| "-".repeat(column.width);
         let lines = self.lines("|", rule, |cells| cells.join("  ").trim_end().to_owned());
         self.caption_line("\n") + &lines
+    }
+
+    /// [`plain`](Self::plain), or unless it is `wide`, for a terminal of 100 columns: the last columns are left out that do
+    /// not fit, and named.
+    #[must_use]
+    pub fn text(&self, wide: bool) -> String {
+        if wide {
+            return self.plain();
+        }
+        let columns = self.columns();
+        let mut end = columns.len();
+        let taken = |end: usize| columns[..end].iter().map(|column| column.width + 2).sum();
+        while end > 1 && TERMINAL + 2 < taken(end) {
+            end -= 1;
+        }
+        let mut caption = wrapped(&self.caption);
+        if end < columns.len() {
+            caption += &wrapped(&format!("\n(not here: {})", self.header[end..].join(", ")));
+        }
+        let cut = |row: &Vec<String>| row.iter().take(end).cloned().collect();
+        let shown = Self {
+            caption,
+            header: cut(&self.header),
+            rows: self.rows.iter().map(cut).collect(),
+        };
+        shown.plain()
     }
 
     /// A table of GitHub's Markdown, aligned in the source too.
@@ -114,15 +143,15 @@ impl Render for Table {
             columns
                 .iter()
                 .enumerate()
-                .map(move |(i, column)| (column, cell(row, i)))
+                .map(move |(i, column)| (column, cell(&self.header, i), cell(row, i)))
         };
         html! {
             div.wide { table {
                 @if !self.caption.is_empty() { caption { (self.caption) } }
                 // A head that printed pages repeat.
-                thead { tr { @for (column, text) in in_columns(&self.header) { th class=[column.class(text)] { (text) } } } }
-                tbody { @for row in &self.rows { tr { @for (column, text) in in_columns(row) {
-                    td class=[column.class(text)] { (text) }
+                thead { tr { @for (column, text, _) in in_columns(&self.header) { th class=[column.class(text)] { (text) } } } }
+                tbody { @for row in &self.rows { tr { @for (column, name, text) in in_columns(row) {
+                    td class=[column.class(text)] data-name=(name) { (text) }
                 } } } }
             } }
         }
@@ -157,6 +186,28 @@ impl Column {
 
 fn cell(row: &[String], i: usize) -> &str {
     row.get(i).map_or("", String::as_str)
+}
+
+/// Text in lines that fit a terminal; a line break at the start stays.
+fn wrapped(text: &str) -> String {
+    let mut lines = if text.starts_with('\n') {
+        "\n".to_owned()
+    } else {
+        String::new()
+    };
+    let mut free = TERMINAL;
+    for word in text.split_whitespace() {
+        let needed = width(word) + 1;
+        if needed > free {
+            lines.push('\n');
+            free = TERMINAL;
+        } else if free < TERMINAL {
+            lines.push(' ');
+        }
+        lines += word;
+        free = free.saturating_sub(needed);
+    }
+    lines
 }
 
 fn width(text: &str) -> usize {
@@ -221,7 +272,7 @@ Held-out subjects
         assert_eq!(table.plain(), "a  b\n-  -\nx\n");
         let html = table.render().0;
         assert!(
-            html.contains("<td>x</td><td class=\"number\"></td>"),
+            html.contains(r#"<td data-name="a">x</td><td class="number" data-name="b"></td>"#),
             "{html}"
         );
     }

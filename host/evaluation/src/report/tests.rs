@@ -116,7 +116,7 @@ fn four_people() -> Evaluated {
 
 /// Page with something in every part.
 fn page<'a>(evaluated: &Evaluated, entries: &'a [Entry<'a>]) -> Page<'a> {
-    let mut tables = tables(&evaluated.results);
+    let mut tables = tables(&evaluated.results, true);
     Page {
         title: "Intent detection on four people".to_owned(),
         summary: "Of \"synthetic\" <EMG>.".to_owned(),
@@ -302,7 +302,7 @@ fn a_report_that_cannot_be_written_says_where() {
 
 #[test]
 fn every_column_has_its_own_number_of_people_and_two_class_people_stand_apart() {
-    for table in tables(&four_people().results) {
+    for table in tables(&four_people().results, true) {
         let column = |name: &str| table.header.iter().position(|own| own == name);
         let (classes, model) = (column("classes").unwrap(), column("model"));
         let Some(model) = model else {
@@ -339,7 +339,7 @@ fn every_column_has_its_own_number_of_people_and_two_class_people_stand_apart() 
 
 #[test]
 fn every_table_of_scores_has_its_floors_and_the_differences_to_them() {
-    let tables = tables(&two_people().results);
+    let tables = tables(&two_people().results, true);
     let found: Vec<Vec<&str>> = tables
         .iter()
         .map(|table| table.rows.iter().map(|row| row[2].as_str()).collect())

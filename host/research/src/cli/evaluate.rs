@@ -58,7 +58,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let page = context.folder.file(REPORT);
     run_report::write(&context.folder, &context.config, &results, &judged, &page)?;
     let mut out = std::io::stdout().lock();
-    for table in tables(&results) {
+    for table in tables(&results, true) {
         writeln!(out, "{}", table.plain())?;
     }
     writeln!(out, "held out: {}", results.held_out.join(", "))?;

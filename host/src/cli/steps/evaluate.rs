@@ -47,9 +47,8 @@ pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.json {
         writeln!(out, "{}", serde_json::to_string_pretty(&results)?)?;
     } else {
-        for table in tables(&results) {
-            writeln!(out, "{}", table.plain())?;
-        }
+        let width = &arguments.width;
+        width.print(&tables(&results, width.wide), &mut out)?;
         for (what, how) in labels(&context.config.lags, &results.gestures) {
             writeln!(out, "{what}: {how}")?;
         }

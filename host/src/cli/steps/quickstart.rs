@@ -91,7 +91,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 
     let mut out = std::io::stdout().lock();
     if arguments.verbose {
-        for table in tables(&results) {
+        for table in tables(&results, true) {
             writeln!(out, "{}", table.plain())?;
         }
     }

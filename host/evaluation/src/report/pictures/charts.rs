@@ -149,15 +149,32 @@ fn short(value: f64) -> String {
     ((value * 1000.0).round() / 1000.0 + 0.0).to_string()
 }
 
-/// A histogram of the latencies of recognised gestures, given in samples; none for a missed gesture. The median over
-/// all gestures is marked, unless it falls on a missed one.
-pub(in crate::report) fn latencies(latencies: &[Option<i32>]) -> Markup {
+/// Histograms of the latencies of recognised gestures, given in samples for each model, none for a missed gesture; on one
+/// scale. The median over all gestures is marked, unless it falls on a missed one.
+pub(in crate::report) fn latencies(models: &[Vec<Option<i32>>]) -> Vec<Markup> {
+    let mut all: Vec<f64> = models.iter().flat_map(|own| milliseconds(own)).collect();
+    all.sort_by(f64::total_cmp);
+    let axis = Bins::over(&all);
+    let counted = models.iter().map(|own| axis.counts(&milliseconds(own)));
+    let counted: Vec<_> = counted.collect();
+    let highest = counted.iter().flatten().copied().max().unwrap_or(0).max(1);
+    let drawn = models.iter().zip(&counted);
+    drawn
+        .map(|(own, counts)| histogram(own, &axis, counts, highest))
+        .collect()
+}
+
+/// Latencies of the recognised gestures in ms.
+fn milliseconds(latencies: &[Option<i32>]) -> Vec<f64> {
+    let recognised = latencies.iter().flatten();
+    recognised
+        .map(|&samples| latency::milliseconds(samples))
+        .collect()
+}
+
+/// Histogram of one model's latencies; `highest` is the end of the vertical axis.
+fn histogram(latencies: &[Option<i32>], axis: &Bins, counts: &[u32], highest: u32) -> Markup {
     let recognised: Vec<i32> = latencies.iter().copied().flatten().collect();
-    let milliseconds = recognised
-        .iter()
-        .map(|&samples| latency::milliseconds(samples));
-    let mut sorted: Vec<f64> = milliseconds.collect();
-    sorted.sort_by(f64::total_cmp);
     let quantiles = latency::summary(&recognised, latencies.len());
     let of = latencies.len();
     let mut summary = format!("{} of {of} gestures recognised", recognised.len());
@@ -165,8 +182,7 @@ pub(in crate::report) fn latencies(latencies: &[Option<i32>]) -> Markup {
         let (median, p90) = (quantile(of.median), quantile(of.p90));
         summary += &format!(", median {median} ms, 90 % {p90} ms").replace("missed ms", "missed");
     }
-    let (start, width, counts) = bins(&sorted);
-    let highest = counts.iter().copied().max().unwrap_or(0).max(1);
+    let &Bins { start, width, .. } = axis;
     let top = f64::from(highest) * 1.08;
     let chart = Chart {
         height: 340.0,
@@ -192,19 +208,36 @@ pub(in crate::report) fn latencies(latencies: &[Option<i32>]) -> Markup {
     picture(size, "Latency of gestures", &summary, &body)
 }
 
-/// Bins of a round width, at most 41, the last value in the last one: start of the first, width, counts.
-fn bins(sorted: &[f64]) -> (f64, f64, Vec<u32>) {
-    let low = sorted.first().copied().unwrap_or(0.0);
-    let high = sorted.last().copied().unwrap_or(0.0);
-    // 10 ms: two samples; narrower bins would show the armband's clock.
-    let width = nice_step(high - low, 40.0).max(10.0);
-    let start = (low / width).floor() * width;
-    let place = |value: f64| ((value - start) / width) as usize;
-    let mut counts = vec![0; place(high) + 1];
-    for &value in sorted {
-        counts[place(value)] += 1;
+/// Bins of a round width, at most 41.
+struct Bins {
+    start: f64,
+    width: f64,
+    number: usize,
+}
+
+impl Bins {
+    /// Bins over sorted values, the last value in the last one.
+    fn over(sorted: &[f64]) -> Self {
+        let low = sorted.first().copied().unwrap_or(0.0);
+        let high = sorted.last().copied().unwrap_or(0.0);
+        // 10 ms: two samples; narrower bins would show the armband's clock.
+        let width = nice_step(high - low, 40.0).max(10.0);
+        let start = (low / width).floor() * width;
+        let number = ((high - start) / width) as usize + 1;
+        Self {
+            start,
+            width,
+            number,
+        }
     }
-    (start, width, counts)
+
+    fn counts(&self, values: &[f64]) -> Vec<u32> {
+        let mut counts = vec![0; self.number];
+        for value in values {
+            counts[((value - self.start) / self.width) as usize] += 1;
+        }
+        counts
+    }
 }
 
 #[cfg(test)]
@@ -247,15 +280,17 @@ mod tests {
 
     #[test]
     fn every_latency_falls_into_one_bin_of_round_width() {
-        let (start, width, counts) = bins(&[-95.0, 0.0, 5.0, 304.0]);
-        assert_eq!((start, width, counts.len()), (-100.0, 10.0, 41));
+        let values = [-95.0, 0.0, 5.0, 304.0];
+        let axis = Bins::over(&values);
+        let counts = axis.counts(&values);
+        assert_eq!((axis.start, axis.width, counts.len()), (-100.0, 10.0, 41));
         assert_eq!((counts[0], counts[10], counts[40]), (1, 2, 1));
     }
 
     #[test]
     fn one_latency_and_none_are_drawn_too() {
-        assert!(latencies(&[]).0.contains("0 of 0 gestures"));
-        let missed = latencies(&[Some(24), None]).0;
+        assert!(latencies(&[vec![]])[0].0.contains("0 of 0 gestures"));
+        let missed = &latencies(&[vec![Some(24), None]])[0].0;
         assert!(missed.contains("1 of 2 gestures recognised, median 120 ms, 90 % missed"));
     }
 }

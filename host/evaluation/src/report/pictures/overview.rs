@@ -33,7 +33,7 @@ pub(in crate::report) fn overview(rows: &[(&str, &Score)]) -> Markup {
         format!("{} {mean}", name(score))
     });
     let (told, first) = (told.collect::<Vec<_>>().join(", "), DRAWN[0].1);
-    let description = format!("Means over people with 95 % intervals. {first}: {told}.");
+    let description = format!("{first}: {told}.");
     let bottom = HEAD + ROW * rows.len() as f64;
     let middle = |row: usize| HEAD + ROW * (row as f64 + 0.5);
     let body = html! {

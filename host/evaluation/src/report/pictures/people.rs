@@ -39,13 +39,17 @@ pub(in crate::report) fn bars(
 ) -> Option<Markup> {
     let people = people(entries, floors);
     let (lowest, count) = (people.first()?.subject, people.len());
+    let whose = match count {
+        1 => format!("of {lowest}"),
+        _ => format!("of {count} people, the lowest {lowest}"),
+    };
     let columns = columns(count);
     let in_column = count.div_ceil(columns);
     let row = BAR * entries.len() as f64 + GAP;
     // One column alone needs no whole page.
     let width = if columns == 1 { 640.0 } else { WIDTH };
     let column = width / columns as f64;
-    let description = format!("Balanced accuracy of {count} people, the lowest {lowest}.");
+    let description = format!("Balanced accuracy {whose}.");
     let body = html! {
         (legend(entries, floors))
         @for (number, own) in people.chunks(in_column).enumerate() {
