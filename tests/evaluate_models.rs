@@ -6,6 +6,9 @@ mod small;
 
 #[path = "evaluate_models/described.rs"]
 mod described;
+#[path = "live/browser.rs"]
+#[expect(dead_code, reason = "a page without keys")]
+mod browser;
 #[path = "evaluate_models/labels.rs"]
 mod labels;
 #[path = "evaluate_models/placement.rs"]
@@ -130,6 +133,21 @@ fn several_models_and_the_floors_stand_side_by_side_and_the_page_begins_with_the
         "{}",
         &page[drawn..drawn + 60]
     );
+
+    // On a phone no table is cut, and of a wide picture it is said that it goes on.
+    let name = "several_models_and_the_floors_stand_side_by_side_and_the_page_begins_with_the_worst";
+    if let Some(mut browser) = browser::Browser::start(name) {
+        browser.look(390, 844, "light", "no-preference");
+        browser.open(&format!("file://{}", folder.join("page.html").display()));
+        browser.wait_for("document.readyState === 'complete'");
+        let cut = "[...document.querySelectorAll('.wide, .wide td, body')].filter((one) => one.scrollWidth > one.clientWidth + 1).length";
+        assert_eq!(browser.value(cut), 0);
+        let unsaid = "[...document.querySelectorAll('figure')].filter((one) => one.scrollWidth > one.clientWidth + 1 \
+            && !getComputedStyle(one, '::before').content.includes('→')).length";
+        assert_eq!(browser.value(unsaid), 0);
+        let tiny = "[...document.querySelectorAll('svg text')].filter((one) => one.getBoundingClientRect().height < 7).length";
+        assert_eq!(browser.value(tiny), 0);
+    }
 
     let six = folder.join("six.intent");
     model(&six, &[], Vocabulary::Six);

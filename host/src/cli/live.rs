@@ -210,6 +210,19 @@ mod tests {
         assert!(refusal(&["--demo", "--port", "x"]).contains("cannot be used with"));
     }
 
+    #[cfg(not(feature = "bluetooth"))]
+    #[test]
+    fn without_bluetooth_in_the_program_no_page_is_opened() {
+        let source = SourceArguments {
+            demo: false,
+            replay: None,
+            port: None,
+            bluetooth: Some(Followed(None)),
+        };
+        let error = source.source(None).unwrap_err().to_string();
+        assert!(error.contains("--features bluetooth"), "{error}");
+    }
+
     #[test]
     fn an_address_may_have_a_port_and_no_name() {
         let any = IpAddr::from([0, 0, 0, 0]);

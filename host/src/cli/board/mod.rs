@@ -299,6 +299,22 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_port_that_is_not_there_is_named_with_those_that_are() {
+        let model = "../models/three-class.intent".into();
+        for request in [Request::Identify, Request::Install { model }] {
+            let port = "/dev/no-such-board".into();
+            let error = run(&Arguments { port, request }).unwrap_err();
+            let error = format!("{error:#}");
+            assert!(
+                error.contains("there is no port /dev/no-such-board"),
+                "{error}"
+            );
+            assert!(error.contains("erial port"), "{error}");
+            assert!(!error.contains("os error"), "{error}");
+        }
+    }
+
+    #[test]
     fn a_margin_is_a_number_of_hundredths_or_the_models() {
         assert_eq!(margin("1.5"), Ok(Some(150)));
         assert_eq!(margin("-0.5"), Ok(Some(-50)));
