@@ -5,7 +5,7 @@
 //! that patch and of the five before it ([`LookBackLogits`], newest
 //! first, unused classes 0). The code that smooths and scores them is the same for all models.
 
-use std::ops::ControlFlow;
+mod stream;
 
 use recordings::corpus::padded;
 use shared::model::encoder::HostEncoder;
@@ -16,11 +16,9 @@ use shared::stream::normalizer::Normalizer;
 use shared::stream::preprocess::{Preprocessing, clean};
 use shared::stream::safe_state::Start;
 use shared::stream::smoother::SettingsError;
-use shared::uart_line::line::Line;
-use shared::units::{CleanSample, Millis, PATCH, Patch, SAMPLE_PERIOD_MS, Sample, WINDOW_PATCHES};
+use shared::units::{CleanSample, PATCH, Patch, Sample, WINDOW_PATCHES};
 
-/// Samples of a notification of the armband.
-const TOGETHER: usize = 2;
+pub use self::stream::Stream;
 
 /// Input of a model from the samples of a stream, from its beginning: preprocessed as in training, and as a board does
 /// it.
@@ -77,31 +75,6 @@ pub fn pipeline<'s, E: Encode>(
     pipeline.preprocess(model.header.preprocessing);
     pipeline.set_template(model.header.template);
     Ok(pipeline)
-}
-
-/// Passes a recording through a pipeline as an armband sends it, two samples every 10 ms. `wait` is called with the
-/// time before each two. `output` is called with each line that a board writes, a report or a change of the alignment,
-/// until it breaks off.
-pub fn feed<E: Encode, B>(
-    pipeline: &mut Pipeline<'_, E>,
-    samples: &[Sample],
-    mut wait: impl FnMut(Millis),
-    mut output: impl FnMut(Line<'_>) -> ControlFlow<B>,
-) -> ControlFlow<B> {
-    let mut now = Millis(0);
-    for pair in samples.chunks(TOGETHER) {
-        wait(now);
-        for &sample in pair {
-            for report in pipeline.sample(now, sample) {
-                output(Line::Report(report))?;
-            }
-            if let Some(report) = pipeline.take_alignment_report() {
-                output(Line::Alignment(report))?;
-            }
-        }
-        now = now.plus(TOGETHER as u32 * SAMPLE_PERIOD_MS);
-    }
-    ControlFlow::Continue(())
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ mod evaluated_recording;
 mod floor;
 mod group;
 pub mod inference;
+pub mod label_score;
 mod measure;
 pub mod metric;
 pub mod model_evaluation;

@@ -6,7 +6,6 @@ use shared::stream::alignment::Arm;
 use shared::uart_line::flag;
 
 use execution::progress;
-use recordings::finding::grouped;
 pub use recordings::printable;
 use recordings::{Library, LoadError, LoadOptions, load};
 
@@ -35,15 +34,8 @@ pub(crate) fn every_recording(path: &Path, strict: bool) -> anyhow::Result<Libra
 /// # Errors
 /// When no recording is left.
 pub(in crate::cli) fn log_found(library: &Library, path: &Path) -> anyhow::Result<()> {
-    some_recording(library, path)?;
-    if let Some(first) = library.skipped.first() {
-        progress::log(&format!(
-            "files left out: {} (`myointent data inspect` lists them); the first: {}",
-            library.skipped.len(),
-            first.line()
-        ));
-    }
-    log_findings(library);
+    library.not_empty(path)?;
+    log_doubts(library);
     progress::log(&format!(
         "{} recordings in {}",
         library.recordings.len(),
@@ -55,24 +47,12 @@ pub(in crate::cli) fn log_found(library: &Library, path: &Path) -> anyhow::Resul
     Ok(())
 }
 
-/// Logs the doubts about the recordings, equal findings in one line.
-pub(in crate::cli) fn log_findings(library: &Library) {
-    for group in grouped(library.findings()) {
-        progress::log(&printable(&group.to_string()));
-    }
-}
-
-/// Refuses a library without a recording.
-pub(in crate::cli) fn some_recording(library: &Library, path: &Path) -> anyhow::Result<()> {
-    if let (true, Some(first)) = (library.recordings.is_empty(), library.skipped.first()) {
-        anyhow::bail!(
-            "no recording is left in {}: {} files are left out; the first: {}",
-            path.display(),
-            library.skipped.len(),
-            first.line()
-        );
-    }
-    Ok(())
+/// Logs what was left out and the doubts about the recordings.
+pub(in crate::cli) fn log_doubts(library: &Library) {
+    library
+        .doubts()
+        .iter()
+        .for_each(|doubt| progress::log(doubt));
 }
 
 /// Message for a failed load, with the option that leaves damaged files out.

@@ -7,7 +7,7 @@ use anyhow::Context;
 use clap::{Args, Subcommand};
 use shared::intent::Vocabulary;
 
-use super::arguments::{refused, some_recording};
+use super::arguments::refused;
 use super::contents::{Recordings, tables};
 use super::fetch;
 use evaluation::report::Table;
@@ -198,7 +198,7 @@ fn inspect(args: &InspectArguments) -> anyhow::Result<()> {
         tables(&recordings)
     };
     std::io::stdout().write_all(report.as_bytes())?;
-    some_recording(&library, &args.path)
+    Ok(library.not_empty(&args.path)?)
 }
 
 fn write_description(args: &DescribeArguments) -> anyhow::Result<()> {

@@ -13,9 +13,9 @@ use shared::stream::alignment::Arm;
 use shared::uart_line::{Kind, Report};
 use shared::units::{CHANNELS, Millis, Sample, WINDOW};
 
-use crate::cli::arguments::{log_findings, mirrored};
+use crate::cli::arguments::{log_doubts, mirrored};
 use crate::cli::read_model;
-use evaluation::inference::{feed, pipeline};
+use evaluation::inference::Stream;
 use recordings::{LoadOptions, Recording, load};
 
 /// Arguments of `replay`.
@@ -147,25 +147,16 @@ fn replay(
 ) -> anyhow::Result<()> {
     let encoder = HostEncoder::new(model)?;
     let mut state = encoder.fresh();
-    let mut pipeline = pipeline(model, encoder, &mut state)?;
-    output(&pipeline.state_report().to_string())?;
-    if let Some(arm) = align {
-        pipeline.begin_alignment(arm);
-    }
-    if let Some(report) = pipeline.take_alignment_report() {
-        output(&report.to_string())?;
-    }
+    let mut stream = Stream::new(model, encoder, &mut state, align)?;
     let wait = |now: Millis| {
         if let Some(start) = start {
             let due = start + Duration::from_millis(now.0.into());
             std::thread::sleep(due.saturating_duration_since(Instant::now()));
         }
     };
-    let written = feed(&mut pipeline, samples, wait, |line| {
-        match output(&line.to_string()) {
-            Ok(()) => ControlFlow::Continue(()),
-            Err(error) => ControlFlow::Break(error),
-        }
+    let written = stream.push(samples, wait, |line| match output(&line.to_string()) {
+        Ok(()) => ControlFlow::Continue(()),
+        Err(error) => ControlFlow::Break(error),
     });
     match written {
         ControlFlow::Continue(()) => Ok(()),
@@ -184,7 +175,7 @@ pub fn one_recording(path: &std::path::Path, name: Option<&str>) -> anyhow::Resu
             .recordings
             .retain(|recording| recording.full_name() == name);
     }
-    log_findings(&library);
+    log_doubts(&library);
     match library.recordings.len() {
         0 if name.is_none() && !library.skipped.is_empty() => {
             Err(library.skipped.swap_remove(0).into())

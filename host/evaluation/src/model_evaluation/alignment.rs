@@ -15,7 +15,7 @@ use shared::units::{CHANNELS, Sample};
 
 use super::named_model::NamedModel;
 use crate::EvaluationError;
-use crate::inference::{feed, integer_logits, pipeline};
+use crate::inference::{Stream, integer_logits};
 use crate::{Candidate, EvaluatedRecording};
 use recordings::alignment::{Openings, openings};
 
@@ -166,22 +166,15 @@ fn answer(
 ) -> Result<(Option<AlignmentReport>, usize), EvaluationError> {
     let encoder = HostEncoder::new(model)?;
     let mut state = encoder.fresh();
-    let mut pipeline = pipeline(model, encoder, &mut state)?;
-    let end = |report: AlignmentReport| report.state != AlignmentState::Waiting;
-    pipeline.begin_alignment(arm);
-    if let Some(unavailable) = pipeline
-        .take_alignment_report()
-        .filter(|&report| end(report))
-    {
-        return Ok((Some(unavailable), 0));
-    }
+    let mut board = Stream::new(model, encoder, &mut state, Some(arm))?;
     let stream = openings.stream();
-    let ended = feed(
-        &mut pipeline,
+    let ended = board.push(
         &stream,
         |_| (),
         |line| match line {
-            Line::Alignment(report) if end(report) => ControlFlow::Break(report),
+            Line::Alignment(report) if report.state != AlignmentState::Waiting => {
+                ControlFlow::Break(report)
+            }
             _ => ControlFlow::Continue(()),
         },
     );

@@ -1,5 +1,6 @@
 //! All recordings below a path.
 
+mod doubts;
 pub mod inspection;
 mod people;
 pub(crate) mod session;
@@ -17,8 +18,7 @@ use super::examiner::examine;
 use super::labels::timing;
 use super::readers::error::excerpt::excerpt;
 use super::readers::error::{Damage, LoadError};
-use super::readers::open::SkipReason;
-use super::readers::open::{Found, Request, open};
+use super::readers::open::{Found, Request, SkipReason, open};
 use super::readers::path::left_arm;
 use super::recording::{DataSet, Recording};
 use crate::examiner::finding::Finding;

@@ -23,6 +23,7 @@ use evaluation::inference::{input, integer_logits};
 use evaluation::{SmoothedLabels, smooth};
 use execution::run_folder::write_whole;
 use recordings::npy::{self, Values};
+use recordings::raw_samples::raw_samples;
 #[cfg(feature = "train")]
 use training::backend::BackendArguments;
 
@@ -184,23 +185,7 @@ fn window(path: &Path) -> anyhow::Result<Vec<Sample>> {
             array.describe()
         );
     };
-    if let Some(at) = values
-        .iter()
-        .position(|value| value.fract() != 0.0 || !(-128.0..=127.0).contains(value))
-    {
-        bail!(
-            "{}: value {} of row {}: expected a raw sample, -128 to 127",
-            path.display(),
-            values[at],
-            at / CHANNELS
-        );
-    }
-    let (rows, _) = values.as_chunks::<CHANNELS>();
-    #[expect(clippy::cast_possible_truncation, reason = "just checked")]
-    Ok(rows
-        .iter()
-        .map(|row| row.map(|value| value as i8))
-        .collect())
+    raw_samples(values).with_context(|| path.display().to_string())
 }
 
 #[cfg(test)]

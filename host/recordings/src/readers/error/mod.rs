@@ -102,6 +102,16 @@ pub enum LoadError {
         /// Description of the files that there are instead.
         found: String,
     },
+    /// Every file is damaged.
+    #[error("no recording is left in {}: {skipped} files are left out; the first: {first}", path.display())]
+    NoneLeft {
+        /// File or folder that was searched.
+        path: PathBuf,
+        /// Number of files left out.
+        skipped: usize,
+        /// Line of the first one.
+        first: String,
+    },
     /// A description that cannot be used.
     #[error(transparent)]
     Description(#[from] DescriptionError),
@@ -131,12 +141,17 @@ impl LoadError {
 
     /// The error with its causes, in one line.
     pub fn line(&self) -> String {
-        let mut line = self.to_string();
-        let mut cause = std::error::Error::source(self);
-        while let Some(error) = cause {
-            line += &format!(": {error}");
-            cause = error.source();
-        }
-        printable(&line)
+        in_one_line(self)
     }
+}
+
+/// An error with its causes, in one line that a terminal can show.
+pub fn in_one_line(error: &dyn std::error::Error) -> String {
+    let mut line = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        line += &format!(": {error}");
+        cause = error.source();
+    }
+    printable(&line)
 }

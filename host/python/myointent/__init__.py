@@ -1,0 +1,32 @@
+"""Intent from forearm EMG: model files, the device's pipeline, metrics and recordings as numpy arrays.
+
+Armband: 8 channels, 200 Hz, whole numbers from -128 to 127. Labels are class numbers: 0 relax, 1 open, 2 close,
+3 wave-in, 4 wave-out, 5 pinch (`INTENTS`); -1 none or unknown; -2 other movement.
+"""
+
+from ._myointent import (
+    INTENTS,
+    Error,
+    Event,
+    Model,
+    Recording,
+    Report,
+    Stream,
+    __version__,
+    evaluate,
+    read,
+    score,
+)
+
+__all__ = [
+    "INTENTS",
+    "Error",
+    "Event",
+    "Model",
+    "Recording",
+    "Report",
+    "Stream",
+    "evaluate",
+    "read",
+    "score",
+]

@@ -1,0 +1,74 @@
+//! Samples and labels from and to numpy arrays.
+
+use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArrayDyn};
+use numpy::{PyUntypedArrayMethods as _, get_array_module};
+use pyo3::prelude::*;
+use recordings::labels::motion::Motion;
+use recordings::raw_samples::raw_samples;
+use recordings::readers::label_file::{from_number, from_text};
+use shared::intent::Intent;
+use shared::units::{CHANNELS, Sample};
+
+use crate::failure::{Error, shape, told};
+
+/// Array of whole numbers in order, made of anything that numpy takes.
+fn numbers<'py>(values: &Bound<'py, PyAny>) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
+    let numpy = get_array_module(values.py())?;
+    let array = numpy.call_method1("ascontiguousarray", (values, "float64"))?;
+    array.extract()
+}
+
+/// Passes samples to `take`: without a copy from an int8 array whose rows follow each other in memory.
+///
+/// # Errors
+/// When the array is not n x 8 or holds another number than -128 to 127.
+pub fn with_samples<R>(
+    emg: &Bound<'_, PyAny>,
+    take: impl FnOnce(&[Sample]) -> PyResult<R>,
+) -> PyResult<R> {
+    if let Ok(array) = emg.extract::<PyReadonlyArray2<'_, i8>>()
+        && array.shape()[1] == CHANNELS
+        && let Ok(values) = array.as_slice()
+    {
+        return take(values.as_chunks().0);
+    }
+    let array = numbers(emg)?;
+    if array.ndim() != 2 || array.shape()[1] != CHANNELS {
+        return Err(shape("an array of n x 8 raw samples", array.shape()));
+    }
+    take(&raw_samples(array.as_slice()?).map_err(told)?)
+}
+
+/// Motion of each sample from class numbers or names.
+///
+/// # Errors
+/// When the array has several axes, or at the first label that is none.
+pub fn motions(labels: &Bound<'_, PyAny>) -> PyResult<Vec<Motion>> {
+    let at = |row: usize| move |fault| Error::new_err(format!("label {row}: {fault}"));
+    if let Ok(array) = labels.extract::<PyReadonlyArray1<'_, i8>>() {
+        let numbers = array.as_array();
+        let rows = numbers.iter().enumerate();
+        return rows
+            .map(|(row, &number)| from_number(number.into()).map_err(at(row)))
+            .collect();
+    }
+    if let Ok(names) = labels.extract::<Vec<String>>() {
+        let rows = names.iter().enumerate();
+        return rows
+            .map(|(row, name)| from_text(name).map_err(at(row)))
+            .collect();
+    }
+    let array = numbers(labels)?;
+    if array.ndim() != 1 {
+        return Err(shape("an array of one label a sample", array.shape()));
+    }
+    let rows = array.as_slice()?.iter().enumerate();
+    rows.map(|(row, &number)| from_number(number).map_err(at(row)))
+        .collect()
+}
+
+/// Class numbers of labels, -1 where there is none.
+pub fn classes<'py>(py: Python<'py>, labels: &[Option<Intent>]) -> Bound<'py, PyArray1<i8>> {
+    let number = |label: &Option<Intent>| label.map_or(Motion::Unknown, Motion::Intent).number();
+    PyArray1::from_vec(py, labels.iter().map(number).collect())
+}

@@ -1,0 +1,68 @@
+//! Evaluation of a model file on any recordings.
+
+use std::path::PathBuf;
+
+use evaluation::model_evaluation::{Selection, evaluate_models};
+use evaluation::report::{labels, model_report};
+use pyo3::prelude::*;
+
+use crate::failure::told;
+use crate::model::Model;
+use crate::recording::{library, parse_label_lag};
+use crate::report::Report;
+
+/// Evaluates a model on the recordings at or below a path, as `myointent evaluate --data` does; floors beside it.
+///
+/// Args:
+///     model: The model.
+///     path: Folder, file or description, as `read` takes it.
+///     people: People (`data-set/person`) and whole data sets; everybody if empty.
+///     seen: Also people whom the model was trained on or validated with.
+///     test_people: Also test people, who are for releases.
+///     strict: Refuse damaged files instead of leaving them out.
+///     label_lag: How labels, which are cues, are moved to where the muscle acts: "each-cue", "estimated" or "none".
+///     report: Page (HTML) to write; an earlier file is replaced.
+#[pyfunction]
+#[pyo3(signature = (model, path, *, people = Vec::new(), seen = false, test_people = false, strict = false, label_lag = "each-cue", report = None))]
+#[expect(clippy::too_many_arguments, reason = "keywords in Python")]
+pub fn evaluate(
+    py: Python<'_>,
+    model: &Model,
+    path: PathBuf,
+    people: Vec<String>,
+    seen: bool,
+    test_people: bool,
+    strict: bool,
+    label_lag: &str,
+    report: Option<PathBuf>,
+) -> PyResult<Report> {
+    let selection = Selection {
+        subjects: people,
+        seen,
+        test: test_people,
+        label_lag: parse_label_lag(label_lag)?,
+        ..Selection::default()
+    };
+    let library = library(py, &path, strict)?;
+    let models = [(*model.named).clone()];
+    let evaluation = py
+        .detach(|| {
+            let evaluation = evaluate_models(&models, &library, &selection)?;
+            if let Some(page) = report {
+                model_report::write(&evaluation, &models, &path.display().to_string(), &page)?;
+            }
+            Ok(evaluation)
+        })
+        .map_err(|error: evaluation::EvaluationError| told(error))?;
+    let results = &evaluation.results;
+    let tables = model_report::tables(results, false);
+    let tables: String = tables
+        .iter()
+        .map(|table| table.text(false) + "\n")
+        .collect();
+    let labels = labels(&results.lags, &results.gestures).into_iter();
+    let labels: String = labels
+        .map(|(what, how)| format!("{what}: {how}\n"))
+        .collect();
+    Report::new(py, results, tables + &labels)
+}

@@ -1,0 +1,84 @@
+//! Events of a stream: the lines that a board writes.
+
+use pyo3::prelude::*;
+use shared::uart_line::line::Line;
+use shared::uart_line::{Kind, Report};
+
+/// A line that a board would write (docs/uart.md): a label, a change of state or progress of an alignment.
+#[pyclass(frozen, module = "myointent")]
+pub struct Event(pub Line<'static>);
+
+impl Event {
+    const fn report(&self) -> Option<&Report> {
+        match &self.0 {
+            Line::Report(report) => Some(report),
+            _ => None,
+        }
+    }
+}
+
+#[pymethods]
+impl Event {
+    /// The line, byte for byte, CR LF included.
+    #[getter]
+    fn line(&self) -> String {
+        self.0.to_string()
+    }
+
+    /// `"label"`, `"state"` or `"alignment"`.
+    #[getter]
+    fn kind(&self) -> &'static str {
+        match self.report().map(|report| report.kind) {
+            Some(Kind::Label) => "label",
+            Some(Kind::State) => "state",
+            None => "alignment",
+        }
+    }
+
+    /// Label at the pins, relax while the output is not valid; None for an alignment.
+    #[getter]
+    fn label(&self) -> Option<&'static str> {
+        Some(self.report()?.status.label().name())
+    }
+
+    /// Whether the label is valid; None for an alignment.
+    #[getter]
+    fn valid(&self) -> Option<bool> {
+        Some(self.report()?.status.valid())
+    }
+
+    /// Cause of the safe state; None while the label is valid, and for an alignment.
+    #[getter]
+    fn cause(&self) -> Option<&'static str> {
+        Some(self.report()?.status.cause()?.name())
+    }
+
+    /// State of the alignment, such as `"aligned"`; None for a label or a change of state.
+    #[getter]
+    fn alignment(&self) -> Option<&'static str> {
+        match &self.0 {
+            Line::Alignment(report) => Some(report.state.name()),
+            _ => None,
+        }
+    }
+
+    /// Index of the sample that the label is for; None for an alignment.
+    #[getter]
+    fn instant(&self) -> Option<u32> {
+        Some(self.report()?.instant.0)
+    }
+
+    /// Index of the newest sample when the line was written; samples are 5 ms apart.
+    #[getter]
+    fn emitted(&self) -> Option<u32> {
+        match &self.0 {
+            Line::Report(report) => Some(report.emitted.0),
+            Line::Alignment(report) => Some(report.emitted.0),
+            _ => None,
+        }
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<Event {}>", self.0.to_string().trim_end())
+    }
+}

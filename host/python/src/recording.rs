@@ -1,0 +1,120 @@
+//! Recordings as numpy arrays.
+
+use std::ffi::CString;
+use std::path::{Path, PathBuf};
+
+use numpy::{PyArray1, PyArray2, PyArrayMethods as _};
+use pyo3::exceptions::PyUserWarning;
+use pyo3::prelude::*;
+use recordings::labels::lag::LabelLag;
+use recordings::labels::motion::{Motion, motions};
+use recordings::labels::set_lag::lags;
+use recordings::split::predefined;
+use recordings::{Library, LoadOptions, load};
+use serde::Deserialize as _;
+use serde::de::IntoDeserializer as _;
+use serde::de::value::Error as ValueError;
+use shared::units::CHANNELS;
+
+use crate::failure::told;
+
+/// A continuous recording of one person.
+#[pyclass(frozen, get_all, module = "myointent")]
+pub struct Recording {
+    /// The person, as `data-set/person`.
+    person: String,
+    /// Name within the person's recordings.
+    name: String,
+    /// File of the samples.
+    path: PathBuf,
+    /// Raw samples as the armband sends them: int8, shape (n, 8), 200 Hz.
+    emg: Py<PyArray2<i8>>,
+    /// Class number of each sample: int8, shape (n,); -1 where it is unknown, -2 for other movement.
+    labels: Py<PyArray1<i8>>,
+    /// Other movement: first sample, the one after the last, and its name.
+    other_movement: Vec<(usize, usize, &'static str)>,
+    /// Known limits and doubts, a sentence each.
+    notes: Vec<String>,
+}
+
+#[pymethods]
+impl Recording {
+    fn __repr__(&self, py: Python<'_>) -> String {
+        let samples = self.labels.bind(py).len().unwrap_or(0);
+        let seconds = samples as f64 / f64::from(shared::units::SAMPLE_RATE_HZ);
+        format!("<Recording {}/{}: {seconds:.1} s>", self.person, self.name)
+    }
+}
+
+impl Recording {
+    fn new(py: Python<'_>, recording: recordings::Recording) -> PyResult<Self> {
+        let motions = motions(&recording.labels, &recording.other_movement);
+        let labels = motions.into_iter().map(Motion::number).collect();
+        let rows = recording.samples.len();
+        let emg = PyArray1::from_vec(py, recording.samples.into_flattened());
+        let movements = recording.other_movement.into_iter();
+        let findings = recording.findings.iter().map(ToString::to_string);
+        Ok(Self {
+            person: recording.subject,
+            name: recording.name,
+            path: recording.path,
+            emg: emg.reshape([rows, CHANNELS])?.unbind(),
+            labels: PyArray1::from_vec(py, labels).unbind(),
+            other_movement: movements
+                .map(|own| (own.samples.start, own.samples.end, own.kind.name()))
+                .collect(),
+            notes: recording.notes.into_iter().chain(findings).collect(),
+        })
+    }
+}
+
+/// Reads every recording at or below a path: any layout that `myointent data inspect` reads, or that a `recordings.toml`
+/// describes.
+///
+/// Files that are left out and doubts about recordings are warnings.
+///
+/// Args:
+///     path: Folder, file or description.
+///     strict: Refuse damaged files instead of leaving them out.
+///     label_lag: Where labels are cues, move them to where the muscle acts: "none", "each-cue" or "estimated", as the
+///         option `--label-lag` of `myointent evaluate`.
+#[pyfunction]
+#[pyo3(signature = (path, *, strict = false, label_lag = "none"))]
+pub fn read(
+    py: Python<'_>,
+    path: PathBuf,
+    strict: bool,
+    label_lag: &str,
+) -> PyResult<Vec<Recording>> {
+    let label_lag = parse_label_lag(label_lag)?;
+    let library = library(py, &path, strict)?;
+    let labelled: Vec<_> = library.recordings.iter().collect();
+    let lags = lags(&labelled, label_lag, &predefined::is_training);
+    let recordings = library.recordings.into_iter();
+    recordings
+        .map(|recording| {
+            let compensation = lags[&recording.data_set].of_recording(&recording);
+            Recording::new(py, recording.compensated(compensation))
+        })
+        .collect()
+}
+
+/// Recordings at or below a path; warns of doubts.
+pub fn library(py: Python<'_>, path: &Path, strict: bool) -> PyResult<Library> {
+    let options = LoadOptions {
+        strict,
+        ..LoadOptions::default()
+    };
+    let library = py.detach(|| load(path, &options)).map_err(told)?;
+    library.not_empty(path).map_err(told)?;
+    for doubt in library.doubts() {
+        let words = CString::new(doubt)?;
+        PyErr::warn(py, &py.get_type::<PyUserWarning>(), &words, 1)?;
+    }
+    Ok(library)
+}
+
+/// Lag compensation by the names that presets use.
+pub fn parse_label_lag(name: &str) -> PyResult<LabelLag> {
+    LabelLag::deserialize(name.into_deserializer()).map_err(|error: ValueError| told(error))
+}
