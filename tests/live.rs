@@ -37,6 +37,8 @@ mod interrupt;
 mod json;
 #[path = "live/keys.rs"]
 mod keys;
+#[path = "live/languages.rs"]
+mod languages;
 #[path = "live/limits.rs"]
 mod limits;
 #[cfg(target_os = "linux")]
@@ -57,6 +59,8 @@ mod record_process;
 mod scripted;
 #[path = "live/server.rs"]
 mod server;
+#[path = "live/sessions.rs"]
+mod sessions;
 #[path = "live/sizes.rs"]
 mod sizes;
 #[cfg(target_os = "linux")]
@@ -64,6 +68,8 @@ mod sizes;
 mod steps;
 #[path = "live/viewer.rs"]
 mod viewer;
+#[path = "live/wearer.rs"]
+mod wearer;
 #[path = "live/words.rs"]
 mod words;
 

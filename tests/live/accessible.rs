@@ -93,19 +93,20 @@ fn without_motion_two_pictures_300_ms_apart_are_equal() {
 }
 
 #[test]
-#[ignore = "downloads axe-core with npm: the page has no finding in either scheme"]
 fn axe_finds_nothing() {
-    let Some(mut browser) = Browser::start("axe_finds_nothing") else {
-        return;
-    };
     let folder = tempfile::tempdir().unwrap();
     let npm = Command::new("npm")
         .args(["install", "--no-audit", "--no-fund", "axe-core@4.14.1"])
         .arg("--prefix")
         .arg(folder.path())
-        .status()
-        .unwrap();
-    assert!(npm.success());
+        .status();
+    if !npm.is_ok_and(|status| status.success()) {
+        myointent_tests::skip("axe_finds_nothing", "npm cannot install axe-core");
+        return;
+    }
+    let Some(mut browser) = Browser::start("axe_finds_nothing") else {
+        return;
+    };
     let axe = folder.path().join("node_modules/axe-core/axe.min.js");
     let axe = std::fs::read_to_string(axe).unwrap();
     let findings = "axe.run().then(({ violations }) => violations.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.html).join(' ')}`).join('\\n'))";
@@ -117,13 +118,23 @@ fn axe_finds_nothing() {
     ] {
         for scheme in ["light", "dark"] {
             browser.look(1440, 900, scheme, "reduce");
-            browser.open(live.url());
-            let loaded =
-                "(document.getElementById('source')?.dataset.state ?? 'waiting') !== 'waiting'";
-            browser.wait_for(loaded);
-            browser.value("new Promise((done) => setTimeout(done, 4000))");
-            browser.value(&axe);
-            assert_eq!(browser.value(findings), "", "{scheme} {}", live.url());
+            for view in ["", "#wearer", "sessions"] {
+                // Not from one part of a page to another: it would not be loaded anew.
+                browser.open("about:blank");
+                browser.open(&format!("{}{view}", live.url()));
+                let shown = format!(
+                    "document.getElementById('empty')?.hidden === false || {VALID} \
+                    || document.getElementById('state')?.textContent"
+                );
+                browser.wait_for(&format!("Boolean({shown})"));
+                browser.value(&axe);
+                assert_eq!(
+                    browser.value(findings),
+                    "",
+                    "{scheme} {view} {}",
+                    live.url()
+                );
+            }
         }
         live.stop().unwrap();
     }

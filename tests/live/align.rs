@@ -97,7 +97,19 @@ fn the_page_says_what_an_alignment_changed_and_offers_a_worse_one_back() {
     assert_eq!(browser.text("worse"), "");
     browser.screenshot(&pictures().join("align-back.png"));
 
+    // A page that is loaded again can still take it back.
+    other.say(r#"{"do":"place","turn":2,"mirrored":true}"#);
+    browser.wait_for("!document.getElementById('undo').hidden");
+    browser.open(live.url());
+    browser.wait_for("document.getElementById('undo')?.hidden === false");
+    assert_eq!(browser.text("undo").trim(), "Undo: as in training U");
+    browser.press("u");
+    other.find("alignment", |message| placed(message) == (0, false));
+    browser.wait_for("document.getElementById('undo').hidden");
+
     // A page that is opened later does not know what was before, and can still reset it.
+    browser.value("sessionStorage.clear()");
+    browser.open("about:blank");
     other.say(r#"{"do":"place","turn":2,"mirrored":true}"#);
     other.find("alignment", |message| placed(message) == (2, true));
     browser.open(live.url());

@@ -7,7 +7,7 @@ use super::record::{SHORT, pictures, record};
 use super::serve;
 
 /// Name, width and height of each window; the zoomed ones are 1440 x 900 and 1366 x 768 at 200 %.
-const WINDOWS: [(&str, u32, u32); 7] = [
+pub const WINDOWS: [(&str, u32, u32); 7] = [
     ("1366", 1366, 768),
     ("1440", 1440, 900),
     ("2560", 2560, 1440),
@@ -37,7 +37,7 @@ const FITS: &str = "document.documentElement.scrollWidth <= innerWidth";
 
 /// Distances of the header's content and the cards' from the edges of the window, left and right.
 const EDGES: &str = "(() => { const edge = (first, last) => [first.getBoundingClientRect().left, innerWidth - last.getBoundingClientRect().right].map(Math.round).join(); \
-    const head = edge(document.querySelector('h1'), document.querySelector('.tools')); \
+    const head = edge(document.querySelector('h1'), document.querySelector('header > .page')); \
     const cards = document.querySelectorAll('main > *'); \
     const shown = [...cards].filter((card) => card.checkVisibility()); \
     const left = Math.min(...shown.map((card) => card.getBoundingClientRect().left)); \

@@ -1,0 +1,88 @@
+//! Record of a person's sessions: what was recorded is listed with numbers, on the screen and on paper.
+
+use myointent::live::{Live, Source};
+use serde_json::{Value, json};
+
+use super::browser::{self, Browser};
+use super::record::{SHORT, pictures, reach, record, wish};
+use super::serve;
+use super::viewer::{Viewer, get};
+
+/// What the program has of the person's sessions.
+fn sessions(live: &Live) -> Value {
+    let (status, answer) = get(live.url(), "sessions.json");
+    let (_, json) = answer.split_once("\r\n\r\n").unwrap();
+    assert_eq!(status, 200, "{answer}");
+    serde_json::from_str(json).unwrap()
+}
+
+#[test]
+fn the_sessions_of_a_person_are_listed_with_their_numbers_and_print_on_one_page() {
+    let name = "the_sessions_of_a_person_are_listed_with_their_numbers_and_print_on_one_page";
+    let folder = tempfile::tempdir().unwrap();
+    let live = record(folder.path(), Source::Demo, SHORT, 16);
+    let none = json!({ "person": "anna", "sessions": [] });
+    assert_eq!(sessions(&live), none);
+    let mut leader = Viewer::connect(live.url());
+    leader.find("report", |report| report["valid"] == true);
+    wish(&mut leader, "begin");
+    reach(&mut leader, |message| message["phase"] == "over");
+    leader.find("kept", |_| true);
+    let found = sessions(&live);
+    let [session] = &found["sessions"].as_array().unwrap()[..] else {
+        panic!("{found}");
+    };
+    assert_eq!(session["protocol"], "short");
+    assert_eq!(session["is_synthetic"], true);
+    assert!(session["seconds"].as_f64().unwrap() > 30.0, "{session}");
+    // Two rounds of six gestures, made for the model.
+    assert!(session["gestures"].as_u64().unwrap() >= 10, "{session}");
+    assert!(session["recognised"].as_f64().unwrap() > 0.7, "{session}");
+    let reaction = session["reaction"].as_f64().unwrap();
+    assert!((50.0..1000.0).contains(&reaction), "{session}");
+    assert!(session["flicker"].is_f64() && session["false_activations"].is_f64());
+
+    if let Some(mut browser) = Browser::start(name) {
+        browser.look(1366, 768, "dark", "no-preference");
+        browser.open(live.url());
+        browser.wait_for("document.getElementById('history')?.checkVisibility()");
+        let record = browser.value("document.getElementById('history').href");
+        browser.open(record.as_str().unwrap());
+        browser.wait_for("document.querySelectorAll('#sessions tbody tr').length === 1");
+        let row = "[...document.querySelectorAll('#sessions tbody td')].map((cell) => cell.textContent).join('|')";
+        let row = browser.value(row);
+        let row = row.as_str().unwrap();
+        assert!(
+            row.contains("short, simulated|") && row.contains(" %|"),
+            "{row}"
+        );
+        for (name, width, height) in [("wide", 1366, 768), ("phone", 390, 844)] {
+            browser.look(width, height, "light", "no-preference");
+            let fits = "document.documentElement.scrollWidth <= innerWidth";
+            assert_eq!(browser.value(fits), true, "{name}");
+            browser.screenshot(&pictures().join(format!("sessions-{name}.png")));
+        }
+        // Printed, it is one page without buttons, dark on white.
+        browser.look(1366, 768, "dark", "no-preference");
+        let paper = browser.command("Page.printToPDF", json!({ "preferCSSPageSize": true }));
+        let pages = browser::base64(paper["data"].as_str().unwrap());
+        let pages = String::from_utf8_lossy(&pages)
+            .matches("/Type /Page\n")
+            .count();
+        assert_eq!(pages, 1);
+        browser.command("Emulation.setEmulatedMedia", json!({ "media": "print" }));
+        let buttons = "[...document.querySelectorAll('button, a')].filter((one) => one.checkVisibility()).length";
+        assert_eq!(browser.value(buttons), 0);
+        assert_eq!(
+            browser.value("getComputedStyle(document.querySelector('td')).color"),
+            "rgb(0, 0, 0)"
+        );
+        assert_eq!(browser.complaints, [""; 0]);
+    }
+    live.stop().unwrap();
+
+    // `live` records nobody.
+    let live = serve(Source::Demo);
+    assert_eq!(get(live.url(), "sessions.json").0, 404);
+    live.stop().unwrap();
+}

@@ -1,0 +1,64 @@
+//! View for the person who wears the armband: one word, the hand as labelled, what to do now, all on one screen.
+
+use super::demo_page;
+use super::record::pictures;
+use super::sizes::WINDOWS;
+
+/// The parts of the view that are not in view as a whole, or cover each other.
+const HIDDEN: &str = "(() => { const ids = ['worn-do', 'worn-hand', 'worn-word', 'worn-sign', 'worn-back']; \
+    const boxes = ids.map((id) => [id, document.getElementById(id).getBoundingClientRect()]); \
+    const outside = boxes.filter(([, box]) => !(box.height > 0 && box.top >= 0 && box.bottom <= innerHeight && box.left >= 0 && box.right <= innerWidth)); \
+    const covered = boxes.filter(([, one], at) => boxes.slice(at + 1).some(([, other]) => \
+        one.left < other.right - 1 && other.left < one.right - 1 && one.top < other.bottom - 1 && other.top < one.bottom - 1)); \
+    return [...outside, ...covered].map(([id]) => id).join(); })()";
+
+const SCROLLS: &str = "document.documentElement.scrollHeight > innerHeight || document.documentElement.scrollWidth > innerWidth";
+
+#[test]
+fn the_wearer_sees_word_hand_and_task_on_one_screen_of_any_size() {
+    let name = "the_wearer_sees_word_hand_and_task_on_one_screen_of_any_size";
+    let Some((mut browser, live)) = demo_page(name) else {
+        return;
+    };
+    browser.wait_for("document.getElementById('valid')?.dataset.valid === 'yes'");
+    browser.press("w");
+    browser.wait_for("document.body.dataset.view === 'wearer'");
+    for (name, width, height) in WINDOWS {
+        for scheme in ["light", "dark"] {
+            browser.look(width, height, scheme, "reduce");
+            browser.wait_for("document.getElementById('worn-sign').dataset.state === 'right'");
+            browser.frames(3);
+            assert_eq!(browser.value(HIDDEN), "", "{name}");
+            assert_eq!(browser.value(SCROLLS), false, "{name}");
+            browser.screenshot(&pictures().join(format!("wearer-{name}-{scheme}.png")));
+        }
+    }
+    // Word and hand are of the label, the task is the cue in words; a sign besides the colour says whether they agree.
+    for class in ["open", "close", "relax"] {
+        browser.wait_for(&format!(
+            "document.getElementById('worn-word').textContent === '{class}' && \
+             document.getElementById('worn-hand').dataset.gesture === '{class}'"
+        ));
+    }
+    browser.wait_for(
+        "document.getElementById('worn-do').textContent === 'Make a fist' && \
+                      document.getElementById('worn-sign').textContent.startsWith('✓')",
+    );
+    // A reader hears task and label politely, and nothing moves.
+    for id in ["worn-do", "spoken"] {
+        let heard = format!(
+            "document.getElementById('{id}').checkVisibility() && document.getElementById('{id}').getAttribute('role')"
+        );
+        assert_eq!(browser.value(&heard), "status");
+    }
+    assert_eq!(browser.value("document.getAnimations().length"), 0);
+    // By its address too, and back again.
+    browser.press("w");
+    browser.wait_for("document.body.dataset.view === 'all' && document.getElementById('traces').checkVisibility()");
+    browser.open("about:blank");
+    browser.open(&format!("{}#wearer", live.url()));
+    browser.wait_for("document.getElementById('worn')?.checkVisibility()");
+    live.stop().unwrap();
+    browser.wait_for("document.getElementById('worn').dataset.label === 'none'");
+    assert_eq!(browser.complaints, [""; 0]);
+}
