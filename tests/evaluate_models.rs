@@ -4,11 +4,11 @@
 #[expect(dead_code, reason = "nothing is trained here")]
 mod small;
 
-#[path = "evaluate_models/described.rs"]
-mod described;
 #[path = "live/browser.rs"]
 #[expect(dead_code, reason = "a page without keys")]
 mod browser;
+#[path = "evaluate_models/described.rs"]
+mod described;
 #[path = "evaluate_models/labels.rs"]
 mod labels;
 #[path = "evaluate_models/placement.rs"]
@@ -135,7 +135,8 @@ fn several_models_and_the_floors_stand_side_by_side_and_the_page_begins_with_the
     );
 
     // On a phone no table is cut, and of a wide picture it is said that it goes on.
-    let name = "several_models_and_the_floors_stand_side_by_side_and_the_page_begins_with_the_worst";
+    let name =
+        "several_models_and_the_floors_stand_side_by_side_and_the_page_begins_with_the_worst";
     if let Some(mut browser) = browser::Browser::start(name) {
         browser.look(390, 844, "light", "no-preference");
         browser.open(&format!("file://{}", folder.join("page.html").display()));

@@ -18,6 +18,12 @@ struct Arguments {
 enum Step {
     /// Builds the images of all boards, prints their flash, RAM and stack, and fails over a budget.
     Images(firmware::Arguments),
+    /// Flashes the board's program through a debug probe and shows its log.
+    Board {
+        /// More arguments of `cargo run`, such as features.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<String>,
+    },
     /// Writes one Intel hex of program, model and a SoftDevice: all that a chip is flashed with.
     Merge(merge::Arguments),
     /// Runs clippy on the board's program, for the targets and features of its images.
@@ -51,6 +57,7 @@ enum Step {
 fn main() -> Result<()> {
     match Arguments::parse().step {
         Step::Images(arguments) => firmware::build(&arguments),
+        Step::Board { arguments } => toolchain::run_on_board(&arguments),
         Step::Merge(arguments) => merge::run(&arguments),
         Step::Lint(arguments) => firmware::lint(&arguments),
         Step::Count(arguments) => count::print(&arguments),

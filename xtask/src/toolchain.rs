@@ -54,6 +54,29 @@ pub fn find(install: bool) -> Result<Toolchain> {
     })
 }
 
+/// Runs the firmware on a board, by cargo with these further arguments. First checks what cargo would find missing only
+/// after a minute or more of compiling.
+///
+/// # Errors
+/// When there is no compiler for the target, `probe-rs` is missing, or cargo fails.
+pub fn run_on_board(arguments: &[String]) -> Result<()> {
+    let toolchain = find(false)?;
+    // Another runner brings its own program.
+    let another = std::env::var_os("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUNNER");
+    let probe = Command::new("probe-rs").arg("--version").output();
+    ensure!(
+        another.is_some() || probe.is_ok(),
+        "no probe-rs, which flashes the board: https://probe.rs says how to install it"
+    );
+    let status = toolchain
+        .cargo("run")
+        .args(["--package", "myointent-firmware", "--profile", "firmware"])
+        .args(arguments)
+        .status()?;
+    ensure!(status.success(), "the board's program did not run");
+    Ok(())
+}
+
 impl Toolchain {
     /// A cargo command for the target with this toolchain; the package is to be added.
     pub fn cargo(&self, subcommand: &str) -> Command {

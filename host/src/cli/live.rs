@@ -5,6 +5,7 @@ use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
 use std::path::PathBuf;
 use std::time::Duration;
 
+use anyhow::bail;
 use clap::Args;
 use shared::myo::Address;
 
@@ -131,7 +132,7 @@ impl SourceArguments {
     /// Builds the source; `name` chooses among the recordings of a path.
     ///
     /// # Errors
-    /// When the recording cannot be read.
+    /// When the recording cannot be read, or the program was built without the Bluetooth that is asked for.
     pub(super) fn source(&self, name: Option<&str>) -> anyhow::Result<Source> {
         if let Some(path) = &self.replay {
             return Ok(Source::Replay(Box::new(one_recording(path, name)?)));
@@ -139,10 +140,13 @@ impl SourceArguments {
         if let Some(path) = &self.port {
             return Ok(Source::Port(path.clone()));
         }
-        let armband = self
-            .bluetooth
-            .map(|Followed(address)| Source::Bluetooth(address));
-        Ok(armband.unwrap_or(Source::Demo))
+        match self.bluetooth {
+            Some(_) if cfg!(not(feature = "bluetooth")) => bail!(
+                "this program was built without Bluetooth: build it with  cargo build --release --features bluetooth"
+            ),
+            Some(Followed(address)) => Ok(Source::Bluetooth(address)),
+            None => Ok(Source::Demo),
+        }
     }
 }
 

@@ -21,6 +21,7 @@ use crate::board::{self, Board, BoardError, ModelFile};
 use crate::cli::arguments::mirrored;
 use crate::cli::gate::reaction;
 use crate::cli::read_model;
+use crate::live::no_port;
 use execution::progress;
 
 /// Longest time to wait for an alignment or a pairing, which takes at most 30 s.
@@ -154,7 +155,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Request::Install { model } = &arguments.request {
         return run_install(&arguments.port, model);
     }
-    let mut board = Board::open(&arguments.port)?;
+    let mut board = Board::open(&arguments.port).map_err(advised)?;
     let said = match &arguments.request {
         Request::Identify => board.ask(Command::Identify, |answer| match answer {
             Answer::Identity(identity) => Some(Identified(identity).to_string()),
@@ -174,6 +175,14 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// A port that cannot be opened, with what helps; any other error as it is.
+fn advised(error: BoardError) -> anyhow::Error {
+    match error {
+        BoardError::Open { path, source } => anyhow::Error::msg(no_port(&source, &path)),
+        error => error.into(),
+    }
+}
+
 fn run_install(port: &Path, path: &Path) -> anyhow::Result<()> {
     let bytes = read_model(path)?;
     let file = ModelFile::new(&bytes).with_context(|| path.display().to_string())?;
@@ -185,7 +194,9 @@ fn run_install(port: &Path, path: &Path) -> anyhow::Result<()> {
         |blocks| bar.set_position(blocks.into()),
     );
     bar.finish_and_clear();
-    installed.context("not installed: the same command goes on where this one ended")?;
+    installed
+        .map_err(advised)
+        .context("not installed: the same command goes on where this one ended")?;
     let checksum = file.checksum();
     writeln!(
         std::io::stdout(),
@@ -309,7 +320,8 @@ mod tests {
                 error.contains("there is no port /dev/no-such-board"),
                 "{error}"
             );
-            assert!(error.contains("erial port"), "{error}");
+            let named = ["Ports that exist", "No serial port"].map(|text| error.contains(text));
+            assert_ne!(named, [false; 2], "{error}");
             assert!(!error.contains("os error"), "{error}");
         }
     }

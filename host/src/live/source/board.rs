@@ -107,8 +107,7 @@ impl BoardSource {
                 ConnectionEnd::Installs(model) => return Some(model),
                 ConnectionEnd::Lost(error) => error,
             };
-            let ports = SerialPort::available_ports().unwrap_or_default();
-            let Advice { why, steps } = Advice::of(&error, &self.path, &ports);
+            let Advice { why, steps } = Advice::of(&error, &self.path, &existing());
             let told = (format!("{why}; looking for it again"), steps);
             // What has not changed is told once.
             if told != missing {
@@ -129,6 +128,17 @@ impl BoardSource {
             steps,
         });
     }
+}
+
+/// Serial ports of this computer.
+fn existing() -> Vec<PathBuf> {
+    SerialPort::available_ports().unwrap_or_default()
+}
+
+/// Reason why a port cannot be opened and what helps, as lines of text.
+pub(crate) fn no_port(error: &std::io::Error, path: &Path) -> String {
+    let Advice { why, steps } = Advice::of(error, path, &existing());
+    format!("{why}\n{}", steps.join("\n"))
 }
 
 /// Reason why a connection ended.

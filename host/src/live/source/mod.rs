@@ -20,6 +20,7 @@ use shared::myo::Address;
 use shared::stream::alignment::Alignment;
 
 use self::board::BoardSource;
+pub(crate) use self::board::no_port;
 use self::person::{Cues, Person};
 use self::playback::{Playback, SampleSource};
 pub(crate) use self::shared_cue::SharedCue;
@@ -159,7 +160,5 @@ fn follow(
 /// Fails: the program was built without Bluetooth.
 #[cfg(not(feature = "bluetooth"))]
 fn follow(_: Option<Address>, _: Option<Vec<u8>>, _: &Context) -> anyhow::Result<()> {
-    anyhow::bail!(
-        "this program was built without Bluetooth: cargo run --release --features bluetooth -- live --bluetooth any"
-    )
+    anyhow::bail!("this program was built without Bluetooth")
 }

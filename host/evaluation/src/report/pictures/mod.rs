@@ -58,7 +58,7 @@ const fn intent_colour(intent: Intent) -> &'static str {
 /// Picture of `width` x `height` pixels; `title` and `description` are for screen readers.
 fn picture((width, height): Point, title: &str, description: &str, body: &Markup) -> Markup {
     html! {
-        svg role="img" viewBox={ "0 0 " (width) " " (height) } style={ "max-width:" (width) "px" } {
+        svg role="img" class=[(width > 600.0).then_some("broad")] viewBox={ "0 0 " (width) " " (height) } style={ "max-width:" (width) "px" } {
             title { (title) } desc { (description) } (body)
         }
     }
