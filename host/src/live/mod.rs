@@ -40,7 +40,9 @@ use self::server::access::Access;
 use self::server::rights::Mode;
 use self::server::{Requests, Server};
 pub use self::source::Source;
+pub(crate) use self::source::no_port;
 use self::source::{Context, SharedCue, SourceRequest, Stop};
+use crate::record::HistoryOf;
 
 /// Shipped three-class model.
 const SHIPPED: &[u8] = include_bytes!("../../../models/three-class.intent");
@@ -135,6 +137,11 @@ pub fn start(options: Options) -> anyhow::Result<Live> {
     let requests = mpsc::sync_channel(REQUESTS);
     let mode = Mode::of(&options.source, options.record.is_some());
     let (mut recorder_thread, mut recorder_requests, mut cue_and_speed) = (None, None, None);
+    let history = options.record.as_ref().map(|record| HistoryOf {
+        folder: record.folder.clone(),
+        person: record.person.clone(),
+        model: options.model.clone().unwrap_or_else(|| SHIPPED.to_vec()),
+    });
     if let Some(record) = options.record {
         let cue = SharedCue::default();
         cue_and_speed = Some((cue.clone(), record.speed));
@@ -166,7 +173,7 @@ pub fn start(options: Options) -> anyhow::Result<Live> {
         source: stream.requests.clone(),
         recorder: recorder_requests,
     };
-    let server = Server::start(listener, access, mode, hub, requests)?;
+    let server = Server::start(listener, access, mode, hub, requests, history)?;
     Ok(Live {
         stream,
         server,
@@ -227,7 +234,7 @@ pub(crate) fn print(
             source: stream.requests.clone(),
             recorder: None,
         };
-        Server::start(listener, access, mode, hub.clone(), requests)
+        Server::start(listener, access, mode, hub.clone(), requests, None)
     });
     let server = server.transpose()?;
     while !(over() || stream.source.is_finished() || lines.is_finished()) {

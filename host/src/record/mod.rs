@@ -11,6 +11,7 @@
 mod assembly;
 mod conversion;
 mod error;
+mod history;
 pub(crate) mod journal;
 mod person_quality;
 pub mod protocol;
@@ -20,4 +21,5 @@ pub(crate) mod session;
 pub(crate) use self::conversion::convert;
 pub use self::conversion::{Conversion, recover};
 pub use self::error::RecordError;
+pub(crate) use self::history::HistoryOf;
 pub(crate) use self::person_quality::{PersonQuality, quality_by_person};

@@ -1,20 +1,14 @@
 // What to do while there is nothing to see: a heading, and steps.
 
+import { t } from "./texts.js";
+
 const find = (id) => document.getElementById(id);
 
 /** Time without samples after which an armband is taken to be asleep, in ms. */
 const QUIET = 3000;
 
-const ASLEEP = [
-  "Put the armband on and move the hand: it sleeps when it is not worn. Its logo pulses when it is awake.",
-  "If it stays dark, charge it with its USB cable.",
-  "End every other program that may hold it: Myo Connect, a phone, another board.",
-];
-
-const UNBOUND = [
-  "Press the board's button for a second, or run  myointent board --port PATH bind begin",
-  "Wear the armband close to the board for 30 s: the one with the strongest signal is bound.",
-];
+const ASLEEP = [t("asleep.1"), t("asleep.2"), t("asleep.3")];
+const UNBOUND = [t("unbound.1"), t("unbound.2")];
 
 export class Empty {
   #known = {};
@@ -38,7 +32,7 @@ export class Empty {
 
   /** The program has ended, or does not answer. */
   gone(hasEnded) {
-    this.#gone = hasEnded ? "The program has ended" : "The program does not answer";
+    this.#gone = t(hasEnded ? "empty.ended" : "empty.gone");
   }
 
   /** Shows what is missing now; to be called every second. */
@@ -62,23 +56,24 @@ export class Empty {
   #missing() {
     const { source, board, binding } = this.#known;
     if (this.#gone) {
-      return [this.#gone, ["Start it again in its terminal, with the same options: this page finds it by itself."], false];
+      return [this.#gone, [t("empty.again")], false];
     }
     if (!source) {
       return null;
     }
-    const named = source.kind === "port" ? "The board is not connected" : "No armband streams yet";
+    const title = t(source.kind === "port" ? "empty.port" : "empty.armband", source);
     if (!source.connected) {
-      return source.steps.length ? [`${named}: ${source.detail}`, source.steps, true] : null;
+      return source.steps.length ? [title, source.steps, true] : null;
     }
     if (source.kind !== "port" || performance.now() - this.#since < QUIET) {
       return null;
     }
     if (binding?.state === "nobody") {
-      return ["The board follows no armband yet", UNBOUND, true];
+      return [t("empty.nobody"), UNBOUND, true];
     }
-    const followed = binding?.armband ? ` ${binding.armband}` : "";
-    const first = board?.armband ? `The armband ${board.armband} sends nothing` : `The board looks for its armband${followed}`;
+    const first = board?.armband
+      ? t("empty.sends", { address: board.armband })
+      : t("empty.looks", { address: binding?.armband ?? "" }).trim();
     return [first, ASLEEP, true];
   }
 }

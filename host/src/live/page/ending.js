@@ -1,5 +1,7 @@
 // Question before a session ends: the session waits meanwhile, and goes on if the answer is no.
 
+import { t } from "./texts.js";
+
 const find = (id) => document.getElementById(id);
 
 export class Ending {
@@ -29,8 +31,7 @@ export class Ending {
     if (this.#ran) {
       this.#say({ do: "session", wish: "hold" });
     }
-    const amount = free ? "What was recorded is kept." : `${done} of ${trials} gestures are recorded and are kept.`;
-    find("ending-text").textContent = amount;
+    find("ending-text").textContent = free ? t("ending.free") : t("ending.some", { done, trials });
     this.#dialog.showModal();
   }
 

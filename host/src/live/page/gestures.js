@@ -1,6 +1,8 @@
 // Line drawings of the gestures. A hand is a few round strokes: each layer is drawn as ink, and again a little thinner in the
 // colour of the ground, so that strokes of one layer melt into one outline and later layers lie in front.
 
+import { named } from "./texts.js";
+
 const OUTLINE = 2.6;
 const NAMESPACE = "http://www.w3.org/2000/svg";
 
@@ -12,7 +14,6 @@ const TURNED = [[["M60 128V92", 27], ["M60 84V72", 38], ["M49 66L46 26", 10.5], 
 /** Layers of [path, width]; lines are thin strokes on top, arrows show where the hand goes. */
 const HANDS = {
   relax: {
-    text: "Let the hand hang, do nothing",
     layers: [
       [["M68 57Q92 60 99 84", 10]],
       [["M-8 46L44 48", 27], ["M44 49L66 57", 25], ["M70 60Q88 66 91 90", 10], ["M66 64Q79 72 81 93", 10]],
@@ -21,14 +22,12 @@ const HANDS = {
     lines: [],
   },
   open: {
-    text: "Open the hand wide",
     layers: [
       [ARM, ["M60 88V76", 42], ["M47 72L33 27", 11], ["M56 68L51 15", 11.5], ["M66 68L70 17", 11.5], ["M75 73L89 32", 10.5], ["M48 88Q30 80 17 62", 12]],
     ],
     lines: ["M47 96Q57 92 57 78", "M62 79Q71 82 76 78"],
   },
   close: {
-    text: "Make a fist",
     box: "8 24 102 102",
     layers: [
       [ARM, ["M58 80H66", 40], ["M52 66H72", 26]],
@@ -41,7 +40,6 @@ const HANDS = {
     lines: [],
   },
   "wave-in": {
-    text: "Bend the wrist towards the palm",
     layers: [
       [["M-8 42H48", 27], ["M52 46L66 68", 25], ["M70 70L80 106", 10], ["M61 72L70 108", 11]],
       [["M53 55Q50 71 54 83", 10.5]],
@@ -50,7 +48,6 @@ const HANDS = {
     arrow: ["M84 30Q108 48 108 80", "M101 74L108.500 84L115 73"],
   },
   "wave-out": {
-    text: "Bend the wrist away from the palm",
     layers: [
       [["M-8 82H48", 27], ["M52 78L64 56", 25], ["M60 52L66 14", 10], ["M69 56L77 18", 11]],
       [["M58 84Q72 86 82 76", 10.5]],
@@ -59,14 +56,12 @@ const HANDS = {
     arrow: ["M92 92Q110 76 108 44", "M100.500 50L107.500 40L115 49"],
   },
   pinch: {
-    text: "Touch the thumb with the index finger",
     layers: [
       [ARM, ["M60 88V76", 42], ["M58 68L58 20", 11.5], ["M67 69L77 25", 11.5], ["M75 75L94 41", 10.5], ["M47 70Q42 38 24 50", 11], ["M48 90Q20 88 19 61", 12]],
     ],
     lines: ["M64 80Q72 83 77 79"],
   },
   point: {
-    text: "Point with the index finger",
     layers: [
       [ARM, ["M58 82H66", 38], ["M50 66L46 16", 12]],
       [["M81 66V80", 11]],
@@ -77,7 +72,6 @@ const HANDS = {
     lines: [],
   },
   "two-fingers": {
-    text: "Stretch index and middle finger",
     layers: [
       [ARM, ["M58 82H66", 38], ["M49 66L37 20", 11.5], ["M60 66L66 15", 12]],
       [["M81 66V80", 11]],
@@ -87,7 +81,6 @@ const HANDS = {
     lines: [],
   },
   "thumb-up": {
-    text: "Thumb up, the other fingers closed",
     layers: [
       [["M-8 84H40", 27], ["M48 84H58", 40]],
       [["M50 66L54 24", 13.5]],
@@ -99,19 +92,16 @@ const HANDS = {
     lines: [],
   },
   supination: {
-    text: "Turn the palm up, the hand loose",
     layers: TURNED,
     lines: [],
     arrow: ["M24 106Q60 124 94 104", "M83 101L95 103.500L89 114"],
   },
   pronation: {
-    text: "Turn the palm down, the hand loose",
     layers: TURNED,
     lines: [],
     arrow: ["M96 106Q60 124 26 104", "M37 101L25 103.500L31 114"],
   },
   other: {
-    text: "Do whatever you like with the hand",
     layers: [
       [["M-8 84H40", 27], ["M44 84L62 80", 27], ["M66 92Q80 96 88 92", 10]],
       [["M70 58H92V92H70ZM80 64V86", 18]],
@@ -157,5 +147,5 @@ export function draw(svg, name) {
 
 /** What to do, in words. */
 export function words(name) {
-  return HANDS[name]?.text ?? "";
+  return named("do", name);
 }

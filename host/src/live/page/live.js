@@ -13,9 +13,13 @@ import { Rates } from "./rates.js";
 import { Session } from "./session.js";
 import { save } from "./save.js";
 import { Steps } from "./steps.js";
+import { choose, fill, t } from "./texts.js";
 import { Traces } from "./traces.js";
+import { Wearer } from "./wearer.js";
 
 const find = (id) => document.getElementById(id);
+// Before anything is shown.
+fill();
 const clock = new Clock();
 const history = new SampleHistory();
 const now = new Now();
@@ -28,6 +32,7 @@ const placement = new Placement(armband, say);
 const empty = new Empty();
 const session = new Session(say);
 const steps = new Steps(say);
+const wearer = new Wearer();
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 
 /** Time for which a notice of something that is over stays, in ms. */
@@ -39,7 +44,7 @@ let connected = false;
 let newest = null;
 /** The last report of the stream; null without one, and then why there is none. */
 let report = null;
-let noReport = "no label yet";
+let noReport = t("no.label.yet");
 let paused = null;
 let held = null;
 let marks = 0;
@@ -58,8 +63,7 @@ const TAKE = {
   },
   pong: (message) => clock.pong(message.sent, message.now),
   source(message) {
-    const kinds = { demo: "demo", replay: "recording", port: "board on", bluetooth: "armband" };
-    const name = `${kinds[message.kind]}: ${message.name}`.replace("board on:", "board on");
+    const name = t(`source.${message.kind}`, message);
     connected = message.connected;
     panel.source(connected ? "connected" : "lost", message.detail ? `${name}: ${message.detail}` : name);
     document.body.dataset.kind = message.kind;
@@ -74,18 +78,18 @@ const TAKE = {
   },
   board(message) {
     panel.number("board", `${message.image}, ${message.version}`);
-    panel.number("address", message.armband ?? "none connected");
+    panel.number("address", message.armband ?? t("none.connected"));
     panel.number("battery", message.battery === null ? "–" : `${message.battery} %`);
   },
   counts(message) {
     const sum = message.packets_dropped + message.lines_dropped + message.emg_dropped;
     if (sum !== dropped) {
       dropped = sum;
-      panel.notice(sum ? `dropped by the board: ${sum} lines and packets` : "");
+      panel.notice(sum ? t("dropped", { n: sum }) : "");
     }
   },
   line({ damaged, missing, samples }) {
-    panel.number("line", `${samples} samples, ${missing + damaged} lines`);
+    panel.number("line", t("line.lost", { samples, lines: missing + damaged }));
   },
   samples(message) {
     const end = message.first + message.emg.length;
@@ -125,14 +129,14 @@ const TAKE = {
   tuning: (message) => session.tuning(message),
   installing: (message) => session.installing(message),
   comment: (message) => panel.number("comment", message.text),
-  refused: (message) => panel.notice(`not done: ${message.text}`, PASSING),
+  refused: (message) => panel.notice(t("refused", message), PASSING),
   skipped(message) {
     skipped += message.messages;
-    panel.number("skipped", `${skipped} messages`);
+    panel.number("skipped", t("skipped", { n: skipped }));
   },
   end() {
     ended = true;
-    lost("the program has ended");
+    lost(t("source.ended"));
   },
 };
 
@@ -146,7 +150,7 @@ function lost(text) {
 
 function noStream() {
   newest = report = null;
-  noReport = "no stream";
+  noReport = t("no.stream");
   history.placed = 0;
   placement.clear();
   aligns(false);
@@ -194,7 +198,7 @@ function connect() {
   };
   socket.onclose = () => {
     if (!ended) {
-      lost("the program does not answer; trying again");
+      lost(t("source.silent"));
     }
     // A program that is started again has the same address, unless that has a token.
     setTimeout(connect, ended ? 3000 : 1000);
@@ -224,8 +228,8 @@ const actions = {
     paused = paused === null ? edge() : null;
     held = newest;
     find("pause").setAttribute("aria-pressed", String(paused !== null));
-    find("pause").firstChild.textContent = paused === null ? "Pause" : "Resume";
-    panel.notice(paused === null ? "" : "paused: arrow keys move by half a second; the stream goes on");
+    find("pause").firstElementChild.textContent = t(paused === null ? "pause" : "resume");
+    panel.notice(paused === null ? "" : t("paused"));
   },
   mark() {
     if (history.end !== null) {
@@ -238,6 +242,7 @@ const actions = {
     panel.notice(save(history), PASSING);
   },
   align: () => say({ do: aligning ? "cancel" : "align" }),
+  language: choose,
 };
 
 for (const [id, action] of Object.entries(actions)) {
@@ -255,7 +260,7 @@ addEventListener("keydown", (event) => {
   if (session.isAsking) {
     return;
   }
-  const keys = { " ": "pause", m: "mark", s: "save", a: "align", u: "undo" };
+  const keys = { " ": "pause", m: "mark", s: "save", a: "align", u: "undo", w: "wearer" };
   const id = keys[event.key.toLowerCase()];
   if (id && !(event.key === " " && event.target instanceof HTMLButtonElement)) {
     event.preventDefault();
@@ -284,6 +289,7 @@ function frame() {
   session.frame(position());
   const [at, label] = paused === null ? [(history.end ?? 1) - 1, report] : [paused, history.labelAt(paused)];
   now.show(history, at, label, noReport);
+  wearer.show(now.label, now.judged);
   const to = paused ?? edge();
   // Without motion the picture stands until the next second.
   if (!still.matches || to !== drawn || traces.isStale) {

@@ -1,5 +1,7 @@
 // Numbers and texts around the traces. Only what has changed is written to the document.
 
+import { named, t } from "./texts.js";
+
 const find = (id) => document.getElementById(id);
 
 function write(node, text) {
@@ -19,10 +21,9 @@ export class Panel {
 
   report({ lost, bridged, resets, emitted, instant, is_label: isLabel }) {
     if (isLabel) {
-      this.number("delay", `${(emitted - instant) * 5} ms`);
+      this.number("delay", t("ms", { n: (emitted - instant) * 5 }));
     }
-    const plural = resets === 1 ? "" : "s";
-    this.number("lost", lost ? `${lost}, ${bridged} bridged, ${resets} reset${plural}` : "0");
+    this.number("lost", lost ? t("lost.all", { n: resets, lost, bridged, resets }) : "0");
   }
 
   number(id, text) {
@@ -34,11 +35,10 @@ export class Panel {
     const entries = names.map((name) => {
       const entry = document.createElement("span");
       entry.className = name;
-      entry.append(document.createElement("i"), name === "other" ? "other movement" : name);
+      entry.append(document.createElement("i"), name === "other" ? t("other.movement") : named("class", name));
       return entry;
     });
-    const none = "no scores: give the board's model with --model FILE";
-    find("legend").replaceChildren(...(entries.length ? entries : [none]));
+    find("legend").replaceChildren(...(entries.length ? entries : [t("no.scores")]));
   }
 
   /** Shows a notice until the next one, or for so many ms. */

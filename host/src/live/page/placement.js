@@ -1,17 +1,6 @@
 // How the armband sits: what an alignment changed, how to take that back, and whether labels are worse since.
 
-const OUTCOMES = {
-  waiting: (found) => `rest, open the hand wide for a second, rest; ${found} of 2 openings seen`,
-  aligned: () => "aligned",
-  "in-force": () => "in force",
-  "poor-distance": () => "not aligned: those were no openings of the hand; nothing changed",
-  "poor-margin": () => "not aligned: two placements look alike; nothing changed",
-  timeout: () => "not aligned: no two openings of the hand in 30 s; nothing changed",
-  cancelled: () => "alignment ended; nothing changed",
-  disconnected: () => "not aligned since the armband was connected",
-  unavailable: () => "this model has no template, so it cannot be aligned",
-  set: () => "set",
-};
+import { named, t } from "./texts.js";
 
 /** Labels in gestures that are compared, at least: 3 s of them. The first ones after a change may belong to before. */
 const ENOUGH = 30;
@@ -34,14 +23,23 @@ const isNone = (placed) => same(placed, NONE);
 
 /** How the armband sits, in words. */
 export function placement({ turn, mirrored }) {
-  const turned = turn ? `turned by ${turn} place${turn === 1 ? "" : "s"}` : "";
-  const parts = [turned, mirrored ? "on the other arm" : ""].filter(Boolean);
-  return parts.join(", ") || "as in training";
+  const turned = turn ? t("turned", { n: turn }) : "";
+  const parts = [turned, mirrored ? t("other.arm") : ""].filter(Boolean);
+  return parts.join(", ") || t("as.in.training");
 }
 
 /** What an alignment does, or what came of it, in words. */
 export function outcome({ state, gestures }) {
-  return (OUTCOMES[state] ?? (() => state))(gestures);
+  return state === "waiting" ? t("outcome.waiting", { n: gestures }) : named("outcome", state);
+}
+
+/** The newest change, kept by the browser until this tab is closed: a page that is loaded again can take it back. */
+const CHANGE = "change of the placement";
+
+/** The placement before the one in force; null if it is unknown. */
+function remembered(placed) {
+  const change = JSON.parse(sessionStorage.getItem(CHANGE));
+  return change && same(change.placed, placed) ? change.before : null;
 }
 
 const sentence = (text) => `${text[0].toUpperCase()}${text.slice(1)}`;
@@ -51,11 +49,11 @@ function said(message) {
   const placed = isNone(message) ? null : placement(message);
   switch (message.state) {
     case "waiting":
-      return `Aligning: ${outcome(message)}`;
+      return t("said.waiting", { outcome: outcome(message) });
     case "aligned":
-      return `Aligned: ${placed ?? "it sits as in training"}`;
+      return placed ? t("said.aligned", { placement: placed }) : t("said.as.in.training");
     case "set": case "in-force": case "disconnected":
-      return placed ? `In force: ${placed}` : "Not aligned";
+      return placed ? t("said.in.force", { placement: placed }) : t("not.aligned");
     default:
       return sentence(placed ? `${placed}; ${outcome(message)}` : outcome(message));
   }
@@ -86,7 +84,9 @@ export class Placement {
     const { turn, mirrored, state } = message;
     const placed = { turn, mirrored };
     if (!same(placed, this.#now)) {
-      this.#before = this.#asked || isOld || state === "in-force" ? null : this.#now;
+      const isKnown = this.#asked || state === "in-force";
+      this.#before = isOld ? remembered(placed) : isKnown ? null : this.#now;
+      sessionStorage.setItem(CHANGE, JSON.stringify({ placed, before: this.#before }));
       this.#asked = false;
       this.#shareBefore = this.#before && this.#share();
       this.#judged = [];
@@ -134,7 +134,7 @@ export class Placement {
     write(find("distance"), distance === null ? "" : `${distance / 100}`);
     write(find("margin"), margin === null ? "" : `${margin / 100}`);
     find("undo").hidden = before === null;
-    write(find("undo").firstElementChild, before === null ? "" : `Undo: ${placement(before)}`);
+    write(find("undo").firstElementChild, before === null ? "" : t("undo", { placement: placement(before) }));
     find("reset").hidden = isNone(this.#now) || (before !== null && isNone(before));
     this.#worse();
   }
@@ -143,6 +143,6 @@ export class Placement {
     const [before, since] = [this.#shareBefore, this.#share()];
     const isWorse = this.#before !== null && before !== null && since !== null && since < before - LESS;
     find("undo").classList.toggle("main", isWorse);
-    write(find("worse"), isWorse ? `Since then ${since} % of the gestures are labelled as asked, ${before} % before.` : "");
+    write(find("worse"), isWorse ? t("worse", { since, before }) : "");
   }
 }

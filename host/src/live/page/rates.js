@@ -1,5 +1,7 @@
 // Rate of the samples, and their way from the program to the picture.
 
+import { t } from "./texts.js";
+
 /** Time over which the rate is measured, in ms. */
 const SPAN = 2500;
 
@@ -34,6 +36,6 @@ export class Rates {
     const sorted = this.#latencies.toSorted((a, b) => a - b);
     this.#latencies = [];
     const at = (share) => sorted[Math.floor(share * (sorted.length - 1))].toFixed(0);
-    return `${at(0.5)} ms, up to ${at(1)}`;
+    return t("rate.now", { median: at(0.5), most: at(1) });
   }
 }

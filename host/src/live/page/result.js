@@ -1,5 +1,7 @@
 // Result of a session: whether it is good enough, why not, and what comes next.
 
+import { named, t } from "./texts.js";
+
 const find = (id) => document.getElementById(id);
 
 function made(name, text, className = "") {
@@ -12,16 +14,16 @@ function made(name, text, className = "") {
 /** A command with what it does, and a button that copies it; without leave to, it is selected. */
 function command(text, what) {
   const box = made("div", "", "command");
-  const [code, copy] = [made("code", text), made("button", "Copy")];
+  const [code, copy] = [made("code", text), made("button", t("copy"))];
   copy.type = "button";
-  copy.setAttribute("aria-label", `Copy: ${what}`);
+  copy.setAttribute("aria-label", t("copy.what", { what }));
   copy.addEventListener("click", async () => {
     try {
       await navigator.clipboard.writeText(text);
-      copy.textContent = "Copied";
+      copy.textContent = t("copied");
     } catch {
       getSelection().selectAllChildren(code);
-      copy.textContent = "Selected";
+      copy.textContent = t("selected");
     }
   });
   box.append(made("span", what, "quiet"), code, copy);
@@ -42,7 +44,7 @@ function bars(before, after) {
 }
 
 /** Headlines after a tuning. */
-const HEADLINES = { better: "A model of your own is ready", worse: "The old model stays: more recordings may help" };
+const HEADLINES = { better: t("better"), worse: t("worse.model") };
 
 const number = (value, digits) => (value === null ? "–" : value.toFixed(digits));
 
@@ -57,14 +59,14 @@ export class Result {
     this.#kept = message;
     const { good, seconds, folder, files, counts, bad, findings } = message;
     find("result").hidden = false;
-    find("verdict").textContent = good ? "Good enough to tune a model on" : "Not good enough yet";
+    find("verdict").textContent = t(good ? "good" : "not.good");
     find("verdict").dataset.good = good;
-    const each = counts.map(([name, count]) => `${name} ${count} times`).join(", ");
-    const unused = bad ? `, ${bad} trial${bad === 1 ? "" : "s"} marked as not to be used` : "";
-    find("amount").textContent = `${seconds.toFixed(0)} s kept: ${each}${unused}. ${files.length} file${files.length === 1 ? "" : "s"} in ${folder}.`;
+    const each = counts.map(([name, count]) => t("times", { name: named("class", name), count })).join(", ");
+    const unused = bad ? t("unused", { n: bad }) : "";
+    find("amount").textContent = t("kept", { n: files.length, seconds: seconds.toFixed(0), each, unused, folder });
     find("findings").replaceChildren(...findings.map(({ severity, text, advice }) => {
       const item = made("li", "", severity);
-      item.append(made("b", { note: "note", warning: "warning", serious: "mend this" }[severity]), made("span", text), made("span", advice, "quiet"));
+      item.append(made("b", t(severity)), made("span", text), made("span", advice, "quiet"));
       return item;
     }));
     this.next = good ? "tune" : "again";
@@ -78,8 +80,7 @@ export class Result {
   tuning({ state, text, steps, of, rows, commands, installs }) {
     this.isTuning = state === "running";
     this.next = { better: installs ? "install" : null, worse: "again" }[state] ?? (state === "failed" ? "tune" : null);
-    const words = { running: "Tuning:", better: "The tuned model is kept:", worse: "The old model stays:", failed: "Not tuned:" };
-    this.#told("tuned", state, words[state], text);
+    this.#told("tuned", state, t(`tuning.${state}`), text);
     if (HEADLINES[state]) {
       find("verdict").textContent = HEADLINES[state];
       find("verdict").dataset.good = state === "better";
@@ -95,8 +96,7 @@ export class Result {
   installing({ state, text, blocks, of }) {
     this.isInstalling = state === "running";
     this.next = state === "done" ? null : "install";
-    const words = { running: "Installing:", done: "Installed:", failed: "Not installed:" };
-    this.#told("installed", state, words[state], text);
+    this.#told("installed", state, t(`installing.${state}`), text);
     find("sent").hidden = !this.isInstalling;
     find("sent").max = of || 1;
     find("sent").value = blocks;
@@ -150,8 +150,8 @@ export class Result {
   #commands(next, installs = false) {
     const { inspect, personalize } = this.#kept ?? {};
     const all = next.length
-      ? [[next[0], installs ? "the same as the button, in a terminal" : "put it on the board"], [next[1], "or look at it first"]]
-      : [[inspect, "look at all recordings of this person"], [personalize, "the same as the button, in a terminal"]];
+      ? [[next[0], t(installs ? "cmd.same" : "cmd.put")], [next[1], t("cmd.look")]]
+      : [[inspect, t("cmd.inspect")], [personalize, t("cmd.same")]];
     find("commands").replaceChildren(...all.filter(([text]) => text).map(([text, what]) => command(text, what)));
   }
 }

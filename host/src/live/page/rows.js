@@ -3,6 +3,7 @@
 import { RATE } from "./clock.js";
 import { judge } from "./agreement.js";
 import { lastUpTo } from "./history.js";
+import { named } from "./texts.js";
 
 /** Height and distance of the strokes under a label that is not as asked, in px, and the step in which it is looked for. */
 const HATCHED = 6;
@@ -23,11 +24,12 @@ function block(view, from, to, name, top, height, safe) {
     pen.fillStyle = name === "relax" ? colours.line : colours[name] ?? colours.quiet;
     pen.fillRect(left, top, right - left, height);
   }
-  if (pen.measureText(name).width + 10 < right - left) {
+  const text = safe ? name : named("class", name);
+  if (pen.measureText(text).width + 10 < right - left) {
     const onRest = name === "relax" ? colours.ink : colours["on-class"];
     pen.fillStyle = safe ? colours.quiet : onRest;
     pen.textAlign = "left";
-    pen.fillText(name, left + 5, top + height / 2 + 0.5);
+    pen.fillText(text, left + 5, top + height / 2 + 0.5);
   }
 }
 

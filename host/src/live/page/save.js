@@ -1,14 +1,15 @@
 // Saves a history as a csv file.
 
 import { csv } from "./history.js";
+import { t } from "./texts.js";
 
 /** Hands the history to the browser as a file. Returns what was saved, in words. */
 export function save(history) {
   const { text, seconds } = csv(history);
   const name = fileName(new Date());
   download(name, text);
-  const gap = history.stretch()[0] > history.first ? ", from the last gap on" : "";
-  return `saved ${seconds.toFixed(1)} s${gap}: ${name}`;
+  const key = history.stretch()[0] > history.first ? "saved.gap" : "saved";
+  return t(key, { seconds: seconds.toFixed(1), name });
 }
 
 function download(name, text) {

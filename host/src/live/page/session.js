@@ -5,31 +5,7 @@ import { Ending } from "./ending.js";
 import { draw, words } from "./gestures.js";
 import { Result } from "./result.js";
 import { CLASSES, classOf } from "./history.js";
-
-const HELD = {
-  person: "Waiting for you",
-  "leader-left": "The page that led was closed",
-  "source-lost": "The source is gone",
-  silent: "No samples are coming",
-  losses: "Too many samples are lost",
-  disk: "The disk takes no more",
-  gone: "The file of this session is gone",
-};
-
-const HINTS = {
-  person: "Go on when you are ready. The gesture that was cut short is asked for again.",
-  "leader-left": "Go on, and this page leads. The gesture that was cut short is asked for again.",
-  "source-lost": "What was recorded is kept. Check cable and board; go on when the traces move.",
-  silent: "What was recorded is kept. Is the armband connected and close? Go on when the traces move.",
-  losses: "Bring armband and board closer together, then go on. What was lost is asked for again.",
-  disk: "What was recorded is kept. Free some space, then go on.",
-  gone: "Leave the folder of the recordings where it is, then go on.",
-};
-
-const HOW = {
-  relax: "Rest.",
-  other: "Type, write, lift a cup, walk, talk with your hands. Open it wide or make a fist only when asked.",
-};
+import { named, t } from "./texts.js";
 
 const KEYS = { b: "bind", k: "skip", Enter: "begin", r: "repeat", h: "hold", e: "finish", t: "tune", i: "install", n: "again" };
 const BUTTONS = ["begin", "repeat", "hold", "finish"];
@@ -78,8 +54,10 @@ export class Session {
     this.#leader = null;
     find("lead").hidden = this.#root.hidden = !record;
     document.body.dataset.mode = record ? "record" : "live";
-    write(find("title"), record ? "record" : "live");
-    document.title = record ? "myointent record" : "myointent live";
+    const title = t(record ? "title.record" : "title");
+    write(find("title"), title);
+    document.title = `myointent ${title}`;
+    find("history").hidden = !record;
   }
 
   lead({ viewer }) {
@@ -185,14 +163,14 @@ export class Session {
     const { phase, round, rounds, done, trials, left, bad, free, protocol } = this.#view;
     const parts = [];
     if (free) {
-      parts.push(`protocol ${protocol}`);
+      parts.push(t("protocol", { name: protocol }));
     } else if (phase === "waiting") {
-      parts.push(`protocol ${protocol}`, `${rounds} round${rounds === 1 ? "" : "s"}`, clockTime(left));
+      parts.push(t("protocol", { name: protocol }), t("rounds", { n: rounds }), clockTime(left));
     } else if (phase !== "over") {
-      parts.push(`round ${round} of ${rounds}`, `${done} of ${trials} done`, `${clockTime(left - passed)} left`);
+      parts.push(t("round", { round, rounds }), t("done.of", { done, trials }), t("left", { time: clockTime(left - passed) }));
     }
     if (bad) {
-      parts.push(`${bad} not used`);
+      parts.push(t("not.used", { n: bad }));
     }
     write(find("progress"), parts.join(" · "));
   }
@@ -202,25 +180,22 @@ export class Session {
     const picture = { cued: cue, ready: "relax", waiting: "relax" }[phase] ?? null;
     draw(find("hand"), picture ?? (phase === "held" ? "relax" : null));
     const tasks = {
-      waiting: "Ready when you are",
-      ready: "Get ready: rest your arm",
+      waiting: t("task.waiting"),
+      ready: t("task.ready"),
       cued: words(cue),
-      held: HELD[why] ?? "",
-      over: "Done",
+      held: why ? named("held", why) : "",
+      over: t("task.over"),
     };
     write(find("task"), tasks[phase]);
     const hints = {
-      waiting: free
-        ? "Press a gesture's key as you begin it, and 0 as you let go."
-        : "Do what the picture shows as soon as it changes, and hold it until it changes again.",
-      ready: coming.length ? "Rest until the picture changes." : "",
-      cued: free ? "Until you press another key." : HOW[cue] ?? "Firmly, as you always would. Hold it.",
-      held: HINTS[why] ?? "",
+      waiting: t(free ? "how.waiting.free" : "how.waiting"),
+      ready: coming.length ? t("how.ready") : "",
+      cued: t(free ? "how.free" : ["relax", "other"].includes(cue) ? `how.${cue}` : "how.gesture"),
+      held: why ? named("hint", why) : "",
       over: "",
     };
     write(find("hint"), hints[phase]);
-    const begin = { held: "Go on" }[phase] ?? "Begin";
-    write(find("begin").firstElementChild, begin);
+    write(find("begin").firstElementChild, t(phase === "held" ? "go.on" : "begin"));
   }
 
   #next() {
@@ -234,7 +209,7 @@ export class Session {
     const chips = this.#view.coming.map(({ cue, samples }) => {
       const chip = document.createElement("li");
       chip.dataset.label = classOf(cue);
-      chip.textContent = `${cue} ${samples / RATE} s`;
+      chip.textContent = `${named("class", cue)} ${t("seconds", { n: samples / RATE })}`;
       return chip;
     });
     find("coming").replaceChildren(...chips);
@@ -251,7 +226,7 @@ export class Session {
         const button = document.createElement("button");
         button.type = "button";
         button.dataset.label = name;
-        button.append(name, " ");
+        button.append(named("class", name), " ");
         const key = document.createElement("kbd");
         key.textContent = MARKS.indexOf(name);
         button.append(key);
@@ -282,7 +257,7 @@ export class Session {
       finish: running || view.phase === "held",
     };
     const watches = this.#watches();
-    find("pause").disabled = running;
+    find("pause").disabled = find("language").disabled = running;
     for (const id of BUTTONS) {
       find(id).hidden = !shown[id];
       find(id).disabled = watches || id === "repeat" && !view.can_repeat;
@@ -293,7 +268,7 @@ export class Session {
     for (const id of ["tune", "again", "install"]) {
       find(id).classList.toggle("main", id === this.#result.next);
     }
-    write(find("watching"), watches ? "another page leads; this one watches" : "");
+    write(find("watching"), watches ? t("watching") : "");
     for (const button of find("marks").children) {
       button.disabled = view.phase !== "cued" || watches;
     }

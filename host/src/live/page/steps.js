@@ -1,15 +1,13 @@
 // Steps to a model of one's own: which are done, which one is now; and what connecting, binding and aligning ask for.
 
 import { outcome, placement } from "./placement.js";
+import { t } from "./texts.js";
 
-const NAMES = { connect: "Connect", bind: "Bind", align: "Align", record: "Record", tune: "Tune", compare: "Compare", install: "Install" };
 const FOLLOWS = ["bound", "built-in", "strongest"];
 const ALIGNED = ["aligned", "set"];
 const FAILED = ["poor-distance", "poor-margin", "timeout", "cancelled", "unavailable"];
 
 const SKIPPED = "alignment is skipped";
-const BIND = "Put yours on, close to the board; keep other people's out of the room, or asleep. The one with the strongest signal of the next 30 s is bound.";
-const ALIGN = "Press Align and rest; open the hand wide for a second, rest for a second, and the same once more. If you know that it sits as in training (bending the wrist back is strongest on electrode 3), it is better left as it is.";
 
 const find = (id) => document.getElementById(id);
 
@@ -84,13 +82,13 @@ export class Steps {
     const compared = balanced && balanced.before !== null && balanced.after !== null;
     const aligned = alignment && (ALIGNED.includes(alignment.state) || alignment.turn > 0 || alignment.mirrored);
     const all = [
-      ["connect", source?.connected || installing?.state === "running", board ? "the board" : ""],
-      board && ["bind", this.#follows(), binding?.state === "pairing" ? "listening" : binding?.armband ?? ""],
-      (board || source?.kind === "bluetooth") && ["align", aligned || this.#skipped || begun, aligned ? placement(alignment) : this.#skipped || begun ? "left as it is" : ""],
-      ["record", kept, kept ? (kept.good ? "good enough" : "not good enough yet") : ""],
-      ["tune", judged, tuning?.state === "running" ? percent(tuning) : tuning?.state === "failed" ? "failed" : ""],
-      ["compare", judged, compared ? `${balanced.before.toFixed(2)}, tuned ${balanced.after.toFixed(2)}` : ""],
-      board && ["install", installing?.state === "done", installing?.state === "running" ? percent({ steps: installing.blocks, of: installing.of }) : installing?.state === "failed" ? "failed" : ""],
+      ["connect", source?.connected || installing?.state === "running", board ? t("step.the.board") : ""],
+      board && ["bind", this.#follows(), binding?.state === "pairing" ? t("step.listening") : binding?.armband ?? ""],
+      (board || source?.kind === "bluetooth") && ["align", aligned || this.#skipped || begun, aligned ? placement(alignment) : this.#skipped || begun ? t("step.left") : ""],
+      ["record", kept, kept ? (t(kept.good ? "step.good" : "step.not.good")) : ""],
+      ["tune", judged, tuning?.state === "running" ? percent(tuning) : tuning?.state === "failed" ? t("step.failed") : ""],
+      ["compare", judged, compared ? t("step.compared", { before: balanced.before.toFixed(2), after: balanced.after.toFixed(2) }) : ""],
+      board && ["install", installing?.state === "done", installing?.state === "running" ? percent({ steps: installing.blocks, of: installing.of }) : installing?.state === "failed" ? t("step.failed") : ""],
     ];
     return all.filter(Boolean);
   }
@@ -118,7 +116,7 @@ export class Steps {
       if (state === "now") {
         item.setAttribute("aria-current", "step");
       }
-      item.append(made("b", NAMES[name]), made("span", done ? ", done" : "", "unseen"), made("span", detail, "detail"));
+      item.append(made("b", t(`step.${name}`)), made("span", done ? t("step.done") : "", "unseen"), made("span", detail, "detail"));
       return item;
     }));
     this.#ask(now);
@@ -131,28 +129,28 @@ export class Steps {
       return null;
     }
     if (now === "connect") {
-      return ["Waiting for the source", source?.detail ?? "", [], null];
+      return [t("ask.source"), source?.detail ?? "", [], null];
     }
     if (now === "bind") {
       return {
-        pairing: ["Listening for armbands", "Wear yours close to the board. The one with the strongest signal of these 30 s is bound.", [], null],
-        nobody: ["Bind your armband", `${this.#missed ? "No armband was heard." : "The board follows none yet."} ${BIND}`, ["bind"], "bind"],
-      }[binding?.state] ?? ["Asking the board", "Which armband does it follow?", [], null];
+        pairing: [t("ask.listening"), t("ask.listening.how"), [], null],
+        nobody: [t("ask.bind"), `${t(this.#missed ? "ask.bind.unheard" : "ask.bind.none")} ${t("ask.bind.how")}`, ["bind"], "bind"],
+      }[binding?.state] ?? [t("ask.board"), t("ask.board.how"), [], null];
     }
     if (now !== "align") {
       return null;
     }
     if (alignment?.state === "waiting") {
-      return ["Open the hand wide, twice", sentence(outcome(alignment)), ["align-now", "skip"], null];
+      return [t("ask.open"), sentence(outcome(alignment)), ["align-now", "skip"], null];
     }
     if (!report?.valid) {
-      const followed = binding?.armband ? `The board follows ${binding.armband}. ` : "";
-      return ["Put the armband on", `${followed}Labels come 3 s after its signal.`, binding ? ["bind"] : [], null];
+      const followed = binding?.armband ? `${t("ask.follows", { address: binding.armband })} ` : "";
+      return [t("ask.put.on"), followed + t("ask.put.on.how"), binding ? ["bind"] : [], null];
     }
     const before = FAILED.includes(alignment?.state) ? `${sentence(outcome(alignment))} ` : "";
     return alignment?.state === "unavailable"
-      ? ["It cannot be aligned", before, ["skip"], "skip"]
-      : ["Align the armband", before + ALIGN, ["align-now", "skip"], "align-now"];
+      ? [t("ask.unavailable"), before, ["skip"], "skip"]
+      : [t("ask.align"), before + t("ask.align.how"), ["align-now", "skip"], "align-now"];
   }
 
   #ask(now) {
@@ -168,7 +166,7 @@ export class Steps {
       find(id).hidden = !buttons.includes(id);
       find(id).classList.toggle("main", id === main);
     }
-    find("align-now").firstElementChild.textContent = this.#known.alignment?.state === "waiting" ? "Stop" : "Align";
-    find("bind").firstElementChild.textContent = now === "align" ? "Not yours? Bind another" : "Bind it";
+    find("align-now").firstElementChild.textContent = this.#known.alignment?.state === "waiting" ? t("align.stop") : t("align");
+    find("bind").firstElementChild.textContent = t(now === "align" ? "bind.another" : "bind");
   }
 }

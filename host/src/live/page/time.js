@@ -1,6 +1,7 @@
 // Time axis and lines across all lanes: seconds, marks, and the samples that the newest label waited for.
 
 import { RATE } from "./clock.js";
+import { t } from "./texts.js";
 
 /** A line for each second. */
 export function grid({ pen, colours, from, to, x }, bottom) {
@@ -22,7 +23,7 @@ export function axis({ pen, colours, from, to, x, left, width }, top, height) {
   for (let sample = Math.ceil(from / RATE) * RATE; sample <= to; sample += RATE) {
     const at = x(sample);
     if (sample >= 0 && at > left + 8 && at < width - 14) {
-      pen.fillText(`${sample / RATE} s`, at, top + height / 2 + 2);
+      pen.fillText(t("seconds", { n: sample / RATE }), at, top + height / 2 + 2);
     }
   }
 }
@@ -48,7 +49,7 @@ export function marks({ pen, colours, history, from, to, x, width }, bottom) {
   }
 }
 
-const ms = (samples) => `${(samples * 1000) / RATE} ms`;
+const inMs = (samples) => ({ ms: (samples * 1000) / RATE });
 
 /** What the newest label waited for, and how long it is held, to scale. */
 export function ruler({ pen, colours, from, to, x, width }, newest, hold, top, height) {
@@ -74,6 +75,6 @@ export function ruler({ pen, colours, from, to, x, width }, newest, hold, top, h
   const { instant, emitted } = newest;
   pen.fillStyle = colours.shade;
   pen.fillRect(x(instant), 0, Math.min(x(emitted), width) - x(instant), top + height);
-  bracket(instant, emitted, `waits ${ms(emitted - instant)}`, top + 16);
-  bracket(instant, instant + hold, `stays ${ms(hold)}`, top + 31);
+  bracket(instant, emitted, t("waits", inMs(emitted - instant)), top + 16);
+  bracket(instant, instant + hold, t("stays", inMs(hold)), top + 31);
 }

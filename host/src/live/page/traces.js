@@ -4,6 +4,7 @@ import { CHANNELS, lastUpTo } from "./history.js";
 import { RATE } from "./clock.js";
 import { causeText } from "./now.js";
 import { cues, labels } from "./rows.js";
+import { t } from "./texts.js";
 import { axis, grid, marks, ruler } from "./time.js";
 
 const GUTTER = 52;
@@ -88,12 +89,12 @@ export class Traces {
       top += scores + gap;
     }
     if (history.hasTruth) {
-      this.#caption("asked", top + label / 2);
+      this.#caption(t("row.asked"), top + label / 2);
       cues(view, top, label);
       top += label + gap;
     }
-    this.#caption("label", top + label / 2);
-    labels(view, top, label, this.hold, (cause) => `no label: ${causeText(cause)}`);
+    this.#caption(t("row.label"), top + label / 2);
+    labels(view, top, label, this.hold, (cause) => t("no.label", { cause: causeText(cause) }));
     ruler(view, newest, this.hold, top + label, rule);
     marks(view, height - bottom);
     axis(view, height - bottom, bottom);
@@ -165,7 +166,7 @@ export class Traces {
     const { classes, other } = this.model;
     const names = other ? [...classes, "other"] : classes;
     this.#caption("1", top + 5);
-    this.#caption("scores", top + height / 2);
+    this.#caption(t("row.scores"), top + height / 2);
     this.#caption("0", top + height - 5);
     pen.strokeStyle = this.#colours.line;
     pen.strokeRect(view.left + 0.5, Math.round(top) + 0.5, view.width - view.left - 1, height);

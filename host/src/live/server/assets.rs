@@ -11,7 +11,7 @@ const CROSS_ORIGIN_RESOURCE_POLICY: HeaderName =
     HeaderName::from_static("cross-origin-resource-policy");
 
 /// Path, MIME type and text of each file.
-const FILES: [(&str, &str, &str); 25] = [
+const FILES: [(&str, &str, &str); 35] = [
     ("", HTML, include_str!("../page/index.html")),
     (
         "icon.svg",
@@ -21,6 +21,24 @@ const FILES: [(&str, &str, &str); 25] = [
     ("live.css", CSS, include_str!("../page/live.css")),
     ("layout.css", CSS, include_str!("../page/layout.css")),
     ("session.css", CSS, include_str!("../page/session.css")),
+    ("wearer.css", CSS, include_str!("../page/wearer.css")),
+    ("sessions", HTML, include_str!("../page/sessions.html")),
+    ("sessions.css", CSS, include_str!("../page/sessions.css")),
+    ("sessions.js", SCRIPT, include_str!("../page/sessions.js")),
+    ("texts.js", SCRIPT, include_str!("../page/texts.js")),
+    ("english.js", SCRIPT, include_str!("../page/english.js")),
+    (
+        "english-session.js",
+        SCRIPT,
+        include_str!("../page/english-session.js"),
+    ),
+    ("german.js", SCRIPT, include_str!("../page/german.js")),
+    (
+        "german-session.js",
+        SCRIPT,
+        include_str!("../page/german-session.js"),
+    ),
+    ("wearer.js", SCRIPT, include_str!("../page/wearer.js")),
     ("live.js", SCRIPT, include_str!("../page/live.js")),
     ("agreement.js", SCRIPT, include_str!("../page/agreement.js")),
     ("armband.js", SCRIPT, include_str!("../page/armband.js")),

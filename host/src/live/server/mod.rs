@@ -19,9 +19,10 @@ use axum::Router;
 use axum::extract::ws::WebSocketUpgrade;
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
 use axum::extract::{ConnectInfo, State};
+use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE};
 use axum::http::{HeaderMap, Method, StatusCode, Uri};
 use axum::response::{IntoResponse as _, Response};
-use tokio::sync::{Semaphore, watch};
+use tokio::sync::{Mutex, Semaphore, watch};
 
 use self::access::{Access, Denied};
 use self::connections::{LimitedListener, Upgraded};
@@ -29,6 +30,7 @@ use self::rights::{Lead, Mode};
 use super::hub::Hub;
 use super::recorder::RecorderRequest;
 use super::source::SourceRequest;
+use crate::record::HistoryOf;
 
 /// Greatest number of viewers.
 const MOST_VIEWERS: usize = 16;
@@ -52,6 +54,8 @@ struct ServerState {
     access: Access,
     mode: Mode,
     requests: Requests,
+    /// Sessions of the person who is recorded; none for `live`. Read by one viewer at a time.
+    history: Option<Mutex<HistoryOf>>,
     lead: Lead,
     ids: AtomicU64,
     viewers: Arc<Semaphore>,
@@ -76,6 +80,7 @@ impl Server {
         mode: Mode,
         hub: Arc<Hub>,
         requests: Requests,
+        history: Option<HistoryOf>,
     ) -> std::io::Result<Self> {
         let runtime = tokio::runtime::Builder::new_current_thread()
             .enable_io()
@@ -92,6 +97,7 @@ impl Server {
             access,
             mode,
             requests,
+            history: history.map(Mutex::new),
             lead: Lead::default(),
             ids: AtomicU64::new(1),
             viewers: Arc::new(Semaphore::new(MOST_VIEWERS)),
@@ -142,6 +148,10 @@ async fn answer(
     if method != Method::GET && method != Method::HEAD {
         return StatusCode::METHOD_NOT_ALLOWED.into_response();
     }
+    if let ("sessions.json", Some(history)) = (allowed.path, &state.history) {
+        let one_at_a_time = history.lock().await;
+        return sessions(one_at_a_time.clone()).await;
+    }
     if allowed.path != "socket" {
         return assets::answer(allowed.path, &allowed.host);
     }
@@ -164,6 +174,21 @@ async fn answer(
             viewer.serve(socket).await;
             drop(permit);
         })
+}
+
+/// Reads the sessions on another thread: viewers of the stream do not wait.
+async fn sessions(history: HistoryOf) -> Response {
+    let read = tokio::task::spawn_blocking(move || history.read()).await;
+    let read = read.map_err(anyhow::Error::from).flatten();
+    let answer = match read.and_then(|found| Ok(serde_json::to_string(&found)?)) {
+        Ok(json) => (StatusCode::OK, json),
+        Err(error) => (StatusCode::INTERNAL_SERVER_ERROR, format!("{error:#}")),
+    };
+    let headers = [
+        (CACHE_CONTROL, "no-store"),
+        (CONTENT_TYPE, "application/json"),
+    ];
+    (headers, answer).into_response()
 }
 
 fn refuse(denied: &Denied) -> Response {

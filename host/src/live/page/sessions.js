@@ -1,0 +1,57 @@
+// Record of a person's sessions, to read and to print: a row each.
+
+import { choose, fill, t } from "./texts.js";
+
+const find = (id) => document.getElementById(id);
+
+const fixed = (value, digits) => (value === null ? t("unknown") : value.toFixed(digits));
+
+/** Columns: key of the name, and the text of a session. */
+const COLUMNS = [
+  ["h.date", ({ began }) => began],
+  ["h.protocol", ({ protocol, is_synthetic: simulated }) => (simulated ? t("h.simulated", { protocol }) : protocol)],
+  ["h.minutes", ({ seconds }) => fixed(seconds / 60, 1)],
+  ["h.gestures", ({ gestures }) => String(gestures)],
+  ["h.right", ({ recognised }) => (recognised === null ? t("unknown") : t("percent", { share: Math.round(100 * recognised) }))],
+  ["h.reaction", ({ reaction, gestures }) => (reaction === null && gestures ? t("h.missed") : fixed(reaction, 0))],
+  ["h.steady", ({ flicker }) => fixed(flicker, 1)],
+  ["h.false", ({ false_activations: rises }) => fixed(rises, 1)],
+];
+
+function cell(name, key, text) {
+  const made = document.createElement(name);
+  made.textContent = text;
+  made.dataset.column = t(key);
+  return made;
+}
+
+function show({ person, sessions }) {
+  find("person").textContent = t("h.person", { name: person });
+  find("state").textContent = sessions.length ? "" : t("h.none");
+  const table = find("sessions");
+  table.hidden = sessions.length === 0;
+  table.tHead.rows[0].replaceChildren(...COLUMNS.map(([key]) => {
+    const head = cell("th", key, t(key));
+    head.scope = "col";
+    return head;
+  }));
+  table.tBodies[0].replaceChildren(...sessions.map((session) => {
+    const row = document.createElement("tr");
+    row.append(...COLUMNS.map(([key, text]) => cell("td", key, text(session))));
+    return row;
+  }));
+}
+
+fill();
+document.title = `myointent ${t("h.title")}`;
+find("print").addEventListener("click", () => print());
+find("language").addEventListener("click", choose);
+try {
+  const answer = await fetch("sessions.json");
+  if (!answer.ok) {
+    throw new Error(await answer.text());
+  }
+  show(await answer.json());
+} catch (error) {
+  find("state").textContent = t("h.failed", { text: error.message });
+}

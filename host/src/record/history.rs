@@ -1,0 +1,163 @@
+//! Record of a person's sessions, for a therapist: when, how long, and how a model labels them. From the recorded files.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use evaluation::metric::event::latency::Latency;
+use evaluation::model_evaluation::{NamedModel, Selection, evaluate_models};
+use recordings::{DataSet, Library, LoadOptions, load};
+use serde::Serialize;
+use shared::units::SAMPLE_RATE_HZ;
+
+/// A person's sessions, the earliest first.
+#[derive(Debug, PartialEq, Serialize)]
+pub(crate) struct History {
+    person: String,
+    sessions: Vec<SessionRecord>,
+}
+
+/// One session. Numbers are those of the files together; none where the session has nothing to count.
+#[derive(Debug, Default, PartialEq, Serialize)]
+struct SessionRecord {
+    /// Date and time in UTC, `2026-11-22 11:03`.
+    began: String,
+    protocol: String,
+    is_synthetic: bool,
+    seconds: f64,
+    gestures: usize,
+    /// Share of the gestures that are recognised, 0 to 1.
+    recognised: Option<f64>,
+    /// Median latency from the onset of the muscle to the label, in ms; none also where it falls on a missed gesture.
+    reaction: Option<f64>,
+    /// Label changes a minute beyond the true ones.
+    flicker: Option<f64>,
+    /// False activations a minute of rest.
+    false_activations: Option<f64>,
+}
+
+/// Folder of the recordings, person, and the model that labels them.
+#[derive(Clone, Debug)]
+pub(crate) struct HistoryOf {
+    pub(crate) folder: PathBuf,
+    pub(crate) person: String,
+    pub(crate) model: Vec<u8>,
+}
+
+impl HistoryOf {
+    /// Reads and labels all recordings of the person; takes a second for about ten minutes of them.
+    ///
+    /// # Errors
+    /// When recordings or model cannot be read.
+    pub(crate) fn read(&self) -> anyhow::Result<History> {
+        let folder = self.folder.join(&self.person);
+        let has_recordings = folder.read_dir().is_ok_and(|entries| {
+            let is_csv = |path: PathBuf| path.extension().is_some_and(|ending| ending == "csv");
+            entries.flatten().any(|entry| is_csv(entry.path()))
+        });
+        let mut sessions = BTreeMap::new();
+        if has_recordings {
+            let mut library = load(&folder, &LoadOptions::default())?;
+            sessions = by_session(&mut library);
+            if !sessions.is_empty() {
+                self.score(&library, &mut sessions)?;
+            }
+        }
+        Ok(History {
+            person: self.person.clone(),
+            sessions: sessions.into_values().collect(),
+        })
+    }
+
+    /// Adds what the metrics of `evaluate` say, which take each session for a person of its own.
+    fn score(
+        &self,
+        library: &Library,
+        sessions: &mut BTreeMap<String, SessionRecord>,
+    ) -> anyhow::Result<()> {
+        let model = NamedModel {
+            name: String::new(),
+            bytes: self.model.clone(),
+        };
+        let everybody = Selection {
+            seen: true,
+            ..Selection::default()
+        };
+        let results = evaluate_models(&[model], library, &everybody)?.results;
+        let own = results.scores.iter().filter(|score| score.model.is_empty());
+        for events in own.flat_map(|score| &score.events.subjects) {
+            if let Some(session) = sessions.get_mut(&events.subject) {
+                session.gestures = events.gestures;
+                session.recognised = events.recognition;
+                session.reaction = match events.latency.map(|latency| latency.median) {
+                    Some(Latency::Ms(median)) => Some(median),
+                    Some(Latency::Missed) | None => None,
+                };
+                session.flicker = events.flicker.per_minute();
+                session.false_activations = events.rest.per_minute();
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Gives the recordings of each session a subject of their own, and keeps no other recordings.
+fn by_session(library: &mut Library) -> BTreeMap<String, SessionRecord> {
+    let mut sessions: BTreeMap<String, SessionRecord> = BTreeMap::new();
+    library.recordings.retain_mut(|recording| {
+        let Some((id, began, protocol)) = named(&recording.path) else {
+            return false;
+        };
+        // Never a person's of a published set.
+        recording.subject = format!("session/{id}");
+        let session = sessions.entry(recording.subject.clone()).or_default();
+        session.began = began;
+        session.protocol = protocol;
+        session.is_synthetic |= recording.data_set == DataSet::Synthetic;
+        session.seconds += recording.samples.len() as f64 / f64::from(SAMPLE_RATE_HZ);
+        true
+    });
+    sessions
+}
+
+/// Session of a file's name, `anna_20261122T110323Z_quick_1.csv`: `20261122T110323Z_quick`, time and protocol.
+fn named(path: &Path) -> Option<(String, String, String)> {
+    let stem = path.file_stem()?.to_str()?;
+    let (_, session) = stem.split_once('_')?;
+    let (id, _) = session.rsplit_once('_')?;
+    let (stamp, protocol) = id.split_once('_')?;
+    let digits = stamp.strip_suffix('Z')?.replace('T', "");
+    if digits.len() != 14 || !digits.bytes().all(|digit| digit.is_ascii_digit()) {
+        return None;
+    }
+    let [year, month, day, hour, minute] =
+        [0..4, 4..6, 6..8, 8..10, 10..12].map(|part| &digits[part]);
+    let began = format!("{year}-{month}-{day} {hour}:{minute}");
+    Some((id.to_owned(), began, protocol.to_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_says_when_its_session_began_and_by_which_protocol() {
+        let name = Path::new("recordings/anna/anna_20261122T110323Z_quick-five_12.csv");
+        let (id, began, protocol) = named(name).unwrap();
+        assert_eq!(id, "20261122T110323Z_quick-five");
+        assert_eq!((&*began, &*protocol), ("2026-11-22 11:03", "quick-five"));
+        for other in ["anna.csv", "anna_1.csv", "anna_2026_quick_1.csv"] {
+            assert_eq!(named(Path::new(other)), None, "{other}");
+        }
+    }
+
+    #[test]
+    fn without_recordings_there_is_no_session() {
+        let folder = tempfile::tempdir().unwrap();
+        let of = HistoryOf {
+            folder: folder.path().to_owned(),
+            person: "anna".to_owned(),
+            model: Vec::new(),
+        };
+        assert_eq!(of.read().unwrap().sessions, []);
+    }
+}
