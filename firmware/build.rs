@@ -100,6 +100,9 @@ const NAMED_TWICE: &str = "
 
 /// FLASH and RAM among the regions of `memory.x`.
 fn regions() -> (&'static str, &'static str) {
+    if has("uf2") {
+        return ("FLASH_UF2", "RAM_UF2");
+    }
     match (has("emulator"), has("nrf52832"), has("radio-trouble")) {
         (true, ..) => ("FLASH_BARE", "RAM_EMULATOR"),
         (_, true, true) => ("FLASH_BARE", "RAM_NRF52832"),

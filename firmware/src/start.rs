@@ -36,6 +36,8 @@ pub fn start(spawner: Spawner) {
     }
     spawn(&spawner, control::run(board.commands, board.button));
     spawn(&spawner, inference::run(pipeline, refused, board.dead_man));
+    #[cfg(feature = "uf2")]
+    spawn(&spawner, crate::tasks::battery::run(board.battery));
     spawn(&spawner, radio::run(spawner, board.radio));
 }
 

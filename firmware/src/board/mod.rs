@@ -20,6 +20,8 @@ pub use emulator::{
     Button, CommandPort, DeadMan, Executor, LabelPort, Pins, RadioParts, Watchdog,
     enter_safe_state, run_radio, start,
 };
+#[cfg(all(feature = "uf2", target_os = "none"))]
+pub use nrf52::Battery;
 #[cfg(all(feature = "chip", target_os = "none"))]
 pub use nrf52::{
     Button, CommandPort, DeadMan, LabelPort, Pins, RadioParts, Watchdog, enter_safe_state,
@@ -35,11 +37,14 @@ use crate::reset_reason::ResetReason;
 /// Received bytes were lost.
 pub struct BytesLost;
 
+/// Lines that commands come by: the UART, and USB where the board has it.
+pub const LINES: usize = if cfg!(feature = "uf2") { 2 } else { 1 };
+
 /// A board after its start.
 pub struct Board {
-    /// The UART that labels are written to.
+    /// The UART that labels are written to, and USB.
     pub labels: LabelPort,
-    /// The UART that commands come from: the same.
+    /// The lines that commands come from: the same.
     pub commands: CommandPort,
     /// Label pins and LEDs.
     pub pins: Pins,
@@ -51,6 +56,9 @@ pub struct Board {
     pub watchdog: Watchdog,
     /// Makes the pins safe without the program, from its first clearing on.
     pub dead_man: DeadMan,
+    /// Measures the board's own battery.
+    #[cfg(feature = "uf2")]
+    pub battery: Battery,
     /// Why the program started.
     pub reset_reason: ResetReason,
 }

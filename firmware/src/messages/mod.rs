@@ -1,7 +1,7 @@
 //! Communication between the tasks: queues, shared states, three heartbeats.
 //!
 //! ```text
-//! radio ---packets---> inference ---UartMessage---> output ---> UART
+//! radio ---packets---> inference ---UartMessage---> output ---> UART, USB
 //!   |                      |                          ^
 //!   +----------------------+--------- PinState -------+-------> pins, LEDs
 //!   |                      |                          |
@@ -12,6 +12,8 @@
 //! ```
 
 pub mod armband;
+#[cfg(any(feature = "uf2", test))]
+pub mod battery;
 pub mod heartbeat;
 pub mod model;
 pub mod packets;
@@ -20,3 +22,5 @@ mod queue;
 pub mod raw;
 pub mod requests;
 pub mod uart;
+#[cfg(any(feature = "uf2", test))]
+pub mod usb;

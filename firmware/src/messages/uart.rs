@@ -44,6 +44,9 @@ pub enum UartMessage {
     StreamEnded(Counters),
     /// The armband's battery is low; percent.
     LowBattery(u8),
+    /// The board's own battery is low.
+    #[cfg(feature = "uf2")]
+    BoardBattery(super::battery::Charge),
     /// The inference is too slow: packets dropped since the start.
     PacketsDropped(u32),
     /// Received bytes were lost, and the command that they belonged to.
@@ -62,6 +65,9 @@ const IMAGE: &str = match (
     cfg!(feature = "radio-trouble"),
 ) {
     _ if cfg!(not(target_os = "none")) => "simulated",
+    _ if cfg!(feature = "xiao") => "xiao",
+    _ if cfg!(feature = "feather") => "feather",
+    _ if cfg!(feature = "nice-nano") => "nice-nano",
     (true, ..) => "emulator",
     (_, true, true) => "nrf52832-sdc",
     (_, true, false) => "nrf52832-s132",
@@ -85,8 +91,11 @@ pub async fn answer(answer: Answer<'static>) {
     ANSWERS.send(answer).await;
 }
 
-/// Messages dropped since the start; wraps.
+/// Messages dropped since the start, and lines that a USB host did not take; wraps.
 pub fn dropped() -> u32 {
+    #[cfg(feature = "uf2")]
+    return MESSAGES.dropped().wrapping_add(super::usb::LINES.dropped());
+    #[cfg(not(feature = "uf2"))]
     MESSAGES.dropped()
 }
 
@@ -167,6 +176,14 @@ impl UartMessage {
             Self::Armband(armband) => write!(line, "# {armband}\r\n"),
             Self::StreamEnded(counters) => write_counters(line, counters),
             Self::LowBattery(percent) => write!(line, "# armband battery low: {percent} %\r\n"),
+            #[cfg(feature = "uf2")]
+            Self::BoardBattery(charge) => {
+                let (millivolts, percent) = (charge.millivolts, charge.percent());
+                write!(
+                    line,
+                    "# board battery low: {percent} %, {millivolts} mV\r\n"
+                )
+            }
             Self::PacketsDropped(packets) => {
                 write!(line, "# inference too slow: {packets} packets dropped\r\n")
             }

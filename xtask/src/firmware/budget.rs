@@ -7,8 +7,6 @@ use anyhow::{Result, ensure};
 use super::image::Image;
 use crate::size::Size;
 
-/// Bytes of static RAM, the SoftDevice's own and the stack excluded.
-const RAM_BUDGET: u64 = 48 * 1024;
 /// Most bytes that the no-access region below the stack takes: two regions of 256, and what aligns them.
 const STACK_GUARD: u64 = 2 * 256 + 255;
 /// Least bytes that must be left for the stack.
@@ -56,9 +54,10 @@ pub fn check(row: &Row) -> Result<()> {
         image.flash_budget()
     );
     ensure!(
-        size.ram() <= RAM_BUDGET,
-        "{image}: {} bytes of static RAM, the budget is {RAM_BUDGET}",
-        size.ram()
+        size.ram() <= image.ram_budget(),
+        "{image}: {} bytes of static RAM, the budget is {}",
+        size.ram(),
+        image.ram_budget()
     );
     ensure!(
         size.ram() + STACK_GUARD + STACK_BUDGET <= image.ram(),
@@ -110,7 +109,7 @@ impl fmt::Display for Table<'_> {
                 kib(size.controller),
                 kib(size.own_flash()),
                 kib(size.ram()),
-                RAM_BUDGET / 1024,
+                image.ram_budget() / 1024,
                 kib(row.left()),
                 kib(chain),
                 kib(row.spare()),
@@ -138,7 +137,7 @@ mod tests {
             text: Image::Nrf52840S140.flash_budget() - 10,
             rodata: 0,
             data: 10,
-            bss: RAM_BUDGET - 10,
+            bss: Image::Nrf52840S140.ram_budget() - 10,
             controller: 0,
         };
         let check = |size| check(&row(Image::Nrf52840S140, size));

@@ -71,7 +71,7 @@ pub fn command(
         .args(["--no-default-features", "--features", image.features()])
         .env("CARGO_TARGET_DIR", cross_target())
         .env("RUSTFLAGS", short_paths());
-    if image == Image::Nrf52840Sdc
+    if image.has_controller()
         && let Some(folder) = clang::find(install)?
     {
         cargo.env(clang::VARIABLE, folder);

@@ -9,6 +9,12 @@ pub enum Image {
     Nrf52840S140,
     /// nRF52840 with the Bluetooth controller linked in.
     Nrf52840Sdc,
+    /// Seeed's XIAO nRF52840; this and the next two without a SoftDevice, behind a boot loader for UF2 files.
+    Xiao,
+    /// Adafruit's Feather nRF52840 Express.
+    Feather,
+    /// nice!nano 2.
+    NiceNano,
     /// nRF52832 under the SoftDevice S132.
     Nrf52832S132,
     /// QEMU's `mps2-an386`.
@@ -17,12 +23,24 @@ pub enum Image {
 
 impl Image {
     /// Every image.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 7] = [
         Self::Nrf52840S140,
         Self::Nrf52840Sdc,
+        Self::Xiao,
+        Self::Feather,
+        Self::NiceNano,
         Self::Nrf52832S132,
         Self::Emulator,
     ];
+
+    /// Images of boards with USB and a boot loader for UF2 files.
+    pub const UF2: [Self; 3] = [Self::Xiao, Self::Feather, Self::NiceNano];
+
+    /// Returns true if the Bluetooth controller is linked into it.
+    #[must_use]
+    pub fn has_controller(self) -> bool {
+        self == Self::Nrf52840Sdc || Self::UF2.contains(&self)
+    }
 
     /// Its name, and its file's.
     #[must_use]
@@ -30,6 +48,9 @@ impl Image {
         match self {
             Self::Nrf52840S140 => "nrf52840-s140",
             Self::Nrf52840Sdc => "nrf52840-sdc",
+            Self::Xiao => "xiao",
+            Self::Feather => "feather",
+            Self::NiceNano => "nice-nano",
             Self::Nrf52832S132 => "nrf52832-s132",
             Self::Emulator => "emulator",
         }
@@ -40,6 +61,9 @@ impl Image {
         match self {
             Self::Nrf52840S140 => "nrf52840,radio-softdevice",
             Self::Nrf52840Sdc => "nrf52840,radio-trouble",
+            Self::Xiao => "xiao",
+            Self::Feather => "feather",
+            Self::NiceNano => "nice-nano",
             Self::Nrf52832S132 => "nrf52832,radio-softdevice",
             Self::Emulator => "emulator",
         }
@@ -52,6 +76,8 @@ impl Image {
             Self::Nrf52840S140 | Self::Nrf52832S132 => &[2, 6, 17, 22],
             // CLOCK and POWER, RADIO, UARTE0, GPIOTE, TIMER0, RTC0, RTC1, SWI0.
             Self::Nrf52840Sdc => &[0, 1, 2, 6, 8, 11, 17, 20],
+            // And SAADC, USBD.
+            Self::Xiao | Self::Feather | Self::NiceNano => &[0, 1, 2, 6, 7, 8, 11, 17, 20, 39],
             // UART0 receiver, UART1 receiver, TIMER1.
             Self::Emulator => &[0, 2, 9],
         }
@@ -59,8 +85,8 @@ impl Image {
 
     /// Returns true if the image is built with link-time optimisation. Images under a SoftDevice cannot be (see
     /// firmware/build.rs); the others contain a Bluetooth host and need it to fit.
-    pub(super) const fn has_lto(self) -> bool {
-        matches!(self, Self::Nrf52840Sdc | Self::Emulator)
+    pub(super) fn has_lto(self) -> bool {
+        self.has_controller() || self == Self::Emulator
     }
 
     /// Bytes of stack that a SoftDevice's interrupts take (its specification: 1.5 KiB); in other images the controller's
@@ -68,7 +94,7 @@ impl Image {
     pub(super) const fn softdevice_stack(self) -> u64 {
         match self {
             Self::Nrf52840S140 | Self::Nrf52832S132 => 1536,
-            Self::Nrf52840Sdc | Self::Emulator => 0,
+            _ => 0,
         }
     }
 
@@ -77,6 +103,17 @@ impl Image {
         match self {
             Self::Nrf52840S140 | Self::Nrf52832S132 => 160 * 1024,
             Self::Nrf52840Sdc | Self::Emulator => 340 * 1024,
+            // From 0x1000.
+            Self::Xiao | Self::Feather | Self::NiceNano => 336 * 1024,
+        }
+    }
+
+    /// Most bytes of static RAM, the SoftDevice's own and the stack excluded.
+    pub(super) fn ram_budget(self) -> u64 {
+        if Self::UF2.contains(&self) {
+            56 * 1024
+        } else {
+            48 * 1024
         }
     }
 
@@ -85,6 +122,7 @@ impl Image {
         match self {
             Self::Nrf52840S140 => (256 - 16) * 1024,
             Self::Nrf52840Sdc => 256 * 1024,
+            Self::Xiao | Self::Feather | Self::NiceNano => 256 * 1024 - 8,
             Self::Nrf52832S132 => (64 - 16) * 1024,
             Self::Emulator => 64 * 1024,
         }

@@ -82,8 +82,14 @@ pub fn build(arguments: &Arguments) -> Result<()> {
 /// When there is no toolchain, or a lint to fix.
 pub fn lint(arguments: &LintArguments) -> Result<()> {
     let toolchain = toolchain::find(arguments.install)?;
-    // The nRF52832 differs by numbers alone.
-    for image in [Image::Nrf52840S140, Image::Nrf52840Sdc, Image::Emulator] {
+    // The nRF52832, and boards with the same features, differ by numbers alone.
+    let images = [
+        Image::Nrf52840S140,
+        Image::Nrf52840Sdc,
+        Image::Xiao,
+        Image::Emulator,
+    ];
+    for image in images {
         println!("{image}");
         let status = cargo::command(
             &toolchain,

@@ -19,7 +19,9 @@ use crate::settings::{SLOW_CLOCK, SlowClock};
 
 bind_interrupts!(struct Interrupts {
     EGU0_SWI0 => nrf_mpsl::LowPrioInterruptHandler;
-    CLOCK_POWER => nrf_mpsl::ClockInterruptHandler;
+    CLOCK_POWER => nrf_mpsl::ClockInterruptHandler, #[cfg(feature = "uf2")] embassy_nrf::usb::vbus_detect::InterruptHandler;
+    #[cfg(feature = "uf2")]
+    USBD => embassy_nrf::usb::InterruptHandler<embassy_nrf::peripherals::USBD>;
     RADIO => nrf_mpsl::HighPrioInterruptHandler;
     TIMER0 => nrf_mpsl::HighPrioInterruptHandler;
     RTC0 => nrf_mpsl::HighPrioInterruptHandler;
@@ -59,6 +61,8 @@ pub struct RadioParts {
     pub(super) controller: nrf_sdc::Peripherals<'static>,
     pub(super) random: Peri<'static, RNG>,
     pub(super) flash: Peri<'static, NVMC>,
+    #[cfg(feature = "uf2")]
+    pub(super) usb: Peri<'static, embassy_nrf::peripherals::USBD>,
 }
 
 /// Runs the Myo session forever.
@@ -98,6 +102,12 @@ pub async fn run_radio(spawner: Spawner, parts: RadioParts, driver: &SessionDriv
         Ok(crystal) => crystal,
         Err(error) => panic!("the crystal did not start: {error:?}"),
     };
+    #[cfg(feature = "uf2")]
+    {
+        use embassy_nrf::usb::{Driver, vbus_detect::HardwareVbusDetect};
+        let supply = HardwareVbusDetect::new(Interrupts);
+        super::usb::start(spawner, Driver::new(parts.usb, Interrupts, supply));
+    }
     let random = RANDOM.init(rng::Rng::new_blocking(parts.random));
     let memory = MEMORY.init(Mem::new());
     let controller = match build(parts.controller, random, mpsl, memory) {

@@ -1,5 +1,7 @@
-//! The nRF52840 and the nRF52832, on Nordic's development kits.
+//! The nRF52840 and the nRF52832, on the boards of [`wiring`].
 
+#[cfg(feature = "uf2")]
+mod battery;
 mod chip_flash;
 #[cfg(feature = "radio-trouble")]
 mod controller;
@@ -9,6 +11,8 @@ mod errata;
 #[cfg(feature = "radio-softdevice")]
 mod softdevice;
 mod uart;
+#[cfg(feature = "uf2")]
+mod usb;
 mod wiring;
 
 use core::{cell::RefCell, fmt};
@@ -16,7 +20,7 @@ use core::{cell::RefCell, fmt};
 use critical_section::Mutex;
 use defmt_rtt as _;
 use embassy_nrf::{
-    gpio::{Input, Level, Output},
+    gpio::{Input, Output},
     gpiote::OutputChannel,
     interrupt::Priority,
     pac, peripherals,
@@ -35,6 +39,8 @@ pub use controller::{RadioParts, run_radio};
 #[cfg(feature = "radio-softdevice")]
 pub use softdevice::{RadioParts, run_radio};
 
+#[cfg(feature = "uf2")]
+pub use battery::Battery;
 pub use dead_man::DeadMan;
 pub use uart::{CommandPort, LabelPort};
 
@@ -45,6 +51,8 @@ const RESET_BY_SOFTWARE: u32 = 1 << 2;
 
 /// Takes the peripherals and sets all outputs to their safe levels.
 pub fn start() -> Board {
+    #[cfg(feature = "uf2")]
+    take_vectors();
     #[cfg(feature = "nrf52832")]
     errata::work_around();
     let mut config = embassy_nrf::config::Config::default();
@@ -76,8 +84,24 @@ pub fn start() -> Board {
         radio: wiring.radio,
         watchdog: Watchdog::start(wiring.watchdog),
         dead_man,
+        #[cfg(feature = "uf2")]
+        battery: Battery::start(wiring.battery),
         reset_reason: reset_reason(),
     }
+}
+
+/// Makes the core take exceptions to the program's own vectors. The boot loader leaves those of the master boot record at 0,
+/// which forwards them, unless one starts the program in another way.
+#[cfg(feature = "uf2")]
+#[expect(unsafe_code, reason = "the register is no Rust object")]
+fn take_vectors() {
+    unsafe extern "C" {
+        static __vector_table: u32;
+    }
+    let vectors = (&raw const __vector_table) as u32;
+    // SAFETY: the table is the linked image's, complete and constant, at 0x1000 and so aligned to more than its length. No
+    // interrupt is enabled yet, and an exception has the same handler by either table.
+    unsafe { (*cortex_m::peripheral::SCB::PTR).vtor.write(vectors) };
 }
 
 /// Must be called before the SoftDevice is enabled, which reserves the register.
@@ -161,14 +185,14 @@ fn set_outputs(state: PinState) {
             outputs.set(safe);
         }
         let valid = state.status.valid() && !outputs.expired.is_triggered();
-        outputs.valid_led.set_level(led(valid));
-        outputs.armband_led.set_level(led(state.armband));
-        outputs.alignment_led.set_level(led(state.alignment_led));
+        outputs.valid_led.set_level(wiring::level_of_led(valid));
+        outputs
+            .armband_led
+            .set_level(wiring::level_of_led(state.armband));
+        outputs
+            .alignment_led
+            .set_level(wiring::level_of_led(state.alignment_led));
     });
-}
-
-fn led(on: bool) -> Level {
-    if on { wiring::LED_ON } else { wiring::LED_OFF }
 }
 
 /// The button.
@@ -208,6 +232,17 @@ impl Watchdog {
             handle.pet();
         }
     }
+}
+
+/// Restarts into Adafruit's boot loader, which then shows its drive: `DFU_MAGIC_UF2_RESET` in its main.c.
+#[cfg(feature = "uf2")]
+fn enter_boot_loader() -> ! {
+    const SHOW_DRIVE: u8 = 0x57;
+    set_outputs(PinState::SAFE);
+    pac::POWER
+        .gpregret()
+        .write(|register| register.set_gpregret(SHOW_DRIVE));
+    cortex_m::peripheral::SCB::sys_reset();
 }
 
 /// Sets every output to its safe level and logs a message. Called with interrupts off.

@@ -16,6 +16,8 @@ use core::future::poll_fn;
 use core::sync::atomic::{AtomicU8, Ordering, compiler_fence};
 use core::task::Poll;
 
+#[cfg(feature = "uf2")]
+use embassy_futures::select::{Either, select};
 use embassy_nrf::{
     Peri, bind_interrupts,
     buffered_uarte::{self, BufferedUarteTx},
@@ -106,6 +108,8 @@ pub struct LabelPort(BufferedUarteTx<'static>);
 impl LabelPort {
     /// Sends a line; 115200 baud take 9 ms for the longest.
     pub async fn send(&mut self, line: &[u8]) {
+        #[cfg(feature = "uf2")]
+        crate::messages::usb::LINES.push(line);
         let mut rest = line;
         while !rest.is_empty() {
             let Ok(count) = self.0.write(rest).await else {
@@ -179,11 +183,33 @@ impl CommandPort {
         port
     }
 
-    /// Waits for bytes and takes some; gives their number.
+    /// Waits for bytes and takes some; gives the line that they came by and their number.
+    #[cfg(not(feature = "uf2"))]
+    pub async fn read(&mut self, buffer: &mut [u8]) -> (usize, Result<usize, BytesLost>) {
+        (0, self.receive(buffer).await)
+    }
+
+    /// Waits for bytes and takes some; gives the line that they came by, 1 for USB, and their number.
+    #[cfg(feature = "uf2")]
+    pub async fn read(&mut self, buffer: &mut [u8]) -> (usize, Result<usize, BytesLost>) {
+        let mut received = [0; 32];
+        let by_usb = super::usb::RECEIVED.read(&mut received);
+        match select(self.receive(buffer), by_usb).await {
+            Either::First(count) => (0, count),
+            Either::Second(count) => {
+                for (byte, received) in buffer.iter_mut().zip(received) {
+                    *byte = received;
+                }
+                (1, Ok(count.min(buffer.len())))
+            }
+        }
+    }
+
+    /// Waits for bytes of the UART and takes some; gives their number.
     ///
     /// # Errors
     /// If bytes were lost, because they were not taken in time, or by an error on the line.
-    pub async fn read(&mut self, buffer: &mut [u8]) -> Result<usize, BytesLost> {
+    async fn receive(&mut self, buffer: &mut [u8]) -> Result<usize, BytesLost> {
         loop {
             if self.stops {
                 Self::stopped().await;

@@ -200,16 +200,11 @@ impl LabelPort {
 pub struct CommandPort(());
 
 impl CommandPort {
-    /// Waits for bytes and takes some; gives their number.
-    ///
-    /// # Errors
-    /// If bytes were lost, because they were not taken in time.
-    pub async fn read(&mut self, buffer: &mut [u8]) -> Result<usize, BytesLost> {
+    /// Waits for bytes and takes some; gives the line that they came by and their number.
+    pub async fn read(&mut self, buffer: &mut [u8]) -> (usize, Result<usize, BytesLost>) {
         let count = RECEIVED.read(buffer).await;
-        if OVERRUN.swap(false, Ordering::Relaxed) {
-            return Err(BytesLost);
-        }
-        Ok(count)
+        let is_lost = OVERRUN.swap(false, Ordering::Relaxed);
+        (0, if is_lost { Err(BytesLost) } else { Ok(count) })
     }
 }
 

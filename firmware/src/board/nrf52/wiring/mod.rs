@@ -1,9 +1,25 @@
-//! Pin assignment: the only file to change for another board with the same chip.
-//!
-//! The numbers are those of Nordic's development kits, PCA10056 (nRF52840) and PCA10040
-//! (nRF52832). Their debugger connects the UART to USB. The label pins are free on the headers;
-//! none is a button's, which would short a high output to ground.
+//! Pin assignment, one file a board: all that another board with the same chip needs.
 
+#[cfg(all(feature = "nrf52840", not(feature = "uf2")))]
+#[path = "dk.rs"]
+mod board;
+#[cfg(feature = "nrf52832")]
+#[path = "dk52832.rs"]
+mod board;
+#[cfg(feature = "xiao")]
+#[path = "xiao.rs"]
+mod board;
+#[cfg(feature = "feather")]
+#[path = "feather.rs"]
+mod board;
+#[cfg(feature = "nice-nano")]
+#[path = "nice_nano.rs"]
+mod board;
+
+#[cfg(feature = "nice-nano")]
+use embassy_nrf::saadc::VddhDiv5Input;
+#[cfg(feature = "uf2")]
+use embassy_nrf::saadc::{AnyInput, Input as _};
 use embassy_nrf::{
     Peri, Peripherals,
     gpio::{AnyPin, Input, Level, Output, OutputDrive, Pull},
@@ -12,10 +28,27 @@ use embassy_nrf::{
 };
 use shared::intent::MAX_CLASSES;
 
-/// Level that lights an LED.
-pub const LED_ON: Level = Level::Low;
-/// Level that switches it off.
-pub const LED_OFF: Level = Level::High;
+#[cfg(feature = "uf2")]
+pub use board::DIVIDER;
+pub use board::LED_ON;
+
+/// Pins of a board, by purpose.
+struct Pins {
+    /// Those of the intents, in class order: relax, open, close, wave-in, wave-out, pinch.
+    intents: [Peri<'static, AnyPin>; MAX_CLASSES],
+    valid: Peri<'static, AnyPin>,
+    /// LEDs: the label is valid; an armband streams; what an alignment does.
+    leds: [Peri<'static, AnyPin>; 3],
+    button: Peri<'static, AnyPin>,
+    tx: Peri<'static, AnyPin>,
+    rx: Peri<'static, AnyPin>,
+    /// Measures the battery.
+    #[cfg(feature = "uf2")]
+    battery: AnyInput<'static>,
+    /// Keeps what it is measured by in use.
+    #[cfg(feature = "uf2")]
+    divider: Option<Output<'static>>,
+}
 
 /// The peripherals and pins of the program, by purpose.
 pub struct Wiring {
@@ -35,6 +68,9 @@ pub struct Wiring {
     pub uart: super::uart::Parts,
     /// Parts of the radio.
     pub radio: super::RadioParts,
+    /// Measures the battery.
+    #[cfg(feature = "uf2")]
+    pub battery: super::battery::Parts,
     /// The dead-man timer and its connections to the pins.
     pub dead_man: super::dead_man::Parts,
     /// The watchdog.
@@ -43,49 +79,21 @@ pub struct Wiring {
 
 /// Configures every pin, outputs at their safe levels.
 pub fn wire(p: Peripherals) -> Wiring {
-    #[cfg(feature = "nrf52840")]
-    let (relax, others, valid, leds, button) = (
-        p.P1_01,
-        [
-            p.P1_02.into(),
-            p.P1_03.into(),
-            p.P1_04.into(),
-            p.P1_05.into(),
-            p.P1_06.into(),
-        ],
-        p.P1_07,
-        [p.P0_13.into(), p.P0_14.into(), p.P0_15.into()],
-        p.P0_11,
-    );
-    #[cfg(feature = "nrf52832")]
-    let (relax, others, valid, leds, button) = (
-        p.P0_11,
-        [
-            p.P0_12.into(),
-            p.P0_22.into(),
-            p.P0_23.into(),
-            p.P0_24.into(),
-            p.P0_25.into(),
-        ],
-        p.P0_26,
-        [p.P0_17.into(), p.P0_18.into(), p.P0_19.into()],
-        p.P0_13,
-    );
-
-    let leds: [Peri<'static, AnyPin>; 3] = leds;
-    let [valid_led, armband_led, alignment_led] =
-        leds.map(|pin| Output::new(pin, LED_OFF, OutputDrive::Standard));
-    let [open, close, wave_in, wave_out, pinch]: [Peri<'static, AnyPin>; MAX_CLASSES - 1] = others;
+    let pins = board::pins!(p);
+    let [valid_led, armband_led, alignment_led] = pins
+        .leds
+        .map(|pin| Output::new(pin, level_of_led(false), OutputDrive::Standard));
+    let [relax, open, close, wave_in, wave_out, pinch] = pins.intents;
     Wiring {
         intents: [
-            output(p.GPIOTE_CH0, relax.into(), Level::High),
+            output(p.GPIOTE_CH0, relax, Level::High),
             output(p.GPIOTE_CH1, open, Level::Low),
             output(p.GPIOTE_CH2, close, Level::Low),
             output(p.GPIOTE_CH3, wave_in, Level::Low),
             output(p.GPIOTE_CH4, wave_out, Level::Low),
             output(p.GPIOTE_CH5, pinch, Level::Low),
         ],
-        valid: output(p.GPIOTE_CH6, valid.into(), Level::Low),
+        valid: output(p.GPIOTE_CH6, pins.valid, Level::Low),
         dead_man: super::dead_man::Parts {
             timer: p.TIMER1,
             links: [
@@ -98,11 +106,11 @@ pub fn wire(p: Peripherals) -> Wiring {
         valid_led,
         armband_led,
         alignment_led,
-        button: Input::new(button, Pull::Up),
+        button: Input::new(pins.button, Pull::Up),
         uart: super::uart::Parts {
             uart: p.UARTE0,
-            tx: p.P0_06.into(),
-            rx: p.P0_08.into(),
+            tx: pins.tx,
+            rx: pins.rx,
             counter: p.TIMER2,
             links: [p.PPI_CH4.into(), p.PPI_CH5.into()],
         },
@@ -119,8 +127,25 @@ pub fn wire(p: Peripherals) -> Wiring {
             ),
             random: p.RNG,
             flash: p.NVMC,
+            #[cfg(feature = "uf2")]
+            usb: p.USBD,
+        },
+        #[cfg(feature = "uf2")]
+        battery: super::battery::Parts {
+            converter: p.SAADC,
+            input: pins.battery,
+            _divider: pins.divider,
         },
         watchdog: p.WDT,
+    }
+}
+
+/// Level of an LED's pin.
+pub fn level_of_led(on: bool) -> Level {
+    if on == (LED_ON == Level::High) {
+        Level::High
+    } else {
+        Level::Low
     }
 }
 

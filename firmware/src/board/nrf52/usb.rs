@@ -1,0 +1,129 @@
+//! USB: the lines and commands of the UART on a serial port (CDC-ACM) of the host.
+//!
+//! It needs the high-frequency crystal, which the radio's start has requested. Lines wait in [`LINES`]; the host waits while
+//! its bytes are not taken.
+
+use embassy_executor::Spawner;
+use embassy_futures::{
+    join::join3,
+    select::{Either, select},
+};
+use embassy_nrf::{
+    interrupt::{self, InterruptExt as _, Priority},
+    pac,
+    usb::{Driver, vbus_detect::HardwareVbusDetect},
+};
+use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, pipe::Pipe};
+use embassy_time::{Duration, Timer};
+use embassy_usb::{
+    Builder, Config, UsbDevice,
+    class::cdc_acm::{CdcAcmClass, ControlChanged, Receiver, Sender, State},
+};
+use static_cell::{ConstStaticCell, StaticCell};
+
+use crate::messages::usb::LINES;
+
+/// The test number of pid.codes: hosts choose their driver by the class. A product that is sold needs its own.
+const VENDOR: u16 = 0x1209;
+const PRODUCT: u16 = 0x0001;
+/// Bytes of a packet: the most at full speed.
+const PACKET: usize = 64;
+/// Time in which the host's request to close the port ends.
+const ENDING: Duration = Duration::from_millis(20);
+const HEXADECIMAL: &[u8; 16] = b"0123456789ABCDEF";
+
+type UsbDriver = Driver<'static, HardwareVbusDetect>;
+
+/// Received bytes.
+pub static RECEIVED: Pipe<CriticalSectionRawMutex, { 4 * PACKET }> = Pipe::new();
+
+/// Starts it. To be called once.
+///
+/// # Panics
+/// If it is called again.
+pub fn start(spawner: Spawner, driver: UsbDriver) {
+    static CONFIGURATION: ConstStaticCell<[u8; 96]> = ConstStaticCell::new([0; 96]);
+    static CAPABILITIES: ConstStaticCell<[u8; 16]> = ConstStaticCell::new([0; 16]);
+    static CONTROL: ConstStaticCell<[u8; PACKET]> = ConstStaticCell::new([0; PACKET]);
+    static NUMBER: StaticCell<[u8; 16]> = StaticCell::new();
+    static STATE: StaticCell<State<'static>> = StaticCell::new();
+
+    interrupt::USBD.set_priority(Priority::P3);
+    let number = NUMBER.init(serial_number());
+    let mut config = Config::new(VENDOR, PRODUCT);
+    config.manufacturer = Some("myointent");
+    config.product = Some("myointent");
+    config.serial_number = core::str::from_utf8(number).ok();
+    // The battery.
+    config.self_powered = true;
+    let mut builder = Builder::new(
+        driver,
+        config,
+        CONFIGURATION.take(),
+        CAPABILITIES.take(),
+        &mut [],
+        CONTROL.take(),
+    );
+    let class = CdcAcmClass::new(&mut builder, STATE.init(State::new()), PACKET as u16);
+    match run(builder.build(), class) {
+        Ok(task) => spawner.spawn(task),
+        Err(_) => panic!("USB runs already"),
+    }
+}
+
+/// The chip's own number.
+fn serial_number() -> [u8; 16] {
+    let mut digits = [0; 16];
+    let words = [0, 1].map(|word| pac::FICR.deviceid(word).read());
+    for (place, digit) in digits.iter_mut().enumerate() {
+        let nibble = words[place / 8] >> (28 - 4 * (place % 8)) & 0xf;
+        *digit = HEXADECIMAL[nibble as usize];
+    }
+    digits
+}
+
+#[embassy_executor::task]
+async fn run(mut device: UsbDevice<'static, UsbDriver>, class: CdcAcmClass<'static, UsbDriver>) {
+    let (sender, receiver, control) = class.split_with_control();
+    join3(device.run(), send(sender), receive(receiver, control)).await;
+}
+
+/// Sends lines while the host is there.
+async fn send(mut sender: Sender<'static, UsbDriver>) {
+    let mut packet = [0; PACKET];
+    loop {
+        sender.wait_connection().await;
+        let count = LINES.take(&mut packet).await;
+        let bytes = packet.get(..count).unwrap_or_default();
+        // Unplugged, or a reset of the bus: the rest of the line goes to the next host, which finds the line behind it.
+        let is_sent = sender.write_packet(bytes).await.is_ok();
+        // The host waits for the end of what a full packet begins.
+        if is_sent && count == PACKET && LINES.is_empty() {
+            let _ = sender.write_packet(&[]).await;
+        }
+    }
+}
+
+/// Receives commands while the host is there, and what it says of its port: it may ask for the boot loader.
+async fn receive(mut receiver: Receiver<'static, UsbDriver>, control: ControlChanged<'static>) {
+    let mut packet = [0; PACKET];
+    loop {
+        let reading = async {
+            receiver.wait_connection().await;
+            receiver.read_packet(&mut packet).await
+        };
+        match select(reading, control.control_changed()).await {
+            Either::First(Ok(count)) => {
+                let bytes = packet.get(..count).unwrap_or_default();
+                RECEIVED.write_all(bytes).await;
+            }
+            Either::First(Err(_)) => {}
+            Either::Second(()) => {
+                if LINES.set_port(control.dtr(), receiver.line_coding().data_rate()) {
+                    Timer::after(ENDING).await;
+                    super::enter_boot_loader();
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,27 @@
+//! Measures the board's own battery, and says when it is low.
+
+use embassy_time::{Duration, Timer};
+
+use crate::board::Battery;
+use crate::messages::{
+    battery::{Charge, Low},
+    uart::{self, UartMessage},
+};
+
+/// Time between two measurements.
+const PERIOD: Duration = Duration::from_secs(10);
+
+/// Runs forever.
+#[embassy_executor::task]
+pub async fn run(mut battery: Battery) -> ! {
+    let mut low = Low::default();
+    loop {
+        let charge = Charge {
+            millivolts: battery.millivolts().await,
+        };
+        if low.begins(charge) {
+            uart::enqueue(UartMessage::BoardBattery(charge));
+        }
+        Timer::after(PERIOD).await;
+    }
+}
