@@ -2,6 +2,7 @@
 
 use shared::myo::{Address, EmgMode, Settings};
 use shared::stream::alignment::Arm;
+use shared::stream::lock::LockTimes;
 
 /// The one armband to connect to, as `MYOINTENT_ARMBAND=F1:23:45:67:89:AB` when the program is
 /// built; without it, the one that is bound at run time.
@@ -35,6 +36,17 @@ pub const ALIGN_ON_CONNECTION: bool = match option_env!("MYOINTENT_ALIGN") {
         b"connect" => true,
         b"button" => false,
         _ => panic!("MYOINTENT_ALIGN is neither connect nor button"),
+    },
+};
+
+/// Lock of the labels at each start, as `MYOINTENT_LOCK=on` when the program is built, by the usual times. A command sets it, or takes
+/// it away, until the next start.
+pub const LOCK: Option<LockTimes> = match option_env!("MYOINTENT_LOCK") {
+    None => None,
+    Some(text) => match text.as_bytes() {
+        b"on" => Some(LockTimes::USUAL),
+        b"off" => None,
+        _ => panic!("MYOINTENT_LOCK is neither on nor off"),
     },
 };
 

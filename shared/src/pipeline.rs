@@ -2,9 +2,9 @@
 //! [`model`](crate::model).
 //!
 //! ```text
-//! Sample -> Normalizer -> Alignment -> Preprocessor -> SampleRing -> Encode -> Smoother -> SafeState -> Report
-//!           rest,         which        median, |x|     600 samples   a patch:  look-ahead  valid, or    a UART line
-//!           strength      electrode    lags 1 sample   in patches    6 rows    and hold    relax        each
+//! Sample -> Normalizer -> Alignment -> Preprocessor -> SampleRing -> Encode -> Smoother -> Lock -> SafeState -> Report
+//!           rest,         which        median, |x|     600 samples   a patch:  look-ahead  if     valid, or    a UART line
+//!           strength      electrode    lags 1 sample   in patches    6 rows    and hold    wanted relax        each
 //! ```
 //!
 //! A change of the alignment rearranges the samples of the ring, and the encoder takes them again, a patch with each
@@ -24,6 +24,7 @@ use self::in_use::InUse;
 pub use self::in_use::{Input, Smoother};
 use crate::intent::{Intent, MAX_CLASSES};
 use crate::model::Encode;
+use crate::stream::lock::{Lock, LockTimes};
 use crate::stream::normalizer::Normalizer;
 use crate::stream::preprocess::{Preprocessing, Preprocessor};
 use crate::stream::ring::{Origin, SampleRing};
@@ -60,6 +61,8 @@ pub struct Pipeline<'s, E: Encode> {
     last: Option<Sample>,
     /// The newest label; none since a reset of the window.
     label: Option<(SampleIndex, Intent)>,
+    /// Lock of the labels; none if they are not locked.
+    lock: Option<Lock>,
     sequence: u32,
 }
 
@@ -107,6 +110,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
             newest: SampleIndex(0),
             last: None,
             label: None,
+            lock: None,
             sequence: 0,
         }
     }
@@ -174,6 +178,26 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         self.safe_state.status()
     }
 
+    /// Locks the labels until a sign of the wearer, or locks them no longer, from the next label on.
+    pub fn set_lock(&mut self, times: Option<LockTimes>) {
+        self.lock = times.map(Lock::new);
+    }
+
+    /// Unlocks the labels, or locks them again, without a sign; nothing if they have no lock.
+    pub const fn hold_lock(&mut self, is_locked: bool) {
+        match &mut self.lock {
+            Some(lock) if is_locked => lock.lock(),
+            Some(lock) => lock.unlock(),
+            None => {}
+        }
+    }
+
+    /// Lock of the labels; none if they have none.
+    #[must_use]
+    pub const fn lock(&self) -> Option<Lock> {
+        self.lock
+    }
+
     /// A report of the present state, as a program writes it when it starts.
     pub fn state_report(&mut self) -> Report {
         self.report(Kind::State, self.newest, self.newest)
@@ -236,6 +260,14 @@ impl<'s, E: Encode> Pipeline<'s, E> {
             return;
         }
         self.label = Some((decision.instant, intent));
+        let shown = match &mut self.lock {
+            Some(lock) => lock.push(decision.instant, intent),
+            None => Some(intent),
+        };
+        let Some(intent) = shown else {
+            self.handle(now, Event::Locked, reports);
+            return;
+        };
         // No other window is decided.
         let event = Event::Label {
             intent,
@@ -267,6 +299,9 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         self.ring.reset();
         self.behind = 0;
         self.label = None;
+        if let Some(lock) = &mut self.lock {
+            lock.lock();
+        }
         self.interrupt_alignment();
         self.restart_model();
     }

@@ -11,7 +11,8 @@
 //! label    = "relax" | "open" | "close" | "wave-in" | "wave-out" | "pinch"
 //! valid    = "1" | "0"              level of the `valid` pin; with 0 the label is relax
 //! cause    = "-" with valid 1, else "boot" | "watchdog" | "stack" | "model-refused" | "disconnected"
-//!            | "silence" | "gap" | "losses" | "stalled" | "installation"      cause of the safe state
+//!            | "silence" | "gap" | "losses" | "stalled" | "installation" | "locked"
+//!                                cause of the safe state
 //! lost     = number                 samples lost since the start
 //! bridged  = number                 lost samples that were filled in since the start
 //! resets   = number                 resets of the window since the start
@@ -40,6 +41,7 @@ mod frame;
 pub mod gate;
 pub mod install;
 pub mod line;
+pub mod lock;
 mod refusal;
 
 use core::fmt::{self, Write as _};

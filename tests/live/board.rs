@@ -248,6 +248,7 @@ fn answer(command: Result<Command, Refusal>, following: Following) -> Answer<'st
         }),
         Ok(Command::Gate(GateCommand::Set(gate))) => Answer::Gate(gate),
         Ok(Command::Gate(GateCommand::State)) => Answer::Gate(Gate::default()),
+        Ok(Command::Lock(_)) => Answer::Lock(None),
         Ok(Command::Install(_)) => Answer::Refused(Refusal::Length),
         Ok(Command::Block(..)) => Answer::Refused(Refusal::NotBegun),
         Err(refusal) => Answer::Refused(refusal),

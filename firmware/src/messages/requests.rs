@@ -10,6 +10,7 @@ use shared::stream::smoother::Gate;
 use shared::uart_line::answer::{Accepted, Binding, Refusal};
 use shared::uart_line::command::{AlignCommand, BindCommand};
 use shared::uart_line::gate::GateCommand;
+use shared::uart_line::lock::{LockCommand, Locking};
 
 /// Requests from the control task to the inference.
 pub static INFERENCE: Requests<InferenceRequest, InferenceAnswer> = Requests::new();
@@ -21,6 +22,10 @@ pub enum InferenceRequest {
     Align(AlignCommand),
     /// The confidence gate.
     Gate(GateCommand),
+    /// The lock of the labels.
+    Lock(LockCommand),
+    /// The button was pressed: unlock labels that are locked, or begin an alignment.
+    Press,
 }
 
 /// Answer of the inference.
@@ -32,6 +37,8 @@ pub enum InferenceAnswer {
     Alignment(Alignment),
     /// This gate is in force from now on.
     Gate(Gate),
+    /// This lock is in force from now on.
+    Lock(Option<Locking>),
 }
 
 /// Requests from the installation to the inference. A channel of its own: flash is erased on the strength of its answer.

@@ -6,12 +6,11 @@ use embassy_futures::{
 };
 use embassy_time::{Duration, Ticker};
 use shared::button::{self, Press};
-use shared::stream::alignment::Arm;
 use shared::uart_line::answer::{Answer, Counts, Refusal};
 use shared::uart_line::command::{AlignCommand, BindCommand, Command, CommandReader};
 use shared::units::Millis;
 
-use crate::board::{Button, CommandPort, LINES};
+use crate::board::{Button, CommandPort};
 use crate::clock::now;
 use crate::messages::{
     armband, model,
@@ -32,7 +31,7 @@ const REMINDER_MS: u32 = 10_000;
 /// Runs forever.
 #[embassy_executor::task]
 pub async fn run(mut port: CommandPort, mut button: Button) -> ! {
-    let mut readers = [const { CommandReader::new() }; LINES];
+    let mut reader = CommandReader::new();
     let mut contact = button::Button::new();
     let mut ticker = Ticker::every(LOOK);
     let mut bytes = [0; AT_ONCE];
@@ -42,16 +41,15 @@ pub async fn run(mut port: CommandPort, mut button: Button) -> ! {
             Either::First(()) => match contact.look(now(), button.is_down()) {
                 // Refused without a stream: there is nothing to align.
                 Some(Press::Pressed) => {
-                    let begin = InferenceRequest::Align(AlignCommand::Begin(Arm::Unknown));
-                    let _ = requests::INFERENCE.ask(begin).await;
+                    let _ = requests::INFERENCE.ask(InferenceRequest::Press).await;
                 }
                 // An address that was given at build time stays.
                 Some(Press::Held) => drop(requests::BIND.ask(BindCommand::Begin).await),
                 None => {}
             },
-            Either::Second((line, Ok(count))) => {
+            Either::Second(Ok(count)) => {
                 for &byte in bytes.iter().take(count) {
-                    if let Some(command) = readers[line].push(byte) {
+                    if let Some(command) = reader.push(byte) {
                         let answer = match command {
                             Ok(command) => carry_out(command).await,
                             Err(refusal) => Answer::Refused(refusal),
@@ -60,8 +58,8 @@ pub async fn run(mut port: CommandPort, mut button: Button) -> ! {
                     }
                 }
             }
-            Either::Second((line, Err(_))) => {
-                readers[line].interrupt();
+            Either::Second(Err(_)) => {
+                reader.interrupt();
                 if reminded.is_none_or(|at| now().elapsed_since(at) >= REMINDER_MS) {
                     reminded = Some(now());
                     uart::enqueue(UartMessage::BytesLost);
@@ -97,6 +95,7 @@ async fn carry_out(command: Command) -> Answer<'static> {
         },
         Command::Align(command) => ask_inference(InferenceRequest::Align(command)).await,
         Command::Gate(command) => ask_inference(InferenceRequest::Gate(command)).await,
+        Command::Lock(command) => ask_inference(InferenceRequest::Lock(command)).await,
         Command::Install(transfer) => install(InstallationRequest::Begin(transfer)).await,
         Command::Block(number, block) => install(InstallationRequest::Block(number, block)).await,
     }
@@ -107,6 +106,7 @@ async fn ask_inference(request: InferenceRequest) -> Answer<'static> {
         Ok(InferenceAnswer::Align(accepted)) => Answer::Align(accepted),
         Ok(InferenceAnswer::Alignment(alignment)) => Answer::Alignment(alignment),
         Ok(InferenceAnswer::Gate(gate)) => Answer::Gate(gate),
+        Ok(InferenceAnswer::Lock(lock)) => Answer::Lock(lock),
         Err(refusal) => Answer::Refused(refusal),
     }
 }

@@ -14,6 +14,7 @@ use shared::uart_line::answer::{Accepted, Refusal};
 use shared::uart_line::command::AlignCommand;
 use shared::uart_line::emg::EmgReport;
 use shared::uart_line::gate::GateCommand;
+use shared::uart_line::lock::{LockCommand, Locking};
 use shared::units::Millis;
 use static_cell::{ConstStaticCell, StaticCell};
 
@@ -28,7 +29,7 @@ use crate::messages::{
 };
 use crate::model_region::{self, Loaded, ModelRefused};
 use crate::reset_reason::ResetReason;
-use crate::settings::{ALIGN_ON_CONNECTION, ARM};
+use crate::settings::{ALIGN_ON_CONNECTION, ARM, LOCK};
 
 /// The encoder's state, the largest variable in RAM.
 static STATE: ConstStaticCell<DeviceState> = ConstStaticCell::new(DeviceState::fresh());
@@ -62,7 +63,9 @@ pub fn load(reason: ResetReason) -> (&'static mut DevicePipeline, Option<ModelRe
 #[inline(never)]
 fn fresh(reason: ResetReason) -> &'static mut DevicePipeline {
     static PIPELINE: StaticCell<DevicePipeline> = StaticCell::new();
-    PIPELINE.init_with(|| Pipeline::without_model(STATE.take(), start(reason)))
+    let pipeline = PIPELINE.init_with(|| Pipeline::without_model(STATE.take(), start(reason)));
+    pipeline.set_lock(LOCK);
+    pipeline
 }
 
 /// Puts the model in flash in use.
@@ -158,6 +161,15 @@ pub async fn run(
                 let done = match request {
                     InferenceRequest::Align(command) => align(pipeline, command, streams),
                     InferenceRequest::Gate(command) => set_gate(pipeline, command),
+                    InferenceRequest::Lock(command) => Ok(set_lock(pipeline, command)),
+                    InferenceRequest::Press
+                        if pipeline.lock().is_some_and(|lock| lock.is_locked()) =>
+                    {
+                        Ok(set_lock(pipeline, LockCommand::Hold { is_locked: false }))
+                    }
+                    InferenceRequest::Press => {
+                        align(pipeline, AlignCommand::Begin(Arm::Unknown), streams)
+                    }
                 };
                 if let Ok(InferenceAnswer::Align(_)) = done {
                     trigger.requested();
@@ -241,6 +253,16 @@ fn set_gate(
         GateCommand::Set(gate) if !pipeline.set_gate(gate) => Err(Refusal::Arguments),
         GateCommand::Set(_) | GateCommand::State => Ok(InferenceAnswer::Gate(pipeline.gate())),
     }
+}
+
+fn set_lock(pipeline: &mut DevicePipeline, command: LockCommand) -> InferenceAnswer {
+    match command {
+        LockCommand::Set(times) => pipeline.set_lock(Some(times)),
+        LockCommand::Off => pipeline.set_lock(None),
+        LockCommand::Hold { is_locked } => pipeline.hold_lock(is_locked),
+        LockCommand::State => {}
+    }
+    InferenceAnswer::Lock(pipeline.lock().map(Locking::from))
 }
 
 /// Queues what a call of the pipeline gave and what is new about the alignment, in the order of the lines' numbers.

@@ -43,6 +43,7 @@ impl<E: Encode> Pipeline<'_, E> {
     fn give_up(&mut self, now: Millis, event: Event) -> Reports {
         let mut reports = self.tick(now);
         self.model = None;
+        self.hold_lock(true);
         self.cancel_alignment();
         self.handle(now, event, &mut reports);
         reports

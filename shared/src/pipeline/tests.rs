@@ -363,3 +363,37 @@ mod alignment;
 mod arm;
 mod instants;
 mod wrap;
+
+#[test]
+fn a_lock_shows_no_label_before_an_open_hand_is_held_and_none_after_the_stream_was_lost() {
+    let mut pipeline = pipeline();
+    pipeline.set_lock(Some(LockTimes {
+        sign: 200,
+        rest: 400,
+    }));
+    let close = Status::Valid(Intent::Close);
+    let relax = Status::Valid(Intent::Relax);
+    let locked = Status::Safe(Cause::Locked);
+    // A close hand says only that it is locked.
+    let reports = feed(&mut pipeline, 0, 1000, 2);
+    assert_eq!(fields(reports), [(Kind::State, 660, 660, locked)]);
+    // The sign itself is shown as relax.
+    let reports = feed(&mut pipeline, 1000, 400, 1);
+    let shown: Vec<Status> = fields(reports).iter().map(|own| own.3).collect();
+    assert!(!shown.is_empty() && shown.iter().all(|own| *own == relax));
+    let reports = feed(&mut pipeline, 1400, 200, 2);
+    assert_eq!(fields(reports).last().unwrap().3, close);
+    // Two seconds of rest lock again.
+    let reports = feed(&mut pipeline, 1600, 600, 0);
+    assert_eq!(fields(reports).last().unwrap().3, locked);
+    pipeline.hold_lock(false);
+    let reports = feed(&mut pipeline, 2200, 100, 2);
+    assert_eq!(fields(reports).last().unwrap().3, close);
+    pipeline.disconnected(at(2300));
+    let reports = feed(&mut pipeline, 2300, 800, 2);
+    assert_eq!(fields(reports).last().unwrap().3, locked);
+    // Without a lock labels go on.
+    pipeline.set_lock(None);
+    let reports = feed(&mut pipeline, 3100, 100, 2);
+    assert_eq!(fields(reports).last().unwrap().3, close);
+}

@@ -1,8 +1,10 @@
 //! Steps of a stream beside the model: link sequence numbers, normalization to the
-//! wearer, alignment, preprocessing, the sample ring, the smoother, the safe state.
+//! wearer, alignment, preprocessing, the sample ring, the smoother, the lock, the safe
+//! state.
 
 pub mod alignment;
 pub mod link_sequence;
+pub mod lock;
 pub mod normalizer;
 pub mod preprocess;
 pub mod ring;

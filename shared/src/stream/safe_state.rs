@@ -35,6 +35,8 @@ names! {
         Stalled = "stalled",
         /// Another model is being installed.
         Installation = "installation",
+        /// Labels are locked until a sign.
+        Locked = "locked",
     }
 }
 
@@ -97,6 +99,8 @@ pub enum Event {
     Stalled,
     /// The armband was disconnected.
     Disconnected,
+    /// There is a label, and it is locked.
+    Locked,
     /// The model file was refused.
     ModelRefused,
     /// Another model is being installed: there is none until it is.
@@ -173,6 +177,7 @@ impl SafeState {
             Event::Gap => self.enter(Cause::Gap),
             Event::Losses => self.enter(Cause::Losses),
             Event::Stalled => self.enter(Cause::Stalled),
+            Event::Locked => self.enter(Cause::Locked),
             Event::Disconnected => self.end_stream(Cause::Disconnected),
             Event::ModelRefused => self.end_model(Cause::ModelRefused),
             Event::Installation => self.end_model(Cause::Installation),

@@ -9,6 +9,7 @@
 //!          | "OK,RAW," ( "on" | "off" )
 //!          | "OK,BIND," why-this "," address "," kept
 //!          | "OK,GATE," entry "," other "," reaction     super::gate
+//!          | "OK,LOCK," ( "off" | sign "," rest "," locked )     super::lock
 //!          | "OK,INSTALL," ( block | "done" )     super::install: missing next; the model is in use
 //!          | "ERR," why
 //! version  = of the program, such as 0.1.0
@@ -60,6 +61,7 @@ use super::ParseError;
 use super::command::{AlignCommand, Switch};
 use super::fields::{Fields, Reader, Rows, Writer, field, fields, rows, wrong};
 use super::frame::{framed, hexadecimal, number};
+use super::lock::Locking;
 pub use super::refusal::Refusal;
 use crate::installation::Progress;
 use crate::myo::{Address, FirmwareVersion, Following};
@@ -138,6 +140,8 @@ pub enum Answer<'a> {
     Binding(Binding),
     /// Answer to `GATE`: the gate from now on.
     Gate(Gate),
+    /// Answer to `LOCK`: the lock from now on; none if labels are not locked.
+    Lock(Option<Locking>),
     /// Answer to `INSTALL` and `BLOCK`: the next missing block.
     Install(Progress),
     /// The command is not carried out.
@@ -165,6 +169,8 @@ rows!(Answer<'a> {
     "OK,RAW" (raw: Switch) => Self::Raw(raw),
     "OK,BIND" (binding: Binding) => Self::Binding(binding),
     "OK,GATE" (gate: Gate) => Self::Gate(gate),
+    "OK,LOCK,off" => Self::Lock(None),
+    "OK,LOCK" (lock: Locking) => Self::Lock(Some(lock)),
     "OK,INSTALL,done" => Self::Install(Progress::Installed),
     "OK,INSTALL" (block: u32) => Self::Install(Progress::Next(block)),
     "ERR,too-long" => Self::Refused(Refusal::TooLong),

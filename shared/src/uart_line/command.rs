@@ -15,6 +15,10 @@
 //!          | "BIND,state"                        change nothing
 //!          | "GATE,set," entry "," other "," reaction    operating point until the next start: super::gate
 //!          | "GATE,state"                        change nothing
+//!          | "LOCK,set," sign "," rest           lock labels until a sign, until the next start: super::lock
+//!          | "LOCK,off"                          lock them no longer
+//!          | "LOCK,lock" | "LOCK,unlock"         lock or unlock them now
+//!          | "LOCK,state"                        change nothing
 //!          | "INSTALL," length "," crc           begin to exchange the model: super::install
 //!          | "BLOCK," number "," crc "," content  a block of it
 //! address  = such as FA:12:34:56:78:9A
@@ -39,10 +43,12 @@ use super::ParseError;
 use super::fields::{Fields, Reader, Rows, Writer, field, rows};
 use super::frame::unframed;
 use super::gate::GateCommand;
+use super::lock::LockCommand;
 use super::refusal::Refusal;
 use crate::installation::{Block, Transfer};
 use crate::myo::Address;
 use crate::stream::alignment::{Alignment, Arm};
+use crate::stream::lock::LockTimes;
 use crate::stream::smoother::Gate;
 
 /// Most bytes of a command's line, without its end: a block's.
@@ -66,6 +72,8 @@ pub enum Command {
     Bind(BindCommand),
     /// Change the confidence gate, or say which one is in force.
     Gate(GateCommand),
+    /// Lock or unlock the labels, or say whether they are locked.
+    Lock(LockCommand),
     /// Begin to exchange the model, or go on with it.
     Install(Transfer),
     /// Take a block of it, with this number.
@@ -134,6 +142,11 @@ rows!(Command {
     "BIND,state" => Self::Bind(BindCommand::State),
     "GATE,set" (gate: Gate) => Self::Gate(GateCommand::Set(gate)),
     "GATE,state" => Self::Gate(GateCommand::State),
+    "LOCK,set" (times: LockTimes) => Self::Lock(LockCommand::Set(times)),
+    "LOCK,off" => Self::Lock(LockCommand::Off),
+    "LOCK,lock" => Self::Lock(LockCommand::Hold { is_locked: true }),
+    "LOCK,unlock" => Self::Lock(LockCommand::Hold { is_locked: false }),
+    "LOCK,state" => Self::Lock(LockCommand::State),
     "INSTALL" (transfer: Transfer) => Self::Install(transfer),
     "BLOCK" (number: u32, block: Block) => Self::Block(number, block),
 });

@@ -11,12 +11,14 @@ use shared::myo::binding::to_record;
 use shared::myo::{Address, Characteristic, Following};
 use shared::stream::alignment::{Alignment, Arm};
 use shared::stream::safe_state::{Cause, Status};
+use shared::stream::lock::LockTimes;
 use shared::stream::smoother::{Gate, Reaction};
 use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
 use shared::uart_line::answer::{Answer, Binding, Counts, Identity, Refusal};
 use shared::uart_line::command::{AlignCommand, BindCommand, Command};
 use shared::uart_line::emg::EmgReport;
 use shared::uart_line::gate::GateCommand;
+use shared::uart_line::lock::LockCommand;
 use shared::uart_line::{Counters, Kind, Report};
 use shared::units::SampleIndex;
 
@@ -149,6 +151,7 @@ fn commands() -> Vec<Vec<u8>> {
             other: Some(-50),
             reaction: Some(Reaction::Fast),
         })),
+        Command::Lock(LockCommand::Set(LockTimes::USUAL)),
         Command::Install(Transfer {
             length: 86_776,
             checksum: 0x577b_d53b,

@@ -4,6 +4,7 @@ use super::{Accepted, Answer, Refusal};
 use crate::myo::Following;
 use crate::uart_line::command::{AlignCommand, BindCommand, Command};
 use crate::uart_line::gate::GateCommand;
+use crate::uart_line::lock::LockCommand;
 
 impl Answer<'_> {
     /// Whether this can be the answer to a command.
@@ -25,6 +26,12 @@ impl Answer<'_> {
             }
             (Command::Raw(asked), Self::Raw(on)) => asked == *on,
             (Command::Gate(GateCommand::Set(asked)), Self::Gate(gate)) => asked == *gate,
+            (Command::Lock(asked), Self::Lock(lock)) => match asked {
+                LockCommand::Set(times) => lock.is_some_and(|lock| lock.times == times),
+                LockCommand::Off => lock.is_none(),
+                LockCommand::Hold { is_locked } => lock.is_none_or(|lock| lock.locked == is_locked),
+                LockCommand::State => true,
+            },
             (Command::Bind(asked), Self::Binding(binding)) => match (asked, binding.following) {
                 (BindCommand::Begin, Following::Pairing)
                 | (BindCommand::Forget, Following::Nobody | Following::Strongest) => true,

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::myo::AddressKind;
+use crate::stream::lock::LockTimes;
 use crate::stream::smoother::{Gate, Reaction};
 use crate::uart_line::tests::line as framed;
 use alloc::{format, string::ToString, vec, vec::Vec};
@@ -59,6 +60,10 @@ fn what_is_wrong_is_named() {
         ("ALIGN,set,03,0", Refusal::Arguments),
         ("ALIGN,set,3,2", Refusal::Arguments),
         ("ALIGN,set,3,0,0", Refusal::Arguments),
+        ("LOCK", Refusal::Arguments),
+        ("LOCK,set,99,2000", Refusal::Arguments),
+        ("LOCK,set,500,120001", Refusal::Arguments),
+        ("LOCK,on", Refusal::Arguments),
         ("RAW", Refusal::Arguments),
         ("RAW,1", Refusal::Arguments),
         ("BIND", Refusal::Arguments),
@@ -148,8 +153,15 @@ fn command() -> impl Strategy<Value = Command> {
         block.0.copy_from_slice(halves.as_flattened());
         Command::Block(number, block)
     });
+    let lock = (100_u32..=2000, 200_u32..=120_000)
+        .prop_map(|(sign, rest)| Command::Lock(LockCommand::Set(LockTimes { sign, rest })));
+    let hold = any::<bool>().prop_map(|is_locked| Command::Lock(LockCommand::Hold { is_locked }));
     prop_oneof![
         install,
+        lock,
+        hold,
+        Just(Command::Lock(LockCommand::Off)),
+        Just(Command::Lock(LockCommand::State)),
         block,
         any::<bool>().prop_map(Command::Raw),
         gate,
