@@ -42,9 +42,17 @@ pub(super) struct Arguments {
         default_value = "15,30,60"
     )]
     amounts: Vec<f64>,
-    /// Steps of the tuning.
-    #[arg(long, default_value_t = TuningSettings::default().steps)]
-    steps: usize,
+    /// Margins over other movement to judge with, separated by commas; besides the tuned file's own.
+    #[arg(
+        long,
+        value_name = "MARGINS",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
+    margins: Vec<f32>,
+    /// Steps of the tuning; by default those of `myointent personalize`.
+    #[arg(long)]
+    steps: Option<usize>,
     /// Share of the model's own outputs in the targets of gestures and rest, 0 to 1.
     #[arg(long, default_value_t = TuningSettings::default().keep)]
     keep: f64,
@@ -63,15 +71,20 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let model = Model::parse(&bytes).with_context(|| arguments.model.display().to_string())?;
     let library = load(&arguments.data, &LoadOptions::default())?;
     let interrupt = Interrupt::listen();
+    let usual = TuningSettings::default();
     let settings = TuningSettings {
-        steps: arguments.steps,
+        steps: arguments.steps.unwrap_or(usual.steps),
+        steps_with_other: arguments.steps.unwrap_or(usual.steps_with_other),
         keep: arguments.keep,
-        ..TuningSettings::default()
+        ..usual
     };
+    let others = arguments.margins.iter().copied().map(Some);
+    let margins: Vec<Option<f32>> = [None].into_iter().chain(others).collect();
     let measurement = Measurement {
         library: &library,
         model: &bytes,
         amounts: &arguments.amounts,
+        margins: &margins,
         settings: &settings,
         device,
         interrupt: &interrupt,
@@ -96,12 +109,12 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         "nobody could be measured: expected people whom the model has not seen, with gestures and other movement"
     );
     let mut out = std::io::stdout().lock();
-    writeln!(out, "{}", table(&people, &arguments.amounts).plain())?;
+    writeln!(out, "{}", table(&people).plain())?;
     Ok(())
 }
 
 /// Table with a row for each variant: means over people, and differences to gestures alone.
-fn table(people: &[(String, Vec<(Variant, Values)>)], amounts: &[f64]) -> Table {
+fn table(people: &[(String, Vec<(Variant, Values)>)]) -> Table {
     let caption = "Mean over n people; less gestures alone [95 % interval]";
     let names = SHOWN.iter().map(|measure| measure.name().to_owned());
     let mut table = Table::new(
@@ -111,15 +124,10 @@ fn table(people: &[(String, Vec<(Variant, Values)>)], amounts: &[f64]) -> Table 
             .into_iter()
             .chain(names),
     );
-    let tuned = [0.0]
-        .iter()
-        .chain(amounts)
-        .map(|&seconds| Variant::Tuned(seconds));
-    for variant in [Variant::AsItIs]
-        .into_iter()
-        .chain(tuned)
-        .chain([Variant::Unshown])
-    {
+    let alone = Variant::Tuned(0.0, None);
+    let longest = people.iter().max_by_key(|(_, variants)| variants.len());
+    let variants = longest.into_iter().flat_map(|(_, variants)| variants);
+    for &(variant, _) in variants {
         let side = |wanted: Variant, measure: usize| -> Vec<(&str, f64)> {
             people
                 .iter()
@@ -138,19 +146,22 @@ fn table(people: &[(String, Vec<(Variant, Values)>)], amounts: &[f64]) -> Table 
             let values: Vec<f64> = own.iter().map(|(_, value)| *value).collect();
             let mean = MeanSd::of(&values)
                 .map_or_else(|| "-".to_owned(), |own| format!("{:.3}", own.mean));
-            let less = Difference::paired(&own, &side(Variant::Tuned(0.0), measure));
+            let less = Difference::paired(&own, &side(alone, measure));
             let interval = less
-                .filter(|_| variant != Variant::Tuned(0.0))
+                .filter(|_| variant != alone)
                 .and_then(|less| less.interval);
             interval.map_or(mean.clone(), |interval| {
                 format!("{mean} [{:+.3}, {:+.3}]", interval.low, interval.high)
             })
         });
+        let at = |margin: Option<f32>| {
+            margin.map_or_else(String::new, |margin| format!(", margin {margin}"))
+        };
         let name = match variant {
             Variant::AsItIs => "nothing".to_owned(),
-            Variant::Tuned(0.0) => "gestures".to_owned(),
-            Variant::Tuned(seconds) => format!("{seconds} s of others too"),
-            Variant::Unshown => "all kinds but the one judged".to_owned(),
+            Variant::Tuned(0.0, margin) => format!("gestures{}", at(margin)),
+            Variant::Tuned(seconds, margin) => format!("{seconds} s of others too{}", at(margin)),
+            Variant::Unshown(margin) => format!("all kinds but the one judged{}", at(margin)),
         };
         table.push([name, count.to_string()].into_iter().chain(cells));
     }

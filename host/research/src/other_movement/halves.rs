@@ -36,8 +36,10 @@ pub(super) fn halves(recordings: &[&Recording], vocabulary: Vocabulary) -> [Half
     for (at, own) in recordings.iter().enumerate() {
         let motions = motions(&own.labels, &own.other_movement);
         let runs = runs(&motions);
+        let is_rest_alone = runs.iter().all(|run| run.label == Motion::RELAX);
         for (place, run) in runs.iter().enumerate() {
             let is_gesture = match run.label {
+                Motion::RELAX if is_rest_alone => true,
                 Motion::RELAX | Motion::Unknown | Motion::Unnamed => continue,
                 Motion::Intent(intent) => vocabulary.intents().contains(&intent),
                 Motion::Other(_) => false,
@@ -181,6 +183,21 @@ mod tests {
         assert_eq!(others(1.6, |_| true), (1.5, 1.5));
         assert_eq!(others(60.0, |_| true), (3.0, 1.5));
         assert_eq!(others(60.0, |kind| kind != "point"), (0.0, 1.5));
+    }
+
+    #[test]
+    fn a_recording_of_rest_alone_is_halved_as_a_gesture_is() {
+        let rest = Recording {
+            labels: vec![Some(Intent::Relax); 400],
+            samples: vec![[0; 8]; 400],
+            other_movement: Vec::new(),
+            ..recording()
+        };
+        let own = [&recording(), &rest, &rest];
+        let [first, second] = halves(&own, Vocabulary::Three);
+        for half in [&first, &second] {
+            assert_eq!(half.gestures["relax"].len(), 1);
+        }
     }
 
     #[test]

@@ -28,10 +28,11 @@ pub(crate) type Values = [Option<f64>; SHOWN.len()];
 pub(crate) enum Variant {
     /// Nothing: the model as it is.
     AsItIs,
-    /// Gestures, and this many seconds of other movement, of all kinds.
-    Tuned(f64),
+    /// Gestures, and this many seconds of other movement, of all kinds; judged with this margin over other movement, or the
+    /// tuned file's own.
+    Tuned(f64, Option<f32>),
     /// Gestures and all other movement but one kind; judged on that kind, in turn, and averaged.
-    Unshown,
+    Unshown(Option<f32>),
 }
 
 /// Settings of the measurement.
@@ -40,6 +41,8 @@ pub(crate) struct Measurement<'a> {
     pub(crate) model: &'a [u8],
     /// Seconds of other movement to tune on.
     pub(crate) amounts: &'a [f64],
+    /// Margins over other movement to judge with; none for the tuned file's own.
+    pub(crate) margins: &'a [Option<f32>],
     pub(crate) settings: &'a TuningSettings,
     pub(crate) device: Device,
     pub(crate) interrupt: &'a Interrupt,
@@ -59,10 +62,13 @@ impl Measurement<'_> {
         let mut variants = vec![(Variant::AsItIs, values(self.model, &judged)?)];
         for &seconds in [0.0].iter().chain(self.amounts) {
             let file = self.tune(&own, &first.holds(seconds, |_| true))?;
-            variants.push((Variant::Tuned(seconds), values(&file, &judged)?));
+            for &margin in self.margins {
+                let values = values(&with_margin(&file, margin)?, &judged)?;
+                variants.push((Variant::Tuned(seconds, margin), values));
+            }
         }
         if first.others.len() > 1 {
-            variants.push((Variant::Unshown, self.unshown(&own, &first, &second)?));
+            variants.extend(self.unshown(&own, &first, &second)?);
         }
         Ok(variants)
     }
@@ -73,17 +79,25 @@ impl Measurement<'_> {
         own: &[&Recording],
         first: &Half,
         second: &Half,
-    ) -> Result<Values, PersonalizeError> {
-        let mut all = Vec::new();
+    ) -> Result<Vec<(Variant, Values)>, PersonalizeError> {
+        let mut all = vec![Vec::new(); self.margins.len()];
         for kind in first.others.keys() {
             let file = self.tune(own, &first.holds(f64::INFINITY, |other| other != *kind))?;
             let judged = self.whole(own, &second.holds(f64::INFINITY, |other| other == *kind))?;
-            all.push(values(&file, &judged)?);
+            for (all, &margin) in all.iter_mut().zip(self.margins) {
+                all.push(values(&with_margin(&file, margin)?, &judged)?);
+            }
         }
-        Ok(std::array::from_fn(|measure| {
-            let values: Option<Vec<f64>> = all.iter().map(|values| values[measure]).collect();
-            values.map(|values| values.iter().sum::<f64>() / values.len() as f64)
-        }))
+        let mean = |all: &[Values]| {
+            std::array::from_fn(|measure| {
+                let values: Option<Vec<f64>> = all.iter().map(|values| values[measure]).collect();
+                values.map(|values| values.iter().sum::<f64>() / values.len() as f64)
+            })
+        };
+        let pairs = self.margins.iter().zip(&all);
+        Ok(pairs
+            .map(|(&margin, all)| (Variant::Unshown(margin), mean(all)))
+            .collect())
     }
 
     fn tune(&self, own: &[&Recording], holds: &[Hold]) -> Result<Vec<u8>, PersonalizeError> {
@@ -95,13 +109,21 @@ impl Measurement<'_> {
             settings,
             &self.device,
             interrupt,
-            |_| (),
+            |_, _| (),
         )
     }
 
     fn whole(&self, own: &[&Recording], holds: &[Hold]) -> Result<Person, PersonalizeError> {
         let model = Model::parse(self.model)?;
         Person::new(&joined(own, holds), None, &model.header)
+    }
+}
+
+/// Copy of a model file with another margin over other movement.
+fn with_margin(file: &[u8], margin: Option<f32>) -> Result<Vec<u8>, PersonalizeError> {
+    match margin {
+        Some(_) => Ok(Model::with_gate(file, None, margin, None)?),
+        None => Ok(file.to_vec()),
     }
 }
 

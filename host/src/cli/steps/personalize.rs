@@ -101,7 +101,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         &device,
         &Interrupt::listen(),
         // The progress bar in the terminal shows the steps.
-        |_| (),
+        |_, _| (),
     )?;
     if done.seen_before {
         progress::log(&format!(

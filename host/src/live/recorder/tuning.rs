@@ -32,8 +32,8 @@ type Outcome = (TuningState, Option<Vec<u8>>);
 /// Message from the tuning thread.
 #[derive(Debug)]
 pub(super) enum TuningProgress {
-    /// Number of steps done.
-    Steps(usize),
+    /// Number of steps done, and of all.
+    Steps(usize, usize),
     /// Result.
     Ended(Outcome),
 }
@@ -58,7 +58,7 @@ impl RunningRecorder {
         ];
         let work = move || {
             // The recorder may have ended.
-            let report = |steps| drop(sender.send(TuningProgress::Steps(steps)));
+            let report = |step, of| drop(sender.send(TuningProgress::Steps(step, of)));
             let ended = match tune(&model, &folder, &device, report) {
                 Ok(done) => outcome(done, &out, next, installs),
                 Err(error) => (failed(error), None),
@@ -69,7 +69,7 @@ impl RunningRecorder {
         let state = match thread.spawn(work) {
             Ok(_) => {
                 self.tuning = Some(receiver);
-                running(0)
+                running(0, TuningSettings::default().steps)
             }
             Err(error) => failed(error.to_string()),
         };
@@ -84,7 +84,7 @@ impl RunningRecorder {
             .and_then(|tuning| tuning.try_recv().ok())
         {
             let state = match progress {
-                TuningProgress::Steps(steps) => running(steps),
+                TuningProgress::Steps(steps, of) => running(steps, of),
                 TuningProgress::Ended((state, tuned)) => {
                     self.tuning = None;
                     self.tuned = tuned;
@@ -97,8 +97,7 @@ impl RunningRecorder {
 }
 
 /// State after this many steps.
-fn running(steps: usize) -> TuningState {
-    let of = TuningSettings::default().steps;
+fn running(steps: usize, of: usize) -> TuningState {
     let text = if steps == of {
         "both models are judged on what was held back"
     } else {
@@ -117,7 +116,7 @@ fn tune(
     model: &[u8],
     folder: &Path,
     device: &training::backend::Device,
-    report: impl FnMut(usize),
+    report: impl FnMut(usize, usize),
 ) -> Result<Personalized, String> {
     let library = load(folder, &LoadOptions::default()).map_err(|error| error.to_string())?;
     let settings = TuningSettings::default();

@@ -62,8 +62,8 @@ impl Personalized {
 
 /// Fine-tunes a model file on a part of a person's recordings, and judges it on the part held back.
 ///
-/// Without a name, the recordings must be of one person. After each step, `report` gets the number of steps done, of
-/// [`TuningSettings::steps`].
+/// Without a name, the recordings must be of one person. After each step, `report` gets the number of steps done
+/// and of all.
 ///
 /// # Errors
 /// When the model is refused, the recordings do not allow it, two classes of their labels seem exchanged, the training
@@ -75,7 +75,7 @@ pub fn personalize(
     settings: &TuningSettings,
     device: &Device,
     interrupt: &Interrupt,
-    mut report: impl FnMut(usize),
+    mut report: impl FnMut(usize, usize),
 ) -> Result<Personalized, PersonalizeError> {
     let model = Model::parse(file)?;
     let person = Person::new(library, subject, &model.header)?;
@@ -123,7 +123,7 @@ pub fn personalize(
     let bytes = tune(file, tuned, settings, device, interrupt, &mut report)?;
     let mut after = joined(divisions.iter().map(|(part, judged)| {
         if is_whole {
-            let own = tune(file, part, settings, device, interrupt, |_| ())?;
+            let own = tune(file, part, settings, device, interrupt, |_, _| ())?;
             Judgement::new("after", &own, judged)
         } else {
             Judgement::new("after", &bytes, judged)

@@ -208,6 +208,7 @@ fn synthetic() -> Library {
 
 const SETTINGS: fn() -> TuningSettings = || TuningSettings {
     steps: 6,
+    steps_with_other: 6,
     batch: 4,
     ..TuningSettings::default()
 };
@@ -216,7 +217,7 @@ fn tuned(settings: &TuningSettings) -> Personalized {
     let device = Device::default().autodiff();
     let interrupt = Interrupt::default();
     let mut taken = Vec::new();
-    let report = |steps| taken.push(steps);
+    let report = |step, of| taken.push((step, of));
     let done = personalize(
         &file(),
         &synthetic(),
@@ -226,7 +227,7 @@ fn tuned(settings: &TuningSettings) -> Personalized {
         &interrupt,
         report,
     );
-    assert!(taken.into_iter().eq(1..=settings.steps));
+    assert!(taken.into_iter().eq((1..=6).map(|step| (step, 6))));
     done.unwrap()
 }
 
@@ -270,7 +271,7 @@ fn an_interrupt_stops_the_tuning() {
     let device = Device::default().autodiff();
     let interrupt = Interrupt::at_once();
     let settings = SETTINGS();
-    let never = |steps| panic!("{steps} steps");
+    let never = |steps, of| panic!("{steps} of {of} steps");
     let stopped = personalize(
         &file(),
         &synthetic(),
@@ -281,4 +282,49 @@ fn an_interrupt_stops_the_tuning() {
         never,
     );
     assert!(stopped.unwrap_err().is_interrupt());
+}
+
+#[test]
+fn where_other_movement_is_shown_there_are_more_steps_and_a_lower_margin() {
+    let mut parts = parts(Vocabulary::Three);
+    parts = ModelParts {
+        provenance: parts.provenance,
+        ..random_model(
+            Dimensions {
+                other: true,
+                ..parts.dimensions
+            },
+            5,
+        )
+    };
+    parts.smoother.other_margin = Some(0.25);
+    let file = parts.to_bytes().unwrap();
+    let settings = TuningSettings {
+        steps: 1,
+        steps_with_other: 2,
+        ..SETTINGS()
+    };
+    let tuned = |own: Recording| {
+        let header = Model::parse(&file).unwrap().header;
+        let person = Person::new(&library([own]), None, &header).unwrap();
+        let mut taken = Vec::new();
+        let (device, interrupt) = (Device::default().autodiff(), Interrupt::default());
+        let report = |step, of| taken.push((step, of));
+        let whole = person.whole();
+        let bytes = tune(&file, &whole, &settings, &device, &interrupt, report).unwrap();
+        let margin = Model::parse(&bytes).unwrap().header.smoother.other_margin;
+        (taken, margin)
+    };
+    assert_eq!(tuned(turns(5)), (vec![(1, 1)], Some(0.25)));
+    let wave = Some(Intent::WaveIn);
+    let shown = [
+        (R, 400),
+        (O, 400),
+        (R, 400),
+        (C, 400),
+        (R, 400),
+        (wave, 400),
+    ];
+    let shown = recording(&shown.repeat(5));
+    assert_eq!(tuned(shown), (vec![(1, 2), (2, 2)], Some(-1.0)));
 }

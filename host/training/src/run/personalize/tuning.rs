@@ -33,6 +33,8 @@ const GAIN: f64 = 0.1;
 pub struct TuningSettings {
     /// Number of optimizer steps.
     pub steps: usize,
+    /// Number of them where other movement is shown: it takes longer to learn.
+    pub steps_with_other: usize,
     /// Number of excerpts of 6 s in a step.
     pub batch: usize,
     /// Peak learning rate of AdamW.
@@ -40,8 +42,10 @@ pub struct TuningSettings {
     /// Share of the old model's own outputs in the targets of gestures and rest, 0 to 1 (learning without forgetting, Li and Hoiem, IEEE TPAMI
     /// 40(12), 2018). Without them, rest raises labels in people whose recordings are steady holds.
     pub keep: f64,
-    /// Labels that other movement may raise a minute on what is held back: the margin over it is raised until it does. None keeps the old
-    /// model's margin.
+    /// Most margin over other movement of a model that was shown other movement. It knows what is not meant, and a margin of 0 would
+    /// cost gestures.
+    pub other_margin: f32,
+    /// Labels that other movement may raise a minute on what is held back: the margin over it is raised until it does.
     pub other_per_minute: Option<f64>,
     /// Seed of all draws.
     pub seed: u64,
@@ -51,17 +55,19 @@ impl Default for TuningSettings {
     fn default() -> Self {
         Self {
             steps: 40,
+            steps_with_other: 100,
             batch: 16,
             learning_rate: 1e-3,
             keep: 0.5,
+            other_margin: -1.0,
             other_per_minute: None,
             seed: 42,
         }
     }
 }
 
-/// Tunes a model file on a part of a person's recordings. Only the weights and the provenance change. After each step,
-/// `report` gets the number of steps done, of [`TuningSettings::steps`].
+/// Tunes a model file on a part of a person's recordings. Only the weights and the provenance change, and, where other movement is
+/// shown, the margin over it. After each step, `report` gets the number of steps done and of all.
 ///
 /// # Errors
 /// When the model is refused, the part has nothing to learn from, the training diverges or the user interrupts.
@@ -71,9 +77,17 @@ pub fn tune(
     settings: &TuningSettings,
     device: &Device,
     interrupt: &Interrupt,
-    report: impl FnMut(usize),
+    mut report: impl FnMut(usize, usize),
 ) -> Result<Vec<u8>, PersonalizeError> {
-    let parts = Model::parse(file)?.to_parts();
+    let mut parts = Model::parse(file)?.to_parts();
+    let is_other = |own: &Recording| !own.other_movement.is_empty();
+    let steps = if parts.dimensions.other && part.recordings().iter().any(is_other) {
+        let own = &mut parts.smoother.other_margin;
+        *own = own.map(|own| own.min(settings.other_margin));
+        settings.steps_with_other
+    } else {
+        settings.steps
+    };
     let (student, config) = dequantize(&parts, device);
     let corpus = spliced(part, parts.dimensions.other, settings.seed)?
         .with_median(parts.preprocessing.median);
@@ -87,7 +101,7 @@ pub fn tune(
     };
     let training = Distillation {
         epochs: 1,
-        steps: settings.steps,
+        steps,
         batch: settings.batch,
         patches: 120,
         learning_rate: settings.learning_rate,
@@ -111,9 +125,11 @@ pub fn tune(
     let span = config.span;
     let learner = StudentLearner::new(NAME, span, &corpus, teaching, &nothing, &training, device);
     let fit = training.train_config(settings.seed);
-    let tuned = tune::tune(&learner, student, fit, interrupt, report)
-        .map_err(PersonalizeError::Training)?
-        .ok_or(PersonalizeError::Interrupted)?;
+    let tuned = tune::tune(&learner, student, fit, interrupt, |step| {
+        report(step, steps)
+    })
+    .map_err(PersonalizeError::Training)?
+    .ok_or(PersonalizeError::Interrupted)?;
     quantize(
         &tuned.valid(),
         &config,
