@@ -10,7 +10,7 @@ use shared::uart_line::answer::{Answer, Counts, Refusal};
 use shared::uart_line::command::{AlignCommand, BindCommand, Command, CommandReader};
 use shared::units::Millis;
 
-use crate::board::{Button, CommandPort};
+use crate::board::{Button, CommandPort, LINES};
 use crate::clock::now;
 use crate::messages::{
     armband, model,
@@ -31,7 +31,7 @@ const REMINDER_MS: u32 = 10_000;
 /// Runs forever.
 #[embassy_executor::task]
 pub async fn run(mut port: CommandPort, mut button: Button) -> ! {
-    let mut reader = CommandReader::new();
+    let mut readers = [const { CommandReader::new() }; LINES];
     let mut contact = button::Button::new();
     let mut ticker = Ticker::every(LOOK);
     let mut bytes = [0; AT_ONCE];
@@ -47,9 +47,9 @@ pub async fn run(mut port: CommandPort, mut button: Button) -> ! {
                 Some(Press::Held) => drop(requests::BIND.ask(BindCommand::Begin).await),
                 None => {}
             },
-            Either::Second(Ok(count)) => {
+            Either::Second((line, Ok(count))) => {
                 for &byte in bytes.iter().take(count) {
-                    if let Some(command) = reader.push(byte) {
+                    if let Some(command) = readers[line].push(byte) {
                         let answer = match command {
                             Ok(command) => carry_out(command).await,
                             Err(refusal) => Answer::Refused(refusal),
@@ -58,8 +58,8 @@ pub async fn run(mut port: CommandPort, mut button: Button) -> ! {
                     }
                 }
             }
-            Either::Second(Err(_)) => {
-                reader.interrupt();
+            Either::Second((line, Err(_))) => {
+                readers[line].interrupt();
                 if reminded.is_none_or(|at| now().elapsed_since(at) >= REMINDER_MS) {
                     reminded = Some(now());
                     uart::enqueue(UartMessage::BytesLost);
