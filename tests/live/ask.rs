@@ -11,12 +11,14 @@ use serial2::SerialPort;
 use shared::installation::{Block, Progress, Transfer};
 use shared::myo::Following;
 use shared::stream::alignment::{Alignment, Arm};
+use shared::stream::lock::LockTimes;
 use shared::stream::smoother::Gate;
 use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
 use shared::uart_line::answer::{Accepted, Answer, Counts, Refusal};
 use shared::uart_line::command::{AlignCommand, BindCommand, Command};
 use shared::uart_line::gate::GateCommand;
 use shared::uart_line::line::Line;
+use shared::uart_line::lock::{LockCommand, Locking};
 use shared::units::SampleIndex;
 
 use super::board::{Board, Damage, terminal};
@@ -102,6 +104,13 @@ const fn gate(entry: i16) -> Gate {
         entry: Some(entry),
         other: None,
         reaction: None,
+    }
+}
+
+const fn locking(locked: bool) -> Locking {
+    Locking {
+        times: LockTimes::USUAL,
+        locked,
     }
 }
 
@@ -235,6 +244,16 @@ fn late() -> Vec<(Command, Vec<Answer<'static>>, Answer<'static>)> {
             vec![nobody, identity(7)],
             Answer::Gate(gate(1)),
         ),
+        (
+            Command::Lock(LockCommand::Set(LockTimes::USUAL)),
+            vec![Answer::Lock(None), counts],
+            Answer::Lock(Some(locking(true))),
+        ),
+        (
+            Command::Lock(LockCommand::Hold { is_locked: false }),
+            vec![Answer::Lock(Some(locking(true)))],
+            Answer::Lock(Some(locking(false))),
+        ),
         (Command::Install(transfer), vec![counts, nobody], next(0)),
         (
             Command::Install(transfer),
@@ -285,6 +304,19 @@ fn run(link: &Path, arguments: &[&str]) -> bool {
     let line = ["myointent", "board", "--port", link.to_str().unwrap()];
     let line = line.iter().chain(arguments);
     Cli::try_parse_from(line).unwrap().run() == ExitCode::SUCCESS
+}
+
+#[test]
+fn a_lock_is_set_by_times_that_a_lock_can_have() {
+    let folder = tempfile::tempdir().unwrap();
+    let link = folder.path().join("board");
+    let board = Scripted::start(&link, |_| Answer::Lock(Some(locking(true))).to_string());
+    assert!(run(&link, &["lock", "on"]));
+    assert!(run(&link, &["lock", "lock"]));
+    assert!(!run(&link, &["lock", "on", "--sign", "0.4"]));
+    // The board says another time than was asked for.
+    assert!(!run(&link, &["lock", "on", "--sign", "3"]));
+    board.end();
 }
 
 #[test]

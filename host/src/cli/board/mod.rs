@@ -1,5 +1,6 @@
 //! `myointent board`: one command to a board on a serial port.
 
+mod lock;
 mod words;
 
 use std::io::Write as _;
@@ -37,6 +38,7 @@ const AGAIN: Duration = Duration::from_secs(1);
     myointent board --port /dev/ttyACM0 bind begin            the strongest armband of the next 30 s\n  \
     myointent board --port /dev/ttyACM0 align begin           open the hand twice, with rest before and after\n  \
     myointent board --port COM3 gate --reaction steady        fewer false activations, until the next start\n  \
+    myointent board --port /dev/ttyACM0 lock on               no label until the hand is held open for 2.5 s\n  \
     myointent board --port /dev/ttyACM0 install my.intent     a new model, 20 s; after a break, again: it goes on"
 )]
 pub struct Arguments {
@@ -67,6 +69,9 @@ enum Request {
     },
     /// Move the operating point until the next start; without options, say which is in force.
     Gate(GateChange),
+    /// Lock labels until the hand is held open, until the next start.
+    #[command(subcommand)]
+    Lock(lock::Request),
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Args)]
@@ -170,6 +175,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Request::Align(align) => return run_align(&mut board, align),
         Request::Bind(bind) => return run_bind(&mut board, bind),
         Request::Gate(change) => run_gate(&mut board, *change)?,
+        Request::Lock(request) => lock::run(&mut board, *request)?,
     };
     write!(std::io::stdout(), "{said}")?;
     Ok(())
