@@ -22,6 +22,7 @@ pub mod stack;
 pub mod stack_chain;
 pub mod symbols;
 pub mod toolchain;
+pub mod uf2;
 pub mod vectors;
 
 use std::{

@@ -4,7 +4,7 @@
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
-use xtask::{browser, count, emulator, energy, firmware, fuzz, merge, toolchain};
+use xtask::{browser, count, emulator, energy, firmware, fuzz, merge, toolchain, uf2};
 
 /// Build steps of the workspace that plain cargo cannot express.
 #[derive(Parser)]
@@ -26,6 +26,8 @@ enum Step {
     },
     /// Writes one Intel hex of program, model and a SoftDevice: all that a chip is flashed with.
     Merge(merge::Arguments),
+    /// Writes one UF2 file of program and model, or of a model, for a board with a boot loader that shows a drive.
+    Uf2(uf2::Arguments),
     /// Runs clippy on the board's program, for the targets and features of its images.
     Lint(firmware::LintArguments),
     /// Counts the instructions of a patch on the emulated Cortex-M4F, part by part.
@@ -59,6 +61,7 @@ fn main() -> Result<()> {
         Step::Images(arguments) => firmware::build(&arguments),
         Step::Board { arguments } => toolchain::run_on_board(&arguments),
         Step::Merge(arguments) => merge::run(&arguments),
+        Step::Uf2(arguments) => uf2::run(&arguments),
         Step::Lint(arguments) => firmware::lint(&arguments),
         Step::Count(arguments) => count::print(&arguments),
         Step::Energy => energy::print(),
