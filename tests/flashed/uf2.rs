@@ -1,0 +1,92 @@
+//! Files for the drive of a boot loader, read back by a reader of this file's own.
+
+use std::collections::BTreeMap;
+
+use anyhow::ensure;
+use nrf52::Image as Flashed;
+use xtask::firmware::Image;
+
+use myointent_tests::chip;
+
+/// First address of the model, of the journal and of the binding, as in `memory.x`.
+const MODEL: u32 = 0x5_8000;
+const JOURNAL: u32 = 0x5_6000;
+const BINDING: u32 = 0x5_7000;
+/// What the boot loader writes.
+const WINDOW: std::ops::Range<u32> = 0x1000..0xe_a000;
+
+/// Reads a UF2 file as Adafruit's boot loader does (`is_uf2_block` and `write_block` in its ghostfat.c): each byte by its
+/// address.
+fn read(file: &[u8]) -> anyhow::Result<BTreeMap<u32, u8>> {
+    let mut found = BTreeMap::new();
+    let (blocks, rest) = file.as_chunks::<512>();
+    ensure!(rest.is_empty(), "{} bytes more", rest.len());
+    for (number, block) in blocks.iter().enumerate() {
+        let word = |at: usize| {
+            u32::from_le_bytes([block[at], block[at + 1], block[at + 2], block[at + 3]])
+        };
+        ensure!(block.starts_with(b"UF2\n") && word(4) == 0x9e5d_5157 && word(508) == 0x0ab1_6f30);
+        ensure!(word(8) == 0x2000, "flags {:#x}", word(8));
+        let (address, length) = (word(12), word(16));
+        ensure!(
+            length == 256 && address.is_multiple_of(256),
+            "{length} at {address:#x}"
+        );
+        ensure!(word(20) as usize == number && word(24) as usize == blocks.len());
+        ensure!(word(28) == 0xada5_2840, "family {:#x}", word(28));
+        ensure!(WINDOW.contains(&address), "{address:#x} is not written");
+        for (address, byte) in (address..).zip(&block[32..288]) {
+            ensure!(found.insert(address, *byte).is_none(), "{address:#x} twice");
+        }
+    }
+    Ok(found)
+}
+
+/// Takes bytes out of what was read; those up to the end of 256 have to be erased.
+fn take(found: &mut BTreeMap<u32, u8>, start: u32, length: usize) -> Vec<u8> {
+    (start..)
+        .take(length)
+        .filter_map(|address| found.remove(&address))
+        .collect()
+}
+
+#[test]
+fn a_file_for_a_boards_drive_holds_program_model_and_an_erased_journal() -> anyhow::Result<()> {
+    let test = "a_file_for_a_boards_drive_holds_program_model_and_an_erased_journal";
+    for built in Image::UF2 {
+        let Some(elf) = chip::elf(test, built) else {
+            return Ok(());
+        };
+        let model = chip::model();
+        for has_program in [true, false] {
+            let mut found = read(&xtask::uf2::file(&elf, &model, has_program)?)?;
+            if has_program {
+                for (start, bytes) in Flashed::parse(&elf)?.segments {
+                    assert_eq!(take(&mut found, start, bytes.len()), bytes, "{start:#x}");
+                }
+            }
+            assert_eq!(take(&mut found, MODEL, model.len()), model);
+            assert_eq!(take(&mut found, JOURNAL, 4096), [0xff; 4096]);
+            assert!(
+                !found
+                    .keys()
+                    .any(|address| (BINDING..MODEL).contains(address))
+            );
+            // The rest of 256 bytes, at the end of the model and of each part of the program.
+            assert!(found.values().all(|byte| *byte == 0xff) && found.len() < 3 * 256);
+            assert!(has_program || found.len() < 256);
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn a_model_that_is_too_long_makes_no_file() -> anyhow::Result<()> {
+    let test = "a_model_that_is_too_long_makes_no_file";
+    let Some(elf) = chip::elf(test, Image::Xiao) else {
+        return Ok(());
+    };
+    assert!(xtask::uf2::file(&elf, &vec![0; 160 * 1024], true).is_ok());
+    assert!(xtask::uf2::file(&elf, &vec![0; 160 * 1024 + 1], true).is_err());
+    Ok(())
+}

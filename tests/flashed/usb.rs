@@ -1,0 +1,364 @@
+//! Boards with USB: from their boot loader to lines and commands on the host's serial port.
+
+use anyhow::{Context as _, ensure};
+use nrf52::Incident;
+use nrf52::chip::Reset;
+use nrf52::time::{HZ, ms};
+use shared::model::noise::Noise;
+use shared::uart_line::line::{Line, LineReader};
+use shared::units::Sample;
+use xtask::firmware::Image;
+
+use myointent_tests::chip::{self, Board, Setting};
+
+/// Address at which a boot loader starts the program.
+const PROGRAM: u32 = 0x1000;
+/// Adafruit's boot loader keeps words from there on (linker/nrf52840.ld of Adafruit_nRF52_Bootloader).
+const BOOT_LOADER_RAM: std::ops::Range<u32> = 0x2000_7f7c..0x2004_0000;
+/// POWER.GPREGRET.
+const GPREGRET: u32 = 0x4000_051c;
+
+/// Noise of rest and effort in turn.
+fn effort(seconds: usize) -> Vec<Sample> {
+    let mut noise = Noise(5);
+    let sample = |index: usize| {
+        let strength = if index / 300 % 2 == 1 { 90.0 } else { 3.0 };
+        [(); 8].map(|()| (noise.signed() * strength) as i8)
+    };
+    (0..seconds * 200).map(sample).collect()
+}
+
+/// A board that its boot loader starts: the vectors at 0 are not the program's, and none but reset's leads anywhere.
+fn started(test: &str, built: Image) -> Option<Board> {
+    let image = chip::image(test, built)?;
+    let setting = Setting {
+        samples: effort(60),
+        ..Setting::default()
+    };
+    let mut board = Board::new(built, image, setting);
+    let jump: [u16; 8] = [
+        0x4803, // ldr r0, program
+        0x6801, // ldr r1, [r0]
+        0xf381, 0x8808, // msr msp, r1
+        0x6841, // ldr r1, [r0, #4]
+        0x4708, // bx r1
+        0xbf00, 0xbf00,
+    ];
+    let memory = board.machine.chip().bus.memory.clone();
+    memory.program(0, &0x2000_0400_u32.to_le_bytes());
+    memory.program(4, &0x201_u32.to_le_bytes());
+    for (place, half) in (0x200..).step_by(2).zip(jump) {
+        memory.program(place, &half.to_le_bytes());
+    }
+    memory.program(0x210, &PROGRAM.to_le_bytes());
+    // A full battery, at AIN5, AIN7 and the chip's own divider of its supply.
+    for (input, millivolts) in [(6, 2050), (8, 1385), (13, 820)] {
+        board.machine.chip().set_input(input, millivolts);
+    }
+    board.machine.boot_loader_ram = Some(BOOT_LOADER_RAM);
+    board.machine.reset(Reset::Power);
+    Some(board)
+}
+
+/// Makes a control transfer; gives the bytes that the device sent.
+fn control(board: &mut Board, setup: [u8; 8], data: &[u8]) -> anyhow::Result<Vec<u8>> {
+    board.machine.chip().begin_control(setup, data);
+    let end = board.machine.now() + ms(100);
+    while !board.machine.chip().usb().control.is_over {
+        ensure!(board.machine.now() < end, "no end of {setup:x?}");
+        board.machine.run(ms(1) / 10)?;
+    }
+    let done = board.machine.chip().usb().control.clone();
+    ensure!(!done.is_stalled, "refused: {setup:x?}");
+    Ok(done.data)
+}
+
+/// Reads a descriptor.
+fn descriptor(board: &mut Board, kind: u8, number: u8, length: u8) -> anyhow::Result<Vec<u8>> {
+    control(board, [0x80, 6, number, kind, 0, 0, length, 0], &[])
+}
+
+/// Endpoints for lines and for commands.
+#[derive(Clone, Copy, Debug)]
+struct Endpoints {
+    lines: usize,
+    commands: usize,
+}
+
+/// Plugs the cable and enumerates, as a host does.
+fn plug(board: &mut Board) -> anyhow::Result<Endpoints> {
+    board.machine.chip().plug_usb(true);
+    let end = board.machine.now() + HZ;
+    while !board.machine.chip().usb().is_attached() {
+        ensure!(board.machine.now() < end, "no pull-up:\n{}", board.text());
+        board.run_ms(1)?;
+    }
+    board.machine.chip().reset_usb();
+    board.run_ms(10)?;
+    let device = descriptor(board, 1, 0, 18)?;
+    ensure!(device.len() == 18 && device[1] == 1, "{device:x?}");
+    control(board, [0, 5, 7, 0, 0, 0, 0, 0], &[])?;
+    ensure!(board.machine.chip().usb().address() == 7);
+    let product = descriptor(board, 3, device[15], 255)?;
+    let product: Vec<u8> = product[2..].iter().copied().step_by(2).collect();
+    ensure!(product == b"myointent", "{product:x?}");
+    let head = descriptor(board, 2, 0, 9)?;
+    let all = descriptor(board, 2, 0, head[2])?;
+    ensure!(all.len() == usize::from(head[2]), "{all:x?}");
+    let mut rest = &all[..];
+    let (mut lines, mut commands) = (None, None);
+    while let [length, kind, ..] = rest {
+        // An endpoint that is bulk.
+        if *kind == 5 && rest[3] == 2 {
+            let number = usize::from(rest[2] & 0xf);
+            *(if rest[2] & 0x80 != 0 {
+                &mut lines
+            } else {
+                &mut commands
+            }) = Some(number);
+        }
+        rest = &rest[usize::from(*length)..];
+    }
+    control(board, [0, 9, 1, 0, 0, 0, 0, 0], &[])?;
+    Ok(Endpoints {
+        lines: lines.context("no endpoint for lines")?,
+        commands: commands.context("no endpoint for commands")?,
+    })
+}
+
+/// Opens the port at a baud rate, or closes it.
+fn set_port(board: &mut Board, baud: u32, is_open: bool) -> anyhow::Result<()> {
+    let [a, b, c, d] = baud.to_le_bytes();
+    control(
+        board,
+        [0x21, 0x20, 0, 0, 0, 0, 7, 0],
+        &[a, b, c, d, 0, 0, 8],
+    )?;
+    control(board, [0x21, 0x22, is_open.into(), 0, 0, 0, 0, 0], &[])?;
+    board.machine.chip().read_usb(is_open);
+    Ok(())
+}
+
+/// Text that the host has received.
+fn heard(board: &Board, endpoints: Endpoints) -> String {
+    let chip = board.machine.chip();
+    let packets = chip.usb().taken.iter();
+    let packets = packets.filter(|(endpoint, _)| *endpoint == endpoints.lines);
+    let bytes: Vec<u8> = packets.flat_map(|(_, packet)| packet).copied().collect();
+    String::from_utf8_lossy(&bytes).into_owned()
+}
+
+/// A started XIAO whose port is open.
+fn opened(test: &str) -> anyhow::Result<Option<(Board, Endpoints)>> {
+    let Some(mut board) = started(test, Image::Xiao) else {
+        return Ok(None);
+    };
+    board.run_ms(1000)?;
+    let endpoints = plug(&mut board)?;
+    set_port(&mut board, 115_200, true)?;
+    board.run_ms(100)?;
+    Ok(Some((board, endpoints)))
+}
+
+fn starts(board: &Board) -> Vec<Reset> {
+    let incidents = board.machine.incidents.iter();
+    let started = incidents.filter_map(|(_, incident)| match incident {
+        Incident::Started(why) => Some(*why),
+        Incident::HardFault(_) => None,
+    });
+    started.collect()
+}
+
+/// Pins of a board: those of the intents and `valid`, which is low at first; the button; those that are nobody's.
+type Wired = (Image, [u32; 6], u32, u32, &'static [u32]);
+
+const WIRED: [Wired; 3] = [
+    // P0.13 sets the charger's current, P0.17 is its state.
+    (Image::Xiao, [2, 3, 28, 29, 4, 5], 45, 47, &[13, 17]),
+    (Image::Feather, [4, 5, 30, 28, 2, 3], 40, 34, &[16, 31, 10]),
+    // P0.13 switches the pin VCC.
+    (
+        Image::NiceNano,
+        [17, 20, 22, 24, 32, 11],
+        36,
+        45,
+        &[13, 9, 10],
+    ),
+];
+
+#[test]
+fn every_board_starts_from_its_boot_loader_on_pins_of_its_own() -> anyhow::Result<()> {
+    let test = "every_board_starts_from_its_boot_loader_on_pins_of_its_own";
+    for (built, intents, valid, button, free) in WIRED {
+        let Some(mut board) = started(test, built) else {
+            return Ok(());
+        };
+        let said = format!("image {built}, model");
+        board.wait_for(&said, 1000)?;
+        board.wait_for("# armband FA", 10_000)?;
+        let chip = board.machine.chip();
+        let levels = intents.map(|pin| chip.level(pin));
+        let low = Some(false);
+        assert_eq!(levels, [Some(true), low, low, low, low, low], "{built}");
+        assert_eq!(chip.level(valid), low, "{built}");
+        assert_eq!(chip.level(button), Some(true), "{built}");
+        let free = free.iter().map(|pin| chip.level(*pin));
+        assert!(
+            free.clone().all(|level| level.is_none()),
+            "{built}: {:?}",
+            free.collect::<Vec<_>>()
+        );
+        // The lower end of the XIAO's divider.
+        assert!(built != Image::Xiao || chip.level(14) == low);
+        drop(chip);
+        board.machine.chip().drive(button, low);
+        board.wait_for("# pairing", 4000)?;
+        assert_eq!(
+            starts(&board)[1..],
+            [Reset::Power],
+            "{built}:\n{}",
+            board.text()
+        );
+    }
+    Ok(())
+}
+
+#[test]
+fn the_host_hears_the_lines_of_the_uart_and_is_answered() -> anyhow::Result<()> {
+    let test = "the_host_hears_the_lines_of_the_uart_and_is_answered";
+    let Some((mut board, endpoints)) = opened(test)? else {
+        return Ok(());
+    };
+    board.run_ms(5000)?;
+    // A command in two halves by the UART, and another one between them.
+    board.send_bytes("$COUN".bytes());
+    board.run_ms(20)?;
+    let command = b"$IDENTIFY*04\r\n";
+    board.machine.chip().send_usb(endpoints.commands, command);
+    board.run_ms(50)?;
+    board.send_bytes("TERS*07\r\n".bytes());
+    board.wait_for("$OK,COUNTERS", 1000)?;
+    board.run_ms(100)?;
+    let (uart, usb) = (board.text(), heard(&board, endpoints));
+    assert!(usb.starts_with("# myointent "), "{usb}");
+    assert!(usb.contains("$LABEL"), "{usb}");
+    assert!(
+        usb.contains("$OK,IDENTIFY,") && !usb.contains("$ERR"),
+        "{usb}"
+    );
+    // One may be a line ahead.
+    let whole = |text: &str| text.rfind('\n').map_or(0, |end| end + 1);
+    let end = whole(&uart).min(whole(&usb));
+    assert_eq!(uart[..end], usb[..end]);
+    Ok(())
+}
+
+#[test]
+fn a_host_that_does_not_read_delays_no_label_and_no_watchdog() -> anyhow::Result<()> {
+    let test = "a_host_that_does_not_read_delays_no_label_and_no_watchdog";
+    let Some((mut board, endpoints)) = opened(test)? else {
+        return Ok(());
+    };
+    board.machine.chip().read_usb(false);
+    board.run_ms(6000)?;
+    board.send("COUNTERS");
+    board.wait_for("$OK,COUNTERS", 1000)?;
+    let text = board.text();
+    let labels = text.matches("$LABEL").count();
+    assert!(labels > 20, "{labels} labels:\n{text}");
+    let counts = text.rsplit("$OK,COUNTERS,").next().unwrap_or_default();
+    let dropped = counts.split(['*', ',']).nth(14).unwrap_or_default();
+    assert_ne!(dropped, "0", "{counts}");
+    assert_eq!(starts(&board)[1..], [Reset::Power]);
+    // It reads again: new lines come behind the old ones.
+    board.machine.chip().read_usb(true);
+    board.run_ms(500)?;
+    let last = board.lines().pop().context("a line")?;
+    assert!(heard(&board, endpoints).contains(last.trim_end()), "{last}");
+    Ok(())
+}
+
+#[test]
+fn a_cable_that_is_pulled_in_a_line_leaves_whole_lines_behind_it() -> anyhow::Result<()> {
+    let test = "a_cable_that_is_pulled_in_a_line_leaves_whole_lines_behind_it";
+    let Some((mut board, _)) = opened(test)? else {
+        return Ok(());
+    };
+    board.run_ms(2000)?;
+    board.machine.chip().suspend_usb(true);
+    board.run_ms(1000)?;
+    board.machine.chip().suspend_usb(false);
+    board.run_ms(300)?;
+    board.machine.chip().read_usb(false);
+    board.run_ms(300)?;
+    board.machine.chip().plug_usb(false);
+    board.run_ms(1500)?;
+    let before = board.machine.chip().usb().taken.len();
+    let endpoints = plug(&mut board)?;
+    set_port(&mut board, 115_200, true)?;
+    board.run_ms(1000)?;
+    let packets = board.machine.chip().usb().taken[before..].to_vec();
+    let (mut reader, mut labels, mut errors) = (LineReader::new(), 0, 0);
+    for byte in packets
+        .iter()
+        .filter(|(endpoint, _)| *endpoint == endpoints.lines)
+        .flat_map(|(_, packet)| packet)
+    {
+        match reader.push(*byte) {
+            Some(Ok(Line::Report(_))) => labels += 1,
+            Some(Err(_)) => errors += 1,
+            _ => {}
+        }
+    }
+    assert!(
+        labels >= 8 && errors <= 1,
+        "{labels} lines, {errors} damaged"
+    );
+    assert_eq!(starts(&board)[1..], [Reset::Power], "{}", board.text());
+    Ok(())
+}
+
+#[test]
+fn a_port_that_is_closed_at_1200_baud_restarts_into_the_boot_loader() -> anyhow::Result<()> {
+    let test = "a_port_that_is_closed_at_1200_baud_restarts_into_the_boot_loader";
+    let Some((mut board, _)) = opened(test)? else {
+        return Ok(());
+    };
+    set_port(&mut board, 115_200, false)?;
+    board.run_ms(100)?;
+    assert_eq!(starts(&board)[1..], [Reset::Power]);
+    set_port(&mut board, 1200, true)?;
+    set_port(&mut board, 1200, false)?;
+    board.run_ms(30)?;
+    assert_eq!(starts(&board)[1..], [Reset::Power, Reset::Software]);
+    // What Adafruit's boot loader looks for.
+    assert_eq!(board.machine.chip().read(GPREGRET, 4), 0x57);
+    Ok(())
+}
+
+#[test]
+fn a_low_battery_is_said() -> anyhow::Result<()> {
+    let test = "a_low_battery_is_said";
+    // Inputs: AIN7 below 1 MOhm and 510 kOhm, AIN5 below 100 kOhm twice, the chip's divider of its supply by five.
+    let low = [
+        (Image::Xiao, 8, 3500 * 510 / 1510),
+        (Image::Feather, 6, 3500 / 2),
+        (Image::NiceNano, 13, 3500 / 5),
+    ];
+    for (built, input, millivolts) in low {
+        let Some(mut board) = started(test, built) else {
+            return Ok(());
+        };
+        board.run_ms(500)?;
+        assert!(!board.text().contains("battery low"), "{built}");
+        board.machine.chip().set_input(input, millivolts);
+        board.wait_for("# board battery low: ", 11_000)?;
+        let text = board.text();
+        let said = text.rsplit("battery low: ").next().unwrap_or_default();
+        assert!(
+            said.starts_with("6 %, 34") || said.starts_with("6 %, 35"),
+            "{built}: {said}"
+        );
+    }
+    Ok(())
+}

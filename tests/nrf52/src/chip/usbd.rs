@@ -1,0 +1,422 @@
+//! USBD (product specification, 6.35), and a host on the other end of the cable.
+//!
+//! Modelled: enabling, the pull-up, resets of the bus, control transfers, bulk and interrupt endpoints 1 to 7 with their DMA,
+//! suspend. Not modelled: isochronous endpoints, errors on the bus, remote wake-up, timing: a transfer takes 20 us. The host is
+//! the test's: it makes transfers, and takes packets while it reads.
+
+use std::collections::VecDeque;
+
+use super::Chip;
+use super::bus::{Bus, Peripheral};
+use super::register::{
+    INTEN, Register, Registers, clear, event, one_clears, read_only, read_write, set, task,
+};
+use crate::refusal::What;
+use crate::time::us;
+
+const STARTEPIN: u32 = 0x004;
+const STARTEPOUT: u32 = 0x028;
+const EP0RCVOUT: u32 = 0x04c;
+const EP0STATUS: u32 = 0x050;
+const EP0STALL: u32 = 0x054;
+const USBRESET: u32 = 0x100;
+const STARTED: u32 = 0x104;
+const ENDEPIN: u32 = 0x108;
+const EP0DATADONE: u32 = 0x128;
+const ENDEPOUT: u32 = 0x130;
+const USBEVENT: u32 = 0x158;
+const EP0SETUP: u32 = 0x15c;
+const EPDATA: u32 = 0x160;
+const SHORTS: u32 = 0x200;
+const EVENTCAUSE: u32 = 0x400;
+const EPDATASTATUS: u32 = 0x46c;
+const USBADDR: u32 = 0x470;
+const BMREQUESTTYPE: u32 = 0x480;
+const SIZE: u32 = 0x4a0;
+const ENABLE: u32 = 0x500;
+const USBPULLUP: u32 = 0x504;
+const EPINEN: u32 = 0x510;
+const EPOUTEN: u32 = 0x514;
+const EPIN: u32 = 0x600;
+const EPOUT: u32 = 0x700;
+/// Bytes between the DMA registers of two endpoints.
+const DMA: u32 = 0x14;
+/// EVENTCAUSE: bits (6.35.13).
+const SUSPEND: u32 = 1 << 8;
+const RESUME: u32 = 1 << 9;
+const READY: u32 = 1 << 11;
+/// SHORTS: EP0DATADONE starts EP0STATUS.
+const TO_STATUS: u32 = 1 << 2;
+/// The request that the peripheral answers itself (6.35.9).
+const SET_ADDRESS: u8 = 5;
+const TRANSFER: u64 = us(20);
+/// Most bytes of a packet.
+const PACKET: u32 = 64;
+const INTERRUPTS: u32 = 0x01ff_ffff;
+
+const TABLE: &[Register] = &[
+    task("TASKS_STARTEPIN", STARTEPIN).times(8),
+    task("TASKS_STARTEPOUT", STARTEPOUT).times(8),
+    task("TASKS_EP0RCVOUT", EP0RCVOUT),
+    task("TASKS_EP0STATUS", EP0STATUS),
+    task("TASKS_EP0STALL", EP0STALL),
+    event("EVENTS_USBRESET", USBRESET),
+    event("EVENTS_STARTED", STARTED),
+    event("EVENTS_ENDEPIN", ENDEPIN).times(8),
+    event("EVENTS_EP0DATADONE", EP0DATADONE),
+    event("EVENTS_ENDEPOUT", ENDEPOUT).times(8),
+    event("EVENTS_USBEVENT", USBEVENT),
+    event("EVENTS_EP0SETUP", EP0SETUP),
+    event("EVENTS_EPDATA", EPDATA),
+    read_write("SHORTS", SHORTS, 0x1f),
+    set("INTENSET", 0x304, INTEN, INTERRUPTS),
+    clear("INTENCLR", 0x308, INTEN, INTERRUPTS),
+    one_clears("EVENTCAUSE", EVENTCAUSE, 1 | 0xf << 8),
+    one_clears("EPDATASTATUS", EPDATASTATUS, 0xfe | 0xfe << 16),
+    read_only("USBADDR", USBADDR),
+    read_only("SETUP", BMREQUESTTYPE).times(8),
+    read_write("SIZE.EPOUT", SIZE, 0x7f).times(8),
+    read_write("ENABLE", ENABLE, 1),
+    read_write("USBPULLUP", USBPULLUP, 1),
+    read_write("EPINEN", EPINEN, 0x1ff).reset(1),
+    read_write("EPOUTEN", EPOUTEN, 0x1ff).reset(1),
+    read_write("EPSTALL", 0x518, 0x187),
+    read_write("LOWPOWER", 0x52c, 1),
+    read_write("EPIN.PTR", EPIN, !0).times(8).every(DMA),
+    read_write("EPIN.MAXCNT", EPIN + 4, 0x7f)
+        .times(8)
+        .every(DMA),
+    read_write("EPOUT.PTR", EPOUT, !0).times(8).every(DMA),
+    read_write("EPOUT.MAXCNT", EPOUT + 4, 0x7f)
+        .times(8)
+        .every(DMA),
+];
+
+/// A control transfer of the host's.
+#[derive(Clone, Default, Debug)]
+pub struct Control {
+    /// Bytes that it sent, or those that have come.
+    pub data: Vec<u8>,
+    /// True once it is over.
+    pub is_over: bool,
+    /// True if the device refused it.
+    pub is_stalled: bool,
+}
+
+/// The device, and the host.
+#[derive(Debug)]
+pub struct Usbd {
+    registers: Registers,
+    /// Tick at which it is ready, once it was enabled.
+    ready: Option<u64>,
+    /// Tick of the next transfer on the bus, if one waits.
+    transfer: Option<u64>,
+    /// Packets of IN endpoints that wait for the host.
+    waiting: [Option<Vec<u8>>; 8],
+    /// Packets of OUT endpoints that wait for the program.
+    arrived: [Vec<u8>; 8],
+    /// OUT endpoints that take a packet.
+    armed: u32,
+    /// The newest control transfer.
+    pub control: Control,
+    /// True while the host has opened the port: it takes packets.
+    pub reads: bool,
+    /// Packets that the host has taken: endpoint and bytes.
+    pub taken: Vec<(usize, Vec<u8>)>,
+    /// Packets that the host sends to an endpoint.
+    pub to_send: VecDeque<(usize, Vec<u8>)>,
+}
+
+impl Usbd {
+    /// After a reset.
+    pub fn new() -> Self {
+        Self {
+            registers: Registers::new("USBD", TABLE),
+            ready: None,
+            transfer: None,
+            waiting: Default::default(),
+            arrived: Default::default(),
+            armed: 0,
+            control: Control::default(),
+            reads: false,
+            taken: Vec::new(),
+            to_send: VecDeque::new(),
+        }
+    }
+
+    /// Returns true if the host sees a device.
+    pub fn is_attached(&self) -> bool {
+        self.registers.get(ENABLE) & self.registers.get(USBPULLUP) == 1
+    }
+
+    /// The address that the host has given it.
+    pub fn address(&self) -> u32 {
+        self.registers.get(USBADDR)
+    }
+
+    fn cause(&mut self, bits: u32, bus: &mut Bus) {
+        let causes = self.registers.get(EVENTCAUSE);
+        self.registers.put(EVENTCAUSE, causes | bits);
+        self.raise(USBEVENT, bus);
+    }
+
+    /// Looks if the host has anything to do.
+    fn schedule(&mut self, bus: &Bus) {
+        let takes = self.reads && self.waiting[1..].iter().any(Option::is_some);
+        let sends = self.to_send.front();
+        let sends = sends.is_some_and(|(endpoint, _)| self.armed >> endpoint & 1 == 1);
+        let control = self.waiting[0].is_some();
+        if (takes || sends || control) && self.transfer.is_none() {
+            self.transfer = Some(bus.now + TRANSFER);
+        }
+    }
+
+    /// Pointer and length of an endpoint's DMA; refused where that is not RAM.
+    fn buffer(&mut self, pointer: u32, bus: &mut Bus) -> (u32, u32) {
+        let (address, length) = (self.registers.get(pointer), self.registers.get(pointer + 4));
+        if length > PACKET || !bus.memory.is_ram(address, length) {
+            self.refuse(pointer, bus, What::NoDma { address, length });
+        }
+        (address, length)
+    }
+
+    fn start_in(&mut self, endpoint: usize, bus: &mut Bus) {
+        let offset = 4 * endpoint as u32;
+        let is_enabled = self.registers.get(EPINEN) >> endpoint & 1 == 1;
+        let when = match () {
+            () if !is_enabled => "while the endpoint is disabled",
+            () if self.waiting[endpoint].is_some() => "before the host has taken the last packet",
+            () => "",
+        };
+        if !when.is_empty() {
+            return self.refuse(STARTEPIN + offset, bus, What::Untimely { when });
+        }
+        let (address, length) = self.buffer(EPIN + DMA * endpoint as u32, bus);
+        self.waiting[endpoint] = bus.memory.read(address, length);
+        self.raise(STARTED, bus);
+        self.raise(ENDEPIN + offset, bus);
+        self.schedule(bus);
+    }
+
+    fn start_out(&mut self, endpoint: usize, bus: &mut Bus) {
+        let (address, length) = self.buffer(EPOUT + DMA * endpoint as u32, bus);
+        let offset = 4 * endpoint as u32;
+        if length != self.registers.get(SIZE + offset) {
+            let expected = "that of SIZE.EPOUT (6.35.10)";
+            let value = length;
+            let place = EPOUT + DMA * endpoint as u32 + 4;
+            return self.refuse(place, bus, What::Value { value, expected });
+        }
+        bus.memory.write(address, &self.arrived[endpoint]);
+        self.raise(STARTED, bus);
+        self.raise(ENDEPOUT + offset, bus);
+    }
+
+    /// A packet of the host's is there.
+    fn arrive(&mut self, endpoint: usize, packet: Vec<u8>) {
+        self.registers
+            .put(SIZE + 4 * endpoint as u32, packet.len() as u32);
+        self.arrived[endpoint] = packet;
+        self.armed &= !(1 << endpoint);
+    }
+}
+
+impl Peripheral for Usbd {
+    fn base(&self) -> u32 {
+        0x4002_7000
+    }
+
+    fn registers(&self) -> &Registers {
+        &self.registers
+    }
+
+    fn registers_mut(&mut self) -> &mut Registers {
+        &mut self.registers
+    }
+
+    fn stored(&mut self, offset: u32, bus: &mut Bus) {
+        match offset {
+            ENABLE if self.registers.get(ENABLE) == 1 => self.ready = Some(bus.now + us(50)),
+            ENABLE => {
+                (self.ready, self.transfer, self.armed) = (None, None, 0);
+                self.waiting = Default::default();
+            }
+            SIZE..ENABLE => {
+                self.armed |= 1 << ((offset - SIZE) / 4);
+                self.schedule(bus);
+            }
+            // A disabled endpoint forgets its packet.
+            EPINEN => {
+                for endpoint in 1..8 {
+                    if self.registers.get(EPINEN) >> endpoint & 1 == 0 {
+                        self.waiting[endpoint] = None;
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn task(&mut self, offset: u32, bus: &mut Bus) {
+        if self.registers.get(ENABLE) == 0 {
+            let when = "while it is disabled";
+            return self.refuse(offset, bus, What::Untimely { when });
+        }
+        match offset {
+            STARTEPIN..STARTEPOUT => self.start_in((offset - STARTEPIN) as usize / 4, bus),
+            STARTEPOUT..EP0RCVOUT => self.start_out((offset - STARTEPOUT) as usize / 4, bus),
+            EP0RCVOUT => {
+                let data = self.control.data.clone();
+                self.arrive(0, data);
+                self.raise(EP0DATADONE, bus);
+            }
+            EP0STALL => (self.control.is_over, self.control.is_stalled) = (true, true),
+            _ => self.control.is_over = true,
+        }
+    }
+
+    fn shorts(&self, event: u32) -> Vec<u32> {
+        let ends = event == EP0DATADONE && self.registers.get(SHORTS) & TO_STATUS != 0;
+        ends.then_some(EP0STATUS).into_iter().collect()
+    }
+
+    fn next(&self) -> Option<u64> {
+        [self.ready, self.transfer].into_iter().flatten().min()
+    }
+
+    fn due(&mut self, bus: &mut Bus) {
+        let now = bus.now;
+        if self.ready.take_if(|at| *at <= now).is_some() {
+            self.cause(READY, bus);
+        }
+        if self.transfer.take_if(|at| *at <= now).is_none() {
+            return;
+        }
+        if let Some(packet) = self.waiting[0].take() {
+            self.control.data.extend(packet);
+            self.raise(EP0DATADONE, bus);
+        }
+        let mut done = 0;
+        for endpoint in 1..8 {
+            if let Some(packet) = self.waiting[endpoint].take_if(|_| self.reads) {
+                self.taken.push((endpoint, packet));
+                done |= 1 << endpoint;
+            }
+        }
+        if let Some((endpoint, packet)) = self
+            .to_send
+            .pop_front_if(|(endpoint, _)| self.armed >> *endpoint & 1 == 1)
+        {
+            self.arrive(endpoint, packet);
+            done |= 1 << (16 + endpoint);
+        }
+        if done != 0 {
+            let status = self.registers.get(EPDATASTATUS);
+            self.registers.put(EPDATASTATUS, status | done);
+            self.raise(EPDATA, bus);
+        }
+        self.schedule(bus);
+    }
+}
+
+/// Registers without names that the workarounds of errata 171 and 187 write.
+#[derive(Debug)]
+pub struct Errata(Registers);
+
+impl Errata {
+    /// After a reset.
+    pub fn new() -> Self {
+        const TABLE: &[Register] = &[
+            read_write("UNLOCK", 0xc00, 0xffff),
+            read_write("ERRATUM171", 0xc14, 0xc0),
+            read_write("ERRATUM187", 0xd14, 3),
+        ];
+        Self(Registers::new("ERRATA", TABLE))
+    }
+}
+
+impl Peripheral for Errata {
+    fn base(&self) -> u32 {
+        0x4006_e000
+    }
+
+    fn registers(&self) -> &Registers {
+        &self.0
+    }
+
+    fn registers_mut(&mut self) -> &mut Registers {
+        &mut self.0
+    }
+
+    fn task(&mut self, _: u32, _: &mut Bus) {}
+}
+
+impl Chip {
+    /// The device, as the host sees it.
+    pub fn usb(&self) -> &Usbd {
+        &self.usbd
+    }
+
+    /// The host does something.
+    fn as_host(&mut self, act: impl FnOnce(&mut Usbd, &mut Bus)) {
+        act(&mut self.usbd, &mut self.bus);
+        self.usbd.schedule(&self.bus);
+        self.bus.attention = true;
+        self.settle();
+    }
+
+    /// Resets the bus.
+    pub fn reset_usb(&mut self) {
+        self.as_host(|usb, bus| {
+            usb.registers.put(USBADDR, 0);
+            usb.raise(USBRESET, bus);
+        });
+    }
+
+    /// Begins a control transfer: its eight bytes, and those that the host sends.
+    pub fn begin_control(&mut self, setup: [u8; 8], data: &[u8]) {
+        self.as_host(|usb, bus| {
+            for (place, byte) in (0..).zip(setup) {
+                usb.registers.put(BMREQUESTTYPE + 4 * place, byte.into());
+            }
+            if setup[..2] == [0, SET_ADDRESS] {
+                usb.registers.put(USBADDR, setup[2].into());
+            }
+            usb.control = Control {
+                data: data.to_vec(),
+                ..Control::default()
+            };
+            usb.raise(EP0SETUP, bus);
+        });
+    }
+
+    /// Sends packets to an endpoint, when it takes them.
+    pub fn send_usb(&mut self, endpoint: usize, bytes: &[u8]) {
+        self.as_host(|usb, _| {
+            let packets = bytes.chunks(PACKET as usize);
+            usb.to_send
+                .extend(packets.map(|packet| (endpoint, packet.to_vec())));
+        });
+    }
+
+    /// Takes packets from now on, or no longer.
+    pub fn read_usb(&mut self, reads: bool) {
+        self.as_host(|usb, _| usb.reads = reads);
+    }
+
+    /// Suspends the bus, or resumes it.
+    pub fn suspend_usb(&mut self, is_suspended: bool) {
+        let cause = if is_suspended { SUSPEND } else { RESUME };
+        self.as_host(|usb, bus| usb.cause(cause, bus));
+    }
+
+    /// Plugs the cable, or unplugs it: the supply of the bus comes or goes.
+    pub fn plug_usb(&mut self, is_plugged: bool) {
+        self.clock_and_power.plug(is_plugged, &mut self.bus);
+        if !is_plugged {
+            self.usbd.reads = false;
+            self.usbd.to_send.clear();
+        }
+        self.settle();
+    }
+}
