@@ -178,6 +178,7 @@ impl State {
                 | Answer::Alignment(_)
                 | Answer::Raw(_)
                 | Answer::Gate(_)
+                | Answer::Lock(_)
                 | Answer::Install(_),
             ) => return,
             Line::Comment(text) => Event::Comment {
