@@ -2,8 +2,10 @@
 
 use shared::myo::{Address, AddressKind, Counters, FirmwareVersion, Following};
 use shared::stream::alignment::Alignment;
+use shared::stream::lock::LockTimes;
 use shared::stream::smoother::{Gate, Reaction};
 use shared::uart_line::answer::{Accepted, Answer, Binding, Counts, Identity, Refusal};
+use shared::uart_line::lock::Locking;
 
 use super::report::is_not_answered;
 use crate::input::Input;
@@ -30,7 +32,7 @@ pub fn run(data: &[u8]) {
 }
 
 fn answer(input: &mut Input<'_>) -> Answer<'static> {
-    match input.below(7) {
+    match input.below(8) {
         0 => Answer::Identity(Identity {
             version: env!("CARGO_PKG_VERSION"),
             revision: "0123456789ab-modified",
@@ -82,6 +84,13 @@ fn answer(input: &mut Input<'_>) -> Answer<'static> {
             other: input.flag().then(|| i16::from(input.byte()) * 39 - 4972),
             reaction: Reaction::ALL.get(input.below(4)).copied(),
         }),
+        6 => Answer::Lock(input.flag().then(|| Locking {
+            times: LockTimes {
+                sign: 100 + 7 * u32::from(input.byte()),
+                rest: 200 + 469 * u32::from(input.byte()),
+            },
+            locked: input.flag(),
+        })),
         _ => Answer::Refused(match input.below(9) {
             0 => Refusal::TooLong,
             1 => Refusal::Frame,
