@@ -4,6 +4,8 @@
 
 #[path = "flashed/air.rs"]
 mod air;
+#[path = "flashed/controller.rs"]
+mod controller;
 #[path = "flashed/faults.rs"]
 mod faults;
 #[path = "flashed/flash.rs"]
@@ -16,3 +18,7 @@ mod merged;
 mod start;
 #[path = "flashed/uart.rs"]
 mod uart;
+#[path = "flashed/uf2.rs"]
+mod uf2;
+#[path = "flashed/usb.rs"]
+mod usb;

@@ -153,9 +153,14 @@ impl Board {
     /// If the constant address is none.
     #[must_use]
     pub fn new(built: Built, image: Image, setting: Setting) -> Self {
-        let (model, kind, pins) = match built {
-            Built::Nrf52832S132 => (Model::Nrf52832, Kind::S132, Pins::NRF52832),
-            _ => (Model::Nrf52840, Kind::S140, Pins::NRF52840),
+        let (model, pins) = match built {
+            Built::Nrf52832S132 => (Model::Nrf52832, Pins::NRF52832),
+            _ => (Model::Nrf52840, Pins::NRF52840),
+        };
+        let kind = match built {
+            Built::Nrf52840S140 => Some(Kind::S140),
+            Built::Nrf52832S132 => Some(Kind::S132),
+            _ => None,
         };
         let address = Address::parse(ARMBAND).expect("an address");
         let stranger = setting.stranger.map(|(address, rssi)| {
@@ -165,8 +170,9 @@ impl Board {
         let worn = Armband::new(address, RSSI, setting.samples);
         let worn = worn.of_wearer(setting.behaviour, 0);
         let armbands = [Some(worn), stranger].into_iter().flatten().collect();
-        let softdevice = SoftDevice::new(kind, armbands);
-        let machine = Machine::new(model, image, Some(softdevice), 0x6d79_6f21);
+        let softdevice = kind.map(SoftDevice::new);
+        let mut machine = Machine::new(model, image, softdevice, 0x6d79_6f21);
+        machine.air_mut().armbands = armbands;
         {
             let mut chip = machine.chip();
             chip.bus.memory.program(MODEL, &setting.model);
@@ -184,8 +190,7 @@ impl Board {
     /// Returns the number of notifications that the wearer's armband has sent.
     #[must_use]
     pub fn sent(&self) -> usize {
-        let softdevice = self.machine.softdevice.as_ref();
-        softdevice.map_or(0, |one| one.armbands[0].sent())
+        self.machine.air().armbands[0].sent()
     }
 
     /// Returns the text that the UART has sent.

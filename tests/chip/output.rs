@@ -26,8 +26,7 @@ impl Board {
     /// A line for each change of levels.
     fn levels(&self) -> String {
         let chip = self.machine.chip();
-        let received = self.machine.softdevice.as_ref();
-        let received = received.map_or(&[][..], |one| &one.received);
+        let received = &self.machine.air().received;
         let mut levels = [None; 64];
         let mut lines = String::new();
         let mut changes = chip.changes.iter().peekable();

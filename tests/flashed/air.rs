@@ -24,21 +24,22 @@ fn samples() -> Vec<Sample> {
 }
 
 fn board(test: &str, behaviour: Behaviour) -> Option<Board> {
-    let image = chip::image(test, Image::Nrf52840S140)?;
+    board_of(test, Image::Nrf52840S140, behaviour)
+}
+
+fn board_of(test: &str, built: Image, behaviour: Behaviour) -> Option<Board> {
+    let image = chip::image(test, built)?;
     let setting = Setting {
         samples: samples(),
         behaviour,
         ..Setting::default()
     };
-    Some(Board::new(Image::Nrf52840S140, image, setting))
+    Some(Board::new(built, image, setting))
 }
 
 /// Percent of the time in which the receiver is on for a scan, from now on.
 fn scanned_percent(board: &mut Board, seconds: u64) -> anyhow::Result<u64> {
-    let scanned = |board: &Board| {
-        let softdevice = board.machine.softdevice.as_ref();
-        softdevice.map_or(0, |one| one.scanned(board.machine.now()))
-    };
+    let scanned = |board: &Board| board.machine.air().scanned(board.machine.now());
     let before = scanned(board);
     board.run_ms(seconds * 1000)?;
     Ok((scanned(board) - before) * 100 / (seconds * HZ))
@@ -47,22 +48,23 @@ fn scanned_percent(board: &mut Board, seconds: u64) -> anyhow::Result<u64> {
 #[test]
 fn a_board_that_sees_nobody_for_a_minute_scans_a_tenth_of_the_time() -> anyhow::Result<()> {
     let test = "a_board_that_sees_nobody_for_a_minute_scans_a_tenth_of_the_time";
-    let behaviour = Behaviour {
-        steps: vec![Step::Absent],
-        ..Behaviour::default()
-    };
-    let Some(mut board) = board(test, behaviour) else {
-        return Ok(());
-    };
-    let at_first = scanned_percent(&mut board, 50)?;
-    assert!(at_first > 90, "{at_first} %");
-    board.run_ms(25_000)?;
-    let later = scanned_percent(&mut board, 50)?;
-    assert!((5..=11).contains(&later), "{later} %");
-    // It is switched on, and found all the same.
-    let softdevice = board.machine.softdevice.as_mut();
-    softdevice.expect("an image with one").armbands[0].disconnected(0);
-    board.wait_for("# armband FA", 20_000)?;
+    for built in [Image::Nrf52840S140, Image::Nrf52840Sdc] {
+        let behaviour = Behaviour {
+            steps: vec![Step::Absent],
+            ..Behaviour::default()
+        };
+        let Some(mut board) = board_of(test, built, behaviour) else {
+            return Ok(());
+        };
+        let at_first = scanned_percent(&mut board, 50)?;
+        assert!(at_first > 90, "{built}: {at_first} %");
+        board.run_ms(25_000)?;
+        let later = scanned_percent(&mut board, 50)?;
+        assert!((5..=11).contains(&later), "{built}: {later} %");
+        // It is switched on, and found all the same.
+        board.machine.air_mut().armbands[0].disconnected(0);
+        board.wait_for("# armband FA", 20_000)?;
+    }
     Ok(())
 }
 
@@ -157,8 +159,7 @@ fn the_radio_is_silent_while_a_model_is_installed() -> anyhow::Result<()> {
             .and_then(|number| number.parse().ok());
         let number: u32 = number.ok_or_else(|| anyhow::anyhow!("{answer}"))?;
         answer = ask(&mut board, sender.block(number))?;
-        let softdevice = board.machine.softdevice.as_ref();
-        let is_loud = softdevice.is_some_and(|one| one.uses_the_air());
+        let is_loud = board.machine.air().is_in_use();
         assert!(!is_loud || answer.contains("done"), "after block {number}");
     }
     let identity = ask(&mut board, Command::Identify)?;
@@ -200,20 +201,58 @@ fn the_stream_goes_on_after_an_installation_that_flash_refuses() -> anyhow::Resu
 #[test]
 fn every_notification_of_a_stream_is_heard() -> anyhow::Result<()> {
     let test = "every_notification_of_a_stream_is_heard";
-    let behaviour = Behaviour {
-        steps: vec![Step::Sleep {
-            at: 300,
-            for_ms: 100_000,
-        }],
-        ..Behaviour::default()
-    };
-    let Some(mut board) = board(test, behaviour) else {
-        return Ok(());
-    };
-    board.wait_for("# stream over", 10_000)?;
-    board.run_ms(100)?;
-    let said = format!("notifications {},", board.sent());
-    assert!(board.text().contains(&said), "{said}:\n{}", board.text());
+    for built in [Image::Nrf52840S140, Image::Nrf52840Sdc] {
+        let behaviour = Behaviour {
+            steps: vec![Step::Sleep {
+                at: 300,
+                for_ms: 100_000,
+            }],
+            ..Behaviour::default()
+        };
+        let Some(mut board) = board_of(test, built, behaviour) else {
+            return Ok(());
+        };
+        board.wait_for("# stream over", 10_000)?;
+        board.run_ms(100)?;
+        let said = format!("notifications {},", board.sent());
+        assert!(board.text().contains(&said), "{said}:\n{}", board.text());
+    }
+    Ok(())
+}
+
+#[test]
+fn a_link_that_is_lost_is_found_again() -> anyhow::Result<()> {
+    let test = "a_link_that_is_lost_is_found_again";
+    for built in [Image::Nrf52840S140, Image::Nrf52840Sdc] {
+        // Out of reach for longer than the supervision time-out; ended by the armband; refused at first.
+        let steps = vec![
+            Step::Refuse { count: 2 },
+            Step::Vanish {
+                at: 100,
+                for_ms: 6000,
+            },
+            Step::Sleep {
+                at: 200,
+                for_ms: 500,
+            },
+        ];
+        let behaviour = Behaviour {
+            steps,
+            ..Behaviour::default()
+        };
+        let Some(mut board) = board_of(test, built, behaviour) else {
+            return Ok(());
+        };
+        for stream in 1..=3 {
+            while board.text().matches("# armband FA").count() < stream {
+                let in_time = board.machine.now() < 60 * HZ;
+                anyhow::ensure!(in_time, "{built}, stream {stream}:\n{}", board.text());
+                board.run_ms(50)?;
+            }
+        }
+        let text = board.text();
+        assert_eq!(text.matches("# stream over").count(), 2, "{built}:\n{text}");
+    }
     Ok(())
 }
 

@@ -11,6 +11,8 @@ use myointent_tests::chip::{self, ARMBAND, BINDING, Board, Setting};
 
 /// A binding has fewer operations of flash.
 const MOST_OPERATIONS: usize = 8;
+/// The same in time slots: nine partial erasures, and words.
+const MOST_OPERATIONS_IN_SLOTS: usize = 40;
 const OTHER: &str = "F1:23:45:67:89:AB";
 
 fn bound(board: &Board) -> Option<Address> {
@@ -20,6 +22,16 @@ fn bound(board: &Board) -> Option<Address> {
 
 fn address(text: &str) -> Address {
     Address::parse(text).expect("an address")
+}
+
+/// A board with Nordic's controller library, which grants time slots for flash.
+fn board_with_time_slots(test: &str) -> Option<Board> {
+    let image = chip::image(test, Image::Nrf52840Sdc)?;
+    let setting = Setting {
+        samples: vec![[1; 8]; 60 * 200],
+        ..Setting::default()
+    };
+    Some(Board::new(Image::Nrf52840Sdc, image, setting))
 }
 
 fn board(test: &str, fates: impl IntoIterator<Item = Fate>) -> Option<Board> {
@@ -79,6 +91,68 @@ fn power_that_fails_while_the_page_is_written_leaves_one_armband_or_none() -> an
         }
     }
     anyhow::bail!("more than {MOST_OPERATIONS} operations for a page")
+}
+
+#[test]
+fn binding_in_time_slots_writes_the_page_beside_a_stream() -> anyhow::Result<()> {
+    let test = "binding_in_time_slots_writes_the_page_beside_a_stream";
+    // Without and with slots that find no time: they are asked for again, and urgently.
+    for blocked in [0, 3] {
+        let Some(mut board) = board_with_time_slots(test) else {
+            return Ok(());
+        };
+        board.wait_for("$LABEL", 10_000)?;
+        let controller = board.machine.controller.as_mut();
+        let slots = &mut controller.expect("an image with one").timeslot;
+        slots.blocked = blocked;
+        let before = slots.begun;
+        board.send(&format!("BIND,set,{OTHER}"));
+        board.wait_for("$OK,BIND", 3000)?;
+        board.run_ms(2000)?;
+        assert_eq!(bound(&board), Some(address(OTHER)), "{}", board.text());
+        let slots = board
+            .machine
+            .controller
+            .as_ref()
+            .map(|one| one.timeslot.begun);
+        assert!(slots.is_some_and(|begun| begun > before));
+    }
+    Ok(())
+}
+
+#[test]
+fn power_that_fails_in_a_time_slot_leaves_one_armband_or_none() -> anyhow::Result<()> {
+    let test = "power_that_fails_in_a_time_slot_leaves_one_armband_or_none";
+    for operation in 0..MOST_OPERATIONS_IN_SLOTS {
+        let Some(mut board) = board_with_time_slots(test) else {
+            return Ok(());
+        };
+        board.run_ms(500)?;
+        board.machine.chip().nvmc.power_fails_after = Some(operation);
+        board.send(&format!("BIND,set,{OTHER}"));
+        board.run_ms(1500)?;
+        if board.machine.chip().nvmc.power_fails_after.is_some() {
+            assert!(
+                operation > 9,
+                "{operation} operations of flash:\n{}",
+                board.text()
+            );
+            return Ok(());
+        }
+        let found = bound(&board);
+        let allowed = [None, Some(address(ARMBAND)), Some(address(OTHER))];
+        assert!(allowed.contains(&found), "operation {operation}: {found:?}");
+        // It can be done again.
+        board.send(&format!("BIND,set,{OTHER}"));
+        board.run_ms(2000)?;
+        assert_eq!(
+            bound(&board),
+            Some(address(OTHER)),
+            "operation {operation}:\n{}",
+            board.text()
+        );
+    }
+    anyhow::bail!("more than {MOST_OPERATIONS_IN_SLOTS} operations for a page")
 }
 
 #[test]

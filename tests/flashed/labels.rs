@@ -89,6 +89,13 @@ fn ss_stm_on_the_nrf52840_equals_replay() -> anyhow::Result<()> {
 }
 
 #[test]
+fn ss_stm_on_the_nrf52840_without_a_softdevice_equals_replay() -> anyhow::Result<()> {
+    let recording = "ss-stm/data/sub1/M8T1.csv";
+    let test = "ss_stm_on_the_nrf52840_without_a_softdevice_equals_replay";
+    labels_equal_replays(test, Image::Nrf52840Sdc, recording, 5)
+}
+
+#[test]
 fn ss_stm_on_the_nrf52832_equals_replay() -> anyhow::Result<()> {
     let recording = "ss-stm/data/sub1/M8T1.csv";
     let test = "ss_stm_on_the_nrf52832_equals_replay";

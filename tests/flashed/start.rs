@@ -7,6 +7,9 @@ use xtask::firmware::Image;
 
 use myointent_tests::chip::{self, Board, Setting};
 
+/// The images that are flashed.
+const FLASHED: [Image; 3] = [Image::Nrf52840S140, Image::Nrf52840Sdc, Image::Nrf52832S132];
+
 /// Why the program has started, each time.
 fn starts(board: &Board) -> Vec<Reset> {
     let incidents = board.machine.incidents.iter();
@@ -34,15 +37,33 @@ fn a_board_says_why_it_starts_and_who_it_is() -> anyhow::Result<()> {
 #[test]
 fn the_uart_runs_on_the_crystal() -> anyhow::Result<()> {
     let test = "the_uart_runs_on_the_crystal";
-    for built in [Image::Nrf52840S140, Image::Nrf52832S132] {
+    for built in FLASHED {
         let Some(image) = chip::image(test, built) else {
             return Ok(());
         };
         let mut board = Board::new(built, image, Setting::default());
         board.wait_for("$STATE", 1000)?;
         let softdevice = board.machine.softdevice.as_ref();
-        assert!(softdevice.is_some_and(|softdevice| softdevice.keeps_crystal));
+        let controller = board.machine.controller.as_ref();
+        let keeps = softdevice.map(|one| one.keeps_crystal);
+        assert_eq!(
+            keeps.or(controller.map(|one| one.keeps_crystal())),
+            Some(true)
+        );
     }
+    Ok(())
+}
+
+#[test]
+fn a_controller_that_has_too_little_memory_is_named() -> anyhow::Result<()> {
+    let test = "a_controller_that_has_too_little_memory_is_named";
+    let Some(image) = chip::image(test, Image::Nrf52840Sdc) else {
+        return Ok(());
+    };
+    let mut board = Board::new(Image::Nrf52840Sdc, image, Setting::default());
+    let controller = board.machine.controller.as_mut();
+    controller.expect("an image with one").more_bytes = 2000;
+    board.wait_for("the Bluetooth controller did not start", 5000)?;
     Ok(())
 }
 
@@ -97,20 +118,30 @@ fn the_reset_button_is_no_watchdog() -> anyhow::Result<()> {
 #[test]
 fn a_blank_chip_sets_its_reset_pin_and_starts_again() -> anyhow::Result<()> {
     let test = "a_blank_chip_sets_its_reset_pin_and_starts_again";
-    let Some(image) = chip::image(test, Image::Nrf52840S140) else {
-        return Ok(());
-    };
-    let setting = Setting {
-        is_blank: true,
-        ..Setting::default()
-    };
-    let mut board = Board::new(Image::Nrf52840S140, image, setting);
-    board.wait_for("# myointent ", 1000)?;
-    assert_eq!(starts(&board), [Reset::Power, Reset::Software]);
-    // The chip was reset to set UICR, not after a panic.
-    board.wait_for("started by power or reset", 1000)?;
-    let chip = board.machine.chip();
-    assert_eq!([chip.uicr(0x200), chip.uicr(0x204)], [18, 18]);
-    assert_eq!(chip.uicr(APPROTECT) & 0xff, 0x5a);
+    for built in FLASHED {
+        let Some(image) = chip::image(test, built) else {
+            return Ok(());
+        };
+        // Neither a model, nor an armband, nor UICR.
+        let setting = Setting {
+            model: Vec::new(),
+            page: Vec::new(),
+            is_blank: true,
+            ..Setting::default()
+        };
+        let mut board = Board::new(built, image, setting);
+        board.wait_for("# model refused", 2000)?;
+        assert_eq!(starts(&board), [Reset::Power, Reset::Software], "{built}");
+        // The chip was reset to set UICR, not after a panic.
+        board.wait_for("started by power or reset", 1000)?;
+        let chip = board.machine.chip();
+        let reset = board.pins.reset;
+        assert_eq!(
+            [chip.uicr(0x200), chip.uicr(0x204)],
+            [reset, reset],
+            "{built}"
+        );
+        assert_eq!(chip.uicr(APPROTECT) & 0xff, 0x5a, "{built}");
+    }
     Ok(())
 }

@@ -80,7 +80,7 @@ impl Program {
         image.resize(WORDS as usize, 0xff);
         image.extend(CLOCK.to_le_bytes());
         let image = Image::raw(start, image);
-        let softdevice = kind.map(|kind| SoftDevice::new(kind, Vec::new()));
+        let softdevice = kind.map(SoftDevice::new);
         Machine::new(model, image, softdevice, 1)
     }
 }

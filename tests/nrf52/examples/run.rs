@@ -20,14 +20,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
     };
     let image = Image::parse(&std::fs::read(elf)?)?;
-    let kind = if image.start() == Kind::S132.program() {
-        Kind::S132
-    } else {
-        Kind::S140
-    };
+    // By the place at which it begins.
+    let kinds = [Kind::S140, Kind::S132];
+    let kind = kinds
+        .into_iter()
+        .find(|kind| kind.program() == image.start());
     let model = match kind {
-        Kind::S140 => Model::Nrf52840,
-        Kind::S132 => Model::Nrf52832,
+        Some(Kind::S132) => Model::Nrf52832,
+        _ => Model::Nrf52840,
     };
     let bytes = match rest.first().filter(|path| !path.contains(':')) {
         Some(path) => std::fs::read(path)?,
@@ -41,8 +41,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         ..Behaviour::default()
     };
     let armband = Armband::new(address, -50, samples.collect()).of_wearer(behaviour, 0);
-    let softdevice = SoftDevice::new(kind, vec![armband]);
-    let mut machine = Machine::new(model, image, Some(softdevice), 1);
+    let mut machine = Machine::new(model, image, kind.map(SoftDevice::new), 1);
+    machine.air_mut().armbands = vec![armband];
     machine.survey = Some(Vec::new());
     {
         let mut chip = machine.chip();

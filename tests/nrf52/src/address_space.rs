@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use rsemu::core::BusError;
 use rsemu::core::space::{
     AddressSpace, Mapping, MemAttrs, MemOps, MemResult, Perms, RamStore, Region,
 };
@@ -18,6 +19,12 @@ const PERIPHERALS_BYTES: u64 = 0x2000_0000;
 /// Base address of the range of FICR and UICR.
 const INFORMATION: u32 = 0x1000_0000;
 const INFORMATION_BYTES: u64 = 0x2000;
+
+/// Base address of flash.
+const FLASH: u32 = 0;
+
+/// Address of an instruction that returns, which is in no chip: functions that the emulation answers end there.
+pub const RETURN: u32 = 0x6000_1000;
 
 /// State that core and chip share without a lock.
 #[derive(Debug, Default)]
@@ -77,6 +84,11 @@ impl MemOps for Window {
         match (self.base, address) {
             (boot::GATE, boot::CALL) => self.shared.call.store(value.into(), Ordering::Relaxed),
             (boot::GATE, _) => self.shared.hard_fault.store(true, Ordering::Relaxed),
+            (FLASH, _) => {
+                if !self.chip().write_flash(address, bytes.len(), value) {
+                    return Err(BusError::Protected);
+                }
+            }
             (RAM, _) => self.chip().bus.refuse(address, What::SoftDevices),
             _ => self.chip().write(address, bytes.len(), value),
         }
@@ -116,16 +128,28 @@ pub fn address_space(
         let bytes = u64::from(softdevice.ram_end() - RAM);
         ("the SoftDevice's RAM", RAM, bytes)
     });
+    let back = Arc::new(RamStore::new(4));
+    // bx lr; b to itself.
+    back.write_at(0, &[0x70, 0x47, 0xfe, 0xe7])
+        .expect("it is that long");
     {
         let mut topology = space.topology();
-        // Reads and instructions: who writes to flash without its controller gets a bus fault.
-        let flash = Mapping::new(ram(&memory.flash, "flash"), 0).with_perms(Perms(1 | 4));
-        let mappings = [flash, Mapping::new(ram(&memory.ram, "RAM"), RAM.into())]
-            .into_iter()
-            .chain(windows.into_iter().chain(taken).map(|(name, base, bytes)| {
-                let region = Region::io(name, bytes, window(base));
-                Mapping::new(region, base.into()).with_priority(1)
-            }));
+        // Reads and instructions: who writes to flash without leave of its controller gets a bus fault.
+        let flash = Mapping::new(ram(&memory.flash, "flash"), 0).with_perms(Perms::RX);
+        let bytes = memory.flash.len();
+        let writes = Mapping::new(Region::io("writes to flash", bytes, window(FLASH)), 0);
+        let writes = writes.with_priority(1).with_perms(Perms::WRITE);
+        let mappings = [
+            flash,
+            writes,
+            Mapping::new(ram(&memory.ram, "RAM"), RAM.into()),
+            Mapping::new(ram(&back, "return"), RETURN.into()),
+        ]
+        .into_iter()
+        .chain(windows.into_iter().chain(taken).map(|(name, base, bytes)| {
+            let region = Region::io(name, bytes, window(base));
+            Mapping::new(region, base.into()).with_priority(1)
+        }));
         for mapping in mappings {
             topology
                 .map_with(mapping)

@@ -84,6 +84,19 @@ impl Core {
         self.cpu.reg(number)
     }
 
+    /// Sets a register.
+    pub fn set_register(&mut self, number: u8, value: u32) {
+        self.cpu.set_reg(number, value);
+    }
+
+    /// Enables an interrupt.
+    pub fn enable(&mut self, interrupt: u16) {
+        const ISER: u32 = 0xe000_e100;
+        let address = ISER + u32::from(interrupt / 32) * 4;
+        self.cpu
+            .with_sys(|system| system.write_word(address, 1 << (interrupt % 32)));
+    }
+
     /// The main stack pointer.
     pub fn stack_pointer(&self) -> u32 {
         self.cpu.msp()

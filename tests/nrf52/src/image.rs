@@ -1,5 +1,6 @@
 //! An image: what of its ELF file is flashed, and the names in it.
 
+use crate::controller::Library;
 use object::read::elf::ProgramHeader as _;
 use object::{Object as _, ObjectSymbol as _, SymbolKind};
 
@@ -56,6 +57,14 @@ impl Image {
             segments,
             functions,
         })
+    }
+
+    /// Nordic's controller library in it, if it has one.
+    ///
+    /// # Panics
+    /// If another function lies amid it.
+    pub fn library(&self) -> Option<Library> {
+        Library::find(&self.functions)
     }
 
     /// Bytes at an address, without names.

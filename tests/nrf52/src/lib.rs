@@ -4,7 +4,9 @@
 //! Machine   time, and what the others ask of each other
 //!   Core        rsemu's Cortex-M4F
 //!   chip        peripherals, a file each, by the product specification
-//!   softdevice  Nordic's supervisor calls and events, with virtual armbands behind them
+//!   softdevice  Nordic's supervisor calls and events
+//!   controller  the functions of Nordic's controller library and MPSL
+//!   air         the radio, with virtual armbands behind it
 //! ```
 //!
 //! It is strict: what is not modelled, reserved, or belongs to the SoftDevice ends the run with its place
@@ -13,7 +15,9 @@
 #![forbid(unsafe_code)]
 
 mod address_space;
+pub mod air;
 pub mod chip;
+pub mod controller;
 mod core;
 mod image;
 mod machine;

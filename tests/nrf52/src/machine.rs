@@ -7,7 +7,9 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use rsemu::core::space::AddressSpace;
 
 use crate::address_space::{Shared, address_space, lock};
+use crate::air::Air;
 use crate::chip::{Chip, Model, Reset};
+use crate::controller::Controller;
 use crate::core::Core;
 use crate::image::Image;
 use crate::refusal::{Refusal, What};
@@ -40,6 +42,8 @@ pub struct Machine {
     pub boot_loader_ram: Option<Range<u32>>,
     /// The SoftDevice, where the image needs one.
     pub softdevice: Option<SoftDevice>,
+    /// Nordic's controller library, where the image has it.
+    pub controller: Option<Controller>,
     /// Incidents, each with the tick at which it happened.
     pub incidents: Vec<(u64, Incident)>,
     /// Instructions that were run.
@@ -65,6 +69,7 @@ impl Machine {
         let shared = Arc::new(Shared::default());
         let space = address_space(&memory, &chip, &shared, softdevice.as_ref());
         let space = Arc::new(space);
+        let controller = image.library().map(Controller::new);
         Self {
             core: Core::new(Arc::clone(&space)),
             space,
@@ -75,6 +80,7 @@ impl Machine {
             interrupts: 0,
             boot_loader_ram: None,
             softdevice,
+            controller,
             incidents: vec![(0, Incident::Started(Reset::Power))],
             instructions: 0,
             lowest_stack: u32::MAX,
@@ -95,6 +101,26 @@ impl Machine {
     /// The image.
     pub fn image(&self) -> &Image {
         &self.image
+    }
+
+    /// The radio and the armbands.
+    ///
+    /// # Panics
+    /// If the image has neither a SoftDevice nor Nordic's library.
+    pub fn air(&self) -> &Air {
+        let controller = self.controller.as_ref().map(|one| &one.air);
+        let air = controller.or(self.softdevice.as_ref().map(|one| &one.air));
+        air.expect("an image with a radio")
+    }
+
+    /// The radio and the armbands, to be changed.
+    ///
+    /// # Panics
+    /// If the image has neither a SoftDevice nor Nordic's library.
+    pub fn air_mut(&mut self) -> &mut Air {
+        let controller = self.controller.as_mut().map(|one| &mut one.air);
+        let air = controller.or(self.softdevice.as_mut().map(|one| &mut one.air));
+        air.expect("an image with a radio")
     }
 
     /// Ticks since power came first.
@@ -135,6 +161,7 @@ impl Machine {
             self.now += self.core.step();
             self.instructions += 1;
             count += 1;
+            self.enter_library()?;
             if self.shared.attention.load(Ordering::Relaxed) {
                 return self.attend();
             }
@@ -149,6 +176,24 @@ impl Machine {
             }
         }
         Ok(())
+    }
+
+    /// Answers in the place of Nordic's library, if the program has come to it.
+    fn enter_library(&mut self) -> Result<(), Refusal> {
+        let place = self.core.place();
+        let Some(controller) = self.controller.as_mut().filter(|one| one.holds(place)) else {
+            return Ok(());
+        };
+        let mut chip = lock(&self.chip);
+        chip.advance(self.now);
+        let outcome = controller.enter(&mut chip, &mut self.core);
+        drop(chip);
+        self.shared.attention.store(true, Ordering::Relaxed);
+        match outcome {
+            Ok(()) => Ok(()),
+            // The program cannot go on there: a survey ends too.
+            Err((subject, what)) => Err(self.refusal(subject, what)),
+        }
     }
 
     fn check_sleep(&mut self) -> Result<(), Refusal> {
@@ -174,7 +219,9 @@ impl Machine {
     fn next(&self) -> u64 {
         let chip = self.chip().next();
         let softdevice = self.softdevice.as_ref().and_then(SoftDevice::next);
-        chip.min(softdevice.unwrap_or(u64::MAX)).max(self.now + 1)
+        let controller = self.controller.as_ref().and_then(Controller::next);
+        let radio = softdevice.into_iter().chain(controller).min();
+        chip.min(radio.unwrap_or(u64::MAX)).max(self.now + 1)
     }
 
     fn advance(&mut self) {
@@ -182,6 +229,9 @@ impl Machine {
         chip.advance(self.now);
         if let Some(softdevice) = &mut self.softdevice {
             softdevice.advance(&mut chip);
+        }
+        if let Some(controller) = &mut self.controller {
+            controller.advance(&mut chip);
         }
     }
 
@@ -220,6 +270,14 @@ impl Machine {
             && softdevice.take_interrupt()
         {
             self.core.pend(EVENTS);
+        }
+        let controller = self.controller.as_mut();
+        for interrupt in controller
+            .map(Controller::take_interrupts)
+            .into_iter()
+            .flatten()
+        {
+            self.core.pend(interrupt);
         }
         Ok(())
     }
@@ -295,6 +353,9 @@ impl Machine {
         drop(chip);
         if let Some(softdevice) = &mut self.softdevice {
             softdevice.reset(self.now);
+        }
+        if let Some(controller) = &mut self.controller {
+            controller.reset(self.now);
         }
         self.core = Core::new(Arc::clone(&self.space));
         self.interrupts = 0;

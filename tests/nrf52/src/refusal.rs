@@ -71,21 +71,27 @@ pub enum What {
     /// A part of the chip that the SoftDevice has taken.
     #[error("belongs to the SoftDevice, which is enabled")]
     SoftDevices,
+    /// A part of the chip that Nordic's controller library has taken.
+    #[error("belongs to the controller's library, which is initialized")]
+    Controllers,
+    /// An instruction of Nordic's library that is not the start of a function that is modelled.
+    #[error("is an instruction of Nordic's library, none of which is executed")]
+    LibraryCode,
     /// A call with this number is not modelled.
-    #[error("is a supervisor call that is not modelled, with the arguments {arguments:x?}")]
+    #[error("is a call that is not modelled, with the arguments {arguments:x?}")]
     UnknownCall {
         /// Its arguments.
         arguments: [u32; 4],
     },
-    /// A call that the SoftDevice does not expect.
-    #[error("is a supervisor call {why}")]
+    /// A call that the SoftDevice or the library does not expect.
+    #[error("is a call {why}")]
     WrongCall {
         /// Description of what is wrong.
         why: String,
     },
-    /// An interrupt with a priority of the SoftDevice's.
+    /// An interrupt with a priority of somebody else's.
     #[error(
-        "comes while interrupt {interrupt} has priority {priority}, which the SoftDevice reserves: expected 2, 3, 5, 6 or 7"
+        "comes while interrupt {interrupt} has priority {priority}: a SoftDevice reserves 0, 1 and 4, the controller's library takes 0 for RADIO, TIMER0 and RTC0 alone"
     )]
     Priority {
         /// Its number.

@@ -2,7 +2,7 @@
 
 use super::bus::Peripheral;
 use super::register::{Kind, Written};
-use super::{Chip, FICR, GPIO, ownership, uicr};
+use super::{Chip, FICR, GPIO, uicr};
 use crate::refusal::What;
 
 impl Chip {
@@ -50,6 +50,21 @@ impl Chip {
         self.settle();
     }
 
+    /// Writes a word of flash, as the program does; false if its controller does not let it.
+    pub fn write_flash(&mut self, address: u32, bytes: usize, value: u32) -> bool {
+        if !self.nvmc.writes() {
+            return false;
+        }
+        if bytes != 4 || !address.is_multiple_of(4) {
+            self.bus.refuse(address, What::Width { bytes });
+        } else if let Err(what) = self.check_owner(address, Some(value)) {
+            self.bus.refuse(address, what);
+        } else {
+            self.nvmc.write(address, value, &mut self.bus);
+        }
+        true
+    }
+
     fn write_uicr(&mut self, offset: u32, value: u32) -> Result<(), What> {
         if !self.nvmc.writes() {
             let expected = "CONFIG of NVMC has to enable writing first";
@@ -81,10 +96,7 @@ impl Chip {
     }
 
     fn check_owner(&self, address: u32, written: Option<u32>) -> Result<(), What> {
-        if self.softdevice_is_enabled && ownership::is_softdevices(address, written) {
-            return Err(What::SoftDevices);
-        }
-        Ok(())
+        self.owner.refuses(address, written).map_or(Ok(()), Err)
     }
 
     /// Refuses ends of channels that are no event, or no task.
@@ -173,6 +185,7 @@ impl Chip {
             0x4000_0000,
             0x4000_2000,
             0x4000_6000,
+            0x4000_7000,
             0x4000_8000,
             0x4000_9000,
             0x4000_a000,
@@ -189,6 +202,7 @@ impl Chip {
             0x4001_a000,
             0x4001_b000,
             0x4002_4000,
+            0x4002_7000,
         ];
         let mut levels = 0;
         for address in interrupts {

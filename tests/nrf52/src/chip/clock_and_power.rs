@@ -27,7 +27,12 @@ const RESETREAS: u32 = 0x400;
 const ERRATUM_108: u32 = 0xee4;
 /// Ticks after a stop, or a reset, in which the RC oscillator must not be started: erratum 132 of the nRF52832.
 const ERRATUM_132: std::ops::RangeInclusive<u64> = us(66)..=us(138);
-const INTERRUPTS: u32 = 0x3 | 1 << 2 | 7 << 5;
+const INTERRUPTS: u32 = 0x3 | 1 << 2 | 0x1f << 5;
+/// Supply of the USB: it comes or goes, its regulator is ready (5.3.7).
+const USBDETECTED: u32 = 0x11c;
+const USBREMOVED: u32 = 0x120;
+const USBPWRRDY: u32 = 0x124;
+const USBREGSTATUS: u32 = 0x438;
 
 /// HFCLKSTAT and LFCLKSTAT: running (5.4.6).
 const RUNNING: u32 = 1 << 16;
@@ -36,7 +41,7 @@ const RUNNING: u32 = 1 << 16;
 const HFXO: u64 = us(360);
 
 macro_rules! table {
-    ($($more:expr)?) => {
+    ($($more:expr),*) => {
         &[
     task("TASKS_HFCLKSTART", HFCLKSTART),
     task("TASKS_HFCLKSTOP", HFCLKSTOP),
@@ -60,16 +65,21 @@ macro_rules! table {
     read_write("APPROTECT.DISABLE", 0x558, 0xff),
     read_write("DCDCEN", 0x578, 1),
     read_write("DCDCEN0", 0x580, 1),
-    $($more)?
+    $($more),*
         ]
     };
 }
 
-const NRF52840: &[Register] = table!();
+const NRF52840: &[Register] = table!(
+    event("EVENTS_USBDETECTED", USBDETECTED),
+    event("EVENTS_USBREMOVED", USBREMOVED),
+    event("EVENTS_USBPWRRDY", USBPWRRDY),
+    read_only("USBREGSTATUS", USBREGSTATUS)
+);
 const NRF52832: &[Register] = table!(read_write("ERRATUM108", ERRATUM_108, 0x4f));
 
-/// Retained over every reset but the loss of power (5.3.6).
-const RETAINED: [u32; 3] = [RESETREAS, 0x51c, 0x520];
+/// Retained over every reset but the loss of power (5.3.6); the cable stays plugged.
+const RETAINED: [u32; 4] = [RESETREAS, 0x51c, 0x520, USBREGSTATUS];
 
 /// CLOCK and POWER.
 #[derive(Debug)]
@@ -111,6 +121,28 @@ impl ClockAndPower {
             low: None,
             low_stopped: now,
         }
+    }
+
+    /// Returns the source of the low-frequency clock, while it runs.
+    pub fn low_frequency_source(&self) -> Option<u32> {
+        let status = self.registers.get(LFCLKSTAT);
+        (status & RUNNING != 0).then_some(status & 3)
+    }
+
+    /// The supply of the USB comes or goes.
+    pub fn plug(&mut self, is_plugged: bool, bus: &mut Bus) {
+        self.registers.put(USBREGSTATUS, 3 * u32::from(is_plugged));
+        if is_plugged {
+            self.raise(USBDETECTED, bus);
+            self.raise(USBPWRRDY, bus);
+        } else {
+            self.raise(USBREMOVED, bus);
+        }
+    }
+
+    /// Starts the crystal of the high-frequency clock.
+    pub fn start_crystal(&mut self, bus: &mut Bus) {
+        self.task(HFCLKSTART, bus);
     }
 
     /// Returns true if RAM can be trusted after the core has slept, by the trim value that the factory wrote to FICR:

@@ -14,16 +14,22 @@ mod ppi;
 mod register;
 mod rng;
 mod rtc;
+mod saadc;
 mod temp;
 mod timer;
 mod uarte;
 mod uicr;
+mod usbd;
 mod watchdog;
+
+use std::collections::BTreeMap;
 
 pub use bus::{Bus, Peripheral, Reset};
 pub use nvmc::{FlashTimes, PAGE};
+pub use ownership::Owner;
 pub use uarte::Received;
 pub use uicr::APPROTECT;
+pub use usbd::{Control, Usbd};
 
 use crate::memory::Memory;
 use clock_and_power::ClockAndPower;
@@ -35,9 +41,11 @@ use ppi::Ppi;
 use register::Registers;
 use rng::Rng;
 use rtc::Rtc;
+use saadc::Saadc;
 use temp::Temp;
 use timer::Timer;
 use uarte::Uarte;
+use usbd::Errata;
 use watchdog::Watchdog;
 
 /// Base address of the ports of pins.
@@ -105,11 +113,14 @@ pub struct Chip {
     /// The controller of flash.
     pub nvmc: Nvmc,
     ppi: Ppi,
+    saadc: Saadc,
+    usbd: Usbd,
+    errata: Errata,
     ports: [Gpio; 2],
     ficr: Registers,
     uicr: Registers,
-    /// True while the SoftDevice is enabled and has taken its part of the chip.
-    pub softdevice_is_enabled: bool,
+    /// Who has taken a part of the chip.
+    pub owner: Owner,
     /// Changes of levels: when, which pin, to what.
     pub changes: Vec<(u64, u32, Option<bool>)>,
     /// Tick at which something happens by itself next.
@@ -168,12 +179,15 @@ impl Chip {
             rng: Rng::new(),
             watchdog: Watchdog::new(),
             egus: egus(),
-            nvmc: Nvmc::new(model.flash_times(), model.flash()),
+            nvmc: Nvmc::new(model.flash_times(), model.flash(), None),
             ppi: Ppi::new(),
+            saadc: Saadc::new(BTreeMap::new()),
+            usbd: Usbd::new(),
+            errata: Errata::new(),
             ports: [Gpio::new("P0", 0), Gpio::new("P1", 1)],
             ficr: ficr::of(part, variant, ram, flash),
             uicr: uicr::blank(),
-            softdevice_is_enabled: false,
+            owner: Owner::Program,
             changes: Vec::new(),
             next: 0,
             pins_are_stale: true,
@@ -199,8 +213,12 @@ impl Chip {
             self.watchdog = Watchdog::new();
         }
         self.egus = egus();
-        self.nvmc = Nvmc::new(self.model.flash_times(), self.model.flash());
+        let before = Some(&self.nvmc);
+        self.nvmc = Nvmc::new(self.model.flash_times(), self.model.flash(), before);
         self.ppi = Ppi::new();
+        self.saadc = Saadc::new(std::mem::take(&mut self.saadc.inputs));
+        self.usbd = Usbd::new();
+        self.errata = Errata::new();
         let [p0, p1] = [0, 1].map(|port: usize| self.ports[port].outside());
         self.ports = [
             Gpio::new("P0", 0).with_outside(p0),
@@ -210,15 +228,15 @@ impl Chip {
         self.bus.halt = 0;
         self.bus.low_frequency_runs = false;
         self.bus.attention = true;
-        self.softdevice_is_enabled = false;
+        self.owner = Owner::Program;
         self.pins_are_stale = true;
         self.settle();
     }
 
-    fn clocked(&mut self) -> ([&mut dyn Peripheral; 12], &mut Bus) {
+    fn clocked(&mut self) -> ([&mut dyn Peripheral; 14], &mut Bus) {
         let [t0, t1, t2, t3, t4] = &mut self.timers;
         let [r0, r1, r2] = &mut self.rtcs;
-        let all: [&mut dyn Peripheral; 12] = [
+        let all: [&mut dyn Peripheral; 14] = [
             &mut self.clock_and_power,
             t0,
             t1,
@@ -231,6 +249,8 @@ impl Chip {
             &mut self.rng,
             &mut self.uarte,
             &mut self.watchdog,
+            &mut self.saadc,
+            &mut self.usbd,
         ];
         (all, &mut self.bus)
     }
@@ -242,6 +262,7 @@ impl Chip {
             0x4000_0000 => &mut self.clock_and_power,
             0x4000_2000 => &mut self.uarte,
             0x4000_6000 => &mut self.gpiote,
+            0x4000_7000 => &mut self.saadc,
             0x4000_8000 => &mut self.timers[0],
             0x4000_9000 => &mut self.timers[1],
             0x4000_a000 => &mut self.timers[2],
@@ -261,6 +282,8 @@ impl Chip {
             0x4001_e000 => &mut self.nvmc,
             0x4001_f000 => &mut self.ppi,
             0x4002_4000 => &mut self.rtcs[2],
+            0x4002_7000 if many => &mut self.usbd,
+            0x4006_e000 if many => &mut self.errata,
             GPIO if many && address >= GPIO + gpio::PORT + 0x500 => &mut self.ports[1],
             GPIO => &mut self.ports[0],
             _ => return None,

@@ -1,9 +1,12 @@
 //! NVMC, the controller of flash (product specification, 4.3), without the SoftDevice's calls.
 //!
-//! Writes to UICR and flash need its leave, and halt the core for their time. Partial erasure is not modelled.
+//! Writes to UICR and flash need its leave, and halt the core for their time.
 
-use super::bus::{Bus, Peripheral};
+use std::collections::BTreeMap;
+
+use super::bus::{Bus, Peripheral, Reset};
 use super::register::{Register, Registers, read_only, read_write, write_only};
+use crate::memory::ERASED;
 use crate::refusal::What;
 use crate::time::{ms, us};
 
@@ -11,6 +14,8 @@ const READY: u32 = 0x400;
 const READYNEXT: u32 = 0x408;
 const CONFIG: u32 = 0x504;
 const ERASEPAGE: u32 = 0x508;
+const ERASEPAGEPARTIAL: u32 = 0x518;
+const ERASEPAGEPARTIALCFG: u32 = 0x51c;
 const ICACHECNF: u32 = 0x540;
 /// CONFIG: writing is enabled, erasing is.
 const WRITES: u32 = 1;
@@ -23,6 +28,8 @@ const TABLE: &[Register] = &[
     read_only("READYNEXT", READYNEXT).reset(1),
     read_write("CONFIG", CONFIG, 3),
     write_only("ERASEPAGE", ERASEPAGE, !0),
+    write_only("ERASEPAGEPARTIAL", ERASEPAGEPARTIAL, !0),
+    read_write("ERASEPAGEPARTIALCFG", ERASEPAGEPARTIALCFG, 0x7f).reset(10),
     read_write("ICACHECNF", ICACHECNF, 1 | 1 << 8),
     read_write("IHIT", 0x548, !0),
     read_write("IMISS", 0x54c, !0),
@@ -43,7 +50,7 @@ impl FlashTimes {
         write: us(41),
         erase: ms(85),
     };
-    /// nRF52832 (its product specification, 11.8).
+    /// nRF52832 (its product specification, 11.8). It has no partial erasure, which nothing here refuses.
     pub const NRF52832: Self = Self {
         write: us(338),
         erase: us(89_700),
@@ -57,21 +64,85 @@ pub struct Nvmc {
     /// Ticks that an operation of flash takes.
     pub times: FlashTimes,
     bytes: u32,
+    /// Pages that are erased in part, with the ticks so far. The silicon remembers: a reset does not end it.
+    partly_erased: BTreeMap<u32, u64>,
+    /// Number of operations after which power fails, in the middle of the next.
+    pub power_fails_after: Option<usize>,
 }
 
 impl Nvmc {
-    /// After a reset.
-    pub fn new(times: FlashTimes, bytes: u32) -> Self {
+    /// After a reset; `before` is what there was until then.
+    pub fn new(times: FlashTimes, bytes: u32, before: Option<&Self>) -> Self {
         Self {
             registers: Registers::new("NVMC", TABLE),
             times,
             bytes,
+            partly_erased: before.map_or_else(BTreeMap::new, |one| one.partly_erased.clone()),
+            power_fails_after: None,
         }
     }
 
     /// Returns true if writes are enabled.
     pub fn writes(&self) -> bool {
         self.registers.get(CONFIG) == WRITES
+    }
+
+    /// Returns true if neither writing nor erasing is enabled.
+    pub fn is_read_only(&self) -> bool {
+        self.registers.get(CONFIG) == 0
+    }
+
+    /// Writes a word of flash.
+    pub fn write(&mut self, address: u32, value: u32, bus: &mut Bus) {
+        let page = address & !(PAGE - 1);
+        let old = bus.memory.word(address).unwrap_or_default();
+        if self.partly_erased.contains_key(&page) {
+            let expected = "the page is erased in part alone";
+            return bus.refuse(address, What::Value { value, expected });
+        }
+        if old & value != value {
+            let expected = "flash holds zeros there: erase first";
+            return bus.refuse(address, What::Value { value, expected });
+        }
+        bus.halt(self.times.write);
+        // Half of the bits, if power fails.
+        let kept = if self.fails(bus) { 0x5555_5555 } else { 0 };
+        bus.memory
+            .clear_bits(address, &(value | kept).to_le_bytes());
+    }
+
+    /// Counts an operation; true if power fails in its middle.
+    fn fails(&mut self, bus: &mut Bus) -> bool {
+        let fails = self.power_fails_after == Some(0);
+        self.power_fails_after = self.power_fails_after.and_then(|left| left.checked_sub(1));
+        if fails {
+            bus.reset(Reset::Power);
+        }
+        fails
+    }
+
+    /// Erases a page for so many ticks; it is erased once they are enough in all (4.3.4).
+    fn erase(&mut self, page: u32, ticks: u64, bus: &mut Bus) {
+        bus.halt(ticks);
+        let old = bus.memory.read(page, PAGE).unwrap_or_default();
+        let before = self.partly_erased.remove(&page);
+        if before.is_none() && old.iter().all(|byte| *byte == ERASED) {
+            // It stays erased.
+            self.fails(bus);
+            return;
+        }
+        let before = before.unwrap_or_default();
+        let ticks = if self.fails(bus) { ticks / 2 } else { ticks };
+        if before + ticks >= self.times.erase {
+            return bus.memory.erase(page, PAGE as usize);
+        }
+        // Some bits are ones by now.
+        self.partly_erased.insert(page, before + ticks);
+        let mixed: Vec<_> = (0_u32..)
+            .zip(old)
+            .map(|(at, old)| old | (at * 37) as u8)
+            .collect();
+        bus.memory.program(page, &mixed);
     }
 }
 
@@ -95,17 +166,18 @@ impl Peripheral for Nvmc {
                 let expected = "0 to read, 1 to write, 2 to erase";
                 self.refuse(offset, bus, What::Value { value, expected });
             }
-            ERASEPAGE if self.registers.get(CONFIG) != ERASES => {
+            ERASEPAGE | ERASEPAGEPARTIAL if self.registers.get(CONFIG) != ERASES => {
                 let expected = "CONFIG has to enable erasing first";
                 self.refuse(offset, bus, What::Value { value, expected });
             }
-            ERASEPAGE if !value.is_multiple_of(PAGE) || value >= self.bytes => {
+            ERASEPAGE | ERASEPAGEPARTIAL if !value.is_multiple_of(PAGE) || value >= self.bytes => {
                 let expected = "the address of a page";
                 self.refuse(offset, bus, What::Value { value, expected });
             }
-            ERASEPAGE => {
-                bus.memory.erase(value, PAGE as usize);
-                bus.halt(self.times.erase);
+            ERASEPAGE => self.erase(value, self.times.erase, bus),
+            ERASEPAGEPARTIAL => {
+                let ticks = ms(self.registers.get(ERASEPAGEPARTIALCFG).into());
+                self.erase(value, ticks, bus);
             }
             _ => {}
         }

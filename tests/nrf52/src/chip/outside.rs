@@ -1,5 +1,6 @@
 //! Surroundings of the chip: levels of pins, the UART's line, a programmer.
 
+use super::timer::Timer;
 use super::{Chip, FICR, Received, ficr, uicr};
 use crate::time::HZ;
 
@@ -62,6 +63,34 @@ impl Chip {
     pub fn keeps_ram_asleep(&self) -> bool {
         let trim = self.ficr.get(ficr::ERRATUM_108);
         self.clock_and_power.keeps_ram_asleep(trim)
+    }
+
+    /// Returns the source of the low-frequency clock, while it runs.
+    pub fn low_frequency_source(&self) -> Option<u32> {
+        self.clock_and_power.low_frequency_source()
+    }
+
+    /// Starts the crystal of the high-frequency clock, as the radio's library does.
+    pub fn start_crystal(&mut self) {
+        self.clock_and_power.start_crystal(&mut self.bus);
+        self.settle();
+    }
+
+    /// Returns true if neither writing nor erasing is enabled.
+    pub fn flash_is_read_only(&self) -> bool {
+        self.nvmc.is_read_only()
+    }
+
+    /// TIMER0 counts microseconds from now on: a time slot begins.
+    pub fn start_slot_timer(&mut self) {
+        self.timers[0] = Timer::of_microseconds("TIMER0", 0x4000_8000, self.bus.now);
+        self.settle();
+    }
+
+    /// A time slot ends.
+    pub fn stop_slot_timer(&mut self) {
+        self.timers[0] = Timer::new("TIMER0", 0x4000_8000, 4);
+        self.settle();
     }
 
     /// A word of UICR.

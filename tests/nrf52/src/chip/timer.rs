@@ -71,6 +71,15 @@ impl Timer {
         }
     }
 
+    /// A timer that counts microseconds from this tick on, with 32 bits.
+    pub fn of_microseconds(name: &'static str, base: u32, now: u64) -> Self {
+        let mut timer = Self::new(name, base, 4);
+        timer.registers.put(BITMODE, 3);
+        timer.runs = true;
+        (timer.since, timer.seen) = (now, now);
+        timer
+    }
+
     fn counts_tasks(&self) -> bool {
         self.registers.get(MODE) != 0
     }

@@ -61,13 +61,6 @@ pub mod event {
     pub const FLASH_ERROR: u32 = 3;
 }
 
-/// Why a connection ends (Bluetooth Core Specification, volume 1, part F, 1.3).
-pub mod reason {
-    pub const CONNECTION_TIMEOUT: u8 = 0x08;
-    pub const REMOTE_ENDED: u8 = 0x13;
-    pub const LOCAL_ENDED: u8 = 0x16;
-}
-
 /// Answers of the other side's attributes: 0x100 and the protocol's own number.
 pub mod attribute {
     pub const READ_NOT_PERMITTED: u16 = 0x102;

@@ -1,20 +1,13 @@
 //! Structures of the events that the program takes (`ble_evt_t` of ble.h; ble_gap.h, ble_gattc.h).
 
-use super::calls::event;
-use crate::time::us;
+use super::calls::{attribute as status_of, event};
+use crate::air::Parameters;
 use shared::myo::{Address, AddressKind};
 
-/// Connection interval and what belongs to it: least, most, latency, time-out.
-pub type Parameters = [u16; 4];
 /// The handle of the only connection.
 pub const HANDLE: u16 = 0;
 /// Handle of the connection where there is none.
 pub const NO_HANDLE: u16 = 0xffff;
-
-/// Microseconds of the air's clock.
-pub fn air_us(ticks: u64) -> u64 {
-    ticks / us(1)
-}
 
 fn header(id: u16, body: Vec<u8>) -> Vec<u8> {
     let length = 4 + body.len() as u16;
@@ -38,7 +31,7 @@ fn gattc(id: u16, handle: u16, status: u16, about: u16, parameters: &[u8]) -> Ve
 }
 
 /// `ble_gap_addr_t`: the kind above the lowest bit, and six bytes.
-pub fn address(address: Address) -> [u8; 7] {
+fn address(address: Address) -> [u8; 7] {
     let kind = match address.kind {
         AddressKind::Public => 0,
         AddressKind::Random => 1,
@@ -91,9 +84,9 @@ pub fn timed_out(source: u8) -> Vec<u8> {
 }
 
 /// An attribute was read, or could not be.
-pub fn read(handle: u16, attribute: u16, value: Result<&[u8], u16>) -> Vec<u8> {
+pub fn read(handle: u16, attribute: u16, value: Option<&[u8]>) -> Vec<u8> {
     match value {
-        Ok(value) => {
+        Some(value) => {
             let fields = [attribute, 0, value.len() as u16].map(u16::to_le_bytes);
             gattc(
                 event::READ_RSP,
@@ -103,14 +96,20 @@ pub fn read(handle: u16, attribute: u16, value: Result<&[u8], u16>) -> Vec<u8> {
                 &[&fields.concat(), value].concat(),
             )
         }
-        Err(status) => gattc(event::READ_RSP, handle, status, attribute, &[0; 6]),
+        None => {
+            let status = status_of::READ_NOT_PERMITTED;
+            gattc(event::READ_RSP, handle, status, attribute, &[0; 6])
+        }
     }
 }
 
 /// An attribute was written, or could not be.
-pub fn written(handle: u16, attribute: u16, status: u16) -> Vec<u8> {
+pub fn written(handle: u16, attribute: u16, is_taken: bool) -> Vec<u8> {
     const REQUEST: u16 = 1;
-    let about = if status == 0 { 0 } else { attribute };
+    let (status, about) = match is_taken {
+        true => (0, 0),
+        false => (status_of::WRITE_NOT_PERMITTED, attribute),
+    };
     let fields = [attribute, REQUEST, 0, 0].map(u16::to_le_bytes).concat();
     gattc(event::WRITE_RSP, handle, status, about, &fields)
 }

@@ -107,7 +107,7 @@ impl SoftDevice {
 
     fn begin(&mut self, change: Change, ticks: u64, chip: &mut Chip) -> u32 {
         let is_erasure = matches!(change, Change::Erase { .. });
-        let fate = if is_erasure && self.flash.needs_silence && self.uses_the_air() {
+        let fate = if is_erasure && self.flash.needs_silence && self.air.is_in_use() {
             Fate::TimeOut
         } else {
             self.flash.fates.pop_front().unwrap_or(Fate::Success)

@@ -1,70 +1,20 @@
 //! Scanning and connecting (`ble_gap.h`), as a central.
 
-use shared::myo::Address;
+use shared::myo::{Address, AddressKind};
 
 use super::calls::answer;
-use super::events::{self, HANDLE, Parameters, air_us};
-use super::link::{Link, connection_parameters};
+use super::events::{self, HANDLE};
 use super::{SoftDevice, refused};
+use crate::air::{Event, Parameters, ScanTimes, parameters_are_allowed};
 use crate::memory::Memory;
 use crate::refusal::What;
 use crate::time::{ms, us};
 
-/// Ticks from one advertisement of an armband to its next.
-const ADVERTISING: u64 = ms(100);
-/// Ticks from an advertisement to the first event of the connection.
-const CONNECTING: u64 = ms(5);
 /// Bytes that a scan's buffer has at least (`BLE_GAP_SCAN_BUFFER_MIN`).
 const SCAN_BUFFER: u16 = 31;
 /// Source of a time-out: scanning, connecting (`BLE_GAP_TIMEOUT_SRC_*`).
 const SCAN: u8 = 1;
 const CONNECT: u8 = 2;
-
-/// A scan.
-#[derive(Debug)]
-pub struct Scan {
-    buffer: u32,
-    /// It waits until the program has read an advertisement.
-    is_paused: bool,
-    since: u64,
-    times: ScanTimes,
-    at: u64,
-    until: u64,
-    /// The armband whose advertisement comes next.
-    turn: usize,
-}
-
-impl Scan {
-    /// Ticks that the receiver was on by then.
-    pub(super) fn receiver_on(&self, now: u64) -> u64 {
-        let ScanTimes {
-            interval, window, ..
-        } = self.times;
-        let (whole, part) = ((now - self.since) / interval, (now - self.since) % interval);
-        whole * window + part.min(window)
-    }
-
-    /// Returns true if the receiver is on.
-    fn hears(&self, now: u64) -> bool {
-        (now - self.since) % self.times.interval < self.times.window
-    }
-}
-
-/// Times of a scan in ticks: the receiver is on for a window in each interval.
-#[derive(Clone, Copy, Debug)]
-struct ScanTimes {
-    interval: u64,
-    window: u64,
-    timeout: u64,
-}
-
-/// An attempt to connect.
-#[derive(Debug)]
-pub struct Attempt {
-    at: u64,
-    until: u64,
-    parameters: Parameters,
-}
 
 impl SoftDevice {
     pub(super) fn set_whitelist(
@@ -73,7 +23,7 @@ impl SoftDevice {
         count: u8,
         memory: &Memory,
     ) -> Result<u32, What> {
-        if self.attempt.is_some() || self.scan.is_some() {
+        if self.air.connects() || self.air.scans() {
             return Ok(answer::WHITELIST_IN_USE);
         }
         let mut whitelist = Vec::new();
@@ -85,12 +35,14 @@ impl SoftDevice {
             let Some(address) = address else {
                 return Err(refused("with an address that is no memory"));
             };
-            let [kind, .., last]: [u8; 7] = address;
-            // The two highest bits of a random static address are ones.
-            if kind >> 1 == 1 && last >> 6 != 3 {
-                return Ok(answer::INVALID_BLE_ADDR);
-            }
-            whitelist.push(address);
+            let [kind, bytes @ ..]: [u8; 7] = address;
+            let kind = match kind >> 1 {
+                0 => AddressKind::Public,
+                // The two highest bits of a random static address are ones.
+                1 if bytes[5] >> 6 == 3 => AddressKind::Random,
+                _ => return Ok(answer::INVALID_BLE_ADDR),
+            };
+            whitelist.push(Address { kind, bytes });
         }
         self.whitelist = whitelist;
         Ok(answer::SUCCESS)
@@ -111,53 +63,21 @@ impl SoftDevice {
         }
         if parameters == 0 {
             // It goes on after an advertisement.
-            return Ok(match &mut self.scan {
-                Some(scan) if scan.is_paused => {
-                    scan.is_paused = false;
-                    scan.at = scan.at.max(now);
-                    scan.buffer = data;
-                    answer::SUCCESS
-                }
-                _ => answer::INVALID_STATE,
-            });
+            if !self.air.resume_scan(now) {
+                return Ok(answer::INVALID_STATE);
+            }
+            self.scan_buffer = data;
+            return Ok(answer::SUCCESS);
         }
-        if self.scan.is_some() || self.attempt.is_some() {
+        if self.air.scans() || self.air.connects() {
             return Ok(answer::INVALID_STATE);
         }
         let Some(times) = scan_times(parameters, memory) else {
             return Ok(answer::INVALID_PARAM);
         };
-        self.scan = Some(Scan {
-            buffer: data,
-            is_paused: false,
-            since: now,
-            times,
-            at: now + ADVERTISING / 2,
-            until: now.saturating_add(times.timeout),
-            turn: 0,
-        });
+        self.scan_buffer = data;
+        self.air.start_scan(now, times, true);
         Ok(answer::SUCCESS)
-    }
-
-    pub(super) fn stop_scan(&mut self, now: u64) -> u32 {
-        match self.scan.take() {
-            Some(scan) => {
-                self.scanned += scan.receiver_on(now);
-                answer::SUCCESS
-            }
-            None => answer::INVALID_STATE,
-        }
-    }
-
-    /// Ticks that the receiver was on for scans, from the start on.
-    pub fn scanned(&self, now: u64) -> u64 {
-        let present = self.scan.as_ref().map_or(0, |scan| scan.receiver_on(now));
-        self.scanned + present
-    }
-
-    /// Returns true while it scans, tries to connect, or has a link.
-    pub const fn uses_the_air(&self) -> bool {
-        self.scan.is_some() || self.attempt.is_some() || self.link.is_some()
     }
 
     pub(super) fn connect(
@@ -166,10 +86,10 @@ impl SoftDevice {
         now: u64,
         memory: &Memory,
     ) -> Result<u32, What> {
-        if self.scan.is_some() || self.attempt.is_some() {
+        if self.air.scans() || self.air.connects() {
             return Ok(answer::INVALID_STATE);
         }
-        if self.link.is_some() {
+        if self.air.is_linked() {
             return Ok(answer::CONN_COUNT);
         }
         // The tag of the configuration that the library sets.
@@ -182,92 +102,66 @@ impl SoftDevice {
         let Some(parameters) = connection_parameters(parameters, memory) else {
             return Ok(answer::INVALID_PARAM);
         };
-        self.attempt = Some(Attempt {
-            at: now + ADVERTISING / 2,
-            until: now.saturating_add(timeout),
-            parameters,
-        });
+        let meant = self.whitelist.clone();
+        self.air.connect(now, timeout, parameters, meant);
         Ok(answer::SUCCESS)
     }
 
-    pub(super) fn cancel_connect(&mut self) -> u32 {
-        match self.attempt.take() {
-            Some(_) => answer::SUCCESS,
-            None => answer::INVALID_STATE,
-        }
-    }
-
-    pub(super) fn next_on_air(&self) -> Option<u64> {
-        let scan = self.scan.as_ref().map(|scan| match scan.is_paused {
-            true => scan.until,
-            false => scan.at.min(scan.until),
-        });
-        let attempt = self.attempt.as_ref().map(|one| one.at.min(one.until));
-        let link = self.link.as_ref().map(|link| link.at);
-        [scan, attempt, link].into_iter().flatten().min()
-    }
-
-    pub(super) fn advance_on_air(&mut self, now: u64, memory: &Memory) {
-        self.advance_scan(now, memory);
-        self.advance_attempt(now);
-        self.advance_link(now);
-    }
-
-    fn advance_scan(&mut self, now: u64, memory: &Memory) {
-        let Some(scan) = &mut self.scan else {
-            return;
+    pub(super) fn update_parameters(
+        &mut self,
+        handle: u16,
+        parameters: u32,
+        now: u64,
+        memory: &Memory,
+    ) -> u32 {
+        let Some(parameters) = connection_parameters(parameters, memory) else {
+            return answer::INVALID_PARAM;
         };
-        if scan.until <= now {
-            self.stop_scan(now);
-            return self.push(events::timed_out(SCAN));
-        }
-        if scan.is_paused || scan.at > now {
-            return;
-        }
-        let count = self.armbands.len().max(1);
-        // Armbands share the time between two of their advertisements.
-        scan.at = now + ADVERTISING / count as u64;
-        scan.turn = (scan.turn + 1) % count;
-        let heard = self.armbands.get(scan.turn).filter(|_| scan.hears(now));
-        let heard = heard.and_then(|one| Some((one, one.advertisement(air_us(now))?)));
-        if let Some((armband, data)) = heard {
-            scan.is_paused = true;
-            memory.write(scan.buffer, data);
-            let (address, rssi) = (armband.address, armband.rssi);
-            let event = events::advertised(address, rssi, scan.buffer, data.len() as u16);
-            self.push(event);
+        match self.answer_of(handle) {
+            answer::SUCCESS if !self.air.update_parameters(now, parameters) => answer::BUSY,
+            answer => answer,
         }
     }
 
-    fn advance_attempt(&mut self, now: u64) {
-        let Some(attempt) = &mut self.attempt else {
-            return;
-        };
-        if attempt.until <= now {
-            self.attempt = None;
-            return self.push(events::timed_out(CONNECT));
+    pub(super) fn disconnect(&mut self, handle: u16, now: u64) -> u32 {
+        match self.answer_of(handle) {
+            answer::SUCCESS if !self.air.disconnect(now) => answer::INVALID_STATE,
+            answer => answer,
         }
-        if attempt.at > now {
-            return;
+    }
+
+    /// Success, if that is the handle of a connection.
+    pub(super) fn answer_of(&self, handle: u16) -> u32 {
+        match self.air.is_linked() && handle == HANDLE {
+            true => answer::SUCCESS,
+            false => answer::INVALID_CONN_HANDLE,
         }
-        attempt.at = now + ADVERTISING;
-        let parameters = attempt.parameters;
-        let (whitelist, us) = (&self.whitelist, air_us(now));
-        let is_meant = |address: Address| whitelist.contains(&events::address(address));
-        let found = self
-            .armbands
-            .iter()
-            .position(|one| is_meant(one.address) && one.advertisement(us).is_some());
-        let Some(armband) = found else {
-            return;
+    }
+
+    /// Tells the program of an event.
+    pub(super) fn tell(&mut self, event: Event, memory: &Memory) {
+        let event = match event {
+            Event::Advertised(armband) => {
+                let armband = &self.air.armbands[armband];
+                let data = armband.advertisement(u64::MAX).unwrap_or_default();
+                memory.write(self.scan_buffer, data);
+                let length = data.len() as u16;
+                events::advertised(armband.address, armband.rssi, self.scan_buffer, length)
+            }
+            Event::ScanTimedOut => events::timed_out(SCAN),
+            Event::AttemptTimedOut => events::timed_out(CONNECT),
+            Event::Connected(armband, parameters) => {
+                events::connected(HANDLE, self.air.armbands[armband].address, parameters)
+            }
+            Event::Disconnected(reason) => events::disconnected(HANDLE, reason),
+            Event::Updated(parameters) => events::updated(HANDLE, parameters),
+            // Only writes without a response are told of (`BLE_GATTC_EVT_WRITE_CMD_TX_COMPLETE`).
+            Event::Sent(_) | Event::Mtu(_) => return,
+            Event::Read(attribute, value) => events::read(HANDLE, attribute, value.as_deref()),
+            Event::Written(attribute, is_taken) => events::written(HANDLE, attribute, is_taken),
+            Event::Notified(attribute, value) => events::notified(HANDLE, attribute, &value),
         };
-        self.attempt = None;
-        let [_, interval, latency, timeout] = parameters;
-        let parameters = [interval, interval, latency, timeout];
-        let is_kept = self.armbands[armband].connected();
-        self.link = Some(Link::new(armband, parameters, now + CONNECTING, is_kept));
-        let address = self.armbands[armband].address;
-        self.push(events::connected(HANDLE, address, parameters));
+        self.push(event);
     }
 }
 
@@ -287,4 +181,13 @@ fn scan_times(parameters: u32, memory: &Memory) -> Option<ScanTimes> {
         window: us(625) * u64::from(window),
         timeout,
     })
+}
+
+/// `ble_gap_conn_params_t`, if it is allowed.
+fn connection_parameters(address: u32, memory: &Memory) -> Option<Parameters> {
+    let mut parameters = [0; 4];
+    for (number, field) in (0..).step_by(2).zip(&mut parameters) {
+        *field = memory.half(address + number)?;
+    }
+    parameters_are_allowed(parameters).then_some(parameters)
 }

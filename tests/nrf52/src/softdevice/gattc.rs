@@ -1,24 +1,14 @@
 //! The client of attributes (`ble_gattc.h`): one request at a time.
 
-use super::calls::{answer, attribute};
-use super::events::{HANDLE, air_us};
-use super::{SoftDevice, events, refused};
+use super::calls::answer;
+use super::events::HANDLE;
+use super::{SoftDevice, refused};
+use crate::air::Request;
 use crate::memory::Memory;
 use crate::refusal::What;
 
-/// Bytes that an answer has room for: an ATT MTU of 23 without its header.
-const MOST: usize = 22;
 /// A write that is answered (`BLE_GATT_OP_WRITE_REQ`).
 const WRITE_REQUEST: u8 = 1;
-
-/// A request to the armband's attributes.
-#[derive(Debug)]
-pub enum Request {
-    /// Read of an attribute, by its handle.
-    Read(u16),
-    /// Write of an attribute, by its handle, with the bytes.
-    Write(u16, Vec<u8>),
-}
 
 impl SoftDevice {
     pub(super) fn read_attribute(&mut self, handle: u16, attribute: u16) -> u32 {
@@ -51,41 +41,12 @@ impl SoftDevice {
     }
 
     fn request(&mut self, handle: u16, request: Request) -> u32 {
-        let Some(link) = self.link.as_mut().filter(|_| handle == HANDLE) else {
+        if handle != HANDLE || !self.air.is_linked() {
             return answer::INVALID_CONN_HANDLE;
-        };
-        if link.request.is_some() || link.response.is_some() {
-            return answer::BUSY;
         }
-        link.request = Some(request);
-        answer::SUCCESS
-    }
-
-    /// The armband takes the request, at a connection event.
-    pub(super) fn carry_request_out(&mut self, now: u64) {
-        let Some(link) = &mut self.link else {
-            return;
-        };
-        let armband = &mut self.armbands[link.armband];
-        link.response = match link.request.take() {
-            None => return,
-            Some(Request::Read(attribute)) => {
-                let value = armband.read(attribute);
-                let value = match &value {
-                    Some(value) => Ok(&value[..value.len().min(MOST)]),
-                    None => Err(attribute::READ_NOT_PERMITTED),
-                };
-                Some(events::read(HANDLE, attribute, value))
-            }
-            Some(Request::Write(attribute, value)) => {
-                let is_taken = armband.write(attribute, &value, air_us(now));
-                let status = if is_taken {
-                    0
-                } else {
-                    attribute::WRITE_NOT_PERMITTED
-                };
-                Some(events::written(HANDLE, attribute, status))
-            }
-        };
+        match self.air.request(request) {
+            true => answer::SUCCESS,
+            false => answer::BUSY,
+        }
     }
 }

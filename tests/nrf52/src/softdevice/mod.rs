@@ -9,21 +9,19 @@ mod events;
 mod flash;
 mod gap;
 mod gattc;
-mod link;
 
 use std::collections::VecDeque;
 
-use virtual_armband::Armband;
+use shared::myo::Address;
 
-use crate::chip::Chip;
+use crate::air::Air;
+use crate::chip::{Chip, Owner};
 use crate::core::Core;
 use crate::memory::Memory;
 use crate::refusal::What;
 use calls::{answer, call};
 pub use flash::Fate;
 use flash::Flash;
-use gap::{Attempt, Scan};
-use link::Link;
 
 /// Kind of SoftDevice.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -81,29 +79,22 @@ pub struct SoftDevice {
     events: VecDeque<Vec<u8>>,
     chip_events: VecDeque<u32>,
     interrupts: bool,
-    whitelist: Vec<[u8; 7]>,
-    scan: Option<Scan>,
-    /// Ticks of the scans that have ended.
-    scanned: u64,
-    attempt: Option<Attempt>,
-    link: Option<Link>,
+    whitelist: Vec<Address>,
+    /// Where the data of an advertisement goes.
+    scan_buffer: u32,
+    /// The radio, and the armbands.
+    pub air: Air,
     /// Operations of flash.
     pub flash: Flash,
-    /// Armbands within reach.
-    pub armbands: Vec<Armband>,
-    /// Notifications of the wearer's armband: the tick at which each was received, and its number.
-    pub received: Vec<(u64, usize)>,
     /// Most events that waited at a time.
     pub most_waiting: usize,
     /// True if the program has asked for the high-frequency crystal between radio events too.
     pub keeps_crystal: bool,
-    /// True if the air is silent: the other side of the link stops answering.
-    pub is_silent: bool,
 }
 
 impl SoftDevice {
-    /// Beside these armbands.
-    pub fn new(kind: Kind, armbands: Vec<Armband>) -> Self {
+    /// Without armbands.
+    pub fn new(kind: Kind) -> Self {
         Self {
             kind,
             is_enabled: false,
@@ -112,16 +103,11 @@ impl SoftDevice {
             chip_events: VecDeque::new(),
             interrupts: false,
             whitelist: Vec::new(),
-            scan: None,
-            scanned: 0,
-            attempt: None,
-            link: None,
+            scan_buffer: 0,
+            air: Air::default(),
             flash: Flash::default(),
-            armbands,
-            received: Vec::new(),
             most_waiting: 0,
             keeps_crystal: false,
-            is_silent: false,
         }
     }
 
@@ -130,11 +116,9 @@ impl SoftDevice {
         RAM_END
     }
 
-    /// The chip resets; a link is lost without a word.
+    /// The chip resets.
     pub fn reset(&mut self, now: u64) {
-        if let Some(link) = self.link.take() {
-            self.armbands[link.armband].disconnected(events::air_us(now));
-        }
+        self.air.reset(now);
         self.is_enabled = false;
         self.speaks_bluetooth = false;
         self.keeps_crystal = false;
@@ -142,8 +126,6 @@ impl SoftDevice {
         self.chip_events.clear();
         self.interrupts = false;
         self.whitelist.clear();
-        self.scan = None;
-        self.attempt = None;
         self.flash.reset();
     }
 
@@ -165,20 +147,15 @@ impl SoftDevice {
 
     /// Returns the tick at which something happens by itself next, if something does.
     pub fn next(&self) -> Option<u64> {
-        let flash = self.flash.next();
-        let radio = if self.is_silent {
-            None
-        } else {
-            self.next_on_air()
-        };
-        flash.into_iter().chain(radio).min()
+        self.flash.next().into_iter().chain(self.air.next()).min()
     }
 
     /// Does what is due.
     pub fn advance(&mut self, chip: &mut Chip) {
         self.finish_flash(chip);
-        if !self.is_silent {
-            self.advance_on_air(chip.bus.now, &chip.bus.memory);
+        self.air.advance(chip.bus.now);
+        while let Some(event) = self.air.take() {
+            self.tell(event, &chip.bus.memory);
         }
         chip.bus.attention |= self.interrupts;
     }
@@ -230,11 +207,13 @@ impl SoftDevice {
             // Transmission power is not modelled.
             call::GAP_TX_POWER_SET => answer::SUCCESS,
             call::GAP_SCAN_START => return self.start_scan(first, second, now, &memory),
-            call::GAP_SCAN_STOP => self.stop_scan(now),
+            call::GAP_SCAN_STOP if self.air.stop_scan(now) => answer::SUCCESS,
+            call::GAP_SCAN_STOP => answer::INVALID_STATE,
             call::GAP_CONNECT => return self.connect([second, third, fourth], now, &memory),
-            call::GAP_CONNECT_CANCEL => self.cancel_connect(),
+            call::GAP_CONNECT_CANCEL if self.air.cancel_connect() => answer::SUCCESS,
+            call::GAP_CONNECT_CANCEL => answer::INVALID_STATE,
             call::GAP_CONN_PARAM_UPDATE => {
-                return self.update_parameters(first as u16, second, now, &memory);
+                self.update_parameters(first as u16, second, now, &memory)
             }
             call::GAP_DISCONNECT => self.disconnect(first as u16, now),
             // Neither changes what the armband, a device of Bluetooth 4.0, can do.
@@ -276,7 +255,7 @@ impl SoftDevice {
         core.set_call_priority(CALL_PRIORITY);
         core.set_priority(EVENTS, EVENTS_PRIORITY);
         self.is_enabled = true;
-        chip.softdevice_is_enabled = true;
+        chip.owner = Owner::SoftDevice;
         Ok(answer::SUCCESS)
     }
 

@@ -1,0 +1,110 @@
+//! What is refused beside Nordic's controller library, none of which is executed: each with a program that earns it.
+
+use nrf52::{Refusal, What};
+use xtask::firmware::Image;
+
+use myointent_tests::chip::{self, Board, Setting};
+
+/// Somewhere in flash.
+const CODE: u32 = 0x9_0000;
+
+/// A board whose radio runs; where the image cannot be built, reports the test as skipped.
+fn board(test: &str) -> anyhow::Result<Option<Board>> {
+    let Some(image) = chip::image(test, Image::Nrf52840Sdc) else {
+        return Ok(None);
+    };
+    let mut board = Board::new(Image::Nrf52840Sdc, image, Setting::default());
+    board.run_ms(600)?;
+    while board.machine.core().is_in_handler() {
+        board.machine.run(1)?;
+    }
+    Ok(Some(board))
+}
+
+/// Lets a board run these instructions, with registers 0 and 1; gives why that is refused.
+fn refused(board: &mut Board, registers: [u32; 2], code: &[u16]) -> Refusal {
+    let bytes: Vec<u8> = code.iter().flat_map(|half| half.to_le_bytes()).collect();
+    board.machine.chip().bus.memory.program(CODE, &bytes);
+    for (number, value) in (0..).zip(registers) {
+        board.machine.core().set_register(number, value);
+    }
+    // Awake.
+    board.machine.core().pend(20);
+    board.machine.core().jump(CODE);
+    board.run_ms(50).expect_err("it has to be refused")
+}
+
+#[test]
+fn instructions_of_the_library_are_refused() -> anyhow::Result<()> {
+    let Some(mut board) = board("instructions_of_the_library_are_refused")? else {
+        return Ok(());
+    };
+    let controller = board.machine.controller.as_ref();
+    let inside = controller.expect("an image with one").library().range.start + 4;
+    // bx r0
+    let refusal = refused(&mut board, [inside | 1, 0], &[0x4700]);
+    assert_eq!(refusal.what, What::LibraryCode, "{refusal}");
+    Ok(())
+}
+
+#[test]
+fn what_the_library_has_taken_is_refused() -> anyhow::Result<()> {
+    // RADIO, TIMER0, RTC0, CLOCK's start, NVMC, a channel of the interconnect.
+    let taken = [
+        0x4000_1000,
+        0x4000_8000,
+        0x4000_b000,
+        0x4000_0000,
+        0x4001_e504,
+        0x4001_f598,
+    ];
+    for address in taken {
+        let Some(mut board) = board("what_the_library_has_taken_is_refused")? else {
+            return Ok(());
+        };
+        // str r1, [r0]
+        let refusal = refused(&mut board, [address, 1], &[0x6001]);
+        assert_eq!(refusal.what, What::Controllers, "{address:#x}: {refusal}");
+    }
+    Ok(())
+}
+
+#[test]
+fn memory_of_the_library_that_is_written_is_refused() -> anyhow::Result<()> {
+    let test = "memory_of_the_library_that_is_written_is_refused";
+    let Some(mut board) = board(test)? else {
+        return Ok(());
+    };
+    let controller = board.machine.controller.as_ref();
+    let memory = controller.and_then(|one| one.memory());
+    let memory = memory.expect("the controller is enabled");
+    board.machine.chip().bus.memory.write(memory.end - 1, &[0]);
+    // It is looked at with the next work of low priority.
+    board.machine.core().pend(20);
+    let refusal = board.run_ms(1000).expect_err("it has to be refused");
+    assert!(matches!(refusal.what, What::WrongCall { .. }), "{refusal}");
+    Ok(())
+}
+
+#[test]
+fn a_call_of_the_library_from_an_interrupt_is_refused() -> anyhow::Result<()> {
+    let test = "a_call_of_the_library_from_an_interrupt_is_refused";
+    let Some(mut board) = board(test)? else {
+        return Ok(());
+    };
+    let controller = board.machine.controller.as_ref();
+    let functions = &controller.expect("an image with one").library().functions;
+    let mut functions = functions.iter();
+    let get = functions.find(|(_, name)| *name == "sdc_hci_get");
+    let get = *get.expect("a function that every image calls").0;
+    while !board.machine.core().is_in_handler() {
+        board.machine.run(1)?;
+    }
+    // bx r0
+    let refusal = refused(&mut board, [get | 1, 0], &[0x4700]);
+    assert!(
+        refusal.to_string().contains("from an interrupt"),
+        "{refusal}"
+    );
+    Ok(())
+}

@@ -1,0 +1,131 @@
+//! The air between the chip's radio and armbands: scans, attempts to connect, one link as a central, requests to attributes.
+//!
+//! Whoever speaks with the program (the SoftDevice, or a controller) takes its [`Event`]s and gives them their form. Links
+//! lose nothing, and nobody interferes.
+
+mod link;
+mod scan;
+
+use std::collections::VecDeque;
+
+use virtual_armband::Armband;
+
+use crate::time::us;
+use link::Link;
+pub use link::{Parameters, Request, parameters_are_allowed};
+pub use scan::ScanTimes;
+use scan::{Attempt, Scan};
+
+/// Why a connection ends (Bluetooth Core Specification, volume 1, part F, 1.3).
+pub mod reason {
+    /// Nothing was heard from the other side for the supervision time-out.
+    pub const CONNECTION_TIMEOUT: u8 = 0x08;
+    /// The other side ended it.
+    pub const REMOTE_ENDED: u8 = 0x13;
+    /// This side ended it.
+    pub const LOCAL_ENDED: u8 = 0x16;
+}
+
+/// Something that the radio tells.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum Event {
+    /// An armband, by its index, was heard to advertise.
+    Advertised(usize),
+    /// The scan is over.
+    ScanTimedOut,
+    /// The attempt to connect is over.
+    AttemptTimedOut,
+    /// The link to an armband, by its index, is there.
+    Connected(usize, Parameters),
+    /// The link has ended, for this reason.
+    Disconnected(u8),
+    /// The link has other parameters.
+    Updated(Parameters),
+    /// The armband was sent so many packets.
+    Sent(u16),
+    /// The longest unit that the armband takes, in bytes.
+    Mtu(u16),
+    /// An attribute was read; none where it cannot be.
+    Read(u16, Option<Vec<u8>>),
+    /// An attribute was written; false where it cannot be.
+    Written(u16, bool),
+    /// A notification: attribute and value.
+    Notified(u16, Vec<u8>),
+}
+
+/// The air.
+#[derive(Default, Debug)]
+pub struct Air {
+    events: VecDeque<Event>,
+    scan: Option<Scan>,
+    /// Ticks of the scans that have ended.
+    scanned: u64,
+    attempt: Option<Attempt>,
+    link: Option<Link>,
+    /// Armbands within reach.
+    pub armbands: Vec<Armband>,
+    /// Notifications of the wearer's armband: the tick at which each was received, and its number.
+    pub received: Vec<(u64, usize)>,
+    /// True if the other side of the link stops answering.
+    pub is_silent: bool,
+}
+
+/// Microseconds of the armbands' clock.
+fn air_us(ticks: u64) -> u64 {
+    ticks / us(1)
+}
+
+impl Air {
+    /// The radio falls silent: a link is lost without a word.
+    pub fn reset(&mut self, now: u64) {
+        if let Some(link) = self.link.take() {
+            self.armbands[link.armband].disconnected(air_us(now));
+        }
+        self.scan = None;
+        self.attempt = None;
+        self.events.clear();
+    }
+
+    /// Returns true while it scans, tries to connect, or has a link.
+    pub const fn is_in_use(&self) -> bool {
+        self.scan.is_some() || self.attempt.is_some() || self.link.is_some()
+    }
+
+    /// Returns true while it scans.
+    pub const fn scans(&self) -> bool {
+        self.scan.is_some()
+    }
+
+    /// Returns true while it tries to connect.
+    pub const fn connects(&self) -> bool {
+        self.attempt.is_some()
+    }
+
+    /// Returns true while there is a link.
+    pub const fn is_linked(&self) -> bool {
+        self.link.is_some()
+    }
+
+    /// Takes the next event.
+    pub fn take(&mut self) -> Option<Event> {
+        self.events.pop_front()
+    }
+
+    /// Returns the tick at which something happens by itself next, if something does.
+    pub fn next(&self) -> Option<u64> {
+        let scan = self.scan.as_ref().map(Scan::next);
+        let attempt = self.attempt.as_ref().map(Attempt::next);
+        let link = self.link.as_ref().map(|link| link.at);
+        let all = [scan, attempt, link].into_iter().flatten();
+        all.min().filter(|_| !self.is_silent)
+    }
+
+    /// Does what is due.
+    pub fn advance(&mut self, now: u64) {
+        if !self.is_silent {
+            self.advance_scan(now);
+            self.advance_attempt(now);
+            self.advance_link(now);
+        }
+    }
+}
