@@ -129,8 +129,9 @@ fn build(
     memory: &'static mut Mem<CONTROLLER_BYTES>,
 ) -> Result<SoftdeviceController<'static>, nrf_sdc::Error> {
     Builder::new()?
-        .support_scan()
         .support_central()
+        // The host ends a scan, or an attempt to connect, later than it begins the next: neither may be refused until then.
+        .support_parallel_scanning_and_initiating()
         .central_count(CENTRAL_COUNT)?
         .peripheral_count(PERIPHERAL_COUNT)?
         .buffer_cfg(SEND_BYTES, RECEIVE_BYTES, SEND_COUNT, RECEIVE_COUNT)?

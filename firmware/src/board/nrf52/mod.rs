@@ -35,6 +35,8 @@ use crate::messages::pin_state::PinState;
 use crate::reset_reason::{End, ResetReason, keep_end, previous_end};
 use crate::settings::WATCHDOG_MS;
 #[cfg(feature = "radio-trouble")]
+use crate::settings::{SLOW_CLOCK, SlowClock};
+#[cfg(feature = "radio-trouble")]
 pub use controller::{RadioParts, run_radio};
 #[cfg(feature = "radio-softdevice")]
 pub use softdevice::{RadioParts, run_radio};
@@ -60,6 +62,11 @@ pub fn start() -> Board {
     // program has one of them.
     config.gpiote_interrupt_priority = Priority::P2;
     config.time_interrupt_priority = Priority::P2;
+    // The scheduler of the controller's library is told the same source. Nothing says that it changes one that runs.
+    #[cfg(feature = "radio-trouble")]
+    if matches!(SLOW_CLOCK, SlowClock::Crystal) {
+        config.lfclk_source = embassy_nrf::config::LfclkSource::ExternalXtal;
+    }
     // Instructions from flash would wait otherwise. Before the SoftDevice, which reserves the register.
     pac::NVMC.icachecnf().write(|cache| cache.set_cacheen(true));
     let peripherals = embassy_nrf::init(config);
