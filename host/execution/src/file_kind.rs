@@ -15,6 +15,10 @@ pub enum FileKind {
     Mat,
     /// HDF5, which MATLAB 7.3 writes too.
     Hdf5,
+    /// EDF or BDF, the European data format of biosignals.
+    Edf,
+    /// XDF, as LabRecorder writes it.
+    Xdf,
     /// Zip archive: also npz, xlsx and PyTorch checkpoints.
     Zip,
     /// Gzip, mostly a tar archive.
@@ -49,6 +53,8 @@ impl FileKind {
             _ if starts(b"\x93NUMPY") => Self::Npy,
             _ if starts(b"MATLAB 5.0") => Self::Mat,
             _ if starts(b"\x89HDF\r\n\x1a\n") || starts(b"MATLAB 7.3") => Self::Hdf5,
+            _ if is_edf(bytes) => Self::Edf,
+            _ if starts(b"XDF:") => Self::Xdf,
             _ if starts(b"PK\x03\x04") || starts(b"PK\x05\x06") => Self::Zip,
             [0x1f, 0x8b, ..] => Self::Gzip,
             [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => Self::Utf16,
@@ -101,9 +107,27 @@ impl FileKind {
             }
             Self::Utf16 => "save it as UTF-8",
             Self::Hdf5 => "save it as csv, npy or, in MATLAB, with `-v7`",
+            Self::Edf => {
+                "save its eight channels of EMG as csv or npy, in Python with the package `pyedflib`, and describe them: \
+                 `myointent data describe`"
+            }
+            Self::Xdf => {
+                "save its stream of EMG as csv or npy, in Python with the package `pyxdf`, and describe it: \
+                 `myointent data describe`"
+            }
             _ => "",
         }
     }
+}
+
+/// Whether bytes are the header of an EDF or BDF file: its version, and its own length in bytes.
+fn is_edf(bytes: &[u8]) -> bool {
+    let length = bytes
+        .get(184..192)
+        .and_then(|field| str::from_utf8(field).ok());
+    let length = length.and_then(|field| field.trim_end().parse::<u32>().ok());
+    (bytes.starts_with(b"0       ") || bytes.starts_with(b"\xffBIOSEMI"))
+        && length.is_some_and(|length| length >= 256 && length.is_multiple_of(256))
 }
 
 /// Whether the first lines are rows of numbers, the first of them perhaps of names.
@@ -131,6 +155,8 @@ impl fmt::Display for FileKind {
             Self::Npy => "an npy array",
             Self::Mat => "a MATLAB file",
             Self::Hdf5 => "an HDF5 file (MATLAB 7.3 writes such)",
+            Self::Edf => "an EDF or BDF file",
+            Self::Xdf => "an XDF file",
             Self::Zip => "a zip archive",
             Self::Gzip => "a gzip archive",
             Self::LfsPointer => "a Git LFS pointer without the content",
@@ -174,6 +200,19 @@ mod tests {
         ] {
             assert_eq!(FileKind::of(bytes), kind, "{bytes:?}");
         }
+    }
+
+    #[test]
+    fn a_biosignal_file_is_told_by_its_header_and_not_by_a_zero() {
+        for start in [&b"0       "[..], b"\xffBIOSEMI"] {
+            let mut bytes = [start, &[b' '; 248]].concat();
+            bytes[184..188].copy_from_slice(b"2304");
+            assert_eq!(FileKind::of(&bytes), FileKind::Edf);
+        }
+        let row = "0       1       2       3\n".repeat(20);
+        assert_eq!(FileKind::of(row.as_bytes()), FileKind::Table);
+        assert_eq!(FileKind::of(b"XDF:\x01\x04"), FileKind::Xdf);
+        assert!(FileKind::Edf.to_string().contains("`pyedflib`"));
     }
 
     #[test]

@@ -45,6 +45,20 @@ mod tests {
     use crate::{LoadOptions, load};
 
     #[test]
+    fn files_of_other_recorders_are_left_out_with_what_converts_them() {
+        let mut edf = [&b"0       "[..], &[b' '; 2296]].concat();
+        edf[184..188].copy_from_slice(b"2304");
+        let folder = folder(&[("anna/1.edf", &edf[..]), ("anna/2.xdf", b"XDF:\x01\x04")]);
+        let library = load(folder.path(), &LoadOptions::default()).unwrap();
+        let told: Vec<String> = library.skipped.iter().map(crate::LoadError::line).collect();
+        assert!(
+            told[0].contains("found an EDF or BDF file: save its eight channels"),
+            "{told:?}"
+        );
+        assert!(told[1].contains("with the package `pyxdf`"), "{told:?}");
+    }
+
+    #[test]
     fn a_library_without_a_recording_is_refused_with_the_first_damage() {
         let rows = "1,2,3,4,5,6,7,8,0\n".repeat(30) + "1,2\n";
         let folder = folder(&[("12345-1/0.txt", rows)]);

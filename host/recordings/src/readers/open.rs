@@ -80,10 +80,15 @@ pub(crate) fn open(
     of_bytes(path, &bytes, request)
 }
 
-/// The ending of a path that may be a recording.
+/// The ending of a path that may be a recording, or one that is refused with what converts it.
 fn extension(path: &Path) -> Option<&str> {
     let extension = path.extension().and_then(|e| e.to_str());
-    extension.filter(|e| matches!(*e, "npy" | "csv" | "txt" | "dat" | "json" | "mat"))
+    extension.filter(|e| {
+        matches!(
+            *e,
+            "npy" | "csv" | "txt" | "dat" | "json" | "mat" | "edf" | "bdf" | "xdf"
+        )
+    })
 }
 
 /// Reads one file from its bytes if it is a recording of a data set that is wanted; files beside it are read from the
@@ -106,6 +111,8 @@ pub fn of_bytes(
         | FileKind::Html
         | FileKind::Zip
         | FileKind::Gzip
+        | FileKind::Edf
+        | FileKind::Xdf
         | FileKind::Model => {
             let expected = KINDS;
             let fault = Fault::Kind {
