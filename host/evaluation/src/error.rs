@@ -53,6 +53,16 @@ pub enum EvaluationError {
         /// Test people left out.
         test: usize,
     },
+    /// No recording has labels of the program.
+    #[error(
+        "expected a file of labels for each recording, such as {first}.csv, found none for any of {recordings} labelled recordings"
+    )]
+    NoLabels {
+        /// Labelled recordings.
+        recordings: usize,
+        /// The first of them.
+        first: String,
+    },
     /// A model has seen a person whom it is evaluated on.
     #[error(
         "{model} was trained on or validated with {subject}, whom this run holds out: evaluate another model, or a run that does not"

@@ -5,8 +5,6 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize, Serializer};
 use shared::intent::{Intent, Vocabulary};
-use shared::model::LookBackLogits;
-use shared::stream::smoother::Settings;
 
 use super::candidate::Candidate;
 use super::condition::{LookAhead, Truth};
@@ -133,24 +131,46 @@ pub fn score(
     look_ahead: LookAhead,
     truth: Truth,
 ) -> Result<Vec<Score>, EvaluationError> {
-    let scored: Vec<_> = recordings
+    let settings = candidate.settings(look_ahead);
+    let labels = recordings
         .par_iter()
         .zip(&candidate.logits)
-        .filter_map(|(recording, logits)| {
-            let labels = match truth {
+        .map(|(recording, logits)| {
+            smooth(logits, recording.emg.len(), vocabulary.classes(), settings)
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    score_labels(
+        &candidate.name,
+        &labels,
+        recordings,
+        vocabulary,
+        look_ahead,
+        truth,
+    )
+}
+
+/// Scores the labels of a model or of any program, in the order of the recordings: rows as those of [`score`].
+///
+/// # Errors
+/// When labels cannot be compared.
+pub fn score_labels(
+    model: &str,
+    labels: &[SmoothedLabels],
+    recordings: &[EvaluatedRecording],
+    vocabulary: Vocabulary,
+    look_ahead: LookAhead,
+    truth: Truth,
+) -> Result<Vec<Score>, EvaluationError> {
+    let scored: Vec<_> = recordings
+        .par_iter()
+        .zip(labels)
+        .filter_map(|(recording, labels)| {
+            let truth = match truth {
                 Truth::Published => recording.published.as_ref()?,
                 Truth::LagCompensated => &recording.lag_compensated,
             };
-            Some(
-                score_recording(
-                    recording,
-                    logits,
-                    labels,
-                    vocabulary,
-                    candidate.settings(look_ahead),
-                )
-                .map(|scores| (recording, scores)),
-            )
+            let scores = score_recording(recording, labels, truth);
+            Some(scores.map(|scores| (recording, scores)))
         })
         .collect::<Result<_, _>>()?;
     let mut sets: Vec<&'static str> = scored
@@ -191,7 +211,7 @@ pub fn score(
             .into_iter()
             .map(|(subject, events)| SubjectEvents::new(subject, events));
         Some(Score {
-            model: candidate.name.clone(),
+            model: model.to_owned(),
             data_set: set.to_owned(),
             classes: vocabulary.classes(),
             people,
@@ -218,13 +238,10 @@ struct RecordingScores {
 
 fn score_recording(
     recording: &EvaluatedRecording,
-    logits: &[LookBackLogits],
+    labels: &SmoothedLabels,
     truth: &[Option<Intent>],
-    vocabulary: Vocabulary,
-    settings: Settings,
 ) -> Result<RecordingScores, EvaluationError> {
-    let SmoothedLabels { reference, emitted } =
-        smooth(logits, recording.emg.len(), vocabulary.classes(), settings)?;
+    let SmoothedLabels { reference, emitted } = labels;
     let with_buffer = |labels: &[Option<Intent>], buffer| {
         // Samples before the first label are not scored, as the reference does with those after the last one.
         let first = labels.iter().position(Option::is_some).unwrap_or(0);
@@ -238,17 +255,17 @@ fn score_recording(
     let [narrow, middle, wide] = BUFFERS;
     let events = RecordingEvents::new(
         truth,
-        &emitted,
+        emitted,
         &recording.other_movement,
         &EventRule::default(),
     )?;
     Ok(RecordingScores {
         reference: [
-            with_buffer(&reference, narrow)?,
-            with_buffer(&reference, middle)?,
-            with_buffer(&reference, wide)?,
+            with_buffer(reference, narrow)?,
+            with_buffer(reference, middle)?,
+            with_buffer(reference, wide)?,
         ],
-        emission: with_buffer(&emitted, wide)?,
+        emission: with_buffer(emitted, wide)?,
         events,
     })
 }
@@ -266,13 +283,9 @@ pub fn gestures(
     let mut gestures = Vec::new();
     for (recording, logits) in recordings.iter().zip(&candidate.logits) {
         let truth = &recording.lag_compensated;
-        let scores = score_recording(
-            recording,
-            logits,
-            truth,
-            vocabulary,
-            candidate.settings(look_ahead),
-        )?;
+        let settings = candidate.settings(look_ahead);
+        let labels = smooth(logits, recording.emg.len(), vocabulary.classes(), settings)?;
+        let scores = score_recording(recording, &labels, truth)?;
         gestures.extend(scores.events.gestures);
     }
     Ok(gestures)
@@ -327,74 +340,4 @@ impl Score {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use recordings::DataSet;
-
-    /// A recording of relax and close in turn, and a model that follows each change after these numbers of patches.
-    fn followed(changes_after: &[usize]) -> (EvaluatedRecording, Candidate) {
-        let (run, classes) = (400, [0, 2]);
-        let truth: Vec<Option<Intent>> = (0..run * (changes_after.len() + 1))
-            .map(|at| Intent::from_class(classes[at / run % 2]))
-            .collect();
-        let mut logits = vec![LookBackLogits::default(); truth.len() / 10];
-        for (patch, rows) in logits.iter_mut().enumerate() {
-            for (back, row) in rows.iter_mut().enumerate() {
-                let of = patch.saturating_sub(back);
-                let changes = changes_after.iter().enumerate();
-                let changes = changes.filter(|(at, late)| of >= (at + 1) * run / 10 + **late);
-                row[classes[changes.count() % 2]] = 1.0;
-            }
-        }
-        let recording = EvaluatedRecording {
-            data_set: DataSet::Synthetic,
-            subject: "synthetic/1".to_owned(),
-            name: "r".to_owned(),
-            raw: vec![[0; 8]; truth.len()],
-            emg: vec![[0; 8]; truth.len()],
-            normalized: Vec::new(),
-            published: None,
-            lag_compensated: truth,
-            other_movement: Vec::new(),
-        };
-        let candidate = Candidate::without_margins("m", true, vec![logits]);
-        (recording, candidate)
-    }
-
-    #[test]
-    fn json_names_the_buffer_of_each_summary_and_is_read_back() {
-        let (recording, candidate) = followed(&[1, 2]);
-        let scores = score(
-            &candidate,
-            &[recording],
-            Vocabulary::Three,
-            LookAhead::None,
-            Truth::LagCompensated,
-        );
-        let scores = scores.unwrap();
-        let json = serde_json::to_value(&scores).unwrap();
-        let buffers = [0, 1, 2].map(|at| json[0]["reference"][at]["buffer"].as_u64());
-        assert_eq!(buffers, BUFFERS.map(|buffer| Some(buffer as u64)));
-        assert_eq!(serde_json::from_value::<Vec<Score>>(json).unwrap(), scores);
-    }
-
-    #[test]
-    fn no_label_is_emitted_before_the_time_that_it_is_for() {
-        // Half a second of buffer: the second change is inside it at its reference time and outside when emitted.
-        let (recording, candidate) = followed(&[2, 8, 2]);
-        let scores = score(
-            &candidate,
-            &[recording],
-            Vocabulary::Three,
-            LookAhead::SameInstant,
-            Truth::LagCompensated,
-        )
-        .unwrap();
-        let reference: Vec<i32> = scores[0].widest().subjects[0].offsets.clone();
-        let latencies = &scores[0].events.subjects[0].latencies;
-        // Three changes are followed, of which two begin a gesture; none is left out for being emitted late.
-        assert_eq!((reference.len(), latencies.len()), (3, 2));
-        assert_eq!(latencies[0] - reference[0], 51);
-        assert_eq!(latencies[1] - reference[2], 51);
-    }
-}
+mod tests;

@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use clap::Args;
-use serde::de::{IntoDeserializer as _, value};
-use serde::{Deserialize as _, Serialize};
+use serde::Serialize;
 
-use crate::cli::arguments::{every_recording, warn_of_test_people};
+use crate::cli::arguments::{every_recording, label_lag, warn_of_test_people};
 use crate::cli::output::{PAGE, Width, first_line, refuse_unlike};
 use evaluation::model_evaluation::{
     EvaluatedSubject, ModelResults, NamedModel, Selection, Turn, Worn, evaluate_models,
@@ -118,11 +117,6 @@ fn turn(text: &str) -> Result<Turn, String> {
     places
         .map(Turn::By)
         .ok_or_else(|| "expected 0 to 7, or any".to_owned())
-}
-
-/// Parses the label-lag compensation by the names that presets use.
-fn label_lag(text: &str) -> Result<LabelLag, value::Error> {
-    LabelLag::deserialize(text.into_deserializer())
 }
 
 /// Evaluates model files on the recordings below `data`. Without a `width` prints JSON instead of tables.

@@ -5,10 +5,11 @@
 
 use std::fs::File;
 use std::io::{self, ErrorKind, Read as _, Write};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use clap::Args;
 use evaluation::report::Table;
+use recordings::Recording;
 
 use thiserror::Error;
 
@@ -110,6 +111,25 @@ pub(super) fn refuse_unlike(path: &Path, start: &[u8]) -> Result<(), OutputError
     } else {
         Err(unlike())
     }
+}
+
+/// File of a recording in a folder with a file for each: data-set/person/name, with an ending.
+///
+/// # Errors
+/// When the name leads out of the folder.
+pub(super) fn file_of(
+    recording: &Recording,
+    folder: &Path,
+    ending: &str,
+) -> anyhow::Result<PathBuf> {
+    let name = format!("{}.{ending}", recording.full_name());
+    let mut parts = Path::new(&name).components();
+    if !parts.all(|part| matches!(part, Component::Normal(_))) {
+        anyhow::bail!(
+            "{name}: expected the name of a recording, found a path that leads elsewhere"
+        );
+    }
+    Ok(folder.join(name))
 }
 
 /// First line of a table, which identifies its kind.

@@ -1,13 +1,17 @@
-//! `myointent score`: any predicted label sequence against the true one.
+//! `myointent score`: any predicted label sequence against the true one, or those of many recordings.
+
+mod folder;
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use shared::intent::Intent;
 
+use crate::cli::arguments::label_lag;
 use evaluation::label_score::{Emission, LabelScore};
 use evaluation::metric::transition::Rule;
+use recordings::labels::lag::LabelLag;
 use recordings::labels::motion::{GroundTruth, Motion};
 pub use recordings::readers::label_file::{self, Purpose};
 
@@ -15,7 +19,10 @@ pub use recordings::readers::label_file::{self, Purpose};
 #[derive(clap::Args, Debug)]
 #[command(
     // Not in `long_about`, which the one line of the subcommand hides.
-    after_help = "Scores one recording's predicted labels against the true ones: balanced and raw accuracy, \
+    after_help = "A folder of label files, as `predict` writes them for a folder of recordings, is scored as `evaluate` scores a model: \
+        a table over people with the floors. --truth is then the recordings, and the labels of each are in \
+        data-set/person/name.csv (or .npy, .txt), by the names that `data inspect --json` prints.\n\n\
+        Otherwise: scores one recording's predicted labels against the true ones: balanced and raw accuracy, \
         transition accuracy with the reason of every failure, signed offsets, and events: gestures recognised with \
         their latency, false activations, flicker. docs/metrics.md has the definitions.\n\n\
         Files: npy (one axis of class numbers or names, or ReactEMG's n x 9), or text with one \
@@ -33,13 +40,14 @@ pub use recordings::readers::label_file::{self, Purpose};
         `predict`, or the prediction moved by --delay.\n\nExamples:\n  \
         myointent score --truth s1_grasp.csv --prediction labels.csv\n  \
         myointent score --truth s1_grasp.csv --prediction other.csv --delay 51\n  \
-        myointent score --truth truth.npy --prediction labels.npy --buffer 120 --json"
+        myointent score --truth truth.npy --prediction labels.npy --buffer 120 --json\n  \
+        myointent score --truth RECORDINGS --prediction LABELS"
 )]
 pub struct Arguments {
-    /// True labels
+    /// True labels; recordings, if --prediction is a folder
     #[arg(long)]
     truth: PathBuf,
-    /// Predicted labels
+    /// Predicted labels, a file or a folder of files
     #[arg(long)]
     prediction: PathBuf,
     /// Width of the buffer around a transition, both sides together, in samples (paper: 200)
@@ -54,6 +62,9 @@ pub struct Arguments {
     /// Samples from the place of a predicted label to its emission, if the file does not say [default: 0]
     #[arg(long, value_name = "SAMPLES")]
     delay: Option<usize>,
+    /// For a folder: how true labels, which are cues, are moved to where the muscle acts, as in `evaluate`
+    #[arg(hide_short_help = true, long, value_name = "HOW", default_value = "each-cue", value_parser = label_lag)]
+    label_lag: LabelLag,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -71,6 +82,9 @@ pub(super) fn run(args: Arguments) -> anyhow::Result<()> {
 
 /// Formats the scores as text or JSON.
 fn report(args: &Arguments) -> anyhow::Result<String> {
+    if args.prediction.is_dir() {
+        return folder::report(args);
+    }
     let score = score(args)?;
     Ok(if args.json {
         serde_json::to_string_pretty(&score.json())? + "\n"
@@ -83,25 +97,38 @@ fn score(args: &Arguments) -> anyhow::Result<LabelScore> {
     let truth: GroundTruth = label_file::read(&args.truth, Purpose::Truth)?
         .into_iter()
         .collect();
-    // Other movement raises no label: predicted, it is none.
-    let labels = |motions: Vec<Motion>| -> Vec<Option<Intent>> {
-        motions.into_iter().map(Motion::label).collect()
-    };
     let prediction = labels(label_file::read(&args.prediction, Purpose::Prediction)?);
-    let emitted = match args.delay {
-        Some(_) => None,
-        None => label_file::read_if_named(&args.prediction, Purpose::Emission)?,
-    };
-    let after = Emission::After(args.delay.unwrap_or(0));
-    let emission = emitted.map_or(after, |emitted| Emission::Labels(labels(emitted)));
-    let rule = Rule {
-        buffer: args.buffer,
-        strict: args.strict,
-        allow_relax: args.allow_relax,
-    };
+    let emission = emission(&args.prediction, args.delay)?;
+    let rule = args.rule();
     let name = args.prediction.display().to_string();
     LabelScore::new(&name, &truth, &prediction, emission, rule)
         .with_context(|| format!("cannot score {} against {}", name, args.truth.display()))
+}
+
+impl Arguments {
+    /// Rule of transitions.
+    const fn rule(&self) -> Rule {
+        Rule {
+            buffer: self.buffer,
+            strict: self.strict,
+            allow_relax: self.allow_relax,
+        }
+    }
+}
+
+/// Labels of predicted motions. Other movement raises no label: predicted, it is none.
+fn labels(motions: Vec<Motion>) -> Vec<Option<Intent>> {
+    motions.into_iter().map(Motion::label).collect()
+}
+
+/// Emission of the labels of a file: its own column, unless a delay is given.
+fn emission(path: &Path, delay: Option<usize>) -> anyhow::Result<Emission> {
+    let emitted = match delay {
+        Some(_) => None,
+        None => label_file::read_if_named(path, Purpose::Emission)?,
+    };
+    let after = Emission::After(delay.unwrap_or(0));
+    Ok(emitted.map_or(after, |emitted| Emission::Labels(labels(emitted))))
 }
 
 #[cfg(test)]

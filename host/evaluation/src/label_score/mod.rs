@@ -39,6 +39,17 @@ pub enum Emission {
     After(usize),
 }
 
+impl Emission {
+    /// Label of each sample when it is emitted, of labels at the times that they are for.
+    #[must_use]
+    pub fn labels(self, reference: &[Option<Intent>]) -> Vec<Option<Intent>> {
+        match self {
+            Self::Labels(emitted) => emitted,
+            Self::After(samples) => delayed(reference, samples),
+        }
+    }
+}
+
 impl LabelScore {
     /// Scores predicted labels, one a sample, against the truth. `name` is the recording's.
     ///
@@ -57,13 +68,8 @@ impl LabelScore {
         let scored = predicted_length(prediction);
         let (own, prediction) = (&labels[..scored], &prediction[..scored]);
         confusion.add(own, prediction)?;
-        let emitted = match emission {
-            Emission::Labels(mut emitted) => {
-                emitted.truncate(scored);
-                emitted
-            }
-            Emission::After(samples) => delayed(prediction, samples),
-        };
+        let mut emitted = emission.labels(prediction);
+        emitted.truncate(scored);
         let movements = movement::within(&truth.other_movement, &(0..scored));
         Ok(Self {
             emission: RecordingScore::new("", name, own, &emitted, &rule)?,

@@ -112,6 +112,21 @@ pub fn tables(results: &ModelResults, wide: bool) -> Vec<Table> {
     tables
 }
 
+/// Tables of the labels of any program and of the floors: scores; people, the worst first.
+#[must_use]
+pub fn label_tables(scores: &[Score]) -> Vec<Table> {
+    let mut rows: Vec<&Score> = scores.iter().collect();
+    sort(&mut rows);
+    let caption = "Lag-compensated labels; mean over subjects, with its 95 % interval from six on";
+    let own: Vec<Score> = scores
+        .iter()
+        .filter(|score| !is_floor(score))
+        .cloned()
+        .collect();
+    let people = people_table(&over_all(&own).collect::<Vec<_>>(), &|_| String::new());
+    [narrow(caption, &rows)].into_iter().chain(people).collect()
+}
+
 /// Caption of the scores of model files.
 pub(super) const SCORES: &str = "Lag-compensated labels, each model with its own look-ahead; mean over subjects, with its 95 % interval from six on";
 

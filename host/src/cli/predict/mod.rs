@@ -17,7 +17,8 @@ use shared::units::{CHANNELS, LOOK_BACK, PATCH, Sample, WINDOW};
 use self::matrix::Format;
 pub(super) use self::matrix::Matrix;
 use super::replay::one_recording;
-use crate::cli::output::{first_line, refuse_unlike};
+use crate::cli::arguments::every_recording;
+use crate::cli::output::{file_of, first_line, refuse_unlike};
 use crate::cli::read_model;
 use evaluation::inference::{input, integer_logits};
 use evaluation::{SmoothedLabels, smooth};
@@ -47,6 +48,7 @@ pub(super) enum Which {
     samples of the look-ahead after them. `score` does not count them.\n\
     For a window: the teacher's logits of all 600 samples, MASK last; or a student's six rows of every patch.\n\n\
     Examples:\n  myointent predict --model models/three-class.intent --recording recordings/s1/s1_grasp.csv --out labels.csv\n  \
+    myointent predict --model models/three-class.intent --recording RECORDINGS --out LABELS\n  \
     myointent predict --run runs/mine --which teacher --window window.npy --out logits.npy"
 )]
 pub struct Arguments {
@@ -65,7 +67,7 @@ pub struct Arguments {
     #[cfg(feature = "train")]
     #[arg(long, value_enum, default_value = "student")]
     pub(super) which: Which,
-    /// A recording, in any format that `myointent data inspect` reads.
+    /// A recording, in any format that `myointent data inspect` reads; a folder of them, if --out is a folder.
     #[arg(long, conflicts_with = "window", required_unless_present = "window")]
     recording: Option<PathBuf>,
     /// Recording to label, if the path holds several, as `data inspect` prints it: data-set/person/name.
@@ -74,7 +76,8 @@ pub struct Arguments {
     /// One window of raw samples as npy, 600 x 8.
     #[arg(long, value_name = "FILE.npy")]
     window: Option<PathBuf>,
-    /// File to write: .npy (f32) or .csv.
+    /// File to write: .npy (f32) or .csv; or for all recordings a folder, without such an ending, in which each has the
+    /// file data-set/person/name.csv, for `score`.
     ///
     /// Earlier predictions of the same columns are replaced, no other file.
     #[arg(long, value_name = "FILE")]
@@ -89,18 +92,35 @@ pub struct Arguments {
 /// # Errors
 /// When the model is refused, the input cannot be read or the output cannot be written.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let format = Format::of(&arguments.out)?;
-    let matrix = if let Some(path) = &arguments.window {
-        over_window(arguments, &window(path)?)?
-    } else if let Some(path) = &arguments.recording {
-        let recording = one_recording(path, arguments.name.as_deref())?;
-        over_recording(arguments, &recording.samples)?
-    } else {
+    if let Some(path) = &arguments.window {
+        return write(&over_window(arguments, &window(path)?)?, &arguments.out);
+    }
+    let Some(path) = &arguments.recording else {
         bail!("no input: give --recording or --window");
     };
-    let bytes = matrix.encode(format);
-    refuse_unlike(&arguments.out, first_line(&bytes))?;
-    Ok(write_whole(&arguments.out, &bytes)?)
+    if arguments.out.extension().is_some() || arguments.name.is_some() {
+        // A wrong ending is refused before the work.
+        Format::of(&arguments.out)?;
+        let recording = one_recording(path, arguments.name.as_deref())?;
+        return write(
+            &over_recording(arguments, &recording.samples)?,
+            &arguments.out,
+        );
+    }
+    for recording in every_recording(path, false)?.recordings {
+        let out = file_of(&recording, &arguments.out, "csv")?;
+        std::fs::create_dir_all(out.parent().unwrap_or(&arguments.out))
+            .with_context(|| out.display().to_string())?;
+        write(&over_recording(arguments, &recording.samples)?, &out)?;
+    }
+    Ok(())
+}
+
+/// Writes a table, which replaces no file of another kind.
+fn write(matrix: &Matrix, out: &Path) -> anyhow::Result<()> {
+    let bytes = matrix.encode(Format::of(out)?);
+    refuse_unlike(out, first_line(&bytes))?;
+    Ok(write_whole(out, &bytes)?)
 }
 
 /// Computes the logits of every patch; also returns the number of classes and the smoother's settings.

@@ -55,6 +55,7 @@ fn a_csv_with_both_columns_is_scored_against_its_truth_and_not_against_itself() 
         strict: false,
         allow_relax: false,
         delay: None,
+        label_lag: LabelLag::default(),
         json: true,
     };
     let report: serde_json::Value = serde_json::from_str(&report(&arguments).unwrap()).unwrap();
@@ -75,6 +76,7 @@ fn other_movement_is_counted_apart_and_is_no_prediction() {
         strict: false,
         allow_relax: false,
         delay: None,
+        label_lag: LabelLag::default(),
         json: false,
     };
     let text = report(&arguments).unwrap();
@@ -112,6 +114,7 @@ fn the_column_of_emitted_labels_is_scored_by_itself_unless_a_delay_is_given() {
             strict: false,
             allow_relax: false,
             delay,
+            label_lag: LabelLag::default(),
             json: true,
         };
         let report: serde_json::Value = serde_json::from_str(&report(&arguments).unwrap()).unwrap();
@@ -190,6 +193,7 @@ fn every_number_is_that_of_a_version_written_from_the_page() {
             strict: round % 5 == 1,
             allow_relax: round % 7 < 2,
             delay: [None, Some(51), Some(7)][round / 3 % 3],
+            label_lag: LabelLag::default(),
             json: true,
         };
         let rule = Rule {

@@ -1,0 +1,84 @@
+//! Evaluation of the labels that any program gave for many recordings.
+
+use std::collections::BTreeMap;
+
+use recordings::labels::lag::LabelLag;
+use recordings::labels::set_lag::{Lag, lags};
+use recordings::labels::vocabulary;
+use recordings::split::predefined;
+use recordings::{DataSet, Library};
+use serde::Serialize;
+
+use crate::{
+    Cued, EnergyDetector, EvaluatedRecording, EvaluationError, LookAhead, Score, SmoothedLabels,
+    Truth, constant, cued, score, score_labels,
+};
+
+/// Scores of a program's labels, with the floors.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LabelResults {
+    /// Labelled recordings that the program has no labels for.
+    pub missing: Vec<String>,
+    /// Lag compensation of the true labels, by data set.
+    pub lags: BTreeMap<DataSet, Lag>,
+    /// Numbers of gestures that people were asked for and of those that are scored, by data set.
+    pub gestures: BTreeMap<DataSet, Cued>,
+    /// Scores: a row for the program and each floor, for each data set and over all of them.
+    pub scores: Vec<Score>,
+}
+
+/// Evaluates labels as [`evaluate_models`](crate::model_evaluation::evaluate_models) evaluates those of a model. `name`
+/// is the program's, `labels` are those of the recordings that it has any for, by
+/// [full name](recordings::Recording::full_name). Its classes are the smallest vocabulary of its labels.
+///
+/// # Errors
+/// When a recording and its labels differ in length, or no recording has both.
+pub fn evaluate_labels(
+    name: &str,
+    mut labels: BTreeMap<String, SmoothedLabels>,
+    library: &Library,
+    label_lag: LabelLag,
+) -> Result<LabelResults, EvaluationError> {
+    let all = labels.values().flat_map(|own| own.reference.iter());
+    let vocabulary = vocabulary::smallest(all);
+    let labelled: Vec<_> = library
+        .recordings
+        .iter()
+        .filter(|recording| recording.can_be_evaluated(vocabulary))
+        .collect();
+    let lags = lags(&labelled, label_lag, &predefined::is_training);
+    let (mut recordings, mut predicted, mut missing) = (Vec::new(), Vec::new(), Vec::new());
+    for recording in labelled {
+        let Some(own) = labels.remove(&recording.full_name()) else {
+            missing.push(recording.full_name());
+            continue;
+        };
+        let compensation = lags[&recording.data_set].of_recording(recording);
+        let as_worn = |_: &mut Vec<_>| ();
+        recordings.push(EvaluatedRecording::new(
+            recording,
+            as_worn,
+            vocabulary,
+            compensation,
+        ));
+        predicted.push(own);
+    }
+    if recordings.is_empty() {
+        return Err(EvaluationError::NoLabels {
+            recordings: missing.len(),
+            first: missing.first().cloned().unwrap_or_default(),
+        });
+    }
+    let (own, truth) = (LookAhead::None, Truth::LagCompensated);
+    let mut scores = score_labels(name, &predicted, &recordings, vocabulary, own, truth)?;
+    let energy = EnergyDetector::default().candidate(&recordings);
+    for floor in [constant(&recordings), energy] {
+        scores.extend(score(&floor, &recordings, vocabulary, own, truth)?);
+    }
+    Ok(LabelResults {
+        missing,
+        lags,
+        gestures: cued(&recordings),
+        scores,
+    })
+}

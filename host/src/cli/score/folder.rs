@@ -1,0 +1,181 @@
+//! `myointent score` of a folder of label files, one for each recording.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::{Context as _, bail, ensure};
+use evaluation::SmoothedLabels;
+use evaluation::label_files::evaluate_labels;
+use evaluation::metric::transition::Rule;
+use evaluation::report::labels as facts;
+use evaluation::report::model_report::label_tables;
+use execution::progress;
+use recordings::Recording;
+
+use super::{Arguments, Purpose, emission, label_file, labels};
+use crate::cli::arguments::every_recording;
+use crate::cli::output::file_of;
+
+/// Formats the scores of the labels in a folder as text or JSON.
+pub(super) fn report(args: &Arguments) -> anyhow::Result<String> {
+    if args.rule() != Rule::default() {
+        bail!(
+            "a folder is scored by the usual rule: leave out --buffer, --strict and --allow-relax"
+        );
+    }
+    let folder = &args.prediction;
+    let library = every_recording(&args.truth, false)?;
+    let mut found = BTreeMap::new();
+    for recording in &library.recordings {
+        if let Some(labels) = labels_of(recording, folder, args.delay)? {
+            found.insert(recording.full_name(), labels);
+        }
+    }
+    let name = folder.file_name().unwrap_or(folder.as_os_str());
+    let name = name.to_string_lossy();
+    let results = evaluate_labels(&name, found, &library, args.label_lag)
+        .with_context(|| folder.display().to_string())?;
+    if args.json {
+        return Ok(serde_json::to_string_pretty(&results)? + "\n");
+    }
+    if let Some(first) = results.missing.first() {
+        progress::log(&format!(
+            "labelled recordings without a file of labels: {}, such as {first}",
+            results.missing.len()
+        ));
+    }
+    let tables = label_tables(&results.scores).into_iter();
+    let tables: String = tables.map(|table| table.text(false) + "\n").collect();
+    let facts = facts(&results.lags, &results.gestures).into_iter();
+    let facts = facts.map(|(what, how)| format!("{what}: {how}\n"));
+    Ok(tables + &facts.collect::<String>())
+}
+
+/// Labels of a recording in a folder, or none.
+fn labels_of(
+    recording: &Recording,
+    folder: &Path,
+    delay: Option<usize>,
+) -> anyhow::Result<Option<SmoothedLabels>> {
+    let files = ["csv", "npy", "txt"].map(|ending| file_of(recording, folder, ending));
+    let files = files.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
+    let Some(path) = files.into_iter().find(|path| path.is_file()) else {
+        return Ok(None);
+    };
+    let reference = labels(label_file::read(&path, Purpose::Prediction)?);
+    ensure!(
+        reference.len() == recording.samples.len(),
+        "{}: expected as many labels as {} has samples ({}), found {}",
+        path.display(),
+        recording.full_name(),
+        recording.samples.len(),
+        reference.len()
+    );
+    let emitted = emission(&path, delay)?.labels(&reference);
+    Ok(Some(SmoothedLabels { reference, emitted }))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::process::ExitCode;
+
+    use clap::Parser as _;
+    use evaluation::model_evaluation::{NamedModel, Selection, evaluate_models};
+    use recordings::labels::lag::LabelLag;
+    use recordings::synthetic::{self, SynthOptions};
+    use recordings::{LoadOptions, load};
+    use shared::intent::Vocabulary;
+    use shared::model::dimensions::Dimensions;
+    use shared::model::file::random::random_model;
+
+    use super::*;
+    use crate::cli::Cli;
+
+    fn myointent(line: &[&str]) -> bool {
+        let line = ["myointent"].iter().chain(line);
+        Cli::try_parse_from(line).unwrap().run() == ExitCode::SUCCESS
+    }
+
+    #[test]
+    fn labels_of_a_folder_are_scored_as_the_model_that_gave_them() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+        let (data, file, labels) = (path("data"), path("one.intent"), path("labels"));
+        let options = SynthOptions {
+            subjects: 4,
+            recordings: 2,
+            seconds: 30,
+            ..SynthOptions::default()
+        };
+        synthetic::write(&options, Path::new(&data)).unwrap();
+        let dimensions = Dimensions {
+            width: 32,
+            layers: 1,
+            span: 20,
+            vocabulary: Vocabulary::Three,
+            other: false,
+        };
+        std::fs::write(&file, random_model(dimensions, 5).to_bytes().unwrap()).unwrap();
+        assert!(myointent(&[
+            "predict",
+            "--model",
+            &file,
+            "--recording",
+            &data,
+            "--out",
+            &labels
+        ]));
+        assert!(myointent(&[
+            "score",
+            "--truth",
+            &data,
+            "--prediction",
+            &labels
+        ]));
+
+        let library = load(Path::new(&data), &LoadOptions::default()).unwrap();
+        let mut found: BTreeMap<_, _> = library
+            .recordings
+            .iter()
+            .map(|own| {
+                let labels = labels_of(own, Path::new(&labels), None).unwrap().unwrap();
+                (own.full_name(), labels)
+            })
+            .collect();
+        let lag = LabelLag::default();
+        let results = evaluate_labels("one", found.clone(), &library, lag).unwrap();
+        let model = NamedModel::read(Path::new(&file)).unwrap();
+        let expected = evaluate_models(&[model], &library, &Selection::default()).unwrap();
+        let expected = expected.results;
+        assert_eq!(
+            (&results.lags, &results.gestures),
+            (&expected.lags, &expected.gestures)
+        );
+        assert_eq!(results.scores.len(), expected.scores.len());
+        for (own, expected) in results.scores.iter().zip(&expected.scores) {
+            assert_eq!(own.reference[0].subjects.len(), 4);
+            assert_eq!(own.reference, expected.reference);
+            assert_eq!(
+                (&own.emission, &own.events),
+                (&expected.emission, &expected.events)
+            );
+        }
+
+        let (first, _) = found.pop_first().unwrap();
+        let results = evaluate_labels("one", found, &library, lag).unwrap();
+        assert_eq!(results.missing.join(" "), first);
+        let none = evaluate_labels("one", BTreeMap::new(), &library, lag).unwrap_err();
+        assert!(
+            none.to_string().contains(&format!("such as {first}.csv")),
+            "{none}"
+        );
+        let score = |more: &[&str]| {
+            let line = ["score", "--truth", &data, "--prediction", &labels];
+            myointent(&[&line[..], more].concat())
+        };
+        assert!(score(&["--json"]));
+        assert!(!score(&["--strict"]), "another rule is refused");
+        std::fs::write(format!("{labels}/{first}.csv"), "label\n0\n0\n").unwrap();
+        assert!(!score(&[]), "two labels for 6000 samples are refused");
+    }
+}
