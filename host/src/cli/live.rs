@@ -1,16 +1,17 @@
 //! `myointent live`: the stream of a board or a recording, on a page or as lines of JSON.
 
-use std::io::Write as _;
+use std::io::Write;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
 use std::path::PathBuf;
 use std::time::Duration;
 
-use anyhow::bail;
+use anyhow::{Context as _, bail};
 use clap::Args;
 use shared::myo::Address;
 
 use super::read_model;
 use super::replay::one_recording;
+use crate::live::osc::Osc;
 use crate::live::{self, Options, Source, is_local};
 use execution::interrupt::Interrupt;
 use execution::progress;
@@ -46,6 +47,10 @@ pub struct Arguments {
     /// Exit code 0 when the reader closes the pipe.
     #[arg(long)]
     json: bool,
+    /// Send labels, scores and samples as packets of Open Sound Control to an address:port; serve a page only with
+    /// --listen.
+    #[arg(long, value_name = "ADDRESS:PORT", conflicts_with = "json")]
+    osc: Option<SocketAddr>,
     /// Where the page is served: an address, or address:port.
     ///
     /// Beyond this machine the address that is printed has a token; the connection is not encrypted.
@@ -104,7 +109,7 @@ pub(super) fn listen(text: &str) -> Result<(IpAddr, Option<u16>), String> {
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let model = arguments.model.as_deref().map(read_model).transpose()?;
     let source = arguments.source.source(arguments.name.as_deref())?;
-    if arguments.json {
+    if arguments.json || arguments.osc.is_some() {
         let listen = arguments
             .listen
             .map(|(address, port)| SocketAddr::new(address, port.unwrap_or_else(|| free(address))));
@@ -113,7 +118,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             progress::log(&format!("page: {url}"));
             listen.into_iter().for_each(|listen| warn(listen.ip()));
         };
-        return live::print(source, model, listen, std::io::stdout(), opened, || {
+        let output: Box<dyn Write + Send> = match arguments.osc {
+            Some(target) => Box::new(Osc::to(target).with_context(|| target.to_string())?),
+            None => Box::new(std::io::stdout()),
+        };
+        return live::print(source, model, listen, output, opened, || {
             interrupt.requested()
         });
     }

@@ -15,6 +15,7 @@
 mod event;
 mod hub;
 mod json_lines;
+pub(crate) mod osc;
 mod outcome;
 mod recorder;
 mod server;
