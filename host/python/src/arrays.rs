@@ -28,6 +28,8 @@ pub fn with_samples<R>(
 ) -> PyResult<R> {
     if let Ok(array) = emg.extract::<PyReadonlyArray2<'_, i8>>()
         && array.shape()[1] == CHANNELS
+        // A slice has the order of the memory, which may be column by column.
+        && array.is_c_contiguous()
         && let Ok(values) = array.as_slice()
     {
         return take(values.as_chunks().0);

@@ -20,6 +20,7 @@ mod stream;
 #[pyo3::pymodule(name = "_myointent")]
 mod module {
     use pyo3::prelude::*;
+    use pyo3::types::PyTuple;
     use shared::intent::Intent;
 
     #[pymodule_export]
@@ -41,7 +42,8 @@ mod module {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        module.add("INTENTS", Intent::ALL.map(Intent::name))?;
+        let names = PyTuple::new(module.py(), Intent::ALL.map(Intent::name))?;
+        module.add("INTENTS", names)?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

@@ -1,0 +1,112 @@
+from os import PathLike
+from pathlib import Path
+from typing import Any, Final, Literal, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__all__ = [
+    "INTENTS",
+    "Error",
+    "Event",
+    "Model",
+    "Recording",
+    "Report",
+    "Stream",
+    "__version__",
+    "evaluate",
+    "read",
+    "score",
+]
+
+INTENTS: Final[tuple[str, ...]]
+__version__: Final[str]
+
+class Error(ValueError): ...
+
+@final
+class Model:
+    def __new__(cls, path: str | PathLike[str]) -> Model: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def classes(self) -> tuple[str, ...]: ...
+    def predict(
+        self, emg: ArrayLike, *, emitted: bool = False
+    ) -> tuple[NDArray[np.int8], NDArray[np.float32]]: ...
+
+@final
+class Event:
+    @property
+    def line(self) -> str: ...
+    @property
+    def kind(self) -> Literal["label", "state", "alignment"]: ...
+    @property
+    def label(self) -> str | None: ...
+    @property
+    def valid(self) -> bool | None: ...
+    @property
+    def cause(self) -> str | None: ...
+    @property
+    def alignment(self) -> str | None: ...
+    @property
+    def instant(self) -> int | None: ...
+    @property
+    def emitted(self) -> int | None: ...
+
+@final
+class Stream:
+    def __new__(
+        cls, model: Model, *, align: bool = False, mirrored: bool | None = None
+    ) -> Stream: ...
+    def push(self, samples: ArrayLike) -> list[Event]: ...
+
+@final
+class Recording:
+    @property
+    def person(self) -> str: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def path(self) -> Path: ...
+    @property
+    def emg(self) -> NDArray[np.int8]: ...
+    @property
+    def labels(self) -> NDArray[np.int8]: ...
+    @property
+    def other_movement(self) -> list[tuple[int, int, str]]: ...
+    @property
+    def notes(self) -> list[str]: ...
+
+@final
+class Report:
+    @property
+    def results(self) -> dict[str, Any]: ...
+
+def read(
+    path: str | PathLike[str],
+    *,
+    strict: bool = False,
+    label_lag: Literal["none", "each-cue", "estimated"] = "none",
+) -> list[Recording]: ...
+def evaluate(
+    model: Model,
+    path: str | PathLike[str],
+    *,
+    people: list[str] = ...,
+    seen: bool = False,
+    test_people: bool = False,
+    strict: bool = False,
+    label_lag: Literal["none", "each-cue", "estimated"] = "each-cue",
+    report: str | PathLike[str] | None = None,
+) -> Report: ...
+def score(
+    truth: ArrayLike,
+    prediction: ArrayLike,
+    *,
+    emitted: ArrayLike | None = None,
+    delay: int = 0,
+    buffer: int = ...,
+    strict: bool = False,
+    allow_relax: bool = False,
+) -> Report: ...
