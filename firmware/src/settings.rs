@@ -1,4 +1,4 @@
-//! Settings for the builder of a device. Pins are in `board/nrf52/wiring.rs`.
+//! Settings for the builder of a device. Pins are in `board/nrf52/wiring`.
 
 use shared::myo::{Address, EmgMode, Settings};
 use shared::stream::alignment::Arm;

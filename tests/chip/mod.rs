@@ -27,7 +27,7 @@ const MODEL: u32 = 0x5_8000;
 /// UICR's words for the pin that resets the chip.
 const PSELRESET: [u32; 2] = [0x200, 0x204];
 
-/// Pins of a kit, as in `firmware/src/board/nrf52/wiring.rs`: those of the second port follow at 32.
+/// Pins of a kit, as in `firmware/src/board/nrf52/wiring`: those of the second port follow at 32.
 #[derive(Clone, Copy, Debug)]
 pub struct Pins {
     /// One for each intent, in class order.
