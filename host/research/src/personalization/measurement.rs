@@ -124,7 +124,7 @@ impl Measurement<'_> {
                 self.settings,
                 &self.device,
                 self.interrupt,
-                |_| (),
+                |_, _| (),
             )
         };
         let before = self::values(&shipped);
