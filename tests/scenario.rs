@@ -1,7 +1,8 @@
 //! Scenarios: a minute of an armband with its faults, and the expected behaviour of board, lines and pins.
 //!
-//! Every file of `tests/scenario` is a test on the simulated board in virtual time, and on the emulated board unless
-//! its `simulation_only` says why not. README.md there describes the format.
+//! Every file of `tests/scenario` is a test on the simulated board in virtual time, on the emulated chip unless its
+//! `not_on_chip` says why not, and on the emulated board unless its `simulation_only` does. README.md there describes
+//! the format.
 
 #[path = "scenario/runner/bench.rs"]
 mod bench;
@@ -11,6 +12,8 @@ mod expectation;
 mod file;
 #[path = "scenario/runner/installed.rs"]
 mod installed;
+#[path = "scenario/runner/on_chip.rs"]
+mod on_chip;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -18,6 +21,9 @@ use std::sync::Arc;
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use xtask::firmware;
+
+/// Scenarios that the emulated chip cannot run.
+const LEFT_OUT: usize = 22;
 
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
@@ -32,12 +38,30 @@ fn main() -> ExitCode {
 fn trials(folder: &Path) -> anyhow::Result<Vec<Trial>> {
     let program: Arc<PathBuf> = Arc::new(firmware::build_simulation()?);
     let mut trials = Vec::new();
-    for file in file::all(folder)? {
+    let files = file::all(folder)?;
+    let left_out = files
+        .iter()
+        .filter(|file| file.scenario.not_on_chip.is_some());
+    let left_out = left_out.count();
+    let all_but = "the_chip_runs_all_but_those_that_say_why";
+    trials.push(Trial::test(all_but, move || match left_out {
+        LEFT_OUT => Ok(()),
+        other => Err(format!("{other} scenarios say `not_on_chip`, expected {LEFT_OUT}").into()),
+    }));
+    for file in files {
         if file.scenario.simulation_only.is_none() {
             let file = file.clone();
             trials.push(Trial::test(format!("emulator::{}", file.name), move || {
                 bench::emulate(&file).map_err(|error| failed(&file, &error))
             }));
+        }
+        if file.scenario.not_on_chip.is_none() {
+            let file = file.clone();
+            let is_left = !file.scenario.always_on_chip;
+            let trial = Trial::test(format!("chip::{}", file.name), move || {
+                on_chip::run(&file).map_err(|error| failed(&file, &error))
+            });
+            trials.push(trial.with_ignored_flag(is_left));
         }
         let program = Arc::clone(&program);
         trials.push(Trial::test(

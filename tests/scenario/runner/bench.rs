@@ -142,12 +142,7 @@ fn slowed_down(mut step: Value, time_scale: u32) -> Value {
 }
 
 fn carry_out(act: &Act, run: &mut Run, time_scale: u32) -> anyhow::Result<()> {
-    let at = match act {
-        Act::Press { at, .. }
-        | Act::Send { at, .. }
-        | Act::SendBytes { at, .. }
-        | Act::Install { at, .. } => *at,
-    };
+    let at = act.at();
     run.wait_for(&format!("{at} notifications"), |run| {
         run.event_count("sent") >= at
     })?;
@@ -184,7 +179,10 @@ fn fault(name: Option<&str>) -> anyhow::Result<Option<emulator::Fault>> {
 }
 
 /// Reads or generates the armband's samples; returns `None` where the recordings are missing.
-fn samples(name: &str, scenario: &Scenario) -> anyhow::Result<Option<Vec<Sample>>> {
+///
+/// # Errors
+/// Fails when a recording cannot be read, or is too short.
+pub fn samples(name: &str, scenario: &Scenario) -> anyhow::Result<Option<Vec<Sample>>> {
     let count = (scenario.seconds * 200.0).round() as usize;
     let Some(recording) = &scenario.recording else {
         return Ok(Some(synthetic(scenario.signal, count)));
@@ -232,7 +230,11 @@ fn model_file(name: &str) -> anyhow::Result<Vec<u8>> {
     fs::read(&path).with_context(|| path.display().to_string())
 }
 
-fn model(model: &Model) -> anyhow::Result<Vec<u8>> {
+/// Returns the content of the model's region.
+///
+/// # Errors
+/// Fails when the model cannot be read.
+pub fn model(model: &Model) -> anyhow::Result<Vec<u8>> {
     let mut bytes = model_file("three-class")?;
     let middle = bytes.len() / 2;
     match model {
@@ -245,7 +247,8 @@ fn model(model: &Model) -> anyhow::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-fn page(page: Page) -> Vec<u8> {
+/// Returns the content of the page of the bound armband.
+pub fn page(page: Page) -> Vec<u8> {
     let armband = Address::parse(ARMBAND).expect("an address");
     let mut record = binding::to_record(armband).to_vec();
     match page {

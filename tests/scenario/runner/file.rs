@@ -29,6 +29,11 @@ pub struct Scenario {
     pub page: Page,
     /// Reason why only the simulated board runs it.
     pub simulation_only: Option<String>,
+    /// Reason why the emulated chip does not run it.
+    pub not_on_chip: Option<String>,
+    /// True if the emulated chip runs it in every run of the tests; the others with `--ignored`.
+    #[serde(default)]
+    pub always_on_chip: bool,
     /// Factor by which the emulated board's clock runs slower than real time.
     pub time_scale: Option<u32>,
     /// True if the armband has its true rate by the emulated board's clock.
@@ -38,8 +43,8 @@ pub struct Scenario {
     pub expect: Expectation,
 
     // For the board's surroundings; firmware/src/board/simulated/scenario.rs has their types.
-    #[serde(rename = "run_seconds")]
-    _run_seconds: Value,
+    /// Seconds of the run.
+    pub run_seconds: f64,
     /// Event after the last sample.
     #[serde(default = "silence")]
     pub end: String,
@@ -177,6 +182,18 @@ pub enum Act {
         #[serde(default, rename = "pulled_ms")]
         _pulled_ms: Option<u64>,
     },
+}
+
+impl Act {
+    /// Returns the number of notifications before it.
+    pub const fn at(&self) -> usize {
+        match self {
+            Self::Press { at, .. }
+            | Self::Send { at, .. }
+            | Self::SendBytes { at, .. }
+            | Self::Install { at, .. } => *at,
+        }
+    }
 }
 
 const fn once() -> usize {
