@@ -21,6 +21,8 @@ const RESOLUTION: u32 = 0x5f0;
 const PTR: u32 = 0x62c;
 const MAXCNT: u32 = 0x630;
 const AMOUNT: u32 = 0x634;
+/// Switches the peripheral off and so resets it: a register without a name that Nordic's drivers use.
+const POWER: u32 = 0xffc;
 const INTERRUPTS: u32 = 0x3f_ffff;
 /// CONFIG of a channel: no resistors, gain 1/6, internal reference, 40 us, single-ended (6.23.9).
 const EXPECTED: u32 = 5 << 16;
@@ -55,6 +57,7 @@ const TABLE: &[Register] = &[
     read_write("RESULT.PTR", PTR, !0),
     read_write("RESULT.MAXCNT", MAXCNT, 0x7fff),
     read_only("RESULT.AMOUNT", AMOUNT),
+    read_write("POWER", POWER, 1).reset(1),
 ];
 
 /// The converter.
@@ -88,6 +91,14 @@ impl Peripheral for Saadc {
 
     fn registers_mut(&mut self) -> &mut Registers {
         &mut self.registers
+    }
+
+    fn stored(&mut self, offset: u32, _: &mut Bus) {
+        if offset == POWER && self.registers.get(POWER) == 0 {
+            self.registers = Registers::new("SAADC", TABLE);
+            self.registers.put(POWER, 0);
+            self.at = None;
+        }
     }
 
     fn task(&mut self, offset: u32, bus: &mut Bus) {
