@@ -74,6 +74,19 @@ impl Lines {
         self.dropped.load(Ordering::Relaxed)
     }
 
+    /// Takes over whether there is a host. Without one no line waits: a driver that is switched off must not be given any.
+    pub fn set_plugged(&self, is_plugged: bool) {
+        let host = if is_plugged {
+            host::UNKNOWN
+        } else {
+            host::CLOSED
+        };
+        self.host.store(host, Ordering::Relaxed);
+        if !is_plugged {
+            self.bytes.clear();
+        }
+    }
+
     /// Takes over what the host says of its port: its DTR and its baud rate. Returns true if it asks for the boot loader.
     pub fn set_port(&self, is_open: bool, baud: u32) -> bool {
         let host = if is_open { host::OPEN } else { host::CLOSED };
@@ -157,6 +170,25 @@ mod tests {
         lines.push(b"# new\r\n");
         assert_eq!(taken(&lines), b"# new\r\n");
         assert_eq!(lines.dropped(), 0);
+    }
+
+    #[test]
+    fn nothing_waits_for_a_host_that_is_unplugged_and_the_next_one_hears_new_lines() {
+        let lines = Lines::new();
+        // Neither of one that opened its port, nor of one that never did.
+        for is_open in [true, false] {
+            lines.set_plugged(true);
+            if is_open {
+                lines.set_port(true, 115_200);
+            }
+            lines.push(b"# old\r\n");
+            lines.set_plugged(false);
+            lines.push(b"# unheard\r\n");
+            assert!(lines.is_empty());
+            lines.set_plugged(true);
+            lines.push(b"# new\r\n");
+            assert_eq!(taken(&lines), b"# new\r\n");
+        }
     }
 
     #[test]

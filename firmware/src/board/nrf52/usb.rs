@@ -16,7 +16,7 @@ use embassy_nrf::{
 use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, pipe::Pipe};
 use embassy_time::{Duration, Timer};
 use embassy_usb::{
-    Builder, Config, UsbDevice,
+    Builder, Config, Handler, UsbDevice,
     class::cdc_acm::{CdcAcmClass, ControlChanged, Receiver, Sender, State},
 };
 use static_cell::{ConstStaticCell, StaticCell};
@@ -47,6 +47,7 @@ pub fn start(spawner: Spawner, driver: UsbDriver) {
     static CONTROL: ConstStaticCell<[u8; PACKET]> = ConstStaticCell::new([0; PACKET]);
     static NUMBER: StaticCell<[u8; 16]> = StaticCell::new();
     static STATE: StaticCell<State<'static>> = StaticCell::new();
+    static CABLE: ConstStaticCell<Cable> = ConstStaticCell::new(Cable);
 
     interrupt::USBD.set_priority(Priority::P3);
     let number = NUMBER.init(serial_number());
@@ -64,10 +65,21 @@ pub fn start(spawner: Spawner, driver: UsbDriver) {
         &mut [],
         CONTROL.take(),
     );
+    builder.handler(CABLE.take());
     let class = CdcAcmClass::new(&mut builder, STATE.init(State::new()), PACKET as u16);
     match run(builder.build(), class) {
         Ok(task) => spawner.spawn(task),
         Err(_) => panic!("USB runs already"),
+    }
+}
+
+/// The cable. The driver waits in a loop for a packet that it gives to a controller that is switched off, until the watchdog
+/// restarts the board: so none is given once the cable is pulled.
+struct Cable;
+
+impl Handler for Cable {
+    fn enabled(&mut self, is_plugged: bool) {
+        LINES.set_plugged(is_plugged);
     }
 }
 

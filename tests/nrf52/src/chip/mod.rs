@@ -182,7 +182,7 @@ impl Chip {
             nvmc: Nvmc::new(model.flash_times(), model.flash(), None),
             ppi: Ppi::new(),
             saadc: Saadc::new(BTreeMap::new()),
-            usbd: Usbd::new(),
+            usbd: Usbd::default(),
             errata: Errata::new(),
             ports: [Gpio::new("P0", 0), Gpio::new("P1", 1)],
             ficr: ficr::of(part, variant, ram, flash),
@@ -217,7 +217,7 @@ impl Chip {
         self.nvmc = Nvmc::new(self.model.flash_times(), self.model.flash(), before);
         self.ppi = Ppi::new();
         self.saadc = Saadc::new(std::mem::take(&mut self.saadc.inputs));
-        self.usbd = Usbd::new();
+        self.usbd = Usbd::default();
         self.errata = Errata::new();
         let [p0, p1] = [0, 1].map(|port: usize| self.ports[port].outside());
         self.ports = [

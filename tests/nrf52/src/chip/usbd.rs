@@ -127,9 +127,9 @@ pub struct Usbd {
     pub to_send: VecDeque<(usize, Vec<u8>)>,
 }
 
-impl Usbd {
+impl Default for Usbd {
     /// After a reset.
-    pub fn new() -> Self {
+    fn default() -> Self {
         Self {
             registers: Registers::new("USBD", TABLE),
             ready: None,
@@ -143,7 +143,9 @@ impl Usbd {
             to_send: VecDeque::new(),
         }
     }
+}
 
+impl Usbd {
     /// Returns true if the host sees a device.
     pub fn is_attached(&self) -> bool {
         self.registers.get(ENABLE) & self.registers.get(USBPULLUP) == 1
