@@ -14,7 +14,6 @@
 //! | [`installation`] | a new model in place of the one in flash, block by block |
 //! | `checksum` | CRC-32 of a few bytes |
 //! | [`button`] | a push button: pressed, held |
-//! | [`uf2`] | files for the drive of a boot loader |
 //! | [`intent`], [`units`] | intents and classes; samples, patches, time |
 //! | `names` | enums whose variants have names on the UART line |
 //!
@@ -50,5 +49,4 @@ mod names;
 pub mod pipeline;
 pub mod stream;
 pub mod uart_line;
-pub mod uf2;
 pub mod units;

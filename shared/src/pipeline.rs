@@ -299,9 +299,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         self.ring.reset();
         self.behind = 0;
         self.label = None;
-        if let Some(lock) = &mut self.lock {
-            lock.lock();
-        }
+        self.hold_lock(true);
         self.interrupt_alignment();
         self.restart_model();
     }

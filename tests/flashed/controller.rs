@@ -1,4 +1,4 @@
-//! What is refused beside Nordic's controller library, none of which is executed: each with a program that earns it.
+//! Refusals beside Nordic's controller library, none of which is executed: each with a program that earns it.
 
 use nrf52::{Refusal, What};
 use xtask::firmware::Image;

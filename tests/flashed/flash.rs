@@ -11,7 +11,7 @@ use myointent_tests::chip::{self, ARMBAND, BINDING, Board, Setting};
 
 /// A binding has fewer operations of flash.
 const MOST_OPERATIONS: usize = 8;
-/// The same in time slots: nine partial erasures, and words.
+/// Most operations in time slots: nine partial erasures, and words.
 const MOST_OPERATIONS_IN_SLOTS: usize = 40;
 const OTHER: &str = "F1:23:45:67:89:AB";
 

@@ -12,7 +12,7 @@ use myointent_tests::chip;
 const MODEL: u32 = 0x5_8000;
 const JOURNAL: u32 = 0x5_6000;
 const BINDING: u32 = 0x5_7000;
-/// What the boot loader writes.
+/// Addresses that the boot loader writes.
 const WINDOW: std::ops::Range<u32> = 0x1000..0xe_a000;
 
 /// Reads a UF2 file as Adafruit's boot loader does (`is_uf2_block` and `write_block` in its ghostfat.c): each byte by its

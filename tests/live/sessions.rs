@@ -8,7 +8,7 @@ use super::record::{SHORT, pictures, reach, record, wish};
 use super::serve;
 use super::viewer::{Viewer, get};
 
-/// What the program has of the person's sessions.
+/// Sessions of the person, as the program sends them.
 fn sessions(live: &Live) -> Value {
     let (status, answer) = get(live.url(), "sessions.json");
     let (_, json) = answer.split_once("\r\n\r\n").unwrap();

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::fs;
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, bail, ensure};
 use ihex::{Reader, Record};
@@ -17,6 +17,8 @@ use crate::{cross_target, toolchain};
 /// current revision locks itself at its first reset (nRF52840 product specification 1.7, 4.8.2 "Access port protection").
 const APPROTECT: u32 = 0x1000_1208;
 const HW_DISABLED: u32 = 0x5a;
+/// Bytes of a page of flash.
+const PAGE: usize = 4096;
 /// Bytes of a line of data.
 const LINE: usize = 32;
 /// Bytes that an address of 16 bits reaches.
@@ -28,12 +30,19 @@ pub struct Arguments {
     /// Image to build, and the name of the file.
     #[arg(long, value_parser = clap::builder::PossibleValuesParser::new(CHIPS.map(Image::name)))]
     image: String,
-    /// Model file to flash with it.
-    #[arg(long, default_value = "models/three-class.intent")]
-    model: PathBuf,
     /// Nordic's hex file of the SoftDevice, for an image that runs under one. Without it, the file has none.
     #[arg(long)]
     softdevice: Option<PathBuf>,
+    #[command(flatten)]
+    files: Files,
+}
+
+/// Options of a file that is flashed: what goes into it, and where it is written.
+#[derive(clap::Args)]
+pub struct Files {
+    /// Model file to flash.
+    #[arg(long, default_value = "models/three-class.intent")]
+    model: PathBuf,
     /// File to write. By default the image's name in target/cross.
     #[arg(long)]
     out: Option<PathBuf>,
@@ -43,6 +52,33 @@ pub struct Arguments {
     /// Refuses to change Cargo.lock.
     #[arg(long)]
     locked: bool,
+}
+
+impl Files {
+    /// Builds an image, and reads it and the model file.
+    ///
+    /// # Errors
+    /// When the image does not build, or a file cannot be read.
+    pub fn read(&self, image: Image) -> Result<(Vec<u8>, Vec<u8>)> {
+        let toolchain = toolchain::find(self.install)?;
+        let elf = firmware::build_image(&toolchain, image, self.install, self.locked)?;
+        Ok((read(&elf)?, read(&self.model)?))
+    }
+
+    /// Writes the file; gives its path, by default with this extension.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn write(&self, image: Image, extension: &str, bytes: impl AsRef<[u8]>) -> Result<PathBuf> {
+        let default = || cross_target().join(image.name()).with_extension(extension);
+        let out = self.out.clone().unwrap_or_else(default);
+        fs::write(&out, bytes).with_context(|| format!("{} cannot be written", out.display()))?;
+        Ok(out)
+    }
+}
+
+fn read(path: &Path) -> Result<Vec<u8>> {
+    fs::read(path).with_context(|| format!("{} cannot be read", path.display()))
 }
 
 /// The images of chips.
@@ -55,15 +91,10 @@ const CHIPS: [Image; 3] = [Image::Nrf52840S140, Image::Nrf52840Sdc, Image::Nrf52
 pub fn run(arguments: &Arguments) -> Result<()> {
     let image = CHIPS.into_iter().find(|one| one.name() == arguments.image);
     let image = image.context("no image of a chip")?;
-    let toolchain = toolchain::find(arguments.install)?;
-    let elf = firmware::build_image(&toolchain, image, arguments.install, arguments.locked)?;
-    let read = |path: &PathBuf| {
-        fs::read(path).with_context(|| format!("{} cannot be read", path.display()))
-    };
-    let elf = read(&elf)?;
+    let (elf, model) = arguments.files.read(image)?;
     let mut parts = vec![
         Part::program(&elf)?,
-        Part::model(&read(&arguments.model)?, &elf)?,
+        Part::model(&model, &elf)?,
         Part::access(),
     ];
     if let Some(path) = &arguments.softdevice {
@@ -71,10 +102,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let hex = hex.with_context(|| format!("{} is no Intel hex", path.display()))?;
         parts.push(Part::hex("SoftDevice", &hex)?);
     }
-    let default = || cross_target().join(image.name()).with_extension("hex");
-    let out = arguments.out.clone().unwrap_or_else(default);
-    fs::write(&out, merged(&parts)?)
-        .with_context(|| format!("{} cannot be written", out.display()))?;
+    let out = arguments.files.write(image, "hex", merged(&parts)?)?;
     for part in &parts {
         println!("{part}");
     }
@@ -118,13 +146,7 @@ impl Part {
     /// # Errors
     /// When the file is longer than the region.
     pub fn model(file: &[u8], elf: &[u8]) -> Result<Self> {
-        let image = object::File::parse(elf).context("the image is no ELF file")?;
-        let address = |name: &str| {
-            let symbol = image.symbols().find(|symbol| symbol.name() == Ok(name));
-            let symbol = symbol.with_context(|| format!("the image has no symbol {name}"))?;
-            u32::try_from(symbol.address()).context("an address of more than 32 bits")
-        };
-        let (start, end) = (address("_model_start")?, address("_model_end")?);
+        let (start, end) = (address(elf, "_model_start")?, address(elf, "_model_end")?);
         let room = (end - start) as usize;
         ensure!(
             file.len() <= room,
@@ -134,6 +156,17 @@ impl Part {
         Ok(Self {
             name: "model",
             segments: vec![(start, file.to_vec())],
+        })
+    }
+
+    /// The page that says how far an installation of a model is, erased: the model is whole.
+    ///
+    /// # Errors
+    /// When the image is no ELF file, or knows no such page.
+    pub fn erased_journal(elf: &[u8]) -> Result<Self> {
+        Ok(Self {
+            name: "journal",
+            segments: vec![(address(elf, "_journal_start")?, vec![0xff; PAGE])],
         })
     }
 
@@ -181,6 +214,14 @@ impl Part {
             start..start + bytes.len() as u64
         })
     }
+}
+
+/// Address of a symbol of an image.
+fn address(elf: &[u8], name: &str) -> Result<u32> {
+    let image = object::File::parse(elf).context("the image is no ELF file")?;
+    let symbol = image.symbols().find(|symbol| symbol.name() == Ok(name));
+    let symbol = symbol.with_context(|| format!("the image has no symbol {name}"))?;
+    u32::try_from(symbol.address()).context("an address of more than 32 bits")
 }
 
 impl fmt::Display for Part {

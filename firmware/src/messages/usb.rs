@@ -76,32 +76,31 @@ impl Lines {
 
     /// Takes over whether there is a host. Without one no line waits: a driver that is switched off must not be given any.
     pub fn set_plugged(&self, is_plugged: bool) {
-        let host = if is_plugged {
-            host::UNKNOWN
+        if is_plugged {
+            self.host.store(host::UNKNOWN, Ordering::Relaxed);
         } else {
-            host::CLOSED
-        };
-        self.host.store(host, Ordering::Relaxed);
-        if !is_plugged {
-            self.bytes.clear();
+            self.close();
         }
     }
 
     /// Takes over what the host says of its port: its DTR and its baud rate. Returns true if it asks for the boot loader.
     pub fn set_port(&self, is_open: bool, baud: u32) -> bool {
-        let host = if is_open { host::OPEN } else { host::CLOSED };
-        let before = self.host.load(Ordering::Relaxed);
-        let was_open = before == host::OPEN;
-        // A host says that it is closed before it was open, too, when it finds the board.
-        if is_open || was_open {
-            self.host.store(host, Ordering::Relaxed);
+        if is_open {
+            self.host.store(host::OPEN, Ordering::Relaxed);
+            return false;
         }
-        let closes = was_open && !is_open;
+        // A host says that it is closed before it was open, too, when it finds the board.
+        let closes = self.host.load(Ordering::Relaxed) == host::OPEN;
         if closes {
-            // Whoever opens it next would take them for new.
-            self.bytes.clear();
+            self.close();
         }
         closes && baud == TOUCH
+    }
+
+    /// Closes the port. Whoever opens it next would take the lines that wait for new.
+    fn close(&self) {
+        self.host.store(host::CLOSED, Ordering::Relaxed);
+        self.bytes.clear();
     }
 }
 

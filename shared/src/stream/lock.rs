@@ -122,7 +122,7 @@ mod tests {
     /// Samples between two labels: the hold.
     const STEP: u32 = 20;
 
-    /// What is shown of labels that last for some samples each, from an instant on.
+    /// Labels that are shown of ones that last for some samples each, from an instant on.
     fn shown(lock: &mut Lock, from: u32, labels: &[(Intent, u32)]) -> Vec<Option<Intent>> {
         let all = labels
             .iter()

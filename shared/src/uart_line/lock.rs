@@ -31,7 +31,7 @@ pub enum LockCommand {
 /// Lock that is in force.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Locking {
-    /// Its times.
+    /// Times of the lock.
     pub times: LockTimes,
     /// Whether labels are locked.
     pub locked: bool,

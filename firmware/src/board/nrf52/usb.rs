@@ -3,6 +3,8 @@
 //! It needs the high-frequency crystal, which the radio's start has requested. Lines wait in [`LINES`]; the host waits while
 //! its bytes are not taken.
 
+use core::fmt::Write as _;
+
 use embassy_executor::Spawner;
 use embassy_futures::{
     join::join3,
@@ -19,6 +21,7 @@ use embassy_usb::{
     Builder, Config, Handler, UsbDevice,
     class::cdc_acm::{CdcAcmClass, ControlChanged, Receiver, Sender, State},
 };
+use heapless::String;
 use static_cell::{ConstStaticCell, StaticCell};
 
 use crate::messages::usb::LINES;
@@ -30,7 +33,6 @@ const PRODUCT: u16 = 0x0001;
 const PACKET: usize = 64;
 /// Time in which the host's request to close the port ends.
 const ENDING: Duration = Duration::from_millis(20);
-const HEXADECIMAL: &[u8; 16] = b"0123456789ABCDEF";
 
 type UsbDriver = Driver<'static, HardwareVbusDetect>;
 
@@ -45,16 +47,19 @@ pub fn start(spawner: Spawner, driver: UsbDriver) {
     static CONFIGURATION: ConstStaticCell<[u8; 96]> = ConstStaticCell::new([0; 96]);
     static CAPABILITIES: ConstStaticCell<[u8; 16]> = ConstStaticCell::new([0; 16]);
     static CONTROL: ConstStaticCell<[u8; PACKET]> = ConstStaticCell::new([0; PACKET]);
-    static NUMBER: StaticCell<[u8; 16]> = StaticCell::new();
+    static NUMBER: StaticCell<String<16>> = StaticCell::new();
     static STATE: StaticCell<State<'static>> = StaticCell::new();
     static CABLE: ConstStaticCell<Cable> = ConstStaticCell::new(Cable);
 
     interrupt::USBD.set_priority(Priority::P3);
-    let number = NUMBER.init(serial_number());
+    // The chip's own number.
+    let [high, low] = [0, 1].map(|word| pac::FICR.deviceid(word).read());
+    let number = NUMBER.init(String::new());
+    let _ = write!(number, "{high:08X}{low:08X}");
     let mut config = Config::new(VENDOR, PRODUCT);
     config.manufacturer = Some("myointent");
     config.product = Some("myointent");
-    config.serial_number = core::str::from_utf8(number).ok();
+    config.serial_number = Some(number.as_str());
     // The battery.
     config.self_powered = true;
     let mut builder = Builder::new(
@@ -81,17 +86,6 @@ impl Handler for Cable {
     fn enabled(&mut self, is_plugged: bool) {
         LINES.set_plugged(is_plugged);
     }
-}
-
-/// The chip's own number.
-fn serial_number() -> [u8; 16] {
-    let mut digits = [0; 16];
-    let words = [0, 1].map(|word| pac::FICR.deviceid(word).read());
-    for (place, digit) in digits.iter_mut().enumerate() {
-        let nibble = words[place / 8] >> (28 - 4 * (place % 8)) & 0xf;
-        *digit = HEXADECIMAL[nibble as usize];
-    }
-    digits
 }
 
 #[embassy_executor::task]

@@ -35,7 +35,7 @@ pub struct LabelScore {
 pub enum Emission {
     /// Label of each sample when it is emitted.
     Labels(Vec<Option<Intent>>),
-    /// So many samples after the place of the label.
+    /// Number of samples after the place of the label.
     After(usize),
 }
 

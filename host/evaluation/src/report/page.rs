@@ -141,7 +141,7 @@ impl<'s> Page<'s> {
     }
 }
 
-/// Whose scores the picture at the top shows, and whether it has intervals.
+/// Sentence about the picture at the top: whose scores it shows, and whether it has intervals.
 fn whose(rows: &[(&str, &Score)]) -> String {
     let people = rows.iter().map(|(_, score)| score.widest().subjects.len());
     let means = "Means over people who have all classes of the model, and of the others in rows of their own (fewer)";

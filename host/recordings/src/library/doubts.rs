@@ -1,4 +1,4 @@
-//! What a user is told about a library before its recordings are used.
+//! Doubts about a library, which a user is told before its recordings are used.
 
 use std::path::Path;
 

@@ -10,7 +10,7 @@ use shared::units::SAMPLE_RATE_HZ;
 
 use crate::board::Board;
 
-/// What is asked of the lock.
+/// Request about the lock.
 #[derive(Clone, Copy, Debug, Subcommand)]
 pub(super) enum Request {
     /// Lock labels at once, and again after each rest.

@@ -119,7 +119,7 @@ pub struct Chip {
     ports: [Gpio; 2],
     ficr: Registers,
     uicr: Registers,
-    /// Who has taken a part of the chip.
+    /// Owner of the part of the chip that is taken.
     pub owner: Owner,
     /// Changes of levels: when, which pin, to what.
     pub changes: Vec<(u64, u32, Option<bool>)>,

@@ -3,16 +3,16 @@
 
 use crate::refusal::What;
 
-/// Whoever has taken a part of the chip.
+/// Owner of the part of the chip that is taken.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Owner {
-    /// Nobody: all is the program's.
+    /// The program alone.
     Program,
     /// The SoftDevice, enabled.
     SoftDevice,
     /// MPSL and the controller.
     Controller,
-    /// The same, in a time slot: the radio, TIMER0 and flash are the program's.
+    /// The controller's library, in a time slot: the radio, TIMER0 and flash are the program's.
     TimeSlot,
 }
 

@@ -21,7 +21,7 @@ const DISCONNECTIONS: u64 = 1 << 4;
 const LE_META: u64 = 1 << 61;
 const ENHANCED: u64 = 1 << 9;
 
-/// What the host has set, and what waits for it.
+/// State of the interface to the host: what it has set, and what waits for it.
 #[derive(Debug)]
 pub struct Hci {
     pub(super) mask: u64,

@@ -159,10 +159,10 @@ impl Controller {
         chip.bus.attention |= !self.interrupts.is_empty();
     }
 
-    /// The program has reached an instruction of the library's: answers, or calls the program back.
+    /// Answers the program at an instruction of the library's, or calls it back.
     ///
     /// # Errors
-    /// What is called, and why it is refused.
+    /// Name of the function that is called, and why it is refused.
     pub fn enter(&mut self, chip: &mut Chip, core: &mut Core) -> Result<(), (String, What)> {
         let place = core.place();
         if place == self.library.gate() {

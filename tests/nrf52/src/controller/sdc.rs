@@ -26,7 +26,7 @@ pub struct Sdc {
     random: Option<u32>,
     /// Function to call when there is something for the program.
     pub(super) callback: Option<u32>,
-    /// Its memory, and what it holds.
+    /// Memory that the controller was given: its address and content.
     pub(super) memory: Option<(u32, Vec<u8>)>,
 }
 

@@ -34,7 +34,7 @@ pub use board::LED_ON;
 
 /// Pins of a board, by purpose.
 struct Pins {
-    /// Those of the intents, in class order: relax, open, close, wave-in, wave-out, pinch.
+    /// Pins of the intents, in class order: relax, open, close, wave-in, wave-out, pinch.
     intents: [Peri<'static, AnyPin>; MAX_CLASSES],
     valid: Peri<'static, AnyPin>,
     /// LEDs: the label is valid; an armband streams; what an alignment does.
@@ -142,11 +142,7 @@ pub fn wire(p: Peripherals) -> Wiring {
 
 /// Level of an LED's pin.
 pub fn level_of_led(on: bool) -> Level {
-    if on == (LED_ON == Level::High) {
-        Level::High
-    } else {
-        Level::Low
-    }
+    Level::from(on == (LED_ON == Level::High))
 }
 
 /// An output that tasks of the peripheral interconnect can set too. Only tasks set it: writing the port does nothing.

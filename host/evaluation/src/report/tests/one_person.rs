@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// So many people with all three classes.
+/// Evaluation of a number of people with all three classes.
 fn people(count: usize) -> Evaluated {
     let made_up = |at| EvaluatedRecording::made_up(&format!("synthetic/{at}"), &[0, 1, 0, 2, 0]);
     Evaluated::new((0..count).map(made_up).collect())

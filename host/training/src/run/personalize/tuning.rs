@@ -3,6 +3,7 @@
 use burn::module::Module as _;
 use burn::tensor::Device;
 use serde::{Deserialize, Serialize};
+use shared::model::dimensions::Dimensions;
 use shared::model::file::{Model, ProvenanceParts};
 use shared::units::SAMPLE_RATE_HZ;
 
@@ -80,8 +81,9 @@ pub fn tune(
     mut report: impl FnMut(usize, usize),
 ) -> Result<Vec<u8>, PersonalizeError> {
     let mut parts = Model::parse(file)?.to_parts();
+    let recordings = part.recordings();
     let is_other = |own: &Recording| !own.other_movement.is_empty();
-    let steps = if parts.dimensions.other && part.recordings().iter().any(is_other) {
+    let steps = if parts.dimensions.other && recordings.iter().any(is_other) {
         let own = &mut parts.smoother.other_margin;
         *own = own.map(|own| own.min(settings.other_margin));
         settings.steps_with_other
@@ -89,7 +91,7 @@ pub fn tune(
         settings.steps
     };
     let (student, config) = dequantize(&parts, device);
-    let corpus = spliced(part, parts.dimensions.other, settings.seed)?
+    let corpus = spliced(recordings, parts.dimensions, settings.seed)?
         .with_median(parts.preprocessing.median);
     let plain = device.clone().inner();
     let teaching = if settings.keep > 0.0 {
@@ -144,8 +146,13 @@ pub fn tune(
 /// Splices the person's gestures in random order and of random length, so that the order of a protocol cannot be learnt. Movement
 /// outside the vocabulary is a class if the model has one for it (`other`). A recording of it alone has no gesture to splice it with and
 /// is a stream of its own.
-fn spliced(part: &Part<'_>, other: bool, seed: u64) -> Result<Corpus, PersonalizeError> {
-    let recordings = part.recordings();
+fn spliced(
+    recordings: Vec<Recording>,
+    Dimensions {
+        vocabulary, other, ..
+    }: Dimensions,
+    seed: u64,
+) -> Result<Corpus, PersonalizeError> {
     let options = SpliceOptions {
         samples: SPLICED_SECONDS * SAMPLE_RATE_HZ as usize,
         count: 1,
@@ -164,7 +171,7 @@ fn spliced(part: &Part<'_>, other: bool, seed: u64) -> Result<Corpus, Personaliz
         streams.extend(recordings.into_iter().filter(alone).map(Stream::from));
     }
     Ok(Corpus {
-        vocabulary: part.person().vocabulary,
+        vocabulary,
         other,
         streams,
     })
