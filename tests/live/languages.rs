@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use myointent::live::Source;
 
 use super::browser::Browser;
+use super::page::VALID;
 use super::record::{SHORT, pictures, record};
 use super::serve;
 
@@ -27,9 +28,7 @@ const ENGLISH: &str = "import('./texts.js').then(({ TABLES }) => { \
     for (const one of document.querySelectorAll('[title], [aria-label]')) shown.push(one.title, one.ariaLabel ?? ''); \
     return shown.filter((text) => english.has(text)).join('; '); })";
 
-const PAGE: &str = "document.getElementById('valid')?.dataset.valid === 'yes'";
-
-/// Text of a file of the page without what is no text: comments of scripts, tags and key caps of documents.
+/// Paths and texts of the files of the page.
 fn page_files() -> Vec<(PathBuf, String)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host/src/live/page");
     let entries = std::fs::read_dir(folder).unwrap().flatten();
@@ -111,12 +110,12 @@ fn the_page_is_german_where_the_browser_or_the_viewer_asks_for_it() {
     let folder = tempfile::tempdir().unwrap();
     let live = serve(Source::Demo);
     browser.open(live.url());
-    browser.wait_for(PAGE);
+    browser.wait_for(VALID);
     assert_eq!(browser.value(UNEQUAL), "");
     assert_eq!(browser.value("document.documentElement?.lang"), "en");
     // By the switch, and kept.
     browser.value("document.getElementById('language').click()");
-    let german = "document.documentElement?.lang === 'de' && ".to_owned() + PAGE;
+    let german = "document.documentElement?.lang === 'de' && ".to_owned() + VALID;
     browser.wait_for(&german);
     browser.open(live.url());
     browser.wait_for(&german);

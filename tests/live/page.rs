@@ -16,7 +16,7 @@ const PICTURE: &str = "document.getElementById('traces').toDataURL().split('').r
 
 const CONNECTED: &str = "document.getElementById('source')?.dataset.state === 'connected'";
 const LOST: &str = "document.getElementById('source')?.dataset.state === 'lost'";
-const VALID: &str = "document.getElementById('valid')?.dataset.valid === 'yes'";
+pub const VALID: &str = "document.getElementById('valid')?.dataset.valid === 'yes'";
 
 #[test]
 fn the_page_follows_a_recording_and_saves_what_it_saw() {

@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 use super::browser::{self, Browser};
 use super::record::{SHORT, pictures, reach, record, wish};
 use super::serve;
+use super::sizes::FITS;
 use super::viewer::{Viewer, get};
 
 /// Sessions of the person, as the program sends them.
@@ -58,8 +59,7 @@ fn the_sessions_of_a_person_are_listed_with_their_numbers_and_print_on_one_page(
         );
         for (name, width, height) in [("wide", 1366, 768), ("phone", 390, 844)] {
             browser.look(width, height, "light", "no-preference");
-            let fits = "document.documentElement.scrollWidth <= innerWidth";
-            assert_eq!(browser.value(fits), true, "{name}");
+            assert_eq!(browser.value(FITS), true, "{name}");
             browser.screenshot(&pictures().join(format!("sessions-{name}.png")));
         }
         // Printed, it is one page without buttons, dark on white.

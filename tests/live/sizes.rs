@@ -33,7 +33,7 @@ const HALF_EMPTY: &str = "[...document.querySelectorAll('main section, main .lea
         const lowest = Math.max(...inner.map((one) => one.getBoundingClientRect().bottom)); \
         return card.getBoundingClientRect().bottom - lowest > 60; }).map((card) => card.className).join()";
 
-const FITS: &str = "document.documentElement.scrollWidth <= innerWidth";
+pub const FITS: &str = "document.documentElement.scrollWidth <= innerWidth";
 
 /// Distances of the header's content and the cards' from the edges of the window, left and right.
 const EDGES: &str = "(() => { const edge = (first, last) => [first.getBoundingClientRect().left, innerWidth - last.getBoundingClientRect().right].map(Math.round).join(); \

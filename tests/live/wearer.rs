@@ -1,6 +1,7 @@
 //! View for the person who wears the armband: one word, the hand as labelled, what to do now, all on one screen.
 
 use super::demo_page;
+use super::page::VALID;
 use super::record::pictures;
 use super::sizes::WINDOWS;
 
@@ -20,7 +21,7 @@ fn the_wearer_sees_word_hand_and_task_on_one_screen_of_any_size() {
     let Some((mut browser, live)) = demo_page(name) else {
         return;
     };
-    browser.wait_for("document.getElementById('valid')?.dataset.valid === 'yes'");
+    browser.wait_for(VALID);
     browser.press("w");
     browser.wait_for("document.body.dataset.view === 'wearer'");
     let schemes = ["light", "dark"].into_iter().cycle();

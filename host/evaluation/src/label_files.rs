@@ -8,10 +8,12 @@ use recordings::labels::vocabulary;
 use recordings::split::predefined;
 use recordings::{DataSet, Library};
 use serde::Serialize;
+use shared::stream::alignment::Alignment;
 
+use crate::model_evaluation::{evaluated_recordings, labelled};
 use crate::{
-    Cued, EnergyDetector, EvaluatedRecording, EvaluationError, LookAhead, Score, SmoothedLabels,
-    Truth, constant, cued, score, score_labels,
+    Cued, EnergyDetector, EvaluationError, LookAhead, Score, SmoothedLabels, Truth, constant, cued,
+    score, score_labels,
 };
 
 /// Scores of a program's labels, with the floors.
@@ -41,34 +43,27 @@ pub fn evaluate_labels(
 ) -> Result<LabelResults, EvaluationError> {
     let all = labels.values().flat_map(|own| own.reference.iter());
     let vocabulary = vocabulary::smallest(all);
-    let labelled: Vec<_> = library
-        .recordings
-        .iter()
-        .filter(|recording| recording.can_be_evaluated(vocabulary))
-        .collect();
+    let labelled = labelled(library, vocabulary);
     let lags = lags(&labelled, label_lag, &predefined::is_training);
-    let (mut recordings, mut predicted, mut missing) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut found, mut predicted, mut missing) = (Vec::new(), Vec::new(), Vec::new());
     for recording in labelled {
-        let Some(own) = labels.remove(&recording.full_name()) else {
-            missing.push(recording.full_name());
-            continue;
-        };
-        let compensation = lags[&recording.data_set].of_recording(recording);
-        let as_worn = |_: &mut Vec<_>| ();
-        recordings.push(EvaluatedRecording::new(
-            recording,
-            as_worn,
-            vocabulary,
-            compensation,
-        ));
-        predicted.push(own);
+        match labels.remove(&recording.full_name()) {
+            Some(own) => {
+                found.push(recording);
+                predicted.push(own);
+            }
+            None => missing.push(recording.full_name()),
+        }
     }
-    if recordings.is_empty() {
+    if found.is_empty() {
         return Err(EvaluationError::NoLabels {
             recordings: missing.len(),
             first: missing.first().cloned().unwrap_or_default(),
         });
     }
+    let worn = found.iter();
+    let worn = worn.map(|own| (own.subject.clone(), Alignment::NONE));
+    let recordings = evaluated_recordings(&found, &worn.collect(), vocabulary, &lags, 0);
     let (own, truth) = (LookAhead::None, Truth::LagCompensated);
     let mut scores = score_labels(name, &predicted, &recordings, vocabulary, own, truth)?;
     let energy = EnergyDetector::default().candidate(&recordings);

@@ -240,7 +240,7 @@ pub fn recordings_of(
 }
 
 /// Recordings that models of a vocabulary can be evaluated on.
-fn labelled(library: &Library, vocabulary: Vocabulary) -> Vec<&Recording> {
+pub(crate) fn labelled(library: &Library, vocabulary: Vocabulary) -> Vec<&Recording> {
     let recordings = library.recordings.iter();
     recordings
         .filter(|recording| recording.can_be_evaluated(vocabulary))
@@ -248,7 +248,7 @@ fn labelled(library: &Library, vocabulary: Vocabulary) -> Vec<&Recording> {
 }
 
 /// Recordings of people with the armband as `worn`, with `lost_percent` percent of the notifications lost.
-fn evaluated_recordings(
+pub(crate) fn evaluated_recordings(
     labelled: &[&Recording],
     worn: &BTreeMap<String, Alignment>,
     vocabulary: Vocabulary,

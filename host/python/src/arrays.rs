@@ -3,6 +3,7 @@
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArrayDyn};
 use numpy::{PyUntypedArrayMethods as _, get_array_module};
 use pyo3::prelude::*;
+use recordings::Fault;
 use recordings::labels::motion::Motion;
 use recordings::raw_samples::raw_samples;
 use recordings::readers::label_file::{from_number, from_text};
@@ -46,27 +47,31 @@ pub fn with_samples<R>(
 /// # Errors
 /// When the array has several axes, or at the first label that is none.
 pub fn motions(labels: &Bound<'_, PyAny>) -> PyResult<Vec<Motion>> {
-    let at = |row: usize| move |fault| Error::new_err(format!("label {row}: {fault}"));
     if let Ok(array) = labels.extract::<PyReadonlyArray1<'_, i8>>() {
-        let numbers = array.as_array();
-        let rows = numbers.iter().enumerate();
-        return rows
-            .map(|(row, &number)| from_number(number.into()).map_err(at(row)))
-            .collect();
+        return each(array.as_array().iter(), |&number| {
+            from_number(number.into())
+        });
     }
     if let Ok(names) = labels.extract::<Vec<String>>() {
-        let rows = names.iter().enumerate();
-        return rows
-            .map(|(row, name)| from_text(name).map_err(at(row)))
-            .collect();
+        return each(&names, |name| from_text(name));
     }
     let array = numbers(labels)?;
     if array.ndim() != 1 {
         return Err(shape("an array of one label a sample", array.shape()));
     }
-    let rows = array.as_slice()?.iter().enumerate();
-    rows.map(|(row, &number)| from_number(number).map_err(at(row)))
-        .collect()
+    each(array.as_slice()?, |&number| from_number(number))
+}
+
+/// Motion of each label, by its number or name.
+fn each<T>(
+    labels: impl IntoIterator<Item = T>,
+    motion: impl Fn(T) -> Result<Motion, Fault>,
+) -> PyResult<Vec<Motion>> {
+    let labels = labels.into_iter().enumerate();
+    let motion = |(row, label)| {
+        motion(label).map_err(|fault| Error::new_err(format!("label {row}: {fault}")))
+    };
+    labels.map(motion).collect()
 }
 
 /// Class numbers of labels, -1 where there is none.

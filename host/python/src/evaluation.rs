@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 
 use evaluation::model_evaluation::{Selection, evaluate_models};
-use evaluation::report::{labels, model_report};
+use evaluation::report::{labels, model_report, text};
 use pyo3::prelude::*;
+use recordings::labels::lag::LabelLag;
 
 use crate::failure::told;
 use crate::model::Model;
-use crate::recording::{library, parse_label_lag};
+use crate::recording::library;
 use crate::report::Report;
 
 /// Evaluates a model on the recordings at or below a path, as `myointent evaluate --data` does; floors beside it.
@@ -40,29 +41,22 @@ pub fn evaluate(
         subjects: people,
         seen,
         test: test_people,
-        label_lag: parse_label_lag(label_lag)?,
+        label_lag: label_lag.parse::<LabelLag>().map_err(told)?,
         ..Selection::default()
     };
     let library = library(py, &path, strict)?;
-    let models = [(*model.named).clone()];
+    let models = std::slice::from_ref(&*model.named);
     let evaluation = py
         .detach(|| {
-            let evaluation = evaluate_models(&models, &library, &selection)?;
+            let evaluation = evaluate_models(models, &library, &selection)?;
             if let Some(page) = report {
-                model_report::write(&evaluation, &models, &path.display().to_string(), &page)?;
+                model_report::write(&evaluation, models, &path.display().to_string(), &page)?;
             }
             Ok(evaluation)
         })
         .map_err(|error: evaluation::EvaluationError| told(error))?;
     let results = &evaluation.results;
-    let tables = model_report::tables(results, false);
-    let tables: String = tables
-        .iter()
-        .map(|table| table.text(false) + "\n")
-        .collect();
-    let labels = labels(&results.lags, &results.gestures).into_iter();
-    let labels: String = labels
-        .map(|(what, how)| format!("{what}: {how}\n"))
-        .collect();
-    Report::new(py, results, tables + &labels)
+    let facts = labels(&results.lags, &results.gestures);
+    let text = text(&model_report::tables(results, false), &facts);
+    Report::new(py, results, text)
 }

@@ -11,9 +11,6 @@ use recordings::labels::motion::{Motion, motions};
 use recordings::labels::set_lag::lags;
 use recordings::split::predefined;
 use recordings::{Library, LoadOptions, load};
-use serde::Deserialize as _;
-use serde::de::IntoDeserializer as _;
-use serde::de::value::Error as ValueError;
 use shared::units::CHANNELS;
 
 use crate::failure::told;
@@ -86,7 +83,7 @@ pub fn read(
     strict: bool,
     label_lag: &str,
 ) -> PyResult<Vec<Recording>> {
-    let label_lag = parse_label_lag(label_lag)?;
+    let label_lag = label_lag.parse::<LabelLag>().map_err(told)?;
     let library = library(py, &path, strict)?;
     let labelled: Vec<_> = library.recordings.iter().collect();
     let lags = lags(&labelled, label_lag, &predefined::is_training);
@@ -112,9 +109,4 @@ pub fn library(py: Python<'_>, path: &Path, strict: bool) -> PyResult<Library> {
         PyErr::warn(py, &py.get_type::<PyUserWarning>(), &words, 1)?;
     }
     Ok(library)
-}
-
-/// Lag compensation by the names that presets use.
-pub fn parse_label_lag(name: &str) -> PyResult<LabelLag> {
-    LabelLag::deserialize(name.into_deserializer()).map_err(|error: ValueError| told(error))
 }

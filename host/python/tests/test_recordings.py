@@ -1,4 +1,4 @@
-"""From a folder of any layout to arrays and to the first table, and the words of refusals."""
+"""Tests of the way from a folder of any layout to arrays and to the first table, and of the words of refusals."""
 
 import contextlib
 import io

@@ -2,13 +2,10 @@
 
 use std::path::Path;
 
-use serde::Deserialize as _;
-use serde::de::{IntoDeserializer as _, value};
 use shared::stream::alignment::Arm;
 use shared::uart_line::flag;
 
 use execution::progress;
-use recordings::labels::lag::LabelLag;
 pub use recordings::printable;
 use recordings::{Library, LoadError, LoadOptions, load};
 
@@ -16,11 +13,6 @@ use recordings::{Library, LoadError, LoadOptions, load};
 pub(in crate::cli) fn mirrored(text: &str) -> Result<Arm, String> {
     let mirrored = flag(text).ok_or("0 or 1")?;
     Ok(Arm::Known { mirrored })
-}
-
-/// Parses the label-lag compensation by the names that presets use.
-pub(in crate::cli) fn label_lag(text: &str) -> Result<LabelLag, value::Error> {
-    LabelLag::deserialize(text.into_deserializer())
 }
 
 /// Loads all recordings below a path, of every data set.

@@ -7,7 +7,7 @@ use anyhow::{Context as _, bail};
 use clap::Args;
 use serde::Serialize;
 
-use crate::cli::arguments::{every_recording, label_lag, warn_of_test_people};
+use crate::cli::arguments::{every_recording, warn_of_test_people};
 use crate::cli::output::{PAGE, Width, first_line, refuse_unlike};
 use evaluation::model_evaluation::{
     EvaluatedSubject, ModelResults, NamedModel, Selection, Turn, Worn, evaluate_models,
@@ -84,11 +84,11 @@ pub(in crate::cli) struct Options {
     ///
     /// The output says what was done.
     #[arg(
-        hide_short_help = true, long,
+        hide_short_help = true,
+        long,
         value_name = "HOW",
         requires = "data",
-        default_value = "each-cue",
-        value_parser = label_lag
+        default_value = "each-cue"
     )]
     label_lag: LabelLag,
     /// Page to write, the worst person first.

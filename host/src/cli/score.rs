@@ -8,7 +8,6 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use shared::intent::Intent;
 
-use crate::cli::arguments::label_lag;
 use evaluation::label_score::{Emission, LabelScore};
 use evaluation::metric::transition::Rule;
 use recordings::labels::lag::LabelLag;
@@ -63,7 +62,12 @@ pub struct Arguments {
     #[arg(long, value_name = "SAMPLES")]
     delay: Option<usize>,
     /// For a folder: how true labels, which are cues, are moved to where the muscle acts, as in `evaluate`
-    #[arg(hide_short_help = true, long, value_name = "HOW", default_value = "each-cue", value_parser = label_lag)]
+    #[arg(
+        hide_short_help = true,
+        long,
+        value_name = "HOW",
+        default_value = "each-cue"
+    )]
     label_lag: LabelLag,
     /// Print JSON
     #[arg(long)]

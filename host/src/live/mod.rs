@@ -138,12 +138,14 @@ pub fn start(options: Options) -> anyhow::Result<Live> {
     let requests = mpsc::sync_channel(REQUESTS);
     let mode = Mode::of(&options.source, options.record.is_some());
     let (mut recorder_thread, mut recorder_requests, mut cue_and_speed) = (None, None, None);
-    let history = options.record.as_ref().map(|record| HistoryOf {
-        folder: record.folder.clone(),
-        person: record.person.clone(),
-        model: options.model.clone().unwrap_or_else(|| SHIPPED.to_vec()),
-    });
+    let mut history = None;
     if let Some(record) = options.record {
+        let model = options.model.clone().unwrap_or_else(|| SHIPPED.to_vec());
+        history = Some(HistoryOf {
+            folder: record.folder.clone(),
+            person: record.person.clone(),
+            model: model.clone(),
+        });
         let cue = SharedCue::default();
         cue_and_speed = Some((cue.clone(), record.speed));
         let recorder = Recorder {
@@ -154,7 +156,7 @@ pub fn start(options: Options) -> anyhow::Result<Live> {
             },
             source_requests: requests.0.clone(),
             option: options.source.option(),
-            model: options.model.clone().unwrap_or_else(|| SHIPPED.to_vec()),
+            model,
             options: record,
             hub: hub.clone(),
             cue,

@@ -32,6 +32,14 @@ pub const MOST_ENTRIES: usize = pictures::LINES.len();
 /// Name and value of something that a page states.
 pub type Fact = (String, String);
 
+/// Tables for a terminal of 100 columns, and facts below them.
+#[must_use]
+pub fn text(tables: &[Table], facts: &[Fact]) -> String {
+    let tables = tables.iter().map(|table| table.text(false) + "\n");
+    let facts = facts.iter().map(|(what, how)| format!("{what}: {how}\n"));
+    tables.chain(facts).collect()
+}
+
 /// Facts on the labels, one for each data set: their lag compensation, and the gestures left out.
 #[must_use]
 pub fn labels(lags: &BTreeMap<DataSet, Lag>, gestures: &BTreeMap<DataSet, Cued>) -> Vec<Fact> {

@@ -61,7 +61,8 @@ impl Table {
         }
         let mut caption = wrapped(&self.caption);
         if end < columns.len() {
-            caption += &wrapped(&format!("\n(not here: {})", self.header[end..].join(", ")));
+            let rest = format!("(not here: {})", self.header[end..].join(", "));
+            caption = caption + "\n" + &wrapped(&rest);
         }
         let cut = |row: &Vec<String>| row.iter().take(end).cloned().collect();
         let shown = Self {
@@ -188,13 +189,9 @@ fn cell(row: &[String], i: usize) -> &str {
     row.get(i).map_or("", String::as_str)
 }
 
-/// Text in lines that fit a terminal; a line break at the start stays.
+/// Text in lines that fit a terminal.
 fn wrapped(text: &str) -> String {
-    let mut lines = if text.starts_with('\n') {
-        "\n".to_owned()
-    } else {
-        String::new()
-    };
+    let mut lines = String::new();
     let mut free = TERMINAL;
     for word in text.split_whitespace() {
         let needed = width(word) + 1;

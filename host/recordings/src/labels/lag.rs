@@ -71,6 +71,16 @@ pub enum LabelLag {
     None,
 }
 
+impl std::str::FromStr for LabelLag {
+    type Err = serde::de::value::Error;
+
+    /// Reads the name that presets use.
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        use serde::{Deserialize as _, de::IntoDeserializer as _};
+        Self::deserialize(name.into_deserializer())
+    }
+}
+
 /// Median lag of the muscle after the label.
 #[derive(Clone, Copy, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
 pub struct LagEstimate {

@@ -103,15 +103,17 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Format::of(&arguments.out)?;
         let recording = one_recording(path, arguments.name.as_deref())?;
         return write(
-            &over_recording(arguments, &recording.samples)?,
+            &over_recording(&loaded(arguments)?, &recording.samples)?,
             &arguments.out,
         );
     }
-    for recording in every_recording(path, false)?.recordings {
+    let library = every_recording(path, false)?;
+    let model = loaded(arguments)?;
+    for recording in library.recordings {
         let out = file_of(&recording, &arguments.out, "csv")?;
         std::fs::create_dir_all(out.parent().unwrap_or(&arguments.out))
             .with_context(|| out.display().to_string())?;
-        write(&over_recording(arguments, &recording.samples)?, &out)?;
+        write(&over_recording(&model, &recording.samples)?, &out)?;
     }
     Ok(())
 }
@@ -123,30 +125,33 @@ fn write(matrix: &Matrix, out: &Path) -> anyhow::Result<()> {
     Ok(write_whole(out, &bytes)?)
 }
 
-/// Computes the logits of every patch; also returns the number of classes and the smoother's settings.
-fn logits(
-    arguments: &Arguments,
-    samples: &[Sample],
-) -> anyhow::Result<(Vec<LookBackLogits>, usize, Settings)> {
+/// Logits of every patch, number of classes, and the smoother's settings.
+pub(super) type Logits = (Vec<LookBackLogits>, usize, Settings);
+/// Function of a model that was read: computes the logits of samples.
+pub(super) type Loaded<'a> = Box<dyn Fn(&[Sample]) -> anyhow::Result<Logits> + 'a>;
+
+/// Reads the model of the arguments.
+fn loaded(arguments: &Arguments) -> anyhow::Result<Loaded<'_>> {
     if let Some(path) = &arguments.model {
         let bytes = read_model(path)?;
-        let model =
-            Model::parse(&bytes).with_context(|| format!("{} is refused", path.display()))?;
-        let classes = model.header.dimensions.vocabulary.classes();
-        return Ok((
-            integer_logits(&model, &input(samples, model.header.preprocessing))?,
-            classes,
-            model.header.smoother.in_patches(),
-        ));
+        return Ok(Box::new(move |samples| {
+            let model =
+                Model::parse(&bytes).with_context(|| format!("{} is refused", path.display()))?;
+            Ok((
+                integer_logits(&model, &input(samples, model.header.preprocessing))?,
+                model.header.dimensions.vocabulary.classes(),
+                model.header.smoother.in_patches(),
+            ))
+        }));
     }
     #[cfg(feature = "train")]
-    return super::steps::predict::logits(arguments, samples);
+    return super::steps::predict::loaded(arguments);
     #[cfg(not(feature = "train"))]
     bail!("give --model FILE; {}", super::WITHOUT_TRAINING);
 }
 
-fn over_recording(arguments: &Arguments, samples: &[Sample]) -> anyhow::Result<Matrix> {
-    let (rows, classes, settings) = logits(arguments, samples)?;
+fn over_recording(model: &Loaded<'_>, samples: &[Sample]) -> anyhow::Result<Matrix> {
+    let (rows, classes, settings) = model(samples)?;
     let labels = smooth(&rows, samples.len(), classes, settings)?;
     Ok(of_samples(&labels, &rows, classes))
 }
@@ -175,7 +180,7 @@ fn over_window(arguments: &Arguments, samples: &[Sample]) -> anyhow::Result<Matr
     if arguments.model.is_none() && arguments.which == Which::Teacher {
         return super::steps::predict::over_window_of_teacher(arguments, samples);
     }
-    let (rows, classes, _) = logits(arguments, samples)?;
+    let (rows, classes, _) = loaded(arguments)?(samples)?;
     let columns = (0..LOOK_BACK)
         .flat_map(|back| names(classes, format!("back{back}_")))
         .collect();

@@ -7,8 +7,8 @@ use anyhow::{Context as _, bail, ensure};
 use evaluation::SmoothedLabels;
 use evaluation::label_files::evaluate_labels;
 use evaluation::metric::transition::Rule;
-use evaluation::report::labels as facts;
 use evaluation::report::model_report::label_tables;
+use evaluation::report::{labels as facts, text};
 use execution::progress;
 use recordings::Recording;
 
@@ -44,11 +44,8 @@ pub(super) fn report(args: &Arguments) -> anyhow::Result<String> {
             results.missing.len()
         ));
     }
-    let tables = label_tables(&results.scores).into_iter();
-    let tables: String = tables.map(|table| table.text(false) + "\n").collect();
-    let facts = facts(&results.lags, &results.gestures).into_iter();
-    let facts = facts.map(|(what, how)| format!("{what}: {how}\n"));
-    Ok(tables + &facts.collect::<String>())
+    let facts = facts(&results.lags, &results.gestures);
+    Ok(text(&label_tables(&results.scores), &facts))
 }
 
 /// Labels of a recording in a folder, or none.

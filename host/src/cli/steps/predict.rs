@@ -6,7 +6,6 @@ use ::presets::distillation;
 use anyhow::Context as _;
 use evaluation::inference::input;
 use execution::run_folder::RunFolder;
-use shared::model::LookBackLogits;
 use shared::stream::smoother::Settings;
 use shared::units::{CHANNELS, Sample, WINDOW};
 use training::inference::{student_logits, teacher_logits};
@@ -14,31 +13,35 @@ use training::optimization::tensor::read_back;
 use training::run::context::{RunContext, load_student, load_teacher};
 use training::teacher::model::TeacherInput;
 
-use crate::cli::predict::{Arguments, Matrix, Which, names};
+use crate::cli::predict::{Arguments, Loaded, Matrix, Which, names};
 
-/// Computes the logits of every patch; also returns the number of classes and the smoother's settings.
+/// Loads the checkpoint.
 ///
 /// # Errors
 /// When the folder holds no such checkpoint.
-pub(in crate::cli) fn logits(
-    arguments: &Arguments,
-    samples: &[Sample],
-) -> anyhow::Result<(Vec<LookBackLogits>, usize, Settings)> {
+pub(in crate::cli) fn loaded(arguments: &Arguments) -> anyhow::Result<Loaded<'static>> {
     let (folder, config) = run_of(arguments)?;
     let device = arguments.backend.device()?.inner();
-    let classes = config.preset.classes;
-    let emg = &input(samples, config.preset.preprocessing());
-    let rows = match arguments.which {
+    let (classes, settings) = (config.preset.classes, Settings::PAPER_IN_PATCHES);
+    let preprocessing = config.preset.preprocessing();
+    let emg = move |samples: &[Sample]| input(samples, preprocessing);
+    Ok(match arguments.which {
         Which::Teacher => {
             let model = load_teacher(&folder, &config, &device)?;
-            teacher_logits(&model, config.preset.teacher.window_shape(), emg, &device)
+            let shape = config.preset.teacher.window_shape();
+            Box::new(move |samples| {
+                let rows = teacher_logits(&model, shape, &emg(samples), &device);
+                Ok((rows, classes, settings))
+            })
         }
         Which::Student => {
             let model = load_student(&folder, &config, distillation::NAME, &device)?;
-            student_logits(&model, emg, &device)
+            Box::new(move |samples| {
+                let rows = student_logits(&model, &emg(samples), &device);
+                Ok((rows, classes, settings))
+            })
         }
-    };
-    Ok((rows, classes, Settings::PAPER_IN_PATCHES))
+    })
 }
 
 /// Computes the teacher's logits of all samples of a window, MASK last.

@@ -55,7 +55,7 @@ struct ServerState {
     mode: Mode,
     requests: Requests,
     /// Sessions of the person who is recorded; none for `live`. Read by one viewer at a time.
-    history: Option<Mutex<HistoryOf>>,
+    history: Option<Mutex<Arc<HistoryOf>>>,
     lead: Lead,
     ids: AtomicU64,
     viewers: Arc<Semaphore>,
@@ -97,7 +97,7 @@ impl Server {
             access,
             mode,
             requests,
-            history: history.map(Mutex::new),
+            history: history.map(|own| Mutex::new(Arc::new(own))),
             lead: Lead::default(),
             ids: AtomicU64::new(1),
             viewers: Arc::new(Semaphore::new(MOST_VIEWERS)),
@@ -150,7 +150,7 @@ async fn answer(
     }
     if let ("sessions.json", Some(history)) = (allowed.path, &state.history) {
         let one_at_a_time = history.lock().await;
-        return sessions(one_at_a_time.clone()).await;
+        return sessions(Arc::clone(&one_at_a_time)).await;
     }
     if allowed.path != "socket" {
         return assets::answer(allowed.path, &allowed.host);
@@ -177,7 +177,7 @@ async fn answer(
 }
 
 /// Reads the sessions on another thread: viewers of the stream do not wait.
-async fn sessions(history: HistoryOf) -> Response {
+async fn sessions(history: Arc<HistoryOf>) -> Response {
     let read = tokio::task::spawn_blocking(move || history.read()).await;
     let read = read.map_err(anyhow::Error::from).flatten();
     let answer = match read.and_then(|found| Ok(serde_json::to_string(&found)?)) {

@@ -1,4 +1,4 @@
-//! A page on one person: nothing that needs several. What few people and narrow screens are shown.
+//! Pages on one person and on few people, and tables on a narrow terminal.
 
 use super::*;
 
