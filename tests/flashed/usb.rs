@@ -3,6 +3,7 @@
 use anyhow::{Context as _, ensure};
 use nrf52::Incident;
 use nrf52::chip::Reset;
+use nrf52::softdevice::boot;
 use nrf52::time::{HZ, ms};
 use shared::model::noise::Noise;
 use shared::uart_line::line::{Line, LineReader};
@@ -36,21 +37,8 @@ fn started(test: &str, built: Image) -> Option<Board> {
         ..Setting::default()
     };
     let mut board = Board::new(built, image, setting);
-    let jump: [u16; 8] = [
-        0x4803, // ldr r0, program
-        0x6801, // ldr r1, [r0]
-        0xf381, 0x8808, // msr msp, r1
-        0x6841, // ldr r1, [r0, #4]
-        0x4708, // bx r1
-        0xbf00, 0xbf00,
-    ];
     let memory = board.machine.chip().bus.memory.clone();
-    memory.program(0, &0x2000_0400_u32.to_le_bytes());
-    memory.program(4, &0x201_u32.to_le_bytes());
-    for (place, half) in (0x200..).step_by(2).zip(jump) {
-        memory.program(place, &half.to_le_bytes());
-    }
-    memory.program(0x210, &PROGRAM.to_le_bytes());
+    boot::install_reset(&memory, PROGRAM);
     // A full battery, at AIN5, AIN7 and the chip's own divider of its supply.
     for (input, millivolts) in [(6, 2050), (8, 1385), (13, 820)] {
         board.machine.chip().set_input(input, millivolts);

@@ -20,8 +20,8 @@ pub const SOFTDEVICE_VERSION: u32 = 0x1000 + 0x2014;
 const STACK: u32 = 0x2000_0400;
 const VECTORS: u32 = 64;
 
-/// Writes them into flash, for a program whose vector table begins at `program`.
-pub fn install(memory: &Memory, program: u32) {
+/// Writes instructions that start the program whose vector table begins at `program`, and the vectors that lead to them.
+pub fn install_reset(memory: &Memory, program: u32) {
     let reset: [u16; 8] = [
         0x4803, // ldr r0, program
         0x6801, // ldr r1, [r0]
@@ -30,6 +30,15 @@ pub fn install(memory: &Memory, program: u32) {
         0x4708, // bx r1
         0xbf00, 0xbf00,
     ];
+    halves(memory, 0x200, &reset);
+    word(memory, 0x210, program);
+    word(memory, 0, STACK);
+    word(memory, 4, 0x200 | 1);
+}
+
+/// Writes them all into flash, for a program whose vector table begins at `program`.
+pub fn install(memory: &Memory, program: u32) {
+    install_reset(memory, program);
     let forward: [u16; 6] = [
         0xf3ef, 0x8005, // mrs r0, ipsr
         0x4901, // ldr r1, program
@@ -51,31 +60,31 @@ pub fn install(memory: &Memory, program: u32) {
         0xe7cc, // b forward
         0xbf00,
     ];
-    let halves = |address: u32, instructions: &[u16]| {
-        let bytes: Vec<u8> = instructions
-            .iter()
-            .flat_map(|half| half.to_le_bytes())
-            .collect();
-        memory.program(address, &bytes);
-    };
-    let word = |address: u32, value: u32| memory.program(address, &value.to_le_bytes());
-    halves(0x200, &reset);
-    word(0x210, program);
-    halves(0x220, &forward);
-    word(0x22c, program);
-    halves(0x240, &call);
-    word(0x254, CALL);
-    halves(0x280, &hard_fault);
-    word(0x288, HARD_FAULT);
-    word(SOFTDEVICE_VERSION, 7_003_000);
-    word(0, STACK);
-    word(4, 0x200 | 1);
+    halves(memory, 0x220, &forward);
+    word(memory, 0x22c, program);
+    halves(memory, 0x240, &call);
+    word(memory, 0x254, CALL);
+    halves(memory, 0x280, &hard_fault);
+    word(memory, 0x288, HARD_FAULT);
+    word(memory, SOFTDEVICE_VERSION, 7_003_000);
     for vector in 2..VECTORS {
         let handler = match vector {
             3 => 0x280,
             11 => 0x240,
             _ => 0x220,
         };
-        word(4 * vector, handler | 1);
+        word(memory, 4 * vector, handler | 1);
     }
+}
+
+fn halves(memory: &Memory, address: u32, instructions: &[u16]) {
+    let bytes: Vec<u8> = instructions
+        .iter()
+        .flat_map(|half| half.to_le_bytes())
+        .collect();
+    memory.program(address, &bytes);
+}
+
+fn word(memory: &Memory, address: u32, value: u32) {
+    memory.program(address, &value.to_le_bytes());
 }
