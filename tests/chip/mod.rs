@@ -23,7 +23,7 @@ const RSSI: i8 = -50;
 /// The page of the bound armband, as in `memory.x`.
 pub const BINDING: u32 = 0x5_7000;
 /// The model's region, as in `memory.x`.
-const MODEL: u32 = 0x5_8000;
+pub const MODEL: u32 = 0x5_8000;
 /// UICR's words for the pin that resets the chip.
 const PSELRESET: [u32; 2] = [0x200, 0x204];
 
@@ -153,14 +153,10 @@ impl Board {
     /// If the constant address is none.
     #[must_use]
     pub fn new(built: Built, image: Image, setting: Setting) -> Self {
-        let (model, pins) = match built {
-            Built::Nrf52832S132 => (Model::Nrf52832, Pins::NRF52832),
-            _ => (Model::Nrf52840, Pins::NRF52840),
-        };
-        let kind = match built {
-            Built::Nrf52840S140 => Some(Kind::S140),
-            Built::Nrf52832S132 => Some(Kind::S132),
-            _ => None,
+        let (model, pins, kind) = match built {
+            Built::Nrf52840S140 => (Model::Nrf52840, Pins::NRF52840, Some(Kind::S140)),
+            Built::Nrf52832S132 => (Model::Nrf52832, Pins::NRF52832, Some(Kind::S132)),
+            _ => (Model::Nrf52840, Pins::NRF52840, None),
         };
         let address = Address::parse(ARMBAND).expect("an address");
         let stranger = setting.stranger.map(|(address, rssi)| {

@@ -7,10 +7,11 @@ use shared::model::noise::Noise;
 use shared::units::Sample;
 use xtask::firmware::Image;
 
+use super::usb::BOOT_LOADER_RAM;
 use myointent_tests::chip::{self, Board, Setting};
 
 /// Noise of rest and effort in turn.
-fn effort(seconds: usize) -> Vec<Sample> {
+pub fn effort(seconds: usize) -> Vec<Sample> {
     let mut noise = Noise(5);
     let sample = |index: usize| {
         let strength = if index / 300 % 2 == 1 { 90.0 } else { 3.0 };
@@ -55,7 +56,7 @@ fn fell_after_ms(board: &Board, from: u64) -> Option<u64> {
 }
 
 /// Runs until the program is outside of interrupts.
-fn leave_interrupts(board: &mut Board) -> anyhow::Result<()> {
+pub fn leave_interrupts(board: &mut Board) -> anyhow::Result<()> {
     while board.machine.core().is_in_handler() {
         board.machine.run(1)?;
     }
@@ -141,9 +142,7 @@ fn the_words_of_a_panic_outlive_the_boot_loader_of_a_board_with_usb() -> anyhow:
     let Some(mut board) = board_with_valid_labels(test)? else {
         return Ok(());
     };
-    // Adafruit's boot loader for the nRF52840 keeps words from 0x20007f7c on, and its own variables and stack above
-    // (linker/nrf52840.ld of Adafruit_nRF52_Bootloader).
-    board.machine.boot_loader_ram = Some(0x2000_7f7c..0x2004_0000);
+    board.machine.boot_loader_ram = Some(BOOT_LOADER_RAM);
     leave_interrupts(&mut board)?;
     board.machine.core().jump(0xf_0000);
     board.run_ms(1000)?;

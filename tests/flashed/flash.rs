@@ -46,6 +46,22 @@ fn board(test: &str, fates: impl IntoIterator<Item = Fate>) -> Option<Board> {
     Some(board)
 }
 
+/// Checks that the page holds one of both armbands or none, and that binding can be done again.
+fn check_page(board: &mut Board, case: &str, again_ms: u64) -> anyhow::Result<()> {
+    let found = bound(board);
+    let allowed = [None, Some(address(ARMBAND)), Some(address(OTHER))];
+    assert!(allowed.contains(&found), "{case}: {found:?}");
+    board.send(&format!("BIND,set,{OTHER}"));
+    board.run_ms(again_ms)?;
+    assert_eq!(
+        bound(board),
+        Some(address(OTHER)),
+        "{case}:\n{}",
+        board.text()
+    );
+    Ok(())
+}
+
 #[test]
 fn binding_writes_the_page() -> anyhow::Result<()> {
     let Some(mut board) = board("binding_writes_the_page", []) else {
@@ -78,16 +94,11 @@ fn power_that_fails_while_the_page_is_written_leaves_one_armband_or_none() -> an
                 assert!(operation > 0, "no operation of flash:\n{}", board.text());
                 return Ok(());
             }
-            let found = bound(&board);
-            let allowed = [None, Some(address(ARMBAND)), Some(address(OTHER))];
-            assert!(
-                allowed.contains(&found),
-                "operation {operation}, {percent} %: {found:?}"
-            );
-            // It can be done again.
-            board.send(&format!("BIND,set,{OTHER}"));
-            board.run_ms(1500)?;
-            assert_eq!(bound(&board), Some(address(OTHER)), "{}", board.text());
+            check_page(
+                &mut board,
+                &format!("operation {operation}, {percent} %"),
+                1500,
+            )?;
         }
     }
     anyhow::bail!("more than {MOST_OPERATIONS} operations for a page")
@@ -139,18 +150,7 @@ fn power_that_fails_in_a_time_slot_leaves_one_armband_or_none() -> anyhow::Resul
             );
             return Ok(());
         }
-        let found = bound(&board);
-        let allowed = [None, Some(address(ARMBAND)), Some(address(OTHER))];
-        assert!(allowed.contains(&found), "operation {operation}: {found:?}");
-        // It can be done again.
-        board.send(&format!("BIND,set,{OTHER}"));
-        board.run_ms(2000)?;
-        assert_eq!(
-            bound(&board),
-            Some(address(OTHER)),
-            "operation {operation}:\n{}",
-            board.text()
-        );
+        check_page(&mut board, &format!("operation {operation}"), 2000)?;
     }
     anyhow::bail!("more than {MOST_OPERATIONS_IN_SLOTS} operations for a page")
 }

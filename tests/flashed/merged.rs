@@ -8,12 +8,10 @@ use nrf52::chip::APPROTECT;
 use xtask::firmware::Image;
 use xtask::merge::{Part, merged};
 
-use myointent_tests::chip::{self, Board, Setting};
+use myointent_tests::chip::{self, Board, MODEL, Setting};
 
 /// Base address of UICR.
 const UICR: u32 = 0x1000_1000;
-/// First address of the model, as in `memory.x`.
-const MODEL: u32 = 0x5_8000;
 /// Bytes of a SoftDevice that ends where the program begins.
 const SOFTDEVICE: u32 = 0x2_6000;
 
@@ -54,7 +52,7 @@ fn read(hex: &str) -> anyhow::Result<BTreeMap<u32, u8>> {
 }
 
 /// Takes a region out of what was read.
-fn take(found: &mut BTreeMap<u32, u8>, start: u32, length: usize) -> anyhow::Result<Vec<u8>> {
+pub fn take(found: &mut BTreeMap<u32, u8>, start: u32, length: usize) -> anyhow::Result<Vec<u8>> {
     let bytes = (start..).take(length).map(|address| {
         let byte = found.remove(&address);
         byte.with_context(|| format!("nothing at {address:#x}"))

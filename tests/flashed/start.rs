@@ -10,8 +10,8 @@ use myointent_tests::chip::{self, Board, Setting};
 /// The images that are flashed.
 const FLASHED: [Image; 3] = [Image::Nrf52840S140, Image::Nrf52840Sdc, Image::Nrf52832S132];
 
-/// Why the program has started, each time.
-fn starts(board: &Board) -> Vec<Reset> {
+/// Reasons of the program's starts, in order.
+pub fn starts(board: &Board) -> Vec<Reset> {
     let incidents = board.machine.incidents.iter();
     let started = incidents.filter_map(|(_, incident)| match incident {
         Incident::Started(why) => Some(*why),

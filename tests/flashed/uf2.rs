@@ -6,12 +6,11 @@ use anyhow::ensure;
 use nrf52::Image as Flashed;
 use xtask::firmware::Image;
 
-use myointent_tests::chip;
+use super::merged::take;
+use myointent_tests::chip::{self, BINDING, MODEL};
 
-/// First address of the model, of the journal and of the binding, as in `memory.x`.
-const MODEL: u32 = 0x5_8000;
+/// Address of the journal, as in `memory.x`.
 const JOURNAL: u32 = 0x5_6000;
-const BINDING: u32 = 0x5_7000;
 /// Addresses that the boot loader writes.
 const WINDOW: std::ops::Range<u32> = 0x1000..0xe_a000;
 
@@ -42,14 +41,6 @@ fn read(file: &[u8]) -> anyhow::Result<BTreeMap<u32, u8>> {
     Ok(found)
 }
 
-/// Takes bytes out of what was read; those up to the end of 256 have to be erased.
-fn take(found: &mut BTreeMap<u32, u8>, start: u32, length: usize) -> Vec<u8> {
-    (start..)
-        .take(length)
-        .filter_map(|address| found.remove(&address))
-        .collect()
-}
-
 #[test]
 fn a_file_for_a_boards_drive_holds_program_model_and_an_erased_journal() -> anyhow::Result<()> {
     let test = "a_file_for_a_boards_drive_holds_program_model_and_an_erased_journal";
@@ -62,11 +53,11 @@ fn a_file_for_a_boards_drive_holds_program_model_and_an_erased_journal() -> anyh
             let mut found = read(&xtask::uf2::file(&elf, &model, has_program)?)?;
             if has_program {
                 for (start, bytes) in Flashed::parse(&elf)?.segments {
-                    assert_eq!(take(&mut found, start, bytes.len()), bytes, "{start:#x}");
+                    assert_eq!(take(&mut found, start, bytes.len())?, bytes, "{start:#x}");
                 }
             }
-            assert_eq!(take(&mut found, MODEL, model.len()), model);
-            assert_eq!(take(&mut found, JOURNAL, 4096), [0xff; 4096]);
+            assert_eq!(take(&mut found, MODEL, model.len())?, model);
+            assert_eq!(take(&mut found, JOURNAL, 4096)?, [0xff; 4096]);
             assert!(
                 !found
                     .keys()

@@ -1,33 +1,23 @@
 //! Boards with USB: from their boot loader to lines and commands on the host's serial port.
 
 use anyhow::{Context as _, ensure};
-use nrf52::Incident;
 use nrf52::chip::Reset;
 use nrf52::softdevice::boot;
 use nrf52::time::{HZ, ms};
-use shared::model::noise::Noise;
 use shared::uart_line::line::{Line, LineReader};
-use shared::units::Sample;
 use xtask::firmware::Image;
 
+use super::faults::effort;
+use super::start::starts;
 use myointent_tests::chip::{self, Board, Setting};
 
 /// Address at which a boot loader starts the program.
 const PROGRAM: u32 = 0x1000;
-/// Adafruit's boot loader keeps words from there on (linker/nrf52840.ld of Adafruit_nRF52_Bootloader).
-const BOOT_LOADER_RAM: std::ops::Range<u32> = 0x2000_7f7c..0x2004_0000;
+/// RAM that Adafruit's boot loader uses: words that it keeps, its variables and its stack (linker/nrf52840.ld of
+/// Adafruit_nRF52_Bootloader).
+pub const BOOT_LOADER_RAM: std::ops::Range<u32> = 0x2000_7f7c..0x2004_0000;
 /// POWER.GPREGRET.
 const GPREGRET: u32 = 0x4000_051c;
-
-/// Noise of rest and effort in turn.
-fn effort(seconds: usize) -> Vec<Sample> {
-    let mut noise = Noise(5);
-    let sample = |index: usize| {
-        let strength = if index / 300 % 2 == 1 { 90.0 } else { 3.0 };
-        [(); 8].map(|()| (noise.signed() * strength) as i8)
-    };
-    (0..seconds * 200).map(sample).collect()
-}
 
 /// A board that its boot loader starts: the vectors at 0 are not the program's, and none but reset's leads anywhere.
 fn started(test: &str, built: Image) -> Option<Board> {
@@ -98,12 +88,11 @@ fn plug(board: &mut Board) -> anyhow::Result<Endpoints> {
     while let [length, kind, ..] = rest {
         // An endpoint that is bulk.
         if *kind == 5 && rest[3] == 2 {
-            let number = usize::from(rest[2] & 0xf);
-            *(if rest[2] & 0x80 != 0 {
-                &mut lines
-            } else {
-                &mut commands
-            }) = Some(number);
+            let number = Some(usize::from(rest[2] & 0xf));
+            match rest[2] & 0x80 {
+                0 => commands = number,
+                _ => lines = number,
+            }
         }
         rest = &rest[usize::from(*length)..];
     }
@@ -127,13 +116,17 @@ fn set_port(board: &mut Board, baud: u32, is_open: bool) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Bytes of lines that the host has received, in the packets from this one on.
+fn received(board: &Board, endpoints: Endpoints, from: usize) -> Vec<u8> {
+    let chip = board.machine.chip();
+    let packets = chip.usb().taken[from..].iter();
+    let packets = packets.filter(|(endpoint, _)| *endpoint == endpoints.lines);
+    packets.flat_map(|(_, packet)| packet).copied().collect()
+}
+
 /// Text that the host has received.
 fn heard(board: &Board, endpoints: Endpoints) -> String {
-    let chip = board.machine.chip();
-    let packets = chip.usb().taken.iter();
-    let packets = packets.filter(|(endpoint, _)| *endpoint == endpoints.lines);
-    let bytes: Vec<u8> = packets.flat_map(|(_, packet)| packet).copied().collect();
-    String::from_utf8_lossy(&bytes).into_owned()
+    String::from_utf8_lossy(&received(board, endpoints, 0)).into_owned()
 }
 
 /// A started XIAO whose port is open.
@@ -146,15 +139,6 @@ fn opened(test: &str) -> anyhow::Result<Option<(Board, Endpoints)>> {
     set_port(&mut board, 115_200, true)?;
     board.run_ms(100)?;
     Ok(Some((board, endpoints)))
-}
-
-fn starts(board: &Board) -> Vec<Reset> {
-    let incidents = board.machine.incidents.iter();
-    let started = incidents.filter_map(|(_, incident)| match incident {
-        Incident::Started(why) => Some(*why),
-        Incident::HardFault(_) => None,
-    });
-    started.collect()
 }
 
 /// Pins of a board: those of the intents and `valid`, which is low at first; the button; those that are nobody's.
@@ -285,14 +269,9 @@ fn a_cable_that_is_pulled_in_a_line_leaves_whole_lines_behind_it() -> anyhow::Re
     let endpoints = plug(&mut board)?;
     set_port(&mut board, 115_200, true)?;
     board.run_ms(1000)?;
-    let packets = board.machine.chip().usb().taken[before..].to_vec();
     let (mut reader, mut labels, mut errors) = (LineReader::new(), 0, 0);
-    for byte in packets
-        .iter()
-        .filter(|(endpoint, _)| *endpoint == endpoints.lines)
-        .flat_map(|(_, packet)| packet)
-    {
-        match reader.push(*byte) {
+    for byte in received(&board, endpoints, before) {
+        match reader.push(byte) {
             Some(Ok(Line::Report(_))) => labels += 1,
             Some(Err(_)) => errors += 1,
             _ => {}

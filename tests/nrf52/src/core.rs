@@ -11,6 +11,9 @@ use rsemu::core::space::AddressSpace;
 use rsemu::cpu::arm::v7m::sys::Exception;
 use rsemu::cpu::arm::v7m::{ArmV7m, Config};
 
+/// Interrupts of the chip.
+pub const INTERRUPTS: u16 = 48;
+
 /// The bits of xPSR that say how far an IT block is.
 const IT: u32 = 0x3f << 10 | 3 << 25;
 /// The exception of a supervisor call, and a hard fault's.
@@ -139,7 +142,7 @@ impl Core {
 
     /// Sets the levels of the interrupts.
     pub fn set_interrupts(&mut self, levels: u64) {
-        for number in 0..48 {
+        for number in 0..INTERRUPTS {
             self.cpu.set_irq(number, levels >> number & 1 == 1);
         }
     }

@@ -271,13 +271,10 @@ impl Machine {
         {
             self.core.pend(EVENTS);
         }
-        let controller = self.controller.as_mut();
-        for interrupt in controller
-            .map(Controller::take_interrupts)
-            .into_iter()
-            .flatten()
-        {
-            self.core.pend(interrupt);
+        if let Some(controller) = &mut self.controller {
+            for interrupt in controller.take_interrupts() {
+                self.core.pend(interrupt);
+            }
         }
         Ok(())
     }

@@ -5,6 +5,8 @@ use std::sync::Arc;
 
 use rsemu::core::space::RamStore;
 
+use crate::refusal::{What, wrong};
+
 /// Address at which RAM begins.
 pub const RAM: u32 = 0x2000_0000;
 /// Value of a byte of erased flash.
@@ -114,5 +116,19 @@ impl Memory {
     pub fn erase(&self, address: u32, bytes: usize) {
         let erased = vec![ERASED; bytes];
         let _ = self.flash.write_at(address.into(), &erased);
+    }
+}
+
+/// Writes what a call gives.
+///
+/// # Errors
+/// When that is no RAM.
+pub fn give(memory: &Memory, address: u32, bytes: &[u8]) -> Result<(), What> {
+    if memory.write(address, bytes) {
+        Ok(())
+    } else {
+        Err(wrong(&format!(
+            "that is to write to {address:#010x}, which is no RAM"
+        )))
     }
 }

@@ -136,3 +136,10 @@ impl fmt::Display for Refusal {
         write!(f, "at {at_ms:.3} ms, in {place}: {subject} {what}")
     }
 }
+
+/// Creates the reason to refuse a call.
+pub fn wrong(why: &str) -> What {
+    What::WrongCall {
+        why: why.to_owned(),
+    }
+}

@@ -38,9 +38,9 @@ pub(super) struct Link {
     request: Option<Request>,
     /// Answer that it gives at the connection event after that.
     response: Option<Event>,
-    /// It ends then, for this reason.
+    /// Tick at which it ends, and the reason.
     ends: Option<(u64, u8)>,
-    /// Other parameters, from then on.
+    /// Tick of other parameters, and those.
     update: Option<(u64, Parameters)>,
 }
 

@@ -1,6 +1,6 @@
 //! The air between the chip's radio and armbands: scans, attempts to connect, one link as a central, requests to attributes.
 //!
-//! Whoever speaks with the program (the SoftDevice, or a controller) takes its [`Event`]s and gives them their form. Links
+//! The SoftDevice or the controller takes its [`Event`]s and gives them the form that the program knows. Links
 //! lose nothing, and nobody interferes.
 
 mod link;
@@ -16,13 +16,13 @@ pub use link::{Parameters, Request, parameters_are_allowed};
 pub use scan::ScanTimes;
 use scan::{Attempt, Scan};
 
-/// Why a connection ends (Bluetooth Core Specification, volume 1, part F, 1.3).
-pub mod reason {
+/// Reasons for the end of a connection (Bluetooth Core Specification, volume 1, part F, 1.3).
+mod reason {
     /// Nothing was heard from the other side for the supervision time-out.
     pub const CONNECTION_TIMEOUT: u8 = 0x08;
     /// The other side ended it.
     pub const REMOTE_ENDED: u8 = 0x13;
-    /// This side ended it.
+    /// End by this side.
     pub const LOCAL_ENDED: u8 = 0x16;
 }
 
@@ -66,8 +66,6 @@ pub struct Air {
     pub armbands: Vec<Armband>,
     /// Notifications of the wearer's armband: the tick at which each was received, and its number.
     pub received: Vec<(u64, usize)>,
-    /// True if the other side of the link stops answering.
-    pub is_silent: bool,
 }
 
 /// Microseconds of the armbands' clock.
@@ -116,16 +114,13 @@ impl Air {
         let scan = self.scan.as_ref().map(Scan::next);
         let attempt = self.attempt.as_ref().map(Attempt::next);
         let link = self.link.as_ref().map(|link| link.at);
-        let all = [scan, attempt, link].into_iter().flatten();
-        all.min().filter(|_| !self.is_silent)
+        [scan, attempt, link].into_iter().flatten().min()
     }
 
     /// Does what is due.
     pub fn advance(&mut self, now: u64) {
-        if !self.is_silent {
-            self.advance_scan(now);
-            self.advance_attempt(now);
-            self.advance_link(now);
-        }
+        self.advance_scan(now);
+        self.advance_attempt(now);
+        self.advance_link(now);
     }
 }

@@ -4,7 +4,7 @@ use shared::myo::Address;
 
 use super::link::{Link, Parameters};
 use super::{Air, Event, air_us};
-use crate::time::ms;
+use crate::time::{ms, us};
 
 /// Ticks from one advertisement of an armband to its next.
 const ADVERTISING: u64 = ms(100);
@@ -14,18 +14,29 @@ const CONNECTING: u64 = ms(5);
 /// Times of a scan in ticks: the receiver is on for a window in each interval.
 #[derive(Clone, Copy, Debug)]
 pub struct ScanTimes {
-    /// From the start of one window to the next.
+    /// Ticks from the start of one window to the next.
     pub interval: u64,
-    /// The receiver is on.
+    /// Ticks that the receiver is on.
     pub window: u64,
-    /// It ends by itself then.
+    /// Ticks after which it ends by itself.
     pub timeout: u64,
+}
+
+impl ScanTimes {
+    /// Converts interval and window from units of 0.625 ms, if they are allowed: 2.5 ms at least. Nothing ends the scan.
+    pub fn of_units(interval: u16, window: u16) -> Option<Self> {
+        (4..=interval).contains(&window).then_some(Self {
+            interval: us(625) * u64::from(interval),
+            window: us(625) * u64::from(window),
+            timeout: u64::MAX,
+        })
+    }
 }
 
 /// A scan.
 #[derive(Debug)]
 pub(super) struct Scan {
-    /// It waits, after each advertisement, until it is told to go on.
+    /// True if it waits after each advertisement until it is told to go on.
     pauses: bool,
     is_paused: bool,
     since: u64,

@@ -71,7 +71,7 @@ pub struct Nvmc {
 }
 
 impl Nvmc {
-    /// After a reset; `before` is what there was until then.
+    /// Creates the controller after a reset; `before` is the one until then.
     pub fn new(times: FlashTimes, bytes: u32, before: Option<&Self>) -> Self {
         Self {
             registers: Registers::new("NVMC", TABLE),

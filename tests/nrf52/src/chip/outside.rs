@@ -76,11 +76,6 @@ impl Chip {
         self.settle();
     }
 
-    /// Returns true if neither writing nor erasing is enabled.
-    pub fn flash_is_read_only(&self) -> bool {
-        self.nvmc.is_read_only()
-    }
-
     /// TIMER0 counts microseconds from now on: a time slot begins.
     pub fn start_slot_timer(&mut self) {
         self.timers[0] = Timer::of_microseconds("TIMER0", 0x4000_8000, self.bus.now);

@@ -70,7 +70,7 @@ pub struct Saadc {
 }
 
 impl Saadc {
-    /// After a reset; the inputs do not care.
+    /// Creates the converter after a reset, which leaves the inputs as they are.
     pub fn new(inputs: BTreeMap<u32, u32>) -> Self {
         Self {
             registers: Registers::new("SAADC", TABLE),

@@ -128,7 +128,7 @@ pub struct Usbd {
 }
 
 impl Default for Usbd {
-    /// After a reset.
+    /// Creates the device after a reset.
     fn default() -> Self {
         Self {
             registers: Registers::new("USBD", TABLE),
@@ -185,12 +185,14 @@ impl Usbd {
     fn start_in(&mut self, endpoint: usize, bus: &mut Bus) {
         let offset = 4 * endpoint as u32;
         let is_enabled = self.registers.get(EPINEN) >> endpoint & 1 == 1;
-        let when = match () {
-            () if !is_enabled => "while the endpoint is disabled",
-            () if self.waiting[endpoint].is_some() => "before the host has taken the last packet",
-            () => "",
+        let when = if !is_enabled {
+            Some("while the endpoint is disabled")
+        } else if self.waiting[endpoint].is_some() {
+            Some("before the host has taken the last packet")
+        } else {
+            None
         };
-        if !when.is_empty() {
+        if let Some(when) = when {
             return self.refuse(STARTEPIN + offset, bus, What::Untimely { when });
         }
         let (address, length) = self.buffer(EPIN + DMA * endpoint as u32, bus);

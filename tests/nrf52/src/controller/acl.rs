@@ -1,7 +1,7 @@
 //! Data of the host: requests to the armband's attributes (Bluetooth Core Specification, volume 3, parts A and F).
 
 use super::hci::HANDLE;
-use super::{Controller, answer, take, wrong};
+use super::{Controller, answer, needs, take, wrong};
 use crate::air::{Event, Request};
 use crate::memory::Memory;
 use crate::refusal::What;
@@ -22,15 +22,15 @@ const WRITE_NOT_PERMITTED: u8 = 0x03;
 impl Controller {
     /// Takes a packet of data from the program.
     pub(super) fn put_data(&mut self, [at, ..]: [u32; 4], memory: &Memory) -> Result<i32, What> {
-        self.needs(self.sdc.is_enabled(), "before sdc_enable")?;
+        needs(self.sdc.is_enabled(), "before sdc_enable")?;
         let header = take(memory, at, 4)?;
         let handle = u16::from_le_bytes([header[0], header[1]]);
         let length = u16::from_le_bytes([header[2], header[3]]);
         let configuration = self.sdc.configuration;
         let fits = length <= configuration.packet_bytes[0];
-        self.needs(fits, &format!("with {length} bytes: a packet has fewer"))?;
+        needs(fits, &format!("with {length} bytes: a packet has fewer"))?;
         // Not the first part of a packet, or of another connection.
-        self.needs(
+        needs(
             handle & 0x3fff == HANDLE,
             &format!("with the header {handle:#06x}"),
         )?;
@@ -40,7 +40,7 @@ impl Controller {
         }
         self.hci.in_flight += 1;
         let has_room = self.hci.in_flight <= configuration.packets[0];
-        self.needs(
+        needs(
             has_room,
             "beyond the packets that the controller has room for",
         )?;
@@ -52,7 +52,7 @@ impl Controller {
             )));
         };
         let whole = usize::from(u16::from_le_bytes([a, b])) == unit.len();
-        self.needs(whole, "with a part of a unit, which is not modelled")?;
+        needs(whole, "with a part of a unit, which is not modelled")?;
         let request = match *unit {
             [MTU_REQUEST, _, _] => Request::Mtu,
             [READ_REQUEST, a, b] => Request::Read(u16::from_le_bytes([a, b])),
@@ -63,7 +63,7 @@ impl Controller {
         };
         // Part F, 3.3.2.
         let is_sequential = self.air.request(request);
-        self.needs(
+        needs(
             is_sequential,
             "with a request before the one before is answered",
         )?;

@@ -10,12 +10,11 @@ use crate::air::{ScanTimes, parameters_are_allowed};
 use crate::chip::Chip;
 use crate::memory::Memory;
 use crate::refusal::What;
-use crate::time::us;
 
 /// Statuses (volume 1, part F, 1.3).
 const SUCCESS: u8 = 0x00;
 const UNKNOWN_COMMAND: u8 = 0x01;
-const UNKNOWN_CONNECTION: u8 = 0x02;
+pub(super) const UNKNOWN_CONNECTION: u8 = 0x02;
 const MEMORY_EXCEEDED: u8 = 0x07;
 const LIMITED_RESOURCES: u8 = 0x0d;
 const DISALLOWED: u8 = 0x0c;
@@ -46,12 +45,7 @@ impl Default for ScanParameters {
 
 /// Interval and window in units of 0.625 ms, if they are allowed.
 fn scan_times(interval: u16, window: u16) -> Option<ScanTimes> {
-    let is_allowed = (4..=0x4000).contains(&interval) && (4..=interval).contains(&window);
-    is_allowed.then_some(ScanTimes {
-        interval: us(625) * u64::from(interval),
-        window: us(625) * u64::from(window),
-        timeout: u64::MAX,
-    })
+    ScanTimes::of_units(interval, window).filter(|_| interval <= 0x4000)
 }
 
 /// The half words of parameters from a place on.

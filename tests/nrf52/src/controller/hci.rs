@@ -4,7 +4,8 @@ use std::collections::VecDeque;
 
 use shared::myo::{Address, AddressKind};
 
-use super::{Controller, answer, give, wrong};
+use super::commands::UNKNOWN_CONNECTION;
+use super::{Controller, answer, give, needs, wrong};
 use crate::air::{Event, Parameters};
 use crate::memory::Memory;
 use crate::refusal::What;
@@ -75,7 +76,7 @@ impl Controller {
         [packet, kind, ..]: [u32; 4],
         memory: &Memory,
     ) -> Result<i32, What> {
-        self.needs(self.sdc.is_enabled(), "before sdc_enable")?;
+        needs(self.sdc.is_enabled(), "before sdc_enable")?;
         if !memory.is_ram(packet, BUFFER) {
             return Err(wrong("with a buffer that is no RAM, or too short"));
         }
@@ -119,7 +120,6 @@ impl Controller {
 
     /// The connection that was asked for is not made.
     pub(super) fn connection_failed(&mut self) {
-        const UNKNOWN_CONNECTION: u8 = 2;
         self.connection(UNKNOWN_CONNECTION, &[0; 7], [0; 4]);
     }
 

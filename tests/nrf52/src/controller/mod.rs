@@ -1,7 +1,7 @@
 //! Nordic's controller library and MPSL, its scheduler, as the program sees them: their documented functions, with the
 //! [`air`](crate::air) on the other side.
 //!
-//! None of their instructions runs. The image is the one that is flashed, libraries included. When the program calls a
+//! The libraries' instructions never run. The image is the one that is flashed, libraries included. When the program calls a
 //! function of theirs, the emulation answers in its place; another instruction among theirs is refused. What a function
 //! takes, answers and refuses is in the headers that come with the library's bindings (mpsl.h, mpsl_clock.h,
 //! mpsl_timeslot.h, sdc.h, sdc_soc.h, sdc_hci.h) and in the Bluetooth Core Specification (volume 4, part E).
@@ -20,10 +20,10 @@ use std::ops::Range;
 
 use crate::address_space::RETURN;
 use crate::air::Air;
-use crate::chip::{Chip, Owner};
-use crate::core::Core;
-use crate::memory::Memory;
-use crate::refusal::What;
+use crate::chip::Chip;
+use crate::core::{Core, INTERRUPTS};
+use crate::memory::{Memory, give};
+use crate::refusal::{What, wrong};
 use hci::Hci;
 pub use library::Library;
 use mpsl::Mpsl;
@@ -46,8 +46,6 @@ const HIGH: [u16; 3] = [1, 8, 11];
 const TIMER0: u16 = 8;
 /// The interrupt of CLOCK and POWER.
 const CLOCK: u16 = 0;
-/// Interrupts of the chip.
-const INTERRUPTS: u16 = 48;
 
 /// A function of the program that the library calls.
 #[derive(Clone, Copy, Debug)]
@@ -86,7 +84,7 @@ pub struct Controller {
 }
 
 impl Controller {
-    /// For an image with this library.
+    /// Creates the controller of an image with this library.
     pub fn new(library: Library) -> Self {
         Self {
             library,
@@ -188,14 +186,14 @@ impl Controller {
             }
             "MPSL_IRQ_CLOCK_Handler" | "MPSL_IRQ_RADIO_Handler" | "MPSL_IRQ_RTC0_Handler" => {}
             "mpsl_low_priority_process" => {
-                self.check_low(core)?;
+                check_low(core)?;
                 self.check_memory(&chip.bus.memory)?;
                 self.frames.push(Frame::Low(link));
                 self.go_on(link, core);
                 return Ok(());
             }
             _ => {
-                self.check_low(core)?;
+                check_low(core)?;
                 let arguments = [0, 1, 2, 3].map(|number| core.register(number));
                 let value = self.answer(name, arguments, chip, core)?;
                 core.set_register(0, value);
@@ -213,7 +211,7 @@ impl Controller {
         core: &mut Core,
     ) -> Result<u32, What> {
         if let Some(command) = name.strip_prefix("sdc_hci_cmd_") {
-            self.needs(self.sdc.is_enabled(), "before sdc_enable")?;
+            needs(self.sdc.is_enabled(), "before sdc_enable")?;
             check_priorities(core)?;
             let status = self.command(command, arguments, chip)?;
             return Ok(status.into());
@@ -284,25 +282,12 @@ impl Controller {
         self.interrupts.push(self.mpsl.low_interrupt());
     }
 
-    /// Refuses a call from an interrupt: those that are not for interrupts may not interrupt each other (MPSL's
-    /// documentation, "Thread safety").
-    fn check_low(&self, core: &Core) -> Result<(), What> {
-        self.needs(!core.is_in_handler(), "from an interrupt")
-    }
-
-    fn needs(&self, is_met: bool, otherwise: &str) -> Result<(), What> {
-        match is_met {
-            true => Ok(()),
-            false => Err(wrong(otherwise)),
-        }
-    }
-
     /// Refuses what the program has written to the library's memory.
     fn check_memory(&self, memory: &Memory) -> Result<(), What> {
         let all = self.sdc.memory.iter().chain(&self.timeslot.memory);
         for (at, bytes) in all {
             let is_whole = memory.read(*at, bytes.len() as u32).as_ref() == Some(bytes);
-            self.needs(
+            needs(
                 is_whole,
                 &format!("after its memory at {at:#x} was written"),
             )?;
@@ -311,17 +296,24 @@ impl Controller {
     }
 }
 
+/// Refuses a call from an interrupt: those that are not for interrupts may not interrupt each other (MPSL's documentation,
+/// "Thread safety").
+fn check_low(core: &Core) -> Result<(), What> {
+    needs(!core.is_in_handler(), "from an interrupt")
+}
+
+/// Refuses a call unless its condition is met.
+fn needs(is_met: bool, otherwise: &str) -> Result<(), What> {
+    match is_met {
+        true => Ok(()),
+        false => Err(wrong(otherwise)),
+    }
+}
+
 /// Returns from a function of the library's, by an instruction: to return from an interrupt takes one.
 fn return_to(link: u32, core: &mut Core) {
     core.set_register(14, link);
     core.jump(RETURN);
-}
-
-/// Reason to refuse a call.
-fn wrong(why: &str) -> What {
-    What::WrongCall {
-        why: why.to_owned(),
-    }
 }
 
 /// Refuses enabled interrupts of the program's with the library's priority, and the library's with another one.
@@ -340,16 +332,6 @@ fn check_priorities(core: &Core) -> Result<(), What> {
     Ok(())
 }
 
-/// Writes what a call gives.
-fn give(memory: &Memory, address: u32, bytes: &[u8]) -> Result<(), What> {
-    match memory.write(address, bytes) {
-        true => Ok(()),
-        false => Err(wrong(&format!(
-            "that is to write to {address:#010x}, which is no RAM"
-        ))),
-    }
-}
-
 /// Reads what a call is given.
 fn take(memory: &Memory, address: u32, length: u32) -> Result<Vec<u8>, What> {
     let bytes = memory.read(address, length);
@@ -361,9 +343,4 @@ fn own(memory: &Memory, address: u32, length: u32) -> Result<(u32, Vec<u8>), Wha
     let bytes = vec![0xa5; length as usize];
     give(memory, address, &bytes)?;
     Ok((address, bytes))
-}
-
-/// The part of the chip that is the library's from now on.
-fn take_chip(chip: &mut Chip) {
-    chip.owner = Owner::Controller;
 }

@@ -1,7 +1,7 @@
 //! MPSL's start, and its clocks (mpsl.h, mpsl_clock.h).
 
-use super::{CLOCK, Controller, HIGH, answer, take, take_chip, wrong};
-use crate::chip::Chip;
+use super::{CLOCK, Controller, HIGH, answer, take, wrong};
+use crate::chip::{Chip, Owner};
 use crate::core::Core;
 use crate::refusal::What;
 use crate::time::us;
@@ -85,7 +85,7 @@ impl Controller {
         for interrupt in HIGH.into_iter().chain([CLOCK, low]) {
             core.enable(interrupt);
         }
-        take_chip(chip);
+        chip.owner = Owner::Controller;
         Ok(answer::SUCCESS)
     }
 

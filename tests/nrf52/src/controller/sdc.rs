@@ -2,7 +2,7 @@
 
 use super::memory::Configuration;
 use super::mpsl::WORST_ACCURACY;
-use super::{Controller, answer, check_priorities, own, take, wrong};
+use super::{Controller, answer, check_priorities, needs, own, take, wrong};
 use crate::chip::Chip;
 use crate::core::Core;
 use crate::memory::Memory;
@@ -62,7 +62,7 @@ impl Controller {
                 answer::SUCCESS
             });
         }
-        self.needs(self.sdc.is_initialized, "before sdc_init")?;
+        needs(self.sdc.is_initialized, "before sdc_init")?;
         if name == "sdc_disable" {
             self.air.reset(now);
             (self.sdc, self.hci) = Default::default();
@@ -93,7 +93,7 @@ impl Controller {
 
     /// A role or a feature that is to be supported.
     fn support(&mut self, role: &str) -> Result<i32, What> {
-        self.needs(!self.sdc.is_configured, "after sdc_cfg_set")?;
+        needs(!self.sdc.is_configured, "after sdc_cfg_set")?;
         let has = |one: &str| role == one || self.sdc.roles.iter().any(|known| known == one);
         if has("scan") && has("central") {
             return Err(wrong(
@@ -114,7 +114,7 @@ impl Controller {
         at: u32,
         memory: &Memory,
     ) -> Result<i32, What> {
-        self.needs(
+        needs(
             tag as u8 == 0,
             "for another configuration than the default's",
         )?;

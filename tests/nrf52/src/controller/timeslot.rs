@@ -1,6 +1,6 @@
 //! Time slots between radio events, in which the program has TIMER0 and the radio, and writes flash (mpsl_timeslot.h).
 
-use super::{Callback, Controller, TIMER0, answer, give, own, take, wrong};
+use super::{Callback, Controller, TIMER0, answer, give, needs, own, take, wrong};
 use crate::chip::{Chip, Owner};
 use crate::memory::Memory;
 use crate::refusal::What;
@@ -58,7 +58,7 @@ pub struct Timeslot {
 }
 
 impl Timeslot {
-    /// After a reset; what a test has asked for stays.
+    /// Resets the slots; what a test has asked for stays.
     pub fn reset(&mut self) {
         *self = Self {
             blocked: self.blocked,
@@ -209,7 +209,7 @@ impl Controller {
                 "that took {took} us of a slot of {granted}"
             )));
         }
-        self.needs(chip.flash_is_read_only(), "that left flash writable")?;
+        needs(chip.nvmc.is_read_only(), "that left flash writable")?;
         chip.owner = Owner::Controller;
         chip.stop_slot_timer();
         self.timeslot.state = State::Idle;

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use super::calls::{answer, event};
-use super::{SoftDevice, refused};
+use super::{SoftDevice, wrong};
 use crate::chip::{Chip, PAGE, Reset};
 use crate::refusal::What;
 
@@ -89,7 +89,7 @@ impl SoftDevice {
         }
         // It is read while the operation is under way, when flash cannot be.
         if !chip.bus.memory.is_ram(source, 4 * words) {
-            return Err(refused("with a source of words that is no RAM"));
+            return Err(wrong("with a source of words that is no RAM"));
         }
         let bytes = chip.bus.memory.read(source, 4 * words).unwrap_or_default();
         let old = chip.bus.memory.read(address, 4 * words);
@@ -97,9 +97,7 @@ impl SoftDevice {
             return Ok(answer::INVALID_ADDR);
         };
         if old.iter().zip(&bytes).any(|(old, new)| old & new != *new) {
-            return Err(refused(
-                "to write ones where flash holds zeros: erase first",
-            ));
+            return Err(wrong("to write ones where flash holds zeros: erase first"));
         }
         let ticks = chip.nvmc.times.write * u64::from(words);
         Ok(self.begin(Change::Write { address, bytes }, ticks, chip))

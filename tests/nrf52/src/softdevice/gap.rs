@@ -4,11 +4,11 @@ use shared::myo::{Address, AddressKind};
 
 use super::calls::answer;
 use super::events::{self, HANDLE};
-use super::{SoftDevice, refused};
+use super::{SoftDevice, wrong};
 use crate::air::{Event, Parameters, ScanTimes, parameters_are_allowed};
 use crate::memory::Memory;
 use crate::refusal::What;
-use crate::time::{ms, us};
+use crate::time::ms;
 
 /// Bytes that a scan's buffer has at least (`BLE_GAP_SCAN_BUFFER_MIN`).
 const SCAN_BUFFER: u16 = 31;
@@ -33,7 +33,7 @@ impl SoftDevice {
                 .read(pointer, 7)
                 .and_then(|bytes| bytes.try_into().ok());
             let Some(address) = address else {
-                return Err(refused("with an address that is no memory"));
+                return Err(wrong("with an address that is no memory"));
             };
             let [kind, bytes @ ..]: [u8; 7] = address;
             let kind = match kind >> 1 {
@@ -56,7 +56,7 @@ impl SoftDevice {
         memory: &Memory,
     ) -> Result<u32, What> {
         let (Some(data), Some(length)) = (memory.word(buffer), memory.half(buffer + 4)) else {
-            return Err(refused("with a buffer that is no memory"));
+            return Err(wrong("with a buffer that is no memory"));
         };
         if length < SCAN_BUFFER || !memory.is_ram(data, length.into()) {
             return Ok(answer::INVALID_LENGTH);
@@ -130,7 +130,7 @@ impl SoftDevice {
         }
     }
 
-    /// Success, if that is the handle of a connection.
+    /// Returns success if that is the handle of a connection.
     pub(super) fn answer_of(&self, handle: u16) -> u32 {
         match self.air.is_linked() && handle == HANDLE {
             true => answer::SUCCESS,
@@ -170,17 +170,12 @@ fn scan_times(parameters: u32, memory: &Memory) -> Option<ScanTimes> {
     let interval = memory.half(parameters + 2)?;
     let window = memory.half(parameters + 4)?;
     let timeout = memory.half(parameters + 6)?;
-    // At least 2.5 ms, in units of 0.625 ms.
-    let is_allowed = interval >= 4 && window >= 4 && window <= interval;
     let timeout = match timeout {
         0 => u64::MAX,
         units => ms(10) * u64::from(units),
     };
-    is_allowed.then_some(ScanTimes {
-        interval: us(625) * u64::from(interval),
-        window: us(625) * u64::from(window),
-        timeout,
-    })
+    let times = ScanTimes::of_units(interval, window)?;
+    Some(ScanTimes { timeout, ..times })
 }
 
 /// `ble_gap_conn_params_t`, if it is allowed.

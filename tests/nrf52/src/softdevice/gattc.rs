@@ -2,7 +2,7 @@
 
 use super::calls::answer;
 use super::events::HANDLE;
-use super::{SoftDevice, refused};
+use super::{SoftDevice, wrong};
 use crate::air::Request;
 use crate::memory::Memory;
 use crate::refusal::What;
@@ -24,18 +24,18 @@ impl SoftDevice {
         // `ble_gattc_write_params_t`.
         let fields = memory.read(parameters, 8).zip(memory.word(parameters + 8));
         let Some((fields, value)) = fields else {
-            return Err(refused("with parameters that are no memory"));
+            return Err(wrong("with parameters that are no memory"));
         };
         let [operation, _, a, b, _, _, c, d] = fields[..] else {
             return Ok(answer::INVALID_PARAM);
         };
         if operation != WRITE_REQUEST {
             let why = "for a write that is not modelled: only requests are";
-            return Err(refused(why));
+            return Err(wrong(why));
         }
         let (attribute, length) = (u16::from_le_bytes([a, b]), u16::from_le_bytes([c, d]));
         let Some(value) = memory.read(value, length.into()) else {
-            return Err(refused("with a value that is no memory"));
+            return Err(wrong("with a value that is no memory"));
         };
         Ok(self.request(handle, Request::Write(attribute, value)))
     }

@@ -16,9 +16,9 @@ use shared::myo::Address;
 
 use crate::air::Air;
 use crate::chip::{Chip, Owner};
-use crate::core::Core;
-use crate::memory::Memory;
-use crate::refusal::What;
+use crate::core::{Core, INTERRUPTS};
+use crate::memory::{Memory, give};
+use crate::refusal::{What, wrong};
 use calls::{answer, call};
 pub use flash::Fate;
 use flash::Flash;
@@ -60,15 +60,6 @@ pub const EVENTS: u16 = 22;
 const EVENTS_PRIORITY: u8 = 6;
 /// The first of the calls that need Bluetooth to be enabled (`BLE_SVC_BASE`).
 const FIRST_OF_BLUETOOTH: u8 = 0x60;
-/// Interrupts of the chip.
-const INTERRUPTS: u16 = 48;
-
-/// Reason to refuse a call.
-fn refused(why: &str) -> What {
-    What::WrongCall {
-        why: why.to_owned(),
-    }
-}
 
 /// A SoftDevice.
 #[derive(Debug)]
@@ -80,7 +71,7 @@ pub struct SoftDevice {
     chip_events: VecDeque<u32>,
     interrupts: bool,
     whitelist: Vec<Address>,
-    /// Where the data of an advertisement goes.
+    /// Address to which the data of an advertisement goes.
     scan_buffer: u32,
     /// The radio, and the armbands.
     pub air: Air,
@@ -93,7 +84,7 @@ pub struct SoftDevice {
 }
 
 impl SoftDevice {
-    /// Without armbands.
+    /// Creates a SoftDevice without armbands in reach.
     pub fn new(kind: Kind) -> Self {
         Self {
             kind,
@@ -242,11 +233,11 @@ impl SoftDevice {
         check_priorities(core)?;
         // Source, two intervals of calibration, accuracy (`nrf_clock_lf_cfg_t`).
         let Some(clock) = chip.bus.memory.read(clock, 4) else {
-            return Err(refused("with a clock configuration that is no memory"));
+            return Err(wrong("with a clock configuration that is no memory"));
         };
         let is_calibrated = clock[1] != 0;
         match clock[0] {
-            0 if !is_calibrated => return Err(refused("for the RC clock without calibration")),
+            0 if !is_calibrated => return Err(wrong("for the RC clock without calibration")),
             0 => {}
             1 | 2 if is_calibrated => return Ok(answer::INVALID_PARAM),
             1 | 2 => {}
@@ -261,7 +252,7 @@ impl SoftDevice {
 
     fn enable_bluetooth(&mut self, ram: u32, memory: &Memory) -> Result<u32, What> {
         let Some(given) = memory.word(ram) else {
-            return Err(refused("with a start of RAM that is no memory"));
+            return Err(wrong("with a start of RAM that is no memory"));
         };
         give(memory, ram, &RAM_NEED.to_le_bytes())?;
         if given < RAM_NEED {
@@ -304,20 +295,9 @@ fn check_priorities(core: &Core) -> Result<(), What> {
     }
     let own = OWN.into_iter().find(|own| core.priority(*own).is_some());
     match own {
-        Some(own) => Err(refused(&format!(
+        Some(own) => Err(wrong(&format!(
             "while interrupt {own}, its own, is enabled"
         ))),
         None => Ok(()),
-    }
-}
-
-/// Writes what a call gives.
-fn give(memory: &Memory, address: u32, bytes: &[u8]) -> Result<(), What> {
-    if memory.write(address, bytes) {
-        Ok(())
-    } else {
-        Err(refused(&format!(
-            "that is to write to {address:#010x}, which is no RAM"
-        )))
     }
 }
