@@ -27,6 +27,8 @@ mod empty;
 #[cfg(target_os = "linux")]
 #[path = "live/emulator.rs"]
 mod emulator;
+#[path = "live/firefox.rs"]
+mod firefox;
 #[cfg(target_os = "linux")]
 #[path = "live/install.rs"]
 mod install;

@@ -1,6 +1,11 @@
-//! Browser without a window, driven over the protocol of its developer tools.
+//! Browser without a window: Chromium over the protocol of its developer tools, Firefox over WebDriver BiDi.
 
-use std::io::{BufReader, Read as _, Write as _};
+#[path = "browser/chromium.rs"]
+mod chromium;
+#[path = "browser/firefox.rs"]
+mod firefox;
+
+use std::io::{BufRead, BufReader};
 use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -8,25 +13,33 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 use tungstenite::{Message, WebSocket};
-use xtask::browser;
+pub use xtask::browser::Kind;
 
 /// Longest wait for a start on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Browser with one page.
 pub struct Browser {
+    kind: Kind,
     child: Child,
     socket: WebSocket<TcpStream>,
     commands: u64,
+    /// Firefox's name of the page.
+    context: Value,
     /// Exceptions, log entries and console messages of the page.
     pub complaints: Vec<String>,
     _profile: tempfile::TempDir,
 }
 
 impl Browser {
-    /// Starts the browser. Without a browser, returns `None` and books the test `name` as skipped.
+    /// Starts Chromium. Without it, returns `None` and books the test `name` as skipped.
     pub fn start(name: &str) -> Option<Self> {
-        let program = match browser::find() {
+        Self::start_kind(Kind::Chromium, name)
+    }
+
+    /// Starts a browser of a kind. Without it, returns `None` and books the test `name` as skipped.
+    pub fn start_kind(kind: Kind, name: &str) -> Option<Self> {
+        let program = match kind.find() {
             Ok(program) => program,
             Err(error) => {
                 myointent_tests::skip(name, &format!("{error:#}"));
@@ -34,20 +47,12 @@ impl Browser {
             }
         };
         let profile = tempfile::tempdir().unwrap();
-        let mut child = Command::new(program)
-            .args(["--headless=new", "--no-sandbox", "--disable-gpu"])
-            .args([
-                "--no-first-run",
-                "--disable-dev-shm-usage",
-                "--hide-scrollbars",
-            ])
-            .args([
-                "--disable-background-networking",
-                "--disable-component-update",
-            ])
-            .arg("--remote-debugging-port=0")
-            .arg(format!("--user-data-dir={}", profile.path().display()))
-            .arg("about:blank")
+        let mut command = Command::new(program);
+        match kind {
+            Kind::Chromium => chromium::arguments(&mut command, profile.path()),
+            Kind::Firefox => firefox::arguments(&mut command, profile.path()),
+        }
+        let mut child = command
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(Stdio::piped())
@@ -59,19 +64,25 @@ impl Browser {
         std::thread::spawn(move || {
             let _ = std::io::copy(&mut lines, &mut std::io::sink());
         });
-        let address = page(port);
+        let address = match kind {
+            Kind::Chromium => chromium::page(port),
+            Kind::Firefox => format!("ws://127.0.0.1:{port}/session"),
+        };
         let stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
         stream.set_read_timeout(Some(PATIENCE)).unwrap();
         let (socket, _) = tungstenite::client(address, stream).unwrap();
         let mut browser = Self {
+            kind,
             child,
             socket,
             commands: 0,
+            context: Value::Null,
             complaints: Vec::new(),
             _profile: profile,
         };
-        for domain in ["Page.enable", "Runtime.enable", "Log.enable"] {
-            browser.command(domain, json!({}));
+        match kind {
+            Kind::Chromium => browser.begin_chromium(),
+            Kind::Firefox => browser.begin_firefox(),
         }
         Some(browser)
     }
@@ -91,37 +102,33 @@ impl Browser {
                 assert!(message["error"].is_null(), "{method}: {message}");
                 return message["result"].take();
             }
+            let method = message["method"].as_str().unwrap_or_default();
             let parameters = &message["params"];
-            match message["method"].as_str() {
-                Some("Runtime.exceptionThrown") => self.complaints.push(parameters.to_string()),
-                Some("Log.entryAdded") => {
-                    let entry = &parameters["entry"];
-                    // Advice on speed comes from reading the picture back, which the tests do and the page does not.
-                    if entry["level"] != "verbose" && entry["source"] != "rendering" {
-                        self.complaints.push(entry.to_string());
-                    }
-                }
-                Some("Runtime.consoleAPICalled") => self.complaints.push(parameters.to_string()),
-                _ => {}
+            match self.kind {
+                Kind::Chromium => self
+                    .complaints
+                    .extend(chromium::complaint(method, parameters)),
+                Kind::Firefox => self
+                    .complaints
+                    .extend(firefox::complaint(method, parameters)),
             }
         }
     }
 
     /// Goes to an address.
     pub fn open(&mut self, url: &str) {
-        self.command("Page.navigate", json!({ "url": url }));
+        match self.kind {
+            Kind::Chromium => self.command("Page.navigate", json!({ "url": url })),
+            Kind::Firefox => self.navigate_firefox(url),
+        };
     }
 
     /// Returns the value of an expression of the page's script.
     pub fn value(&mut self, expression: &str) -> Value {
-        let parameters =
-            json!({ "expression": expression, "returnByValue": true, "awaitPromise": true });
-        let mut result = self.command("Runtime.evaluate", parameters);
-        assert!(
-            result["exceptionDetails"].is_null(),
-            "{expression}: {result}"
-        );
-        result["result"]["value"].take()
+        match self.kind {
+            Kind::Chromium => self.evaluate_chromium(expression),
+            Kind::Firefox => self.evaluate_firefox(expression),
+        }
     }
 
     /// Waits until the page has drawn so many frames.
@@ -154,28 +161,26 @@ impl Browser {
 
     /// Presses and releases a key.
     pub fn press(&mut self, key: &str) {
-        for kind in ["keyDown", "keyUp"] {
-            let text = if key.len() == 1 { key } else { "" };
-            let parameters = json!({ "type": kind, "key": key, "text": if kind == "keyDown" { text } else { "" } });
-            self.command("Input.dispatchKeyEvent", parameters);
+        match self.kind {
+            Kind::Chromium => self.press_chromium(key),
+            Kind::Firefox => self.press_firefox(key),
         }
     }
 
     /// Sets the size of the window, and the user's preferences.
     pub fn look(&mut self, width: u32, height: u32, scheme: &str, motion: &str) {
-        let metrics =
-            json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
-        self.command("Emulation.setDeviceMetricsOverride", metrics);
-        let features = json!({ "features": [
-            { "name": "prefers-color-scheme", "value": scheme },
-            { "name": "prefers-reduced-motion", "value": motion },
-        ] });
-        self.command("Emulation.setEmulatedMedia", features);
+        match self.kind {
+            Kind::Chromium => self.look_chromium(width, height, scheme, motion),
+            Kind::Firefox => self.look_firefox(width, height, scheme, motion),
+        }
     }
 
     /// Writes a picture of the window.
     pub fn screenshot(&mut self, path: &Path) {
-        let result = self.command("Page.captureScreenshot", json!({ "format": "png" }));
+        let result = match self.kind {
+            Kind::Chromium => self.command("Page.captureScreenshot", json!({ "format": "png" })),
+            Kind::Firefox => self.screenshot_firefox(),
+        };
         let picture = base64(result["data"].as_str().unwrap());
         std::fs::write(path, picture).unwrap();
     }
@@ -188,43 +193,18 @@ impl Drop for Browser {
     }
 }
 
-/// Reads the port of the developer tools, which the browser prints.
-fn port(lines: &mut impl std::io::BufRead) -> u16 {
+/// Reads the port, which the browser prints.
+fn port(lines: &mut impl BufRead) -> u16 {
     let mut all = String::new();
     loop {
         let mut line = String::new();
         let length = lines.read_line(&mut line).unwrap();
         assert!(length > 0, "the browser ended: {all}");
-        if let Some((_, rest)) = line.split_once("DevTools listening on ws://127.0.0.1:") {
-            return rest.split_once('/').unwrap().0.parse().unwrap();
+        if let Some((_, rest)) = line.split_once(" listening on ws://127.0.0.1:") {
+            let digits = rest.split(|letter: char| !letter.is_ascii_digit());
+            return digits.take(1).collect::<String>().parse().unwrap();
         }
         all += &line;
-    }
-}
-
-/// Returns the address of the page's websocket.
-fn page(port: u16) -> String {
-    let end = Instant::now() + PATIENCE;
-    loop {
-        let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
-        let request =
-            format!("GET /json HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nConnection: close\r\n\r\n");
-        stream.write_all(request.as_bytes()).unwrap();
-        stream
-            .set_read_timeout(Some(Duration::from_secs(2)))
-            .unwrap();
-        let mut answer = Vec::new();
-        // The browser may keep the connection open: what has come is enough.
-        let _ = stream.read_to_end(&mut answer);
-        let answer = String::from_utf8_lossy(&answer).into_owned();
-        let body = answer.split_once("\r\n\r\n").map_or("", |(_, body)| body);
-        let targets: Vec<Value> = serde_json::from_str(body).unwrap_or_default();
-        let found = targets.iter().find(|target| target["type"] == "page");
-        if let Some(page) = found {
-            return page["webSocketDebuggerUrl"].as_str().unwrap().to_owned();
-        }
-        assert!(Instant::now() < end, "the browser opens no page: {answer}");
-        std::thread::sleep(Duration::from_millis(100));
     }
 }
 

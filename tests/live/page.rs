@@ -12,7 +12,7 @@ use super::viewer::Viewer;
 use super::{serve, synthetic};
 
 /// Script whose value changes with every change of the picture.
-const PICTURE: &str = "document.getElementById('traces').toDataURL().split('').reduce((sum, letter) => (sum * 31 + letter.charCodeAt(0)) | 0, 7)";
+pub const PICTURE: &str = "document.getElementById('traces').toDataURL().split('').reduce((sum, letter) => (sum * 31 + letter.charCodeAt(0)) | 0, 7)";
 
 const CONNECTED: &str = "document.getElementById('source')?.dataset.state === 'connected'";
 const LOST: &str = "document.getElementById('source')?.dataset.state === 'lost'";

@@ -6,7 +6,7 @@ use super::record::pictures;
 use super::sizes::WINDOWS;
 
 /// The parts of the view that are not in view as a whole, or cover each other.
-const HIDDEN: &str = "(() => { const ids = ['worn-do', 'worn-hand', 'worn-word', 'worn-sign', 'worn-back']; \
+pub const HIDDEN: &str = "(() => { const ids = ['worn-do', 'worn-hand', 'worn-word', 'worn-sign', 'worn-back']; \
     const boxes = ids.map((id) => [id, document.getElementById(id).getBoundingClientRect()]); \
     const outside = boxes.filter(([, box]) => !(box.height > 0 && box.top >= 0 && box.bottom <= innerHeight && box.left >= 0 && box.right <= innerWidth)); \
     const covered = boxes.filter(([, one], at) => boxes.slice(at + 1).some(([, other]) => \

@@ -1,4 +1,4 @@
-//! The browser of the tests of `myointent live`.
+//! The browsers of the tests of `myointent live`.
 
 use std::{env, path::PathBuf, process::Command};
 
@@ -6,51 +6,90 @@ use anyhow::{Result, bail, ensure};
 
 use crate::debian;
 
-/// Names another browser of Chromium's kind than the one on the path.
-pub const VARIABLE: &str = "MYOINTENT_CHROMIUM";
-
 /// The command that installs what is missing.
 const HINT: &str = "cargo xtask browser --install";
 
-/// Programs that are tried.
-const PROGRAMS: [&str; 3] = ["chromium", "google-chrome", "chromium-browser"];
-/// Debian's packages: the browser, and the letters of the page.
-const CHROMIUM: &str = "chromium";
+/// Debian's package of the letters of the page.
 const FONT: &str = "fonts-dejavu-core";
 
-/// Checks that there is a browser; with `install` it installs Debian's.
-///
-/// # Errors
-/// When there is none, and none may be, or can be, installed.
-pub fn prepare(install: bool) -> Result<()> {
-    if let Err(error) = find() {
-        ensure!(install, error);
-        println!("{}", debian::install_command(&[CHROMIUM, FONT]));
-        debian::install(&[CHROMIUM, FONT])?;
-    }
-    println!("browser {}", find()?.display());
-    Ok(())
+/// Kind of browser.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Kind {
+    /// Chromium, and what is made of it.
+    Chromium,
+    /// Firefox.
+    Firefox,
 }
 
-/// A browser that runs.
+impl Kind {
+    /// Environment variable that names another program than those on the path.
+    const fn variable(self) -> &'static str {
+        match self {
+            Self::Chromium => "MYOINTENT_CHROMIUM",
+            Self::Firefox => "MYOINTENT_FIREFOX",
+        }
+    }
+
+    /// Programs that are tried.
+    const fn programs(self) -> &'static [&'static str] {
+        match self {
+            Self::Chromium => &["chromium", "google-chrome", "chromium-browser"],
+            Self::Firefox => &["firefox-esr", "firefox"],
+        }
+    }
+
+    /// Debian's package.
+    const fn package(self) -> &'static str {
+        match self {
+            Self::Chromium => "chromium",
+            Self::Firefox => "firefox-esr",
+        }
+    }
+
+    /// A browser of this kind that runs.
+    ///
+    /// # Errors
+    /// When there is none; names the command that installs one.
+    pub fn find(self) -> Result<PathBuf> {
+        let runs = |program: &PathBuf| {
+            let version = Command::new(program).arg("--version").output();
+            version.is_ok_and(|output| output.status.success())
+        };
+        let variable = self.variable();
+        if let Some(program) = env::var_os(variable).map(PathBuf::from) {
+            ensure!(
+                runs(&program),
+                "{variable}: {} does not run",
+                program.display()
+            );
+            return Ok(program);
+        }
+        match self.programs().iter().map(PathBuf::from).find(runs) {
+            Some(program) => Ok(program),
+            None => bail!("no browser, {}: {HINT}", self.programs().join(" nor ")),
+        }
+    }
+}
+
+/// Checks that there is a browser of each kind; with `install` it installs Debian's.
 ///
 /// # Errors
-/// When there is none; names the command that installs one.
-pub fn find() -> Result<PathBuf> {
-    let runs = |program: &PathBuf| {
-        let version = Command::new(program).arg("--version").output();
-        version.is_ok_and(|output| output.status.success())
-    };
-    if let Some(program) = env::var_os(VARIABLE).map(PathBuf::from) {
-        ensure!(
-            runs(&program),
-            "{VARIABLE}: {} does not run",
-            program.display()
-        );
-        return Ok(program);
+/// When one is missing, and none may be, or can be, installed.
+pub fn prepare(install: bool) -> Result<()> {
+    let mut packages = Vec::new();
+    for kind in [Kind::Chromium, Kind::Firefox] {
+        if let Err(error) = kind.find() {
+            ensure!(install, error);
+            packages.push(kind.package());
+        }
     }
-    match PROGRAMS.map(PathBuf::from).into_iter().find(runs) {
-        Some(program) => Ok(program),
-        None => bail!("no browser, {}: {HINT}", PROGRAMS.join(" nor ")),
+    if !packages.is_empty() {
+        packages.push(FONT);
+        println!("{}", debian::install_command(&packages));
+        debian::install(&packages)?;
     }
+    for kind in [Kind::Chromium, Kind::Firefox] {
+        println!("browser {}", kind.find()?.display());
+    }
+    Ok(())
 }
