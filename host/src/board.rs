@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use serial2::SerialPort;
 use shared::model::file::ModelError;
 use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
-use shared::uart_line::answer::{Answer, Refusal};
+use shared::uart_line::answer::{Answer, Charge, Refusal};
 use shared::uart_line::command::Command;
 use shared::uart_line::line::{Line, LineReader};
 
@@ -223,6 +223,21 @@ impl Board {
             },
             (None, None) => BoardError::Silent { path },
         })
+    }
+
+    /// Asks how the board's own battery is charged; none if it does not measure that, or is older than the question.
+    ///
+    /// # Errors
+    /// The port is lost, or no answer comes.
+    pub fn battery(&mut self) -> Result<Option<Charge>, BoardError> {
+        let charge = self.ask(Command::Battery, |answer| match answer {
+            Answer::Battery(charge) => Some(*charge),
+            _ => None,
+        });
+        match charge {
+            Err(BoardError::Refused(_)) => Ok(None),
+            charge => charge,
+        }
     }
 
     /// Reads lines until `read` returns something; none on timeout.

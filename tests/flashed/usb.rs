@@ -1,9 +1,10 @@
 //! Boards with USB: from their boot loader to lines and commands on the host's serial port.
 
-use anyhow::{Context as _, ensure};
+use anyhow::{Context as _, bail, ensure};
 use nrf52::chip::Reset;
 use nrf52::softdevice::boot;
 use nrf52::time::{HZ, ms};
+use shared::uart_line::answer::{Answer, Charge};
 use shared::uart_line::line::{Line, LineReader};
 use xtask::firmware::Image;
 
@@ -303,9 +304,29 @@ fn a_port_that_is_closed_at_1200_baud_restarts_into_the_boot_loader() -> anyhow:
     Ok(())
 }
 
+/// The charge in the newest answer.
+fn measured(board: &Board) -> anyhow::Result<Charge> {
+    let text = board.text();
+    let at = text.rfind("$OK,IDENTIFY,battery,").context("no answer")?;
+    let (line, _) = text[at..].split_once('\n').context("no whole line")?;
+    match Answer::parse(format!("{line}\n").as_bytes())? {
+        Answer::Battery(Some(charge)) => Ok(charge),
+        other => bail!("{other}"),
+    }
+}
+
+/// What the converter's steps and the divider's whole ohms leave open.
+fn assert_near(found: Charge, expected: Charge, built: Image) {
+    assert!(
+        found.millivolts.abs_diff(expected.millivolts) <= 20
+            && found.percent.abs_diff(expected.percent) <= 2,
+        "{built}: {found:?}, expected {expected:?}"
+    );
+}
+
 #[test]
-fn a_low_battery_is_said() -> anyhow::Result<()> {
-    let test = "a_low_battery_is_said";
+fn the_battery_is_read_and_said_when_it_is_low() -> anyhow::Result<()> {
+    let test = "the_battery_is_read_and_said_when_it_is_low";
     // Inputs: AIN7 below 1 MOhm and 510 kOhm, AIN5 below 100 kOhm twice, the chip's divider of its supply by five.
     let low = [
         (Image::Xiao, 8, 3500 * 510 / 1510),
@@ -318,14 +339,25 @@ fn a_low_battery_is_said() -> anyhow::Result<()> {
         };
         board.run_ms(500)?;
         assert!(!board.text().contains("battery low"), "{built}");
+        board.send("IDENTIFY,battery");
+        board.run_ms(50)?;
+        let full = Charge {
+            millivolts: 4100,
+            percent: 95,
+        };
+        assert_near(measured(&board)?, full, built);
         board.machine.chip().set_input(input, millivolts);
         board.wait_for("# board battery low: ", 11_000)?;
-        let text = board.text();
-        let said = text.rsplit("battery low: ").next().unwrap_or_default();
-        assert!(
-            said.starts_with("6 %, 34") || said.starts_with("6 %, 35"),
-            "{built}: {said}"
-        );
+        board.send("IDENTIFY,battery");
+        board.run_ms(50)?;
+        let found = measured(&board)?;
+        let low = Charge {
+            millivolts: 3500,
+            percent: 6,
+        };
+        assert_near(found, low, built);
+        let said = format!("low: {} %, {} mV", found.percent, found.millivolts);
+        assert!(board.text().contains(&said), "{built}: {}", board.text());
     }
     Ok(())
 }

@@ -225,6 +225,7 @@ fn answer(command: Result<Command, Refusal>, following: Following) -> Answer<'st
             firmware: None,
             battery: Some(80),
         }),
+        Ok(Command::Battery) => Answer::Battery(None),
         Ok(Command::Counters) => Answer::Counts(Counts {
             session: Counters {
                 connections: 1,

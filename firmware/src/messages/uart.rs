@@ -46,7 +46,7 @@ pub enum UartMessage {
     LowBattery(u8),
     /// The board's own battery is low.
     #[cfg(feature = "uf2")]
-    BoardBattery(super::battery::Charge),
+    BoardBattery(shared::uart_line::answer::Charge),
     /// The inference is too slow: packets dropped since the start.
     PacketsDropped(u32),
     /// Received bytes were lost, and the command that they belonged to.
@@ -178,7 +178,7 @@ impl UartMessage {
             Self::LowBattery(percent) => write!(line, "# armband battery low: {percent} %\r\n"),
             #[cfg(feature = "uf2")]
             Self::BoardBattery(charge) => {
-                let (millivolts, percent) = (charge.millivolts, charge.percent());
+                let (millivolts, percent) = (charge.millivolts, charge.percent);
                 write!(
                     line,
                     "# board battery low: {percent} %, {millivolts} mV\r\n"

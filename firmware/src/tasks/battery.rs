@@ -4,7 +4,7 @@ use embassy_time::{Duration, Timer};
 
 use crate::board::Battery;
 use crate::messages::{
-    battery::{Charge, Low},
+    battery::{self, Low},
     uart::{self, UartMessage},
 };
 
@@ -16,9 +16,8 @@ const PERIOD: Duration = Duration::from_secs(10);
 pub async fn run(mut battery: Battery) -> ! {
     let mut low = Low::default();
     loop {
-        let charge = Charge {
-            millivolts: battery.millivolts().await,
-        };
+        let charge = battery::charge(battery.millivolts().await);
+        battery::set(charge);
         if low.begins(charge) {
             uart::enqueue(UartMessage::BoardBattery(charge));
         }

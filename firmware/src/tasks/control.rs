@@ -73,6 +73,10 @@ pub async fn run(mut port: CommandPort, mut button: Button) -> ! {
 async fn carry_out(command: Command) -> Answer<'static> {
     match command {
         Command::Identify => Answer::Identity(uart::identity(model::current(), armband::current())),
+        #[cfg(feature = "uf2")]
+        Command::Battery => Answer::Battery(crate::messages::battery::current()),
+        #[cfg(not(feature = "uf2"))]
+        Command::Battery => Answer::Battery(None),
         Command::Counters => Answer::Counts(Counts {
             session: armband::counters(),
             packets_dropped: PACKETS.dropped(),

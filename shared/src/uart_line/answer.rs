@@ -3,6 +3,7 @@
 //! ```text
 //! line     = "$" body "*" checksum CR LF
 //! body     = "OK,IDENTIFY," version "," revision "," image "," model "," armband "," firmware "," battery
+//!          | "OK,IDENTIFY,battery," millivolts "," percent     of the board's own battery; both "-" without one
 //!          | "OK,COUNTERS," number { "," number }      16 of them: the fields of `Counts`, in order
 //!          | "OK,ALIGN," ( "begin" | "cancel" | "set" )
 //!          | "OK,ALIGN,state," turn "," mirrored      as in force
@@ -89,6 +90,15 @@ pub struct Identity<'a> {
     pub battery: Option<u8>,
 }
 
+/// Charge of the board's own battery.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Charge {
+    /// Voltage, millivolts.
+    pub millivolts: u32,
+    /// Charge in percent, 0 to 100, estimated from the voltage.
+    pub percent: u8,
+}
+
 /// Armband that is followed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Binding {
@@ -128,6 +138,8 @@ impl Accepted {
 pub enum Answer<'a> {
     /// Answer to `IDENTIFY`.
     Identity(Identity<'a>),
+    /// Answer to `IDENTIFY,battery`; none on a board that does not measure its battery.
+    Battery(Option<Charge>),
     /// Answer to `COUNTERS`.
     Counts(Counts),
     /// Answer to `ALIGN`: accepted. `$ALIGN` lines report the result.
@@ -162,6 +174,7 @@ impl<'a> Answer<'a> {
 }
 
 rows!(Answer<'a> {
+    "OK,IDENTIFY,battery" (battery: Option<Charge>) => Self::Battery(battery),
     "OK,IDENTIFY" (identity: Identity<'_>) => Self::Identity(identity),
     "OK,COUNTERS" (counts: Counts) => Self::Counts(counts),
     "OK,ALIGN,state" (alignment: Alignment) => Self::Alignment(alignment),
@@ -197,6 +210,11 @@ fields!(<'a> Identity<'a> {
     armband: Option<Address>,
     firmware: Option<FirmwareVersion>,
     battery: Option<u8>,
+});
+
+fields!(Charge {
+    millivolts: u32,
+    percent: u8
 });
 
 /// Codec of the CRC-32 of the model file; none if it was refused.

@@ -3,6 +3,7 @@
 //! ```text
 //! line     = "$" body "*" checksum end
 //! body     = "IDENTIFY"                          program, model, armband
+//!          | "IDENTIFY,battery"                  charge of the board's own battery
 //!          | "COUNTERS"                          what was lost and dropped since the start
 //!          | "ALIGN,begin" | "ALIGN,cancel"      an alignment, as the button begins it
 //!          | "ALIGN,begin," mirrored             the same, told on which arm the armband is
@@ -62,6 +63,8 @@ pub const BEGIN_PAIRING: &str = "$BIND,begin*4A\r\n";
 pub enum Command {
     /// Say what runs here.
     Identify,
+    /// Say how the board's own battery is charged. Boards from before this command refuse its argument.
+    Battery,
     /// Say what was lost and dropped.
     Counters,
     /// Begin, cancel or set an alignment.
@@ -129,6 +132,7 @@ impl Command {
 
 rows!(Command {
     "IDENTIFY" => Self::Identify,
+    "IDENTIFY,battery" => Self::Battery,
     "COUNTERS" => Self::Counters,
     "ALIGN,begin" => Self::Align(AlignCommand::Begin(Arm::Unknown)),
     "ALIGN,begin" (mirrored: bool) => Self::Align(AlignCommand::Begin(Arm::Known { mirrored })),

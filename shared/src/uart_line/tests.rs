@@ -1,7 +1,7 @@
 //! Lines written, parsed and damaged.
 
 use super::alignment::{AlignmentReport, AlignmentState};
-use super::answer::{Accepted, Answer, Binding, Identity, Refusal};
+use super::answer::{Accepted, Answer, Binding, Charge, Identity, Refusal};
 use super::emg::EmgReport;
 use super::line::{Line, MAX_LINE_BYTES};
 use super::*;
@@ -134,6 +134,12 @@ fn any_answer() -> impl Strategy<Value = Line<'static>> {
     });
     let answer = prop_oneof![
         any_identity(),
+        any::<Option<(u32, u8)>>().prop_map(|charge| Answer::Battery(charge.map(
+            |(millivolts, percent)| Charge {
+                millivolts,
+                percent
+            }
+        ))),
         any_counts(),
         binding,
         gate,

@@ -17,7 +17,7 @@ use shared::uart_line::answer::Answer;
 use shared::uart_line::command::{AlignCommand, BindCommand, Command};
 use shared::uart_line::gate::GateCommand;
 
-use self::words::{Bound, Counted, Identified, Placed, why};
+use self::words::{Bound, Counted, Identified, Placed, charged, why};
 use crate::board::{self, Board, BoardError, ModelFile};
 use crate::cli::arguments::mirrored;
 use crate::cli::gate::reaction;
@@ -51,7 +51,7 @@ pub struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Request {
-    /// Say what runs there: program, model, armband, battery.
+    /// Say what runs there: program, model, armband, batteries.
     Identify,
     /// Say what was lost and dropped since its start.
     Counters,
@@ -162,10 +162,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     let mut board = Board::open(&arguments.port).map_err(advised)?;
     let said = match &arguments.request {
-        Request::Identify => board.ask(Command::Identify, |answer| match answer {
-            Answer::Identity(identity) => Some(Identified(identity).to_string()),
-            _ => None,
-        })?,
+        Request::Identify => {
+            let said = board.ask(Command::Identify, |answer| match answer {
+                Answer::Identity(identity) => Some(Identified(identity).to_string()),
+                _ => None,
+            })?;
+            said + &board.battery()?.map_or_else(String::new, charged)
+        }
         Request::Counters => board.ask(Command::Counters, |answer| match answer {
             Answer::Counts(counts) => Some(Counted(counts).to_string()),
             _ => None,

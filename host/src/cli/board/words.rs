@@ -5,7 +5,7 @@ use std::fmt;
 use shared::myo::Following;
 use shared::stream::alignment::Alignment;
 use shared::uart_line::alignment::AlignmentState;
-use shared::uart_line::answer::{Binding, Counts, Identity};
+use shared::uart_line::answer::{Binding, Charge, Counts, Identity};
 
 /// Explains why an alignment did not succeed, and what to do.
 pub(super) const fn why(state: AlignmentState) -> &'static str {
@@ -63,6 +63,15 @@ impl fmt::Display for Identified<'_> {
         }
         writeln!(f)
     }
+}
+
+/// Prints the charge of the board's own battery, in the line after an identity.
+pub(super) fn charged(charge: Charge) -> String {
+    let Charge {
+        millivolts,
+        percent,
+    } = charge;
+    format!("battery   {percent} %, {millivolts} mV\n")
 }
 
 /// Labels for [`Counts::numbers`], in the same order.

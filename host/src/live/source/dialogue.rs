@@ -174,7 +174,8 @@ impl State {
                 text: format!("the board refuses: {why}"),
             },
             Line::Answer(
-                Answer::Align(_)
+                Answer::Battery(_)
+                | Answer::Align(_)
                 | Answer::Alignment(_)
                 | Answer::Raw(_)
                 | Answer::Gate(_)

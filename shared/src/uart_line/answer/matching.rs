@@ -16,6 +16,7 @@ impl Answer<'_> {
         match (command, self) {
             (_, Self::Refused(refusal)) => refusal.refuses(command),
             (Command::Identify, Self::Identity(_))
+            | (Command::Battery, Self::Battery(_))
             | (Command::Counters, Self::Counts(_))
             | (Command::Align(AlignCommand::State), Self::Alignment(_))
             | (Command::Gate(GateCommand::State), Self::Gate(_))
@@ -66,7 +67,7 @@ impl Refusal {
             },
             Self::Busy => !matches!(
                 command,
-                Command::Identify | Command::Counters | Command::Raw(_)
+                Command::Identify | Command::Battery | Command::Counters | Command::Raw(_)
             ),
             Self::Length => matches!(command, Command::Install(_)),
             Self::Block | Self::NotBegun | Self::Model | Self::Flash => {

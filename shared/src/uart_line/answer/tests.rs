@@ -56,6 +56,14 @@ fn every_answer_has_the_body_of_its_grammar() {
             "OK,IDENTIFY,0.1.0,0123456789ab,nrf52840-s140,refused,-,-,-",
         ),
         (
+            Answer::Battery(Some(Charge {
+                millivolts: 3790,
+                percent: 48,
+            })),
+            "OK,IDENTIFY,battery,3790,48",
+        ),
+        (Answer::Battery(None), "OK,IDENTIFY,battery,-,-"),
+        (
             Answer::Counts(counts),
             "OK,COUNTERS,1,0,0,0,0,0,0,0,0,0,0,0,13,14,15,4294967295",
         ),
@@ -184,6 +192,8 @@ fn every_other_refusal_is_named() {
         ("LABEL,1", "kind"),
         ("OK", "command"),
         ("OK,REBOOT", "command"),
+        ("OK,IDENTIFY,battery,3790,-", "percent"),
+        ("OK,IDENTIFY,battery,3790", "fields"),
         ("OK,ALIGN,set,3,0", "fields"),
         ("OK,ALIGN,waiting", "align"),
         ("OK,ALIGN,state,8,0", "turn"),

@@ -171,6 +171,7 @@ fn command() -> impl Strategy<Value = Command> {
         Just(Command::Bind(BindCommand::State)),
         bind,
         Just(Command::Identify),
+        Just(Command::Battery),
         Just(Command::Counters),
         Just(Command::Align(AlignCommand::Begin(Arm::Unknown))),
         any::<bool>()
