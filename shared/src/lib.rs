@@ -10,7 +10,7 @@
 //! | [`myo`] | the session with a Myo armband, without I/O |
 //! | [`model`] | the student: file format, integer encoder |
 //! | [`stream`] | link sequence numbers, preprocessing, sample ring, smoother, safe state |
-//! | `kernels`, `arithmetic` | inner loops in plain Rust and with a Cortex-M4's DSP instructions; float functions |
+//! | `kernels`, `arithmetic` | inner loops in plain Rust and with the vector instructions of a Cortex-M4 and an x86-64; float functions |
 //! | [`installation`] | a new model in place of the one in flash, block by block |
 //! | `checksum` | CRC-32 of a few bytes |
 //! | [`button`] | a push button: pressed, held |
@@ -20,7 +20,7 @@
 //! Imports go downwards in this table.
 #![no_std]
 #![deny(missing_docs)]
-#![cfg_attr(not(cortex_m4), forbid(unsafe_code))]
+#![cfg_attr(not(any(cortex_m4, target_arch = "x86_64")), forbid(unsafe_code))]
 #![deny(unsafe_code)]
 // The unit tests have no std either: they also run on the emulated core, under the harness of
 // tests/device/runtime.

@@ -12,14 +12,19 @@ mod cortex_m4;
 #[cfg(any(test, feature = "write"))]
 pub(crate) mod packing;
 mod portable;
+#[cfg(target_arch = "x86_64")]
+mod sse2;
 
 pub(crate) use bound::code_limit;
 
 use crate::units::{CleanSample, Sample};
 
 /// The implementation for this target.
-#[cfg(not(cortex_m4))]
+#[cfg(not(any(cortex_m4, target_arch = "x86_64")))]
 pub(crate) type Active = portable::Portable;
+/// The implementation for this target.
+#[cfg(target_arch = "x86_64")]
+pub(crate) type Active = sse2::Sse2;
 /// The implementation for this target.
 #[cfg(cortex_m4)]
 pub(crate) type Active = cortex_m4::CortexM4;
