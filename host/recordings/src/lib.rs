@@ -1,7 +1,7 @@
 //! Recordings of muscle activity and their labels: read, checked, divided by person, cut and
 //! joined.
 //!
-//! One reader per published format; [`load`] recognises the format by content and name of the files.
+//! A reader or a built-in description (`published.toml`) per published format; [`load`] recognises the format by content and name of the files.
 //! Labels are mostly the cue that the person saw, not the muscle activity: [`labels::lag`] estimates
 //! how much later the muscle acts. Where a set has no times, the muscle activity itself gives the
 //! labels. Nothing here resamples, filters or scales a sample, but for `uci-gestures`, half of which is lost.

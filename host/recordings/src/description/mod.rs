@@ -6,6 +6,7 @@
 
 mod error;
 mod pattern;
+pub(crate) mod published;
 mod reader;
 mod rows;
 pub mod survey;

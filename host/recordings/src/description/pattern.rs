@@ -181,6 +181,21 @@ impl Pattern {
             .or_else(|| self.matched(path, &|_, _| true))
     }
 
+    /// Folder that the pattern's paths lie below, of a path that it matches the end of.
+    pub fn folder_of<'p>(&self, path: &'p Path) -> &'p Path {
+        path.ancestors().nth(self.names.len()).unwrap_or(path)
+    }
+
+    /// Fields of the end of a path, each accepted.
+    pub fn fields_of_end(
+        &self,
+        path: &Path,
+        accepts: &dyn Fn(Field, &str) -> bool,
+    ) -> Option<Fields> {
+        let below = path.strip_prefix(self.folder_of(path)).ok()?;
+        self.matched(below, accepts)
+    }
+
     fn matched(&self, path: &Path, accepts: &dyn Fn(Field, &str) -> bool) -> Option<Fields> {
         let mut fields = Vec::new();
         let mut found = path.iter();

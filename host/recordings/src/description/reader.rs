@@ -52,24 +52,10 @@ impl Described {
 
     /// Rows of a file, and of the file of its labels.
     pub(super) fn rows(&self, path: &Path, fields: &Fields) -> Result<Rows, LoadError> {
-        let description = &self.description;
-        let bytes = read(path)?;
-        let rows = description.rows(&bytes);
-        let mut rows = rows.map_err(|damage| damage.in_file(path))?;
-        if let Some(pattern) = &description.label_files {
-            let file = self.folder.join(pattern.path_of(fields));
-            if !file.exists() {
-                let name = file.file_name().unwrap_or_default().to_string_lossy();
-                let missing = Damage::of_file(Fault::Partner(name.into_owned()));
-                return Err(missing.in_file(path));
-            }
-            let labels = labels(&read(&file)?, rows.samples.len());
-            rows.labels = labels.map_err(|damage| damage.in_file(&file))?;
-            rows.labels_file = Some(file);
-        } else if let (None, Some(word)) = (&description.label, fields.get(Field::Gesture)) {
-            rows.labels.words = Some(Words::of_file(word, rows.samples.len()));
-        }
-        Ok(rows)
+        let rows = self.description.rows(&read(path)?);
+        let rows = rows.map_err(|damage| damage.in_file(path))?;
+        self.description
+            .with_labels(rows, &self.folder, path, fields)
     }
 
     /// A recording with the names that its path gives.
@@ -94,6 +80,32 @@ impl Described {
     }
 }
 
+impl Description {
+    /// Rows with the labels of another file, below a folder, or that of the file's name.
+    pub(super) fn with_labels(
+        &self,
+        mut rows: Rows,
+        folder: &Path,
+        path: &Path,
+        fields: &Fields,
+    ) -> Result<Rows, LoadError> {
+        if let Some(pattern) = &self.label_files {
+            let file = folder.join(pattern.path_of(fields));
+            if !file.exists() {
+                let name = file.file_name().unwrap_or_default().to_string_lossy();
+                let missing = Damage::of_file(Fault::Partner(name.into_owned()));
+                return Err(missing.in_file(path));
+            }
+            let labels = labels(&read(&file)?, rows.samples.len());
+            rows.labels = labels.map_err(|damage| damage.in_file(&file))?;
+            rows.labels_file = Some(file);
+        } else if let (None, Some(word)) = (&self.label, fields.get(Field::Gesture)) {
+            rows.labels.words = Some(Words::of_file(word, rows.samples.len()));
+        }
+        Ok(rows)
+    }
+}
+
 fn read(path: &Path) -> Result<Vec<u8>, LoadError> {
     let bytes = bounded_read::read(path, bounded_read::RECORDING);
     bytes.map_err(|source| LoadError::io(path, source))
@@ -109,8 +121,9 @@ impl Rows {
     ) -> Result<Vec<Recording>, LoadError> {
         let damage = |damage: Damage| damage.in_file(path);
         let labels_file = self.labels_file.as_deref().unwrap_or(path);
-        let truth = truth(description, self.labels, self.samples.len());
-        let truth = truth.map_err(|damage| damage.in_file(labels_file))?;
+        let motions = motions(description, self.labels, self.samples.len());
+        let motions = motions.map_err(|damage| damage.in_file(labels_file))?;
+        let truth: GroundTruth = motions.into_iter().collect();
         let placement = description.rotation.placement(description.arm);
         let samples = self
             .samples
@@ -138,9 +151,13 @@ impl Rows {
 }
 
 /// Motion of each row.
-fn truth(description: &Description, labels: Labels, samples: usize) -> Result<GroundTruth, Damage> {
+pub(super) fn motions(
+    description: &Description,
+    labels: Labels,
+    samples: usize,
+) -> Result<Vec<Motion>, Damage> {
     let Some(words) = labels.words else {
-        return Ok(std::iter::repeat_n(Motion::Unknown, samples).collect());
+        return Ok(vec![Motion::Unknown; samples]);
     };
     let mut motions = Vec::new();
     for (word, row) in words.distinct() {
@@ -152,7 +169,11 @@ fn truth(description: &Description, labels: Labels, samples: usize) -> Result<Gr
 }
 
 /// A recording with labels at the times that the description says.
-fn timed(description: &Description, motion: Option<Motion>, recording: Recording) -> Recording {
+pub(super) fn timed(
+    description: &Description,
+    motion: Option<Motion>,
+    recording: Recording,
+) -> Recording {
     let muscle = |recording| Recording {
         timing: Timing::Muscle,
         ..recording

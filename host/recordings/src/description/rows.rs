@@ -115,7 +115,7 @@ impl Description {
     }
 
     /// Columns of a table.
-    fn columns(&self, text: &str) -> Result<Columns, Damage> {
+    pub(super) fn columns(&self, text: &str) -> Result<Columns, Damage> {
         let mut columns = match &self.channels {
             None => Columns::of(text).map_err(|error| Damage::at_line(error.line, error.fault))?,
             Some(channels) => {

@@ -6,9 +6,10 @@ use std::fmt;
 use std::path::Path;
 
 use super::error::{Damage, Fault, LoadError};
-use super::formats::{cote_allard, epn, myoup, react_emg, roshambo, wang_myo};
+use super::formats::react_emg;
 use super::npy::{self, Values};
-use super::{mat, table};
+use super::table;
+use crate::description::published::Layout;
 use crate::examiner::bands;
 use crate::recording::{DataSet, Recording};
 use execution::bounded_read;
@@ -105,8 +106,6 @@ pub fn of_bytes(
     let kind = FileKind::of(bytes);
     match kind {
         FileKind::Empty => return Err(damage(Damage::of_file(Fault::Empty))),
-        FileKind::Npy => return array(path, bytes, request),
-        FileKind::Mat => return matrices(path, bytes, request),
         FileKind::LfsPointer
         | FileKind::Html
         | FileKind::Zip
@@ -123,15 +122,23 @@ pub fn of_bytes(
         }
         _ => {}
     }
+    if let Some((layout, fields)) = Layout::of(path, bytes) {
+        if layout.is_copy(&fields) {
+            return Ok(Found::Nothing(SkipReason::Copy));
+        }
+        return request.one(layout.set, || layout.read(path, bytes, &fields));
+    }
     match extension {
-        "dat" if cote_allard::is_named(path) => request.one(DataSet::CoteAllard, || {
-            cote_allard::read(path, bytes).map_err(damage)
+        _ if kind == FileKind::Npy => array(path, bytes, request),
+        _ if path.ends_with("userData.mat") => request.one(DataSet::Epn, || {
+            Err(damage(Damage::of_file(Fault::Objects)))
         }),
+        _ if kind == FileKind::Mat => request.nothing(path, kind),
         "npy" => Err(damage(Damage::of_file(Fault::Kind {
             expected: "an npy array",
             found: kind,
         }))),
-        "mat" => matrices(path, bytes, request),
+        "mat" => request.nothing(path, kind),
         _ => rows::open(path, bytes, request),
     }
 }
@@ -198,27 +205,10 @@ fn array(
 ) -> Result<Found, LoadError> {
     let damage = |damage: Damage| damage.in_file(path);
     let array = npy::parse(bytes).map_err(damage)?;
-    // Annotations of `roshambo` and `myoup`, read with their samples.
-    let of_samples = matches!((&array.shape[..], &array.values), ([_], Values::Text(_)))
-        || myoup::is_annotations(path);
-    if of_samples {
+    // Annotations, read with their samples.
+    let is_text = matches!((&array.shape[..], &array.values), ([_], Values::Text(_)));
+    if is_text || Layout::is_of_labels(path) {
         return Ok(Found::Part);
-    }
-    if roshambo::is_samples(path, &array) {
-        return request.one(DataSet::Roshambo, || roshambo::read(path, &array));
-    }
-    if let Some(person) = myoup::person_of_npy(path) {
-        return request.one(DataSet::Myoup, || myoup::read_npy(path, person, &array));
-    }
-    if let Some(name) = wang_myo::Name::of_npy(path) {
-        return request.one(DataSet::WangMyo, || {
-            wang_myo::read_npy(path, &name, &array).map_err(damage)
-        });
-    }
-    if let Some(name) = epn::Name::of(path) {
-        return request.one(DataSet::Epn, || {
-            epn::read(path, &name, &array).map_err(damage)
-        });
     }
     if react_emg::is_recording(path, &array) {
         return request.several(DataSet::ReactEmg, || {
@@ -244,40 +234,12 @@ fn array(
     }
 }
 
-fn matrices(
-    path: &Path,
-    bytes: &[u8],
-    request: &Request<impl Fn(DataSet) -> bool>,
-) -> Result<Found, LoadError> {
-    let damage = |damage: Damage| damage.in_file(path);
-    if path.ends_with("userData.mat") {
-        let objects = || Err(damage(Damage::of_file(Fault::Objects)));
-        return request.one(DataSet::Epn, objects);
-    }
-    if let Some(person) = myoup::person_of_mat(path) {
-        if person == myoup::COPIED {
-            return Ok(Found::Nothing(SkipReason::Copy));
-        }
-        return request.one(DataSet::Myoup, || {
-            let matrices = mat::parse(bytes).map_err(damage)?;
-            myoup::read_mat(path, person, &matrices).map_err(damage)
-        });
-    }
-    if let Some(name) = wang_myo::Name::of_mat(path) {
-        return request.one(DataSet::WangMyo, || {
-            let matrices = mat::parse(bytes).map_err(damage)?;
-            wang_myo::read_mat(path, &name, &matrices).map_err(damage)
-        });
-    }
-    request.nothing(path, FileKind::of(bytes))
-}
-
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
 
-    use super::mat::fixture;
     use super::*;
+    use crate::readers::mat::fixture;
 
     const REQUEST: Request<fn(DataSet) -> bool> = Request {
         wants: |_| true,
@@ -314,27 +276,14 @@ mod tests {
         ]
     }
 
-    fn read(path: &str, bytes: &[u8]) -> Option<Result<Found, LoadError>> {
-        let path = Path::new(path);
-        if path.extension()? == "npy" {
-            Some(array(path, bytes, &REQUEST))
-        } else if path.extension()? == "mat" {
-            Some(matrices(path, bytes, &REQUEST))
-        } else if let Ok(text) = std::str::from_utf8(bytes) {
-            Some(rows::of_text(path, text, &REQUEST))
-        } else {
-            None
-        }
-    }
-
     #[test]
     fn files_as_they_should_be_are_read() {
         for (path, bytes) in files() {
-            let found = read(path, &bytes);
+            let found = of_bytes(Path::new(path), &bytes, &REQUEST);
             // Sixty pulses would be a long test file.
-            let pulses = path.ends_with("s1e2.mat") && matches!(found, Some(Err(_)));
+            let pulses = path.ends_with("s1e2.mat") && found.is_err();
             assert!(
-                pulses || matches!(found, Some(Ok(Found::Recordings(_)))),
+                pulses || matches!(found, Ok(Found::Recordings(_))),
                 "{path}"
             );
         }
@@ -352,7 +301,7 @@ mod tests {
                 if changes.len() % 2 == 1 {
                     bytes.truncate(cut.index(count));
                 }
-                if let Some(Ok(Found::Recordings(recordings))) = read(path, &bytes) {
+                if let Ok(Found::Recordings(recordings)) = of_bytes(Path::new(path), &bytes, &REQUEST) {
                     for recording in recordings {
                         prop_assert_eq!(recording.samples.len(), recording.labels.len());
                         prop_assert!(!recording.samples.is_empty());

@@ -8,7 +8,7 @@
 mod element;
 mod header;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::error::{Damage, Fault, LoadError};
 use element::{Element, ascii, utf32};
@@ -86,21 +86,6 @@ pub fn read(path: &Path) -> Result<Array, LoadError> {
     let bytes = bounded_read::read(path, bounded_read::RECORDING)
         .map_err(|source| LoadError::io(path, source))?;
     parse(&bytes).map_err(|damage| damage.in_file(path))
-}
-
-/// Reads the file of another name beside `path`.
-///
-/// # Errors
-/// As [`read`]; a missing file is a damage of the file at `path`.
-pub(crate) fn partner(path: &Path, name: &str) -> Result<(PathBuf, Array), LoadError> {
-    let partner = path.with_file_name(name);
-    match read(&partner) {
-        Err(LoadError::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => {
-            let missing = Damage::of_file(Fault::Partner(name.to_owned()));
-            Err(missing.in_file(path))
-        }
-        array => Ok((partner, array?)),
-    }
 }
 
 /// Parses the bytes of an npy file.

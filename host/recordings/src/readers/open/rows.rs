@@ -7,7 +7,7 @@ use crate::examiner::bands;
 use crate::examiner::finding::Finding;
 use crate::readers::error::{Damage, Fault, LoadError};
 use crate::readers::formats::{
-    emg_epn, libemg, myo_readings, myo_rps, one_subject_myo, react_emg, ss_stm, uci_gestures,
+    emg_epn, libemg, myo_readings, one_subject_myo, react_emg, uci_gestures,
 };
 use crate::readers::open::SkipReason;
 use crate::readers::table;
@@ -104,28 +104,19 @@ pub(super) fn of_text(
     request: &Request<impl Fn(DataSet) -> bool>,
 ) -> Result<Found, LoadError> {
     let damage = |damage: Damage| damage.in_file(path);
-    if myo_rps::is_recording(path, text) {
-        return request.one(DataSet::MyoRps, || {
-            myo_rps::read(path, text).map_err(damage)
-        });
-    }
     if uci_gestures::is_recording(path, text) {
         return request.one(DataSet::UciGestures, || {
             uci_gestures::read(path, text).map_err(damage)
         });
     }
     let shape = Shape::of(text);
-    let commas = shape.filter(|shape| shape.separator == Separator::Comma);
-    match commas.map(|shape| (shape.columns, shape.is_decimal)) {
-        Some((9, _)) if myo_readings::is_named(path) => {
-            return request.one(DataSet::MyoReadings, || {
-                myo_readings::read(path, text).map_err(damage)
-            });
-        }
-        Some((8, true)) if ss_stm::is_named(path) => {
-            return request.one(DataSet::SsStm, || ss_stm::read(path, text).map_err(damage));
-        }
-        _ => {}
+    let nine = (Separator::Comma, 9);
+    if shape.is_some_and(|shape| (shape.separator, shape.columns) == nine)
+        && myo_readings::is_named(path)
+    {
+        return request.one(DataSet::MyoReadings, || {
+            myo_readings::read(path, text).map_err(damage)
+        });
     }
     two_armbands(text, shape).map_err(|finding| damage(Damage::refused(finding)))?;
     match Columns::of(text) {

@@ -1,0 +1,293 @@
+//! Published sets that are read by description: `published.toml`, which says what each field means.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::LazyLock;
+
+use serde::Deserialize;
+use shared::units::CHANNELS;
+
+use super::Description;
+use super::pattern::{Field, Fields, Pattern};
+use super::reader::{motions, timed};
+use super::rows::{At, Labels, Rows};
+use super::values::Scale;
+use super::words::Words;
+use crate::labels::motion::{GroundTruth, Motion};
+use crate::readers::error::{Damage, Fault, LoadError};
+use crate::readers::mat::{self, Matrix};
+use crate::readers::path::is_number;
+use crate::readers::table::auxiliary::AuxiliaryColumns;
+use crate::readers::table::separator::Separator;
+use crate::readers::table::shape::Shape;
+use crate::readers::table::{matrix, sample};
+use crate::recording::{DataSet, Recording};
+use execution::file_kind::FileKind;
+
+const ROW_BYTES: usize = 2 * CHANNELS;
+
+/// Layout of files of a published set.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Layout {
+    pub set: DataSet,
+    description: Description,
+    person: Pattern,
+    name: Option<Pattern>,
+    #[serde(default)]
+    names: BTreeMap<String, String>,
+    #[serde(default)]
+    more: Vec<Pattern>,
+    #[serde(default)]
+    any_person: bool,
+    #[serde(default)]
+    notes: Vec<[String; 2]>,
+    short: Option<(usize, String)>,
+    span: Option<[usize; 2]>,
+    apart: Option<usize>,
+    #[serde(default)]
+    variables: Vec<String>,
+    pulses: Option<Pulses>,
+    #[serde(default)]
+    copies: Vec<String>,
+}
+
+/// Marks of gestures in a MATLAB file, numbered by their order.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Pulses {
+    variable: String,
+    of_each: usize,
+    count: usize,
+}
+
+#[derive(Deserialize)]
+struct File {
+    layout: Vec<Layout>,
+}
+
+static LAYOUTS: LazyLock<Vec<Layout>> = LazyLock::new(|| {
+    let file: File =
+        toml::from_str(include_str!("../../published.toml")).expect("a test reads the file");
+    let all = file.layout.into_iter().flat_map(|layout| {
+        let more = layout.more.clone().into_iter().map({
+            let layout = layout.clone();
+            move |files| {
+                let mut layout = layout.clone();
+                layout.description.files = files;
+                layout
+            }
+        });
+        std::iter::once(layout).chain(more)
+    });
+    all.collect()
+});
+
+impl Layout {
+    /// Layout of a file by its path and kind, and the fields of the path.
+    pub(crate) fn of(path: &Path, bytes: &[u8]) -> Option<(&'static Self, Fields)> {
+        let mut all = LAYOUTS.iter();
+        all.find_map(|own| {
+            let fields = own.fields_of(&own.description.files, path)?;
+            own.fits(path, bytes).then_some((own, fields))
+        })
+    }
+
+    /// Whether a file has the labels of another one.
+    pub(crate) fn is_of_labels(path: &Path) -> bool {
+        LAYOUTS.iter().any(|own| {
+            let labels = own.description.label_files.as_ref();
+            labels.is_some_and(|labels| own.fields_of(labels, path).is_some())
+        })
+    }
+
+    fn fields_of(&self, pattern: &Pattern, path: &Path) -> Option<Fields> {
+        let accepts = |field, text: &str| match field {
+            Field::Gesture => self.description.labels.has(text),
+            Field::Person => self.any_person || is_number(text),
+            _ => true,
+        };
+        pattern.fields_of_end(path, &accepts)
+    }
+
+    fn fits(&self, path: &Path, bytes: &[u8]) -> bool {
+        let ending = path.extension().and_then(|ending| ending.to_str());
+        match (ending, FileKind::of(bytes)) {
+            (Some("npy"), FileKind::Npy) | (Some("mat"), FileKind::Mat) | (Some("dat"), _) => true,
+            (Some("csv"), FileKind::Table | FileKind::Text) => {
+                let Ok(text) = str::from_utf8(bytes) else {
+                    return false;
+                };
+                if self.description.header == Some(true) {
+                    return self.description.columns(text).is_ok();
+                }
+                let shape = Shape::of(text);
+                shape.is_some_and(|shape| {
+                    (shape.separator, shape.columns) == (Separator::Comma, CHANNELS)
+                        && shape.is_decimal == (self.description.scale != Scale::default())
+                })
+            }
+            _ => false,
+        }
+    }
+
+    /// Whether a file is a copy of another person's.
+    pub(crate) fn is_copy(&self, fields: &Fields) -> bool {
+        let person = self.person.path_of(fields);
+        self.copies.iter().any(|copy| person == Path::new(copy))
+    }
+
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// Damage of the file or of that of its labels.
+    pub(crate) fn read(
+        &self,
+        path: &Path,
+        bytes: &[u8],
+        fields: &Fields,
+    ) -> Result<Recording, LoadError> {
+        let description = &self.description;
+        let folder = description.files.folder_of(path);
+        let rows = self.rows(path, bytes);
+        let rows = rows.map_err(|damage| damage.in_file(path))?;
+        let rows = description.with_labels(rows, folder, path, fields)?;
+        let count = rows.samples.len();
+        let motions = motions(description, rows.labels, count);
+        let labels_file = rows.labels_file.as_deref().unwrap_or(path);
+        let mut motions = motions.map_err(|damage| damage.in_file(labels_file))?;
+        let gesture = fields.get(Field::Gesture);
+        let motion = gesture.and_then(|word| description.labels.motion(word));
+        if let (Some([start, end]), Some(motion)) = (self.span, motion) {
+            let after = match motion {
+                Motion::Intent(_) => Motion::RELAX,
+                _ => Motion::Unknown,
+            };
+            motions[..start.min(count)].fill(Motion::RELAX);
+            motions[end.min(count)..].fill(after);
+        }
+        if let Some(least) = self.apart {
+            keep_apart(&mut motions, least);
+        }
+        let truth: GroundTruth = motions.into_iter().collect();
+        let person = self.person.path_of(fields);
+        let name = match (&self.name, gesture.and_then(|own| self.names.get(own))) {
+            (_, Some(name)) => name.into(),
+            (Some(name), None) => name.path_of(fields),
+            (None, None) => {
+                let below = path.strip_prefix(folder).unwrap_or(path).with_extension("");
+                below.strip_prefix(&person).unwrap_or(&below).to_owned()
+            }
+        };
+        let (person, name) = (person.to_string_lossy(), name.to_string_lossy());
+        let subject = format!("{}/{person}", self.set.name());
+        let recording = Recording {
+            name: name.clone().into_owned(),
+            path: path.to_owned(),
+            other_movement: truth.other_movement,
+            ..Recording::new(self.set, subject, rows.samples, truth.labels)
+        };
+        let mut recording = timed(description, motion, recording);
+        let own = format!("{person}/{name}");
+        let note = self.notes.iter().find(|[of, _]| own.starts_with(of));
+        recording.notes.extend(note.map(|[_, note]| note.clone()));
+        if let Some((_, note)) = self.short.as_ref().filter(|(whole, _)| count < *whole) {
+            recording.notes.push(note.clone());
+        }
+        Ok(recording)
+    }
+
+    fn rows(&self, path: &Path, bytes: &[u8]) -> Result<Rows, Damage> {
+        let (samples, words) = if !self.variables.is_empty() {
+            let matrices = mat::parse(bytes)?;
+            let samples = matrix(named(&matrices, &self.variables)?, self.description.scale.0)?;
+            let words = self.pulses.as_ref();
+            let words = words.map(|pulses| pulses.words(&matrices, samples.len()));
+            (samples, words.transpose()?)
+        } else if path.extension().is_some_and(|ending| ending == "dat") {
+            (int16(bytes)?, None)
+        } else {
+            return self.description.rows(bytes);
+        };
+        Ok(Rows {
+            samples,
+            labels: Labels {
+                words,
+                at: At::File,
+            },
+            labels_file: None,
+            auxiliary: AuxiliaryColumns::default(),
+        })
+    }
+}
+
+impl Pulses {
+    /// Number of the gesture at each sample, 0 without a pulse. The pulse may go on after the last sample.
+    fn words(&self, matrices: &[Matrix], samples: usize) -> Result<Words, Damage> {
+        let pulse = named(matrices, std::slice::from_ref(&self.variable))?;
+        let (mut words, mut pulses, mut before) = (Words::default(), 0, false);
+        for at in 0..samples {
+            let on = pulse.values.get(at).is_some_and(|&value| value > 0.0);
+            pulses += usize::from(on && !before);
+            before = on;
+            let gesture = if on {
+                (pulses - 1) / self.of_each + 1
+            } else {
+                0
+            };
+            words.push(&gesture.to_string());
+        }
+        let fault = Fault::Gestures {
+            expected: self.count,
+            found: pulses,
+        };
+        let whole = pulses == self.count;
+        whole.then_some(words).ok_or(Damage::of_file(fault))
+    }
+}
+
+fn named<'m>(matrices: &'m [Matrix], names: &[String]) -> Result<&'m Matrix, Damage> {
+    let found = matrices.iter().find(|own| names.contains(&own.name));
+    let missing = || Damage::of_file(Fault::Mat(format!("it has no {}", names.join(" or "))));
+    found.ok_or_else(missing)
+}
+
+/// Samples of interleaved little-endian numbers of two bytes.
+fn int16(bytes: &[u8]) -> Result<Vec<[i8; CHANNELS]>, Damage> {
+    let whole = bytes.len() / ROW_BYTES * ROW_BYTES;
+    if whole != bytes.len() {
+        let fault = Fault::Length {
+            expected: (whole + ROW_BYTES) as u64,
+            found: bytes.len() as u64,
+        };
+        return Err(Damage::at_byte(whole as u64, fault));
+    }
+    let rows = bytes.chunks_exact(ROW_BYTES).enumerate();
+    rows.map(|(row, bytes)| {
+        let at = |channel| i16::from_le_bytes([bytes[2 * channel], bytes[2 * channel + 1]]);
+        let counts: [f64; CHANNELS] = std::array::from_fn(|channel| f64::from(at(channel)));
+        sample(&counts, 1).map_err(|fault| Damage::at_byte((row * ROW_BYTES) as u64, fault))
+    })
+    .collect()
+}
+
+/// Makes rest unknown that is nearer than so many samples to another label; not at either end of the recording.
+fn keep_apart(motions: &mut [Motion], least: usize) {
+    let all = motions.to_vec();
+    let mut start = 0;
+    for run in all.chunk_by(|a, b| a == b) {
+        let end = start + run.len();
+        if run[0] == Motion::RELAX {
+            let after = if start == 0 { 0 } else { least };
+            let before = if end == all.len() { 0 } else { least };
+            let rest = start + after..end.saturating_sub(before);
+            for at in (start..end).filter(|at| !rest.contains(at)) {
+                motions[at] = Motion::Unknown;
+            }
+        }
+        start = end;
+    }
+}
+
+#[cfg(test)]
+mod tests;
