@@ -29,6 +29,8 @@ mod empty;
 mod emulator;
 #[path = "live/firefox.rs"]
 mod firefox;
+#[path = "live/guided.rs"]
+mod guided;
 #[cfg(target_os = "linux")]
 #[path = "live/install.rs"]
 mod install;

@@ -71,6 +71,23 @@ fn a_label_that_is_not_as_asked_is_marked_in_words_and_counted() {
     assert_eq!(browser.complaints, [""; 0]);
 }
 
+/// Expression of the states of the mark that the page shows while label and cue are equal, over some seconds.
+const WHILE_EQUAL: &str = "new Promise((done) => { const states = new Set(); const end = performance.now() + 6000; \
+    const look = () => { const [label, asked] = ['#label', '#truth b'].map((name) => document.querySelector(name).textContent); \
+        if (label === asked) states.add(document.getElementById('agrees').dataset.state); \
+        if (performance.now() < end) requestAnimationFrame(look); else done([...states].join()); }; look(); })";
+
+#[test]
+fn a_label_that_equals_what_is_asked_is_never_called_changing() {
+    let name = "a_label_that_equals_what_is_asked_is_never_called_changing";
+    let Some((mut browser, live)) = demo_page(name) else {
+        return;
+    };
+    browser.wait_for("document.getElementById('valid')?.dataset.valid === 'yes'");
+    assert_eq!(browser.value(WHILE_EQUAL), "right");
+    live.stop().unwrap();
+}
+
 #[test]
 fn the_score_of_other_movement_is_drawn_as_strong_as_the_others() {
     let name = "the_score_of_other_movement_is_drawn_as_strong_as_the_others";

@@ -53,6 +53,8 @@ impl Browser {
             Kind::Firefox => firefox::arguments(&mut command, profile.path()),
         }
         let mut child = command
+            // A browser that is killed leaves its files, here in a folder that goes.
+            .env("TMPDIR", profile.path())
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(Stdio::piped())

@@ -1,7 +1,5 @@
 //! Keys, and what stays on the page: nobody ends or misses a task by a slip, and nothing that is over is shown as new.
 
-use std::time::Duration;
-
 use myointent::live::Source;
 
 use super::browser::Browser;
@@ -110,7 +108,7 @@ fn that_something_was_saved_is_not_said_for_ever() {
     browser.wait_for("document.getElementById('valid')?.dataset.valid === 'yes'");
     browser.press("s");
     browser.wait_for("document.getElementById('notice').textContent.startsWith('saved')");
-    std::thread::sleep(Duration::from_secs(2));
+    browser.frames(60);
     assert!(browser.text("notice").starts_with("saved"));
     browser.wait_for("document.getElementById('notice').textContent === ''");
     live.stop().unwrap();

@@ -1,5 +1,6 @@
 //! Languages of the page: one table each, with the same keys; no text of the page stands elsewhere.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use myointent::live::Source;
@@ -8,6 +9,7 @@ use super::browser::Browser;
 use super::page::VALID;
 use super::record::{SHORT, pictures, record};
 use super::serve;
+use super::viewer::Viewer;
 
 /// Keys that one of the tables lacks, or has twice.
 const UNEQUAL: &str = "import('./texts.js').then(async ({ TABLES }) => { \
@@ -27,6 +29,30 @@ const ENGLISH: &str = "import('./texts.js').then(({ TABLES }) => { \
     while (texts.nextNode()) shown.push(texts.currentNode.data.trim()); \
     for (const one of document.querySelectorAll('[title], [aria-label]')) shown.push(one.title, one.ariaLabel ?? ''); \
     return shown.filter((text) => english.has(text)).join('; '); })";
+
+/// Texts of a German page with a word that only English has; commands and addresses are not looked at.
+const ENGLISH_WORDS: &str = "(() => { const shown = []; const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT); \
+    while (texts.nextNode()) { const node = texts.currentNode; if (!node.parentElement.closest('code, noscript, script, #language')) shown.push(node.data); } \
+    for (const one of document.querySelectorAll('[title], [aria-label]')) if (one.id !== 'language') shown.push(one.title, one.ariaLabel ?? ''); \
+    const words = /(^|[^\\p{L}-])(the|is|are|of|and|not|with|this|that|were|has|your|for|from|it|be|no|to|space|enter)([^\\p{L}-]|$)/u; \
+    return shown.filter((text) => words.test(text)).join('; '); })()";
+
+/// English words, and numbers with a point, that a German page shows.
+fn english(browser: &mut Browser) -> String {
+    let texts = browser.value(ENGLISH);
+    let words = browser.value(ENGLISH_WORDS);
+    let points = browser.value(POINTS);
+    format!(
+        "{}{}{}",
+        texts.as_str().unwrap(),
+        words.as_str().unwrap(),
+        points.as_str().unwrap()
+    )
+}
+
+/// Numbers with a decimal point, but for versions.
+const POINTS: &str =
+    "(document.body.innerText.match(/(^|[\\s(])\\d+\\.\\d+(?=[\\s%)]|$)/g) ?? []).join('; ')";
 
 /// Paths and texts of the files of the page.
 fn page_files() -> Vec<(PathBuf, String)> {
@@ -100,6 +126,172 @@ fn no_text_of_the_page_stands_outside_of_the_tables() {
     assert_eq!(found, [""; 0]);
 }
 
+/// Files of the program whose texts the page shows.
+const SPEAKERS: [&str; 18] = [
+    "host/src/board.rs",
+    "host/src/live/recorder/mod.rs",
+    "host/src/live/recorder/tuning.rs",
+    "host/src/live/recorder/writing.rs",
+    "host/src/live/server/rights.rs",
+    "host/src/live/server/viewer.rs",
+    "host/src/live/source/bluetooth/mod.rs",
+    "host/src/live/source/board.rs",
+    "host/src/live/source/board/advice.rs",
+    "host/src/live/source/dialogue.rs",
+    "host/src/live/source/mod.rs",
+    "host/src/live/source/playback.rs",
+    "host/src/record/error.rs",
+    "host/src/record/quality.rs",
+    "host/training/src/run/personalize/error.rs",
+    "host/training/src/run/personalize/mod.rs",
+    "host/training/src/run/personalize/rule.rs",
+    "shared/src/uart_line/refusal.rs",
+];
+
+/// Texts of these files that are written elsewhere: to the terminal, or into a journal.
+const ELSEWHERE: [&str; 8] = [
+    "replay of {}",
+    "any armband over Bluetooth",
+    "{} over Bluetooth",
+    "this program was built without Bluetooth",
+    " model refused: ",
+    "gestures that the model does not have, counted as none: {}",
+    "{}: {} s to tune on, {} s held back{}",
+    ", a quarter at a time: a third is too short to judge",
+];
+
+/// Replaces what a text is filled with by empty braces.
+fn without_names(text: &str) -> String {
+    let (mut kept, mut rest) = (String::new(), text);
+    while let Some((before, from)) = rest.split_once('{') {
+        kept += before;
+        kept += "{}";
+        rest = from.split_once('}').map_or("", |(_, after)| after);
+    }
+    kept + rest
+}
+
+/// Strings of a file's code: without comments, reasons of lints, and unit tests; of errors without those of protocols, which
+/// end the program before it has a page.
+fn strings(path: &str) -> Vec<String> {
+    let whole =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path));
+    let whole = whole.unwrap();
+    let code = whole.split("mod tests {").next().unwrap();
+    let code = code
+        .split("/// The name is neither a built-in protocol")
+        .next()
+        .unwrap();
+    let is_code = |line: &&str| !line.trim_start().starts_with("//") && !line.contains("reason =");
+    let lines: Vec<&str> = code.lines().filter(is_code).collect();
+    // A string that goes on in the next line.
+    let mut joined = String::new();
+    for line in lines {
+        match joined.strip_suffix('\\') {
+            Some(begun) => joined = format!("{begun}{}", line.trim_start()),
+            None => joined = joined + "\n" + line,
+        }
+    }
+    let parts = joined.split('"').skip(1).step_by(2);
+    parts.map(without_names).collect()
+}
+
+#[test]
+fn what_the_program_says_has_its_german() {
+    let german = page_files()
+        .into_iter()
+        .find(|(path, _)| path.ends_with("german-program.js"));
+    let (_, german) = german.expect("the German of the program");
+    let keys: BTreeSet<String> = german
+        .lines()
+        .filter(|line| line.trim_start().starts_with('"'))
+        .flat_map(|line| {
+            let strings: Vec<&str> = line.split('"').skip(1).step_by(2).collect();
+            let keys = strings.into_iter().step_by(2);
+            keys.map(without_names).collect::<Vec<_>>()
+        })
+        .collect();
+    let said: BTreeSet<String> = SPEAKERS.into_iter().flat_map(strings).collect();
+    let is_shown = |text: &&String| {
+        is_words(text) && !text.starts_with("myointent ") && !ELSEWHERE.contains(&&text[..])
+    };
+    let missing: Vec<_> = said
+        .iter()
+        .filter(is_shown)
+        .filter(|text| !keys.contains(&text.trim_start()[..]))
+        .collect();
+    assert_eq!(missing, [""; 0], "no German");
+    // The others are the operating system's.
+    let is_known = |key: &&String| {
+        said.iter().any(|text| text.trim_start() == *key) || key.contains("(os error")
+    };
+    let dead: Vec<_> = keys.iter().filter(|key| !is_known(key)).collect();
+    assert_eq!(dead, [""; 0], "said by nobody");
+}
+
+const GERMAN: &str = "document.documentElement?.lang === 'de'";
+
+/// Has the browser ask for German.
+fn ask_for_german(browser: &mut Browser) {
+    browser.look(1440, 900, "light", "no-preference");
+    let tongue = serde_json::json!({ "userAgent": "test", "acceptLanguage": "de-DE" });
+    browser.command("Emulation.setUserAgentOverride", tongue);
+}
+
+#[test]
+fn each_state_of_a_german_page_is_german() {
+    let name = "each_state_of_a_german_page_is_german";
+    let Some(mut browser) = Browser::start(name) else {
+        return;
+    };
+    ask_for_german(&mut browser);
+    let folder = tempfile::tempdir().unwrap();
+
+    // A port that is not there.
+    let live = serve(Source::Port(folder.path().join("board")));
+    browser.open(live.url());
+    browser.wait_for(&format!(
+        "{GERMAN} && !document.getElementById('empty').hidden"
+    ));
+    assert_eq!(english(&mut browser), "");
+    browser.screenshot(&pictures().join("german-port.png"));
+    live.stop().unwrap();
+
+    // A session that waits, one that cannot be written, and its findings.
+    let live = record(folder.path(), Source::Demo, SHORT, 16);
+    std::fs::write(folder.path().join("anna"), "").unwrap();
+    browser.open(live.url());
+    browser.wait_for(&format!("{GERMAN} && {VALID}"));
+    browser.press("Enter");
+    browser.wait_for("!document.getElementById('trouble').hidden");
+    assert_eq!(english(&mut browser), "");
+    std::fs::remove_file(folder.path().join("anna")).unwrap();
+    browser.press("Enter");
+    browser.wait_for("document.getElementById('session').dataset.phase === 'cued'");
+    browser.press("h");
+    browser.wait_for("document.getElementById('session').dataset.phase === 'held'");
+    assert_eq!(english(&mut browser), "");
+    browser.press("e");
+    browser.wait_for("document.getElementById('ending').open");
+    assert_eq!(english(&mut browser), "");
+    browser.press("e");
+    browser.wait_for("!document.getElementById('result').hidden");
+    assert_eq!(english(&mut browser), "");
+    browser.screenshot(&pictures().join("german-result.png"));
+
+    // A tuning that fails, and a request that is refused.
+    browser.press("t");
+    browser.wait_for("document.getElementById('tuned').dataset.state === 'failed'");
+    assert_eq!(english(&mut browser), "");
+    let mut other = Viewer::connect(live.url());
+    other.say(r#"{"do":"mark","sample":1,"text":"Marke"}"#);
+    browser.press("w");
+    browser.wait_for("document.body.dataset.view === 'wearer'");
+    assert_eq!(english(&mut browser), "");
+    assert_eq!(browser.complaints, [""; 0]);
+    live.stop().unwrap();
+}
+
 #[test]
 fn the_page_is_german_where_the_browser_or_the_viewer_asks_for_it() {
     let name = "the_page_is_german_where_the_browser_or_the_viewer_asks_for_it";
@@ -121,27 +313,26 @@ fn the_page_is_german_where_the_browser_or_the_viewer_asks_for_it() {
     browser.wait_for(&german);
     browser.wait_for("document.getElementById('label').textContent === 'Faust'");
     browser.wait_for("!document.getElementById('share').hidden");
-    assert_eq!(browser.value(ENGLISH), "");
+    assert_eq!(english(&mut browser), "");
     browser.screenshot(&pictures().join("german.png"));
     live.stop().unwrap();
     browser.wait_for("document.getElementById('empty').hidden === false");
-    assert_eq!(browser.value(ENGLISH), "");
+    assert_eq!(english(&mut browser), "");
 
     // By the browser's language, on the page of a session and its record.
-    let tongue = serde_json::json!({ "userAgent": "test", "acceptLanguage": "de-DE" });
-    browser.command("Emulation.setUserAgentOverride", tongue);
+    ask_for_german(&mut browser);
     let live = record(folder.path(), Source::Demo, SHORT, 16);
     browser.open(live.url());
     browser.wait_for(&german);
-    assert_eq!(browser.value(ENGLISH), "");
+    assert_eq!(english(&mut browser), "");
     browser.press("Enter");
     browser.wait_for("document.getElementById('task').textContent === 'Die Hand weit öffnen'");
-    assert_eq!(browser.value(ENGLISH), "");
+    assert_eq!(english(&mut browser), "");
     browser.screenshot(&pictures().join("german-session.png"));
     browser.open(&format!("{}sessions", live.url()));
     browser
         .wait_for("document.getElementById('state')?.textContent.startsWith('In diesem Ordner')");
-    assert_eq!(browser.value(ENGLISH), "");
+    assert_eq!(english(&mut browser), "");
     assert_eq!(browser.complaints, [""; 0]);
     live.stop().unwrap();
 }

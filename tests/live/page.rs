@@ -179,11 +179,14 @@ fn the_page_shows_a_board_that_is_lost_and_back() {
     assert!(browser.text("legend").contains("--model FILE"));
     browser.press("a");
     browser.wait_for("document.getElementById('placement').textContent.includes('open the hand')");
+    assert!(browser.text("align").starts_with("Stop"));
     browser.screenshot(&pictures().join("board.png"));
     drop(board);
-    browser.wait_for(LOST);
-    assert!(browser.text("source").contains("looking for it again"));
-    assert_eq!(browser.text("label"), "–");
+    // The words come with the message, and the label goes with the next frame.
+    browser.wait_for(&format!(
+        "{LOST} && document.getElementById('source').textContent.includes('looking for it again')"
+    ));
+    browser.wait_for("document.getElementById('label').textContent === '–'");
     browser.screenshot(&pictures().join("lost.png"));
     let board = Board::start(&link, Damage::None);
     browser.wait_for(CONNECTED);

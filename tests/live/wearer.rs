@@ -13,6 +13,10 @@ pub const HIDDEN: &str = "(() => { const ids = ['worn-do', 'worn-hand', 'worn-wo
         one.left < other.right - 1 && other.left < one.right - 1 && one.top < other.bottom - 1 && other.top < one.bottom - 1)); \
     return [...outside, ...covered].map(([id]) => id).join(); })()";
 
+/// Whether no more of the hand's picture is shown than its square: the arm has no end.
+const SQUARE: &str = "(() => { const { width, height } = document.getElementById('worn-hand').getBoundingClientRect(); \
+    return Math.abs(width - height) < 2; })()";
+
 const SCROLLS: &str = "document.documentElement.scrollHeight > innerHeight || document.documentElement.scrollWidth > innerWidth";
 
 #[test]
@@ -24,13 +28,14 @@ fn the_wearer_sees_word_hand_and_task_on_one_screen_of_any_size() {
     browser.wait_for(VALID);
     browser.press("w");
     browser.wait_for("document.body.dataset.view === 'wearer'");
+    browser.wait_for("document.getElementById('worn-sign').dataset.state === 'right'");
     let schemes = ["light", "dark"].into_iter().cycle();
     for ((name, width, height), scheme) in WINDOWS.into_iter().zip(schemes) {
         browser.look(width, height, scheme, "reduce");
-        browser.wait_for("document.getElementById('worn-sign').dataset.state === 'right'");
         browser.frames(3);
         assert_eq!(browser.value(HIDDEN), "", "{name}");
         assert_eq!(browser.value(SCROLLS), false, "{name}");
+        assert_eq!(browser.value(SQUARE), true, "{name}");
         browser.screenshot(&pictures().join(format!("wearer-{name}-{scheme}.png")));
     }
     // Word and hand are of the label, the task is the cue in words; a sign besides the colour says whether they agree.
@@ -44,6 +49,13 @@ fn the_wearer_sees_word_hand_and_task_on_one_screen_of_any_size() {
         "document.getElementById('worn-do').textContent === 'Make a fist' && \
                       document.getElementById('worn-sign').textContent.startsWith('✓')",
     );
+    // While the armband is aligned, that is what to do.
+    browser.press("a");
+    browser.wait_for(
+        "document.getElementById('worn-do').textContent === 'Open the hand twice, with rest before and after'",
+    );
+    browser.press("a");
+    browser.wait_for("document.getElementById('worn-do').textContent !== 'Open the hand twice, with rest before and after'");
     // A reader hears task and label politely, and nothing moves.
     for id in ["worn-do", "spoken"] {
         let heard = format!(

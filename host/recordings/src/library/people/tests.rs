@@ -79,6 +79,24 @@ fn what_lies_below_a_persons_recordings_is_theirs() {
 }
 
 #[test]
+fn a_folder_whose_sessions_are_named_after_it_is_a_person_whatever_its_name() {
+    let [test, anna] =
+        ["test", "anna"].map(|name| format!("{name}/{name}_20261128T084900Z_quick_1.csv"));
+    let (named, _) = who(&[&test, &anna]);
+    assert_eq!(
+        named,
+        [&test, &anna].map(|path| format!("react-emg/{}", path.trim_end_matches(".csv")))
+    );
+    // The folder of one person alone.
+    let mut recordings = [Recording {
+        path: Path::new("/d").join(&test),
+        ..Recording::new(DataSet::ReactEmg, "", vec![[1; 8]], vec![None])
+    }];
+    by_folder(Path::new("/d/test"), &mut recordings, &|_| false);
+    assert_eq!(recordings[0].subject, "react-emg/test");
+}
+
+#[test]
 fn loose_files_are_of_the_folders_name_which_is_nobody_elses() {
     assert_eq!(
         who(&["1.csv", "anna/1.csv"]).0,
