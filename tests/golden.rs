@@ -8,8 +8,6 @@ mod files;
 mod masking;
 #[path = "golden/model.rs"]
 mod model;
-#[path = "golden/preprocess.rs"]
-mod preprocess;
 #[path = "golden/schedule.rs"]
 mod schedule;
 #[path = "golden/smoother.rs"]

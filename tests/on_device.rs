@@ -8,8 +8,6 @@
 mod cases;
 #[path = "golden/files.rs"]
 mod files;
-#[path = "golden/preprocess.rs"]
-mod preprocess;
 #[path = "golden/smoother.rs"]
 mod smoother;
 

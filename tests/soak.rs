@@ -10,8 +10,6 @@ mod armband;
 mod device;
 #[path = "soak/faults.rs"]
 mod faults;
-#[path = "soak/memory.rs"]
-mod memory;
 #[path = "soak/truth.rs"]
 mod truth;
 
@@ -56,7 +54,7 @@ fn soak(device: &mut Device<'_, '_>, hours: u64, seed: u64) {
         armband.stream(clean);
         armband.must_be_true();
         if armband.elapsed_ms() > FIRST_MS && first_kib.is_none() {
-            first_kib = memory::resident_kib();
+            first_kib = resident_kib();
         }
         let fault = faults.next();
         armband.suffer(fault);
@@ -70,9 +68,18 @@ fn soak(device: &mut Device<'_, '_>, hours: u64, seed: u64) {
     for kind in Fault::KINDS {
         assert!(seen.contains_key(kind), "{kind} never happened");
     }
-    let (Some(first), Some(last)) = (first_kib, memory::resident_kib()) else {
+    let (Some(first), Some(last)) = (first_kib, resident_kib()) else {
         return myointent_tests::skip("memory of the soak", "no /proc/self/status");
     };
     println!("{first} KiB of memory after a quarter of an hour, {last} KiB at the end");
     assert!(last <= first + GROWTH_KIB, "{first} KiB grew to {last} KiB");
+}
+
+/// Returns the resident memory in KiB; `None` where the system does not say.
+fn resident_kib() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmRSS:"))?;
+    line.trim().strip_suffix(" kB")?.parse().ok()
 }

@@ -9,7 +9,7 @@ use myointent_tests::golden;
 use presets::Preset;
 use safetensors::SafeTensors;
 use shared::units::{CHANNELS, WINDOW};
-use training::optimization::tensor::read_back;
+use training::optimization::read_back;
 use training::teacher::checkpoint::{load, save};
 use training::teacher::model::{Teacher, TeacherConfig, TeacherInput, TeacherOutput};
 

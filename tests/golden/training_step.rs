@@ -9,7 +9,7 @@ use myointent_tests::golden;
 use serde_json::Value;
 use shared::units::{CHANNELS, WINDOW};
 use training::optimization::optimizer::optimizer;
-use training::optimization::tensor::read_back;
+use training::optimization::read_back;
 use training::teacher::batch::Batch;
 use training::teacher::checkpoint::save;
 use training::teacher::learner::losses;

@@ -23,7 +23,7 @@ use shared::units::PATCH;
 use training::backend::Backend;
 use training::optimization::learner::{Learner, WeightedMetric};
 use training::optimization::optimizer::{gradients, optimizer};
-use training::optimization::tensor::read_back;
+use training::optimization::read_back;
 use training::student::learner::{StudentLearner, Teaching};
 use training::teacher::learner::TeacherLearner;
 

@@ -1,9 +1,13 @@
-//! Progress on standard error: bars and log lines.
+//! Progress on standard error: bars and log lines; parallel work with a bar.
 
 use std::io::{self, Write as _};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use rayon::prelude::*;
+
+use crate::interrupt::Interrupt;
+use crate::run_folder::{RunError, RunFolder};
 
 /// A progress bar of `length` steps, hidden when standard error is no terminal.
 ///
@@ -46,4 +50,32 @@ pub fn bytes(length: Option<u64>, what: &str) -> ProgressBar {
 /// Writes a line to the log. An error of writing is ignored.
 pub fn log(line: &str) {
     let _ = writeln!(io::stderr(), "{line}");
+}
+
+/// Results of `work` for every item, in the items' order, computed on all cores; `name` is shown beside the progress
+/// bar.
+///
+/// # Errors
+/// When the user interrupts.
+pub fn map<T: Sync, R: Send>(
+    name: &str,
+    items: &[T],
+    run: &RunFolder,
+    interrupt: &Interrupt,
+    work: impl Fn(&T) -> R + Sync,
+) -> Result<Vec<R>, RunError> {
+    let progress = bar(items.len(), name);
+    let results = items
+        .par_iter()
+        .map(|item| {
+            if interrupt.requested() {
+                return Err(run.interrupted());
+            }
+            let result = work(item);
+            progress.inc(1);
+            Ok(result)
+        })
+        .collect();
+    progress.finish_and_clear();
+    results
 }

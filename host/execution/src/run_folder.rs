@@ -12,11 +12,11 @@ mod artefact;
 mod durable;
 mod error;
 mod json;
-#[cfg(any(test, feature = "testing"))]
-pub mod kill;
 mod lock;
 
 pub use artefact::{Artefact, ModelInfo};
+#[cfg(any(test, feature = "testing"))]
+pub use durable::kill;
 pub use durable::write_whole;
 pub use error::RunError;
 pub use json::{EpochMetrics, Stamped};

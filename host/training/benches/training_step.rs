@@ -22,7 +22,7 @@ use shared::intent::Vocabulary;
 use shared::units::{CHANNELS, PATCH};
 use training::optimization::learner::Learner as _;
 use training::optimization::optimizer::{gradients, optimizer};
-use training::optimization::tensor::read_back;
+use training::optimization::read_back;
 use training::student::learner::{StudentLearner, Teaching};
 use training::student::model::Student;
 use training::teacher::learner::TeacherLearner;

@@ -83,8 +83,7 @@ fn attributes() -> Vec<u8> {
     let mut handle = 1;
     for characteristic in Characteristic::ALL {
         let mut declaration = vec![0x10, handle + 1, 0];
-        let uuid = characteristic.uuid().to_le_bytes();
-        declaration.extend(uuid);
+        declaration.extend(characteristic.uuid().to_le_bytes());
         seed.push(declaration.len() as u8);
         seed.extend(declaration);
         // The value is not read; the description comes next, then the descriptor.
@@ -224,11 +223,8 @@ fn reports() -> Vec<Vec<u8>> {
         Answer::Refused(Refusal::Checksum(4)).to_string(),
     ];
     let bodies = lines.clone().map(|line| line[1..line.len() - 5].to_owned());
-    lines
-        .into_iter()
-        .chain(bodies)
-        .map(String::into_bytes)
-        .collect()
+    let all = lines.into_iter().chain(bodies);
+    all.map(String::into_bytes).collect()
 }
 
 fn smallest() -> Vec<u8> {
@@ -291,51 +287,35 @@ fn matrices() -> Vec<Vec<u8>> {
 fn recordings() -> Vec<Vec<u8>> {
     let counts = [2_i8, -3, 40, 5, -60, 7, 8, -9].map(i8::cast_unsigned);
     let array = encode("|i1", &[ROWS, 8], &counts.repeat(ROWS));
-    let labelled = encode(
-        "|i1",
-        &[ROWS, 9],
-        &[&[1], &counts[..]].concat().repeat(ROWS),
-    );
-    let words: Vec<u8> = counts
-        .iter()
-        .flat_map(|&count| [count, if count > 127 { 255 } else { 0 }])
-        .collect();
+    let nine = [&[1], &counts[..]].concat();
+    let labelled = encode("|i1", &[ROWS, 9], &nine.repeat(ROWS));
+    let int16 = |&count: &u8| i16::from(count.cast_signed()).to_le_bytes();
+    let words: Vec<u8> = counts.iter().flat_map(int16).collect();
     let uci = "time\tchannel1\tchannel2\tchannel3\tchannel4\tchannel5\tchannel6\tchannel7\tchannel8\tclass\n";
-    let row = |number: usize| {
-        format!(
-            "{}\t1e-05\t{number}e-05\t0\t0\t0\t0\t0\t-1e-05\t2\n",
-            40 * number
-        )
-    };
-    let uci: String = std::iter::once(uci.to_owned())
-        .chain((0..ROWS).map(row))
-        .collect();
+    let row = |at: usize| format!("{}\t1e-05\t{at}e-05\t0\t0\t0\t0\t0\t-1e-05\t2\n", 40 * at);
+    let uci = uci.to_owned() + &(0..ROWS).map(row).collect::<String>();
     let emg = "\"ch1\":[1,2],\"ch2\":[1,2],\"ch3\":[1,2],\"ch4\":[1,2],\"ch5\":[1,2],\"ch6\":[1,2],\"ch7\":[1,2],\"ch8\":[1,2]";
     let json = format!(
         "{{\"trainingSamples\":{{\"idx_1\":{{\"gestureName\":\"open\",\"groundTruthIndex\":[1,2],\"emg\":{{{emg}}}}},\
          \"idx_2\":{{\"gestureName\":\"noGesture\",\"emg\":{{{emg}}}}},\"idx_3\":{{\"gestureName\":\"fist\",\
          \"groundTruth\":[0,1],\"emg\":{{{emg}}}}}}},\"testingSamples\":{{}}}}"
     );
-    let mat = file(&[compressed(&doubles(
-        "data",
-        [ROWS as i32, 8],
-        &[0.5; 8 * ROWS],
-    ))]);
+    let rows = ROWS as i32;
+    let mat = file(&[compressed(&doubles("data", [rows, 8], &[0.5; 8 * ROWS]))]);
     let pulses = file(&[
-        variable("emg", [ROWS as i32, 8], 6, 1, &counts.repeat(ROWS)),
-        variable("pulse", [ROWS as i32, 1], 6, 1, &[100; ROWS]),
+        variable("emg", [rows, 8], 6, 1, &counts.repeat(ROWS)),
+        variable("pulse", [rows, 1], 6, 1, &[100; ROWS]),
     ]);
+    let table = |header: &str, row: &str| (header.to_owned() + &row.repeat(ROWS)).into_bytes();
     let files: [Vec<u8>; PATHS.len() - PAIRS.len()] = [
-        [
-            &b"gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n"[..],
-            &b"2,1,2,3,4,5,6,7,-128\n".repeat(ROWS),
-        ]
-        .concat(),
-        [
-            &b"index,timestamp,0,1,2,3,4,5,6,7\r\n"[..],
-            &b"0,5,1,2,3,4,5,6,7,8\r\n".repeat(ROWS),
-        ]
-        .concat(),
+        table(
+            "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n",
+            "2,1,2,3,4,5,6,7,-128\n",
+        ),
+        table(
+            "index,timestamp,0,1,2,3,4,5,6,7\r\n",
+            "0,5,1,2,3,4,5,6,7,8\r\n",
+        ),
         uci.into_bytes(),
         b"1,2,3,4,5,6,7,8,7\n".repeat(ROWS),
         b"0.5,0,0,0,0,0,0,-1\n".repeat(ROWS),
@@ -351,17 +331,13 @@ fn recordings() -> Vec<Vec<u8>> {
         pulses,
         b"1,2,3,4,5,6,7,8,3\n".repeat(ROWS),
     ];
-    let alone = files.len();
+    let pairs = pairs().into_iter().map(|[beside, file]| {
+        let length = (beside.len() as u16).to_le_bytes();
+        [&length[..], &beside, &file].concat()
+    });
     let numbered = |(number, file): (usize, Vec<u8>)| [&[number as u8], &file[..]].concat();
-    let alone_seeds = files.into_iter().enumerate().map(numbered);
-    let pairs = pairs()
-        .into_iter()
-        .enumerate()
-        .map(|(number, [beside, file])| {
-            let length = (beside.len() as u16).to_le_bytes();
-            [&[(alone + number) as u8], &length[..], &beside, &file].concat()
-        });
-    alone_seeds.chain(pairs).collect()
+    let all = files.into_iter().chain(pairs).enumerate();
+    all.map(numbered).collect()
 }
 
 /// Returns files, each behind the file that is read beside it.
@@ -408,9 +384,8 @@ fn descriptions() -> Vec<Vec<u8>> {
     );
     let named = "files = \"{person}/{gesture}.csv\"\nlabels = { open = [1] }\nrate = 200\ntiming = \"from-activity\"\n";
     let texts = ["", start, &labelled, named];
-    texts
-        .map(|text| format!("{text}\0{table}").into_bytes())
-        .to_vec()
+    let before = |text| format!("{text}\0{table}").into_bytes();
+    texts.map(before).to_vec()
 }
 
 fn labels() -> Vec<Vec<u8>> {

@@ -12,10 +12,10 @@ use super::windows::PaddedStream;
 use evaluation::Candidate;
 use evaluation::EvaluatedRecording;
 use execution::fingerprint::Fingerprint;
-use execution::parallel;
+use execution::progress;
 use execution::run_folder::{RunError, RunFolder};
 use training::optimization::dropout::Dropout;
-use training::optimization::tensor::read_back;
+use training::optimization::read_back;
 use training::run::context::RunContext;
 use training::run::evaluate::if_own;
 use training::weights::Weights as _;
@@ -156,7 +156,7 @@ pub(crate) fn candidate(
     let (folder, classes) = (&context.folder, context.config.preset.classes);
     let (device, streams) = (context.inference_device(), context.config.streams_lineage());
     let trained = TrainedBaseline::load(baseline, folder, streams, classes, &device)?;
-    let logits = parallel::map(
+    let logits = progress::map(
         baseline.name(),
         recordings,
         folder,

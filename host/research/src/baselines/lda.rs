@@ -217,9 +217,7 @@ mod tests {
         }
         let right = examples()
             .iter()
-            .filter(|(x, class)| {
-                training::optimization::tensor::best_class(&lda.scores(x)) == *class
-            })
+            .filter(|(x, class)| training::optimization::best_class(&lda.scores(x)) == *class)
             .count();
         assert_eq!(right, 79, "an accuracy of 0.8778 on 90, as in scikit-learn");
     }

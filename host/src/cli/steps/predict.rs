@@ -9,7 +9,7 @@ use execution::run_folder::RunFolder;
 use shared::stream::smoother::Settings;
 use shared::units::{CHANNELS, Sample, WINDOW};
 use training::inference::{student_logits, teacher_logits};
-use training::optimization::tensor::read_back;
+use training::optimization::read_back;
 use training::run::context::{RunContext, load_student, load_teacher};
 use training::teacher::model::TeacherInput;
 

@@ -4,7 +4,7 @@ use burn::tensor::{Device, Tensor};
 use shared::model::LookBackLogits;
 use shared::units::{CHANNELS, CleanSample, LOOK_BACK, PATCH, WINDOW_PATCHES};
 
-use crate::optimization::tensor::read_back;
+use crate::optimization::read_back;
 use crate::student::model::Student;
 use presets::augmentation::Variation;
 use recordings::corpus::padded;

@@ -4,7 +4,7 @@ use burn::tensor::Device;
 use shared::model::LookBackLogits;
 use shared::units::{CHANNELS, CleanSample, LOOK_BACK, PATCH, WINDOW};
 
-use crate::optimization::tensor::read_back;
+use crate::optimization::read_back;
 use crate::teacher::model::{Teacher, TeacherInput};
 use crate::teacher::window::WindowShape;
 use presets::augmentation::Variation;

@@ -190,8 +190,7 @@ mod tests {
     #[test]
     fn the_mean_is_kept_and_a_seed_repeats_its_mask() {
         let x = Tensor::<2>::ones([100, 200], &Device::default());
-        let drop =
-            |seed| crate::optimization::tensor::read_back(dropout(seed).drop(x.clone(), 0.15));
+        let drop = |seed| crate::optimization::read_back(dropout(seed).drop(x.clone(), 0.15));
         let once = drop(1);
         assert_eq!(once, drop(1));
         assert_ne!(once, drop(2));
@@ -253,7 +252,7 @@ mod tests {
     fn without_dropout_nothing_changes() {
         let x = Tensor::<1>::ones([8], &Device::default());
         assert_eq!(
-            crate::optimization::tensor::read_back(Dropout::off().drop(x, 0.9)),
+            crate::optimization::read_back(Dropout::off().drop(x, 0.9)),
             [1.0; 8]
         );
     }

@@ -24,7 +24,7 @@ mod tests {
     use burn::tensor::{Device, TensorData};
 
     use super::*;
-    use crate::optimization::tensor::read_back;
+    use crate::optimization::read_back;
 
     #[test]
     fn it_is_the_mean_over_the_labelled_positions() {

@@ -8,7 +8,7 @@ use super::context::RunContext;
 use crate::inference::{student_logits, teacher_logits};
 use crate::student::model::Student;
 use evaluation::{Candidate, EvaluatedRecording};
-use execution::parallel;
+use execution::progress;
 use execution::run_folder::RunError;
 
 /// Computes the teacher's logits over all recordings; `name` is its name in tables.
@@ -49,7 +49,7 @@ fn candidate(
     logits: impl Fn(&[CleanSample]) -> Vec<LookBackLogits> + Sync,
 ) -> Result<Candidate, RunError> {
     let preprocessing = context.config.preset.preprocessing();
-    let logits = parallel::map(
+    let logits = progress::map(
         name,
         recordings,
         &context.folder,

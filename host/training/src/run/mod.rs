@@ -6,12 +6,10 @@ pub mod context;
 mod error;
 pub mod evaluate;
 pub mod personalize;
-mod preflight;
 pub mod quantize;
 mod soft_targets;
 pub mod start;
 mod student;
-mod teacher;
 pub mod train;
 
 pub use error::StepError;

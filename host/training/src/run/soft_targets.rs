@@ -7,7 +7,7 @@ use super::context::RunContext;
 use super::error::StepError;
 use crate::inference::teacher_logits;
 use execution::fingerprint::Fingerprint;
-use execution::parallel;
+use execution::progress;
 use execution::run_folder::{Artefact, RunError};
 
 const FILE: &str = "soft-targets.bin";
@@ -49,7 +49,7 @@ fn of_teacher(
     let model = context.teacher()?;
     let device = context.inference_device();
     let shape = context.config.preset.teacher.window_shape();
-    Ok(parallel::map(
+    Ok(progress::map(
         "soft targets",
         streams,
         &context.folder,

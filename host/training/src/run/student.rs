@@ -5,7 +5,7 @@ use shared::units::CleanSample;
 
 use super::context::RunContext;
 use super::error::StepError;
-use super::preflight::refuse_impossible;
+use super::quantize::refuse_impossible;
 use super::soft_targets::soft_targets;
 use crate::optimization::fit::fit;
 use crate::student::ensemble::Ensemble;

@@ -1,11 +1,17 @@
 //! Training of a run's models: what the preset asks for, and what is asked beyond it.
 
-use presets::distillation;
+use std::path::Path;
 
 use super::context::RunContext;
 use super::error::StepError;
+use super::quantize::refuse_impossible;
 use super::student::train_student;
-pub use super::teacher::train_teacher;
+use crate::teacher;
+use crate::teacher::learner::TeacherLearner;
+use crate::teacher::model::Teacher;
+use crate::weights::Weights as _;
+use execution::progress;
+use presets::{distillation, lineage};
 
 /// Models to train beyond those that the preset's student needs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,4 +38,60 @@ pub fn train(context: &RunContext, extra: Extra) -> Result<(), StepError> {
         train_student(context, distillation::LABELS_ONLY)?;
     }
     Ok(())
+}
+
+/// Trains the teacher.
+///
+/// # Errors
+/// When there are no validation subjects, the folder cannot be written or the user interrupts.
+pub fn train_teacher(context: &RunContext) -> Result<(), StepError> {
+    let preset = &context.config.preset;
+    let corpus = context.config.training(&context.library);
+    let validation = context.config.validation(&context.library);
+    refuse_impossible(preset, &context.inference_device())?;
+    if validation.streams.is_empty() {
+        return Err(StepError::NoValidation);
+    }
+    progress::log(&format!(
+        "training on {} streams, {:.0} s; validating on {}, {:.0} s",
+        corpus.streams.len(),
+        corpus.seconds(),
+        validation.streams.len(),
+        validation.seconds(),
+    ));
+    let made_from = context.config.teacher_lineage();
+    context.device.seed(preset.seed);
+    let mut model = Teacher::new(&preset.teacher, preset.classes, &context.device);
+    if let Some(start) = &context.config.start {
+        if lineage::start_weights(start).ok() != context.config.start_weights {
+            let start = start.clone();
+            return Err(StepError::StartChanged { start });
+        }
+        model = load_start(start, model)?;
+    }
+    if preset.teacher_training.epochs == 0 {
+        context
+            .folder
+            .save_model(presets::teacher::NAME, made_from, &model)?;
+        return Ok(());
+    }
+    let learner = TeacherLearner::new(
+        preset.teacher.window_shape(),
+        &corpus,
+        &validation,
+        &preset.teacher_training,
+        preset.seed,
+        &context.device,
+    );
+    learner.train(model, &context.training(made_from))?;
+    Ok(())
+}
+
+/// Loads the weights that training starts from: another run's teacher, or a checkpoint in the reference's format.
+fn load_start(start: &Path, model: Teacher) -> Result<Teacher, StepError> {
+    if start.is_dir() {
+        let (folder, origin) = RunContext::find(start)?;
+        return Ok(folder.load_model(presets::teacher::NAME, origin.teacher_lineage(), model)?);
+    }
+    Ok(teacher::checkpoint::load(start, model)?)
 }

@@ -126,7 +126,7 @@ mod tests {
     use shared::model::LookBackLogits;
 
     use super::*;
-    use crate::optimization::tensor::read_back;
+    use crate::optimization::read_back;
     use crate::student::sequence::sequences;
     use presets::augmentation::Variation;
     use recordings::corpus::{Corpus, Stream};

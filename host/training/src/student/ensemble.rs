@@ -75,7 +75,7 @@ mod tests {
     use burn::tensor::{Device, Distribution};
 
     use super::*;
-    use crate::optimization::tensor::read_back;
+    use crate::optimization::read_back;
     use presets::Preset;
     use shared::units::LOOK_BACK;
 

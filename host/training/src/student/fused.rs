@@ -4,7 +4,6 @@
 //! and read it again. Here the tensors of one sequence fit into the cache of a core, and attention is computed only inside
 //! the band. The order of all sums is fixed: the result does not depend on the number of threads.
 
-mod activation;
 mod attention;
 mod linear;
 mod operation;

@@ -12,7 +12,7 @@ use super::model::Student;
 use super::sequence::{Excerpt, Sequence, sequences};
 use crate::optimization::learner::{Learner, SHARDS, WeightedMetric};
 use crate::optimization::loss::cross_entropy;
-use crate::optimization::tensor::read_back;
+use crate::optimization::read_back;
 use presets::augmentation::Variation;
 use presets::distillation::Distillation;
 use recordings::corpus::Corpus;

@@ -13,7 +13,7 @@ use shared::stream::alignment::Template;
 use shared::stream::preprocess::Preprocessing;
 
 use super::model::{Student, StudentConfig};
-use crate::optimization::tensor::read_back;
+use crate::optimization::read_back;
 
 /// Encodes the model file: weights rounded to i8 with one scale per output row, everything else in f32.
 ///

@@ -42,7 +42,7 @@ fn on_flex(
     use fused::{FusedAttention as _, Settings};
 
     let flags = blocked.map_or_else(Vec::new, |flags| {
-        crate::optimization::tensor::read_back(flags.clone())
+        crate::optimization::read_back(flags.clone())
     });
     let settings = Settings {
         heads,

@@ -120,7 +120,7 @@ mod tests {
     use shared::intent::{Intent, Vocabulary};
 
     use super::*;
-    use crate::optimization::tensor::read_back;
+    use crate::optimization::read_back;
     use crate::teacher::window::examples;
     use presets::masking::Task;
     use recordings::corpus::Stream;

@@ -195,7 +195,7 @@ mod fused {
 mod tests {
     use super::*;
     use crate::optimization::dropout::Dropout;
-    use crate::optimization::tensor::read_back;
+    use crate::optimization::read_back;
     use burn::tensor::{Device, Distribution};
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;

@@ -1,23 +1,22 @@
 //! A teacher's training, batch by batch: examples, losses, validation.
 
-use burn::module::Module as _;
+use burn::module::{Lora, Module as _, ParamGroup};
 use burn::tensor::{Device, Tensor};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
 use super::batch::Batch;
-use super::lora::adapt;
 use super::model::{Teacher, TeacherInput, TeacherOutput};
 use super::window::{Example, WindowShape, examples};
 use crate::optimization::fit::{Training, fit};
 use crate::optimization::learner::{Learner, SHARDS, WeightedMetric};
 use crate::optimization::loss::cross_entropy;
-use crate::optimization::tensor::{best_class, read_back};
+use crate::optimization::{best_class, read_back};
 use crate::weights::Weights as _;
 use execution::run_folder::RunError;
 use presets::augmentation::Variation;
-use presets::teacher::{ADAPTED, NAME, TeacherTraining};
+use presets::teacher::{ADAPTED, LoraConfig, NAME, TeacherTraining};
 use recordings::corpus::Corpus;
 
 /// Training problem of a teacher.
@@ -242,4 +241,14 @@ impl WeightedMean {
     fn mean(&self) -> f64 {
         self.sum / self.count.max(1.0)
     }
+}
+
+/// Adds adapters of low rank (LoRA, arXiv 2106.09685) to a model, which alone are trained; at first they do not change its outputs.
+fn adapt(lora: LoraConfig, model: Teacher) -> Teacher {
+    let mut paths = vec!["intent_head.weight".to_owned()];
+    for layer in 0..model.depth() {
+        paths.extend(["linear1", "linear2"].map(|name| format!("layers.{layer}.{name}.weight")));
+    }
+    let lora = Lora::new(lora.rank, lora.alpha).set_param_group(ParamGroup::from_paths(paths));
+    model.apply_lora(lora)
 }

@@ -5,6 +5,5 @@ pub mod batch;
 pub mod checkpoint;
 mod feed_forward;
 pub mod learner;
-pub(crate) mod lora;
 pub mod model;
 pub mod window;

@@ -3,8 +3,7 @@
 use super::{
     cache::{LayerCache, Slot},
     linear::{self, Added, Mapped, quantize},
-    norm::layer_norm,
-    token::{HeadScratch, Token},
+    token::{HeadScratch, Token, layer_norm},
 };
 use crate::arithmetic::exp;
 use crate::kernels::{Active, KEY_LIMIT, Kernels, QUERY_LIMIT};

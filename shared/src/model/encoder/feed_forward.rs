@@ -2,8 +2,7 @@
 
 use super::{
     linear::{self, Added, Mapped, quantize},
-    norm::layer_norm,
-    token::Token,
+    token::{Token, layer_norm},
 };
 use crate::arithmetic::gelu;
 use crate::model::file::LayerWeights;

@@ -2,8 +2,7 @@
 
 use super::{
     linear::{self, Mapped, quantize},
-    norm::layer_norm,
-    token::Token,
+    token::{Token, layer_norm},
 };
 use crate::intent::MAX_LOGITS;
 use crate::kernels::TILE_ROWS;

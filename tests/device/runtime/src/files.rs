@@ -1,6 +1,6 @@
-//! Files of the host, by semihosting.
+//! Command line and files of the host, by semihosting.
 
-use alloc::{ffi::CString, vec, vec::Vec};
+use alloc::{ffi::CString, string::String, vec, vec::Vec};
 
 use semihosting::{
     fs::File,
@@ -21,4 +21,19 @@ pub fn read(path: &str) -> io::Result<Vec<u8>> {
     let mut bytes = vec![0; length as usize];
     file.read_exact(&mut bytes)?;
     Ok(bytes)
+}
+
+/// Words of the command line after the program's name.
+pub type Arguments = Vec<String>;
+
+/// Returns the words that `-semihosting-config arg=...` passed after the program's name.
+///
+/// # Panics
+/// On a command line above 1 KiB, or not of UTF-8.
+#[must_use]
+pub fn arguments() -> Arguments {
+    let line = semihosting::experimental::env::args::<1024>().expect("a command line");
+    line.skip(1)
+        .map(|word| word.expect("UTF-8").into())
+        .collect()
 }

@@ -10,13 +10,12 @@
 
 extern crate alloc;
 
-mod arguments;
 pub mod files;
 pub mod harness;
 mod start;
 pub mod timer;
 
-pub use arguments::{Arguments, arguments};
+pub use files::{Arguments, arguments};
 // `#[test]` expands to paths directly under the crate `test`.
 pub use harness::*;
 pub use semihosting::{print, println};

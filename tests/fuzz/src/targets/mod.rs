@@ -1,23 +1,18 @@
-//! Targets of fuzzing. A new target needs its file, its line in [`ALL`] and its seeds in [`crate::seeds`].
+//! Targets of fuzzing. A new target needs its function, its line in [`ALL`] and its seeds in [`crate::seeds`].
 
-mod advertisement;
 mod answer;
-mod binding;
+mod armband;
 mod command;
 mod description;
-mod discovery;
 mod installation;
-mod labels;
 mod mat;
 mod model;
-mod notification;
 mod npy;
 mod pipeline;
 mod preset;
 pub mod recording;
 mod report;
 mod session;
-mod template;
 
 /// Target of fuzzing.
 #[derive(Clone, Copy)]
@@ -36,22 +31,22 @@ const fn target(name: &'static str, longest: usize, run: fn(&[u8])) -> Target {
 
 /// All targets, from the radio to the PC.
 pub const ALL: [Target; 18] = [
-    target("advertisement", 256, advertisement::run),
-    target("discovery", 4096, discovery::run),
-    target("notification", 1024, notification::run),
+    target("advertisement", 256, armband::advertisement),
+    target("discovery", 4096, armband::discovery),
+    target("notification", 1024, armband::notification),
     target("session", 1024, session::run),
-    target("binding", 64, binding::run),
+    target("binding", 64, armband::binding),
     target("pipeline", 512, pipeline::run),
     target("command", 512, command::run),
     target("installation", 1024, installation::run),
     target("report", 1024, report::run),
     target("answer", 128, answer::run),
     target("model", 2048, model::run),
-    target("template", 128, template::run),
+    target("template", 128, model::template),
     target("npy", 1024, npy::run),
     target("mat", 2048, mat::run),
     target("recording", 4096, recording::run),
-    target("labels", 4096, labels::run),
+    target("labels", 4096, recording::labels),
     target("preset", 2048, preset::run),
     target("description", 4096, description::run),
 ];

@@ -9,7 +9,7 @@ use shared::model::Encode;
 use shared::model::dimensions::Dimensions;
 use shared::model::encoder::{DeviceEncoder, DeviceState, HostEncoder};
 use shared::model::file::{Model, random};
-use shared::stream::alignment::Profile;
+use shared::stream::alignment::{Alignment, Profile, TEMPLATE_BYTES, Template};
 use shared::stream::smoother::Smoother;
 use shared::units::{LOOK_BACK, Patch, SampleIndex};
 
@@ -225,4 +225,38 @@ fn patch(number: u32) -> Patch {
             _ => (number as usize * 37 + sample * 17 + channel * 5) as u8 % 129,
         })
     })
+}
+
+/// Takes the alignment template of a model file, then the mean activity of eight electrodes.
+pub fn template(data: &[u8]) {
+    let _ = Template::from_bytes(data);
+    let mut input = Input(data);
+    let bytes: [u8; TEMPLATE_BYTES] = input.array();
+    let means = [(); 8].map(|()| input.word());
+    let Ok(template) = Template::from_bytes(&bytes) else {
+        return;
+    };
+    assert_eq!(template.to_bytes(), bytes, "what is read is written back");
+    let profile = Profile::new(means);
+    assert!(
+        profile
+            .values()
+            .into_iter()
+            .all(|value| (-1793..=1794).contains(&value))
+    );
+    let fits = template.fit(profile);
+    let fit = fits.nearest;
+    for arm in [fit, fits.other_arm] {
+        assert!(Alignment::all().any(|one| one == arm.alignment));
+    }
+    assert_ne!(
+        fit.alignment.mirrored(),
+        fits.other_arm.alignment.mirrored()
+    );
+    assert_eq!(fits.lead(), fits.other_arm.distance - fit.distance);
+    // An armband turned by the answer needs no further turn and fits as well as before; so does the other arm.
+    let turned = fit.alignment.apply(means);
+    let again = template.fit(Profile::new(turned));
+    assert_eq!(again.nearest.distance, fit.distance);
+    assert_eq!(again.other_arm.distance, fits.other_arm.distance);
 }

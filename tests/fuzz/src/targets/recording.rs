@@ -6,6 +6,7 @@ use std::sync::LazyLock;
 use std::{env, fs, process};
 
 use crate::input::Input;
+use recordings::readers::label_file::{Purpose, parse};
 use recordings::readers::npy;
 pub use recordings::readers::open::{Found, Request, of_bytes};
 use recordings::{DataSet, Recording};
@@ -116,4 +117,22 @@ fn read_again(recording: &Recording) {
     };
     assert_eq!(again[0].samples, recording.samples);
     assert_eq!(again[0].labels, recording.labels);
+}
+
+/// Takes a file of labels, true and predicted: csv, text or npy.
+pub fn labels(data: &[u8]) {
+    let [truth, prediction] =
+        [Purpose::Truth, Purpose::Prediction].map(|purpose| parse(data, purpose));
+    let Ok(labels) = truth else { return };
+    assert!(!labels.is_empty(), "at least one label");
+    // A csv may name both kinds of label; a file that names neither reads the same for either purpose.
+    if let Ok(prediction) = prediction {
+        assert_eq!(prediction.len(), labels.len());
+    }
+    let text: String = labels
+        .iter()
+        .map(|label| label.name().to_owned() + "\n")
+        .collect();
+    let again = parse(text.as_bytes(), Purpose::Truth);
+    assert_eq!(again.ok(), Some(labels), "written and read again");
 }

@@ -116,7 +116,7 @@ mod tests {
 
     use super::*;
     use crate::baselines::networks::lock_random_weights;
-    use training::optimization::tensor::read_back;
+    use training::optimization::read_back;
 
     #[test]
     fn has_as_many_parameters_as_counted_by_hand() {

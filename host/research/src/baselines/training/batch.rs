@@ -6,7 +6,7 @@ use super::data::extract;
 use crate::baselines::features::FeatureExtraction;
 use crate::baselines::windows::{Window, WindowedCorpus};
 use training::optimization::loss::cross_entropy;
-use training::optimization::tensor::read_back;
+use training::optimization::read_back;
 
 /// Inputs and targets of some windows.
 pub(super) struct Batch {

@@ -16,7 +16,7 @@ use presets::training::LrSchedule;
 use training::optimization::dropout::Dropout;
 use training::optimization::fit::{TrainConfig, Training};
 use training::optimization::learner::{Learner, SHARDS, WeightedMetric};
-use training::optimization::tensor::read_back;
+use training::optimization::read_back;
 
 /// Trains a network and saves the weights of the lowest validation loss.
 pub(super) fn fit<N: Network>(

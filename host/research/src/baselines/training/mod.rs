@@ -2,7 +2,6 @@
 
 mod batch;
 mod data;
-mod error;
 mod learner;
 
 use burn::tensor::Device;
@@ -10,16 +9,45 @@ use burn::tensor::Device;
 use self::data::TrainingData;
 use super::Baseline;
 use super::features::FeatureExtraction;
-use super::lda::Lda;
+use super::lda::{Lda, LdaError};
 use super::networks::{EdTcnConfig, LstmBaselineConfig, MlpConfig, TraHgrConfig};
 use super::settings::BaselineSettings;
 use execution::progress;
+use execution::run_folder::RunError;
 use recordings::corpus::Corpus;
+use training::optimization::best_class;
 use training::optimization::fit::Training;
-use training::optimization::tensor::best_class;
 use training::run::context::RunContext;
 
-pub(crate) use error::TrainingError;
+/// Why a baseline cannot be trained.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum TrainingError {
+    /// There is no labelled window to train or to validate with.
+    #[error(
+        "{baseline} has {training} training windows and {validation} validation windows; it needs both: give more labelled recordings"
+    )]
+    NoWindows {
+        /// Name of the baseline.
+        baseline: &'static str,
+        /// Number of training windows.
+        training: usize,
+        /// Number of validation windows.
+        validation: usize,
+    },
+    /// The discriminants cannot be fitted.
+    #[error(transparent)]
+    Lda(#[from] LdaError),
+    /// The run folder cannot be used, or the user interrupted.
+    #[error(transparent)]
+    Run(#[from] RunError),
+}
+
+impl TrainingError {
+    /// Whether the user interrupted.
+    pub(crate) const fn is_interrupt(&self) -> bool {
+        matches!(self, Self::Run(RunError::Interrupted { .. }))
+    }
+}
 
 /// Data and settings of a training.
 struct Setup<'a> {

@@ -7,7 +7,7 @@ use burn::tensor::{Device, Tensor, TensorData};
 
 use super::*;
 use crate::optimization::learner::WeightedMetric;
-use crate::optimization::tensor::read_back;
+use crate::optimization::read_back;
 use execution::run_folder::kill;
 use presets::training::LrSchedule;
 

@@ -1,7 +1,7 @@
 //! Softmax over a row of attention scores, forward and backward, as loops that the compiler vectorizes.
 
 use super::exponential::exp_negative;
-use super::reduction::{dot, fold};
+use super::{dot, fold};
 
 /// Softmax statistics of a row of scores `x`, whose weights are `exp((x - max) * scale) * inverse_sum`.
 ///

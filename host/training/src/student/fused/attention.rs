@@ -7,9 +7,9 @@ use pulp::Simd;
 
 use super::linear::{matrix, matrix_mut};
 use super::parameters::Sizes;
+use crate::optimization::kernels::dot;
 use crate::optimization::kernels::exponential::exp_negative;
 use crate::optimization::kernels::matmul::{RowsMut, Transposed, padded, product};
-use crate::optimization::kernels::reduction::dot;
 use crate::optimization::kernels::softmax::{RowStatistics, exponentials};
 
 /// Number of queries in a block.

@@ -4,7 +4,7 @@ use pulp::Simd;
 
 use super::parameters::{Linear, Norm};
 use crate::optimization::kernels::matmul::{Rows, RowsMut, Transposed, product};
-use crate::optimization::kernels::reduction::{dot, fold};
+use crate::optimization::kernels::{dot, fold};
 use crate::student::model::NORM_EPSILON;
 
 /// Adds a linear layer's output to `to` (`ADD`), or writes it there.

@@ -2,12 +2,13 @@
 
 use pulp::Simd;
 
-use super::activation;
 use super::attention::Buffers;
 use super::linear::{Normalized, linear, linear_input, linear_parameters};
 use super::parameters::{Layer, Parameters, Sizes, Transposes};
+use crate::optimization::kernels::exponential::exp_negative;
 use crate::optimization::kernels::matmul::padded;
 use crate::optimization::kernels::softmax::RowStatistics;
+use crate::student::model::GELU_SCALE;
 
 /// Values that the backward pass of a sequence needs.
 #[derive(Clone, Debug)]
@@ -118,7 +119,7 @@ impl Scratch {
             linear::<S, true>(simd, x, attended, &layer.out);
             saved.norm2.forward(x, &layer.norm2, normalized);
             linear::<S, false>(simd, &mut saved.hidden, normalized, &layer.ff1);
-            activation::forward(&saved.hidden, &mut self.activated);
+            activate(&saved.hidden, &mut self.activated);
             linear::<S, true>(simd, x, &self.activated, &layer.ff2);
         }
         let normalized = &mut self.normalized;
@@ -186,7 +187,7 @@ impl Scratch {
         let (x, normalized) = (&mut self.x, &mut self.normalized);
         let (hidden_gradient, gradient) =
             (&mut self.hidden_gradient, &mut self.normalized_gradient);
-        activation::with_slope(&saved.hidden, &mut self.activated, &mut self.slope);
+        activate_with_slope(&saved.hidden, &mut self.activated, &mut self.slope);
         linear_parameters(simd, &mut gradients.ff2, &self.activated, x);
         linear_input(simd, hidden_gradient, x, ff2, d);
         for (gradient, slope) in hidden_gradient.iter_mut().zip(&self.slope) {
@@ -230,4 +231,29 @@ impl Scratch {
             .norm1
             .backward(&layer.norm1, &mut gradients.norm1, gradient, x);
     }
+}
+
+/// Writes GELU of `x` in its sigmoid approximation, `x sigmoid(1.702 x)`.
+#[inline(always)]
+fn activate(x: &[f32], to: &mut [f32]) {
+    for (to, &x) in to.iter_mut().zip(x) {
+        *to = x * sigmoid(GELU_SCALE * x);
+    }
+}
+
+/// Writes [`activate`] of `x`, and its slope.
+#[inline(always)]
+fn activate_with_slope(x: &[f32], to: &mut [f32], slope: &mut [f32]) {
+    for ((to, slope), &x) in to.iter_mut().zip(slope).zip(x) {
+        let sigmoid = sigmoid(GELU_SCALE * x);
+        *to = x * sigmoid;
+        *slope = sigmoid + GELU_SCALE * *to * (1.0 - sigmoid);
+    }
+}
+
+#[inline(always)]
+fn sigmoid(x: f32) -> f32 {
+    let small = exp_negative(-x.abs());
+    let share = 1.0 / (1.0 + small);
+    if x < 0.0 { small * share } else { share }
 }

@@ -7,7 +7,7 @@ use rayon::ThreadPoolBuilder;
 use shared::model::dimensions::Companding;
 use shared::units::{CHANNELS, LOOK_BACK, PATCH};
 
-use crate::optimization::tensor::read_back;
+use crate::optimization::read_back;
 use crate::student::model::{Student, StudentConfig};
 
 const CLASSES: usize = 3;

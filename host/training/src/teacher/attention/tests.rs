@@ -4,7 +4,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::{attend, in_groups, plain};
 use crate::optimization::dropout::{Dropout, Mask};
-use crate::optimization::tensor::read_back;
+use crate::optimization::read_back;
 
 const HEADS: usize = 2;
 const D: usize = 12;

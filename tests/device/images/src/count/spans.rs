@@ -3,7 +3,7 @@
 use core::hint::black_box;
 
 use device::timer::{self, Instant};
-use shared::model::encoder::probe::{Part, Probe};
+use shared::model::encoder::{Part, Probe};
 
 /// Counts of a repeated piece of work.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
