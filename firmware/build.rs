@@ -10,7 +10,10 @@ use std::{env, error::Error, fs, path::PathBuf, process::Command};
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo:rerun-if-changed=../memory.x");
     println!("cargo:rustc-env=MYOINTENT_REVISION={}", revision());
-    if env::var("CARGO_CFG_TARGET_OS")? != "none" {
+    let is_simulated = env::var("CARGO_CFG_TARGET_OS")? != "none";
+    let image = if is_simulated { "simulated" } else { image() };
+    println!("cargo:rustc-env=MYOINTENT_IMAGE={image}");
+    if is_simulated {
         return Ok(());
     }
     let target = env::var("TARGET")?;
@@ -110,6 +113,22 @@ fn regions() -> (&'static str, &'static str) {
         (_, false, true) => ("FLASH_BARE", "RAM_NRF52840"),
         (_, false, false) => ("FLASH_NRF52840_S140", "RAM_NRF52840_S140"),
     }
+}
+
+/// The image, by the name that `cargo xtask images` gives it.
+fn image() -> &'static str {
+    let board = ["xiao", "feather", "nice-nano"]
+        .into_iter()
+        .find(|board| has(board));
+    board.unwrap_or(
+        match (has("emulator"), has("nrf52832"), has("radio-trouble")) {
+            (true, ..) => "emulator",
+            (_, true, true) => "nrf52832-sdc",
+            (_, true, false) => "nrf52832-s132",
+            (_, false, true) => "nrf52840-sdc",
+            (_, false, false) => "nrf52840-s140",
+        },
+    )
 }
 
 fn has(feature: &str) -> bool {

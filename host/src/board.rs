@@ -1,8 +1,9 @@
 //! Commands to a board on a serial port: one at a time, each with its answer.
 
+pub mod drive;
+pub mod flash;
 mod install;
 
-use self::install::REGION_BYTES;
 pub use self::install::{ModelFile, install};
 
 use std::io::ErrorKind;
@@ -15,6 +16,7 @@ use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
 use shared::uart_line::answer::{Answer, Charge, Refusal};
 use shared::uart_line::command::Command;
 use shared::uart_line::line::{Line, LineReader};
+use shared::uf2::MODEL_REGION;
 
 /// Baud rate of the board's UART.
 const BAUD: u32 = 115_200;
@@ -106,7 +108,8 @@ pub enum BoardError {
     Unfit(#[from] ModelError),
     /// The file is longer than a board's flash region.
     #[error(
-        "{length} bytes, a board has room for {REGION_BYTES}, and nothing was sent: train a smaller model"
+        "{length} bytes, a board has room for {}, and nothing was sent: train a smaller model",
+        MODEL_REGION.len()
     )]
     Long {
         /// Length of the file in bytes.

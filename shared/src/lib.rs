@@ -11,6 +11,7 @@
 //! | [`model`] | the student: file format, integer encoder |
 //! | [`stream`] | link sequence numbers, preprocessing, sample ring, smoother, safe state |
 //! | `kernels`, `arithmetic` | inner loops in plain Rust and with the vector instructions of a Cortex-M4 and an x86-64; float functions |
+//! | `uf2` | files for the drive of a boot loader; with the feature `write` |
 //! | [`installation`] | a new model in place of the one in flash, block by block |
 //! | `checksum` | CRC-32 of a few bytes |
 //! | [`button`] | a push button: pressed, held |
@@ -49,4 +50,6 @@ mod names;
 pub mod pipeline;
 pub mod stream;
 pub mod uart_line;
+#[cfg(any(test, feature = "write"))]
+pub mod uf2;
 pub mod units;

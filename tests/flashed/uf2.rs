@@ -1,8 +1,10 @@
 //! Files for the drive of a boot loader, read back by a reader of this file's own.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
-use anyhow::ensure;
+use anyhow::{Context as _, ensure};
+use myointent::board::flash::Content;
 use nrf52::Image as Flashed;
 use xtask::firmware::Image;
 
@@ -49,24 +51,48 @@ fn a_file_for_a_boards_drive_holds_program_model_and_an_erased_journal() -> anyh
             return Ok(());
         };
         let model = chip::model();
-        for has_program in [true, false] {
-            let mut found = read(&xtask::uf2::file(&elf, &model, has_program)?)?;
-            if has_program {
-                for (start, bytes) in Flashed::parse(&elf)?.segments {
-                    assert_eq!(take(&mut found, start, bytes.len())?, bytes, "{start:#x}");
-                }
-            }
-            assert_eq!(take(&mut found, MODEL, model.len())?, model);
-            assert_eq!(take(&mut found, JOURNAL, 4096)?, [0xff; 4096]);
-            assert!(
-                !found
-                    .keys()
-                    .any(|address| (BINDING..MODEL).contains(address))
-            );
-            // The rest of 256 bytes, at the end of the model and of each part of the program.
-            assert!(found.values().all(|byte| *byte == 0xff) && found.len() < 3 * 256);
-            assert!(has_program || found.len() < 256);
+        let mut found = read(&xtask::uf2::file(&elf, &model)?)?;
+        for (start, bytes) in Flashed::parse(&elf)?.segments {
+            assert_eq!(take(&mut found, start, bytes.len())?, bytes, "{start:#x}");
         }
+        take_model(&mut found, &model)?;
+        // The rest of 256 bytes, at the end of the model and of each part of the program.
+        assert!(found.values().all(|byte| *byte == 0xff) && found.len() < 3 * 256);
+    }
+    Ok(())
+}
+
+/// Takes a model and an erased journal out of a file's bytes.
+fn take_model(found: &mut BTreeMap<u32, u8>, model: &[u8]) -> anyhow::Result<()> {
+    ensure!(take(found, MODEL, model.len())? == model);
+    ensure!(take(found, JOURNAL, 4096)? == [0xff; 4096]);
+    ensure!(!found.keys().any(|at| (BINDING..MODEL).contains(at)));
+    Ok(())
+}
+
+#[test]
+fn the_program_writes_a_model_alone_or_into_the_file_of_an_image() -> anyhow::Result<()> {
+    let test = "the_program_writes_a_model_alone_or_into_the_file_of_an_image";
+    let mine = std::fs::read(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../models/six-class.intent"
+    ))?;
+    let alone = Content::new(None, Some(&mine))?;
+    let mut found = read(&alone.file())?;
+    take_model(&mut found, &mine)?;
+    assert!(found.values().all(|byte| *byte == 0xff) && found.len() < 256);
+    for built in Image::UF2 {
+        let Some(elf) = chip::elf(test, built) else {
+            return Ok(());
+        };
+        let release = xtask::uf2::file(&elf, &chip::model())?;
+        let image = Some((Path::new("image.uf2"), &release[..]));
+        let content = Content::new(image, Some(&mine))?;
+        let firmware = content.firmware.as_ref().context("no firmware")?;
+        assert_eq!(firmware.board.image, built.name());
+        assert_eq!(content.model, alone.model);
+        // As if it had been built with this model.
+        assert!(content.file() == xtask::uf2::file(&elf, &mine)?, "{built}");
     }
     Ok(())
 }
@@ -77,7 +103,7 @@ fn a_model_that_is_too_long_makes_no_file() -> anyhow::Result<()> {
     let Some(elf) = chip::elf(test, Image::Xiao) else {
         return Ok(());
     };
-    assert!(xtask::uf2::file(&elf, &vec![0; 160 * 1024], true).is_ok());
-    assert!(xtask::uf2::file(&elf, &vec![0; 160 * 1024 + 1], true).is_err());
+    assert!(xtask::uf2::file(&elf, &vec![0; 160 * 1024]).is_ok());
+    assert!(xtask::uf2::file(&elf, &vec![0; 160 * 1024 + 1]).is_err());
     Ok(())
 }

@@ -26,7 +26,7 @@ enum Step {
     },
     /// Writes one Intel hex of program, model and a SoftDevice: all that a chip is flashed with.
     Merge(merge::Arguments),
-    /// Writes one UF2 file of program and model, or of a model, for a board with a boot loader that shows a drive.
+    /// Writes one UF2 file of program and model for a board with a boot loader that shows a drive.
     Uf2(uf2::Arguments),
     /// Runs clippy on the board's program, for the targets and features of its images.
     Lint(firmware::LintArguments),
@@ -42,7 +42,7 @@ enum Step {
         #[arg(long)]
         install: bool,
     },
-    /// Prints which browser the tests of `myointent live` drive.
+    /// Prints which browsers the tests of `myointent live` drive.
     Browser {
         /// Installs what is missing, as root, with apt-get.
         #[arg(long)]

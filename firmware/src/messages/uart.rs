@@ -58,22 +58,17 @@ pub enum UartMessage {
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 const REVISION: &str = env!("MYOINTENT_REVISION");
 
-/// The image, by the name that `cargo xtask images` gives it.
-const IMAGE: &str = match (
-    cfg!(feature = "emulator"),
-    cfg!(feature = "nrf52832"),
-    cfg!(feature = "radio-trouble"),
-) {
-    _ if cfg!(not(target_os = "none")) => "simulated",
-    _ if cfg!(feature = "xiao") => "xiao",
-    _ if cfg!(feature = "feather") => "feather",
-    _ if cfg!(feature = "nice-nano") => "nice-nano",
-    (true, ..) => "emulator",
-    (_, true, true) => "nrf52832-sdc",
-    (_, true, false) => "nrf52832-s132",
-    (_, false, true) => "nrf52840-sdc",
-    (_, false, false) => "nrf52840-s140",
-};
+const IMAGE: &str = env!("MYOINTENT_IMAGE");
+/// Start of the first line. One text, which `myointent flash` looks for in a file.
+const FIRST: &str = concat!(
+    "# myointent ",
+    env!("CARGO_PKG_VERSION"),
+    " ",
+    env!("MYOINTENT_REVISION"),
+    ", image ",
+    env!("MYOINTENT_IMAGE"),
+    ", model "
+);
 
 /// Bytes of the longest line: all counters of a stream.
 const MAX_BYTES: usize = 256;
@@ -156,10 +151,7 @@ impl UartMessage {
             Self::Report(report) => write!(line, "{report}"),
             Self::Alignment(report) => write!(line, "{report}"),
             Self::Started(reason, model) => {
-                write!(
-                    line,
-                    "# myointent {VERSION} {REVISION}, image {IMAGE}, model "
-                )?;
+                line.write_str(FIRST)?;
                 match model {
                     Some(checksum) => write!(line, "{checksum:08x}")?,
                     None => line.write_str("refused")?,

@@ -8,11 +8,10 @@ use shared::model::encoder::DeviceEncoder;
 use shared::model::file::Model;
 use shared::uart_line::answer::{Answer, Refusal};
 use shared::uart_line::command::Command;
+use shared::uf2::MODEL_REGION;
 
 use super::{Board, BoardError};
 
-/// Size of a board's flash region in bytes, as in `memory.x`.
-pub(super) const REGION_BYTES: usize = 160 * 1024;
 /// Time without progress after which a lost board is given up.
 const PATIENCE: Duration = Duration::from_secs(30);
 /// Begins without progress after which a board is given up: it restarts each time.
@@ -43,7 +42,7 @@ impl<'f> ModelFile<'f> {
         let bytes = &bytes[..model.length];
         let checksum = bytes.last_chunk().copied().unwrap_or_default();
         match u32::try_from(bytes.len()) {
-            Ok(length) if bytes.len() <= REGION_BYTES => Ok(Self {
+            Ok(length) if bytes.len() <= MODEL_REGION.len() => Ok(Self {
                 bytes,
                 transfer: Transfer {
                     length,
@@ -54,6 +53,12 @@ impl<'f> ModelFile<'f> {
                 length: bytes.len(),
             }),
         }
+    }
+
+    /// The file, without bytes behind its end.
+    #[must_use]
+    pub const fn bytes(&self) -> &'f [u8] {
+        self.bytes
     }
 
     /// CRC-32 of the file.

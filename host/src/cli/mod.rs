@@ -9,6 +9,7 @@ mod evaluate;
 mod evaluate_models;
 #[cfg(feature = "fetch")]
 mod fetch;
+mod flash;
 mod gate;
 mod info;
 #[cfg(all(test, feature = "train"))]
@@ -101,6 +102,8 @@ enum Command {
     Template(template::Arguments),
     /// Move the operating point of a model file: the margins of its confidence gate.
     Gate(gate::Arguments),
+    /// Put firmware and a model onto a board with USB, and bind an armband.
+    Flash(flash::Arguments),
     /// Ask a board on a serial port: what runs there, what was lost, an alignment, a binding, its operating point.
     Board(board::Arguments),
     /// List the built-in presets, or print one.
@@ -131,6 +134,7 @@ impl Cli {
             Command::Info(arguments) => info::run(&arguments),
             Command::Template(arguments) => template::run(&arguments),
             Command::Gate(arguments) => gate::run(&arguments),
+            Command::Flash(arguments) => flash::run(&arguments),
             Command::Board(arguments) => board::run(&arguments),
             Command::Presets(arguments) => presets::run(&arguments),
             Command::Completions(arguments) => completions::run(&arguments),

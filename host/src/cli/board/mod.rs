@@ -114,7 +114,7 @@ enum Align {
 }
 
 #[derive(Debug, Subcommand)]
-enum Bind {
+pub(super) enum Bind {
     /// Bind the armband with the strongest signal of the next 30 s.
     Begin,
     /// Bind the one with this address.
@@ -185,7 +185,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 /// A port that cannot be opened, with what helps; any other error as it is.
-fn advised(error: BoardError) -> anyhow::Error {
+pub(super) fn advised(error: BoardError) -> anyhow::Error {
     match error {
         BoardError::Open { path, source } => anyhow::Error::msg(no_port(&source, &path)),
         error => error.into(),
@@ -262,7 +262,7 @@ fn in_force(board: &mut Board) -> Result<Alignment, BoardError> {
     })
 }
 
-fn run_bind(board: &mut Board, bind: &Bind) -> anyhow::Result<()> {
+pub(super) fn run_bind(board: &mut Board, bind: &Bind) -> anyhow::Result<()> {
     let command = match *bind {
         Bind::Begin => BindCommand::Begin,
         Bind::Set { address } => BindCommand::Set(address),

@@ -1,0 +1,260 @@
+//! Firmware and model for a board with USB: what a file holds, and which board it is for.
+
+mod search;
+
+use std::path::{Path, PathBuf};
+
+use shared::uf2::{MODEL_REGION, Uf2, Uf2Error};
+
+use super::drive::Drive;
+use super::{BoardError, ModelFile};
+pub use search::{PATIENCE, Search};
+
+/// Addresses of the program, as in `memory.x`.
+const PROGRAM: std::ops::Range<u32> = 0x1000..0x5_6000;
+
+/// Board with USB that there is firmware for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct UsbBoard {
+    /// Name of its image, of `--board`, and of the file of a release.
+    pub image: &'static str,
+    /// Name for people.
+    pub name: &'static str,
+    /// Beginnings of its boot loader's `Board-ID`. Source: board.h of each board in Adafruit_nRF52_Bootloader.
+    ids: &'static [&'static str],
+}
+
+/// All of them.
+pub const BOARDS: [UsbBoard; 3] = [
+    UsbBoard {
+        image: "xiao",
+        name: "XIAO nRF52840",
+        ids: &["nRF52840-SeeedXiao", "Seeed_XIAO_nRF52840"],
+    },
+    UsbBoard {
+        image: "feather",
+        name: "Feather nRF52840",
+        ids: &["nRF52840-Feather"],
+    },
+    UsbBoard {
+        image: "nice-nano",
+        name: "nice!nano 2",
+        ids: &["nRF52840-nicenano"],
+    },
+];
+
+impl UsbBoard {
+    /// The board of an image.
+    #[must_use]
+    pub fn with_image(image: &str) -> Option<Self> {
+        BOARDS.into_iter().find(|board| board.image == image)
+    }
+
+    /// The board of a boot loader.
+    pub(super) fn with_id(id: &str) -> Option<Self> {
+        let is_its = |board: &Self| board.ids.iter().any(|start| id.starts_with(start));
+        BOARDS.into_iter().find(is_its)
+    }
+}
+
+/// Error of putting firmware or a model onto a board with USB.
+#[derive(Debug, thiserror::Error)]
+pub enum FlashError {
+    /// There is neither a drive nor a board on a port.
+    #[error(
+        "no board found. Plug one in, press reset twice, quickly, and wait for its drive (mount it where the system does \
+         not), or give --drive or --port.\nWithout a board, buy a XIAO nRF52840, a Feather nRF52840 Express or a nice!nano 2, \
+         a USB cable that carries data, and a Myo armband. To see labels, nothing else is wired; docs/guides/wire.md names \
+         the pins for a hand"
+    )]
+    NoBoard,
+    /// More than one drive might be meant.
+    #[error("several drives of boot loaders: {}; unplug all but one board, or give --drive", listed(.paths))]
+    Drives {
+        /// Their folders.
+        paths: Vec<PathBuf>,
+    },
+    /// The drive is another board's.
+    #[error("{path}: expected the drive of {expected}, found Board-ID {id}: nothing was written")]
+    OtherBoard {
+        /// Folder of the drive.
+        path: PathBuf,
+        /// Name of the board that is expected; all of them if any will do.
+        expected: String,
+        /// What the boot loader says.
+        id: String,
+    },
+    /// The file is no UF2 file.
+    #[error("{path}: {source}")]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        #[source]
+        source: Uf2Error,
+    },
+    /// The file holds another program.
+    #[error(
+        "{path}: expected firmware of this project, found another program: nothing was written"
+    )]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The model does not fit, or no board can run it.
+    #[error(transparent)]
+    Model(#[from] BoardError),
+    /// The drive has no room.
+    #[error(
+        "{path}: the drive is full. Is it a boot loader's? Press reset twice, quickly, and try again"
+    )]
+    Full {
+        /// File that was written.
+        path: PathBuf,
+    },
+    /// The drive cannot be written.
+    #[error("{path} cannot be written: press reset twice, quickly, and try again")]
+    Unwritable {
+        /// File that was written.
+        path: PathBuf,
+        /// Error of the operating system.
+        #[source]
+        source: std::io::Error,
+    },
+    /// The boot loader did not start, or its drive is not mounted.
+    #[error("no drive came within {} s: press reset twice, quickly, mount the drive, and try again", PATIENCE.as_secs())]
+    NoDrive,
+    /// The firmware does not answer.
+    #[error(
+        "copied, but no board answers within {} s: press reset once; a boot loader older than 0.4 has to be updated first",
+        PATIENCE.as_secs()
+    )]
+    Silent,
+    /// The board that answers runs something else than what was copied.
+    #[error(
+        "copied, but the board runs {found}, expected {expected}: press reset twice, quickly, and try again"
+    )]
+    OtherContent {
+        /// Image and model that were copied.
+        expected: String,
+        /// Image and model that answer.
+        found: String,
+    },
+}
+
+fn listed(paths: &[PathBuf]) -> String {
+    let paths: Vec<_> = paths
+        .iter()
+        .map(|path| path.display().to_string())
+        .collect();
+    paths.join(", ")
+}
+
+/// What is put onto a board.
+#[derive(Clone, Debug)]
+pub struct Content {
+    file: Uf2,
+    /// Version, revision and board of the firmware; none without firmware.
+    pub firmware: Option<Firmware>,
+    /// CRC-32 of the model file; none without a model.
+    pub model: Option<u32>,
+}
+
+/// Firmware in a file, by the first line that it writes.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Firmware {
+    /// Version and revision of the source.
+    pub version: String,
+    /// The board that it is built for.
+    pub board: UsbBoard,
+}
+
+impl Firmware {
+    /// Finds the text of the first line in a program.
+    fn find(program: &[u8]) -> Option<Self> {
+        const START: &[u8] = b"# myointent ";
+        let starts = program.windows(START.len()).enumerate();
+        let mut lines = starts
+            .filter(|(_, text)| *text == START)
+            .filter_map(|(at, _)| {
+                let text = program[at + START.len()..]
+                    .split(|byte| !byte.is_ascii_graphic() && *byte != b' ')
+                    .next()?;
+                let (version, rest) = str::from_utf8(text).ok()?.split_once(", image ")?;
+                let (image, _) = rest.split_once(", model ")?;
+                Some(Self {
+                    version: version.to_owned(),
+                    board: UsbBoard::with_image(image)?,
+                })
+            });
+        lines.next()
+    }
+}
+
+impl Content {
+    /// Firmware from a file of a release with the model in it, a model in its place, or a model alone.
+    ///
+    /// # Errors
+    /// The file is no UF2 file or holds another program, or no board can run the model.
+    pub fn new(image: Option<(&Path, &[u8])>, model: Option<&[u8]>) -> Result<Self, FlashError> {
+        let (mut file, mut firmware) = (Uf2::default(), None);
+        if let Some((path, bytes)) = image {
+            let path = path.to_owned();
+            file = match Uf2::parse(bytes) {
+                Ok(file) => file,
+                Err(source) => return Err(FlashError::File { path, source }),
+            };
+            let found = Firmware::find(&file.bytes(PROGRAM));
+            firmware = Some(found.ok_or(FlashError::Foreign { path })?);
+        }
+        if let Some(model) = model {
+            let checked = ModelFile::new(model)?;
+            file.put_model(checked.bytes())
+                .map_err(|_| BoardError::Long {
+                    length: model.len(),
+                })?;
+        }
+        let held = file.bytes(MODEL_REGION);
+        let model = ModelFile::new(&held).ok().map(|model| model.checksum());
+        Ok(Self {
+            file,
+            firmware,
+            model,
+        })
+    }
+
+    /// The UF2 file.
+    #[must_use]
+    pub fn file(&self) -> Vec<u8> {
+        self.file.file()
+    }
+
+    /// Checks that a drive is that of the board.
+    ///
+    /// # Errors
+    /// [`FlashError::OtherBoard`].
+    pub fn fits(&self, drive: &Drive, asked: Option<UsbBoard>) -> Result<UsbBoard, FlashError> {
+        let of_file = self.firmware.as_ref().map(|firmware| firmware.board);
+        let is_right = |board: &UsbBoard| {
+            [of_file, asked]
+                .into_iter()
+                .flatten()
+                .all(|one| one == *board)
+        };
+        drive.board.filter(is_right).ok_or_else(|| {
+            let expected = of_file
+                .or(asked)
+                .map_or(BOARDS.map(|board| board.name).join(", "), |board| {
+                    board.name.to_owned()
+                });
+            FlashError::OtherBoard {
+                path: drive.path.clone(),
+                expected,
+                id: drive.id.clone(),
+            }
+        })
+    }
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests;

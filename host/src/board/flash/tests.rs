@@ -1,0 +1,271 @@
+//! A board on a pseudo-terminal, with a folder for its drive.
+
+use std::fs;
+use std::os::fd::AsRawFd as _;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use serial2::SerialPort;
+use shared::uart_line::answer::{Answer, Identity, Refusal};
+use shared::uart_line::command::{Command, CommandReader};
+use tempfile::TempDir;
+
+use super::search::{AGAIN, TOUCH_BAUD};
+use super::*;
+
+/// The first line of a XIAO's firmware, in a program.
+const PROGRAM_TEXT: &[u8] =
+    b"\x01\x02# myointent \0# myointent 0.1.0 0123456789ab, image xiao, model \xffrest";
+const XIAO: &str = "Board-ID: nRF52840-SeeedXiao-v1\r\n";
+
+fn model() -> Vec<u8> {
+    fs::read("../models/three-class.intent").unwrap()
+}
+
+/// A file of a release.
+fn image(text: &[u8]) -> Vec<u8> {
+    let mut file = Uf2::default();
+    file.put(0x1000, &[0; 300]);
+    file.put(0x2000, text);
+    file.put_model(&model()).unwrap();
+    file.file()
+}
+
+fn content(image: &[u8], model: Option<&[u8]>) -> Result<Content, FlashError> {
+    Content::new(Some((Path::new("xiao.uf2"), image)), model)
+}
+
+/// A board with a boot loader: shows its drive when its port was opened at 1200 baud, and runs the file that comes.
+struct Fake {
+    folder: TempDir,
+    /// Its end of the terminal, kept open.
+    slave: Arc<SerialPort>,
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Fake {
+    /// Starts one that says `runs` of its firmware once a file has come.
+    fn start(runs: &'static str) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let (mut master, slave) = SerialPort::pair().unwrap();
+        master.set_read_timeout(AGAIN / 10).unwrap();
+        let (slave, stop) = (Arc::new(slave), Arc::new(AtomicBool::new(false)));
+        let (drive, line, stopped) = (folder.path().to_owned(), slave.clone(), stop.clone());
+        let thread = std::thread::spawn(move || {
+            let mut reader = CommandReader::new();
+            let mut bytes = [0; 64];
+            let mut model = None;
+            while !stopped.load(Ordering::Relaxed) {
+                let baud = line.get_configuration().unwrap().get_baud_rate().unwrap();
+                if baud == TOUCH_BAUD {
+                    fs::write(drive.join("INFO_UF2.TXT"), XIAO).unwrap();
+                }
+                let file = fs::read(drive.join("FIRMWARE.UF2")).unwrap_or_default();
+                if let Ok(file) = Uf2::parse(&file) {
+                    let held = file.bytes(MODEL_REGION);
+                    model = Some(ModelFile::new(&held).unwrap().checksum());
+                    fs::remove_file(drive.join("INFO_UF2.TXT")).unwrap();
+                    fs::remove_file(drive.join("FIRMWARE.UF2")).unwrap();
+                }
+                let length = master.read(&mut bytes).unwrap_or(0);
+                for command in bytes[..length].iter().filter_map(|&byte| reader.push(byte)) {
+                    let answer = match command {
+                        Ok(Command::Identify) if model.is_some() => Answer::Identity(Identity {
+                            version: "0.1.0",
+                            revision: "0123456789ab",
+                            image: runs,
+                            model,
+                            armband: None,
+                            firmware: None,
+                            battery: None,
+                        }),
+                        _ => Answer::Refused(Refusal::Unknown),
+                    };
+                    master.write_all(answer.to_string().as_bytes()).unwrap();
+                }
+            }
+        });
+        Self {
+            folder,
+            slave,
+            stop,
+            thread: Some(thread),
+        }
+    }
+
+    fn search(&self) -> Search {
+        let port = fs::read_link(format!("/proc/self/fd/{}", self.slave.as_raw_fd())).unwrap();
+        Search {
+            drive: Some(self.folder.path().to_owned()),
+            port: Some(port),
+            board: None,
+            patience: Duration::from_secs(5),
+        }
+    }
+}
+
+impl Drop for Fake {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            thread.join().unwrap();
+        }
+    }
+}
+
+#[test]
+fn a_touched_board_shows_its_drive_takes_the_file_and_answers() {
+    let fake = Fake::start("xiao");
+    let search = fake.search();
+    let content = content(&image(PROGRAM_TEXT), None).unwrap();
+    let mut touched = None;
+    let drive = search
+        .drive(|port| touched = Some(port.to_owned()))
+        .unwrap();
+    assert_eq!(touched, search.port);
+    let board = content.fits(&drive, None).unwrap();
+    assert_eq!(board.image, "xiao");
+    drive.write(&content.file()).unwrap();
+    assert_eq!(
+        search.started(&content, board).unwrap(),
+        search.port.clone().unwrap()
+    );
+}
+
+#[test]
+fn a_board_that_runs_something_else_afterwards_is_not_taken_for_done() {
+    let fake = Fake::start("feather");
+    let mut search = fake.search();
+    let content = content(&image(PROGRAM_TEXT), None).unwrap();
+    let drive = search.drive(|_| ()).unwrap();
+    search.patience = Duration::ZERO;
+    let silent = search.started(&content, BOARDS[0]).unwrap_err();
+    assert!(matches!(silent, FlashError::Silent), "{silent}");
+    drive.write(&content.file()).unwrap();
+    search.patience = Duration::from_secs(2);
+    let other = search.started(&content, BOARDS[0]).unwrap_err().to_string();
+    let checksum = content.model.unwrap();
+    assert!(
+        other.contains(&format!("runs image feather with model {checksum:08x}")),
+        "{other}"
+    );
+}
+
+#[test]
+fn without_a_board_it_says_what_to_buy_and_a_drive_that_does_not_come_is_not_waited_for_forever() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_master, slave) = SerialPort::pair().unwrap();
+    let port = fs::read_link(format!("/proc/self/fd/{}", slave.as_raw_fd())).unwrap();
+    let search = Search {
+        drive: Some(folder.path().to_owned()),
+        port: Some(port),
+        board: None,
+        patience: Duration::ZERO,
+    };
+    let late = search.drive(|_| ()).unwrap_err();
+    assert!(matches!(late, FlashError::NoDrive), "{late}");
+    let gone = Search {
+        port: Some("/dev/no-such-board".into()),
+        ..search
+    };
+    let gone = gone.drive(|_| ()).unwrap_err();
+    assert!(
+        matches!(gone, FlashError::Model(BoardError::Open { .. })),
+        "{gone}"
+    );
+    let said = FlashError::NoBoard.to_string();
+    assert!(
+        ["buy", "XIAO", "Myo"]
+            .iter()
+            .all(|word| said.contains(word)),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_file_is_known_by_its_first_line_and_takes_another_model() {
+    let release = image(PROGRAM_TEXT);
+    let as_it_is = content(&release, None).unwrap();
+    let firmware = as_it_is.firmware.clone().unwrap();
+    assert_eq!(
+        (&firmware.version[..], firmware.board.image),
+        ("0.1.0 0123456789ab", "xiao")
+    );
+    assert_eq!(as_it_is.file(), release);
+    let mine = fs::read("../models/six-class.intent").unwrap();
+    let tuned = content(&release, Some(&mine)).unwrap();
+    assert_eq!(tuned.model, Some(ModelFile::new(&mine).unwrap().checksum()));
+    assert_ne!(tuned.model, as_it_is.model);
+    let alone = Content::new(None, Some(&mine)).unwrap();
+    assert_eq!((alone.model, &alone.firmware), (tuned.model, &None));
+    assert!(Uf2::parse(&alone.file()).unwrap().bytes(PROGRAM).is_empty());
+}
+
+#[test]
+fn a_wrong_file_or_a_wrong_board_is_refused() {
+    let release = image(PROGRAM_TEXT);
+    let cut = content(&release[..1000], None).unwrap_err();
+    assert!(
+        matches!(
+            cut,
+            FlashError::File {
+                source: Uf2Error::Count { .. },
+                ..
+            }
+        ),
+        "{cut}"
+    );
+    let text = content(b"<!DOCTYPE html>", None).unwrap_err();
+    assert!(matches!(text, FlashError::File { .. }), "{text}");
+    let foreign = content(
+        &image(b"# myointent 0.1.0, image nrf52840-s140, model "),
+        None,
+    )
+    .unwrap_err();
+    assert!(matches!(foreign, FlashError::Foreign { .. }), "{foreign}");
+    let unfit = content(&release, Some(b"no model")).unwrap_err();
+    assert!(
+        matches!(unfit, FlashError::Model(BoardError::Unfit(_))),
+        "{unfit}"
+    );
+
+    let drive = |id: &str| Drive {
+        path: "D:".into(),
+        board: UsbBoard::with_id(id),
+        id: id.to_owned(),
+    };
+    let [image, alone] = [
+        content(&release, None).unwrap(),
+        Content::new(None, Some(&model())).unwrap(),
+    ];
+    let xiao = drive("nRF52840-SeeedXiao-v1");
+    assert_eq!(image.fits(&xiao, None).unwrap(), BOARDS[0]);
+    assert_eq!(alone.fits(&xiao, None).unwrap(), BOARDS[0]);
+    for (content, id, asked, expected) in [
+        (&image, "nRF52840-nicenano", None, "XIAO nRF52840"),
+        (&image, "SAMD51-something", None, "XIAO nRF52840"),
+        (
+            &image,
+            "nRF52840-SeeedXiao-v1",
+            Some(BOARDS[1]),
+            "XIAO nRF52840",
+        ),
+        (
+            &alone,
+            "nRF52840-nicenano",
+            Some(BOARDS[1]),
+            "Feather nRF52840",
+        ),
+        (&alone, "SAMD51-something", None, "nice!nano 2"),
+    ] {
+        match content.fits(&drive(id), asked) {
+            Err(FlashError::OtherBoard {
+                expected: found, ..
+            }) => assert!(found.contains(expected), "{found}"),
+            other => panic!("{id}: {other:?}"),
+        }
+    }
+}

@@ -1,0 +1,229 @@
+//! UF2 files: contents of flash, to be dragged onto a boot loader's drive.
+//!
+//! Blocks of 512 bytes, each with an address and 256 bytes for flash. Source: github.com/microsoft/uf2, README. Adafruit's boot
+//! loader for the nRF52840 takes no other length, asks for the family, and writes from 0x1000 to 0xEA000. It erases what it
+//! writes, by pages of 4 KiB, and keeps the rest of a page.
+
+use alloc::collections::BTreeMap;
+use alloc::vec::Vec;
+use core::ops::Range;
+
+/// Bytes of a block of the file.
+const BLOCK: usize = 512;
+/// Bytes of a block before its payload.
+const HEADER: usize = 32;
+/// Bytes of flash in a block.
+const PAYLOAD: usize = 256;
+/// Family of the nRF52840 with Adafruit's boot loader.
+const FAMILY: u32 = 0xADA5_2840;
+/// Flag: the block has a family.
+const HAS_FAMILY: u32 = 0x2000;
+const BEGINS: [u32; 2] = [0x0A32_4655, 0x9E5D_5157];
+const ENDS: u32 = 0x0AB1_6F30;
+/// Addresses that the boot loader writes.
+const WINDOW: Range<u32> = 0x1000..0xE_A000;
+/// Page that says how far an installation of a model is, as in `memory.x`.
+const JOURNAL: u32 = 0x5_6000;
+/// Bytes of a page of flash.
+const PAGE: usize = 4096;
+/// Region of the model file, as in `memory.x`.
+pub const MODEL_REGION: Range<u32> = 0x5_8000..0x8_0000;
+
+/// Reason why a file is refused.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
+pub enum Uf2Error {
+    /// The file is none, or is damaged.
+    #[error(
+        "block {block} is none of a UF2 file for an nRF52840 with Adafruit's boot loader: build or download the file again"
+    )]
+    Block {
+        /// Number of the block, from 0.
+        block: usize,
+    },
+    /// Blocks are missing or too many.
+    #[error(
+        "expected {expected} blocks of 512 bytes, found {found}: copy or download the file again"
+    )]
+    Count {
+        /// Number that the first block names; 1 for an empty file.
+        expected: usize,
+        /// Number of whole blocks.
+        found: usize,
+    },
+    /// The model does not fit into its region of flash.
+    #[error("the model file has {length} bytes, its region {}: train a smaller model", MODEL_REGION.len())]
+    Model {
+        /// Length of the model file in bytes.
+        length: usize,
+    },
+}
+
+/// Contents of flash, by pieces of 256 bytes.
+#[derive(Clone, PartialEq, Eq, Default, Debug)]
+pub struct Uf2(BTreeMap<u32, [u8; PAYLOAD]>);
+
+impl Uf2 {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// The file is none of this family, is damaged, or is not whole.
+    pub fn parse(file: &[u8]) -> Result<Self, Uf2Error> {
+        let (blocks, rest) = file.as_chunks::<BLOCK>();
+        let mut all = BTreeMap::new();
+        let mut expected = 1;
+        for (number, block) in blocks.iter().enumerate() {
+            let (words, _) = block.as_chunks::<4>();
+            let word = |at: usize| u32::from_le_bytes(words[at / 4]);
+            expected = word(24) as usize;
+            let (address, length) = (word(12), word(16) as usize);
+            let is_one = [word(0), word(4)] == BEGINS && word(BLOCK - 4) == ENDS;
+            let is_ours = word(8) & HAS_FAMILY != 0 && word(28) == FAMILY;
+            let is_placed = WINDOW.contains(&address) && address.is_multiple_of(PAYLOAD as u32);
+            let is_next = word(20) as usize == number;
+            let mut payload = [0; PAYLOAD];
+            payload.copy_from_slice(&block[HEADER..][..PAYLOAD]);
+            let is_right = is_one && is_ours && is_placed && is_next && length == PAYLOAD;
+            if !is_right || all.insert(address, payload).is_some() {
+                return Err(Uf2Error::Block { block: number });
+            }
+        }
+        let found = blocks.len();
+        if found != expected || !rest.is_empty() {
+            return Err(Uf2Error::Count { expected, found });
+        }
+        Ok(Self(all))
+    }
+
+    /// Puts bytes at an address. The rest of 256 bytes is erased flash, unless something else was put there.
+    pub fn put(&mut self, start: u32, bytes: &[u8]) {
+        for (address, byte) in (start..).zip(bytes) {
+            let place = address % PAYLOAD as u32;
+            let payload = self.0.entry(address - place).or_insert([0xff; PAYLOAD]);
+            payload[place as usize] = *byte;
+        }
+    }
+
+    /// Puts a model file into its region in place of another one, and erases the page that says how far an installation is.
+    ///
+    /// # Errors
+    /// [`Uf2Error::Model`].
+    pub fn put_model(&mut self, file: &[u8]) -> Result<(), Uf2Error> {
+        if file.len() > MODEL_REGION.len() {
+            return Err(Uf2Error::Model { length: file.len() });
+        }
+        self.0.retain(|address, _| !MODEL_REGION.contains(address));
+        self.put(MODEL_REGION.start, file);
+        self.put(JOURNAL, &[0xff; PAGE]);
+        Ok(())
+    }
+
+    /// Bytes at addresses of a range, without those between the pieces.
+    #[must_use]
+    pub fn bytes(&self, range: Range<u32>) -> Vec<u8> {
+        self.0.range(range).flat_map(|(_, piece)| *piece).collect()
+    }
+
+    /// The file, block by block.
+    #[must_use]
+    pub fn file(&self) -> Vec<u8> {
+        let count = self.0.len() as u32;
+        let mut file = Vec::with_capacity(self.0.len() * BLOCK);
+        for (number, (address, payload)) in (0..).zip(&self.0) {
+            let length = PAYLOAD as u32;
+            let [first, second] = BEGINS;
+            let header = [
+                first, second, HAS_FAMILY, *address, length, number, count, FAMILY,
+            ];
+            file.extend_from_slice(header.map(u32::to_le_bytes).as_flattened());
+            file.extend_from_slice(payload);
+            file.extend_from_slice(&[0; BLOCK - HEADER - PAYLOAD - 4]);
+            file.extend_from_slice(&ENDS.to_le_bytes());
+        }
+        file
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alloc::vec;
+
+    #[test]
+    fn segments_that_share_256_bytes_are_one_block_and_gaps_have_none() {
+        let mut all = Uf2::default();
+        all.put(0x1000, &[1; 250]);
+        all.put(0x10fc, &[2; 8]);
+        all.put(0x2010, &[3]);
+        let file = all.file();
+        let (blocks, rest) = file.as_chunks::<BLOCK>();
+        assert!(rest.is_empty());
+        let addresses: Vec<_> = blocks
+            .iter()
+            .map(|block| u32::from_le_bytes([block[12], block[13], block[14], block[15]]))
+            .collect();
+        assert_eq!(addresses, [0x1000, 0x1100, 0x2000]);
+        let data = |number: usize| &blocks[number][32..288];
+        assert_eq!(data(0)[248..], [1, 1, 0xff, 0xff, 2, 2, 2, 2]);
+        assert_eq!(data(1)[..5], [2, 2, 2, 2, 0xff]);
+        assert_eq!(data(2)[15..18], [0xff, 3, 0xff]);
+        assert!(
+            blocks
+                .iter()
+                .all(|block| block[288..508].iter().all(|byte| *byte == 0))
+        );
+        assert_eq!(Uf2::parse(&file), Ok(all));
+    }
+
+    #[test]
+    fn a_shorter_model_leaves_nothing_of_a_longer_one() {
+        let mut image = Uf2::default();
+        image.put(0x1000, &[7; 512]);
+        let alone = image.clone();
+        image.put_model(&[1; 1000]).unwrap();
+        image.put_model(&[2; 10]).unwrap();
+        let mut expected = alone;
+        expected.put(0x5_6000, &[0xff; 4096]);
+        expected.put(0x5_8000, &[2; 10]);
+        assert_eq!(image, expected);
+        assert_eq!(image.bytes(0x1000..0x5_6000), [7; 512]);
+        let long = vec![0; MODEL_REGION.len() + 1];
+        let refused = Err(Uf2Error::Model { length: long.len() });
+        assert_eq!(image.put_model(&long), refused);
+        assert_eq!(image.put_model(&long[1..]), Ok(()));
+    }
+
+    #[test]
+    fn every_damaged_file_is_refused() {
+        let mut all = Uf2::default();
+        all.put(0x1000, &[1; 700]);
+        let file = all.file();
+        assert_eq!(
+            Uf2::parse(&[]),
+            Err(Uf2Error::Count {
+                expected: 1,
+                found: 0
+            })
+        );
+        for length in [511, 1024, 1535] {
+            let found = length / 512;
+            let expected = if found == 0 { 1 } else { 3 };
+            assert_eq!(
+                Uf2::parse(&file[..length]),
+                Err(Uf2Error::Count { expected, found })
+            );
+        }
+        // Both magic words, flags, address, length, number, family, the last word; of the second block.
+        for place in [0, 4, 9, 12, 15, 17, 20, 28, 508] {
+            let mut damaged = file.clone();
+            damaged[512 + place] ^= 0x31;
+            assert_eq!(
+                Uf2::parse(&damaged),
+                Err(Uf2Error::Block { block: 1 }),
+                "{place}"
+            );
+        }
+        let mut twice = file.clone();
+        twice[512 + 12..][..4].copy_from_slice(&0x1000_u32.to_le_bytes());
+        assert_eq!(Uf2::parse(&twice), Err(Uf2Error::Block { block: 1 }));
+    }
+}
