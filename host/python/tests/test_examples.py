@@ -11,6 +11,7 @@ import unittest
 import warnings
 from multiprocessing import Lock
 
+import libemg_alone
 import numpy as np
 from support import EXAMPLES, MODEL, skip, synthetic
 
@@ -49,6 +50,7 @@ class ExamplesTest(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = synthetic(folder.name)
         warnings.simplefilter("ignore")
+        libemg_alone.prepare()
         self.recording = myointent.read(self.folder)[0]
 
     def test_libemg_decides_as_the_stream(self):
