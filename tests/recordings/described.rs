@@ -1,27 +1,30 @@
 //! Folders of other people's layouts, read by the description that `data describe` writes and a person mends: what it
 //! wrote, what was mended, and the seconds of each class that came of it.
 
-#[path = "described/layouts.rs"]
-mod layouts;
-
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use recordings::description::survey::describe;
 use recordings::library::inspection::Inspection;
 use recordings::{Library, LoadOptions, load};
+use serde::Deserialize;
 use tempfile::TempDir;
 
 use super::{data, folder, skip};
 
-/// A layout, and what comes of it.
+/// A layout, and what comes of it; `layouts.toml` says what each field means.
+#[derive(Deserialize)]
 struct Layout {
-    /// Lines that `describe` wrote, without comments.
-    wrote: &'static [&'static str],
-    /// Lines that a person wrote in place of the one of the same field, or beside them.
-    mended: &'static [&'static str],
-    /// People, recordings, and seconds by class.
-    found: (usize, usize, &'static str),
+    set: Option<String>,
+    case: Option<String>,
+    wrote: String,
+    mended: String,
+    found: (usize, usize, String),
+}
+
+#[derive(Deserialize)]
+struct Layouts {
+    layout: Vec<Layout>,
 }
 
 /// Lines of a description without comments, and without the folder, which differs.
@@ -65,19 +68,29 @@ fn seconds(library: &Library) -> String {
     told.join(", ")
 }
 
-/// Checks a layout.
-fn check(folder: &Path, layout: &Layout) {
-    assert!(layout.mended.len() < 5, "mended in under five lines");
-    let (wrote, path, _own) = mended(folder, layout.mended);
-    assert_eq!(lines(&wrote), layout.wrote);
-    let library = load(&path, &LoadOptions::default()).unwrap();
-    let found = (
-        library.subjects().len(),
-        library.recordings.len(),
-        seconds(&library),
-    );
-    let (people, recordings, by_class) = layout.found;
-    assert_eq!(found, (people, recordings, by_class.to_owned()));
+#[test]
+fn real_layouts_are_described_and_mended_in_few_lines() {
+    let test = "real_layouts_are_described_and_mended_in_few_lines";
+    let Layouts { layout } = toml::from_str(include_str!("layouts.toml")).unwrap();
+    for layout in layout {
+        let set = layout.set.and_then(|set| folder(test, &set));
+        let Some(folder) = set.or_else(|| case(test, &layout.case?)) else {
+            continue;
+        };
+        let place = folder.display();
+        let lines_of_it: Vec<&str> = layout.mended.lines().collect();
+        assert!(lines_of_it.len() < 5, "{place}: mended in under five lines");
+        let (wrote, path, _own) = mended(&folder, &lines_of_it);
+        let expected: Vec<&str> = layout.wrote.lines().collect();
+        assert_eq!(lines(&wrote), expected, "{place}");
+        let library = load(&path, &LoadOptions::default()).unwrap();
+        let found = (
+            library.subjects().len(),
+            library.recordings.len(),
+            seconds(&library),
+        );
+        assert_eq!(found, layout.found, "{place}");
+    }
 }
 
 /// A folder of the small inputs beside the recordings; without it, prints the skip of the test.

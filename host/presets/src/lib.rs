@@ -6,7 +6,7 @@ pub mod augmentation;
 mod check;
 pub mod config;
 pub mod distillation;
-#[cfg(any(test, feature = "testing"))]
+#[cfg(feature = "testing")]
 pub mod invariants;
 pub mod lineage;
 pub mod masking;

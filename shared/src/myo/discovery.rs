@@ -109,7 +109,6 @@ mod tests {
     use super::*;
     use crate::myo::Lane;
     use alloc::{vec, vec::Vec};
-    use proptest::prelude::*;
 
     /// Values by handle, from 1; none where a read is refused.
     type Table = Vec<Option<Vec<u8>>>;
@@ -199,25 +198,5 @@ mod tests {
         table.push(Some(vec![0, 0]));
         let battery = Characteristic::BatteryLevel;
         assert_eq!(run(&table).0, [Attribute::Value(battery, 2)]);
-    }
-
-    proptest! {
-        #![proptest_config(ProptestConfig::with_cases(256))]
-        #[test]
-        fn any_table_ends_after_128_reads_and_names_each_attribute_once(
-            table in prop::collection::vec(
-                prop::option::of(prop::collection::vec(any::<u8>(), 0..31)), 0..200),
-            real in any::<bool>(),
-        ) {
-            let table = if real { armband().0.into_iter().chain(table).collect() } else { table };
-            let (found, read) = run(&table);
-            prop_assert!(read.len() <= usize::from(LAST));
-            prop_assert!(read.is_sorted_by(|a, b| a < b));
-            for (place, attribute) in found.iter().enumerate() {
-                prop_assert!(!found[..place].contains(attribute));
-                let (Attribute::Value(_, handle) | Attribute::Subscription(_, handle)) = attribute;
-                prop_assert!((1..=LAST).contains(handle));
-            }
-        }
     }
 }

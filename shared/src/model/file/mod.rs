@@ -26,8 +26,6 @@ pub use header::{Header, List, Provenance, SmootherDefaults};
 pub(crate) use layout::{LayerWeights, LinearWeights, NormWeights, Weights};
 pub use names::{Excerpt, TensorName};
 pub use reader::Model;
-#[cfg(test)]
-pub(crate) use writer::overwrite;
 #[cfg(any(test, feature = "write"))]
 pub use writer::{LayerParts, LinearParts, ModelParts, NormParts, ProvenanceParts};
 

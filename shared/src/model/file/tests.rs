@@ -320,13 +320,4 @@ proptest! {
             prop_assert!(error.abs() <= 0.500_1 * f64::from(parts.scales[0]));
         }
     }
-
-    #[test]
-    fn arbitrary_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
-        prop_assert!(Model::parse(&bytes).is_err());
-        let mut file = prefix();
-        file.extend(&bytes);
-        seal(&mut file);
-        prop_assert!(Model::parse(&file).is_err());
-    }
 }

@@ -255,14 +255,3 @@ pub(super) fn append_tensor(file: &mut Vec<u8>, bytes: &[u8]) {
     let pad = start.next_multiple_of(ALIGNMENT) - start;
     append::<[u8]>(file, &[&[0; ALIGNMENT][..pad], bytes].concat());
 }
-
-/// Overwrites bytes between prefix and checksum (positions count from the prefix) and corrects the
-/// checksum.
-#[cfg(test)]
-pub(crate) fn overwrite(file: &mut Vec<u8>, changes: impl Iterator<Item = (usize, u8)>) {
-    file.truncate(file.len() - CHECKSUM_BYTES);
-    for (place, byte) in changes {
-        file[PREFIX_BYTES + place] = byte;
-    }
-    seal(file);
-}

@@ -11,15 +11,14 @@ use alloc::vec::Vec;
 
 mod binding;
 mod connecting;
-mod properties;
 mod streaming;
 
-pub(super) const NEAR: Address = address(1);
+const NEAR: Address = address(1);
 const FAR: Address = address(2);
 const NEVER_SLEEP: Action = write(Command::NeverSleep);
 const SET_MODE: Action = write(Command::SetMode(EmgMode::Filtered));
 /// Settings without an address: the strongest armband is followed.
-pub(super) const ANY: Settings = Settings {
+const ANY: Settings = Settings {
     pinned: None,
     bound: None,
     follow_strongest: true,

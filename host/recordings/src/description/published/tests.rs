@@ -53,7 +53,7 @@ fn names_say_set_person_and_motion_and_nothing_else_is_taken() {
         ("/d/sub7/M8T1.csv", rows.clone(), "ss-stm/sub7/M8T1"),
         (
             "/d/EvaluationDataset/Male3/training0/classe_13.dat",
-            vec![1, 0].repeat(16),
+            [1, 0].repeat(16),
             "cote-allard/E-Male3/training0/classe_13",
         ),
     ] {

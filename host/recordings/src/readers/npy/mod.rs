@@ -244,13 +244,4 @@ mod tests {
             assert_eq!(header.trim_end(), dictionary.replace("SHAPE", text));
         }
     }
-
-    proptest::proptest! {
-        #[test]
-        fn arbitrary_bytes_never_panic(head: bool, bytes: Vec<u8>) {
-            let mut file = if head { MAGIC.to_vec() } else { Vec::new() };
-            file.extend(bytes);
-            let _ = parse(&file);
-        }
-    }
 }
