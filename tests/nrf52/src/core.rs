@@ -100,6 +100,14 @@ impl Core {
             .with_sys(|system| system.write_word(address, 1 << (interrupt % 32)));
     }
 
+    /// Disables an interrupt.
+    pub fn disable(&mut self, interrupt: u16) {
+        const ICER: u32 = 0xe000_e180;
+        let address = ICER + u32::from(interrupt / 32) * 4;
+        self.cpu
+            .with_sys(|system| system.write_word(address, 1 << (interrupt % 32)));
+    }
+
     /// The main stack pointer.
     pub fn stack_pointer(&self) -> u32 {
         self.cpu.msp()

@@ -1,5 +1,7 @@
 //! An image: what of its ELF file is flashed, and the names in it.
 
+use std::ops::Range;
+
 use crate::controller::Library;
 use object::read::elf::ProgramHeader as _;
 use object::{Object as _, ObjectSymbol as _, SymbolKind};
@@ -57,6 +59,13 @@ impl Image {
             segments,
             functions,
         })
+    }
+
+    /// Returns the addresses of each function whose name has all of these parts.
+    pub fn functions(&self, parts: &[&str]) -> Vec<Range<u32>> {
+        let all = self.functions.iter();
+        let named = all.filter(|(_, _, name)| parts.iter().all(|part| name.contains(part)));
+        named.map(|(start, size, _)| *start..start + size).collect()
     }
 
     /// Nordic's controller library in it, if it has one.

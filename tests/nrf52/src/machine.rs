@@ -180,10 +180,12 @@ impl Machine {
 
     /// Answers in the place of Nordic's library, if the program has come to it.
     fn enter_library(&mut self) -> Result<(), Refusal> {
-        let place = self.core.place();
-        let Some(controller) = self.controller.as_mut().filter(|one| one.holds(place)) else {
+        let Some(controller) = &mut self.controller else {
             return Ok(());
         };
+        if !controller.holds(self.core.place()) {
+            return Ok(());
+        }
         let mut chip = lock(&self.chip);
         chip.advance(self.now);
         let outcome = controller.enter(&mut chip, &mut self.core);

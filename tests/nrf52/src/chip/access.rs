@@ -4,6 +4,11 @@ use super::bus::Peripheral;
 use super::register::{Kind, Written};
 use super::{Chip, FICR, GPIO, uicr};
 use crate::refusal::What;
+use crate::time::us;
+
+/// Reads of one value in a row after which a program polls, and the ticks that each further one takes.
+const MANY: u32 = 64;
+const POLL: u64 = us(20);
 
 impl Chip {
     /// Returns the value that the program reads from a peripheral, or from UICR or FICR. A refused read gives 0.
@@ -30,7 +35,25 @@ impl Chip {
         };
         let offset = address - one.base();
         let held = one.registers().read(offset)?;
-        Ok(one.read(offset, bus).unwrap_or(held))
+        if let Some(computed) = one.read(offset, bus) {
+            return Ok(computed);
+        }
+        self.note_poll(address, held);
+        Ok(held)
+    }
+
+    /// Lets a program that polls do so slowly: nothing but time changes what it reads, and its instructions cost.
+    fn note_poll(&mut self, address: u32, value: u32) {
+        let (before, held, count) = self.polled;
+        let count = if (before, held) == (address, value) {
+            count + 1
+        } else {
+            0
+        };
+        self.polled = (address, value, count);
+        if count >= MANY {
+            self.bus.halt(POLL);
+        }
     }
 
     /// Writes a value, as the program does, to a peripheral, or to UICR or FICR.
@@ -78,6 +101,7 @@ impl Chip {
 
     fn write_peripheral(&mut self, address: u32, value: u32) -> Result<(), What> {
         self.check_owner(address, Some(value))?;
+        self.polled = (0, 0, 0);
         let Some((one, bus)) = self.peripheral(address) else {
             return Err(What::NoPeripheral);
         };

@@ -36,6 +36,11 @@ pub struct Bus {
     pub refused: Option<(u32, What)>,
     /// True if the low-frequency clock runs.
     pub low_frequency_runs: bool,
+    /// True if the crystal of the high-frequency clock runs.
+    pub crystal_runs: bool,
+    /// Thousandths by which the high-frequency clock is fast while its crystal does not run. A test sets it; HFINT is off by
+    /// 20 at most (5.4.7).
+    pub inaccuracy: i64,
     /// True if something has changed that the core has to know.
     pub attention: bool,
 }
@@ -51,6 +56,8 @@ impl Bus {
             reset: None,
             refused: None,
             low_frequency_runs: false,
+            crystal_runs: false,
+            inaccuracy: 0,
             attention: true,
         }
     }
@@ -65,6 +72,15 @@ impl Bus {
     pub fn reset(&mut self, why: Reset) {
         self.attention = true;
         self.reset.get_or_insert(why);
+    }
+
+    /// Thousandths by which the high-frequency clock is fast now.
+    pub const fn fast(&self) -> i64 {
+        if self.crystal_runs {
+            0
+        } else {
+            self.inaccuracy
+        }
     }
 
     /// Halts the core for so many ticks.

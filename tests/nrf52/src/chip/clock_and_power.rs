@@ -1,6 +1,7 @@
 //! CLOCK and POWER, which share their base address (product specification, 5.4 and 5.3).
 //!
-//! Clocks take their time to start; both sources of the high-frequency clock are exact. The supply is ideal.
+//! Clocks take their time to start. Where a test says so, the high-frequency clock is off on the UART's line until its
+//! crystal runs. The supply is ideal.
 
 use super::Model;
 use super::bus::{Bus, Peripheral, Reset};
@@ -185,6 +186,7 @@ impl Peripheral for ClockAndPower {
             }
             HFCLKSTOP => {
                 self.high = None;
+                bus.crystal_runs = false;
                 self.registers.put(HFCLKRUN, 0);
                 self.registers.put(HFCLKSTAT, 0);
             }
@@ -216,6 +218,7 @@ impl Peripheral for ClockAndPower {
     fn due(&mut self, bus: &mut Bus) {
         let now = bus.now;
         if self.high.take_if(|at| *at <= now).is_some() {
+            bus.crystal_runs = true;
             self.registers.put(HFCLKSTAT, RUNNING | 1);
             self.raise(HFCLKSTARTED, bus);
         }

@@ -127,6 +127,8 @@ pub struct Chip {
     next: u64,
     /// True if a level may have changed.
     pins_are_stale: bool,
+    /// Newest register that was read, its value, and how often it was in a row.
+    polled: (u32, u32, u32),
 }
 
 fn timers() -> [Timer; 5] {
@@ -191,6 +193,7 @@ impl Chip {
             changes: Vec::new(),
             next: 0,
             pins_are_stale: true,
+            polled: (0, 0, 0),
         };
         chip.settle();
         chip
@@ -227,6 +230,7 @@ impl Chip {
         self.bus.events.clear();
         self.bus.halt = 0;
         self.bus.low_frequency_runs = false;
+        self.bus.crystal_runs = false;
         self.bus.attention = true;
         self.owner = Owner::Program;
         self.pins_are_stale = true;

@@ -180,6 +180,7 @@ impl SoftDevice {
             call::FLASH_WRITE => return self.write(arguments, chip),
             call::CLOCK_HFCLK_REQUEST => {
                 self.keeps_crystal = true;
+                chip.start_crystal();
                 answer::SUCCESS
             }
             call::EVT_GET => match self.chip_events.pop_front() {
