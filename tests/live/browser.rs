@@ -91,6 +91,27 @@ impl Browser {
 
     /// Sends a command and waits for its result.
     pub fn command(&mut self, method: &str, parameters: Value) -> Value {
+        let answer = self.answer(method, parameters);
+        answer.unwrap_or_else(|error| panic!("{method}: {error}"))
+    }
+
+    /// Sends a script and waits for its result: null if the page was left meanwhile.
+    fn evaluate(&mut self, method: &str, parameters: Value) -> Value {
+        match self.answer(method, parameters) {
+            Ok(result) => result,
+            Err(error) => {
+                let text = error.to_string();
+                let is_left = ["navigated", "destroyed"]
+                    .iter()
+                    .any(|word| text.contains(word));
+                assert!(is_left, "{method}: {text}");
+                Value::Null
+            }
+        }
+    }
+
+    /// Sends a command and waits for its result, or its error.
+    fn answer(&mut self, method: &str, parameters: Value) -> Result<Value, Value> {
         self.commands += 1;
         let id = self.commands;
         let text = json!({ "id": id, "method": method, "params": parameters }).to_string();
@@ -101,8 +122,10 @@ impl Browser {
             };
             let mut message: Value = serde_json::from_str(&text).unwrap();
             if message["id"] == id {
-                assert!(message["error"].is_null(), "{method}: {message}");
-                return message["result"].take();
+                if !message["error"].is_null() {
+                    return Err(message);
+                }
+                return Ok(message["result"].take());
             }
             let method = message["method"].as_str().unwrap_or_default();
             let parameters = &message["params"];

@@ -21,7 +21,7 @@ fn a_guided_session_in_a_browser_ends_with_a_tuned_model() {
     let protocol = SHORT
         .replace("\"relax\"]", "\"relax\", \"point\", \"relax\"]")
         .replace("[seconds]", "[seconds]\npoint = 3");
-    let live = record(folder.path(), Source::Demo, &protocol, 4);
+    let live = record(folder.path(), Source::Demo, &protocol, 8);
     browser.look(1440, 900, "light", "no-preference");
     browser.open(live.url());
     browser.wait_for("document.getElementById('source')?.dataset.state === 'connected'");

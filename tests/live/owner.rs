@@ -35,10 +35,10 @@ const ARMBAND: &str = "FA:12:34:56:78:9A";
 const HARD: &str = "emil";
 /// Alignment of the turned armband.
 const TURNED: Alignment = Alignment::new(3, false);
-/// Protocol of two rounds of four openings and four fists, as many as the findings ask for: 62 s.
+/// Protocol of two rounds of four openings and four fists, as many as the findings ask for: 52 s.
 const SESSION: &str = "rounds = 2\npause = 1\n\
     sequence = [\"relax\", \"open\", \"relax\", \"close\", \"relax\", \"open\", \"relax\", \"close\", \"relax\", \"open\", \"relax\", \"close\", \"relax\", \"open\", \"relax\", \"close\", \"relax\"]\n\
-    [seconds]\nrelax = 1.5\nopen = 2\nclose = 2\n";
+    [seconds]\nrelax = 1.3\nopen = 1.6\nclose = 1.6\n";
 /// Guest's time between two notifications of two samples each.
 const PAIR: Duration = Duration::from_millis(10);
 /// Longest wait on a machine that is busy with other work.
@@ -88,12 +88,12 @@ impl Wearer {
         *self.0.lock().unwrap() = intent;
     }
 
-    /// Opens the hand for two seconds, with rest before.
+    /// Opens the hand for a second and a half, with rest before.
     fn open(&self) {
         self.asked(Intent::Relax);
-        wait(2.0);
+        wait(1.5);
         self.asked(Intent::Open);
-        wait(2.0);
+        wait(1.5);
         self.asked(Intent::Relax);
     }
 
@@ -196,7 +196,6 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
         time_scale: TIME_SCALE,
         // Late samples are sent at once.
         pace: 1.0,
-        fault: None,
         script: json!([]),
         arguments: vec!["--follow".to_owned()],
     })?;

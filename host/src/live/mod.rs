@@ -42,7 +42,7 @@ use self::server::rights::Mode;
 use self::server::{Requests, Server};
 pub use self::source::Source;
 pub(crate) use self::source::no_port;
-use self::source::{Context, SharedCue, SourceRequest, Stop};
+use self::source::{Context, Guide, SharedCue, SourceRequest, Stop};
 use crate::record::HistoryOf;
 
 /// Shipped three-class model.
@@ -80,7 +80,7 @@ impl Stream {
         hub: Arc<Hub>,
         source: Source,
         model: Option<Vec<u8>>,
-        cue_and_speed: Option<(SharedCue, u32)>,
+        guide: Option<Guide>,
         (requests, received): (SyncSender<SourceRequest>, Receiver<SourceRequest>),
     ) -> anyhow::Result<Self> {
         if let Some(bytes) = &model {
@@ -96,7 +96,7 @@ impl Stream {
         let source = std::thread::Builder::new()
             .name("source".to_owned())
             .stack_size(STACK)
-            .spawn(move || source.run(model, cue_and_speed, &context))?;
+            .spawn(move || source.run(model, guide, &context))?;
         Ok(Self {
             hub,
             stop,
@@ -137,7 +137,7 @@ pub fn start(options: Options) -> anyhow::Result<Live> {
     let hub = Arc::new(Hub::new());
     let requests = mpsc::sync_channel(REQUESTS);
     let mode = Mode::of(&options.source, options.record.is_some());
-    let (mut recorder_thread, mut recorder_requests, mut cue_and_speed) = (None, None, None);
+    let (mut recorder_thread, mut recorder_requests, mut guide) = (None, None, None);
     let mut history = None;
     if let Some(record) = options.record {
         let model = options.model.clone().unwrap_or_else(|| SHIPPED.to_vec());
@@ -147,7 +147,12 @@ pub fn start(options: Options) -> anyhow::Result<Live> {
             model: model.clone(),
         });
         let cue = SharedCue::default();
-        cue_and_speed = Some((cue.clone(), record.speed));
+        let earlier = std::fs::read_dir(record.folder.join(&record.person));
+        guide = Some(Guide {
+            cue: cue.clone(),
+            speed: record.speed,
+            earlier: earlier.map_or(0, |entries| entries.count() as u64),
+        });
         let recorder = Recorder {
             source: options.source.described(),
             port: match &options.source {
@@ -165,13 +170,7 @@ pub fn start(options: Options) -> anyhow::Result<Live> {
         recorder_thread = Some(thread);
         recorder_requests = Some(sender);
     }
-    let stream = Stream::start(
-        hub.clone(),
-        options.source,
-        options.model,
-        cue_and_speed,
-        requests,
-    )?;
+    let stream = Stream::start(hub.clone(), options.source, options.model, guide, requests)?;
     let requests = Requests {
         source: stream.requests.clone(),
         recorder: recorder_requests,

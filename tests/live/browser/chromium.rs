@@ -78,7 +78,7 @@ impl Browser {
     pub(super) fn evaluate_chromium(&mut self, expression: &str) -> Value {
         let parameters =
             json!({ "expression": expression, "returnByValue": true, "awaitPromise": true });
-        let mut result = self.command("Runtime.evaluate", parameters);
+        let mut result = self.evaluate("Runtime.evaluate", parameters);
         assert!(
             result["exceptionDetails"].is_null(),
             "{expression}: {result}"

@@ -51,7 +51,10 @@ impl Browser {
         let parameters = json!({
             "expression": whole, "target": { "context": self.context }, "awaitPromise": true, "userActivation": true,
         });
-        let result = self.command("script.evaluate", parameters);
+        let result = self.evaluate("script.evaluate", parameters);
+        if result.is_null() {
+            return result;
+        }
         assert_eq!(result["type"], "success", "{expression}: {result}");
         let text = result["result"]["value"].as_str().unwrap();
         serde_json::from_str::<Value>(text).unwrap()["value"].take()

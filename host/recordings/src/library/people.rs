@@ -1,7 +1,8 @@
 //! Names of the people in a user's own recordings: the folder is the person.
 //!
 //! The path below the requested folder names the person, without what all paths begin with. Folders that are named like
-//! a session belong to the folder above them, and so does everything below a folder with recordings. Files directly in
+//! a session belong to the folder above them, and so does everything below a folder with recordings; but a folder after
+//! which `myointent record` named its files is a person's. Files directly in
 //! the requested folder belong to a person of its name. Every choice is reported.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -36,7 +37,14 @@ pub(super) fn by_folder(
     places.iter_mut().for_each(Folders::leave_sessions);
     join_below(&mut places);
     let taken: BTreeSet<String> = places.iter().map(Folders::person).collect();
-    let top = name_of(&base.join(shared), &taken);
+    let top = base.join(shared);
+    let is_named = |place: &Folders| place.person.is_empty() && place.names_files;
+    let own_name = places
+        .iter()
+        .any(is_named)
+        .then(|| top.file_name())
+        .flatten();
+    let top = name_of(&top, own_name, &taken);
     let prefixes = prefixes(&places, own.iter().map(|&at| &recordings[at]));
     for (&at, place) in own.iter().zip(&places) {
         let recording = &mut recordings[at];
@@ -83,6 +91,8 @@ struct Folders {
     person: Vec<String>,
     /// Folders that name a session.
     sessions: Vec<String>,
+    /// Whether the recorder named the file after its folder.
+    names_files: bool,
 }
 
 impl Folders {
@@ -91,13 +101,14 @@ impl Folders {
         Self {
             person: below.iter().map(text).collect(),
             sessions: Vec::new(),
+            names_files: is_named_after_folder(path),
         }
     }
 
     /// Takes out the folders that are named like sessions.
     fn leave_sessions(&mut self) {
         let mut last = Vec::new();
-        while let Some(name) = self.person.last() {
+        while let Some(name) = self.person.last().filter(|_| !self.names_files) {
             let leaves = match session(name) {
                 Some(Session::Time | Session::Part | Session::Container) => true,
                 // Numbers below a folder are sessions; at the top they are people.
@@ -158,12 +169,21 @@ fn join_below(places: &mut [Folders]) {
     }
 }
 
-/// Name of the person of the requested folder.
-fn name_of(base: &Path, taken: &BTreeSet<String>) -> String {
+/// Whether a file has the recorder's name, `anna_20261128T084900Z_quick_1.csv`, in a folder `anna`.
+fn is_named_after_folder(path: &Path) -> bool {
+    let folder = above(path).file_name().and_then(OsStr::to_str);
+    let rest = folder.and_then(|folder| stem(path)?.strip_prefix(folder)?.strip_prefix('_'));
+    let began = rest.and_then(|rest| rest.split('_').next()).unwrap_or("");
+    began.len() == 16 && session(began) == Some(Session::Time)
+}
+
+/// Name of the person of the requested folder: `own_name`, or that of the nearest folder that may be a person's.
+fn name_of(base: &Path, own_name: Option<&OsStr>, taken: &BTreeSet<String>) -> String {
     let names = base.ancestors().filter_map(Path::file_name).map(text);
     let is_person = |name: &String| !matches!(session(name), Some(Session::Time | Session::Part));
     let mut names = names.skip_while(|name| !is_person(name));
-    let name = names.next().unwrap_or_else(|| "unknown".to_owned());
+    let name = own_name.map(text).or_else(|| names.next());
+    let name = name.unwrap_or_else(|| "unknown".to_owned());
     if taken.contains(&name) {
         return format!("{name}/.");
     }

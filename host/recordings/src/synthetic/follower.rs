@@ -51,6 +51,13 @@ impl Follower {
         }
     }
 
+    /// The same person at another time: of as many times, each has random values of its own.
+    #[must_use]
+    pub fn another_time(mut self, number: u64) -> Self {
+        self.random = generator(number, "another time");
+        self
+    }
+
     /// Next sample, while `asked` is cued; a cue of [`Motion::OTHER`] is followed by any movement, another every 1.5 s.
     pub fn sample(&mut self, asked: impl Into<Motion>) -> Sample {
         let asked = asked.into();

@@ -3,7 +3,7 @@
 import { CLASSES } from "./history.js";
 import { RATE } from "./clock.js";
 
-/** Samples after a change of the cue in which no label is judged: nobody follows at once. */
+/** Samples after a change of the cue in which no label is counted, and none is wrong: nobody follows at once. */
 const GRACE = RATE;
 const STEP = RATE / 20;
 
@@ -21,8 +21,8 @@ export class Agreement {
 
   /** Judges a label and counts it. Returns whether it is right; null in rest, and where it is not judged. */
   take(history, { instant, label }) {
-    const { state, cue } = judge(history, instant, label);
-    if (state !== "right" && state !== "wrong") {
+    const { state, cue, isNew } = judge(history, instant, label);
+    if (state === "none" || isNew) {
       return null;
     }
     const isRight = state === "right";
@@ -33,20 +33,21 @@ export class Agreement {
   }
 }
 
-/** Whether a label is what was asked for at its sample: `right`, `wrong`, `soon` just after a change, `none` without a cue. */
+/** Whether a label is what was asked for at its sample: `right`, `wrong`, `soon` just after a change, `none` without a cue;
+ *  `isNew` in the first second after a change. */
 export function judge(history, sample, label) {
   const cue = history.truthAt(sample) ?? null;
   if (cue === null || label === null) {
     return { state: "none", cue };
   }
+  // A movement that is none of the classes means nothing, as rest does.
+  const isRight = label === (CLASSES.includes(cue) ? cue : "relax");
   for (let back = STEP; back <= GRACE; back += STEP) {
     if (history.truthAt(Math.max(0, sample - back)) !== cue) {
-      return { state: "soon", cue };
+      return { state: isRight ? "right" : "soon", cue, isNew: true };
     }
   }
-  // A movement that is none of the classes means nothing, as rest does.
-  const expected = CLASSES.includes(cue) ? cue : "relax";
-  return { state: label === expected ? "right" : "wrong", cue };
+  return { state: isRight ? "right" : "wrong", cue };
 }
 
 /** A share of counted labels in per cent; null of none. */

@@ -1,6 +1,6 @@
 // What to do while there is nothing to see: a heading, and steps.
 
-import { t } from "./texts.js";
+import { said, t } from "./texts.js";
 
 const find = (id) => document.getElementById(id);
 
@@ -61,9 +61,9 @@ export class Empty {
     if (!source) {
       return null;
     }
-    const title = t(source.kind === "port" ? "empty.port" : "empty.armband", source);
+    const title = t(source.kind === "port" ? "empty.port" : "empty.armband", { detail: said(source.detail) });
     if (!source.connected) {
-      return source.steps.length ? [title, source.steps, true] : null;
+      return source.steps.length ? [title, source.steps.map(said), true] : null;
     }
     if (source.kind !== "port" || performance.now() - this.#since < QUIET) {
       return null;

@@ -37,6 +37,8 @@ export const ENGLISH_SESSION = {
   "do.pronation": "Turn the palm down, the hand loose", "do.other": "Do whatever you like with the hand",
   "ending": "End this session?", "end.now": "End it", "ending.free": "What was recorded is kept.", "ending.some": "{done} of {trials} gestures are recorded and are kept.",
   "result": "What was recorded", "own.model": "A model of your own", "tune": "Tune a model on it", "again": "Record another", "taken": "Steps of the tuning that are taken",
+  "help.scores": "What this means: the table",
+  "help.scores.text": "Both models were tried on a part of the recordings that neither was tuned on. Balanced accuracy: share of the time that is labelled right; each gesture counts alike. Transition accuracy: share of the changes that are followed within half a second and held. False activations: gestures seen while the hand rests.",
   "held.back": "on what was held back", "col.before": "before", "col.after": "after", "install": "Install it on the board",
   "install.what": "Over this line, without a restart; outputs are safe until the board has all of it", "sent": "How much of it the board has",
   "good": "Good enough to tune a model on", "not.good": "Not good enough yet", "better": "A model of your own is ready", "worse.model": "The old model stays: more recordings may help",

@@ -9,7 +9,7 @@ export const ENGLISH = {
   "source.silent": "the program does not answer; trying again",
   "tools": "Stream", "pause": "Pause", "pause.what": "The stream goes on; arrow keys move back and forth", "resume": "Resume",
   "paused": "paused: arrow keys move by half a second; the stream goes on",
-  "mark": "Mark", "mark.what": "Marks the newest sample, for every viewer and in the csv",
+  "mark": "Mark", "mark.number": "mark {n}", "key.space": "space", "key.enter": "enter", "mark.what": "Marks the newest sample, for every viewer and in the csv",
   "save": "Save csv", "save.what": "What was seen, as a csv that myointent data inspect reads",
   "saved": "saved {seconds} s: {name}", "saved.gap": "saved {seconds} s, from the last gap on: {name}",
   "align": "Align", "align.what": "Open the hand twice, with rest before and after", "align.stop": "Stop",

@@ -37,6 +37,8 @@ export const GERMAN_SESSION = {
   "do.pronation": "Die Handfläche nach unten drehen, locker", "do.other": "Mach mit der Hand, was du willst",
   "ending": "Diese Sitzung beenden?", "end.now": "Beenden", "ending.free": "Was aufgenommen ist, bleibt.", "ending.some": "{done} von {trials} Gesten sind aufgenommen und bleiben.",
   "result": "Was aufgenommen wurde", "own.model": "Ein eigenes Modell", "tune": "Ein Modell daran anpassen", "again": "Noch eine aufnehmen", "taken": "Erledigte Schritte des Anpassens",
+  "help.scores": "Was das heißt: Tabelle",
+  "help.scores.text": "Beide Modelle wurden an einem Teil der Aufnahmen geprüft, an dem keines angepasst wurde. Gewichtete Treffer: Anteil der Zeit, in der das Richtige erkannt wird; jede Geste zählt gleich. Richtige Wechsel: Anteil derer, denen in einer halben Sekunde gefolgt wird und bei denen es bleibt. Falsche: was in der Ruhe erkannt wird.",
   "held.back": "am zurückgehaltenen Teil", "col.before": "vorher", "col.after": "nachher", "install": "Auf die Platine spielen",
   "install.what": "Über diese Leitung, ohne Neustart; die Ausgänge sind sicher, bis die Platine alles hat", "sent": "Wie viel die Platine davon hat",
   "good": "Gut genug, um ein Modell anzupassen", "not.good": "Noch nicht gut genug", "better": "Dein eigenes Modell ist fertig", "worse.model": "Das alte Modell bleibt: mehr Aufnahmen können helfen",

@@ -9,7 +9,7 @@ export const GERMAN = {
   "source.silent": "das Programm antwortet nicht; neuer Versuch",
   "tools": "Datenstrom", "pause": "Pause", "pause.what": "Die Daten laufen weiter; die Pfeiltasten gehen vor und zurück", "resume": "Weiter",
   "paused": "angehalten: die Pfeiltasten gehen um eine halbe Sekunde; die Daten laufen weiter",
-  "mark": "Marke", "mark.what": "Merkt den neuesten Messwert, für alle Betrachter und in der csv-Datei",
+  "mark": "Marke", "mark.number": "Marke {n}", "key.space": "Leertaste", "key.enter": "Eingabe", "mark.what": "Merkt den neuesten Messwert, für alle Betrachter und in der csv-Datei",
   "save": "Sichern", "save.what": "Was zu sehen war, als csv-Datei, die myointent data inspect liest",
   "saved": "{seconds} s gesichert: {name}", "saved.gap": "{seconds} s gesichert, ab der letzten Lücke: {name}",
   "align": "Ausrichten", "align.what": "Die Hand zweimal öffnen, davor und danach ruhen", "align.stop": "Abbrechen",

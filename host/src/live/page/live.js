@@ -13,7 +13,7 @@ import { Rates } from "./rates.js";
 import { Session } from "./session.js";
 import { save } from "./save.js";
 import { Steps } from "./steps.js";
-import { choose, fill, t } from "./texts.js";
+import { choose, fill, said, t } from "./texts.js";
 import { Traces } from "./traces.js";
 import { Wearer } from "./wearer.js";
 
@@ -63,9 +63,9 @@ const TAKE = {
   },
   pong: (message) => clock.pong(message.sent, message.now),
   source(message) {
-    const name = t(`source.${message.kind}`, message);
+    const name = t(`source.${message.kind}`, { name: said(message.name) });
     connected = message.connected;
-    panel.source(connected ? "connected" : "lost", message.detail ? `${name}: ${message.detail}` : name);
+    panel.source(connected ? "connected" : "lost", message.detail ? `${name}: ${said(message.detail)}` : name);
     document.body.dataset.kind = message.kind;
     find("align").disabled = !connected;
     if (!connected) {
@@ -77,7 +77,7 @@ const TAKE = {
     panel.legend(message);
   },
   board(message) {
-    panel.number("board", `${message.image}, ${message.version}`);
+    panel.number("board", `${said(message.image)}, ${message.version}`);
     panel.number("address", message.armband ?? t("none.connected"));
     panel.number("battery", message.battery === null ? "–" : `${message.battery} %`);
   },
@@ -94,6 +94,7 @@ const TAKE = {
   samples(message) {
     const end = message.first + message.emg.length;
     history.samples(message.first, message.emg, message.truth);
+    find("mark").disabled = find("save").disabled = false;
     clock.samples(end, message.at);
     rates.samples(message.at, message.emg.length);
   },
@@ -112,7 +113,7 @@ const TAKE = {
     placement.take(message, isOld);
     aligns(message.state === "waiting");
   },
-  mark: (message) => history.marks.push(message),
+  mark: ({ sample, text }) => history.marks.push({ sample, text: said(text) }),
   session(message) {
     history.cue(message.from ?? history.end ?? 0, message.cue);
     if (message.phase === "waiting") {
@@ -128,8 +129,8 @@ const TAKE = {
   kept: (message) => session.kept(message),
   tuning: (message) => session.tuning(message),
   installing: (message) => session.installing(message),
-  comment: (message) => panel.number("comment", message.text),
-  refused: (message) => panel.notice(t("refused", message), PASSING),
+  comment: (message) => panel.number("comment", said(message.text)),
+  refused: (message) => panel.notice(t("refused", { text: said(message.text) }), PASSING),
   skipped(message) {
     skipped += message.messages;
     panel.number("skipped", t("skipped", { n: skipped }));
@@ -170,6 +171,7 @@ function count(message) {
 function aligns(waiting) {
   aligning = waiting;
   find("align").setAttribute("aria-pressed", String(waiting));
+  find("align").firstElementChild.textContent = t(waiting ? "align.stop" : "align");
 }
 
 function connect() {
@@ -235,7 +237,7 @@ const actions = {
     if (history.end !== null) {
       marks += 1;
       const sample = Math.max(0, Math.round(paused ?? history.end - 1));
-      say({ do: "mark", sample, text: `mark ${marks}` });
+      say({ do: "mark", sample, text: t("mark.number", { n: marks }) });
     }
   },
   save() {
@@ -289,7 +291,7 @@ function frame() {
   session.frame(position());
   const [at, label] = paused === null ? [(history.end ?? 1) - 1, report] : [paused, history.labelAt(paused)];
   now.show(history, at, label, noReport);
-  wearer.show(now.label, now.judged);
+  wearer.show(now.label, now.judged, aligning);
   const to = paused ?? edge();
   // Without motion the picture stands until the next second.
   if (!still.matches || to !== drawn || traces.isStale) {
@@ -315,7 +317,6 @@ function numbers() {
     panel.number("latency", latency);
   }
   panel.number("rate", rates.perSecond(clock.now()));
-  find("mark").disabled = find("save").disabled = history.end === null;
 }
 
 /** Bars of the electrodes. */

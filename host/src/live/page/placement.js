@@ -1,6 +1,6 @@
 // How the armband sits: what an alignment changed, how to take that back, and whether labels are worse since.
 
-import { named, t } from "./texts.js";
+import { fixed, named, t } from "./texts.js";
 
 /** Labels in gestures that are compared, at least: 3 s of them. The first ones after a change may belong to before. */
 const ENOUGH = 30;
@@ -131,8 +131,8 @@ export class Placement {
     write(find("placement"), said(message));
     const { distance, margin } = message;
     find("fit").hidden = distance === null;
-    write(find("distance"), distance === null ? "" : `${distance / 100}`);
-    write(find("margin"), margin === null ? "" : `${margin / 100}`);
+    write(find("distance"), distance === null ? "" : fixed(distance / 100, 2));
+    write(find("margin"), margin === null ? "" : fixed(margin / 100, 2));
     find("undo").hidden = before === null;
     write(find("undo").firstElementChild, before === null ? "" : t("undo", { placement: placement(before) }));
     find("reset").hidden = isNone(this.#now) || (before !== null && isNone(before));

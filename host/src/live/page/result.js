@@ -1,6 +1,6 @@
 // Result of a session: whether it is good enough, why not, and what comes next.
 
-import { named, t } from "./texts.js";
+import { fixed, named, said, t } from "./texts.js";
 
 const find = (id) => document.getElementById(id);
 
@@ -46,7 +46,7 @@ function bars(before, after) {
 /** Headlines after a tuning. */
 const HEADLINES = { better: t("better"), worse: t("worse.model") };
 
-const number = (value, digits) => (value === null ? "–" : value.toFixed(digits));
+const number = (value, digits) => (value === null ? "–" : fixed(value, digits));
 
 export class Result {
   isTuning = false;
@@ -63,10 +63,10 @@ export class Result {
     find("verdict").dataset.good = good;
     const each = counts.map(([name, count]) => t("times", { name: named("class", name), count })).join(", ");
     const unused = bad ? t("unused", { n: bad }) : "";
-    find("amount").textContent = t("kept", { n: files.length, seconds: seconds.toFixed(0), each, unused, folder });
+    find("amount").textContent = t("kept", { n: files.length, seconds: fixed(seconds, 0), each, unused, folder });
     find("findings").replaceChildren(...findings.map(({ severity, text, advice }) => {
       const item = made("li", "", severity);
-      item.append(made("b", t(severity)), made("span", text), made("span", advice, "quiet"));
+      item.append(made("b", t(severity)), made("span", said(text)), made("span", said(advice), "quiet"));
       return item;
     }));
     this.next = good ? "tune" : "again";
@@ -80,7 +80,7 @@ export class Result {
   tuning({ state, text, steps, of, rows, commands, installs }) {
     this.isTuning = state === "running";
     this.next = { better: installs ? "install" : null, worse: "again" }[state] ?? (state === "failed" ? "tune" : null);
-    this.#told("tuned", state, t(`tuning.${state}`), text);
+    this.#told("tuned", state, t(`tuning.${state}`), said(text));
     if (HEADLINES[state]) {
       find("verdict").textContent = HEADLINES[state];
       find("verdict").dataset.good = state === "better";
@@ -96,7 +96,7 @@ export class Result {
   installing({ state, text, blocks, of }) {
     this.isInstalling = state === "running";
     this.next = state === "done" ? null : "install";
-    this.#told("installed", state, t(`installing.${state}`), text);
+    this.#told("installed", state, t(`installing.${state}`), said(text));
     find("sent").hidden = !this.isInstalling;
     find("sent").max = of || 1;
     find("sent").value = blocks;
@@ -140,7 +140,7 @@ export class Result {
     find("scores").tBodies[0].replaceChildren(...rows.map(({ measure, before, after }) => {
       const row = document.createElement("tr");
       const digits = measure.includes("minute") ? 1 : 3;
-      const head = made("th", measure);
+      const head = made("th", said(measure));
       head.scope = "row";
       row.append(head, made("td", number(before, digits)), made("td", number(after, digits)), bars(before, after));
       return row;

@@ -1,7 +1,7 @@
 // Saves a history as a csv file.
 
 import { csv } from "./history.js";
-import { t } from "./texts.js";
+import { fixed, t } from "./texts.js";
 
 /** Hands the history to the browser as a file. Returns what was saved, in words. */
 export function save(history) {
@@ -9,7 +9,7 @@ export function save(history) {
   const name = fileName(new Date());
   download(name, text);
   const key = history.stretch()[0] > history.first ? "saved.gap" : "saved";
-  return t(key, { seconds: seconds.toFixed(1), name });
+  return t(key, { seconds: fixed(seconds, 1), name });
 }
 
 function download(name, text) {

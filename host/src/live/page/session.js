@@ -5,7 +5,7 @@ import { Ending } from "./ending.js";
 import { draw, words } from "./gestures.js";
 import { Result } from "./result.js";
 import { CLASSES, classOf } from "./history.js";
-import { named, t } from "./texts.js";
+import { named, said, t } from "./texts.js";
 
 const KEYS = { b: "bind", k: "skip", Enter: "begin", r: "repeat", h: "hold", e: "finish", t: "tune", i: "install", n: "again" };
 const BUTTONS = ["begin", "repeat", "hold", "finish"];
@@ -83,7 +83,7 @@ export class Session {
     this.#marks();
     this.#buttons();
     find("trouble").hidden = !view.trouble;
-    write(find("trouble"), view.trouble);
+    write(find("trouble"), said(view.trouble));
   }
 
   kept(message) {

@@ -1,21 +1,21 @@
 // Record of a person's sessions, to read and to print: a row each.
 
-import { choose, fill, t } from "./texts.js";
+import { choose, fill, fixed, t } from "./texts.js";
 
 const find = (id) => document.getElementById(id);
 
-const fixed = (value, digits) => (value === null ? t("unknown") : value.toFixed(digits));
+const known = (value, digits) => (value === null ? t("unknown") : fixed(value, digits));
 
 /** Columns: key of the name, and the text of a session. */
 const COLUMNS = [
   ["h.date", ({ began }) => began],
   ["h.protocol", ({ protocol, is_synthetic: simulated }) => (simulated ? t("h.simulated", { protocol }) : protocol)],
-  ["h.minutes", ({ seconds }) => fixed(seconds / 60, 1)],
+  ["h.minutes", ({ seconds }) => known(seconds / 60, 1)],
   ["h.gestures", ({ gestures }) => String(gestures)],
   ["h.right", ({ recognised }) => (recognised === null ? t("unknown") : t("percent", { share: Math.round(100 * recognised) }))],
-  ["h.reaction", ({ reaction, gestures }) => (reaction === null && gestures ? t("h.missed") : fixed(reaction, 0))],
-  ["h.steady", ({ flicker }) => fixed(flicker, 1)],
-  ["h.false", ({ false_activations: rises }) => fixed(rises, 1)],
+  ["h.reaction", ({ reaction, gestures }) => (reaction === null && gestures ? t("h.missed") : known(reaction, 0))],
+  ["h.steady", ({ flicker }) => known(flicker, 1)],
+  ["h.false", ({ false_activations: rises }) => known(rises, 1)],
 ];
 
 function cell(name, key, text) {

@@ -1,7 +1,7 @@
 // Steps to a model of one's own: which are done, which one is now; and what connecting, binding and aligning ask for.
 
 import { outcome, placement } from "./placement.js";
-import { t } from "./texts.js";
+import { fixed, said, t } from "./texts.js";
 
 const FOLLOWS = ["bound", "built-in", "strongest"];
 const ALIGNED = ["aligned", "set"];
@@ -87,7 +87,7 @@ export class Steps {
       (board || source?.kind === "bluetooth") && ["align", aligned || this.#skipped || begun, aligned ? placement(alignment) : this.#skipped || begun ? t("step.left") : ""],
       ["record", kept, kept ? (t(kept.good ? "step.good" : "step.not.good")) : ""],
       ["tune", judged, tuning?.state === "running" ? percent(tuning) : tuning?.state === "failed" ? t("step.failed") : ""],
-      ["compare", judged, compared ? t("step.compared", { before: balanced.before.toFixed(2), after: balanced.after.toFixed(2) }) : ""],
+      ["compare", judged, compared ? t("step.compared", { before: fixed(balanced.before, 2), after: fixed(balanced.after, 2) }) : ""],
       board && ["install", installing?.state === "done", installing?.state === "running" ? percent({ steps: installing.blocks, of: installing.of }) : installing?.state === "failed" ? t("step.failed") : ""],
     ];
     return all.filter(Boolean);
@@ -129,7 +129,7 @@ export class Steps {
       return null;
     }
     if (now === "connect") {
-      return [t("ask.source"), source?.detail ?? "", [], null];
+      return [t("ask.source"), said(source?.detail ?? ""), [], null];
     }
     if (now === "bind") {
       return {

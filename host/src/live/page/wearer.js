@@ -34,12 +34,12 @@ export class Wearer {
     document.body.dataset.view = this.isShown ? "wearer" : "all";
   }
 
-  /** Shows a label, null without one, whether it is what was asked for, and what is asked for. */
-  show(label, { state, cue }) {
+  /** Shows a label, null without one, whether it is what was asked for, and what is asked for: an alignment before all. */
+  show(label, { state, cue }, aligning) {
     if (!this.isShown) {
       return;
     }
-    const task = document.body.dataset.mode === "record" ? find("task").textContent : "";
+    const task = aligning ? t("align.what") : document.body.dataset.mode === "record" ? find("task").textContent : "";
     write(find("worn-do"), task || (cue ? words(cue) : t("wearer.free")));
     write(find("worn-word"), label === null ? t("wearer.none") : named("class", label));
     const sign = { right: t("wearer.right"), wrong: t("wearer.wrong") };

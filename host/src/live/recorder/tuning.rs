@@ -149,35 +149,40 @@ fn outcome(done: Personalized, out: &Path, next: Vec<String>, installs: bool) ->
         after: mean(measure, new),
     });
     let of = |measure| mean(measure, old).zip(mean(measure, new));
-    let halves = halves(of(Measure::Recognition), of(Measure::OtherActivations));
     let judged_on = format!(
-        "on the {:.0} s held back, after {:.0} s to tune on.{halves}",
+        "Judged on the {:.0} s held back, after {:.0} s to tune on.",
         done.judged_seconds, done.tuned_seconds
     );
+    let mut sentences = vec![judged_on];
+    sentences.extend(halves(
+        of(Measure::Recognition),
+        of(Measure::OtherActivations),
+    ));
     let is_known = |row: &MeasureRow| row.before.is_some() || row.after.is_some();
     let judged = TuningState {
         rows: rows.into_iter().filter(is_known).collect(),
         ..TuningState::default()
     };
-    let doubt = match &done.doubt[..] {
-        "" => String::new(),
-        doubt => format!(" {doubt}."),
-    };
+    let doubt = Some(done.doubt.clone()).filter(|doubt| !doubt.is_empty());
+    let doubt = doubt.map(|doubt| format!("{doubt}."));
     if let Some(why) = done.worse() {
+        sentences.insert(0, format!("{why}."));
+        sentences.push("Nothing is written; more recordings may help.".to_owned());
+        sentences.extend(doubt);
         let worse = TuningState {
             state: "worse",
-            text: format!(
-                "{why}, {judged_on} Nothing is written; more recordings may help.{doubt}"
-            ),
+            text: sentences.join(" "),
             ..judged
         };
         return (worse, None);
     }
     match write_whole(out, &done.bytes) {
         Ok(()) => {
+            sentences.push(format!("It is in {}.", out.display()));
+            sentences.extend(doubt);
             let better = TuningState {
                 state: "better",
-                text: format!("not worse {judged_on} It is in {}.{doubt}", out.display()),
+                text: sentences.join(" "),
                 commands: next,
                 installs,
                 ..judged
@@ -188,23 +193,22 @@ fn outcome(done: Personalized, out: &Path, next: Vec<String>, installs: bool) ->
     }
 }
 
-/// Sentences about what is meant and what is not, each before and after; empty where the recordings have none.
-fn halves(recognised: Option<(f64, f64)>, raised: Option<(f64, f64)>) -> String {
-    let mut text = String::new();
-    if let Some((before, after)) = recognised {
+/// Sentences about what is meant and what is not, each before and after; none where the recordings have none.
+fn halves(recognised: Option<(f64, f64)>, raised: Option<(f64, f64)>) -> Vec<String> {
+    let recognised = recognised.map(|(before, after)| {
         let percent = |share: f64| 100.0 * share;
-        text += &format!(
-            " Of the gestures {:.0} % are recognised, before {:.0} %.",
+        format!(
+            "Of the gestures {:.0} % are recognised, before {:.0} %.",
             percent(after),
             percent(before)
-        );
-    }
-    if let Some((before, after)) = raised {
-        text += &format!(
-            " A minute of movement that means nothing raises {after:.1} labels, before {before:.1}."
-        );
-    }
-    text
+        )
+    });
+    let raised = raised.map(|(before, after)| {
+        format!(
+            "A minute of movement that means nothing raises {after:.1} labels, before {before:.1}."
+        )
+    });
+    recognised.into_iter().chain(raised).collect()
 }
 
 #[cfg(test)]
@@ -215,9 +219,11 @@ mod tests {
     fn what_is_meant_and_what_is_not_have_a_sentence_each() {
         assert_eq!(
             halves(Some((0.875, 1.0)), Some((12.0, 2.54))),
-            " Of the gestures 100 % are recognised, before 88 %. \
-             A minute of movement that means nothing raises 2.5 labels, before 12.0."
+            [
+                "Of the gestures 100 % are recognised, before 88 %.",
+                "A minute of movement that means nothing raises 2.5 labels, before 12.0.",
+            ]
         );
-        assert_eq!(halves(None, None), "");
+        assert_eq!(halves(None, None), [""; 0]);
     }
 }

@@ -11,7 +11,7 @@ const CROSS_ORIGIN_RESOURCE_POLICY: HeaderName =
     HeaderName::from_static("cross-origin-resource-policy");
 
 /// Path, MIME type and text of each file.
-const FILES: [(&str, &str, &str); 35] = [
+const FILES: [(&str, &str, &str); 36] = [
     ("", HTML, include_str!("../page/index.html")),
     (
         "icon.svg",
@@ -37,6 +37,11 @@ const FILES: [(&str, &str, &str); 35] = [
         "german-session.js",
         SCRIPT,
         include_str!("../page/german-session.js"),
+    ),
+    (
+        "german-program.js",
+        SCRIPT,
+        include_str!("../page/german-program.js"),
     ),
     ("wearer.js", SCRIPT, include_str!("../page/wearer.js")),
     ("live.js", SCRIPT, include_str!("../page/live.js")),

@@ -24,6 +24,16 @@ pub(crate) use self::board::no_port;
 use self::person::{Cues, Person};
 use self::playback::{Playback, SampleSource};
 pub(crate) use self::shared_cue::SharedCue;
+
+/// Session that a demo follows, or a replay plays for.
+#[derive(Debug)]
+pub(crate) struct Guide {
+    pub(crate) cue: SharedCue,
+    /// Speed-up, at least 1.
+    pub(crate) speed: u32,
+    /// Number of files that earlier sessions of the person left: with it the simulated person never does the same twice.
+    pub(crate) earlier: u64,
+}
 use super::SHIPPED;
 use super::hub::Hub;
 use recordings::{DataSet, Recording};
@@ -73,10 +83,10 @@ impl Source {
     pub(super) fn run(
         self,
         model: Option<Vec<u8>>,
-        cue_and_speed: Option<(SharedCue, u32)>,
+        guide: Option<Guide>,
         context: &Context,
     ) -> anyhow::Result<()> {
-        let speed = cue_and_speed.as_ref().map_or(1, |(_, speed)| *speed);
+        let speed = guide.as_ref().map_or(1, |guide| guide.speed);
         let playback = |kind, name, samples, model: Option<Vec<u8>>| Playback {
             kind,
             name,
@@ -97,11 +107,13 @@ impl Source {
             }
             Self::Demo => {
                 let name = "synthetic, of nobody".to_owned();
-                let cues = match cue_and_speed {
-                    Some((cue, _)) => Cues::Session(cue),
-                    None => Cues::List(demo::cues()),
+                let follower = demo::follower();
+                let person = match guide {
+                    Some(Guide { cue, earlier, .. }) => {
+                        Person::new(follower.another_time(earlier), Cues::Session(cue))
+                    }
+                    None => Person::new(follower, Cues::List(demo::cues())),
                 };
-                let person = Person::new(demo::follower(), cues);
                 let emg = SampleSource::Person(Box::new(person));
                 playback("demo", name, emg, model).run(context)
             }
