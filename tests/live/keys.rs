@@ -3,7 +3,7 @@
 use myointent::live::Source;
 
 use super::browser::Browser;
-use super::record::{SHORT, pictures, record};
+use super::record::{SHORT, pictures, record, step};
 use super::{demo_page, serve, synthetic};
 
 /// Whether a phase of the session is shown.
@@ -52,6 +52,9 @@ fn in_a_session_space_has_the_task_wait_and_e_asks_first() {
     browser.press("e");
     browser.wait_for(&phase("over"));
     assert_eq!(browser.value(ASKS), false);
+    // What is not good enough is recorded again, before anything else.
+    browser.wait_for("document.getElementById('again').classList.contains('main')");
+    assert_eq!(browser.value(&step("record", "now")), true);
     assert_eq!(browser.complaints, [""; 0]);
     live.stop().unwrap();
 }
