@@ -1,22 +1,58 @@
 //! Validity of the values of a preset.
 
 mod memory;
-mod numbers;
 mod student;
 
 use shared::intent::Vocabulary;
 use shared::units::{LOOK_BACK, MAX_ENTRY_MARGIN, PATCH, WINDOW};
 
 use super::{EntryMargins, Preset};
+use crate::training::LrSchedule;
 use memory::LIMIT;
 
-/// Maximum number of epochs of a training.
-const EPOCHS: usize = 1_000_000;
 /// Maximum seconds of spliced recordings of a subject.
 const DAY: f64 = 86_400.0;
 
 /// Maximum standard deviation of the logarithm of a gain: a factor of 20.
 const MOST_DEVIATION: f64 = 3.0;
+/// Smallest number above 0, and largest below 1.
+const ABOVE_0: f64 = 0.0_f64.next_up();
+const BELOW_1: f64 = 1.0_f64.next_down();
+
+/// Smallest and largest valid value of each number that has bounds of its own. With a rate, share or decay beyond them a
+/// training runs, but never yields a model: 1e30 is the largest rate that single precision holds with room for a step.
+/// No layer is as wide as the largest rank.
+#[rustfmt::skip]
+const BOUNDS: [(&str, f64, f64, &str); 27] = [
+    ("teacher.window", (LOOK_BACK * PATCH) as f64, WINDOW as f64, "60 to 600 samples"),
+    ("teacher.layers", 1.0, f64::MAX, "1 or more"),
+    ("teacher.feed_forward", 1.0, f64::MAX, "1 or more"),
+    ("teacher.dropout", 0.0, BELOW_1, "0 or more, below 1"),
+    ("teacher.attention_dropout", 0.0, BELOW_1, "0 or more, below 1"),
+    ("teacher_training.ema_decay", 0.0, BELOW_1, "0 or more, below 1"),
+    ("teacher_training.learning_rate", ABOVE_0, 1e30, "above 0, at most 1e30"),
+    ("teacher_training.weight_decay", 0.0, 1.0, "0 to 1"),
+    ("teacher_training.epochs", 1.0, 1e6, "1 to 1000000"),
+    ("teacher_training.lora.rank", 1.0, 1024.0, "1 to 1024"),
+    ("teacher_training.lora.alpha", ABOVE_0, 1e6, "above 0, at most 1000000"),
+    ("fine_tuning.learning_rate", ABOVE_0, 1e30, "above 0, at most 1e30"),
+    ("fine_tuning.lora_learning_rate", ABOVE_0, 1e30, "above 0, at most 1e30"),
+    ("fine_tuning.epochs", 0.0, 1e6, "at most 1000000"),
+    ("fine_tuning.lora.rank", 1.0, 1024.0, "1 to 1024"),
+    ("fine_tuning.lora.alpha", ABOVE_0, 1e6, "above 0, at most 1000000"),
+    ("distillation.learning_rate", ABOVE_0, 1e30, "above 0, at most 1e30"),
+    ("distillation.weight_decay", 0.0, 1.0, "0 to 1"),
+    ("distillation.warm_up", 0.0, 1.0, "a warm-up of 0 to 1, the share of the steps"),
+    ("distillation.epochs", 1.0, 1e6, "1 to 1000000"),
+    ("distillation.ensemble.epochs", 1.0, 1e6, "1 to 1000000"),
+    ("distillation.teacher_share", 0.0, 1.0, "0 to 1"),
+    ("distillation.temperature", ABOVE_0, f64::MAX, "a positive number"),
+    ("distillation.ema_decay", 0.0, BELOW_1, "0 or more, below 1"),
+    ("data.held_out_share", 0.0, BELOW_1, "0 or more, below 1"),
+    ("data.validation_share", 0.0, BELOW_1, "0 or more, below 1"),
+    ("data.balance", 0.0, 1.0, "0 to 1"),
+];
+
 /// A value that a run cannot use.
 pub(super) struct Invalid {
     pub(super) key: &'static str,
@@ -57,19 +93,33 @@ impl Preset {
             .or_else(|| self.invalid_augmentation())
             .or_else(|| self.invalid_smoother())
             .or_else(|| self.invalid_data())
-            .or_else(|| self.invalid_numbers())
+            .or_else(|| self.beyond_bounds())
             .or_else(|| self.too_large())
+    }
+
+    /// The first number beyond its bounds, if there is one.
+    fn beyond_bounds(&self) -> Option<Invalid> {
+        let written = match toml::Value::try_from(self) {
+            Ok(written) => written,
+            Err(error) => return require(false, "preset", error, "values that TOML has"),
+        };
+        BOUNDS.iter().find_map(|&(key, least, most, expected)| {
+            let mut parts = key.split('.');
+            let value = parts.try_fold(&written, |table, part| table.get(part))?;
+            let float = value.as_float();
+            let number = float.or_else(|| value.as_integer().map(|whole| whole as f64))?;
+            let found = float.map_or_else(|| value.to_string(), |float| format!("{float:?}"));
+            (!(least..=most).contains(&number)).then_some(Invalid {
+                key,
+                found,
+                expected,
+            })
+        })
     }
 
     fn invalid_teacher(&self) -> Option<Invalid> {
         let teacher = &self.teacher;
         [
-            require(
-                (LOOK_BACK * PATCH..=WINDOW).contains(&teacher.window),
-                "teacher.window",
-                teacher.window,
-                "60 to 600 samples",
-            ),
             require(
                 teacher.patch > 0 && teacher.window.is_multiple_of(teacher.patch),
                 "teacher.patch",
@@ -82,13 +132,6 @@ impl Preset {
                 teacher.heads,
                 "a divisor of d_model",
             ),
-            require(teacher.layers > 0, "teacher.layers", 0, "1 or more"),
-            require(
-                teacher.feed_forward > 0,
-                "teacher.feed_forward",
-                0,
-                "1 or more",
-            ),
         ]
         .into_iter()
         .flatten()
@@ -97,12 +140,16 @@ impl Preset {
 
     fn invalid_teacher_training(&self) -> Option<Invalid> {
         let training = &self.teacher_training;
+        let warm_up = match training.lr_schedule {
+            LrSchedule::WarmUp(share) => share,
+            LrSchedule::Constant => 0.0,
+        };
         [
             require(
-                training.stride > 0 && training.batch > 0 && training.epochs > 0,
+                training.stride > 0 && training.batch > 0,
                 "teacher_training",
                 0,
-                "stride, batch and epochs of 1 or more",
+                "stride and batch of 1 or more",
             ),
             require(
                 !training.tasks.is_empty(),
@@ -111,10 +158,10 @@ impl Preset {
                 "one task or more",
             ),
             require(
-                (0.0..1.0).contains(&training.ema_decay),
-                "teacher_training.ema_decay",
-                training.ema_decay,
-                "0 or more, below 1",
+                (0.0..=1.0).contains(&warm_up),
+                "teacher_training.lr_schedule",
+                warm_up,
+                "a warm-up of 0 to 1, the share of the steps",
             ),
         ]
         .into_iter()
@@ -162,64 +209,26 @@ impl Preset {
             })
     }
 
-    /// The first size that no memory holds, or number of epochs that no training completes, if there is one.
+    /// The first size that no memory holds, if there is one.
     fn too_large(&self) -> Option<Invalid> {
-        let gibibytes = |bytes: f64| format!("of about {:.0} GiB", bytes / f64::from(1 << 30));
         let memory = |key, bytes: f64| {
             (bytes > LIMIT).then(|| Invalid {
                 key,
-                found: gibibytes(bytes),
+                found: format!("of about {:.0} GiB", bytes / f64::from(1 << 30)),
                 expected: "a step of 64 GiB at most: smaller dimensions or a smaller batch",
             })
         };
-        let epochs = [
-            ("teacher_training.epochs", self.teacher_training.epochs),
-            ("fine_tuning.epochs", self.fine_tuning.epochs),
-            ("distillation.epochs", self.distillation.epochs),
-            (
-                "distillation.ensemble.epochs",
-                self.distillation.ensemble.map_or(0, |own| own.epochs),
-            ),
-        ];
-        epochs
-            .into_iter()
-            .find_map(|(key, epochs)| require(epochs <= EPOCHS, key, epochs, "at most 1000000"))
-            .or_else(|| memory("teacher", self.teacher_bytes()))
-            .or_else(|| memory("student", self.student_bytes()))
+        memory("teacher", self.teacher_bytes()).or_else(|| memory("student", self.student_bytes()))
     }
 
     fn invalid_data(&self) -> Option<Invalid> {
-        let data = &self.data;
-        let seconds = data.spliced_seconds;
-        [
-            require(
-                (0.0..1.0).contains(&data.held_out_share),
-                "data.held_out_share",
-                data.held_out_share,
-                "0 or more, below 1",
-            ),
-            require(
-                (0.0..1.0).contains(&data.validation_share),
-                "data.validation_share",
-                data.validation_share,
-                "0 or more, below 1",
-            ),
-            require(
-                (0.0..=1.0).contains(&data.balance),
-                "data.balance",
-                data.balance,
-                "0 to 1",
-            ),
-            require(
-                (0.0..=DAY).contains(&seconds) && (seconds >= 10.0 || data.as_published),
-                "data.spliced_seconds",
-                seconds,
-                "10 to 86400, or as_published = true",
-            ),
-        ]
-        .into_iter()
-        .flatten()
-        .next()
+        let (seconds, as_published) = (self.data.spliced_seconds, self.data.as_published);
+        require(
+            (0.0..=DAY).contains(&seconds) && (seconds >= 10.0 || as_published),
+            "data.spliced_seconds",
+            seconds,
+            "10 to 86400, or as_published = true",
+        )
     }
 }
 
@@ -241,81 +250,33 @@ mod tests {
         }
     }
 
-    #[test]
-    fn a_receptive_field_beyond_the_window_is_refused() {
-        assert_eq!(refused("span = 27", "span = 30"), "student.span");
-    }
+    /// The key that is refused, a text of the preset, and what takes its place.
+    const REFUSED: &str = "\
+student.span | span = 27 | span = 30
+student.span | span = 27 | span = 0
+student.span | layers = 2 ; span = 27 | layers = 9 ; span = 4611686018427387904
+teacher.patch | patch = 20 | patch = 7
+teacher.patch | patch = 20 | patch = 0
+teacher.dropout | dropout = 0.15 | dropout = nan
+teacher_training.weight_decay | weight_decay = 0.01 | weight_decay = nan
+teacher_training.lr_schedule | warm-up = 0.05 | warm-up = -1.0
+distillation.warm_up | warm_up = 0.05 | warm_up = inf
+fine_tuning.lora.alpha | alpha = 8.0 | alpha = nan
+fine_tuning.lora.rank | rank = 16 | rank = 9223372036854775807
+teacher.feed_forward | feed_forward = 256 | feed_forward = 0
+distillation.ensemble | temperature = 2.0 | temperature = 2.0 ; ensemble = { members = 9, epochs = 3 }
+distillation.ensemble.epochs | temperature = 2.0 | temperature = 2.0 ; ensemble = { members = 2, epochs = 1000001 }
+distillation.row_weights | temperature = 2.0 | temperature = 2.0 ; row_weights = [1.0, 1.0, 1.0, 1.0, 1.0, -1.0]
+distillation.row_weights | temperature = 2.0 | temperature = 2.0 ; row_weights = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]";
 
     #[test]
-    fn a_span_of_zero_is_refused() {
-        assert_eq!(refused("span = 27", "span = 0"), "student.span");
-    }
-
-    #[test]
-    fn a_patch_that_does_not_divide_the_window_is_refused() {
-        assert_eq!(refused("patch = 20", "patch = 7"), "teacher.patch");
-        assert_eq!(refused("patch = 20", "patch = 0"), "teacher.patch");
-    }
-
-    #[test]
-    fn a_receptive_field_beyond_all_numbers_is_refused() {
-        assert_eq!(
-            refused(
-                "layers = 2\nspan = 27",
-                "layers = 9\nspan = 4611686018427387904"
-            ),
-            "student.span"
-        );
-    }
-
-    #[test]
-    fn numbers_that_no_training_survives_are_refused() {
-        for (from, to, key) in [
-            ("dropout = 0.15", "dropout = nan", "teacher.dropout"),
-            (
-                "weight_decay = 0.01",
-                "weight_decay = nan",
-                "teacher_training.weight_decay",
-            ),
-            (
-                "warm-up = 0.05",
-                "warm-up = -1.0",
-                "teacher_training.lr_schedule",
-            ),
-            ("warm_up = 0.05", "warm_up = inf", "distillation.warm_up"),
-            ("alpha = 8.0", "alpha = nan", "fine_tuning.lora.alpha"),
-            (
-                "rank = 16",
-                "rank = 9223372036854775807",
-                "fine_tuning.lora.rank",
-            ),
-            (
-                "feed_forward = 256",
-                "feed_forward = 0",
-                "teacher.feed_forward",
-            ),
-            (
-                "temperature = 2.0",
-                "temperature = 2.0\nensemble = { members = 9, epochs = 3 }",
-                "distillation.ensemble",
-            ),
-            (
-                "temperature = 2.0",
-                "temperature = 2.0\nensemble = { members = 2, epochs = 1000001 }",
-                "distillation.ensemble.epochs",
-            ),
-            (
-                "temperature = 2.0",
-                "temperature = 2.0\nrow_weights = [1.0, 1.0, 1.0, 1.0, 1.0, -1.0]",
-                "distillation.row_weights",
-            ),
-            (
-                "temperature = 2.0",
-                "temperature = 2.0\nrow_weights = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]",
-                "distillation.row_weights",
-            ),
-        ] {
-            assert_eq!(refused(from, to), key, "{to}");
+    fn values_that_no_training_or_model_survives_are_refused() {
+        for case in REFUSED.lines() {
+            let parts: Vec<String> = case
+                .split(" | ")
+                .map(|part| part.replace(" ; ", "\n"))
+                .collect();
+            assert_eq!(refused(&parts[1], &parts[2]), parts[0], "{case}");
         }
     }
 }

@@ -37,17 +37,10 @@ impl Preset {
             require(
                 distillation.patches > self.student.span
                     && distillation.batch > 0
-                    && distillation.steps > 0
-                    && distillation.epochs > 0,
+                    && distillation.steps > 0,
                 "distillation",
                 distillation.patches,
-                "patches above the span; batch, steps and epochs of 1 or more",
-            ),
-            require(
-                (0.0..=1.0).contains(&distillation.teacher_share),
-                "distillation.teacher_share",
-                distillation.teacher_share,
-                "0 to 1",
+                "patches above the span; batch and steps of 1 or more",
             ),
             require(
                 !self.other() || !distillation.needs_teacher(),
@@ -56,12 +49,12 @@ impl Preset {
                 "0, or an ensemble, with data.other_movement = \"class\", which no teacher knows",
             ),
             require(
-                distillation.ensemble.is_none_or(|ensemble| {
-                    (2..=MEMBERS.len()).contains(&ensemble.members) && ensemble.epochs > 0
-                }),
+                distillation
+                    .ensemble
+                    .is_none_or(|own| (2..=MEMBERS.len()).contains(&own.members)),
                 "distillation.ensemble",
                 distillation.ensemble,
-                "2 to 8 members, epochs of 1 or more",
+                "2 to 8 members",
             ),
             require(
                 distillation.row_weights.is_none_or(|weights| {
@@ -71,18 +64,6 @@ impl Preset {
                 "distillation.row_weights",
                 distillation.row_weights,
                 "six weights of 0 to 1000, not all 0",
-            ),
-            require(
-                distillation.temperature.is_finite() && distillation.temperature > 0.0,
-                "distillation.temperature",
-                distillation.temperature,
-                "a positive number",
-            ),
-            require(
-                (0.0..1.0).contains(&distillation.ema_decay),
-                "distillation.ema_decay",
-                distillation.ema_decay,
-                "0 or more, below 1",
             ),
         ]
         .into_iter()
