@@ -43,19 +43,10 @@ pub enum Fault {
 
 impl Fault {
     /// Names of all faults.
+    #[rustfmt::skip]
     pub const KINDS: [&'static str; 12] = [
-        "lose",
-        "lose-every-other",
-        "duplicate",
-        "swap",
-        "stall",
-        "silence",
-        "disconnect",
-        "malformed",
-        "foreign",
-        "backlog",
-        "failed-set-up",
-        "old-firmware",
+        "lose", "lose-every-other", "duplicate", "swap", "stall", "silence", "disconnect", "malformed", "foreign",
+        "backlog", "failed-set-up", "old-firmware",
     ];
 
     /// Returns the name of the fault.

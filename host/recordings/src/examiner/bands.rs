@@ -8,34 +8,16 @@ use super::signal::{Signal, mean};
 use crate::examiner::finding::Finding;
 
 /// Names of columns that say from which armband a row came.
+#[rustfmt::skip]
 const DEVICES: [&str; 10] = [
-    "device",
-    "device_id",
-    "deviceid",
-    "dev",
-    "armband",
-    "band",
-    "myo",
-    "myo_id",
-    "mac",
-    "address",
+    "device", "device_id", "deviceid", "dev", "armband", "band", "myo", "myo_id", "mac", "address",
 ];
 /// Names of columns that say it only if they change from row to row.
 const SIDES: [&str; 4] = ["arm", "side", "hand", "source"];
 /// Names of numbered columns that are no EMG: the armband's other sensors.
+#[rustfmt::skip]
 const OTHERS: [&str; 12] = [
-    "acc",
-    "accel",
-    "accelerometer",
-    "gyro",
-    "gyr",
-    "gyroscope",
-    "quat",
-    "orientation",
-    "ori",
-    "mag",
-    "imu",
-    "rot",
+    "acc", "accel", "accelerometer", "gyro", "gyr", "gyroscope", "quat", "orientation", "ori", "mag", "imu", "rot",
 ];
 /// Minimum number of samples for the detection of alternating rows.
 const ENOUGH: usize = 1200;

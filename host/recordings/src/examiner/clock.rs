@@ -3,67 +3,23 @@
 use shared::units::SAMPLE_RATE_HZ;
 
 /// Names of columns that say when a row was sampled; a unit may follow.
+#[rustfmt::skip]
 const TIMES: [&str; 9] = [
-    "time",
-    "timestamp",
-    "timestamps",
-    "t",
-    "ts",
-    "datetime",
-    "date",
-    "clock",
-    "elapsed",
+    "time", "timestamp", "timestamps", "t", "ts", "datetime", "date", "clock", "elapsed",
 ];
 /// Names of columns that count rows or samples.
+#[rustfmt::skip]
 const COUNTERS: [&str; 16] = [
-    "index",
-    "idx",
-    "sample",
-    "samples",
-    "row",
-    "frame",
-    "counter",
-    "count",
-    "packet",
-    "seq",
-    "sequence",
-    "number",
-    "nr",
-    "no",
-    "n",
-    "unnamed: 0",
+    "index", "idx", "sample", "samples", "row", "frame", "counter", "count", "packet", "seq", "sequence", "number",
+    "nr", "no", "n", "unnamed: 0",
 ];
 /// Units of times: names, and number of units in a second.
+#[rustfmt::skip]
 const UNITS: [(&[&str], f64); 4] = [
     (&["s", "sec", "secs", "second", "seconds", "unix"], 1.0),
-    (
-        &[
-            "ms",
-            "msec",
-            "milli",
-            "millis",
-            "millisecond",
-            "milliseconds",
-        ],
-        1e3,
-    ),
-    (
-        &[
-            "us",
-            "\u{b5}s",
-            "\u{3bc}s",
-            "usec",
-            "micro",
-            "micros",
-            "microsecond",
-            "microseconds",
-        ],
-        1e6,
-    ),
-    (
-        &["ns", "nsec", "nano", "nanos", "nanosecond", "nanoseconds"],
-        1e9,
-    ),
+    (&["ms", "msec", "milli", "millis", "millisecond", "milliseconds"], 1e3),
+    (&["us", "\u{b5}s", "\u{3bc}s", "usec", "micro", "micros", "microsecond", "microseconds"], 1e6),
+    (&["ns", "nsec", "nano", "nanos", "nanosecond", "nanoseconds"], 1e9),
 ];
 /// Seconds from row to row that are plausible for a unit without a name.
 const PERIODS: std::ops::Range<f64> = 0.0005..0.5;

@@ -26,15 +26,9 @@ const ENOUGH: usize = 150;
 /// Rows in common with another recording from which an overlap is reported.
 const OVERLAP: usize = 400;
 /// Parts of names in lower case that mark a copy's path.
+#[rustfmt::skip]
 const MARKS: [&str; 8] = [
-    "copy",
-    "kopie",
-    "backup",
-    "conflict",
-    "checkpoint",
-    "(1)",
-    "~",
-    "trash",
+    "copy", "kopie", "backup", "conflict", "checkpoint", "(1)", "~", "trash",
 ];
 
 /// A recording left out because its samples are another one's.

@@ -21,64 +21,21 @@ impl Session {
 }
 
 /// Words for the time of a session.
+#[rustfmt::skip]
 const TIMES: [&str; 19] = [
-    "session",
-    "sessions",
-    "sitting",
-    "day",
-    "week",
-    "visit",
-    "date",
-    "monday",
-    "tuesday",
-    "wednesday",
-    "thursday",
-    "friday",
-    "saturday",
-    "sunday",
-    "morning",
-    "noon",
-    "afternoon",
-    "evening",
-    "night",
+    "session", "sessions", "sitting", "day", "week", "visit", "date", "monday", "tuesday", "wednesday", "thursday",
+    "friday", "saturday", "sunday", "morning", "noon", "afternoon", "evening", "night",
 ];
 /// Words for a part of a session.
+#[rustfmt::skip]
 const PARTS: [&str; 20] = [
-    "trial",
-    "trials",
-    "run",
-    "rep",
-    "repetition",
-    "round",
-    "block",
-    "take",
-    "part",
-    "train",
-    "training",
-    "test",
-    "testing",
-    "evaluation",
-    "validation",
-    "calibration",
-    "left",
-    "right",
-    "hand",
-    "arm",
+    "trial", "trials", "run", "rep", "repetition", "round", "block", "take", "part", "train", "training", "test",
+    "testing", "evaluation", "validation", "calibration", "left", "right", "hand", "arm",
 ];
 /// Words for the content of a folder.
+#[rustfmt::skip]
 const CONTAINERS: [&str; 12] = [
-    "data",
-    "raw",
-    "csv",
-    "emg",
-    "recording",
-    "recordings",
-    "old",
-    "backup",
-    "copy",
-    "stream",
-    "tmp",
-    "new",
+    "data", "raw", "csv", "emg", "recording", "recordings", "old", "backup", "copy", "stream", "tmp", "new",
 ];
 
 /// Kind of session that a folder's name shows; none if it may be a person's.

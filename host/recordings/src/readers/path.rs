@@ -18,36 +18,13 @@ pub(crate) fn is_number(text: &str) -> bool {
 }
 
 /// Words for the left and the right arm in names of folders and files.
+#[rustfmt::skip]
 const ARMS: [(bool, &[&str]); 2] = [
-    (
-        true,
-        &[
-            "left",
-            "lefthand",
-            "leftarm",
-            "links",
-            "linke",
-            "linker",
-            "izquierda",
-            "izquierdo",
-            "gauche",
-            "sinistra",
-            "sinistro",
-        ],
-    ),
-    (
-        false,
-        &[
-            "right",
-            "righthand",
-            "rightarm",
-            "rechts",
-            "rechte",
-            "derecha",
-            "droite",
-            "destra",
-        ],
-    ),
+    (true, &[
+        "left", "lefthand", "leftarm", "links", "linke", "linker", "izquierda", "izquierdo", "gauche", "sinistra",
+        "sinistro",
+    ]),
+    (false, &["right", "righthand", "rightarm", "rechts", "rechte", "derecha", "droite", "destra"]),
 ];
 
 /// Whether a file is named after the left arm: the name nearest to it that names an arm decides, of its own and those

@@ -5,49 +5,18 @@ use presets::invariants::check;
 use presets::{BUILT_IN, Preset};
 
 /// Values that no preset has, and some of which another key has.
+#[rustfmt::skip]
 const VALUES: [&str; 32] = [
-    "0",
-    "1",
-    "-1",
-    "3",
-    "64",
-    "600",
-    "1000000",
-    "4294967296",
-    "9223372036854775807",
-    "-9223372036854775808",
-    "0.0",
-    "-0.0",
-    "0.5",
-    "1.0",
-    "51.0",
-    "1e-320",
-    "1e30",
-    "1.7e308",
-    "nan",
-    "inf",
-    "-inf",
-    "true",
-    "false",
-    "\"\"",
-    "\"class\"",
-    "\"constant\"",
-    "\"wang-myo/1\"",
-    "[]",
-    "[1.0, nan]",
-    "[\"intent\", \"joint\"]",
-    "{ warm-up = 2.0 }",
+    "0", "1", "-1", "3", "64", "600", "1000000", "4294967296", "9223372036854775807", "-9223372036854775808", "0.0",
+    "-0.0", "0.5", "1.0", "51.0", "1e-320", "1e30", "1.7e308", "nan", "inf", "-inf", "true", "false", "\"\"",
+    "\"class\"", "\"constant\"", "\"wang-myo/1\"", "[]", "[1.0, nan]", "[\"intent\", \"joint\"]", "{ warm-up = 2.0 }",
     "{ gain = 4.0, rotation = 9 }",
 ];
 /// Keys that no built-in preset has.
+#[rustfmt::skip]
 const LINES: [&str; 7] = [
-    "balance = 0.5",
-    "normalize = true",
-    "other_movement = \"class\"",
-    "other_margin = -1.0",
-    "aggregation = \"same-instant\"",
-    "lora = { rank = 4, alpha = 8.0 }",
-    "ensemble = { members = 3, epochs = 2 }",
+    "balance = 0.5", "normalize = true", "other_movement = \"class\"", "other_margin = -1.0",
+    "aggregation = \"same-instant\"", "lora = { rank = 4, alpha = 8.0 }", "ensemble = { members = 3, epochs = 2 }",
 ];
 
 /// Takes a byte for the kind: a text unchanged, or changes of a preset that comes with the program.

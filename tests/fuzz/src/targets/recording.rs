@@ -13,25 +13,14 @@ use recordings::{DataSet, Recording};
 
 /// Paths, one of each layout. No such folder exists: a file that would be read beside another is missing, unless it is
 /// one of [`PAIRS`].
+#[rustfmt::skip]
 pub const PATHS: [&str; 19] = [
-    "/nowhere/s3/s3_grasp_1.csv",
-    "/nowhere/s1_r_1/s1_r_1-rock-0-emg.csv",
-    "/nowhere/01/1_raw_data_13-12_22.03.16.txt",
-    "/nowhere/12345-1/7.txt",
-    "/nowhere/sub1/M2T1.csv",
-    "/nowhere/stream/raw_emg.csv",
-    "/nowhere/EvaluationDataset/Male3/training0/classe_12.dat",
-    "/nowhere/user3.json",
-    "/nowhere/EMG_S1/1_fist.npy",
-    "/nowhere/user10/training/001_fist.npy",
-    "/nowhere/own.npy",
-    "/nowhere/subject03_session01_emg.npy",
-    "/nowhere/s3/e2_emg.npy",
-    "/nowhere/EMG_S1/fist_1_x.mat",
-    "/nowhere/MyoUP/E2/s1e2.mat",
-    "/nowhere/12345-1/3.txt",
-    "subject03_session01_emg.npy",
-    "s3/e2_emg.npy",
+    "/nowhere/s3/s3_grasp_1.csv", "/nowhere/s1_r_1/s1_r_1-rock-0-emg.csv",
+    "/nowhere/01/1_raw_data_13-12_22.03.16.txt", "/nowhere/12345-1/7.txt", "/nowhere/sub1/M2T1.csv",
+    "/nowhere/stream/raw_emg.csv", "/nowhere/EvaluationDataset/Male3/training0/classe_12.dat", "/nowhere/user3.json",
+    "/nowhere/EMG_S1/1_fist.npy", "/nowhere/user10/training/001_fist.npy", "/nowhere/own.npy",
+    "/nowhere/subject03_session01_emg.npy", "/nowhere/s3/e2_emg.npy", "/nowhere/EMG_S1/fist_1_x.mat",
+    "/nowhere/MyoUP/E2/s1e2.mat", "/nowhere/12345-1/3.txt", "subject03_session01_emg.npy", "s3/e2_emg.npy",
     "trial_1/R_1_C_3.csv",
 ];
 

@@ -14,21 +14,10 @@ use crate::readers::error::{Damage, Fault};
 use crate::readers::table;
 
 /// Names of columns that hold labels; the first is ReactEMG's and goes before the others.
+#[rustfmt::skip]
 const LABELS: [&str; 14] = [
-    "gt",
-    "label",
-    "labels",
-    "ann",
-    "annotation",
-    "annotations",
-    "class",
-    "gesture",
-    "intent",
-    "target",
-    "truth",
-    "ground_truth",
-    "groundtruth",
-    "y",
+    "gt", "label", "labels", "ann", "annotation", "annotations", "class", "gesture", "intent", "target", "truth",
+    "ground_truth", "groundtruth", "y",
 ];
 /// Words in the name of numbered columns that hold muscle activity.
 const CHANNEL_NAMES: [&str; 6] = ["emg", "ch", "channel", "chan", "electrode", "sensor"];

@@ -6,47 +6,12 @@ use crate::description::pattern::{Field, Part};
 use crate::labels::motion::Motion;
 
 /// Words in front of a number or a name that say what it is.
+#[rustfmt::skip]
 const HINTS: [(Field, &[&str]); 4] = [
-    (
-        Field::Person,
-        &[
-            "s",
-            "p",
-            "sub",
-            "subj",
-            "subject",
-            "user",
-            "person",
-            "participant",
-            "patient",
-            "id",
-        ],
-    ),
-    (
-        Field::Gesture,
-        &[
-            "c", "class", "classe", "g", "gesture", "m", "motion", "movement", "label", "pose",
-        ],
-    ),
-    (
-        Field::Trial,
-        &[
-            "r",
-            "rep",
-            "repetition",
-            "t",
-            "trial",
-            "take",
-            "run",
-            "n",
-            "nr",
-            "no",
-        ],
-    ),
-    (
-        Field::Session,
-        &["session", "sess", "day", "round", "block", "set"],
-    ),
+    (Field::Person, &["s", "p", "sub", "subj", "subject", "user", "person", "participant", "patient", "id"]),
+    (Field::Gesture, &["c", "class", "classe", "g", "gesture", "m", "motion", "movement", "label", "pose"]),
+    (Field::Trial, &["r", "rep", "repetition", "t", "trial", "take", "run", "n", "nr", "no"]),
+    (Field::Session, &["session", "sess", "day", "round", "block", "set"]),
 ];
 
 /// Characters between the parts of a name.
