@@ -1,7 +1,9 @@
 //! Arguments that several subcommands share.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
+use anyhow::bail;
 use shared::stream::alignment::Arm;
 use shared::uart_line::flag;
 
@@ -20,31 +22,58 @@ pub(in crate::cli) fn mirrored(text: &str) -> Result<Arm, String> {
 /// # Errors
 /// When nothing can be read, or a file is damaged and `strict`.
 pub(crate) fn every_recording(path: &Path, strict: bool) -> anyhow::Result<Library> {
+    recordings_of(&[path], strict)
+}
+
+/// Loads all recordings at or below some paths, of every data set.
+///
+/// # Errors
+/// When nothing can be read at one of them, two recordings have one name, or a file is damaged and `strict`.
+pub(in crate::cli) fn recordings_of(
+    paths: &[impl AsRef<Path>],
+    strict: bool,
+) -> anyhow::Result<Library> {
     let options = LoadOptions {
         strict,
         data_sets: Vec::new(),
     };
-    let library = load(path, &options).map_err(refused)?;
-    log_found(&library, path)?;
+    let mut libraries = Vec::with_capacity(paths.len());
+    for path in paths {
+        let path = path.as_ref();
+        let found = load(path, &options).map_err(refused)?;
+        found.not_empty(path)?;
+        libraries.push(found);
+    }
+    let library = Library::joined(libraries);
+    let mut named = BTreeMap::new();
+    for own in &library.recordings {
+        if let Some(other) = named.insert(own.full_name(), &own.path)
+            && paths.len() > 1
+        {
+            bail!(
+                "{} and {} are both named {}: give the folder that holds both, or rename one",
+                other.display(),
+                own.path.display(),
+                own.full_name()
+            );
+        }
+    }
+    let paths: Vec<_> = paths
+        .iter()
+        .map(|path| path.as_ref().display().to_string())
+        .collect();
+    log_found(&library, &paths.join(", "));
     Ok(library)
 }
 
 /// Logs how many recordings were found, what was left out, and what is doubtful.
-///
-/// # Errors
-/// When no recording is left.
-pub(in crate::cli) fn log_found(library: &Library, path: &Path) -> anyhow::Result<()> {
-    library.not_empty(path)?;
+pub(in crate::cli) fn log_found(library: &Library, whence: &str) {
     log_doubts(library);
-    progress::log(&format!(
-        "{} recordings in {}",
-        library.recordings.len(),
-        path.display()
-    ));
+    let count = library.recordings.len();
+    progress::log(&format!("{count} recordings in {whence}"));
     for sentence in &library.people {
         progress::log(&printable(sentence));
     }
-    Ok(())
 }
 
 /// Logs what was left out and the doubts about the recordings.

@@ -54,9 +54,9 @@ pub struct Arguments {
 /// # Errors
 /// When a model is missing or damaged, or a run is to be evaluated and the program was built without training.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    if let Some(data) = &arguments.models.data {
+    if !arguments.models.data.is_empty() {
         let width = (!arguments.json).then_some(&arguments.width);
-        return evaluate_models::run(&arguments.model, data, &arguments.models, width);
+        return evaluate_models::run(&arguments.model, &arguments.models, width);
     }
     #[cfg(feature = "train")]
     return super::steps::evaluate::run(arguments);

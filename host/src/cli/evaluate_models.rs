@@ -1,13 +1,13 @@
 //! `myointent evaluate --data DIR`: model files on any recordings, without a run folder.
 
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context as _, bail};
 use clap::Args;
 use serde::Serialize;
 
-use crate::cli::arguments::{every_recording, warn_of_test_people};
+use crate::cli::arguments::{recordings_of, warn_of_test_people};
 use crate::cli::output::{PAGE, Width, first_line, refuse_unlike};
 use evaluation::model_evaluation::{
     EvaluatedSubject, ModelResults, NamedModel, Selection, Turn, Worn, evaluate_models,
@@ -56,10 +56,10 @@ impl PeopleArguments {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Model files on any recordings (--data)")]
 pub(in crate::cli) struct Options {
-    /// Evaluate model files on the recordings below DIR; no run folder is read or written.
-    #[arg(long, value_name = "DIR", requires = "model")]
+    /// Evaluate model files on these recordings, or those in these folders; no run folder is read or written.
+    #[arg(long, value_name = "PATH", num_args = 1.., requires = "model")]
     #[cfg_attr(feature = "train", arg(conflicts_with = "run"))]
-    pub(in crate::cli) data: Option<PathBuf>,
+    pub(in crate::cli) data: Vec<PathBuf>,
     #[command(flatten)]
     people: PeopleArguments,
     /// Turn the armband by this many places, 0 to 7, or by another number for each person: any.
@@ -119,13 +119,12 @@ fn turn(text: &str) -> Result<Turn, String> {
         .ok_or_else(|| "expected 0 to 7, or any".to_owned())
 }
 
-/// Evaluates model files on the recordings below `data`. Without a `width` prints JSON instead of tables.
+/// Evaluates model files on the recordings of the options. Without a `width` prints JSON instead of tables.
 ///
 /// # Errors
 /// When a model or the recordings are refused, nobody is left, or a file cannot be written.
 pub(in crate::cli) fn run(
     models: &[PathBuf],
-    data: &Path,
     options: &Options,
     width: Option<&Width>,
 ) -> anyhow::Result<()> {
@@ -141,7 +140,7 @@ pub(in crate::cli) fn run(
             );
         }
     }
-    let library = every_recording(data, options.people.strict)?;
+    let library = recordings_of(&options.data, options.people.strict)?;
     let selection = Selection {
         worn: Worn {
             turn: options.rotate,
@@ -157,10 +156,11 @@ pub(in crate::cli) fn run(
     let evaluation = evaluate_models(&models, &library, &selection)?;
     let results = &evaluation.results;
     warn(results);
+    let data = options.data.iter().map(|path| path.display().to_string());
     model_report::write(
         &evaluation,
         &models,
-        &data.display().to_string(),
+        &data.collect::<Vec<_>>().join(", "),
         &options.report,
     )?;
     if let Some(path) = &options.csv {

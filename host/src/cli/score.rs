@@ -5,7 +5,7 @@ mod folder;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use shared::intent::Intent;
 
 use evaluation::label_score::{Emission, LabelScore};
@@ -43,9 +43,9 @@ pub use recordings::readers::label_file::{self, Purpose};
         myointent score --truth RECORDINGS --prediction LABELS"
 )]
 pub struct Arguments {
-    /// True labels; recordings, if --prediction is a folder
-    #[arg(long)]
-    truth: PathBuf,
+    /// True labels; recordings or folders of them, if --prediction is a folder
+    #[arg(long, value_name = "PATH", num_args = 1.., required = true)]
+    truth: Vec<PathBuf>,
     /// Predicted labels, a file or a folder of files
     #[arg(long)]
     prediction: PathBuf,
@@ -98,7 +98,12 @@ fn report(args: &Arguments) -> anyhow::Result<String> {
 }
 
 fn score(args: &Arguments) -> anyhow::Result<LabelScore> {
-    let truth: GroundTruth = label_file::read(&args.truth, Purpose::Truth)?
+    let [path] = &args.truth[..] else {
+        bail!(
+            "--prediction is a file: expected one file with the true labels, or a folder of predictions"
+        );
+    };
+    let truth: GroundTruth = label_file::read(path, Purpose::Truth)?
         .into_iter()
         .collect();
     let prediction = labels(label_file::read(&args.prediction, Purpose::Prediction)?);
@@ -106,7 +111,7 @@ fn score(args: &Arguments) -> anyhow::Result<LabelScore> {
     let rule = args.rule();
     let name = args.prediction.display().to_string();
     LabelScore::new(&name, &truth, &prediction, emission, rule)
-        .with_context(|| format!("cannot score {} against {}", name, args.truth.display()))
+        .with_context(|| format!("cannot score {} against {}", name, path.display()))
 }
 
 impl Arguments {

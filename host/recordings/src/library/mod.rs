@@ -134,6 +134,30 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
 }
 
 impl Library {
+    /// Joins what lies below several paths. Copies and wearers are found across all, as if one folder held them.
+    #[must_use]
+    pub fn joined(libraries: Vec<Self>) -> Self {
+        let several = libraries.len() > 1;
+        let mut all = Self::default();
+        for own in libraries {
+            all.recordings.extend(own.recordings);
+            all.skipped.extend(own.skipped);
+            all.repeats.extend(own.repeats);
+            all.ignored.extend(own.ignored);
+            all.people.extend(own.people);
+        }
+        if several {
+            for own in &mut all.recordings {
+                own.findings
+                    .retain(|finding| !matches!(finding, Finding::Overlap { .. }));
+            }
+            all.repeats.extend(copies::leave_out(&mut all.recordings));
+            all.follow_wearers();
+            timing::find(&mut all.recordings);
+        }
+        all
+    }
+
     /// Subjects, each once, in alphabetical order.
     #[must_use]
     pub fn subjects(&self) -> Vec<String> {

@@ -17,7 +17,7 @@ use shared::units::{CHANNELS, LOOK_BACK, PATCH, Sample, WINDOW};
 use self::matrix::Format;
 pub(super) use self::matrix::Matrix;
 use super::replay::one_recording;
-use crate::cli::arguments::every_recording;
+use crate::cli::arguments::recordings_of;
 use crate::cli::output::{file_of, first_line, refuse_unlike};
 use crate::cli::read_model;
 use evaluation::inference::{input, integer_logits};
@@ -67,9 +67,15 @@ pub struct Arguments {
     #[cfg(feature = "train")]
     #[arg(long, value_enum, default_value = "student")]
     pub(super) which: Which,
-    /// A recording, in any format that `myointent data inspect` reads; a folder of them, if --out is a folder.
-    #[arg(long, conflicts_with = "window", required_unless_present = "window")]
-    recording: Option<PathBuf>,
+    /// A recording, in any format that `myointent data inspect` reads; several, or folders of them, if --out is a folder.
+    #[arg(
+        long,
+        value_name = "PATH",
+        num_args = 1..,
+        conflicts_with = "window",
+        required_unless_present = "window"
+    )]
+    recording: Vec<PathBuf>,
     /// Recording to label, if the path holds several, as `data inspect` prints it: data-set/person/name.
     #[arg(long)]
     name: Option<String>,
@@ -95,19 +101,22 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(path) = &arguments.window {
         return write(&over_window(arguments, &window(path)?)?, &arguments.out);
     }
-    let Some(path) = &arguments.recording else {
-        bail!("no input: give --recording or --window");
-    };
+    let paths = &arguments.recording;
     if arguments.out.extension().is_some() || arguments.name.is_some() {
         // A wrong ending is refused before the work.
         Format::of(&arguments.out)?;
+        let [path] = &paths[..] else {
+            bail!(
+                "--out is a file: expected one recording, or a folder as --out for the labels of each"
+            );
+        };
         let recording = one_recording(path, arguments.name.as_deref())?;
         return write(
             &over_recording(&loaded(arguments)?, &recording.samples)?,
             &arguments.out,
         );
     }
-    let library = every_recording(path, false)?;
+    let library = recordings_of(paths, false)?;
     let model = loaded(arguments)?;
     for recording in library.recordings {
         let out = file_of(&recording, &arguments.out, "csv")?;

@@ -13,7 +13,7 @@ use execution::progress;
 use recordings::Recording;
 
 use super::{Arguments, Purpose, emission, label_file, labels};
-use crate::cli::arguments::every_recording;
+use crate::cli::arguments::recordings_of;
 use crate::cli::output::file_of;
 
 /// Formats the scores of the labels in a folder as text or JSON.
@@ -24,7 +24,7 @@ pub(super) fn report(args: &Arguments) -> anyhow::Result<String> {
         );
     }
     let folder = &args.prediction;
-    let library = every_recording(&args.truth, false)?;
+    let library = recordings_of(&args.truth, false)?;
     let mut found = BTreeMap::new();
     for recording in &library.recordings {
         if let Some(labels) = labels_of(recording, folder, args.delay)? {

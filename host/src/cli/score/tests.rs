@@ -49,7 +49,7 @@ fn a_csv_with_both_columns_is_scored_against_its_truth_and_not_against_itself() 
     let rows = "relax,relax\n".repeat(30) + &"close,relax\n".repeat(10);
     std::fs::write(&path, format!("gt,prediction\n{rows}")).unwrap();
     let arguments = Arguments {
-        truth: path.clone(),
+        truth: vec![path.clone()],
         prediction: path,
         buffer: 200,
         strict: false,
@@ -70,7 +70,7 @@ fn other_movement_is_counted_apart_and_is_no_prediction() {
     std::fs::write(&truth, rows(["relax", "point", "-2", "relax"])).unwrap();
     std::fs::write(&prediction, rows(["relax", "open", "relax", "relax"])).unwrap();
     let mut arguments = Arguments {
-        truth,
+        truth: vec![truth],
         prediction,
         buffer: 200,
         strict: false,
@@ -108,7 +108,7 @@ fn the_column_of_emitted_labels_is_scored_by_itself_unless_a_delay_is_given() {
     std::fs::write(&path, format!("gt,prediction,emitted\n{rows}")).unwrap();
     for (delay, latency) in [(None, 20), (Some(51), 51)] {
         let arguments = Arguments {
-            truth: path.clone(),
+            truth: vec![path.clone()],
             prediction: path.clone(),
             buffer: 200,
             strict: false,
@@ -187,7 +187,7 @@ fn every_number_is_that_of_a_version_written_from_the_page() {
         std::fs::write(&truth_path, lines(&truth)).unwrap();
         std::fs::write(&path, lines(&prediction)).unwrap();
         let arguments = Arguments {
-            truth: truth_path.clone(),
+            truth: vec![truth_path.clone()],
             prediction: path.clone(),
             buffer: [200, 61, 120][round % 3],
             strict: round % 5 == 1,

@@ -37,8 +37,8 @@ pub(super) enum Command {
     Train(train::Arguments),
     /// Quantize the student and write the model file.
     Quantize(quantize::Arguments),
-    /// Write the teacher's weights as safetensors, with the names of ReactEMG's code; the model file for a board is
-    /// written by `quantize`.
+    /// Write the teacher's weights as safetensors, with the names of ReactEMG's code, or the float student as ONNX; the
+    /// model file for a board is written by `quantize`.
     Export(export::Arguments),
     /// Tune a model file on one person's own recordings, and keep it only if it is not worse.
     Personalize(personalize::Arguments),
@@ -223,7 +223,8 @@ pub(crate) fn recordings(
         library => library,
     }
     .map_err(refused)?;
-    log_found(&library, path)?;
+    library.not_empty(path)?;
+    log_found(&library, &path.display().to_string());
     Ok(library)
 }
 
