@@ -75,9 +75,10 @@ fn a_new_board_is_bound_from_the_page_and_the_steps_lead_to_the_recording() {
     browser.wait_for("document.getElementById('session').dataset.phase === 'ready'");
     browser.press("e");
     browser.press("e");
-    browser.wait_for(&step("record", "done"));
-    browser.wait_for(&step("tune", "now"));
     // Nothing was recorded: the next step is another session.
+    browser.wait_for("!document.getElementById('result').hidden");
+    browser.wait_for(&step("record", "now"));
+    browser.wait_for(&step("tune", "next"));
     let main = "document.querySelector('#result button.main').id";
     assert_eq!(browser.value(main), "again");
     assert_eq!(browser.complaints, [""; 0]);

@@ -85,7 +85,7 @@ export class Steps {
       ["connect", source?.connected || installing?.state === "running", board ? t("step.the.board") : ""],
       board && ["bind", this.#follows(), binding?.state === "pairing" ? t("step.listening") : binding?.armband ?? ""],
       (board || source?.kind === "bluetooth") && ["align", aligned || this.#skipped || begun, aligned ? placement(alignment) : this.#skipped || begun ? t("step.left") : ""],
-      ["record", kept, kept ? (t(kept.good ? "step.good" : "step.not.good")) : ""],
+      ["record", kept?.good || judged, kept ? (t(kept.good ? "step.good" : "step.not.good")) : ""],
       ["tune", judged, tuning?.state === "running" ? percent(tuning) : tuning?.state === "failed" ? t("step.failed") : ""],
       ["compare", judged, compared ? t("step.compared", { before: fixed(balanced.before, 2), after: fixed(balanced.after, 2) }) : ""],
       board && ["install", installing?.state === "done", installing?.state === "running" ? percent({ steps: installing.blocks, of: installing.of }) : installing?.state === "failed" ? t("step.failed") : ""],
