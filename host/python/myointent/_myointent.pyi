@@ -10,8 +10,10 @@ __all__ = [
     "Error",
     "Event",
     "Model",
+    "Patches",
     "Recording",
     "Report",
+    "Smoother",
     "Stream",
     "__version__",
     "evaluate",
@@ -60,6 +62,16 @@ class Stream:
         cls, model: Model, *, align: bool = False, mirrored: bool | None = None
     ) -> Stream: ...
     def push(self, samples: ArrayLike) -> list[Event]: ...
+
+@final
+class Patches:
+    def __new__(cls, model: Model) -> Patches: ...
+    def push(self, samples: ArrayLike) -> NDArray[np.float32]: ...
+
+@final
+class Smoother:
+    def __new__(cls, model: Model) -> Smoother: ...
+    def push(self, logits: NDArray[np.float32]) -> tuple[int, str] | None: ...
 
 @final
 class Recording:

@@ -6,6 +6,7 @@
 #![deny(missing_docs)]
 #![deny(unsafe_code)]
 
+mod around;
 mod arrays;
 mod evaluation;
 mod event;
@@ -23,6 +24,8 @@ mod module {
     use pyo3::types::PyTuple;
     use shared::intent::Intent;
 
+    #[pymodule_export]
+    use crate::around::{Patches, Smoother};
     #[pymodule_export]
     use crate::evaluation::evaluate;
     #[pymodule_export]
