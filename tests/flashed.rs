@@ -4,16 +4,24 @@
 
 #[path = "flashed/air.rs"]
 mod air;
+#[path = "flashed/alignment.rs"]
+mod alignment;
 #[path = "flashed/controller.rs"]
 mod controller;
 #[path = "flashed/faults.rs"]
 mod faults;
 #[path = "flashed/flash.rs"]
 mod flash;
+#[path = "flashed/installation.rs"]
+mod installation;
 #[path = "flashed/labels.rs"]
 mod labels;
 #[path = "flashed/merged.rs"]
 mod merged;
+#[path = "flashed/model.rs"]
+mod model;
+#[path = "flashed/moments.rs"]
+mod moments;
 #[path = "flashed/start.rs"]
 mod start;
 #[path = "flashed/uart.rs"]

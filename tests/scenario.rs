@@ -1,8 +1,7 @@
 //! Scenarios: a minute of an armband with its faults, and the expected behaviour of board, lines and pins.
 //!
-//! Every file of `tests/scenario` is a test on the simulated board in virtual time, on the emulated chip unless its
-//! `not_on_chip` says why not, and on the emulated board unless its `simulation_only` does. README.md there describes
-//! the format.
+//! Every file of `tests/scenario` is a test on the simulated board in virtual time, and on the emulated chip unless its
+//! `not_on_chip` says why not. README.md there describes the format.
 
 #[path = "scenario/runner/bench.rs"]
 mod bench;
@@ -49,12 +48,6 @@ fn trials(folder: &Path) -> anyhow::Result<Vec<Trial>> {
         other => Err(format!("{other} scenarios say `not_on_chip`, expected {LEFT_OUT}").into()),
     }));
     for file in files {
-        if file.scenario.simulation_only.is_none() {
-            let file = file.clone();
-            trials.push(Trial::test(format!("emulator::{}", file.name), move || {
-                bench::emulate(&file).map_err(|error| failed(&file, &error))
-            }));
-        }
         if file.scenario.not_on_chip.is_none() {
             let file = file.clone();
             let is_left = !file.scenario.always_on_chip;

@@ -2,9 +2,9 @@
 
 mod output;
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Mutex, PoisonError};
 
 use nrf52::chip::{APPROTECT, Model};
 use nrf52::softdevice::{Kind, SoftDevice};
@@ -65,8 +65,13 @@ impl Pins {
 /// If the image does not build: that is no reason to skip.
 #[must_use]
 pub fn image(name: &str, image: Built) -> Option<Image> {
+    static PARSED: Mutex<BTreeMap<&str, Image>> = Mutex::new(BTreeMap::new());
     let elf = elf(name, image)?;
-    Some(Image::parse(&elf).expect("an image"))
+    let mut parsed = PARSED.lock().unwrap_or_else(PoisonError::into_inner);
+    let parsed = parsed
+        .entry(image.name())
+        .or_insert_with(|| Image::parse(&elf).expect("an image"));
+    Some(parsed.clone())
 }
 
 /// The ELF file of an image; if it cannot be built here, reports the test `name` as skipped.
@@ -75,15 +80,12 @@ pub fn image(name: &str, image: Built) -> Option<Image> {
 /// If the image does not build: that is no reason to skip.
 #[must_use]
 pub fn elf(name: &str, image: Built) -> Option<Vec<u8>> {
-    static BUILT: OnceLock<Mutex<HashMap<&str, Vec<u8>>>> = OnceLock::new();
+    static BUILT: Mutex<BTreeMap<&str, Vec<u8>>> = Mutex::new(BTreeMap::new());
     let found = toolchain::find(false).map_err(|reason| {
         crate::skip(name, &format!("{reason:#}").replace('\n', " "));
     });
     let toolchain = found.ok()?;
-    let mut built = BUILT
-        .get_or_init(Mutex::default)
-        .lock()
-        .unwrap_or_else(PoisonError::into_inner);
+    let mut built = BUILT.lock().unwrap_or_else(PoisonError::into_inner);
     let elf = built.entry(image.name()).or_insert_with(|| {
         let file = firmware::build_image(&toolchain, image, false, false);
         let file = file.unwrap_or_else(|error| panic!("the image {image}: {error:#}"));
@@ -192,9 +194,22 @@ impl Board {
     /// Returns the text that the UART has sent.
     #[must_use]
     pub fn text(&self) -> String {
+        self.text_from(0)
+    }
+
+    /// Returns the text that the UART has sent behind so many bytes.
+    #[must_use]
+    pub fn text_from(&self, bytes: usize) -> String {
         let chip = self.machine.chip();
-        let bytes: Vec<u8> = chip.sent().iter().map(|(_, byte)| *byte).collect();
+        let sent = chip.sent().get(bytes..).unwrap_or_default();
+        let bytes: Vec<u8> = sent.iter().map(|(_, byte)| *byte).collect();
         String::from_utf8_lossy(&bytes).into_owned()
+    }
+
+    /// Returns the number of bytes that the UART has sent.
+    #[must_use]
+    pub fn sent_bytes(&self) -> usize {
+        self.machine.chip().sent().len()
     }
 
     /// Complete lines of labels, states and alignments, line ends included.
@@ -240,10 +255,16 @@ impl Board {
     /// When the program does what is refused, or the text does not come.
     pub fn wait_for(&mut self, text: &str, at_most_ms: u64) -> anyhow::Result<()> {
         let end = self.machine.now() + ms(at_most_ms);
-        while !self.text().contains(text) {
-            let sent = self.text();
+        let mut looked = 0;
+        while !self.text_from(looked).contains(text) {
             let in_time = self.machine.now() < end;
-            anyhow::ensure!(in_time, "no {text:?} within {at_most_ms} ms:\n{sent}");
+            anyhow::ensure!(
+                in_time,
+                "no {text:?} within {at_most_ms} ms:\n{}",
+                self.text()
+            );
+            // It may have begun.
+            looked = self.sent_bytes().saturating_sub(text.len());
             self.machine.run(ms(5))?;
         }
         Ok(())

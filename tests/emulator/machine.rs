@@ -14,8 +14,8 @@ use crate::output::{LEVELS, LINES};
 /// Bytes of the model's flash region, as in `memory.x`.
 pub const MODEL_REGION: usize = 160 * 1024;
 const MODEL_ADDRESS: u32 = 0x5_8000;
-/// Two words: one slows down the guest's clock, one selects a fault to inject.
-const STRAPS_ADDRESS: u32 = 0x8_0000;
+/// A word by which the guest's clock runs slower.
+const TIME_SCALE_ADDRESS: u32 = 0x8_0000;
 const ERASED: u8 = 0xff;
 
 /// Named pipes in the folder of the run, from which UART0 and UART2 receive.
@@ -28,51 +28,6 @@ const UART0: &str = "uart0";
 const UART2: &str = "uart2";
 /// The page of the bound armband, as in `memory.x`.
 const BINDING_ADDRESS: u32 = 0x5_7000;
-
-/// A fault that the board injects into itself, some lines after its first label.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-#[repr(u32)]
-pub enum Fault {
-    /// The task that writes lines waits forever.
-    TaskStops = 1,
-    /// A panic.
-    Panic = 2,
-    /// An undefined instruction.
-    HardFault = 3,
-    /// A task loops and never returns to the executor.
-    ExecutorStops = 4,
-    /// An interrupt that is pending again whenever it was handled.
-    InterruptStorm = 5,
-    /// The inference loops and never returns.
-    InferenceLoops = 6,
-    /// A function that calls itself without end.
-    Recursion = 7,
-    /// The timer of all deadlines interrupts no more.
-    ClockStops = 8,
-    /// The board receives nothing more from the Bluetooth controller.
-    RadioStops = 9,
-    /// The inference takes 300 ms for one packet, and goes on.
-    InferencePauses = 10,
-}
-
-/// Configuration words of the emulated board. A reset keeps them.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Straps {
-    /// Factor by which the guest's clock runs slower than real time.
-    pub time_scale: u32,
-    /// The fault to inject.
-    pub fault: Option<Fault>,
-}
-
-impl Straps {
-    const fn words(self) -> [u32; 2] {
-        let fault = match self.fault {
-            Some(fault) => fault as u32,
-            None => 0,
-        };
-        [self.time_scale, fault]
-    }
-}
 
 /// A running board.
 pub struct Machine {
@@ -94,7 +49,7 @@ impl Machine {
         image: &Path,
         model: Option<&[u8]>,
         page: Option<&[u8]>,
-        straps: Straps,
+        time_scale: u32,
         hci: Option<&Path>,
     ) -> anyhow::Result<Self> {
         let mut qemu = Command::new(QEMU);
@@ -154,10 +109,8 @@ impl Machine {
             let loaded = format!("loader,file={page},addr={BINDING_ADDRESS:#x},force-raw=on");
             qemu.args(["-device", &loaded]);
         }
-        for (address, word) in (STRAPS_ADDRESS..).step_by(4).zip(straps.words()) {
-            let strap = format!("loader,addr={address:#x},data={word},data-len=4");
-            qemu.args(["-device", &strap]);
-        }
+        let scale = format!("loader,addr={TIME_SCALE_ADDRESS:#x},data={time_scale},data-len=4");
+        qemu.args(["-device", &scale]);
         let process = KillOnDrop::start("machine", qemu, folder)?;
         Ok(Self {
             process,

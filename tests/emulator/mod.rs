@@ -13,18 +13,14 @@
 mod bridge;
 mod check;
 mod machine;
-mod model_damage;
 mod oracle;
 mod process;
-mod reader;
 mod run;
 
 #[cfg(target_os = "linux")]
 pub use bridge::{Bridge, terminal};
-pub use machine::{Fault, MODEL_REGION, Machine, Straps};
-pub use model_damage::{Damage, damages};
+pub use machine::{MODEL_REGION, Machine};
 pub use oracle::{Input, expected_lines};
-pub use reader::Reader;
 pub use run::Run;
 
 use std::path::PathBuf;
@@ -94,8 +90,6 @@ pub struct Scenario<'s> {
     pub time_scale: u32,
     /// Factor by which the armband streams faster than 200 Hz of real time.
     pub pace: f64,
-    /// The fault that the board injects into itself.
-    pub fault: Option<Fault>,
     /// Steps of misbehaviour, as `tests/armband/misbehaviour.py` describes them.
     pub script: serde_json::Value,
     /// More arguments of the armband.
@@ -152,14 +146,6 @@ fn or_skip<T>(name: &str, found: anyhow::Result<T>) -> Option<T> {
 }
 
 impl Bench {
-    /// Starts armband and machine, with a reader of the labels that can stop reading.
-    ///
-    /// # Errors
-    /// When one of them does not start.
-    pub fn start_with_reader(&self, scenario: &Scenario<'_>) -> anyhow::Result<(Run, Reader)> {
-        Run::start_with_reader(self, scenario)
-    }
-
     /// Starts armband and machine.
     ///
     /// # Errors
@@ -170,27 +156,11 @@ impl Bench {
 }
 
 impl Board {
-    /// Starts the machine with a model and without a Bluetooth controller.
-    ///
-    /// # Errors
-    /// When it does not start.
-    pub fn start_without_armband(&self, model: &[u8]) -> anyhow::Result<Run> {
-        Run::start_without_armband(self, Some(model), None)
-    }
-
     /// Starts the machine with neither model nor Bluetooth controller: memory in the place of flash that a reset keeps.
     ///
     /// # Errors
     /// When it does not start.
     pub fn start_empty(&self) -> anyhow::Result<Run> {
-        Run::start_without_armband(self, None, None)
-    }
-
-    /// Starts the machine without a Bluetooth controller, with a model and this page of the bound armband.
-    ///
-    /// # Errors
-    /// When it does not start.
-    pub fn start_with_page(&self, model: &[u8], page: &[u8]) -> anyhow::Result<Run> {
-        Run::start_without_armband(self, Some(model), Some(page))
+        Run::start_without_armband(self)
     }
 }

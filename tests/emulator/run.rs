@@ -10,9 +10,8 @@ use bytemuck::cast_slice;
 use tempfile::TempDir;
 use xtask::emulator;
 
-use super::machine::{Machine, Straps};
+use super::machine::Machine;
 use super::process::KillOnDrop;
-use super::reader::{self, Reader};
 use super::{Bench, Board, Scenario};
 use crate::output::{ARMBAND_LOG, LINES, Output};
 
@@ -31,28 +30,13 @@ pub struct Run {
     pub(super) image: PathBuf,
     /// Files that armband and machine write.
     pub(super) output: Output,
-    /// True if the board may restart: a fault is injected.
+    /// True if the board may restart: it was reset.
     pub(super) may_restart: bool,
 }
 
 impl Run {
     pub(super) fn start(bench: &Bench, scenario: &Scenario<'_>) -> anyhow::Result<Self> {
-        let run = Self::new(&bench.board, scenario.fault.is_some())?;
-        run.start_both(bench, scenario)
-    }
-
-    pub(super) fn start_with_reader(
-        bench: &Bench,
-        scenario: &Scenario<'_>,
-    ) -> anyhow::Result<(Self, Reader)> {
-        let mut run = Self::new(&bench.board, scenario.fault.is_some())?;
-        let reader = Reader::start(run.folder.path())?;
-        run.output = Output::new(run.folder.path(), reader::COPY);
-        Ok((run.start_both(bench, scenario)?, reader))
-    }
-
-    fn start_both(self, bench: &Bench, scenario: &Scenario<'_>) -> anyhow::Result<Self> {
-        let mut run = self;
+        let mut run = Self::new(&bench.board)?;
         let path = |name: &str| run.folder.path().join(name);
         let (recording, script) = (path(RECORDING), path("script.json"));
         std::fs::write(&recording, cast_slice::<[i8; 8], u8>(scenario.samples))?;
@@ -78,34 +62,22 @@ impl Run {
             run.event_count("ready") > 0
         })?;
         let folder = run.folder.path();
-        let straps = Straps {
-            time_scale: scenario.time_scale,
-            fault: scenario.fault,
-        };
         let page = scenario.page.as_deref();
         let machine = Machine::start(
             folder,
             &run.image,
             Some(scenario.model),
             page,
-            straps,
+            scenario.time_scale,
             Some(&socket),
         )?;
         run.machine = Some(machine);
         Ok(run)
     }
 
-    pub(super) fn start_without_armband(
-        board: &Board,
-        model: Option<&[u8]>,
-        page: Option<&[u8]>,
-    ) -> anyhow::Result<Self> {
-        let mut run = Self::new(board, false)?;
-        let straps = Straps {
-            time_scale: 1,
-            fault: None,
-        };
-        let machine = Machine::start(run.folder.path(), &run.image, model, page, straps, None)?;
+    pub(super) fn start_without_armband(board: &Board) -> anyhow::Result<Self> {
+        let mut run = Self::new(board)?;
+        let machine = Machine::start(run.folder.path(), &run.image, None, None, 1, None)?;
         run.machine = Some(machine);
         Ok(run)
     }
@@ -165,12 +137,7 @@ impl Run {
         Ok(self.answers().swap_remove(before))
     }
 
-    /// Lets [`Run::check`] accept from here on that the board restarts.
-    pub fn expect_restart(&mut self) {
-        self.may_restart = true;
-    }
-
-    fn new(board: &Board, may_restart: bool) -> anyhow::Result<Self> {
+    fn new(board: &Board) -> anyhow::Result<Self> {
         // Short: the path of a socket has at most 107 bytes.
         let folder = tempfile::Builder::new().prefix("myo").tempdir()?;
         Ok(Self {
@@ -179,7 +146,7 @@ impl Run {
             output: Output::new(folder.path(), LINES),
             folder,
             image: board.image.clone(),
-            may_restart,
+            may_restart: false,
         })
     }
 

@@ -6,16 +6,9 @@ use std::process::ExitCode;
 use anyhow::ensure;
 use clap::Parser as _;
 use myointent::cli::Cli;
-use myointent_tests::emulator::{Bridge, Run, Scenario, bench, board};
+use myointent_tests::emulator::{Bridge, Run, board};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use serde_json::json;
-use shared::model::noise::Noise;
-use shared::stream::safe_state::Cause;
-use shared::uart_line::Kind;
-use shared::units::Sample;
-
-use super::{TIME_SCALE, bound, model};
 
 /// Line that the board writes while an installation is not complete.
 const INCOMPLETE: &str = "# no model: an installation is not complete; `myointent board --port PATH install FILE` with the same \
@@ -49,55 +42,6 @@ fn answered(run: &Run) -> usize {
         .iter()
         .filter(|answer| answer.starts_with("OK,INSTALL,"))
         .count()
-}
-
-#[test]
-fn a_model_is_installed_by_the_command_line_while_the_armband_streams() -> anyhow::Result<()> {
-    let test = "a_model_is_installed_by_the_command_line_while_the_armband_streams";
-    let Some(bench) = bench(test) else {
-        return Ok(());
-    };
-    let mut noise = Noise(5);
-    let samples: Vec<Sample> = (0..60_000)
-        .map(|_| [(); 8].map(|()| (noise.signed() * 40.0) as i8))
-        .collect();
-    let mut run = bench.start(&Scenario {
-        model: &model(),
-        page: Some(bound()),
-        samples: &samples,
-        time_scale: TIME_SCALE,
-        pace: 1.0,
-        fault: None,
-        script: json!([]),
-        arguments: ["--end", "disconnect"].map(str::to_owned).to_vec(),
-    })?;
-    let valid = |run: &Run| run.pins().last().is_some_and(|pins| pins.valid);
-    run.wait_for("labels", valid)?;
-    let bridge = Bridge::start(run)?;
-    ensure!(install(bridge.port()) == ExitCode::SUCCESS, "not installed");
-    let mut run = bridge.run();
-    run.wait_for("labels of the new model", valid)?;
-    let identity = run.ask("$IDENTIFY*04\r\n")?;
-    ensure!(
-        identity.split(',').nth(5) == Some(&checksum()?),
-        "{identity}"
-    );
-    ensure!(
-        run.comments().iter().any(|comment| comment == INCOMPLETE),
-        "it does not say what is missing"
-    );
-    let mut states: Vec<_> = run
-        .reports()?
-        .iter()
-        .filter(|report| report.kind == Kind::State)
-        .map(|report| report.status.cause())
-        .collect();
-    states.dedup();
-    assert_eq!(
-        states,
-        [Some(Cause::Boot), None, Some(Cause::Installation), None]
-    );
-    run.check()
 }
 
 #[test]

@@ -1,12 +1,7 @@
-//! Use of the radio: scans, streams, and silence while flash is erased.
+//! Use of the radio: scans, streams, links that are lost.
 
-use std::iter::repeat_n;
-
-use nrf52::softdevice::Fate;
 use nrf52::time::HZ;
-use shared::installation::{BLOCK_BYTES, Block, Transfer};
 use shared::model::noise::Noise;
-use shared::uart_line::command::Command;
 use shared::units::Sample;
 use virtual_armband::{Behaviour, Step};
 use xtask::firmware::Image;
@@ -23,7 +18,8 @@ fn samples() -> Vec<Sample> {
         .collect()
 }
 
-fn board(test: &str, behaviour: Behaviour) -> Option<Board> {
+/// A board beside an armband that streams noise; none where the image cannot be built.
+pub fn board(test: &str, behaviour: Behaviour) -> Option<Board> {
     board_of(test, Image::Nrf52840S140, behaviour)
 }
 
@@ -83,118 +79,6 @@ fn a_pairing_scans_all_the_time() -> anyhow::Result<()> {
     board.wait_for("$OK,BIND", 1000)?;
     let pairing = scanned_percent(&mut board, 20)?;
     assert!(pairing > 90, "{pairing} %");
-    Ok(())
-}
-
-/// Sends a command and waits for its answer.
-fn ask(board: &mut Board, command: Command) -> anyhow::Result<String> {
-    let before = board.text().len();
-    board.send_bytes(command.to_string().bytes());
-    let end = board.machine.now() + 3 * HZ;
-    loop {
-        board.run_ms(5)?;
-        let text = board.text();
-        let new = text.get(before..).unwrap_or_default();
-        let mut lines = new
-            .split_inclusive('\n')
-            .filter(|line| line.ends_with('\n'));
-        if let Some(line) = lines.find(|line| line.starts_with("$OK") || line.starts_with("$ERR")) {
-            return Ok(line.to_owned());
-        }
-        anyhow::ensure!(board.machine.now() < end, "{command} has no answer:\n{new}");
-    }
-}
-
-/// A model file in blocks.
-struct Sender {
-    file: Vec<u8>,
-}
-
-impl Sender {
-    fn new(name: &str) -> anyhow::Result<Self> {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/");
-        let file = std::fs::read(format!("{folder}{name}"))?;
-        Ok(Self { file })
-    }
-
-    fn transfer(&self) -> Transfer {
-        let (_, checksum) = self.file.split_at(self.file.len() - 4);
-        Transfer {
-            length: self.file.len() as u32,
-            checksum: u32::from_le_bytes(checksum.try_into().expect("four bytes")),
-        }
-    }
-
-    fn block(&self, number: u32) -> Command {
-        let rest = &self.file[number as usize * BLOCK_BYTES..];
-        let mut block = Block::ERASED;
-        let length = rest.len().min(BLOCK_BYTES);
-        block.0[..length].copy_from_slice(&rest[..length]);
-        Command::Block(number, block)
-    }
-}
-
-fn streaming_board(test: &str) -> anyhow::Result<Option<Board>> {
-    let Some(mut board) = board(test, Behaviour::default()) else {
-        return Ok(None);
-    };
-    board.wait_for("# armband FA", 10_000)?;
-    let softdevice = board.machine.softdevice.as_mut();
-    softdevice.expect("an image with one").flash.needs_silence = true;
-    Ok(Some(board))
-}
-
-#[test]
-fn the_radio_is_silent_while_a_model_is_installed() -> anyhow::Result<()> {
-    let test = "the_radio_is_silent_while_a_model_is_installed";
-    let Some(mut board) = streaming_board(test)? else {
-        return Ok(());
-    };
-    let sender = Sender::new("five-class.intent")?;
-    let mut answer = ask(&mut board, Command::Install(sender.transfer()))?;
-    while !answer.contains("done") {
-        let number = answer
-            .split(['*', ','])
-            .nth(2)
-            .and_then(|number| number.parse().ok());
-        let number: u32 = number.ok_or_else(|| anyhow::anyhow!("{answer}"))?;
-        answer = ask(&mut board, sender.block(number))?;
-        let is_loud = board.machine.air().is_in_use();
-        assert!(!is_loud || answer.contains("done"), "after block {number}");
-    }
-    let identity = ask(&mut board, Command::Identify)?;
-    let checksum = format!("{:08x}", sender.transfer().checksum);
-    assert!(identity.contains(&checksum), "{identity}");
-    board.run_ms(5000)?;
-    let streams = board.text().matches("# armband FA").count();
-    assert_eq!(streams, 2, "{}", board.text());
-    Ok(())
-}
-
-#[test]
-fn the_stream_goes_on_after_an_installation_that_flash_refuses() -> anyhow::Result<()> {
-    let test = "the_stream_goes_on_after_an_installation_that_flash_refuses";
-    let Some(mut board) = streaming_board(test)? else {
-        return Ok(());
-    };
-    let softdevice = board.machine.softdevice.as_mut();
-    let flash = &mut softdevice.expect("an image with one").flash;
-    flash.fates.extend(repeat_n(Fate::TimeOut, 4));
-    let sender = Sender::new("five-class.intent")?;
-    ask(&mut board, Command::Install(sender.transfer()))?;
-    let answer = ask(&mut board, sender.block(0))?;
-    assert!(answer.starts_with("$ERR,flash"), "{answer}");
-    let tried = |board: &Board| {
-        board
-            .machine
-            .softdevice
-            .as_ref()
-            .map(|one| one.flash.fates.len())
-    };
-    assert_eq!(tried(&board), Some(0), "flash found no time");
-    board.run_ms(5000)?;
-    let streams = board.text().matches("# armband FA").count();
-    assert_eq!(streams, 2, "{}", board.text());
     Ok(())
 }
 

@@ -112,6 +112,20 @@ fn the_watchdog_ends_a_program_that_loops() -> anyhow::Result<()> {
 }
 
 #[test]
+fn a_clock_that_stops_is_ended_by_the_watchdog() -> anyhow::Result<()> {
+    let Some(mut board) = board_with_valid_labels("a_clock_that_stops_is_ended_by_the_watchdog")?
+    else {
+        return Ok(());
+    };
+    // RTC1, which has all deadlines.
+    board.machine.core().disable(17);
+    board.run_ms(3000)?;
+    let why = last_start(&board).map(|(_, why)| why);
+    assert_eq!(why, Some(Reset::Watchdog), "{}", board.text());
+    Ok(())
+}
+
+#[test]
 fn the_guard_of_the_stack_ends_a_program_that_grows_into_it() -> anyhow::Result<()> {
     let test = "the_guard_of_the_stack_ends_a_program_that_grows_into_it";
     let Some(mut board) = board_with_valid_labels(test)? else {

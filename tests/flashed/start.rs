@@ -8,7 +8,7 @@ use xtask::firmware::Image;
 use myointent_tests::chip::{self, Board, Setting};
 
 /// The images that are flashed.
-const FLASHED: [Image; 3] = [Image::Nrf52840S140, Image::Nrf52840Sdc, Image::Nrf52832S132];
+pub const FLASHED: [Image; 3] = [Image::Nrf52840S140, Image::Nrf52840Sdc, Image::Nrf52832S132];
 
 /// Reasons of the program's starts, in order.
 pub fn starts(board: &Board) -> Vec<Reset> {

@@ -7,6 +7,7 @@ use shared::model::noise::Noise;
 use shared::myo::{Address, binding};
 use xtask::firmware::Image;
 
+use super::start::FLASHED;
 use myointent_tests::chip::{self, BINDING, Board, Setting};
 
 /// Bytes of noise in all.
@@ -87,6 +88,32 @@ fn a_command_is_answered_after_a_million_bytes_of_noise() -> anyhow::Result<()> 
         board.wait_for("$OK,IDENTIFY", 1000)?;
         board.send("COUNTERS");
         board.wait_for("$OK,COUNTERS", 1000)?;
+    }
+    Ok(())
+}
+
+#[test]
+fn a_clock_that_is_off_by_two_percent_until_the_crystal_runs_leaves_the_line_readable()
+-> anyhow::Result<()> {
+    let test = "a_clock_that_is_off_by_two_percent_until_the_crystal_runs_leaves_the_line_readable";
+    for built in FLASHED {
+        // More than an oscillator is ever off: then only the crystal makes the line readable.
+        for thousandths in [-20, 20, 200] {
+            let Some(mut board) = board(test, built) else {
+                return Ok(());
+            };
+            board.machine.chip().bus.inaccuracy = thousandths;
+            board.send("IDENTIFY");
+            board.run_ms(1000)?;
+            board.send("IDENTIFY");
+            board.wait_for("$OK,IDENTIFY", 1000)?;
+            let text = board.text();
+            let is_whole = text.is_ascii() && text.starts_with("# myointent");
+            assert!(
+                is_whole || thousandths == 200,
+                "{built}, {thousandths}:\n{text}"
+            );
+        }
     }
     Ok(())
 }

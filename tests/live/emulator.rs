@@ -70,7 +70,6 @@ fn the_emulated_board_is_shown_with_its_armbands_samples_and_its_own_labels() ->
         samples: &samples,
         time_scale: TIME_SCALE,
         pace: PACE,
-        fault: None,
         script: json!([]),
         arguments: ["--end", "disconnect"].map(str::to_owned).to_vec(),
     })?;

@@ -248,7 +248,6 @@ fn sample_to_screen_of_the_emulated_board_with_four_more_viewers() -> anyhow::Re
         // A slowed clock halves a pause of a busy machine.
         time_scale: 2,
         pace: 1.0,
-        fault: None,
         script: json!([]),
         arguments: Vec::new(),
     })?;

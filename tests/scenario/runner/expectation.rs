@@ -50,23 +50,6 @@ pub struct Expectation {
     may_restart: bool,
     /// True if the region must hold the file that was installed.
     pub installed: bool,
-    /// Events in the virtual armband's log, which the simulated one does not have.
-    armband: Vec<Happened>,
-}
-
-/// Event in the virtual armband's log.
-#[derive(Deserialize, Clone)]
-#[serde(deny_unknown_fields)]
-struct Happened {
-    event: String,
-    #[serde(default)]
-    least: usize,
-    #[serde(default = "often")]
-    most: usize,
-}
-
-const fn often() -> usize {
-    usize::MAX
 }
 
 /// Models of a scenario.
@@ -190,21 +173,6 @@ impl Expectation {
         self.check_people(output)?;
         self.check_pins(output)?;
         self.check_raw(samples, output)
-    }
-
-    /// Checks what the virtual armband has seen.
-    ///
-    /// # Errors
-    /// Names the first expectation that does not hold.
-    pub fn check_armband(&self, output: &Output) -> anyhow::Result<()> {
-        for Happened { event, least, most } in &self.armband {
-            let found = output.event_count(event);
-            ensure!(
-                (*least..=*most).contains(&found),
-                "{found} times {event}, expected {least} to {most}"
-            );
-        }
-        Ok(())
     }
 
     fn check_lines(

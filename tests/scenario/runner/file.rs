@@ -27,18 +27,11 @@ pub struct Scenario {
     /// Content of the page of the bound armband.
     #[serde(default)]
     pub page: Page,
-    /// Reason why only the simulated board runs it.
-    pub simulation_only: Option<String>,
     /// Reason why the emulated chip does not run it.
     pub not_on_chip: Option<String>,
     /// True if the emulated chip runs it in every run of the tests; the others with `--ignored`.
     #[serde(default)]
     pub always_on_chip: bool,
-    /// Factor by which the emulated board's clock runs slower than real time.
-    pub time_scale: Option<u32>,
-    /// True if the armband has its true rate by the emulated board's clock.
-    #[serde(default)]
-    pub true_rate: bool,
     /// Expected result.
     pub expect: Expectation,
 
@@ -63,7 +56,8 @@ pub struct Scenario {
     #[serde(default)]
     pub person: Vec<Act>,
     /// Fault of the board.
-    pub fault: Option<String>,
+    #[serde(rename = "fault")]
+    _fault: Option<Value>,
     #[serde(rename = "interval_ms")]
     _interval_ms: Option<Value>,
     #[serde(rename = "packet_ms")]

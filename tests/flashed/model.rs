@@ -1,24 +1,27 @@
-//! Damaged model files, and why the device refuses each.
+//! Damaged models: the board stays in the safe state, and the UART says why.
+
+use std::collections::BTreeSet;
 
 use shared::intent::Vocabulary;
 use shared::model::dimensions::Dimensions;
 use shared::model::encoder::DeviceEncoder;
 use shared::model::file::{Model, random::random_model};
 
-use super::MODEL_REGION;
+use super::start::FLASHED;
+use myointent_tests::chip::{self, Board, Setting};
+use myointent_tests::emulator::MODEL_REGION;
 
 /// A damaged file.
-pub struct Damage {
+struct Damage {
     /// Description of the damage.
-    pub name: &'static str,
+    name: &'static str,
     /// The model's region from its start; the rest is erased flash.
-    pub bytes: Vec<u8>,
+    bytes: Vec<u8>,
 }
 
 impl Damage {
     /// The error that the region is refused with; none if it is accepted.
-    #[must_use]
-    pub fn reason(&self) -> Option<String> {
+    fn reason(&self) -> Option<String> {
         let mut region = vec![0xff; MODEL_REGION];
         region[..self.bytes.len()].copy_from_slice(&self.bytes);
         let encoder = Model::parse(&region).and_then(|model| DeviceEncoder::new(&model).map(drop));
@@ -30,8 +33,7 @@ impl Damage {
 ///
 /// # Panics
 /// If `good` is too short for a model.
-#[must_use]
-pub fn damages(good: &[u8]) -> Vec<Damage> {
+fn damages(good: &[u8]) -> Vec<Damage> {
     let changed = |name, change: &dyn Fn(&mut Vec<u8>)| {
         let mut bytes = good.to_vec();
         change(&mut bytes);
@@ -75,29 +77,29 @@ pub fn damages(good: &[u8]) -> Vec<Damage> {
     ]
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::collections::BTreeSet;
-
-    #[test]
-    fn each_damage_has_its_reason_and_the_whole_model_has_none() {
-        let shape = Dimensions {
-            width: 48,
-            layers: 2,
-            span: 27,
-            vocabulary: Vocabulary::Three,
-            other: false,
+#[test]
+fn every_damage_to_the_model_is_refused_with_its_reason() -> anyhow::Result<()> {
+    let test = "every_damage_to_the_model_is_refused_with_its_reason";
+    let damages = damages(&chip::model());
+    let mut reasons = BTreeSet::new();
+    for (number, damage) in damages.into_iter().enumerate() {
+        let built = FLASHED[number % FLASHED.len()];
+        let Some(image) = chip::image(test, built) else {
+            return Ok(());
         };
-        let good = random_model(shape, 1).to_bytes().unwrap();
-        let damages = damages(&good);
-        let kinds: BTreeSet<_> = damages.iter().map(|d| d.reason().expect(d.name)).collect();
-        // Both kinds of truncation are found by the checksum, with different sums.
-        assert_eq!(kinds.len(), damages.len());
-        let whole = Damage {
-            name: "none",
-            bytes: good,
+        let reason = damage.reason().expect("a refusal on the PC too");
+        let setting = Setting {
+            model: damage.bytes,
+            ..Setting::default()
         };
-        assert_eq!(whole.reason(), None);
+        let mut board = Board::new(built, image, setting);
+        board.wait_for(&reason, 1000)?;
+        board.wait_for("model-refused", 1000)?;
+        let valid = board.machine.chip().level(board.pins.valid);
+        assert_eq!(valid, Some(false), "{built}, {}", damage.name);
+        reasons.insert(reason);
     }
+    // Both kinds of truncation are found by the checksum, with different sums.
+    assert_eq!(reasons.len(), 9);
+    Ok(())
 }

@@ -1,25 +1,25 @@
-//! Alignment of a turned armband: after a press of the button and two openings of the hand the device has turned its
+//! Alignment of a turned armband: after a press of the button and two openings of the hand the board has turned its
 //! electrodes.
 //!
-//! The lines are compared with those of the shared pipeline, whose alignment begins at the sample at which it began on
-//! the device: the time at which the device reads the button depends on the emulator's clock.
+//! The lines are compared with those of the shared pipeline, whose alignment begins at the sample at which it began on the
+//! board.
 
 use myointent::cli::replay::one_recording;
-use myointent_tests::emulator::{Bench, Input, Run, Scenario, bench, expected_lines};
+use myointent_tests::chip::{self, Board, Setting};
+use myointent_tests::emulator::{Input, expected_lines};
+use myointent_tests::output::{LINES, Output, Pins};
 use recordings::{Recording, runs};
-use serde_json::json;
 use shared::intent::{Intent, Vocabulary};
 use shared::model::dimensions::Dimensions;
 use shared::model::file::random::random_model;
 use shared::model::noise::Noise;
 use shared::stream::alignment::{Alignment, Arm, PRECISION_ONE, Template};
-use shared::stream::safe_state::Cause;
+use shared::uart_line::Report;
 use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
-use shared::uart_line::command::{AlignCommand, Command};
 use shared::units::{CHANNELS, Sample};
+use xtask::firmware::Image;
 
-/// Pace of the armband, half the usual one: while the encoder takes the window again, it has a patch with each sample.
-const PACE: f64 = 1.5;
+use super::labels::recording;
 
 /// Mean of an open hand that is the same on both arms, in 1/256 octaves.
 const SYMMETRICAL: [i16; CHANNELS] = [400, 200, 0, -200, -300, -200, 0, 200];
@@ -74,72 +74,63 @@ fn worn(samples: &[Sample], placement: Alignment) -> Vec<Sample> {
         .collect()
 }
 
-/// Streams; at the first sample presses the button, or sends a command that tells the arm. Compares all lines; returns
-/// the reports of the alignment.
+/// What a board wrote in a stream with an alignment.
+struct Aligned {
+    news: Vec<AlignmentReport>,
+    reports: Vec<Report>,
+    pins: Vec<Pins>,
+}
+
+/// Streams; before the first gesture presses the button, or sends a command that tells the arm. Compares all lines;
+/// returns what the board wrote. None where the image cannot be built.
 fn align(
-    bench: &Bench,
-    model: &[u8],
+    test: &str,
+    model: Vec<u8>,
     samples: &[Sample],
     arm: Arm,
-) -> anyhow::Result<(Run, Vec<AlignmentReport>)> {
-    let mut run = bench.start(&Scenario {
-        model,
-        page: Some(super::bound()),
-        samples,
-        time_scale: super::TIME_SCALE,
-        pace: PACE,
-        fault: None,
-        script: json!([]),
-        arguments: ["--end", "disconnect"].map(str::to_owned).to_vec(),
-    })?;
-    // The alignment needs a stream.
-    run.wait_for("the stream", |run| {
-        run.pins().last().is_some_and(|pins| pins.armband)
-    })?;
-    match arm {
-        Arm::Unknown => run.set_button(true)?,
-        Arm::Known { .. } => {
-            let begin = Command::Align(AlignCommand::Begin(arm));
-            // The pin says that the armband is followed a moment before the inference has its first packet.
-            let mut answer = run.ask(&begin.to_string())?;
-            while answer == "ERR,no-stream" {
-                answer = run.ask(&begin.to_string())?;
-            }
-            assert_eq!(answer, "OK,ALIGN,begin");
-        }
+) -> anyhow::Result<Option<Aligned>> {
+    let Some(image) = chip::image(test, Image::Nrf52840S140) else {
+        return Ok(None);
+    };
+    let setting = Setting {
+        model: model.clone(),
+        samples: samples.to_vec(),
+        ..Setting::default()
+    };
+    let mut board = Board::new(Image::Nrf52840S140, image, setting);
+    while board.sent() < 50 {
+        board.run_ms(10)?;
     }
-    run.wait_for("an alignment to begin", |run| {
-        run.alignments().is_ok_and(|news| !news.is_empty())
-    })?;
-    run.set_button(false)?;
-    run.wait_for("the end of the stream", |run| {
-        let reports = run.reports().unwrap_or_default();
-        let last = reports.last().and_then(|report| report.status.cause());
-        last == Some(Cause::Disconnected)
-    })?;
-    run.wait_for("the last line of the alignment", |run| {
-        let news = run.alignments().unwrap_or_default();
-        news.last()
-            .is_some_and(|news| news.state == AlignmentState::Disconnected)
-    })?;
-    let news = run.alignments()?;
+    match arm {
+        Arm::Unknown => board.set_button(true),
+        Arm::Known { mirrored } => board.send(&format!("ALIGN,begin,{}", u8::from(mirrored))),
+    }
+    board.wait_for("$ALIGN,", 1000)?;
+    board.set_button(false);
+    board.wait_for("# stream over", samples.len() as u64 * 5 + 1000)?;
+    board.run_ms(200)?;
+    let folder = tempfile::tempdir()?;
+    board.write_output(folder.path())?;
+    let output = Output::new(folder.path(), LINES);
+    let news = output.alignments()?;
     let begun = news[0].emitted.0 as usize + 1;
-    // 700 leaves room: 45 ms of the guest's clock are some 70 samples, and this program looks for the stream every 10
-    // ms. Gestures begin at 800.
-    assert!(begun.is_multiple_of(2) && begun < 700, "begun at {begun}");
     let (before, after) = samples.split_at(begun);
-    let expected = expected_lines(
-        model,
-        &[
-            Input::Samples(before),
-            Input::Align(arm),
-            Input::Samples(after),
-            Input::Disconnected,
-        ],
-    )?;
-    assert_eq!(run.lines(), expected, "{}", run.tails());
-    run.check()?;
-    Ok((run, news))
+    let inputs = [
+        Input::Samples(before),
+        Input::Align(arm),
+        Input::Samples(after),
+        Input::Disconnected,
+    ];
+    let expected = expected_lines(&model, &inputs)?;
+    assert_eq!(output.lines(), expected, "{}", output.tails());
+    output.check(false)?;
+    let reports = output.reports()?;
+    let pins = output.pins();
+    Ok(Some(Aligned {
+        news,
+        reports,
+        pins,
+    }))
 }
 
 /// Returns the first two openings of the hand in a recording, with rest before, between and after them, then its first
@@ -161,25 +152,21 @@ fn two_openings_of(recording: &Recording, seconds: usize) -> Vec<Sample> {
     stream
 }
 
-/// Checks that an alignment of the synthetic openings finds this placement.
-fn finds(test: &str, placement: Alignment) -> anyhow::Result<()> {
-    let Some(bench) = bench(test) else {
-        return Ok(());
-    };
-    let samples = worn(&two_openings(RAMP), placement);
-    let news = lines_and_led(&bench, &model(None), &samples, Arm::Unknown)?;
-    assert_eq!(news[2].alignment, placement);
-    Ok(())
-}
-
-/// Checks the lines and the LED of an alignment of the synthetic openings; returns its reports.
+/// Checks the lines and the LED of an alignment of the synthetic openings; returns its reports. None where the image cannot be built.
 fn lines_and_led(
-    bench: &Bench,
-    model: &[u8],
+    test: &str,
+    model: Vec<u8>,
     samples: &[Sample],
     arm: Arm,
-) -> anyhow::Result<Vec<AlignmentReport>> {
-    let (run, news) = align(bench, model, samples, arm)?;
+) -> anyhow::Result<Option<Vec<AlignmentReport>>> {
+    let Some(Aligned {
+        news,
+        reports,
+        pins,
+    }) = align(test, model, samples, arm)?
+    else {
+        return Ok(None);
+    };
     let states: Vec<_> = news
         .iter()
         .map(|news| (news.state, news.gestures))
@@ -190,9 +177,8 @@ fn lines_and_led(
         (AlignmentState::Aligned, 2),
         (AlignmentState::Disconnected, 0),
     ];
-    assert_eq!(states, expected, "{}", run.tails());
+    assert_eq!(states, expected);
     // At most 0.4 s lie between the last label before the change and the first after it.
-    let reports = run.reports()?;
     let valid = reports.iter().filter(|report| report.status.valid());
     let after: Vec<_> = valid
         .filter(|report| report.emitted >= news[2].emitted)
@@ -205,31 +191,23 @@ fn lines_and_led(
     );
 
     // The LED is dark, then blinks while gestures are waited for, then is lit until the armband has gone.
-    let mut led: Vec<_> = run.pins().iter().map(|pins| pins.alignment_led).collect();
+    let mut led: Vec<_> = pins.iter().map(|pins| pins.alignment_led).collect();
     led.dedup();
-    assert!(
-        led.len() >= 5 && !led[0] && led.len() % 2 == 1,
-        "{led:?}\n{}",
-        run.tails()
-    );
-    let valid = run.pins().into_iter().rfind(|pins| pins.valid);
-    assert!(
-        valid.is_some_and(|pins| pins.alignment_led),
-        "{}",
-        run.tails()
-    );
-    Ok(news)
+    assert!(led.len() >= 5 && !led[0] && led.len() % 2 == 1, "{led:?}");
+    let valid = pins.into_iter().rfind(|pins| pins.valid);
+    assert!(valid.is_some_and(|pins| pins.alignment_led));
+    Ok(Some(news))
 }
 
 #[test]
 fn an_opening_that_does_not_tell_the_arm_is_decided_by_the_model_and_the_lines_equal_the_pipelines()
 -> anyhow::Result<()> {
     let test = "an_opening_that_does_not_tell_the_arm_is_decided_by_the_model_and_the_lines_equal_the_pipelines";
-    let Some(bench) = bench(test) else {
+    let samples = worn(&two_openings(NEARLY_SYMMETRICAL), Alignment::new(3, false));
+    let news = lines_and_led(test, model(Some(SYMMETRICAL)), &samples, Arm::Unknown)?;
+    let Some(news) = news else {
         return Ok(());
     };
-    let samples = worn(&two_openings(NEARLY_SYMMETRICAL), Alignment::new(3, false));
-    let news = lines_and_led(&bench, &model(Some(SYMMETRICAL)), &samples, Arm::Unknown)?;
     // The second gesture ends at 1400 and is over 20 samples later; then the encoder takes a patch with each of 106 samples.
     let decided = news[2].emitted.0;
     assert!((1520..1560).contains(&decided), "decided at {decided}");
@@ -241,13 +219,12 @@ fn the_arm_that_a_command_tells_is_not_left_to_the_model_and_the_lines_equal_the
 -> anyhow::Result<()> {
     let test =
         "the_arm_that_a_command_tells_is_not_left_to_the_model_and_the_lines_equal_the_pipelines";
-    let Some(bench) = bench(test) else {
-        return Ok(());
-    };
     let placement = Alignment::new(3, true);
     let samples = worn(&two_openings(NEARLY_SYMMETRICAL), placement);
     let arm = Arm::Known { mirrored: true };
-    let news = lines_and_led(&bench, &model(Some(SYMMETRICAL)), &samples, arm)?;
+    let Some(news) = lines_and_led(test, model(Some(SYMMETRICAL)), &samples, arm)? else {
+        return Ok(());
+    };
     assert_eq!(news[2].alignment, placement);
     // The decision comes with the end of the second gesture.
     let decided = news[2].emitted.0;
@@ -256,45 +233,42 @@ fn the_arm_that_a_command_tells_is_not_left_to_the_model_and_the_lines_equal_the
 }
 
 #[test]
-fn an_armband_turned_by_three_places_is_aligned_and_the_lines_equal_the_pipelines()
--> anyhow::Result<()> {
-    let test = "an_armband_turned_by_three_places_is_aligned_and_the_lines_equal_the_pipelines";
-    finds(test, Alignment::new(3, false))
-}
-
-#[test]
 fn an_armband_on_the_other_arm_is_aligned_and_the_lines_equal_the_pipelines() -> anyhow::Result<()>
 {
     let test = "an_armband_on_the_other_arm_is_aligned_and_the_lines_equal_the_pipelines";
-    finds(test, Alignment::new(6, true))
+    let placement = Alignment::new(6, true);
+    let samples = worn(&two_openings(RAMP), placement);
+    if let Some(news) = lines_and_led(test, model(None), &samples, Arm::Unknown)? {
+        assert_eq!(news[2].alignment, placement);
+    }
+    Ok(())
 }
 
 #[test]
 fn a_recorded_persons_turned_armband_is_aligned_and_the_lines_equal_the_pipelines()
 -> anyhow::Result<()> {
     let test = "a_recorded_persons_turned_armband_is_aligned_and_the_lines_equal_the_pipelines";
-    let Some(path) = super::recording(test, "roshambo/data/subject02_session01_emg.npy") else {
-        return Ok(());
-    };
-    let Some(bench) = bench(test) else {
+    let Some(path) = recording(test, "roshambo/data/subject02_session01_emg.npy") else {
         return Ok(());
     };
     let recording = one_recording(&path, None)?;
     let placement = Alignment::new(3, false);
     let samples = worn(&two_openings_of(&recording, 5), placement);
-    let (run, news) = align(&bench, &super::model(), &samples, Arm::Unknown)?;
+    let Some(Aligned { news, reports, .. }) = align(test, chip::model(), &samples, Arm::Unknown)?
+    else {
+        return Ok(());
+    };
     let aligned: Vec<_> = news
         .iter()
         .filter(|news| news.state == AlignmentState::Aligned)
         .collect();
-    assert_eq!(aligned.len(), 1, "{}", run.tails());
+    assert_eq!(aligned.len(), 1, "{news:?}");
     // One place beside it counts as right: people differ by that much.
     let places = aligned[0].alignment.places_from(placement);
     assert!(places.is_some_and(|places| places <= 1), "{}", aligned[0]);
-    let open = run
-        .reports()?
+    let open = reports
         .into_iter()
         .any(|report| report.emitted > aligned[0].emitted && report.status.label() == Intent::Open);
-    assert!(open, "no open hand after it\n{}", run.tails());
+    assert!(open, "no open hand after it");
     Ok(())
 }

@@ -1,0 +1,129 @@
+//! The image's Bluetooth host against a real controller and armband: streams, lost links, strangers, damaged packets.
+
+use myointent::cli::replay;
+use myointent_tests::chip;
+use myointent_tests::emulator::{Run, Scenario, bench};
+use serde_json::{Value, json};
+use shared::myo::{Address, binding};
+use shared::stream::safe_state::Cause;
+use shared::units::Sample;
+
+/// Factor by which the guest's clock runs slower than real time. The timeout of 200 ms is then 0.6 s of real time: a busy
+/// host does not look like an armband that is silent.
+const TIME_SCALE: u32 = 3;
+
+/// Streams these samples, faster than an armband; without what it needs, reports the test as skipped.
+fn start(
+    test: &str,
+    samples: &[Sample],
+    pace: f64,
+    script: Value,
+    arguments: &[&str],
+) -> anyhow::Result<Option<Run>> {
+    let Some(bench) = bench(test) else {
+        return Ok(None);
+    };
+    let armband = Address::parse(chip::ARMBAND).expect("an address");
+    let run = bench.start(&Scenario {
+        model: &chip::model(),
+        page: Some(binding::to_record(armband).to_vec()),
+        samples,
+        time_scale: TIME_SCALE,
+        pace,
+        script,
+        arguments: arguments.iter().map(|one| (*one).to_owned()).collect(),
+    })?;
+    Ok(Some(run))
+}
+
+fn last_cause(run: &Run) -> Option<Cause> {
+    let reports = run.reports().unwrap_or_default();
+    reports.last().and_then(|report| report.status.cause())
+}
+
+#[test]
+fn a_recordings_lines_equal_replays() -> anyhow::Result<()> {
+    let test = "a_recordings_lines_equal_replays";
+    let Some(folder) = myointent_tests::data(test) else {
+        return Ok(());
+    };
+    let path = folder.join("roshambo/data/subject02_session01_emg.npy");
+    if !path.is_file() {
+        let missing = format!("no {}: see docs/recordings.md", path.display());
+        myointent_tests::skip(test, &missing);
+        return Ok(());
+    }
+    let mut samples = replay::one_recording(&path, None)?.samples;
+    samples.truncate(15 * 200);
+    // Its speech without a subscription means nothing.
+    let script = json!([{ "do": "chatter", "ms": 1 }]);
+    let Some(mut run) = start(test, &samples, 3.0, script, &["--end", "disconnect"])? else {
+        return Ok(());
+    };
+    let expected = replay::lines(&chip::model(), &samples)?;
+    let expected: Vec<_> = expected.split_inclusive('\n').collect();
+    run.wait_for("the line after those of the recording", |run| {
+        run.lines().len() > expected.len()
+    })?;
+    assert_eq!(run.lines()[..expected.len()], expected, "{}", run.tails());
+    assert_eq!(last_cause(&run), Some(Cause::Disconnected));
+    assert!(run.event_count("chatter") >= 4, "{}", run.tails());
+    run.check()
+}
+
+#[test]
+fn a_link_that_is_refused_and_lost_comes_back_and_no_stranger_is_followed() -> anyhow::Result<()> {
+    let test = "a_link_that_is_refused_and_lost_comes_back_and_no_stranger_is_followed";
+    let script = json!([
+        { "do": "refuse", "count": 1 },
+        { "do": "vanish", "at": 300, "for_ms": 9000 },
+        { "do": "sleep", "at": 800, "for_ms": 3000 },
+    ]);
+    let samples: Vec<_> = (0..3000).map(|n| [(n * n % 251 - 125) as i8; 8]).collect();
+    let arguments = ["--end", "disconnect", "--stranger", "F1:23:45:67:89:AB,-20"];
+    let Some(mut run) = start(test, &samples, 1.0, script, &arguments)? else {
+        return Ok(());
+    };
+    run.wait_for("three streams", |run| run.event_count("connected") == 3)?;
+    run.wait_for("the last one's end", |run| {
+        run.event_count("end") > 0 && last_cause(run) == Some(Cause::Disconnected)
+    })?;
+    assert_eq!(run.event_count("refused"), 1, "{}", run.tails());
+    assert_eq!(run.event_count("stranger-connected"), 0, "{}", run.tails());
+    run.check()
+}
+
+/// Streams with such a packet in the place of every 27th notification: each leaves a gap that is bridged.
+fn play_with(test: &str, kind: &str) -> anyhow::Result<()> {
+    const PACKETS: u32 = 28;
+    let script: Vec<_> = (0..PACKETS)
+        .map(|number| json!({"do": "corrupt", "at": 400 + 27 * number, "kind": kind}))
+        .collect();
+    let samples = vec![[1; 8]; 2600];
+    let Some(mut run) = start(test, &samples, 3.0, script.into(), &["--end", "disconnect"])? else {
+        return Ok(());
+    };
+    run.wait_for("the end", |run| {
+        last_cause(run) == Some(Cause::Disconnected)
+    })?;
+    // The check includes that the board did not restart.
+    run.check()?;
+    let lost = run.reports()?.last().map(|report| report.counters.lost);
+    // A busy host may lose more.
+    assert!(lost >= Some(2 * PACKETS), "{lost:?}: {}", run.tails());
+    Ok(())
+}
+
+#[test]
+fn attribute_pdus_that_end_too_early_do_not_restart_the_board() -> anyhow::Result<()> {
+    play_with(
+        "attribute_pdus_that_end_too_early_do_not_restart_the_board",
+        "cut",
+    )
+}
+
+#[test]
+fn the_end_of_a_channel_that_nobody_opened_does_not_restart_the_board() -> anyhow::Result<()> {
+    let test = "the_end_of_a_channel_that_nobody_opened_does_not_restart_the_board";
+    play_with(test, "signal")
+}

@@ -1,0 +1,273 @@
+//! A model that is installed by the line: the radio silent, flash that refuses, power that fails at every operation.
+
+use std::iter::repeat_n;
+
+use anyhow::{Context as _, ensure};
+use nrf52::softdevice::Fate;
+use nrf52::time::HZ;
+use shared::installation::{Block, Transfer};
+use shared::intent::Vocabulary;
+use shared::model::dimensions::Dimensions;
+use shared::model::file::random::random_model;
+use shared::uart_line::command::Command;
+use virtual_armband::{Behaviour, Step};
+use xtask::firmware::Image;
+
+use super::air;
+use myointent_tests::chip::{self, Board, MODEL, Setting};
+
+/// Blocks of a page of flash.
+const PAGE_BLOCKS: u32 = 64;
+/// Lives of a board whose power fails at every operation: no installation takes more.
+const MOST_LIVES: usize = 250;
+
+/// A model file in blocks.
+struct Sender {
+    file: Vec<u8>,
+}
+
+impl Sender {
+    fn of_models(name: &str) -> anyhow::Result<Self> {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/");
+        let file = std::fs::read(format!("{folder}{name}"))?;
+        Ok(Self { file })
+    }
+
+    /// A small file: two pages of flash, the second one not full.
+    fn small(seed: u64) -> Self {
+        let dimensions = Dimensions {
+            width: 16,
+            layers: 1,
+            span: 27,
+            vocabulary: Vocabulary::Three,
+            other: false,
+        };
+        let file = random_model(dimensions, seed).to_bytes();
+        let file = file.expect("a writable model");
+        assert_eq!(file.len().div_ceil(4096), 2, "{} bytes", file.len());
+        Self { file }
+    }
+
+    fn transfer(&self) -> Transfer {
+        let (_, checksum) = self.file.split_at(self.file.len() - 4);
+        Transfer {
+            length: self.file.len() as u32,
+            checksum: u32::from_le_bytes(checksum.try_into().expect("four bytes")),
+        }
+    }
+
+    fn block(&self, number: u32) -> Command {
+        Command::Block(number, Block::of(&self.file, number))
+    }
+
+    fn is_in(&self, board: &Board) -> bool {
+        let memory = board.machine.chip().bus.memory.clone();
+        let found = memory.read(MODEL, self.file.len() as u32);
+        found.as_ref() == Some(&self.file)
+    }
+}
+
+/// Sends a command and waits for its answer; none if the board starts again instead.
+fn ask(board: &mut Board, command: Command) -> anyhow::Result<Option<String>> {
+    let (before, starts) = (board.sent_bytes(), board.machine.incidents.len());
+    board.send_bytes(command.to_string().bytes());
+    let end = board.machine.now() + 3 * HZ;
+    loop {
+        board.run_ms(5)?;
+        if board.machine.incidents.len() > starts {
+            return Ok(None);
+        }
+        let new = board.text_from(before);
+        let mut lines = new.split_inclusive('\n');
+        let is_answer = |line: &&str| line.starts_with("$OK") || line.starts_with("$ERR");
+        if let Some(line) = lines.find(|line| line.ends_with('\n') && is_answer(line)) {
+            return Ok(Some(line.to_owned()));
+        }
+        ensure!(board.machine.now() < end, "{command} has no answer:\n{new}");
+    }
+}
+
+/// Sends a file, and tells what the board asks for after each block: none once it is installed. Returns false if the board
+/// starts again.
+fn install(
+    board: &mut Board,
+    sender: &Sender,
+    mut asked: impl FnMut(&mut Board, Option<u32>),
+) -> anyhow::Result<bool> {
+    let mut command = Command::Install(sender.transfer());
+    while let Some(answer) = ask(board, command)? {
+        let is_done = answer.contains("done");
+        let number = answer.split(['*', ',']).nth(2).unwrap_or_default().parse();
+        let number = number.ok();
+        ensure!(is_done || number.is_some(), "{answer}");
+        asked(board, number);
+        match number {
+            None => return Ok(true),
+            Some(number) => command = sender.block(number),
+        }
+    }
+    Ok(false)
+}
+
+fn streaming_board(test: &str) -> anyhow::Result<Option<Board>> {
+    let Some(mut board) = air::board(test, Behaviour::default()) else {
+        return Ok(None);
+    };
+    board.wait_for("# armband FA", 10_000)?;
+    let softdevice = board.machine.softdevice.as_mut();
+    softdevice.expect("an image with one").flash.needs_silence = true;
+    Ok(Some(board))
+}
+
+#[test]
+fn the_radio_is_silent_while_a_model_is_installed() -> anyhow::Result<()> {
+    let test = "the_radio_is_silent_while_a_model_is_installed";
+    let Some(mut board) = streaming_board(test)? else {
+        return Ok(());
+    };
+    let sender = Sender::small(3);
+    let is_done = install(&mut board, &sender, |board, number| {
+        let is_loud = board.machine.air().is_in_use();
+        let has_begun = number.is_some_and(|number| number > 0);
+        assert!(!has_begun || !is_loud, "before block {number:?}");
+    });
+    assert!(is_done?, "it started again");
+    let identity = ask(&mut board, Command::Identify)?.context("a restart")?;
+    let checksum = format!("{:08x}", sender.transfer().checksum);
+    assert!(identity.contains(&checksum), "{identity}");
+    board.run_ms(5000)?;
+    let streams = board.text().matches("# armband FA").count();
+    assert_eq!(streams, 2, "{}", board.text());
+    Ok(())
+}
+
+#[test]
+fn the_stream_goes_on_after_an_installation_that_flash_refuses() -> anyhow::Result<()> {
+    let test = "the_stream_goes_on_after_an_installation_that_flash_refuses";
+    let Some(mut board) = streaming_board(test)? else {
+        return Ok(());
+    };
+    let softdevice = board.machine.softdevice.as_mut();
+    let flash = &mut softdevice.expect("an image with one").flash;
+    flash.fates.extend(repeat_n(Fate::TimeOut, 4));
+    let sender = Sender::of_models("five-class.intent")?;
+    ask(&mut board, Command::Install(sender.transfer()))?;
+    let answer = ask(&mut board, sender.block(0))?.context("a restart")?;
+    assert!(answer.starts_with("$ERR,flash"), "{answer}");
+    let softdevice = board.machine.softdevice.as_ref();
+    let is_tried = softdevice.is_some_and(|one| one.flash.fates.is_empty());
+    assert!(is_tried, "flash found no time");
+    board.run_ms(5000)?;
+    let streams = board.text().matches("# armband FA").count();
+    assert_eq!(streams, 2, "{}", board.text());
+    Ok(())
+}
+
+/// Power fails in the middle of the operation of flash with this number, from now on.
+fn cut(board: &mut Board, number: usize) {
+    if let Some(softdevice) = &mut board.machine.softdevice {
+        let cut = Fate::PowerCut { percent: 50 };
+        let fates = repeat_n(Fate::Success, number).chain([cut]);
+        softdevice.flash.fates = fates.collect();
+    } else {
+        board.machine.chip().nvmc.power_fails_after = Some(number);
+    }
+}
+
+/// Checks that a board that has started has the old model, the new one, or none and says so.
+fn check_start(board: &mut Board, from: usize, models: [&Sender; 2]) -> anyhow::Result<()> {
+    let end = board.machine.now() + HZ;
+    // What the life before has said is before the name.
+    let said = loop {
+        let text = board.text_from(from);
+        let said = text.rsplit_once("# myointent ").map(|(_, said)| said);
+        if let Some(said) = said.filter(|said| said.contains("$STATE")) {
+            break said.to_owned();
+        }
+        ensure!(board.machine.now() < end, "{text}");
+        board.run_ms(2)?;
+    };
+    let names = |one: &&Sender| said.contains(&format!("model {:08x},", one.transfer().checksum));
+    match models.into_iter().find(names) {
+        Some(one) => ensure!(one.is_in(board), "another model than it says:\n{said}"),
+        None => ensure!(
+            said.contains("model refused,") && said.contains("an installation is not complete"),
+            "{said}"
+        ),
+    }
+    let is_valid = board.machine.chip().level(board.pins.valid);
+    ensure!(is_valid == Some(false), "valid:\n{said}");
+    Ok(())
+}
+
+/// Installs a file on a board whose power fails at one operation of flash after the other; returns the blocks on which it
+/// did. `next` gives the operation after one that was cut, from the first one that a page takes.
+fn install_without_power(
+    test: &str,
+    built: Image,
+    next: impl Fn(usize) -> usize,
+) -> anyhow::Result<Vec<u32>> {
+    let Some(image) = chip::image(test, built) else {
+        return Ok(Vec::new());
+    };
+    let (old, new) = (Sender::small(4), Sender::small(3));
+    let setting = Setting {
+        model: old.file.clone(),
+        behaviour: Behaviour {
+            steps: vec![Step::Absent],
+            ..Behaviour::default()
+        },
+        ..Setting::default()
+    };
+    let mut board = Board::new(built, image, setting);
+    board.wait_for("$STATE", 1000)?;
+    let (mut cuts, mut number, mut page) = (Vec::new(), 0, 0);
+    while cuts.len() < MOST_LIVES {
+        let (mut block, from) = (0, board.sent_bytes());
+        cut(&mut board, number);
+        let is_done = install(&mut board, &new, |board, asked| {
+            let first = block == 0;
+            block = asked.unwrap_or(block);
+            // The first block takes no operation any more. An operation of the next page is its first one.
+            if first && block > 0 && block / PAGE_BLOCKS != page {
+                (page, number) = (block / PAGE_BLOCKS, 0);
+                cut(board, number);
+            }
+        });
+        if is_done? {
+            ensure!(new.is_in(&board), "{built}: not installed");
+            return Ok(cuts);
+        }
+        check_start(&mut board, from, [&old, &new])
+            .with_context(|| format!("{built}, operation {number} at block {block}"))?;
+        cuts.push(block);
+        number = next(number);
+    }
+    anyhow::bail!(
+        "{built}: {MOST_LIVES} lives, the last one to block {:?}",
+        cuts.last()
+    )
+}
+
+#[test]
+fn power_that_fails_at_every_operation_of_an_installation_leaves_a_model_or_none()
+-> anyhow::Result<()> {
+    let test = "power_that_fails_at_every_operation_of_an_installation_leaves_a_model_or_none";
+    let cuts = install_without_power(test, Image::Nrf52840S140, |operation| operation + 1)?;
+    let is_cut = |block| cuts.contains(&block);
+    let blocks = Sender::small(3).transfer().blocks();
+    assert!(cuts.is_empty() || (0..blocks).all(is_cut), "{cuts:?}");
+    Ok(())
+}
+
+#[test]
+fn power_that_fails_in_any_word_of_an_installation_in_time_slots_leaves_a_model_or_none()
+-> anyhow::Result<()> {
+    let test =
+        "power_that_fails_in_any_word_of_an_installation_in_time_slots_leaves_a_model_or_none";
+    // A page is erased in nine parts, and a block has sixteen words: another one in each block.
+    let next = |operation| operation + if operation < 10 { 1 } else { 17 };
+    let cuts = install_without_power(test, Image::Nrf52840Sdc, next)?;
+    assert!(cuts.is_empty() || cuts.len() > 100, "{cuts:?}");
+    Ok(())
+}
