@@ -306,3 +306,27 @@ fn a_core_that_locks_up() {
     let refusal = machine.run(ms(10)).expect_err("a fault in a fault");
     assert_eq!(refusal.what, What::LockedUp);
 }
+
+/// Sends a byte while the clock is off by so many thousandths; returns what a receiver whose clock is right reads.
+fn read_on_the_line(thousandths: i64) -> Vec<u8> {
+    let program = Program::default()
+        .store(0x2000_4000, 0x41)
+        .store(UARTE + 0x50c, 6)
+        .store(UARTE + 0x524, 0x01d6_0000)
+        .store(UARTE + 0x500, 8)
+        .store(UARTE + 0x544, 0x2000_4000)
+        .store(UARTE + 0x548, 1)
+        .store(UARTE + 0x008, 1);
+    let mut machine = program.machine(Model::Nrf52840, None);
+    machine.chip().bus.inaccuracy = thousandths;
+    machine.run(ms(10)).expect("nothing to refuse");
+    let chip = machine.chip();
+    chip.sent().iter().map(|(_, byte)| *byte).collect()
+}
+
+#[test]
+fn a_line_whose_clock_is_off_by_more_than_half_a_bit_is_not_readable() {
+    assert_eq!(read_on_the_line(20), [0x41]);
+    assert_eq!(read_on_the_line(-20), [0x41]);
+    assert_ne!(read_on_the_line(60), [0x41]);
+}
