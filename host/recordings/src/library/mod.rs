@@ -5,7 +5,7 @@ pub mod inspection;
 mod people;
 pub(crate) mod session;
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
@@ -147,6 +147,10 @@ impl Library {
             all.people.extend(own.people);
         }
         if several {
+            // A folder and a file in it.
+            let mut seen = HashSet::new();
+            all.recordings
+                .retain(|own| seen.insert((own.path.clone(), own.full_name())));
             for own in &mut all.recordings {
                 own.findings
                     .retain(|finding| !matches!(finding, Finding::Overlap { .. }));
