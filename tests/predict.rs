@@ -1,10 +1,9 @@
-//! Commands `predict` and then `score`, as the README and the guide show them, on recordings of any length.
+//! Commands `predict` and then `score`, as the README and the guide show them, on recordings of any length; and what
+//! another program computes from an exported student.
 
+#[path = "predict/onnx.rs"]
+mod onnx;
 #[path = "small.rs"]
-#[expect(
-    dead_code,
-    reason = "nothing is trained here, and nothing synthetic read"
-)]
 mod small;
 
 use std::fmt::Write as _;
@@ -116,4 +115,66 @@ fn a_folder_without_one_readable_recording_fails_inspect_and_evaluate() {
         "evaluate", "--model", &model, "--data", own, "--report", &page,
     ];
     assert!(!myointent(&evaluate));
+}
+
+#[test]
+fn several_paths_are_taken_as_one_folder_that_holds_them() {
+    let folder = folder("several");
+    let model = model(&folder);
+    let (data, _) = small::recordings(&folder);
+    let file = |person: &str| data.join(person).join(format!("{person}_synthetic_1.csv"));
+    let text = |path: &Path| path.to_str().unwrap().to_owned();
+    let whole = [text(&data)];
+    // Folders, files, and one of both again.
+    let parts = [
+        data.join("s1"),
+        file("s2"),
+        data.join("s3"),
+        file("s4"),
+        file("s1"),
+    ];
+    let parts = parts.map(|path| text(&path));
+    let [model, one, several] =
+        [&model, &folder.join("one"), &folder.join("several")].map(|path| text(path));
+    let with = |line: &[&str], paths: &[String]| {
+        let paths = paths.iter().map(String::as_str);
+        let line: Vec<&str> = line.iter().copied().chain(paths).collect();
+        myointent(&line)
+    };
+    let table = |name: &str, paths: &[String]| {
+        let [csv, page] =
+            ["csv", "html"].map(|ending| text(&folder.join(format!("{name}.{ending}"))));
+        let line = [
+            "evaluate", "--model", &model, "--csv", &csv, "--report", &page, "--data",
+        ];
+        assert!(with(&line, paths));
+        fs::read_to_string(&csv).unwrap()
+    };
+    let expected = table("one", &whole);
+    assert_eq!(expected.lines().count(), 5, "{expected}");
+    assert_eq!(table("several", &parts), expected);
+    for (out, paths) in [(&one, &whole[..]), (&several, &parts)] {
+        let line = ["predict", "--model", &model, "--out", out, "--recording"];
+        assert!(with(&line, paths));
+        assert!(with(&["score", "--prediction", out, "--truth"], paths));
+    }
+    let labels = |out: &str, person: &str| {
+        Path::new(out).join(format!("react-emg/{person}/{person}_synthetic_1.csv"))
+    };
+    for person in ["s1", "s2", "s3", "s4"] {
+        let [a, b] = [&one, &several].map(|out| fs::read(labels(out, person)).unwrap());
+        assert_eq!(a, b);
+    }
+    let out = text(&folder.join("labels.csv"));
+    let line = ["predict", "--model", &model, "--out", &out, "--recording"];
+    assert!(!with(&line, &parts), "one file for the labels of four");
+    let prediction = text(&labels(&one, "s1"));
+    let line = ["score", "--prediction", &prediction, "--truth"];
+    assert!(!with(&line, &parts), "labels of one for four");
+    // Another person of the same name.
+    let other = folder.join("other/s2/s2_synthetic_1.csv");
+    fs::create_dir_all(other.parent().unwrap()).unwrap();
+    fs::rename(recording(&folder, 4003), &other).unwrap();
+    let line = ["predict", "--model", &model, "--out", &one, "--recording"];
+    assert!(!with(&line, &[text(&file("s2")), text(&other)]));
 }
