@@ -1,8 +1,7 @@
 //! Charge of the board's own battery, a lithium cell. Only the newest counts, so it is no queue.
 
-use core::cell::Cell;
-
-use embassy_sync::blocking_mutex::{Mutex, raw::CriticalSectionRawMutex};
+#[cfg(feature = "uf2")]
+pub use newest::{current, set};
 use shared::uart_line::answer::Charge;
 
 /// Voltage of a cell, millivolts, and its charge in percent: about, for it depends on load, cold and age.
@@ -18,19 +17,6 @@ const CURVE: [(u32, u32); 7] = [
 /// Percent from which it is low, and those from which it is no longer: load moves the voltage.
 const LOW: u8 = 10;
 const NO_LONGER_LOW: u8 = 20;
-
-/// The newest charge; none before the first measurement.
-static CURRENT: Mutex<CriticalSectionRawMutex, Cell<Option<Charge>>> = Mutex::new(Cell::new(None));
-
-/// Keeps a charge.
-pub fn set(charge: Charge) {
-    CURRENT.lock(|cell| cell.set(Some(charge)));
-}
-
-/// The newest charge; none before the first measurement.
-pub fn current() -> Option<Charge> {
-    CURRENT.lock(Cell::get)
-}
 
 /// Charge at a voltage in millivolts.
 pub fn charge(millivolts: u32) -> Charge {
@@ -63,6 +49,28 @@ impl Low {
         let is_low = charge.percent < limit;
         let was_low = core::mem::replace(&mut self.0, is_low);
         is_low && !was_low
+    }
+}
+
+#[cfg(feature = "uf2")]
+mod newest {
+    use core::cell::Cell;
+
+    use embassy_sync::blocking_mutex::{Mutex, raw::CriticalSectionRawMutex};
+    use shared::uart_line::answer::Charge;
+
+    /// The newest charge; none before the first measurement.
+    static CURRENT: Mutex<CriticalSectionRawMutex, Cell<Option<Charge>>> =
+        Mutex::new(Cell::new(None));
+
+    /// Keeps a charge.
+    pub fn set(charge: Charge) {
+        CURRENT.lock(|cell| cell.set(Some(charge)));
+    }
+
+    /// The newest charge; none before the first measurement.
+    pub fn current() -> Option<Charge> {
+        CURRENT.lock(Cell::get)
     }
 }
 
