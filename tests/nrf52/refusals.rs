@@ -2,6 +2,8 @@
 
 #[path = "program.rs"]
 mod program;
+#[path = "refusals/usb.rs"]
+mod usb;
 
 use nrf52::What;
 use nrf52::chip::Model;

@@ -32,6 +32,9 @@ const CONVERSION: u64 = us(42);
 const RANGE: u32 = 3600;
 const VALUES: u32 = 4096;
 
+/// Inputs of a channel, by their numbers in PSELP.
+const INPUTS: [u32; 10] = [1, 2, 3, 4, 5, 6, 7, 8, 9, 13];
+
 const TABLE: &[Register] = &[
     task("TASKS_START", START),
     task("TASKS_SAMPLE", SAMPLE),
@@ -64,6 +67,9 @@ const TABLE: &[Register] = &[
 #[derive(Debug)]
 pub struct Saadc {
     registers: Registers,
+    /// True from a start until the buffer is full.
+    is_started: bool,
+    /// Tick at which a conversion is done.
     at: Option<u64>,
     /// Millivolts at an input, by its number in PSELP.
     pub inputs: BTreeMap<u32, u32>,
@@ -74,6 +80,7 @@ impl Saadc {
     pub fn new(inputs: BTreeMap<u32, u32>) -> Self {
         Self {
             registers: Registers::new("SAADC", TABLE),
+            is_started: false,
             at: None,
             inputs,
         }
@@ -93,11 +100,14 @@ impl Peripheral for Saadc {
         &mut self.registers
     }
 
-    fn stored(&mut self, offset: u32, _: &mut Bus) {
-        if offset == POWER && self.registers.get(POWER) == 0 {
+    fn stored(&mut self, offset: u32, bus: &mut Bus) {
+        if offset != POWER && self.registers.get(POWER) == 0 {
+            let when = "while it is switched off";
+            self.refuse(offset, bus, What::Untimely { when });
+        } else if offset == POWER && self.registers.get(POWER) == 0 {
             self.registers = Registers::new("SAADC", TABLE);
             self.registers.put(POWER, 0);
-            self.at = None;
+            (self.at, self.is_started) = (None, false);
         }
     }
 
@@ -112,7 +122,26 @@ impl Peripheral for Saadc {
             START if !bus.memory.is_ram(address, length) => {
                 self.refuse(PTR, bus, What::NoDma { address, length });
             }
-            START => self.raise(STARTED, bus),
+            START if length != 2 => {
+                let (value, expected) = (length / 2, "one conversion: no other number is modelled");
+                self.refuse(MAXCNT, bus, What::Value { value, expected });
+            }
+            START => {
+                self.is_started = true;
+                self.raise(STARTED, bus);
+            }
+            SAMPLE if !self.is_started || self.at.is_some() => {
+                let when = match self.at {
+                    None => "before it is started",
+                    Some(_) => "during a conversion",
+                };
+                self.refuse(offset, bus, What::Untimely { when });
+            }
+            SAMPLE if !INPUTS.contains(&self.registers.get(PSELP)) => {
+                let value = self.registers.get(PSELP);
+                let expected = "an input: 1 to 8, 9 for VDD, 13 for VDDH (6.23.9)";
+                self.refuse(PSELP, bus, What::Value { value, expected });
+            }
             SAMPLE if config != EXPECTED || self.registers.get(RESOLUTION) != 2 => {
                 let expected = "0x50000, with RESOLUTION of 12 bits: no other is modelled";
                 let value = config;
@@ -120,7 +149,7 @@ impl Peripheral for Saadc {
             }
             SAMPLE => self.at = Some(bus.now + CONVERSION),
             _ => {
-                self.at = None;
+                (self.at, self.is_started) = (None, false);
                 self.raise(STOPPED, bus);
             }
         }
@@ -131,7 +160,7 @@ impl Peripheral for Saadc {
     }
 
     fn due(&mut self, bus: &mut Bus) {
-        self.at = None;
+        (self.at, self.is_started) = (None, false);
         let input = self.inputs.get(&self.registers.get(PSELP));
         let value = input.map_or(0, |millivolts| millivolts * VALUES / RANGE);
         let value = value.min(VALUES - 1) as u16;

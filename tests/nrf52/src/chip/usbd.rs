@@ -4,9 +4,12 @@
 //! suspend. Not modelled: isochronous endpoints, errors on the bus, remote wake-up, timing: a transfer takes 20 us. The host is
 //! the test's: it makes transfers, and takes packets while it reads.
 
+mod host;
+
 use std::collections::VecDeque;
 
-use super::Chip;
+pub use host::Control;
+
 use super::bus::{Bus, Peripheral};
 use super::register::{
     INTEN, Register, Registers, clear, event, one_clears, read_only, read_write, set, task,
@@ -42,13 +45,9 @@ const EPOUT: u32 = 0x700;
 /// Bytes between the DMA registers of two endpoints.
 const DMA: u32 = 0x14;
 /// EVENTCAUSE: bits (6.35.13).
-const SUSPEND: u32 = 1 << 8;
-const RESUME: u32 = 1 << 9;
 const READY: u32 = 1 << 11;
 /// SHORTS: EP0DATADONE starts EP0STATUS.
 const TO_STATUS: u32 = 1 << 2;
-/// The request that the peripheral answers itself (6.35.9).
-const SET_ADDRESS: u8 = 5;
 const TRANSFER: u64 = us(20);
 /// Most bytes of a packet.
 const PACKET: u32 = 64;
@@ -92,29 +91,20 @@ const TABLE: &[Register] = &[
         .every(DMA),
 ];
 
-/// A control transfer of the host's.
-#[derive(Clone, Default, Debug)]
-pub struct Control {
-    /// Bytes that it sent, or those that have come.
-    pub data: Vec<u8>,
-    /// True once it is over.
-    pub is_over: bool,
-    /// True if the device refused it.
-    pub is_stalled: bool,
-}
-
 /// The device, and the host.
 #[derive(Debug)]
 pub struct Usbd {
     registers: Registers,
     /// Tick at which it is ready, once it was enabled.
     ready: Option<u64>,
+    /// True from then until it is disabled.
+    is_ready: bool,
     /// Tick of the next transfer on the bus, if one waits.
     transfer: Option<u64>,
     /// Packets of IN endpoints that wait for the host.
     waiting: [Option<Vec<u8>>; 8],
     /// Packets of OUT endpoints that wait for the program.
-    arrived: [Vec<u8>; 8],
+    arrived: [Option<Vec<u8>>; 8],
     /// OUT endpoints that take a packet.
     armed: u32,
     /// The newest control transfer.
@@ -133,11 +123,15 @@ impl Default for Usbd {
         Self {
             registers: Registers::new("USBD", TABLE),
             ready: None,
+            is_ready: false,
             transfer: None,
             waiting: Default::default(),
             arrived: Default::default(),
             armed: 0,
-            control: Control::default(),
+            control: Control {
+                is_over: true,
+                ..Control::default()
+            },
             reads: false,
             taken: Vec::new(),
             to_send: VecDeque::new(),
@@ -203,15 +197,24 @@ impl Usbd {
     }
 
     fn start_out(&mut self, endpoint: usize, bus: &mut Bus) {
-        let (address, length) = self.buffer(EPOUT + DMA * endpoint as u32, bus);
         let offset = 4 * endpoint as u32;
+        let is_enabled = self.registers.get(EPOUTEN) >> endpoint & 1 == 1;
+        let Some(packet) = self.arrived[endpoint].take_if(|_| is_enabled) else {
+            let when = if is_enabled {
+                "before the host has sent a packet"
+            } else {
+                "while the endpoint is disabled"
+            };
+            return self.refuse(STARTEPOUT + offset, bus, What::Untimely { when });
+        };
+        let (address, length) = self.buffer(EPOUT + DMA * endpoint as u32, bus);
         if length != self.registers.get(SIZE + offset) {
             let expected = "that of SIZE.EPOUT (6.35.10)";
             let value = length;
             let place = EPOUT + DMA * endpoint as u32 + 4;
             return self.refuse(place, bus, What::Value { value, expected });
         }
-        bus.memory.write(address, &self.arrived[endpoint]);
+        bus.memory.write(address, &packet);
         self.raise(STARTED, bus);
         self.raise(ENDEPOUT + offset, bus);
     }
@@ -220,7 +223,7 @@ impl Usbd {
     fn arrive(&mut self, endpoint: usize, packet: Vec<u8>) {
         self.registers
             .put(SIZE + 4 * endpoint as u32, packet.len() as u32);
-        self.arrived[endpoint] = packet;
+        self.arrived[endpoint] = Some(packet);
         self.armed &= !(1 << endpoint);
     }
 }
@@ -239,11 +242,17 @@ impl Peripheral for Usbd {
     }
 
     fn stored(&mut self, offset: u32, bus: &mut Bus) {
+        let is_endpoints = (SIZE..ENABLE).contains(&offset) || offset > ENABLE;
+        if is_endpoints && !self.is_ready {
+            let when = "before it is ready (6.35.2)";
+            return self.refuse(offset, bus, What::Untimely { when });
+        }
         match offset {
             ENABLE if self.registers.get(ENABLE) == 1 => self.ready = Some(bus.now + us(50)),
             ENABLE => {
                 (self.ready, self.transfer, self.armed) = (None, None, 0);
-                self.waiting = Default::default();
+                self.is_ready = false;
+                (self.waiting, self.arrived) = Default::default();
             }
             SIZE..ENABLE => {
                 self.armed |= 1 << ((offset - SIZE) / 4);
@@ -262,8 +271,14 @@ impl Peripheral for Usbd {
     }
 
     fn task(&mut self, offset: u32, bus: &mut Bus) {
-        if self.registers.get(ENABLE) == 0 {
-            let when = "while it is disabled";
+        let control = [EP0RCVOUT, EP0STATUS, EP0STALL].contains(&offset);
+        let when = match self.registers.get(ENABLE) {
+            0 => Some("while it is disabled"),
+            _ if !self.is_ready => Some("before it is ready (6.35.2)"),
+            _ if control && self.control.is_over => Some("without a control transfer"),
+            _ => None,
+        };
+        if let Some(when) = when {
             return self.refuse(offset, bus, What::Untimely { when });
         }
         match offset {
@@ -291,6 +306,7 @@ impl Peripheral for Usbd {
     fn due(&mut self, bus: &mut Bus) {
         let now = bus.now;
         if self.ready.take_if(|at| *at <= now).is_some() {
+            self.is_ready = true;
             self.cause(READY, bus);
         }
         if self.transfer.take_if(|at| *at <= now).is_none() {
@@ -353,74 +369,4 @@ impl Peripheral for Errata {
     }
 
     fn task(&mut self, _: u32, _: &mut Bus) {}
-}
-
-impl Chip {
-    /// The device, as the host sees it.
-    pub fn usb(&self) -> &Usbd {
-        &self.usbd
-    }
-
-    /// The host does something.
-    fn as_host(&mut self, act: impl FnOnce(&mut Usbd, &mut Bus)) {
-        act(&mut self.usbd, &mut self.bus);
-        self.usbd.schedule(&self.bus);
-        self.bus.attention = true;
-        self.settle();
-    }
-
-    /// Resets the bus.
-    pub fn reset_usb(&mut self) {
-        self.as_host(|usb, bus| {
-            usb.registers.put(USBADDR, 0);
-            usb.raise(USBRESET, bus);
-        });
-    }
-
-    /// Begins a control transfer: its eight bytes, and those that the host sends.
-    pub fn begin_control(&mut self, setup: [u8; 8], data: &[u8]) {
-        self.as_host(|usb, bus| {
-            for (place, byte) in (0..).zip(setup) {
-                usb.registers.put(BMREQUESTTYPE + 4 * place, byte.into());
-            }
-            if setup[..2] == [0, SET_ADDRESS] {
-                usb.registers.put(USBADDR, setup[2].into());
-            }
-            usb.control = Control {
-                data: data.to_vec(),
-                ..Control::default()
-            };
-            usb.raise(EP0SETUP, bus);
-        });
-    }
-
-    /// Sends packets to an endpoint, when it takes them.
-    pub fn send_usb(&mut self, endpoint: usize, bytes: &[u8]) {
-        self.as_host(|usb, _| {
-            let packets = bytes.chunks(PACKET as usize);
-            usb.to_send
-                .extend(packets.map(|packet| (endpoint, packet.to_vec())));
-        });
-    }
-
-    /// Takes packets from now on, or no longer.
-    pub fn read_usb(&mut self, reads: bool) {
-        self.as_host(|usb, _| usb.reads = reads);
-    }
-
-    /// Suspends the bus, or resumes it.
-    pub fn suspend_usb(&mut self, is_suspended: bool) {
-        let cause = if is_suspended { SUSPEND } else { RESUME };
-        self.as_host(|usb, bus| usb.cause(cause, bus));
-    }
-
-    /// Plugs the cable, or unplugs it: the supply of the bus comes or goes.
-    pub fn plug_usb(&mut self, is_plugged: bool) {
-        self.clock_and_power.plug(is_plugged, &mut self.bus);
-        if !is_plugged {
-            self.usbd.reads = false;
-            self.usbd.to_send.clear();
-        }
-        self.settle();
-    }
 }
