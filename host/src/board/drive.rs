@@ -72,11 +72,10 @@ impl Drive {
         let path = self.path.join(WRITTEN);
         let written = File::create(&path).and_then(|mut out| {
             out.write_all(file)?;
-            match out.sync_all() {
-                // The board has all of it and has started: the drive went before the system was done.
-                Err(_) if !self.path.join(INFO).exists() => Ok(()),
-                synced => synced,
-            }
+            // The board starts with the last block, and its drive may go before the system is done: what it runs says whether
+            // it has all.
+            let _ = out.sync_all();
+            Ok(())
         });
         written.map_err(|source| match source.kind() {
             ErrorKind::StorageFull => FlashError::Full { path },

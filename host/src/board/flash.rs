@@ -257,4 +257,4 @@ impl Content {
 }
 
 #[cfg(all(test, target_os = "linux"))]
-mod tests;
+pub(crate) mod tests;

@@ -158,6 +158,59 @@ mod tests {
     use crate::cli::Cli;
     use clap::Parser as _;
 
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_new_board_gets_firmware_and_an_armband_and_later_another_model_and_keeps_the_armband() {
+        use super::{Answer, BindCommand, Board, Command, Following, run};
+        use crate::board::ModelFile;
+        use crate::board::flash::tests::{Fake, PROGRAM_TEXT, image};
+
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("xiao.uf2");
+        std::fs::write(&file, image(PROGRAM_TEXT)).unwrap();
+        let fake = Fake::start("xiao");
+        let search = fake.search();
+        let mut arguments = super::Arguments {
+            firmware: Some(file),
+            model: None,
+            board: None,
+            drive: search.drive,
+            port: search.port.clone(),
+            out: None,
+        };
+        let port = search.port.unwrap();
+        let mut before = None;
+        for own in ["../models/three-class.intent", "../models/six-class.intent"] {
+            run(&arguments).unwrap();
+            let mut board = Board::open(&port).unwrap();
+            let following = board.ask(Command::Bind(BindCommand::State), |answer| match answer {
+                Answer::Binding(binding) => Some(binding.following),
+                _ => None,
+            });
+            let following = following.unwrap();
+            assert!(matches!(following, Following::Bound(_)), "{following:?}");
+            assert!(
+                before
+                    .replace(following)
+                    .is_none_or(|before| before == following)
+            );
+            let running = board.ask(Command::Identify, |answer| match answer {
+                Answer::Identity(identity) => identity.model,
+                _ => None,
+            });
+            let expected = ModelFile::new(&std::fs::read(own).unwrap())
+                .unwrap()
+                .checksum();
+            assert_eq!(running.unwrap(), expected);
+            arguments.firmware = None;
+            arguments.model = Some("../models/six-class.intent".into());
+        }
+        // Without a file: the drive is found, and its file is named.
+        (arguments.model, arguments.board) = (None, Some("xiao".to_owned()));
+        let error = run(&arguments).unwrap_err().to_string();
+        assert!(error.contains("xiao.uf2"), "{error}");
+    }
+
     #[test]
     fn a_file_is_written_or_a_board_is_flashed() {
         let refused = |line: &[&str]| {

@@ -8,15 +8,16 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use serial2::SerialPort;
-use shared::uart_line::answer::{Answer, Identity, Refusal};
-use shared::uart_line::command::{Command, CommandReader};
+use shared::myo::{Address, AddressKind, Following};
+use shared::uart_line::answer::{Answer, Binding, Identity, Refusal};
+use shared::uart_line::command::{BindCommand, Command, CommandReader};
 use tempfile::TempDir;
 
 use super::search::{AGAIN, TOUCH_BAUD};
 use super::*;
 
 /// The first line of a XIAO's firmware, in a program.
-const PROGRAM_TEXT: &[u8] =
+pub(crate) const PROGRAM_TEXT: &[u8] =
     b"\x01\x02# myointent \0# myointent 0.1.0 0123456789ab, image xiao, model \xffrest";
 const XIAO: &str = "Board-ID: nRF52840-SeeedXiao-v1\r\n";
 
@@ -25,7 +26,7 @@ fn model() -> Vec<u8> {
 }
 
 /// A file of a release.
-fn image(text: &[u8]) -> Vec<u8> {
+pub(crate) fn image(text: &[u8]) -> Vec<u8> {
     let mut file = Uf2::default();
     file.put(0x1000, &[0; 300]);
     file.put(0x2000, text);
@@ -37,8 +38,14 @@ fn content(image: &[u8], model: Option<&[u8]>) -> Result<Content, FlashError> {
     Content::new(Some((Path::new("xiao.uf2"), image)), model)
 }
 
+/// The armband that it binds.
+const ARMBAND: Address = Address {
+    kind: AddressKind::Public,
+    bytes: [0x9a, 0x78, 0x56, 0x34, 0x12, 0xfa],
+};
+
 /// A board with a boot loader: shows its drive when its port was opened at 1200 baud, and runs the file that comes.
-struct Fake {
+pub(crate) struct Fake {
     folder: TempDir,
     /// Its end of the terminal, kept open.
     slave: Arc<SerialPort>,
@@ -48,7 +55,7 @@ struct Fake {
 
 impl Fake {
     /// Starts one that says `runs` of its firmware once a file has come.
-    fn start(runs: &'static str) -> Self {
+    pub(crate) fn start(runs: &'static str) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let (mut master, slave) = SerialPort::pair().unwrap();
         master.set_read_timeout(AGAIN / 10).unwrap();
@@ -57,12 +64,15 @@ impl Fake {
         let thread = std::thread::spawn(move || {
             let mut reader = CommandReader::new();
             let mut bytes = [0; 64];
-            let mut model = None;
+            let (mut model, mut was_touched) = (None, false);
+            let mut following = Following::Nobody;
             while !stopped.load(Ordering::Relaxed) {
                 let baud = line.get_configuration().unwrap().get_baud_rate().unwrap();
-                if baud == TOUCH_BAUD {
+                let touched = baud == TOUCH_BAUD;
+                if touched && !was_touched {
                     fs::write(drive.join("INFO_UF2.TXT"), XIAO).unwrap();
                 }
+                was_touched = touched;
                 let file = fs::read(drive.join("FIRMWARE.UF2")).unwrap_or_default();
                 if let Ok(file) = Uf2::parse(&file) {
                     let held = file.bytes(MODEL_REGION);
@@ -82,6 +92,17 @@ impl Fake {
                             firmware: None,
                             battery: None,
                         }),
+                        Ok(Command::Bind(asked)) => {
+                            let mut answered = following;
+                            if asked == BindCommand::Begin {
+                                answered = Following::Pairing;
+                                following = Following::Bound(ARMBAND);
+                            }
+                            Answer::Binding(Binding {
+                                following: answered,
+                                is_kept: true,
+                            })
+                        }
                         _ => Answer::Refused(Refusal::Unknown),
                     };
                     master.write_all(answer.to_string().as_bytes()).unwrap();
@@ -96,7 +117,7 @@ impl Fake {
         }
     }
 
-    fn search(&self) -> Search {
+    pub(crate) fn search(&self) -> Search {
         let port = fs::read_link(format!("/proc/self/fd/{}", self.slave.as_raw_fd())).unwrap();
         Search {
             drive: Some(self.folder.path().to_owned()),
