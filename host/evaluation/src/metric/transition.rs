@@ -337,11 +337,13 @@ mod tests {
     }
 
     #[test]
-    fn a_label_of_one_sample_belongs_to_the_label_before_it() {
-        let truth = sequence(&[(R, 300), (O, 1), (R, 300), (C, 1), (O, 300)]);
-        let score = score(&truth, &truth, &Rule::default()).unwrap();
-        let changes: Vec<_> = score.changes.iter().map(|own| (own.at, own.to)).collect();
-        assert_eq!(changes, [(602, Intent::Open)]);
+    fn a_label_of_one_sample_is_refused_with_its_place() {
+        let truth = sequence(&[(R, 300), (O, 1), (R, 300)]);
+        let error = score(&truth, &truth, &Rule::default()).unwrap_err();
+        assert!(
+            matches!(error, EvaluationError::SingleSampleLabel { at: 300 }),
+            "{error}"
+        );
     }
 
     proptest::proptest! {
