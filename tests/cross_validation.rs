@@ -37,8 +37,8 @@ fn cross_validate([preset, data, out]: [&Path; 3], rest: &[&str]) -> bool {
         data,
         "--out",
         out,
-        "--folds",
-        "2",
+        "--protocol",
+        "2-fold",
     ];
     research(&[&line[..], rest].concat())
 }
@@ -311,4 +311,42 @@ fn a_cross_validation_scores_the_test_people_apart_by_students_that_never_saw_th
     // Without the option the same folder has tables of development alone again.
     assert!(command(&[]));
     assert!(rows().iter().all(|row| row[5] == "development"));
+}
+
+#[test]
+fn a_fold_of_sets_holds_out_everybody_of_one_set() {
+    let folder = folder("cross-validation-sets");
+    let data = roshambo(&folder, &["01", "02", "06"]);
+    recordings(&folder);
+    let preset = preset_with_baselines(&folder);
+    let text = fs::read_to_string(&preset).unwrap();
+    let sets = "data_sets = [\"roshambo\", \"ss-stm\"]";
+    assert!(text.contains(sets));
+    fs::write(&preset, text.replace(sets, "data_sets = []")).unwrap();
+    let out = folder.join("out");
+    let [preset, data, folds] = [&preset, &data, &out].map(|path| path.to_str().unwrap());
+    assert!(research(&[
+        "cross-validate",
+        "--preset",
+        preset,
+        "--data",
+        data,
+        "--out",
+        folds,
+        "--seeds",
+        "1",
+        "--protocol",
+        "sets",
+    ]));
+    for fold in ["fold-1", "fold-2"] {
+        let split = &json(&out.join("small/seed-1").join(fold).join("config.json"))["split"];
+        let held_out = names(&split["held_out"]);
+        let seen = [names(&split["training"]), names(&split["validation"])].concat();
+        let set = |person: &String| person.split('/').next().unwrap().to_owned();
+        let out: BTreeSet<String> = held_out.iter().map(set).collect();
+        assert_eq!(out.len(), 1, "{fold}");
+        assert!(!seen.is_empty() && seen.iter().all(|person| !out.contains(&set(person))));
+    }
+    let page = fs::read_to_string(out.join("tables.md")).unwrap();
+    assert!(page.contains("Each data set counts once") && page.contains("; n 2"));
 }

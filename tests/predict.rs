@@ -10,6 +10,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use recordings::{LoadOptions, Recording, load};
 use shared::intent::Vocabulary;
 use shared::model::dimensions::Dimensions;
 use shared::model::file::random::random_model;
@@ -151,24 +152,24 @@ fn several_paths_are_taken_as_one_folder_that_holds_them() {
         fs::read_to_string(&csv).unwrap()
     };
     let expected = table("one", &whole);
-    assert_eq!(expected.lines().count(), 5, "{expected}");
+    // The model and two floors for each of four people.
+    assert_eq!(expected.lines().count(), 13, "{expected}");
     assert_eq!(table("several", &parts), expected);
     for (out, paths) in [(&one, &whole[..]), (&several, &parts)] {
         let line = ["predict", "--model", &model, "--out", out, "--recording"];
         assert!(with(&line, paths));
         assert!(with(&["score", "--prediction", out, "--truth"], paths));
     }
-    let labels = |out: &str, person: &str| {
-        Path::new(out).join(format!("react-emg/{person}/{person}_synthetic_1.csv"))
-    };
-    for person in ["s1", "s2", "s3", "s4"] {
-        let [a, b] = [&one, &several].map(|out| fs::read(labels(out, person)).unwrap());
+    let library = load(&data, &LoadOptions::default()).unwrap();
+    let labels = |out: &str, own: &Recording| Path::new(out).join(own.full_name() + ".csv");
+    for own in &library.recordings {
+        let [a, b] = [&one, &several].map(|out| fs::read(labels(out, own)).unwrap());
         assert_eq!(a, b);
     }
     let out = text(&folder.join("labels.csv"));
     let line = ["predict", "--model", &model, "--out", &out, "--recording"];
     assert!(!with(&line, &parts), "one file for the labels of four");
-    let prediction = text(&labels(&one, "s1"));
+    let prediction = text(&labels(&one, &library.recordings[0]));
     let line = ["score", "--prediction", &prediction, "--truth"];
     assert!(!with(&line, &parts), "labels of one for four");
     // Another person of the same name.

@@ -89,18 +89,23 @@ impl ResolvedConfig {
         fold: Option<FoldChoice>,
     ) -> Result<Self, ConfigError> {
         let labelled = Self::labelled(&preset, library)?;
-        let fold = fold.map(|choice| Fold {
-            number: choice.number,
-            of: choice.protocol.folds(developers(&labelled)),
-        });
-        let mut group = None;
-        if let Some(Fold { number, of }) = fold {
-            if of < 2 || !(1..=of).contains(&number) {
-                return Err(ConfigError::Fold { number, of });
+        let (fold, group) = match fold {
+            Some(FoldChoice { protocol, number }) => {
+                let mut groups = match protocol {
+                    // Numbered over all sets, also those that the preset does not train on.
+                    Protocol::LeaveSetsOut => fold_people(&preset, library, protocol),
+                    protocol => protocol.groups(developers(&labelled), preset.seed),
+                };
+                let of = groups.len();
+                if of < 2 || !(1..=of).contains(&number) {
+                    return Err(ConfigError::Fold { number, of });
+                }
+                let mut group = groups.swap_remove(number - 1);
+                group.retain(|person| labelled.iter().any(|own| own.subject == *person));
+                (Some(Fold { number, of }), Some(group))
             }
-            let mut groups = folds::folds(developers(&labelled), of, preset.seed);
-            group = Some(groups.swap_remove(number - 1));
-        }
+            None => (None, None),
+        };
         let split = split(&mut preset, &labelled, group)?;
         let is_training = |subject: &str| split.role(subject) == Some(Role::Training);
         let lags = lags(&labelled, preset.data.label_lag, &is_training);
@@ -192,12 +197,11 @@ impl ResolvedConfig {
     }
 }
 
-/// The people whom each of `folds` folds holds out, over all data sets: for the data sets of the preset the same as in
-/// [`ResolvedConfig::new`] with a fold of [`Protocol::LeaveGroupsOut`].
+/// The people whom each fold holds out, over all data sets: for the data sets of the preset the same as in
+/// [`ResolvedConfig::new`] with a fold of [`Protocol::LeaveGroupsOut`] or [`Protocol::LeaveSetsOut`].
 #[must_use]
-pub fn fold_people(preset: &Preset, library: &Library, folds: usize) -> Vec<Vec<String>> {
-    let labelled = with_labels(preset, library);
-    folds::folds(developers(&labelled), folds, preset.seed)
+pub fn fold_people(preset: &Preset, library: &Library, protocol: Protocol) -> Vec<Vec<String>> {
+    protocol.groups(developers(&with_labels(preset, library)), preset.seed)
 }
 
 /// The test people who have labels of the preset's classes, over all data sets: in no fold, and in no training.

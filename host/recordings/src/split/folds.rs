@@ -16,16 +16,28 @@ pub enum Protocol {
     LeaveOneSubjectOut,
     /// A group of subjects per fold, in this number of folds: for models that cost too much to train once per subject.
     LeaveGroupsOut(usize),
+    /// All subjects of one data set per fold: what a user meets who was recorded elsewhere.
+    LeaveSetsOut,
 }
 
 impl Protocol {
-    /// Number of folds that hold out every subject of the recordings once.
+    /// The subjects that each fold holds out, in alphabetical order. Every subject is held out in one fold. The seed
+    /// assigns the subjects of [`LeaveGroupsOut`](Self::LeaveGroupsOut) and
+    /// [`LeaveOneSubjectOut`](Self::LeaveOneSubjectOut), those of a data set independently of the other sets.
     #[must_use]
-    pub fn folds<'a>(self, recordings: impl IntoIterator<Item = &'a Recording>) -> usize {
-        match self {
-            Self::LeaveOneSubjectOut => most_subjects(recordings),
+    pub fn groups<'a>(
+        self,
+        recordings: impl IntoIterator<Item = &'a Recording>,
+        seed: u64,
+    ) -> Vec<Vec<String>> {
+        let sets = subjects(recordings);
+        let owned = |people: Vec<&str>| people.into_iter().map(str::to_owned).collect();
+        let folds = match self {
+            Self::LeaveOneSubjectOut => sets.values().map(Vec::len).max().unwrap_or(0),
             Self::LeaveGroupsOut(folds) => folds,
-        }
+            Self::LeaveSetsOut => return sets.into_values().map(owned).collect(),
+        };
+        dealt(sets, folds, seed)
     }
 }
 
@@ -34,6 +46,7 @@ impl fmt::Display for Protocol {
         match self {
             Self::LeaveOneSubjectOut => f.write_str("loso"),
             Self::LeaveGroupsOut(folds) => write!(f, "{folds}-fold"),
+            Self::LeaveSetsOut => f.write_str("sets"),
         }
     }
 }
@@ -42,33 +55,26 @@ impl FromStr for Protocol {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        if text == "loso" {
-            return Ok(Self::LeaveOneSubjectOut);
+        let folds = text.strip_suffix("-fold");
+        let folds = folds.and_then(|folds| folds.parse().ok());
+        match text {
+            "loso" => Some(Self::LeaveOneSubjectOut),
+            "sets" => Some(Self::LeaveSetsOut),
+            _ => folds.filter(|&folds| folds >= 2).map(Self::LeaveGroupsOut),
         }
-        text.strip_suffix("-fold")
-            .and_then(|folds| folds.parse().ok())
-            .filter(|&folds| folds >= 2)
-            .map(Self::LeaveGroupsOut)
-            .ok_or_else(|| {
-                format!("expected `loso`, or `4-fold` with any number from 2 on, found {text:?}")
-            })
+        .ok_or_else(|| {
+            format!(
+                "expected `loso`, `sets`, or `4-fold` with any number from 2 on, found {text:?}"
+            )
+        })
     }
 }
 
-/// The subjects that each of `folds` folds holds out, in alphabetical order.
-///
-/// Every subject is in exactly one group, and each group has its share of every data set's
-/// subjects: with as many folds as the largest set has people, that is leave-one-subject-out, and
-/// smaller sets hold out nobody in some folds. The seed assigns the subjects; a set's assignment
-/// does not depend on the other sets.
-#[must_use]
-pub fn folds<'a>(
-    recordings: impl IntoIterator<Item = &'a Recording>,
-    folds: usize,
-    seed: u64,
-) -> Vec<Vec<String>> {
+/// Subjects dealt to so many folds, in alphabetical order: each fold has its share of every data set's subjects. With as
+/// many folds as the largest set has subjects, a fold has at most one of each set.
+fn dealt(sets: BTreeMap<DataSet, Vec<&str>>, folds: usize, seed: u64) -> Vec<Vec<String>> {
     let mut groups = vec![Vec::new(); folds];
-    for (data_set, mut subjects) in subjects(recordings) {
+    for (data_set, mut subjects) in sets {
         subjects.shuffle(&mut seed::generator(seed, data_set.name()));
         for (at, subject) in subjects.into_iter().enumerate() {
             groups[at % folds].push(subject.to_owned());
@@ -78,14 +84,6 @@ pub fn folds<'a>(
         group.sort_unstable();
     }
     groups
-}
-
-fn most_subjects<'a>(recordings: impl IntoIterator<Item = &'a Recording>) -> usize {
-    subjects(recordings)
-        .values()
-        .map(Vec::len)
-        .max()
-        .unwrap_or(0)
 }
 
 /// The subjects of each data set, in alphabetical order.
@@ -142,7 +140,7 @@ mod tests {
             people in (1..9_usize, 1..25_usize), count in 1..12_usize, seed: u64
         ) {
             let all = recordings(people.0, people.1);
-            let groups = folds(&all, count, seed);
+            let groups = Protocol::LeaveGroupsOut(count).groups(&all, seed);
             prop_assert_eq!(groups.len(), count);
             let mut everybody: Vec<_> = groups.concat();
             everybody.sort_unstable();
@@ -162,8 +160,7 @@ mod tests {
     #[test]
     fn as_many_folds_as_people_hold_one_out_each() {
         let all = recordings(3, 5);
-        assert_eq!(most_subjects(&all), 5);
-        let groups = folds(&all, most_subjects(&all), 42);
+        let groups = Protocol::LeaveOneSubjectOut.groups(&all, 42);
         let of = |set: &str| {
             let own = |group: &Vec<String>| group.iter().filter(|s| s.starts_with(set)).count();
             groups.iter().map(own).collect::<Vec<_>>()
@@ -175,9 +172,12 @@ mod tests {
     #[test]
     fn protocols_are_read_from_their_names() {
         let all = recordings(3, 5);
-        assert_eq!("loso".parse::<Protocol>().unwrap().folds(&all), 5);
-        assert_eq!("4-fold".parse::<Protocol>().unwrap().folds(&all), 4);
-        for wrong in ["1-fold", "fold", "-fold", "LOSO", ""] {
+        for (name, folds) in [("loso", 5), ("4-fold", 4), ("sets", 2)] {
+            let protocol: Protocol = name.parse().unwrap();
+            assert_eq!(protocol.to_string(), name);
+            assert_eq!(protocol.groups(&all, 42).len(), folds, "{name}");
+        }
+        for wrong in ["1-fold", "fold", "-fold", "LOSO", "set", ""] {
             assert!(wrong.parse::<Protocol>().is_err(), "{wrong}");
         }
     }
@@ -185,7 +185,14 @@ mod tests {
     #[test]
     fn the_seed_assigns_the_subjects() {
         let all = recordings(8, 20);
-        assert_ne!(folds(&all, 4, 1), folds(&all, 4, 2));
-        assert_eq!(folds(&all, 4, 1), folds(&all, 4, 1));
+        let groups = |seed| Protocol::LeaveGroupsOut(4).groups(&all, seed);
+        assert_ne!(groups(1), groups(2));
+        assert_eq!(groups(1), groups(1));
+    }
+
+    #[test]
+    fn a_fold_of_sets_holds_out_a_whole_set() {
+        let groups = Protocol::LeaveSetsOut.groups(&recordings(1, 2), 42);
+        assert_eq!(groups, [vec!["roshambo/0"], vec!["ss-stm/0", "ss-stm/1"]]);
     }
 }

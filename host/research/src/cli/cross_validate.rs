@@ -5,6 +5,7 @@ mod contenders;
 mod output;
 
 use std::io::Write as _;
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -13,7 +14,8 @@ use execution::interrupt::Interrupt;
 use execution::progress;
 use myointent::cli::arguments::warn_of_test_people;
 use myointent::cli::steps::DataArguments;
-use presets::resolve::{ConfigError, test_people};
+use presets::resolve::{ConfigError, fold_people, test_people};
+use recordings::folds::Protocol;
 use training::backend::BackendArguments;
 
 use self::contenders::{Compared, contenders, presets};
@@ -67,9 +69,10 @@ pub(super) struct Arguments {
         default_value_if("paper", "true", "42")
     )]
     seeds: Vec<u64>,
-    /// Number of folds.
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u8).range(2..))]
-    folds: u8,
+    /// Whom a fold holds out: `4-fold` (or any number) a fourth of the people of each data set, `loso` one of each, `sets`
+    /// everybody of one data set.
+    #[arg(long, default_value_t = Protocol::LeaveGroupsOut(4))]
+    protocol: Protocol,
     /// Also evaluate with these confidence gates, separated by commas: by how much the mean logit of open, close, ...
     /// has to exceed all others for the label to become this class; `1/0.5`: by 1, and movement outside the vocabulary by
     /// 0.5. Nothing is trained again.
@@ -86,7 +89,7 @@ pub(super) struct Arguments {
     test_people: bool,
     /// Number of the only fold to run, 1 first; all if not given.
     #[arg(long)]
-    fold: Option<u8>,
+    fold: Option<usize>,
     /// Folder; run folders are NAME/seed-S/fold-K in it.
     #[arg(long, value_name = "DIR", default_value = "runs/cross-validation")]
     out: PathBuf,
@@ -105,16 +108,20 @@ pub(super) struct Arguments {
 /// When the recordings, a preset or a folder cannot be used, or a job fails.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let (presets, settings) = presets(arguments)?;
-    let of = usize::from(arguments.folds);
-    if let Some(number) = arguments.fold.map(usize::from)
-        && !(1..=of).contains(&number)
-    {
-        return Err(ConfigError::Fold { number, of }.into());
-    }
     // All data sets, regardless of the presets' own: all people are evaluated.
     let mut readable = presets[0].clone();
     readable.data.data_sets.clear();
     let library = Arc::new(arguments.data.load(&readable)?);
+    let of = fold_people(&presets[0], &library, arguments.protocol).len();
+    if of < 2
+        || arguments
+            .fold
+            .is_some_and(|number| !(1..=of).contains(&number))
+    {
+        let number = arguments.fold.unwrap_or(1);
+        return Err(ConfigError::Fold { number, of }.into());
+    }
+    let folds = arguments.fold.map_or(1..=of, |number| number..=number);
     let compared = Compared {
         teachers: match arguments.paper {
             true => PaperTeacher::possible(&presets[0], &library),
@@ -135,7 +142,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut out = std::io::stdout().lock();
     if arguments.list {
         // The floors train nothing: the command that makes the tables computes them.
-        let jobs = selected(arguments, &contenders).filter(|(own, ..)| own.is_trained());
+        let jobs = selected(arguments, folds, &contenders).filter(|(own, ..)| own.is_trained());
         for (contender, seed, fold) in jobs {
             writeln!(out, "{}", command(arguments, contender, seed, fold))?;
         }
@@ -146,7 +153,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let interrupt = Interrupt::listen();
     let validation = CrossValidation {
         folder: &arguments.out,
-        folds: of,
+        protocol: arguments.protocol,
         test_people: arguments.test_people,
         without_look_ahead: arguments.paper,
         gates: gates(arguments).collect(),
@@ -157,21 +164,21 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         device,
         interrupt: &interrupt,
     };
-    let job = |contender: &Contender, seed, fold: u8| Job {
+    let job = |contender: &Contender, seed, fold| Job {
         contender: contender.with_seed(seed),
-        fold: fold.into(),
+        fold,
     };
     if arguments.test_people {
         warn_of_test_people(test_people(&presets[0], &validation.library).len());
     }
-    for (contender, seed, fold) in selected(arguments, &contenders) {
+    for (contender, seed, fold) in selected(arguments, folds, &contenders) {
         validation.run(&job(contender, seed, fold))?;
     }
     // Other commands may have run other folds and seeds. A fold counts if all contenders have it.
     let mut results = vec![Vec::new(); contenders.len()];
     let (mut counted, mut left) = (0, 0);
     for &seed in &arguments.seeds {
-        for fold in 1..=arguments.folds {
+        for fold in 1..=of {
             let all: Result<Option<Vec<_>>, _> = contenders
                 .iter()
                 .map(|contender| validation.done(&job(contender, seed, fold)))
@@ -222,19 +229,15 @@ fn gates(arguments: &Arguments) -> impl Iterator<Item = Option<Gate>> {
     std::iter::once(None).chain(asked)
 }
 
-fn folds(arguments: &Arguments) -> impl Iterator<Item = u8> {
-    let only = arguments.fold;
-    (1..=arguments.folds).filter(move |&fold| only.is_none_or(|only| only == fold))
-}
-
 /// Jobs, as contender, seed and fold.
 fn selected<'a>(
     arguments: &'a Arguments,
+    folds: RangeInclusive<usize>,
     contenders: &'a [Contender],
-) -> impl Iterator<Item = (&'a Contender, u64, u8)> {
+) -> impl Iterator<Item = (&'a Contender, u64, usize)> {
     let only = arguments.only.as_ref();
     arguments.seeds.iter().flat_map(move |&seed| {
-        folds(arguments).flat_map(move |fold| {
+        folds.clone().flat_map(move |fold| {
             contenders
                 .iter()
                 .filter(move |own| only.is_none_or(|only| own.argument() == *only))
@@ -244,7 +247,7 @@ fn selected<'a>(
 }
 
 /// Shell command of one job, to be run in the current folder.
-fn command(arguments: &Arguments, contender: &Contender, seed: u64, fold: u8) -> String {
+fn command(arguments: &Arguments, contender: &Contender, seed: u64, fold: usize) -> String {
     let mut words = vec![program(), "cross-validate".to_owned()];
     let mut option = |name: &str, value: String| words.extend([format!("--{name}"), value]);
     for preset in &arguments.preset {
@@ -257,7 +260,7 @@ fn command(arguments: &Arguments, contender: &Contender, seed: u64, fold: u8) ->
     }
     option("only", contender.argument());
     option("seeds", seed.to_string());
-    option("folds", arguments.folds.to_string());
+    option("protocol", arguments.protocol.to_string());
     option("fold", fold.to_string());
     option("out", arguments.out.display().to_string());
     if !arguments.entry_margins.is_empty() {

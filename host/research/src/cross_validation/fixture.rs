@@ -12,7 +12,7 @@ use evaluation::{ALL, Group, LookAhead, Score, Truth};
 use super::job_scores::FoldScore;
 use super::merged::Origin;
 
-pub(crate) const fn origin(seed: u64, fold: u8) -> Origin {
+pub(crate) const fn origin(seed: u64, fold: usize) -> Origin {
     Origin { seed, fold }
 }
 

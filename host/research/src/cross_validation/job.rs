@@ -38,8 +38,8 @@ const SCORES: &str = "cross-validation.json";
 pub(crate) struct CrossValidation<'a> {
     /// Folder of all jobs; run folders are `NAME/seed-S/fold-K` in it.
     pub(crate) folder: &'a Path,
-    /// Number of folds.
-    pub(crate) folds: usize,
+    /// Whom each fold holds out.
+    pub(crate) protocol: Protocol,
     /// Whether the test people are evaluated too.
     pub(crate) test_people: bool,
     /// Whether everything is also evaluated without look-ahead.
@@ -154,7 +154,7 @@ impl CrossValidation<'_> {
 
     fn config(&self, job: &Job) -> Result<ResolvedConfig, JobError> {
         let choice = FoldChoice {
-            protocol: Protocol::LeaveGroupsOut(self.folds),
+            protocol: self.protocol,
             number: job.fold,
         };
         let preset = job.contender.preset.clone();
@@ -184,7 +184,7 @@ impl CrossValidation<'_> {
     /// Evaluates the fold's people of all data sets, and on request the test people.
     fn evaluate(&self, job: &Job, context: &RunContext) -> Result<JobScores, JobError> {
         let preset = &job.contender.preset;
-        let people = fold_people(preset, &self.library, self.folds);
+        let people = fold_people(preset, &self.library, self.protocol);
         let fold = people.into_iter().nth(job.fold - 1).unwrap_or_default();
         let split = &context.config.split;
         // For sets that are not trained on: all people outside the fold.

@@ -14,7 +14,7 @@ use super::job_scores::FoldScore;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Origin {
     pub(crate) seed: u64,
-    pub(crate) fold: u8,
+    pub(crate) fold: usize,
 }
 
 /// People of a row: those of a data set (none for all), with all classes or with fewer.

@@ -31,6 +31,15 @@ const EMISSION: [Measure; 7] = [
     Measure::Within200,
     Measure::Within300,
 ];
+/// Measures whose means over data sets are shown.
+const OVER_SETS: [Measure; 6] = [
+    Measure::BalancedAccuracyEmitted,
+    Measure::BalancedAccuracy,
+    Measure::TransitionAccuracyEmitted,
+    Measure::Recognition,
+    Measure::Raised,
+    Measure::FalseActivations,
+];
 /// Measures that contenders are compared by.
 const COMPARED: [Measure; 11] = [
     Measure::BalancedAccuracy,
@@ -108,6 +117,41 @@ fn scores_table(caption: &str, merged: &[Merged<'_>]) -> Table {
                         people.to_string(),
                     ]),
             );
+        }
+    }
+    table
+}
+
+/// Table of the means over data sets, each of which counts once, however many people it has: a row for each contender and
+/// aggregation mode. With the lowest value of a set.
+pub(crate) fn over_sets(merged: &[Merged<'_>]) -> Table {
+    let caption = "Each data set counts once: mean over sets [95 % interval over sets] of a set's mean over its held-out people; \
+        lowest of a set; n: sets";
+    let header = ["classes", "model (look-ahead)"].into_iter();
+    let mut table = Table::new(caption, header.chain(OVER_SETS.map(Measure::name)));
+    let all = sections(merged);
+    for group in Group::ALL {
+        let sets = || {
+            all.iter()
+                .filter(|(set, own)| set.is_some() && *own == group)
+        };
+        for own in merged.iter().filter(|_| sets().next().is_some()) {
+            let cells = OVER_SETS.map(|measure| {
+                let means = sets().filter_map(|section| {
+                    let values = own.values(measure, *section).into_iter();
+                    let values: Vec<f64> = values.map(|(_, value)| value).collect();
+                    Some(MeanSd::of(&values)?.mean)
+                });
+                let means: Vec<f64> = means.collect();
+                let cell = cell::estimate(MeanSd::of(&means), Interval::of_mean(&means));
+                let lowest = means.iter().copied().fold(f64::INFINITY, f64::min);
+                match means.len() {
+                    0 => cell,
+                    n => format!("{cell}; {lowest:.3}; n {n}"),
+                }
+            });
+            let start = [group.name(own.classes()), own.name()];
+            table.push(start.into_iter().chain(cells));
         }
     }
     table

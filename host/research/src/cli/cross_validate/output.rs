@@ -8,7 +8,7 @@ use execution::run_folder::write_whole;
 
 use crate::cross_validation::{
     Contender, FoldScore, Gate, JobScores, Merged, Origin, differences, emission, movements,
-    paper_tables, people, scores, test_scores,
+    over_sets, paper_tables, people, scores, test_scores,
 };
 
 /// Tables of a cross-validation, a row for each person, and a picture, with the names of their files.
@@ -25,6 +25,7 @@ impl Tables {
     pub(super) fn new(development: &[Merged<'_>], test: &[Merged<'_>]) -> Self {
         let mut tables = vec![
             scores(development),
+            over_sets(development),
             emission(development),
             differences(development),
             movements(development),
