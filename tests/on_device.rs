@@ -24,7 +24,7 @@ use xtask::{
 };
 
 /// Longest run of a test, of which the slowest takes 8 s on an idle core.
-const TIMEOUT: Duration = Duration::from_secs(120);
+const TIMEOUT: Duration = Duration::from_secs(300);
 
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();

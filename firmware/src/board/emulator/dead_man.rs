@@ -5,7 +5,7 @@
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
-use super::{Pins, fault, irq::Irq, registers::Register, straps};
+use super::{Pins, irq::Irq, registers::Register, straps};
 use crate::messages::pin_state::{self, PinState};
 
 const LOAD: Register = Register::at(0x4000_2000);
@@ -34,7 +34,6 @@ impl DeadMan {
 
     /// Restarts the period.
     pub fn clear(&mut self) {
-        fault::inject_into_inference();
         LOAD.write(self.counts);
         CONTROL.write(ONE_SHOT);
     }

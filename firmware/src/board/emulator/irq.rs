@@ -16,8 +16,6 @@ pub enum Irq {
     DeadMan = 10,
     /// Interrupt of no peripheral, never enabled: a task is to be polled ([`Executor`](super::Executor)).
     Woken = 30,
-    /// Interrupt of no peripheral: only an injected fault pends it.
-    Storm = 31,
 }
 
 /// Priority of all interrupts but that of the dead-man timer, which interrupts them. It has 0, the highest.
@@ -30,13 +28,12 @@ const LOWER: u8 = 0x80;
 )]
 pub fn start() {
     let mut peripherals = cortex_m::Peripherals::take();
-    for irq in [Irq::CommandReceive, Irq::HciReceive, Irq::Alarm, Irq::Storm] {
+    for irq in [Irq::CommandReceive, Irq::HciReceive, Irq::Alarm] {
         if let Some(peripherals) = &mut peripherals {
             // SAFETY: critical sections of this program mask all interrupts; none relies on priorities.
             unsafe { peripherals.NVIC.set_priority(irq, LOWER) };
         }
     }
-    Irq::Storm.unmask();
 }
 
 impl Irq {

@@ -7,7 +7,6 @@ mod clock;
 mod command_port;
 mod dead_man;
 mod executor;
-mod fault;
 mod flash;
 mod hci;
 mod irq;
@@ -97,7 +96,6 @@ impl LabelPort {
             Uart::LABELS.send(&[byte]);
         }
         stack::report(Uart::PINS);
-        fault::inject(line).await;
     }
 }
 

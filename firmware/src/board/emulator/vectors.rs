@@ -1,6 +1,6 @@
 //! The vector table of the board's interrupts.
 
-use super::{clock, command_port, dead_man, fault, hci, irq::Irq};
+use super::{clock, command_port, dead_man, hci, irq::Irq};
 
 /// An entry of the table.
 pub union Vector {
@@ -32,7 +32,6 @@ pub static __INTERRUPTS: [Vector; 32] = {
     vectors[Irq::DeadMan as usize] = Vector {
         handler: dead_man_expired,
     };
-    vectors[Irq::Storm as usize] = Vector { handler: storm };
     vectors
 };
 
@@ -46,10 +45,6 @@ extern "C" fn hci_receive() {
 
 extern "C" fn alarm() {
     clock::on_alarm();
-}
-
-extern "C" fn storm() {
-    fault::on_storm();
 }
 
 extern "C" fn dead_man_expired() {

@@ -15,7 +15,7 @@ use core::{
 
 use semihosting::{println, process};
 
-use crate::arguments::arguments;
+use crate::files::arguments;
 
 /// Exit code if no test has the requested name.
 const UNKNOWN_TEST: i32 = 103;
