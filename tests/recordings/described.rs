@@ -70,27 +70,33 @@ fn seconds(library: &Library) -> String {
 
 #[test]
 fn real_layouts_are_described_and_mended_in_few_lines() {
-    let test = "real_layouts_are_described_and_mended_in_few_lines";
     let Layouts { layout } = toml::from_str(include_str!("layouts.toml")).unwrap();
-    for layout in layout {
-        let set = layout.set.and_then(|set| folder(test, &set));
-        let Some(folder) = set.or_else(|| case(test, &layout.case?)) else {
-            continue;
-        };
-        let place = folder.display();
-        let lines_of_it: Vec<&str> = layout.mended.lines().collect();
-        assert!(lines_of_it.len() < 5, "{place}: mended in under five lines");
-        let (wrote, path, _own) = mended(&folder, &lines_of_it);
-        let expected: Vec<&str> = layout.wrote.lines().collect();
-        assert_eq!(lines(&wrote), expected, "{place}");
-        let library = load(&path, &LoadOptions::default()).unwrap();
-        let found = (
-            library.subjects().len(),
-            library.recordings.len(),
-            seconds(&library),
-        );
-        assert_eq!(found, layout.found, "{place}");
-    }
+    std::thread::scope(|scope| {
+        for layout in layout {
+            scope.spawn(|| is_described_and_mended(layout));
+        }
+    });
+}
+
+fn is_described_and_mended(layout: Layout) {
+    let test = "real_layouts_are_described_and_mended_in_few_lines";
+    let set = layout.set.and_then(|set| folder(test, &set));
+    let Some(folder) = set.or_else(|| case(test, &layout.case?)) else {
+        return;
+    };
+    let place = folder.display();
+    let lines_of_it: Vec<&str> = layout.mended.lines().collect();
+    assert!(lines_of_it.len() < 5, "{place}: mended in under five lines");
+    let (wrote, path, _own) = mended(&folder, &lines_of_it);
+    let expected: Vec<&str> = layout.wrote.lines().collect();
+    assert_eq!(lines(&wrote), expected, "{place}");
+    let library = load(&path, &LoadOptions::default()).unwrap();
+    let found = (
+        library.subjects().len(),
+        library.recordings.len(),
+        seconds(&library),
+    );
+    assert_eq!(found, layout.found, "{place}");
 }
 
 /// A folder of the small inputs beside the recordings; without it, prints the skip of the test.
