@@ -371,16 +371,9 @@ fn the_portable_kernels_pass_the_checks() {
     assert_eq!(check::<Portable>(), Ok(CASES));
 }
 
-#[cfg(target_arch = "x86_64")]
 #[test]
-fn the_vector_kernels_pass_the_checks() {
-    assert_eq!(check::<super::sse2::Sse2>(), Ok(CASES));
-}
-
-#[cfg(cortex_m4)]
-#[test]
-fn the_dsp_kernels_pass_the_checks() {
-    assert_eq!(check::<super::cortex_m4::CortexM4>(), Ok(CASES));
+fn the_kernels_of_this_target_pass_the_checks() {
+    assert_eq!(check::<super::Active>(), Ok(CASES));
 }
 
 #[test]

@@ -1,0 +1,158 @@
+use super::*;
+
+#[test]
+fn a_path_without_recordings_says_so() {
+    let folder = std::env::temp_dir().join(format!("myointent-empty-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("notes.txt"), "not a recording\n").unwrap();
+    let error = load(&folder, &LoadOptions::default()).unwrap_err();
+    assert!(matches!(error, LoadError::NoRecordings { .. }));
+    let missing = load(&folder.join("nowhere"), &LoadOptions::default()).unwrap_err();
+    assert!(matches!(missing, LoadError::Io { .. }));
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn a_damaged_file_is_listed_or_stops_a_strict_load() {
+    let folder = std::env::temp_dir().join(format!("myointent-bad-{}", std::process::id()));
+    let sitting = folder.join("12345-1");
+    std::fs::create_dir_all(&sitting).unwrap();
+    let good = "1,2,3,4,5,6,7,8,0\n".repeat(30);
+    std::fs::write(sitting.join("0.txt"), &good).unwrap();
+    std::fs::write(sitting.join("7.txt"), format!("{good}1,2\n")).unwrap();
+    let library = load(&folder, &LoadOptions::default()).unwrap();
+    assert_eq!((library.recordings.len(), library.skipped.len()), (1, 1));
+    let strict = LoadOptions {
+        strict: true,
+        ..LoadOptions::default()
+    };
+    for error in [&library.skipped[0], &load(&folder, &strict).unwrap_err()] {
+        let error = error.to_string();
+        assert!(error.contains("7.txt, line 31: expected 9"), "{error}");
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn a_recording_published_twice_is_kept_once() {
+    let samples = crate::examiner::fixture::emg(1000, 1);
+    let values = samples.iter().flatten();
+    let bytes: Vec<u8> = values
+        .flat_map(|&count| i16::from(count).to_le_bytes())
+        .collect();
+    let folder = folder(&[
+        ("EvaluationDataset/Female0/Test0/classe_0.dat", &bytes),
+        ("PreTrainingDataset/Female8/training0/classe_0.dat", &bytes),
+    ]);
+    let library = load(folder.path(), &LoadOptions::default()).unwrap();
+    assert_eq!(library.subjects(), ["cote-allard/E-Female0"]);
+    let left_out = &library.repeats[0].path;
+    assert!(left_out.ends_with("Female8/training0/classe_0.dat"));
+}
+
+const HEADER: &str = "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n";
+
+/// A folder with these files in it.
+pub(crate) fn folder<T: AsRef<[u8]>>(files: &[(&str, T)]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes) in files {
+        let path = folder.path().join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, bytes).unwrap();
+    }
+    folder
+}
+
+fn array() -> Vec<u8> {
+    crate::npy::encode("|i1", &[100, 8], &[3; 800])
+}
+
+#[test]
+fn arrays_of_no_known_set_are_no_people() {
+    let array = array();
+    let folder = folder(&[("113_waveIn.npy", &array), ("recordings/7.npy", &array)]);
+    let error = load(folder.path(), &LoadOptions::default()).unwrap_err();
+    assert!(matches!(error, LoadError::NoRecordings { .. }), "{error}");
+}
+
+#[test]
+fn a_single_array_of_the_users_own_is_read() {
+    let folder = folder(&[("113_waveIn.npy", &array())]);
+    let file = folder.path().join("113_waveIn.npy");
+    let library = load(&file, &LoadOptions::default()).unwrap();
+    let person = folder.path().file_name().unwrap().to_str().unwrap();
+    assert_eq!(
+        library.recordings[0].full_name(),
+        format!("react-emg/{person}/113_waveIn")
+    );
+}
+
+#[test]
+fn rows_of_no_known_set_are_no_people() {
+    let rows = "1,2,3,4,5,6,7,8\n".repeat(100);
+    let folder = folder(&[("a/1.csv", rows.as_bytes()), ("b/2.csv", rows.as_bytes())]);
+    let error = load(folder.path(), &LoadOptions::default()).unwrap_err();
+    assert!(matches!(error, LoadError::NoRecordings { .. }), "{error}");
+    let one = load(&folder.path().join("a/1.csv"), &LoadOptions::default()).unwrap();
+    assert_eq!(one.subjects(), ["react-emg/a"]);
+}
+
+#[test]
+fn numbers_of_files_are_not_people() {
+    let text = format!("{HEADER}{}", "0,1,2,3,4,5,6,7,8\n".repeat(10));
+    let folder = folder(&[
+        ("lab/12_grasp.csv", text.as_bytes()),
+        ("lab/13_grasp.csv", text.as_bytes()),
+        ("s4/s4_grasp.csv", text.as_bytes()),
+        ("anna/anna_grasp.csv", text.as_bytes()),
+    ]);
+    let library = load(folder.path(), &LoadOptions::default()).unwrap();
+    let expected = ["react-emg/anna", "react-emg/lab", "react-emg/s4"];
+    assert_eq!(library.subjects(), expected);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_dangling_link_is_listed_and_stops_nothing() {
+    let text = format!("{HEADER}0,1,2,3,4,5,6,7,8\n");
+    let folder = folder(&[("s1/s1_a.csv", text.as_bytes())]);
+    let link = folder.path().join("s1/s1_gone.csv");
+    std::os::unix::fs::symlink(folder.path().join("nowhere.csv"), link).unwrap();
+    let library = load(folder.path(), &LoadOptions::default()).unwrap();
+    assert_eq!(library.recordings.len(), 1);
+    let skipped = library.skipped[0].to_string();
+    assert!(skipped.contains("s1_gone.csv"), "{skipped}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_to_a_device_is_listed_and_not_read() {
+    let text = format!("{HEADER}0,1,2,3,4,5,6,7,8\n");
+    let folder = folder(&[("s1/s1_a.csv", text.as_bytes())]);
+    std::os::unix::fs::symlink("/dev/zero", folder.path().join("s1/s1_z.csv")).unwrap();
+    let library = load(folder.path(), &LoadOptions::default()).unwrap();
+    let skipped = library.skipped[0].to_string();
+    assert!(skipped.contains("s1_z.csv"), "{skipped}");
+}
+
+#[test]
+fn a_byte_order_mark_is_no_part_of_the_header() {
+    let text = format!("\u{feff}{HEADER}0,1,2,3,4,5,6,7,8\n");
+    let folder = folder(&[("s1/s1_a.csv", text.as_bytes())]);
+    let library = load(folder.path(), &LoadOptions::default()).unwrap();
+    assert_eq!(library.subjects(), ["react-emg/s1"]);
+}
+
+#[test]
+fn utf_16_is_refused_with_what_to_do() {
+    let text = format!("\u{feff}{HEADER}0,1,2,3,4,5,6,7,8\n");
+    let little: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let big: Vec<u8> = text.encode_utf16().flat_map(u16::to_be_bytes).collect();
+    for bytes in [&little[..], &big, &little[2..]] {
+        let folder = folder(&[("s1/s1_a.csv", bytes)]);
+        let library = load(folder.path(), &LoadOptions::default()).unwrap();
+        let skipped = library.skipped[0].to_string();
+        assert!(skipped.contains("UTF-16"), "{skipped}");
+        assert!(skipped.contains("UTF-8"), "{skipped}");
+    }
+}
