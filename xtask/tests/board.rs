@@ -5,7 +5,6 @@ use std::env;
 use std::os::unix::fs::symlink;
 use std::path::Path;
 use std::process::Command;
-use std::time::{Duration, Instant};
 
 /// Folder for a `PATH` that has cargo and none of the project's tools; `rustup` lists the targets of `echo`.
 fn bare_path(folder: &Path, targets: &str) {
@@ -18,11 +17,10 @@ fn bare_path(folder: &Path, targets: &str) {
 }
 
 /// Runs the alias `cargo board` as `.cargo/config.toml` has it, with the compiled program in place of `run --package xtask`.
-fn board(targets: &str) -> (String, Duration) {
+fn board(targets: &str) -> String {
     let folder = env::temp_dir().join(format!("board-{}-{targets}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     bare_path(&folder, targets);
-    let begun = Instant::now();
     let output = Command::new(env!("CARGO_BIN_EXE_xtask"))
         .arg("board")
         .env("PATH", &folder)
@@ -31,8 +29,7 @@ fn board(targets: &str) -> (String, Duration) {
         .unwrap();
     std::fs::remove_dir_all(&folder).unwrap();
     assert!(!output.status.success());
-    let text = String::from_utf8(output.stderr).unwrap();
-    (text, begun.elapsed())
+    String::from_utf8(output.stderr).unwrap()
 }
 
 #[test]
@@ -46,9 +43,8 @@ fn what_is_missing_is_said_before_anything_is_compiled() {
         ),
         ("thumbv7em-none-eabihf", "probe-rs"),
     ] {
-        let (text, took) = board(targets);
+        let text = board(targets);
         assert!(text.contains(missing), "{text}");
         assert!(!text.contains("Compiling"), "{text}");
-        assert!(took < Duration::from_secs(10), "{took:?}");
     }
 }
