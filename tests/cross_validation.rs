@@ -26,8 +26,8 @@ fn research(arguments: &[&str]) -> bool {
     Cli::try_parse_from(line).unwrap().run() == ExitCode::SUCCESS
 }
 
-/// Runs a cross-validation over two folds, and returns true if it succeeds.
-fn cross_validate([preset, data, out]: [&Path; 3], rest: &[&str]) -> bool {
+/// Runs a cross-validation with folds of a protocol, and returns true if it succeeds.
+fn cross_validate([preset, data, out]: [&Path; 3], protocol: &str, rest: &[&str]) -> bool {
     let [preset, data, out] = [preset, data, out].map(|path| path.to_str().unwrap());
     let line = [
         "cross-validate",
@@ -38,7 +38,7 @@ fn cross_validate([preset, data, out]: [&Path; 3], rest: &[&str]) -> bool {
         "--out",
         out,
         "--protocol",
-        "2-fold",
+        protocol,
     ];
     research(&[&line[..], rest].concat())
 }
@@ -127,7 +127,11 @@ fn a_cross_validation_evaluates_everybody_once_for_each_seed_and_goes_on() {
     let other = other.to_str().unwrap();
     let command = |rest: &[&str]| {
         let compared = ["--preset", other, "--seeds", "1,2", "--baselines", "lda"];
-        cross_validate([&one, &data, &out], &[&compared[..], rest].concat())
+        cross_validate(
+            [&one, &data, &out],
+            "2-fold",
+            &[&compared[..], rest].concat(),
+        )
     };
     assert!(!command(&["--fold", "3"]));
     assert!(command(&["--fold", "2"]));
@@ -248,7 +252,7 @@ fn a_cross_validation_scores_the_test_people_apart_by_students_that_never_saw_th
     let (preset, out) = (preset_with_baselines(&folder), folder.join("out"));
     let command = |more: &[&str]| {
         let seeded = [&["--seeds", "1"], more].concat();
-        cross_validate([&preset, &data, &out], &seeded)
+        cross_validate([&preset, &data, &out], "2-fold", &seeded)
     };
     // Each row of people.csv gives model, look-ahead, seed, fold, subject, people and classes.
     let rows = || -> Vec<Vec<String>> {
@@ -324,20 +328,11 @@ fn a_fold_of_sets_holds_out_everybody_of_one_set() {
     assert!(text.contains(sets));
     fs::write(&preset, text.replace(sets, "data_sets = []")).unwrap();
     let out = folder.join("out");
-    let [preset, data, folds] = [&preset, &data, &out].map(|path| path.to_str().unwrap());
-    assert!(research(&[
-        "cross-validate",
-        "--preset",
-        preset,
-        "--data",
-        data,
-        "--out",
-        folds,
-        "--seeds",
-        "1",
-        "--protocol",
+    assert!(cross_validate(
+        [&preset, &data, &out],
         "sets",
-    ]));
+        &["--seeds", "1"]
+    ));
     for fold in ["fold-1", "fold-2"] {
         let split = &json(&out.join("small/seed-1").join(fold).join("config.json"))["split"];
         let held_out = names(&split["held_out"]);

@@ -1,6 +1,6 @@
 //! Virtual armband -> controller -> HCI -> the firmware in an emulated Cortex-M4F -> label UART.
 //!
-//! What only this shows: the image's Bluetooth host beside a controller and an armband that are not this project's, and the
+//! Tests of what the emulated chip cannot show: the image's Bluetooth host beside a controller and an armband that are not this project's, and the
 //! program `myointent` at a serial port. All else runs on the emulated chip (docs/emulated-chip.md). Needs QEMU, the cross
 //! compiler and the armband's Python: `cargo xtask emulator --install`.
 

@@ -28,8 +28,13 @@ fn the_papers_tables_are_those_of_one_cross_validation_that_goes_on() {
     let text = text.replace(r#"data_sets = ["roshambo", "ss-stm"]"#, "data_sets = []");
     fs::write(&preset, text).unwrap();
     let out = folder.join("out");
-    let command =
-        |rest: &[&str]| cross_validate([&preset, &data, &out], &[&["--paper"], rest].concat());
+    let command = |rest: &[&str]| {
+        cross_validate(
+            [&preset, &data, &out],
+            "2-fold",
+            &[&["--paper"], rest].concat(),
+        )
+    };
     assert!(!command(&["--seeds", "1,2"]), "one seed");
     assert!(command(&["--list"]) && !out.exists());
     // A job that starts from another teacher says which.

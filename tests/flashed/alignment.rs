@@ -74,7 +74,7 @@ fn worn(samples: &[Sample], placement: Alignment) -> Vec<Sample> {
         .collect()
 }
 
-/// What a board wrote in a stream with an alignment.
+/// Lines that a board wrote in a stream with an alignment.
 struct Aligned {
     news: Vec<AlignmentReport>,
     reports: Vec<Report>,

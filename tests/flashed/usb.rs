@@ -315,7 +315,7 @@ fn measured(board: &Board) -> anyhow::Result<Charge> {
     }
 }
 
-/// What the converter's steps and the divider's whole ohms leave open.
+/// Asserts equality but for the converter's steps and the divider's whole ohms.
 fn assert_near(found: Charge, expected: Charge, built: Image) {
     assert!(
         found.millivolts.abs_diff(expected.millivolts) <= 20

@@ -1,5 +1,5 @@
-//! What surrounds the network: the patches that it takes, and the labels that its logits mean. For another program that
-//! computes the network itself.
+//! Surroundings of the network, for a program that computes the network itself: the patches that it takes, and the labels
+//! that its logits mean.
 
 use numpy::PyUntypedArrayMethods as _;
 use numpy::{PyArray1, PyArray3, PyArrayMethods as _, PyReadonlyArray2};

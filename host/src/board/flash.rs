@@ -81,7 +81,7 @@ pub enum FlashError {
         path: PathBuf,
         /// Name of the board that is expected; all of them if any will do.
         expected: String,
-        /// What the boot loader says.
+        /// `Board-ID` of the boot loader.
         id: String,
     },
     /// The file is no UF2 file.
@@ -89,7 +89,7 @@ pub enum FlashError {
     File {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Reason of the refusal.
         #[source]
         source: Uf2Error,
     },
@@ -150,7 +150,7 @@ fn listed(paths: &[PathBuf]) -> String {
     paths.join(", ")
 }
 
-/// What is put onto a board.
+/// Firmware and model that are put onto a board.
 #[derive(Clone, Debug)]
 pub struct Content {
     file: Uf2,

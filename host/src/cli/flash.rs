@@ -13,8 +13,8 @@ use shared::uart_line::command::{BindCommand, Command};
 use super::board::{Bind, advised, run_bind};
 use super::output::refuse_existing;
 use super::read_model;
-use crate::board::Board;
 use crate::board::flash::{BOARDS, Content, PATIENCE, Search, UsbBoard};
+use crate::board::{Board, BoardError};
 use execution::bounded_read;
 use execution::run_folder::write_whole;
 
@@ -118,7 +118,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 impl Arguments {
-    /// What is put onto the board; none if nothing is given.
+    /// Firmware and model that are put onto the board; none if neither is given.
     fn content(&self) -> anyhow::Result<Option<Content>> {
         let firmware = match &self.firmware {
             Some(path) => {
@@ -142,15 +142,19 @@ impl Arguments {
 /// Binds an armband, unless the board has one.
 fn bind(port: &Path) -> anyhow::Result<()> {
     let mut board = Board::open(port).map_err(advised)?;
-    let following = board.ask(Command::Bind(BindCommand::State), |answer| match answer {
-        Answer::Binding(binding) => Some(binding.following),
-        _ => None,
-    })?;
-    let bind = match following {
+    let bind = match following(&mut board)? {
         Following::Nobody | Following::Pairing => Bind::Begin,
         _ => Bind::State,
     };
     run_bind(&mut board, &bind)
+}
+
+/// Asks whom the board follows.
+fn following(board: &mut Board) -> Result<Following, BoardError> {
+    board.ask(Command::Bind(BindCommand::State), |answer| match answer {
+        Answer::Binding(binding) => Some(binding.following),
+        _ => None,
+    })
 }
 
 #[cfg(test)]
@@ -161,7 +165,7 @@ mod tests {
     #[cfg(target_os = "linux")]
     #[test]
     fn a_new_board_gets_firmware_and_an_armband_and_later_another_model_and_keeps_the_armband() {
-        use super::{Answer, BindCommand, Board, Command, Following, run};
+        use super::{Answer, Board, Command, Following, following, run};
         use crate::board::ModelFile;
         use crate::board::flash::tests::{Fake, PROGRAM_TEXT, image};
 
@@ -183,11 +187,7 @@ mod tests {
         for own in ["../models/three-class.intent", "../models/six-class.intent"] {
             run(&arguments).unwrap();
             let mut board = Board::open(&port).unwrap();
-            let following = board.ask(Command::Bind(BindCommand::State), |answer| match answer {
-                Answer::Binding(binding) => Some(binding.following),
-                _ => None,
-            });
-            let following = following.unwrap();
+            let following = following(&mut board).unwrap();
             assert!(matches!(following, Following::Bound(_)), "{following:?}");
             assert!(
                 before

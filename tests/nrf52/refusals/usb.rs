@@ -1,4 +1,4 @@
-//! What the boards with USB use: USBD and SAADC.
+//! Refusals of the peripherals that boards with USB use: USBD and SAADC.
 
 use nrf52::What;
 use nrf52::chip::Model;

@@ -109,6 +109,12 @@ impl<'a> Merged<'a> {
         self.means(section, |score| measure.values(score))
     }
 
+    /// The same values without the people's names.
+    pub(crate) fn numbers(&self, measure: Measure, section: Section<'_>) -> Vec<f64> {
+        let values = self.values(measure, section).into_iter();
+        values.map(|(_, value)| value).collect()
+    }
+
     /// Share of gestures recognised within so many milliseconds after their onset: the mean over a section's people; none
     /// if nobody makes gestures.
     pub(crate) fn recognised_within(&self, ms: u32, section: Section<'_>) -> Option<f64> {

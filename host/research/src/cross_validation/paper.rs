@@ -211,8 +211,7 @@ fn share(
     section: Section<'_>,
     people: usize,
 ) -> String {
-    let values = own.map_or_else(Vec::new, |own| own.values(measure, section));
-    let numbers: Vec<f64> = values.into_iter().map(|(_, value)| value).collect();
+    let numbers = own.map_or_else(Vec::new, |own| own.numbers(measure, section));
     cell::of_people(cell::share(MeanSd::of(&numbers)), numbers.len(), people)
 }
 

@@ -88,10 +88,7 @@ fn scores_table(caption: &str, merged: &[Merged<'_>]) -> Table {
             if people == 0 {
                 continue;
             }
-            let numbers = |measure| -> Vec<f64> {
-                let values = own.values(measure, section).into_iter();
-                values.map(|(_, value)| value).collect()
-            };
+            let numbers = |measure| own.numbers(measure, section);
             let share = |measure| {
                 let numbers = numbers(measure);
                 let cell = cell::estimate(MeanSd::of(&numbers), Interval::of_mean(&numbers));
@@ -137,11 +134,8 @@ pub(crate) fn over_sets(merged: &[Merged<'_>]) -> Table {
         };
         for own in merged.iter().filter(|_| sets().next().is_some()) {
             let cells = OVER_SETS.map(|measure| {
-                let means = sets().filter_map(|section| {
-                    let values = own.values(measure, *section).into_iter();
-                    let values: Vec<f64> = values.map(|(_, value)| value).collect();
-                    Some(MeanSd::of(&values)?.mean)
-                });
+                let means = sets()
+                    .filter_map(|section| Some(MeanSd::of(&own.numbers(measure, *section))?.mean));
                 let means: Vec<f64> = means.collect();
                 let cell = cell::estimate(MeanSd::of(&means), Interval::of_mean(&means));
                 let lowest = means.iter().copied().fold(f64::INFINITY, f64::min);
@@ -171,8 +165,7 @@ pub(crate) fn emission(merged: &[Merged<'_>]) -> Table {
                 continue;
             }
             let shares = EMISSION.map(|measure| {
-                let values = own.values(measure, section).into_iter();
-                let numbers: Vec<f64> = values.map(|(_, value)| value).collect();
+                let numbers = own.numbers(measure, section);
                 let cell = cell::estimate(MeanSd::of(&numbers), Interval::of_mean(&numbers));
                 cell::of_people(cell, numbers.len(), people)
             });

@@ -23,7 +23,7 @@ pub(super) const AGAIN: Duration = Duration::from_millis(200);
 pub struct Search {
     /// Folder of its drive; mounted ones are searched if absent.
     pub drive: Option<PathBuf>,
-    /// Its serial port; those of this computer are searched if absent.
+    /// Serial port of the board; those of this computer are searched if absent.
     pub port: Option<PathBuf>,
     /// The board, of several.
     pub board: Option<UsbBoard>,
@@ -128,7 +128,7 @@ fn touch(path: &Path) -> Result<(), BoardError> {
     Ok(())
 }
 
-/// What a board runs.
+/// Image and model that a board runs.
 #[derive(PartialEq, Eq)]
 struct Running {
     image: String,

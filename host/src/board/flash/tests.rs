@@ -47,7 +47,7 @@ const ARMBAND: Address = Address {
 /// A board with a boot loader: shows its drive when its port was opened at 1200 baud, and runs the file that comes.
 pub(crate) struct Fake {
     folder: TempDir,
-    /// Its end of the terminal, kept open.
+    /// End of the terminal that the board has, kept open.
     slave: Arc<SerialPort>,
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
