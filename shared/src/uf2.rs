@@ -26,6 +26,8 @@ const WINDOW: Range<u32> = 0x1000..0xE_A000;
 const JOURNAL: u32 = 0x5_6000;
 /// Bytes of a page of flash.
 const PAGE: usize = 4096;
+/// Region of the program, as in `memory.x`.
+pub const PROGRAM_REGION: Range<u32> = WINDOW.start..JOURNAL;
 /// Region of the model file, as in `memory.x`.
 pub const MODEL_REGION: Range<u32> = 0x5_8000..0x8_0000;
 

@@ -4,14 +4,11 @@ mod search;
 
 use std::path::{Path, PathBuf};
 
-use shared::uf2::{MODEL_REGION, Uf2, Uf2Error};
+use shared::uf2::{MODEL_REGION, PROGRAM_REGION, Uf2, Uf2Error};
 
 use super::drive::Drive;
 use super::{BoardError, ModelFile};
 pub use search::{PATIENCE, Search};
-
-/// Addresses of the program, as in `memory.x`.
-const PROGRAM: std::ops::Range<u32> = 0x1000..0x5_6000;
 
 /// Board with USB that there is firmware for.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -204,7 +201,7 @@ impl Content {
                 Ok(file) => file,
                 Err(source) => return Err(FlashError::File { path, source }),
             };
-            let found = Firmware::find(&file.bytes(PROGRAM));
+            let found = Firmware::find(&file.bytes(PROGRAM_REGION));
             firmware = Some(found.ok_or(FlashError::Foreign { path })?);
         }
         if let Some(model) = model {

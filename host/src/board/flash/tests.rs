@@ -222,7 +222,12 @@ fn a_file_is_known_by_its_first_line_and_takes_another_model() {
     assert_ne!(tuned.model, as_it_is.model);
     let alone = Content::new(None, Some(&mine)).unwrap();
     assert_eq!((alone.model, &alone.firmware), (tuned.model, &None));
-    assert!(Uf2::parse(&alone.file()).unwrap().bytes(PROGRAM).is_empty());
+    assert!(
+        Uf2::parse(&alone.file())
+            .unwrap()
+            .bytes(PROGRAM_REGION)
+            .is_empty()
+    );
 }
 
 #[test]
