@@ -14,8 +14,9 @@ mod sets;
 #[path = "recordings/shipped_model.rs"]
 mod shipped_model;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
+use std::sync::{Mutex, OnceLock};
 
 use myointent_tests::{data, skip};
 use recordings::labels::compensation::Compensation;
@@ -35,9 +36,17 @@ fn folder(test: &str, set: &str) -> Option<PathBuf> {
     None
 }
 
-fn read(test: &str, set: &str) -> Option<Library> {
+/// Returns a published set, which all tests read once together.
+fn read(test: &str, set: &str) -> Option<&'static Library> {
+    static SETS: Mutex<BTreeMap<PathBuf, &OnceLock<Library>>> = Mutex::new(BTreeMap::new());
     let folder = folder(test, set)?;
-    Some(load(&folder, &LoadOptions::default()).expect("the published set is readable"))
+    let own: &OnceLock<Library> = {
+        let mut sets = SETS.lock().unwrap();
+        let own = sets.entry(folder.clone());
+        own.or_insert_with(|| Box::leak(Box::default()))
+    };
+    let load = || load(&folder, &LoadOptions::default()).expect("the published set is readable");
+    Some(own.get_or_init(load))
 }
 
 fn seconds(recordings: &[Recording]) -> usize {

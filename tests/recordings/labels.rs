@@ -103,7 +103,7 @@ fn roshambo_as_own_csv_has_the_labels_of_its_reader() {
         library.recordings.iter().map(compensated).collect()
     };
     assert_eq!(copy.recordings.len(), library.recordings.len());
-    assert!(labels(&copy) == labels(&library));
+    assert!(labels(&copy) == labels(library));
 }
 
 #[test]

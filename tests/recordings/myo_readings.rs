@@ -1,23 +1,15 @@
 //! Set with broken files.
 
 use std::collections::BTreeSet;
-use std::sync::OnceLock;
 
-use recordings::{Damage, Fault, Finding, Library, LoadError, LoadOptions, Place, Recording, load};
+use recordings::{Damage, Fault, Finding, LoadError, LoadOptions, Place, Recording, load};
 
 use super::{folder, read};
-
-/// Reads `myo-readings`, once for all its tests: it is large.
-fn myo_readings(test: &str) -> Option<&'static Library> {
-    static LIBRARY: OnceLock<Option<Library>> = OnceLock::new();
-    folder(test, "myo-readings")?;
-    LIBRARY.get_or_init(|| read(test, "myo-readings")).as_ref()
-}
 
 #[test]
 fn myo_readings_leaves_out_its_four_broken_files_and_says_where() {
     let test = "myo_readings_leaves_out_its_four_broken_files_and_says_where";
-    let Some(library) = myo_readings(test) else {
+    let Some(library) = read(test, "myo-readings") else {
         return;
     };
     // Files 3 to 6 are motions outside the six classes; one holds the labels of another motion.
@@ -67,7 +59,7 @@ fn myo_readings_leaves_out_its_four_broken_files_and_says_where() {
 #[test]
 fn myo_readings_drops_doubled_rows_and_labels_that_drift() {
     let test = "myo_readings_drops_doubled_rows_and_labels_that_drift";
-    let Some(library) = myo_readings(test) else {
+    let Some(library) = read(test, "myo-readings") else {
         return;
     };
     let polled: BTreeSet<_> = library

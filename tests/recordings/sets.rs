@@ -11,7 +11,7 @@ fn roshambo_has_its_gestures_and_scissor_unlabelled() {
     let Some(library) = read(test, "roshambo") else {
         return;
     };
-    assert_eq!(counts(&library), (8, 24, 1079));
+    assert_eq!(counts(library), (8, 24, 1079));
     let labels = [
         Some(Intent::Relax),
         Some(Intent::Open),
@@ -41,7 +41,7 @@ fn ss_stm_is_labelled_only_where_its_times_are_known() {
     let Some(library) = read(test, "ss-stm") else {
         return;
     };
-    assert_eq!(counts(&library), (20, 800, 4000));
+    assert_eq!(counts(library), (20, 800, 4000));
     // 100 trials of each motion: 5 s of M1; 1 s and 2 s of rest and 2 s of motion in M2, M3, M8;
     // 1 s of rest in the four others.
     let labels = [
@@ -76,7 +76,7 @@ fn cote_allard_is_steady_holds_of_seven_classes() {
     let Some(library) = read(test, "cote-allard") else {
         return;
     };
-    assert_eq!(counts(&library), (32, 1624, 8080));
+    assert_eq!(counts(library), (32, 1624, 8080));
     assert!(
         library
             .recordings
@@ -93,7 +93,7 @@ fn one_subject_myo_takes_its_classes_from_the_metadata() {
     let Some(library) = read(test, "one-subject-myo") else {
         return;
     };
-    assert_eq!(counts(&library), (1, 61, 205));
+    assert_eq!(counts(library), (1, 61, 205));
     let unlabelled: Vec<_> = library
         .recordings
         .iter()
@@ -115,7 +115,7 @@ fn wang_myo_has_twenty_gestures_in_each_file() {
     let Some(library) = read(test, "wang-myo") else {
         return;
     };
-    assert_eq!(counts(&library), (17, 170, 24_178));
+    assert_eq!(counts(library), (17, 170, 24_178));
     let relax = Some(Intent::Relax);
     let mut divided = 0;
     for recording in &library.recordings {
@@ -158,7 +158,7 @@ fn myo_rps_is_labelled_where_the_muscle_is_active() {
     let Some(library) = read(test, "myo-rps") else {
         return;
     };
-    assert_eq!(counts(&library), (10, 960, 1933));
+    assert_eq!(counts(library), (10, 960, 1933));
     let weak: Vec<_> = library
         .recordings
         .iter()
@@ -205,7 +205,7 @@ fn epn_has_one_gesture_in_each_file() {
     let Some(library) = read(test, "epn") else {
         return;
     };
-    assert_eq!(counts(&library), (1, 300, 1477));
+    assert_eq!(counts(library), (1, 300, 1477));
     let mut more = 0;
     for recording in &library.recordings {
         let rest = recording.name.ends_with("noGesture");
@@ -239,7 +239,7 @@ fn myoup_trusts_rest_only_far_from_a_pulse() {
     let Some(library) = read(test, "myoup") else {
         return;
     };
-    assert_eq!(counts(&library), (5, 5, 3086));
+    assert_eq!(counts(library), (5, 5, 3086));
     for recording in &library.recordings {
         for intent in [Intent::Open, Intent::Close, Intent::WaveIn, Intent::WaveOut] {
             assert_eq!(
@@ -264,7 +264,7 @@ fn uci_gestures_are_half_and_stretched() {
     let Some(library) = read(test, "uci-gestures") else {
         return;
     };
-    let (subjects, recordings, seconds) = counts(&library);
+    let (subjects, recordings, seconds) = counts(library);
     assert_eq!((subjects, recordings), (25, 49));
     assert!(seconds.abs_diff(2960) <= 2, "{seconds}");
     for recording in &library.recordings {
@@ -289,4 +289,18 @@ fn uci_gestures_are_half_and_stretched() {
             recording.path.display()
         );
     }
+}
+
+#[test]
+fn ciil_is_steady_holds_without_the_person_of_another_set() {
+    let test = "ciil_is_steady_holds_without_the_person_of_another_set";
+    let Some(library) = read(test, "ciil") else {
+        return;
+    };
+    let (people, recordings, _) = counts(library);
+    assert_eq!((people, recordings), (21, 1480));
+    let holds = |own: &Recording| runs(&own.labels).len() == 1;
+    assert!(library.recordings.iter().all(holds));
+    let person = |own: &Recording| own.subject == "ciil/min01";
+    assert!(!library.recordings.iter().any(person));
 }

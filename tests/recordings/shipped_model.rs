@@ -47,7 +47,7 @@ fn the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_mad
     let Some(library) = read(test, "wang-myo") else {
         return;
     };
-    let all = evaluated(&library);
+    let all = evaluated(library);
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/three-class.intent");
     let bytes = std::fs::read(file).unwrap();
     let model = Model::parse(&bytes).unwrap();
@@ -125,7 +125,7 @@ fn the_lead_in_decides_the_first_labels() {
             return;
         };
         let provenance = &model.header.provenance;
-        all.extend(evaluated(&library).into_iter().filter(|recording| {
+        all.extend(evaluated(library).into_iter().filter(|recording| {
             let labelled = recording.lag_compensated.iter().any(Option::is_some);
             let mut names = provenance.subjects_left_out.iter();
             labelled && names.any(|name| name == recording.subject)

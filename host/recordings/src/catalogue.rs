@@ -32,8 +32,13 @@ pub struct Source {
 /// Licence of sets for which nobody states one.
 const NONE_STATED: &str = "none stated in the copy that was read: without a licence there is no permission to redistribute; read the page before use";
 
+/// Sets of which only repacked copies were read.
+const REPACKED: Address = Address::ByHand(
+    "save each recording as an int8 npy array, named as docs/recordings.md says in the row of the set",
+);
+
 /// Every published set, in the order of [`DataSet::ALL`].
-pub const SOURCES: [Source; 12] = [
+pub const SOURCES: [Source; 17] = [
     Source {
         data_set: DataSet::Roshambo,
         page: "https://doi.org/10.5281/zenodo.3194792",
@@ -95,6 +100,36 @@ pub const SOURCES: [Source; 12] = [
         page: "https://archive.ics.uci.edu/dataset/481/emg+data+for+gestures",
         address: Address::Uci("static/public/481/emg+data+for+gestures.zip"),
         licence: "none stated in the copy that was read; UCI lists its sets under CC BY 4.0, which was not checked",
+    },
+    Source {
+        data_set: DataSet::Ciil,
+        page: "https://github.com/LibEMG/CIILData",
+        address: REPACKED,
+        licence: NONE_STATED,
+    },
+    Source {
+        data_set: DataSet::Epn10,
+        page: "https://github.com/laboratorioAI/HandRobotic",
+        address: REPACKED,
+        licence: "GPL-3.0 (of the repository): redistribution, changed or not, under GPL-3.0",
+    },
+    Source {
+        data_set: DataSet::DutraMoves,
+        page: "https://github.com/brunoodutra/My_Thesis",
+        address: REPACKED,
+        licence: NONE_STATED,
+    },
+    Source {
+        data_set: DataSet::Pangestu,
+        page: "https://github.com/fpangestu/myo-project",
+        address: REPACKED,
+        licence: NONE_STATED,
+    },
+    Source {
+        data_set: DataSet::Dideakay,
+        page: "https://github.com/dideakay/emg-classification-myo",
+        address: REPACKED,
+        licence: NONE_STATED,
     },
     Source {
         data_set: DataSet::EmgEpn612,

@@ -18,6 +18,9 @@ use crate::cli::read_model;
 use evaluation::inference::Stream;
 use recordings::{LoadOptions, Recording, load};
 
+/// Cause of a line that stands for a label.
+const LOCKED: &str = ",locked";
+
 /// Arguments of `replay`.
 #[derive(Debug, Args)]
 #[command(
@@ -25,7 +28,8 @@ use recordings::{LoadOptions, Recording, load};
     Lines are the device's, byte for byte; docs/uart.md explains them.\n\n\
     Examples:\n  myointent replay models/three-class.intent recordings/s1/s1_grasp.csv\n  \
     myointent replay models/three-class.intent recordings --name react-emg/s1/s1_grasp --speed\n  \
-    myointent replay models/three-class.intent recordings/s1/s1_grasp.csv --align"
+    myointent replay models/three-class.intent recordings/s1/s1_grasp.csv --align\n  \
+    myointent replay models/three-class.intent recordings/s1/s1_dinner.csv --lock"
 )]
 pub struct Arguments {
     /// Model file.
@@ -46,6 +50,9 @@ pub struct Arguments {
     /// Tell the alignment whether the armband is on the other arm than in training, 0 or 1, instead of having it found.
     #[arg(long, value_name = "0|1", requires = "align", value_parser = mirrored)]
     mirrored: Option<Arm>,
+    /// Lock the labels from the first one on, as a board with a lock does: an open hand that is held unlocks them.
+    #[arg(long, conflicts_with = "speed")]
+    lock: bool,
     /// Print how many times faster than real time the pipeline runs, instead of the lines.
     #[arg(long, conflicts_with = "real_time")]
     speed: bool,
@@ -64,7 +71,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.speed {
         let start = Instant::now();
         let mut lines = 0_usize;
-        replay(&model, &recording.samples, None, None, |_| {
+        replay(&model, &recording.samples, Start::default(), |_| {
             lines += 1;
             Ok(())
         })?;
@@ -77,13 +84,15 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         )?;
         return Ok(());
     }
-    let start = arguments.real_time.then(Instant::now);
+    let arm = arguments.mirrored.unwrap_or_default();
+    let start = Start {
+        real_time: arguments.real_time.then(Instant::now),
+        align: arguments.align.then_some(arm),
+        lock: arguments.lock,
+    };
     let mut labels = 0_usize;
-    let align = arguments
-        .align
-        .then(|| arguments.mirrored.unwrap_or_default());
-    replay(&model, &recording.samples, start, align, |line| {
-        labels += usize::from(line.starts_with("$LABEL"));
+    replay(&model, &recording.samples, start, |line| {
+        labels += usize::from(line.starts_with("$LABEL") || line.contains(LOCKED));
         out.write_all(line.as_bytes())?;
         if arguments.real_time {
             out.flush()
@@ -110,7 +119,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 fn first_label(model: &Model<'_>) -> anyhow::Result<String> {
     let mut first = None;
     let silence = vec![[0; CHANNELS]; 2 * WINDOW];
-    replay(model, &silence, None, None, |line| {
+    replay(model, &silence, Start::default(), |line| {
         let report = Report::parse(line.as_bytes()).ok();
         let label = report.filter(|report| report.kind == Kind::Label);
         first = first.or(label.map(|label| label.emitted.0));
@@ -129,27 +138,39 @@ fn first_label(model: &Model<'_>) -> anyhow::Result<String> {
 pub fn lines(model: &[u8], samples: &[Sample]) -> anyhow::Result<String> {
     let model = Model::parse(model)?;
     let mut lines = String::new();
-    replay(&model, samples, None, None, |line| {
+    replay(&model, samples, Start::default(), |line| {
         lines.push_str(line);
         Ok(())
     })?;
     Ok(lines)
 }
 
-/// Runs the device's pipeline over samples; in real time from `start` on, if given. With `align`, an alignment begins with
-/// the first sample.
+/// Beginning of a replay.
+#[derive(Clone, Copy, Default)]
+struct Start {
+    /// Time of the first sample, if samples come in real time.
+    real_time: Option<Instant>,
+    /// Arm of an alignment that begins with the first sample.
+    align: Option<Arm>,
+    /// Whether labels are locked.
+    lock: bool,
+}
+
+/// Runs the device's pipeline over samples.
 fn replay(
     model: &Model<'_>,
     samples: &[Sample],
-    start: Option<Instant>,
-    align: Option<Arm>,
+    start: Start,
     mut output: impl FnMut(&str) -> std::io::Result<()>,
 ) -> anyhow::Result<()> {
     let encoder = HostEncoder::new(model)?;
     let mut state = encoder.fresh();
-    let mut stream = Stream::new(model, encoder, &mut state, align)?;
+    let mut stream = Stream::new(model, encoder, &mut state, start.align)?;
+    if start.lock {
+        stream.lock();
+    }
     let wait = |now: Millis| {
-        if let Some(start) = start {
+        if let Some(start) = start.real_time {
             let due = start + Duration::from_millis(now.0.into());
             std::thread::sleep(due.saturating_duration_since(Instant::now()));
         }
@@ -220,7 +241,11 @@ mod tests {
             let bytes = parts.to_bytes().unwrap();
             let model = Model::parse(&bytes).unwrap();
             let mut lines = Vec::new();
-            replay(&model, &[[0; 8]; 4], None, Some(Arm::Unknown), |line| {
+            let start = Start {
+                align: Some(Arm::Unknown),
+                ..Start::default()
+            };
+            replay(&model, &[[0; 8]; 4], start, |line| {
                 lines.push(line.to_owned());
                 Ok(())
             })
@@ -232,6 +257,30 @@ mod tests {
         let template = random_model(dimensions, 1).template;
         assert_eq!(begun(template), AlignmentState::Waiting);
         assert_eq!(begun(None), AlignmentState::Unavailable);
+    }
+
+    #[test]
+    fn a_lock_shows_no_label_without_its_sign() {
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/three-class.intent");
+        let bytes = std::fs::read(file).unwrap();
+        let model = Model::parse(&bytes).unwrap();
+        let lines = |lock| {
+            let (mut labels, mut locked) = (0, 0);
+            let start = Start {
+                lock,
+                ..Start::default()
+            };
+            replay(&model, &[[1; CHANNELS]; 900], start, |line| {
+                labels += usize::from(line.starts_with("$LABEL"));
+                locked += usize::from(line.contains(LOCKED));
+                Ok(())
+            })
+            .unwrap();
+            (labels, locked)
+        };
+        let (labels, locked) = lines(false);
+        assert!(labels > 0 && locked == 0, "{labels} {locked}");
+        assert_eq!(lines(true), (0, 1));
     }
 
     #[test]

@@ -6,6 +6,7 @@ use shared::model::Encode;
 use shared::model::file::Model;
 use shared::pipeline::Pipeline;
 use shared::stream::alignment::Arm;
+use shared::stream::lock::LockTimes;
 use shared::stream::smoother::SettingsError;
 use shared::uart_line::Report;
 use shared::uart_line::line::Line;
@@ -47,6 +48,11 @@ impl<'s, E: Encode> Stream<'s, E> {
             start,
             count: 0,
         })
+    }
+
+    /// Locks the labels until the wearer's sign, with the usual times.
+    pub fn lock(&mut self) {
+        self.pipeline.set_lock(Some(LockTimes::USUAL));
     }
 
     /// Takes the next samples, any number of them. `wait` is called with the time of each notification before it is taken.

@@ -45,15 +45,7 @@ impl DataSet {
             Self::SsStm => 146,
             Self::MyoReadings => 53,
             Self::Synthetic => 50,
-            Self::CoteAllard
-            | Self::OneSubjectMyo
-            | Self::WangMyo
-            | Self::MyoRps
-            | Self::Myoup
-            | Self::Epn
-            | Self::UciGestures
-            | Self::EmgEpn612
-            | Self::ReactEmg => 0,
+            _ => 0,
         }
     }
 }

@@ -38,6 +38,16 @@ pub enum DataSet {
     Epn,
     /// Lobov et al., EMG data for gestures (UCI), 2018: half of its samples are lost.
     UciGestures,
+    /// LibEMG's CIILData: holds, with the armband moved by an electrode between two parts, 2024.
+    Ciil,
+    /// Ten users of a robot hand, published by Escuela Politécnica Nacional.
+    Epn10,
+    /// Dutra, seven movements of a thesis, 2021.
+    DutraMoves,
+    /// Pangestu, the online data set of a thesis: its origin is not named.
+    Pangestu,
+    /// Recordings of a GitHub user.
+    Dideakay,
     /// Benalcazar et al., EMG-EPN-612, 2020.
     #[serde(rename = "emg-epn-612")]
     EmgEpn612,
@@ -49,7 +59,7 @@ pub enum DataSet {
 
 impl DataSet {
     /// Every set, in the order of lists.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 18] = [
         Self::Roshambo,
         Self::SsStm,
         Self::CoteAllard,
@@ -60,6 +70,11 @@ impl DataSet {
         Self::Myoup,
         Self::Epn,
         Self::UciGestures,
+        Self::Ciil,
+        Self::Epn10,
+        Self::DutraMoves,
+        Self::Pangestu,
+        Self::Dideakay,
         Self::EmgEpn612,
         Self::ReactEmg,
         Self::Synthetic,
@@ -79,6 +94,11 @@ impl DataSet {
             Self::Myoup => "myoup",
             Self::Epn => "epn",
             Self::UciGestures => "uci-gestures",
+            Self::Ciil => "ciil",
+            Self::Epn10 => "epn10",
+            Self::DutraMoves => "dutra-moves",
+            Self::Pangestu => "pangestu",
+            Self::Dideakay => "dideakay",
             Self::EmgEpn612 => "emg-epn-612",
             Self::ReactEmg => "react-emg",
             Self::Synthetic => "synthetic",

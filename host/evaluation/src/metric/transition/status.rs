@@ -102,18 +102,15 @@ fn standard(
     relax: bool,
 ) -> TransitionStatus {
     let (from, to) = (Some(from), Some(to));
-    let allowed = |label: Label| relax && label == Some(Intent::Relax);
-    if near
-        .iter()
-        .any(|&label| label != from && label != to && !allowed(label))
-    {
+    let other = |label: &Label| *label != to && !(relax && *label == Some(Intent::Relax));
+    if near.iter().any(|label| *label != from && other(label)) {
         return TransitionStatus::BufferOtherClass;
     }
     if !near.windows(2).any(|pair| pair == [from, to]) {
         return TransitionStatus::NoChangeInBuffer;
     }
     if relax {
-        if later.iter().any(|&label| label != to && !allowed(label)) {
+        if later.iter().any(other) {
             return TransitionStatus::MaintenanceOtherClass;
         }
         if !later.is_empty() && !later.contains(&to) {
@@ -134,11 +131,8 @@ fn strict(
     relax: bool,
 ) -> TransitionStatus {
     let (from, to) = (Some(from), Some(to));
-    let allowed = |label: Label| relax && label == Some(Intent::Relax);
-    if near
-        .iter()
-        .any(|&label| label != from && label != to && !allowed(label))
-    {
+    let other = |label: &Label| *label != to && !(relax && *label == Some(Intent::Relax));
+    if near.iter().any(|label| *label != from && other(label)) {
         return TransitionStatus::StrictBufferOtherClass;
     }
     let Some(first) = near.iter().position(|&label| label == to) else {
@@ -147,13 +141,10 @@ fn strict(
     if first == 0 {
         return TransitionStatus::StrictNewLabelAtStart;
     }
-    if near[first..]
-        .iter()
-        .any(|&label| label != to && !allowed(label))
-    {
+    if near[first..].iter().any(other) {
         return TransitionStatus::StrictOldLabelAfterNew;
     }
-    match later.iter().any(|&label| label != to && !allowed(label)) {
+    match later.iter().any(other) {
         true if relax => TransitionStatus::StrictMaintenanceOtherClass,
         true => TransitionStatus::StrictMaintenanceNotHeld,
         false => TransitionStatus::Ok,

@@ -30,6 +30,11 @@ impl DataSet {
             Self::Myoup => "sN/e2_emg.npy with e2_ann.npy, or sNe2.mat with emg and pulse",
             Self::Epn => "userN/training/001_fist.npy (n, 8)",
             Self::UciGestures => "01/1_raw_data_*.txt with time, channel1..channel8, class",
+            Self::Ciil => "ciil/min00/train_R0_open.npy (n, 8)",
+            Self::Epn10 => "epn10/p01/testing_close_00.npy (n, 8)",
+            Self::DutraMoves => "dutra-moves/p01/s1_emg.npy (n, 8) with s1_ann.npy",
+            Self::Pangestu => "pangestu/p01/close_T1.npy (n, 8)",
+            Self::Dideakay => "dideakay/p1/close_1.npy (n, 8)",
             Self::EmgEpn612 => "JSON per user with trainingSamples, testingSamples",
             Self::ReactEmg => {
                 "your own: a table with eight channels by name (emg_0..emg_7, label in gt), what a recordings.toml \

@@ -50,21 +50,8 @@ impl Spectrum {
 
 #[cfg(test)]
 mod tests {
+    use super::super::fixture::{close, signal};
     use super::*;
-
-    fn close(found: f64, expected: f64) {
-        assert!(
-            (found - expected).abs() <= 1e-9 * expected.abs().max(1.0),
-            "{found} against {expected}"
-        );
-    }
-
-    /// A signal with negative, zero and full-scale values.
-    fn signal() -> Vec<i32> {
-        (0..600_i32)
-            .map(|t| ((37 * t * t + 11 * t) % 256 - 128) * i32::from(t % 50 > 4))
-            .collect()
-    }
 
     #[test]
     fn the_spectrum_is_the_discrete_fourier_transform() {
