@@ -107,10 +107,19 @@ impl DataSet {
 
     /// Whether training uses the set by default.
     ///
-    /// `uci-gestures` shows which muscles are active, but not what a sample looks like.
+    /// `uci-gestures` shows which muscles are active, but not what a sample looks like. Nothing was gained by learning
+    /// from the five sets of other groups (docs/results.md): they show what a model does where nobody taught it.
     #[must_use]
     pub const fn trained_by_default(self) -> bool {
-        !matches!(self, Self::UciGestures)
+        !matches!(
+            self,
+            Self::UciGestures
+                | Self::Ciil
+                | Self::Epn10
+                | Self::DutraMoves
+                | Self::Pangestu
+                | Self::Dideakay
+        )
     }
 }
 

@@ -16,7 +16,8 @@ pub enum Protocol {
     LeaveOneSubjectOut,
     /// A group of subjects per fold, in this number of folds: for models that cost too much to train once per subject.
     LeaveGroupsOut(usize),
-    /// All subjects of one data set per fold: what a user meets who was recorded elsewhere.
+    /// All subjects of one data set per fold: what a user meets who was recorded elsewhere. The sets that nothing is
+    /// [trained on by default](DataSet::trained_by_default) share the last fold, whose model learns from all others.
     LeaveSetsOut,
 }
 
@@ -31,11 +32,10 @@ impl Protocol {
         seed: u64,
     ) -> Vec<Vec<String>> {
         let sets = subjects(recordings);
-        let owned = |people: Vec<&str>| people.into_iter().map(str::to_owned).collect();
         let folds = match self {
             Self::LeaveOneSubjectOut => sets.values().map(Vec::len).max().unwrap_or(0),
             Self::LeaveGroupsOut(folds) => folds,
-            Self::LeaveSetsOut => return sets.into_values().map(owned).collect(),
+            Self::LeaveSetsOut => return of_sets(sets),
         };
         dealt(sets, folds, seed)
     }
@@ -68,6 +68,22 @@ impl FromStr for Protocol {
             )
         })
     }
+}
+
+/// Subjects of each data set, in alphabetical order; those of the sets that nothing is trained on are one group.
+fn of_sets(sets: BTreeMap<DataSet, Vec<&str>>) -> Vec<Vec<String>> {
+    let (mut groups, mut untrained) = (Vec::new(), Vec::new());
+    for (set, people) in sets {
+        let people = people.into_iter().map(str::to_owned);
+        if set.trained_by_default() {
+            groups.push(people.collect());
+        } else {
+            untrained.extend(people);
+        }
+    }
+    untrained.sort_unstable();
+    groups.extend((!untrained.is_empty()).then_some(untrained));
+    groups
 }
 
 /// Subjects dealt to so many folds, in alphabetical order: each fold has its share of every data set's subjects. With as
@@ -192,7 +208,19 @@ mod tests {
 
     #[test]
     fn a_fold_of_sets_holds_out_a_whole_set() {
-        let groups = Protocol::LeaveSetsOut.groups(&recordings(1, 2), 42);
-        assert_eq!(groups, [vec!["roshambo/0"], vec!["ss-stm/0", "ss-stm/1"]]);
+        let mut all = recordings(1, 2);
+        let unseen = [DataSet::UciGestures, DataSet::Ciil];
+        all.extend(unseen.map(|set| Recording {
+            data_set: set,
+            subject: format!("{}/0", set.name()),
+            ..all[0].clone()
+        }));
+        let groups = Protocol::LeaveSetsOut.groups(&all, 42);
+        let expected = [
+            vec!["roshambo/0"],
+            vec!["ss-stm/0", "ss-stm/1"],
+            vec!["ciil/0", "uci-gestures/0"],
+        ];
+        assert_eq!(groups, expected);
     }
 }
