@@ -36,31 +36,3 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         arguments.words.join(" ")
     );
 }
-
-#[cfg(test)]
-mod tests {
-    use clap::Parser as _;
-
-    use super::super::{Cli, Command, data};
-
-    fn run(line: &str) -> anyhow::Result<()> {
-        let words = ["myointent", "data", "fetch"].into_iter();
-        let Command::Data(command) = Cli::try_parse_from(words.chain(line.split_whitespace()))
-            .unwrap()
-            .command
-        else {
-            panic!("{line}");
-        };
-        data::run(command)
-    }
-
-    #[test]
-    fn it_lists_the_sets_and_says_which_command_downloads_one() {
-        run("").unwrap();
-        for line in ["ss-stm", "ss-stm --to recordings", "--archive a.zip myoup"] {
-            let error = run(line).unwrap_err().to_string();
-            let command = format!("--features fetch -- data fetch {line}");
-            assert!(error.ends_with(&command), "{error}");
-        }
-    }
-}

@@ -43,34 +43,3 @@ pub(super) const fn keeps_the_old(_: &anyhow::Error) -> bool {
 pub(super) fn is_interrupt(_: &(dyn std::error::Error + 'static)) -> bool {
     false
 }
-
-#[cfg(test)]
-mod tests {
-    use clap::Parser as _;
-
-    use super::super::{Cli, Command, evaluate};
-    use super::WITHOUT_TRAINING;
-
-    #[test]
-    fn its_commands_and_options_say_what_to_build() {
-        for line in [
-            "train --preset cpu --run runs/mine",
-            "quickstart",
-            "personalize --model a.intent --data mine --help",
-        ] {
-            let words = std::iter::once("myointent").chain(line.split(' '));
-            let command = Cli::try_parse_from(words).unwrap().command;
-            let Command::Steps(steps) = command else {
-                panic!("{line}");
-            };
-            let error = steps.run().unwrap_err().to_string();
-            assert_eq!(error, WITHOUT_TRAINING, "{line}");
-        }
-        let words = ["myointent", "evaluate", "--model", "a.intent"];
-        let Command::Evaluate(arguments) = Cli::try_parse_from(words).unwrap().command else {
-            panic!("another command");
-        };
-        let error = evaluate::run(&arguments).unwrap_err().to_string();
-        assert!(error.contains(WITHOUT_TRAINING), "{error}");
-    }
-}
