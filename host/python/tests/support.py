@@ -25,12 +25,22 @@ def data(name):
     return folder if folder.is_dir() else skip(name, f"no folder {folder} (MYOINTENT_DATA)")
 
 
-def program(*arguments):
-    """Output of the program `myointent`, byte for byte."""
+def ended(code, arguments):
+    """Run of the program `myointent` that ends with this exit code."""
     command = [os.environ["MYOINTENT"], *map(str, arguments)]
     done = subprocess.run(command, capture_output=True, check=False)
-    assert done.returncode == 0, done.stderr.decode()
-    return done.stdout
+    assert done.returncode == code, f"{done.returncode}: {done.stderr.decode()}"
+    return done
+
+
+def program(*arguments):
+    """Output of the program, byte for byte."""
+    return ended(0, arguments).stdout
+
+
+def refused(line):
+    """What the program says of a command that fails."""
+    return ended(1, line.split()).stderr.decode()
 
 
 def synthetic(folder):

@@ -93,6 +93,11 @@ pub(super) fn status(
     }
 }
 
+/// Whether a label is another one than this, and not relax where that is allowed.
+fn other_than(to: Label, relax: bool) -> impl Fn(&Label) -> bool + Copy {
+    move |label| *label != to && !(relax && *label == Some(Intent::Relax))
+}
+
 /// The paper's rule.
 fn standard(
     from: Intent,
@@ -102,7 +107,7 @@ fn standard(
     relax: bool,
 ) -> TransitionStatus {
     let (from, to) = (Some(from), Some(to));
-    let other = |label: &Label| *label != to && !(relax && *label == Some(Intent::Relax));
+    let other = other_than(to, relax);
     if near.iter().any(|label| *label != from && other(label)) {
         return TransitionStatus::BufferOtherClass;
     }
@@ -131,7 +136,7 @@ fn strict(
     relax: bool,
 ) -> TransitionStatus {
     let (from, to) = (Some(from), Some(to));
-    let other = |label: &Label| *label != to && !(relax && *label == Some(Intent::Relax));
+    let other = other_than(to, relax);
     if near.iter().any(|label| *label != from && other(label)) {
         return TransitionStatus::StrictBufferOtherClass;
     }
