@@ -210,4 +210,12 @@ mod tests {
         let expected = [("0", 0), ("1", 2), ("rest", 5)].map(|(word, row)| (word.to_owned(), row));
         assert_eq!(words.distinct(), expected);
     }
+
+    #[test]
+    fn a_million_different_words_are_kept() {
+        const MANY: usize = 1_000_000;
+        let mut words = Words::default();
+        (0..MANY).for_each(|row| words.push(&row.to_string()));
+        assert_eq!(words.distinct().len(), MANY);
+    }
 }

@@ -301,3 +301,19 @@ fn time_of_day(text: &str) -> Option<f64> {
     let whole = parts.next().is_none() && hours.fract() == 0.0 && minutes.fract() == 0.0;
     (whole && minutes < 60.0 && seconds < 61.0).then_some(3600.0 * hours + 60.0 * minutes + seconds)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows of which the square is more than a test can wait for.
+    const MANY: usize = 1_000_000;
+
+    #[test]
+    fn work_grows_with_the_rows_and_not_with_their_square() {
+        let mut clock = Clock::of("time".to_owned());
+        (0..MANY).for_each(|row| clock.push(&(row * 5).to_string()));
+        let gaps = Vec::new();
+        assert_eq!(clock.timebase(), Timebase::Rate { hz: 200.0, gaps });
+    }
+}

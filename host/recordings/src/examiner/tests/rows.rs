@@ -1,7 +1,10 @@
 //! Clocks, gaps and repeated rows.
 
 use super::*;
+use crate::examiner::clock::Clock;
+use crate::examiner::rows::Rows;
 use crate::recording::movement::{Movement, MovementKind};
+use crate::recording::{DataSet, Recording};
 
 #[test]
 fn rows_at_another_rate_are_refused_in_every_unit_of_time() {
@@ -215,4 +218,21 @@ fn other_movement_goes_with_its_samples_where_a_gap_divides_them() {
         .collect();
     let other = |samples| vec![Movement::new(MovementKind::Other, samples)];
     assert_eq!(found, [other(1400..1500), other(0..100)]);
+}
+
+#[test]
+fn a_recording_is_cut_into_very_many_pieces() {
+    // Half of the rows are whole windows, the other half a piece each.
+    let rows = 1_000_000;
+    let samples = emg(rows, 1);
+    let is_torn = |row: usize| row >= rows / 2;
+    let mut clock = Clock::of("time".to_owned());
+    for row in 0..rows {
+        let gap = if is_torn(row) { row as f64 } else { 0.0 };
+        clock.push(&(row as f64 * 0.005 + gap).to_string());
+    }
+    let found = Rows::of(&samples, Some(&clock), true).unwrap();
+    let labels = vec![None; rows];
+    let recording = Recording::new(DataSet::ReactEmg, "anna", samples, labels);
+    assert_eq!(found.apply(recording).len(), rows / 2 + 1);
 }
