@@ -1,6 +1,6 @@
 //! Words of labels: a file's own, and what they mean here.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 use serde::Deserialize;
 
@@ -103,6 +103,8 @@ impl Labels {
 pub(super) struct Words {
     /// Words in the order in which they come, each with the row of its first sample.
     distinct: Vec<(String, usize)>,
+    /// Number of each distinct word.
+    numbers: HashMap<String, usize>,
     /// Number of the word of each sample.
     pub at: Vec<usize>,
 }
@@ -110,10 +112,10 @@ pub(super) struct Words {
 impl Words {
     /// One word for all samples.
     pub fn of_file(word: &str, samples: usize) -> Self {
-        Self {
-            distinct: vec![(plain(word), 0)],
-            at: vec![0; samples],
-        }
+        let mut words = Self::default();
+        words.push(word);
+        words.at = vec![0; samples];
+        words
     }
 
     /// Adds the word of the next sample.
@@ -124,9 +126,8 @@ impl Words {
         let same = last.filter(|&last| self.distinct[last].0 == word);
         let number = same.unwrap_or_else(|| {
             let word = plain(word);
-            let known = self.distinct.iter().position(|(own, _)| *own == word);
-            known.unwrap_or_else(|| {
-                self.distinct.push((word, row));
+            *self.numbers.entry(word).or_insert_with_key(|word| {
+                self.distinct.push((word.clone(), row));
                 self.distinct.len() - 1
             })
         });

@@ -186,10 +186,11 @@ impl Clock {
 
     /// Values of the column; a counter of 8, 16 or 32 bits is unwrapped.
     fn unwrapped(&self) -> Vec<f64> {
+        let counts = self.counts();
         let mut base = 0.0;
         let mut before: Option<f64> = None;
         let unwrapped = self.times.iter().map(|&time| {
-            if let Some(before) = before.filter(|_| self.counts())
+            if let Some(before) = before.filter(|_| counts)
                 && [256.0, 65_536.0, 4_294_967_296.0].contains(&(before + 1.0 - time))
             {
                 base += before + 1.0 - time;

@@ -120,17 +120,18 @@ impl Rows {
         if self.pieces.len() < 2 {
             return vec![recording];
         }
+        // Taken out: a copy of the whole for each piece would be work of the square of the rows.
+        let samples = std::mem::take(&mut recording.samples);
+        let labels = std::mem::take(&mut recording.labels);
+        let movements = std::mem::take(&mut recording.other_movement);
+        let mut findings = std::mem::take(&mut recording.findings);
         let piece = |(number, piece): (usize, &Range<usize>)| Recording {
             name: format!("{}.{}", recording.name, number + 1),
-            samples: recording.samples[piece.clone()].to_vec(),
-            labels: recording.labels[piece.clone()].to_vec(),
-            other_movement: movement::within(&recording.other_movement, piece),
+            samples: samples[piece.clone()].to_vec(),
+            labels: labels[piece.clone()].to_vec(),
+            other_movement: movement::within(&movements, piece),
             // Findings are reported once, with the first piece.
-            findings: if number == 0 {
-                recording.findings.clone()
-            } else {
-                Vec::new()
-            },
+            findings: std::mem::take(&mut findings),
             ..recording.clone()
         };
         self.pieces.iter().enumerate().map(piece).collect()

@@ -128,7 +128,11 @@ pub fn within(movements: &[Movement], range: &Range<usize>) -> Vec<Movement> {
         let [start, end] = [start, end].map(|at| at.clamp(range.start, range.end) - range.start);
         (start < end).then(|| Movement::new(movement.kind, start..end))
     };
-    movements.iter().filter_map(part).collect()
+    let before = movements.partition_point(|movement| movement.samples.end <= range.start);
+    let within = movements[before..]
+        .iter()
+        .take_while(|movement| movement.samples.start < range.end);
+    within.filter_map(part).collect()
 }
 
 #[cfg(test)]
