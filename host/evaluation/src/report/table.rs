@@ -273,4 +273,16 @@ Held-out subjects
             "{html}"
         );
     }
+
+    #[test]
+    fn no_text_steers_the_terminal() {
+        let hostile = "\u{1b}[2J\r\n\u{9b}31m";
+        let mut table = Table::new(hostile, [hostile]);
+        table.push([hostile]);
+        for text in [table.plain(), table.text(false), table.markdown()] {
+            let raw = |c: char| c.is_control() && c != '\n';
+            assert!(!text.contains(raw), "{text:?}");
+        }
+        assert_eq!(table.plain().lines().count(), 4, "{:?}", table.plain());
+    }
 }

@@ -300,4 +300,14 @@ mod tests {
         ];
         assert_eq!(told(&inspection.ignored), expected);
     }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_name_that_is_no_unicode_is_told_in_json() {
+        use std::os::unix::ffi::OsStrExt as _;
+        let mut library = library();
+        library.recordings[0].path = std::ffi::OsStr::from_bytes(b"a\xff.csv").into();
+        let json = serde_json::to_string(&Inspection::new(&library)).unwrap();
+        assert!(json.contains("\"first\":\"a\u{fffd}.csv\""), "{json}");
+    }
 }

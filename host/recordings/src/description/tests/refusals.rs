@@ -10,6 +10,15 @@ const UNUSABLE: &str = r#"3 | unknown field `foo`, expected one of `folder`, `fi
 2 | expected 200 rows a second, found 100 | FILES ; rate = 100
 2 | invalid type | FILES ; rate = "fast"
 3 | counts of one unit | FILES ; rate = 200 ; scale = 0
+3 | found -128 | FILES ; rate = 200 ; scale = -128
+3 | found inf | FILES ; rate = 200 ; scale = inf
+3 | found NaN | FILES ; rate = 200 ; scale = nan
+3 | counts of one unit | FILES ; rate = 200 ; scale = 1e-320
+3 | counts of one unit | FILES ; rate = 200 ; scale = 1e300
+2 | found NaN | FILES ; rate = nan
+3 | from 1 on, found -9223372036854775808 | FILES ; rate = 200 ; time = -9223372036854775808
+3 | from 1 on, found inf | FILES ; rate = 200 ; time = inf
+4 | found NaN | FILES ; rate = 200 ; label = 9 ; labels = { open = [nan] }
 3 | EMG mode 2 | FILES ; rate = 200 ; rectified = true
 3 | expected `right` or `left` | FILES ; rate = 200 ; arm = "middle"
 3 | 0 to 7 places, found 8 | FILES ; rate = 200 ; rotation = 8
