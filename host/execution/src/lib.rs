@@ -1,4 +1,4 @@
-//! Infrastructure of long computations: run folder, progress, interrupt, parallel work, bounded reads.
+//! Infrastructure of long computations: run folder, progress, interrupt, parallel work, bounded reads, text for a terminal.
 
 #![deny(missing_docs)]
 
@@ -6,6 +6,7 @@ pub mod bounded_read;
 pub mod file_kind;
 pub mod fingerprint;
 pub mod interrupt;
+pub mod printable;
 pub mod progress;
 pub mod run_folder;
 

@@ -7,6 +7,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rayon::prelude::*;
 
 use crate::interrupt::Interrupt;
+use crate::printable::{printable, printable_lines};
 use crate::run_folder::{RunError, RunFolder};
 
 /// A progress bar of `length` steps, hidden when standard error is no terminal.
@@ -22,7 +23,7 @@ pub fn bar(length: usize, what: &str) -> ProgressBar {
             .expect("a template of known fields")
             .progress_chars("=> "),
     );
-    bar.set_prefix(what.to_owned());
+    bar.set_prefix(printable(what));
     bar.enable_steady_tick(Duration::from_millis(250));
     bar
 }
@@ -43,13 +44,13 @@ pub fn bytes(length: Option<u64>, what: &str) -> ProgressBar {
             .expect("a template of known fields")
             .progress_chars("=> "),
     );
-    bar.set_prefix(what.to_owned());
+    bar.set_prefix(printable(what));
     bar
 }
 
-/// Writes a line to the log. An error of writing is ignored.
-pub fn log(line: &str) {
-    let _ = writeln!(io::stderr(), "{line}");
+/// Writes a message to the log, printable: it may quote files. An error of writing is ignored.
+pub fn log(message: &str) {
+    let _ = writeln!(io::stderr(), "{}", printable_lines(message));
 }
 
 /// Results of `work` for every item, in the items' order, computed on all cores; `name` is shown beside the progress

@@ -8,7 +8,6 @@ use shared::stream::alignment::Arm;
 use shared::uart_line::flag;
 
 use execution::progress;
-pub use recordings::printable;
 use recordings::{Library, LoadError, LoadOptions, load};
 
 /// Parses the arm for an alignment: 0 or 1 for mirrored.
@@ -72,7 +71,7 @@ pub(in crate::cli) fn log_found(library: &Library, whence: &str) {
     let count = library.recordings.len();
     progress::log(&format!("{count} recordings in {whence}"));
     for sentence in &library.people {
-        progress::log(&printable(sentence));
+        progress::log(sentence);
     }
 }
 

@@ -171,7 +171,7 @@ fn taken(taken: &[Files]) -> Table {
             files.what.clone(),
             files.files.to_string(),
             files.recognised_by.to_owned(),
-            printable(&first.to_string_lossy()),
+            first.to_string_lossy().into_owned(),
         ]);
     }
     table

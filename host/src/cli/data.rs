@@ -11,6 +11,7 @@ use super::arguments::refused;
 use super::contents::{Recordings, tables};
 use super::fetch;
 use evaluation::report::Table;
+use execution::printable::printable_lines;
 use recordings::catalogue::{Address, SOURCES};
 use recordings::description::survey::describe;
 use recordings::synthetic::{self, SynthOptions};
@@ -206,7 +207,8 @@ fn write_description(args: &DescribeArguments) -> anyhow::Result<()> {
     let read = args.out.as_ref().unwrap_or(&args.folder);
     writeln!(
         std::io::stdout(),
-        "{text}\nwritten: {}\nnext:    correct it, then myointent data inspect {}",
+        "{}\n\nwritten: {}\nnext:    correct it, then myointent data inspect {}",
+        printable_lines(&text),
         path.display(),
         read.display()
     )?;

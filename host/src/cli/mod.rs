@@ -46,7 +46,6 @@ use ::presets::PresetError;
 use ::presets::resolve::ConfigError;
 use execution::run_folder::RunError;
 use execution::{bounded_read, progress};
-pub use recordings::printable;
 
 /// Intent detection from Myo recordings: train, distil, quantize, evaluate, replay, look.
 #[derive(Debug, Parser)]
@@ -150,8 +149,7 @@ impl Cli {
                 } else {
                     "error: "
                 };
-                let message = printable_lines(&format!("{error:#}"));
-                progress::log(&format!("{start}{message}"));
+                progress::log(&format!("{start}{error:#}"));
                 let interrupted = is_interrupt(&error);
                 if interrupted {
                     progress::log(advice);
@@ -172,12 +170,6 @@ impl Command {
             _ => "to try again, give the same command",
         }
     }
-}
-
-/// Escapes a message for the terminal: it may quote files.
-fn printable_lines(message: &str) -> String {
-    let lines: Vec<String> = message.lines().map(printable).collect();
-    lines.join("\n")
 }
 
 /// Exit code: 130 after Ctrl-C, 2 for wrong arguments, 3 if a tuned model is worse, 1 after any other failure.

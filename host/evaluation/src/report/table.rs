@@ -1,5 +1,6 @@
 //! Tables, for the terminal, for Markdown and for HTML.
 
+use execution::printable::printable;
 use maud::{Markup, Render, html};
 
 /// Columns of a terminal.
@@ -8,7 +9,7 @@ const TERMINAL: usize = 100;
 /// Letters of a cell above which its line may break on a page.
 const LONG: usize = 32;
 
-/// Rows of text under a header. A row shorter than the header ends in empty cells.
+/// Rows of text under a header. A row shorter than the header ends in empty cells. All text becomes printable.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Table {
     /// Caption, above the table in every format; may be empty.
@@ -27,15 +28,15 @@ impl Table {
         header: impl IntoIterator<Item = S>,
     ) -> Self {
         Self {
-            caption: caption.into(),
-            header: header.into_iter().map(Into::into).collect(),
+            caption: printable(&caption.into()),
+            header: cells(header),
             rows: Vec::new(),
         }
     }
 
     /// Appends a row.
     pub fn push<S: Into<String>>(&mut self, row: impl IntoIterator<Item = S>) {
-        self.rows.push(row.into_iter().map(Into::into).collect());
+        self.rows.push(cells(row));
     }
 
     /// Text with aligned columns for a terminal: numbers to the right, the rest to the left.
@@ -183,6 +184,11 @@ impl Column {
             text.to_owned() + &blanks
         }
     }
+}
+
+fn cells<S: Into<String>>(texts: impl IntoIterator<Item = S>) -> Vec<String> {
+    let texts = texts.into_iter().map(Into::into);
+    texts.map(|text| printable(&text)).collect()
 }
 
 fn cell(row: &[String], i: usize) -> &str {

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use crate::readers::error::excerpt::printable;
+use execution::printable::printable;
 
 /// Reason why a description is refused.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]

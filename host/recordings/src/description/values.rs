@@ -18,7 +18,7 @@ pub(super) enum ValueError {
     Rate(f64),
     /// A scale that makes no counts.
     #[error(
-        "expected the counts of one unit, such as 128 where a file has counts divided by 128, found {0}"
+        "expected the counts of one unit, such as 128 where a file has counts divided by 128, found {0:?}"
     )]
     Scale(f64),
     /// Rectified samples.
@@ -62,6 +62,9 @@ impl TryFrom<f64> for Rate {
     }
 }
 
+/// Scales that have a meaning, from samples of 32 bits to volts of a microvolt each.
+const SCALES: std::ops::RangeInclusive<f64> = 1e-9..=1e12;
+
 /// Counts of the armband for a value of 1.
 #[derive(Clone, Copy, PartialEq, Debug, Deserialize)]
 #[serde(try_from = "f64")]
@@ -77,8 +80,8 @@ impl TryFrom<f64> for Scale {
     type Error = ValueError;
 
     fn try_from(scale: f64) -> Result<Self, ValueError> {
-        let usable = scale.is_finite() && scale > 0.0;
-        usable
+        SCALES
+            .contains(&scale)
             .then_some(Self(scale))
             .ok_or(ValueError::Scale(scale))
     }

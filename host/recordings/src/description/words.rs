@@ -48,7 +48,7 @@ pub(super) const ALL_OTHERS: &str = "*";
 pub(crate) struct Labels(BTreeMap<String, Motion>);
 
 /// Reason why labels have no meaning.
-#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub(super) enum LabelsError {
     /// A class that does not exist.
     #[error(
@@ -56,6 +56,9 @@ pub(super) enum LabelsError {
          as point, or unknown, found \"{0}\""
     )]
     Class(String),
+    /// A number that no file has.
+    #[error("expected words and finite numbers, found {0}: write it as a word, in quotes")]
+    Number(f64),
     /// A word of two classes.
     #[error("expected each word once, found \"{0}\" twice")]
     Twice(String),
@@ -70,6 +73,11 @@ impl TryFrom<BTreeMap<String, Vec<Word>>> for Labels {
             let motion = Motion::from_name(&class).filter(|motion| motion.name() == class);
             let motion = motion.ok_or(LabelsError::Class(class))?;
             for word in words {
+                if let Word::Number(number) = word
+                    && !number.is_finite()
+                {
+                    return Err(LabelsError::Number(number));
+                }
                 let word = word.plain();
                 if labels.insert(word.clone(), motion).is_some() {
                     return Err(LabelsError::Twice(word));

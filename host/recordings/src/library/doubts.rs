@@ -5,7 +5,7 @@ use std::path::Path;
 use super::Library;
 use crate::LoadError;
 use crate::examiner::finding::grouped;
-use crate::readers::error::excerpt::printable;
+use execution::printable::printable;
 
 impl Library {
     /// Refuses a library in which no recording is left.

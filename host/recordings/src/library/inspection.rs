@@ -54,7 +54,13 @@ pub struct Files {
     /// Their number.
     pub files: usize,
     /// The first of them in path order.
+    #[serde(serialize_with = "lossy")]
     pub first: PathBuf,
+}
+
+/// A path as text: one that is no Unicode is no reason to tell nothing.
+fn lossy<S: serde::Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(&path.display())
 }
 
 /// Contents of a library, and its findings.

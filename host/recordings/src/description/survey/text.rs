@@ -11,7 +11,8 @@ use super::layout::Layout;
 use super::words::Words;
 use crate::description::pattern::{Field, Pattern};
 use crate::description::words::ALL_OTHERS;
-use crate::readers::error::excerpt::{excerpt, printable};
+use crate::readers::error::excerpt::excerpt;
+use execution::printable::printable;
 
 /// Maximum number of names in a comment.
 const SHOWN: usize = 6;

@@ -16,7 +16,7 @@ const UNUSABLE: &str = r#"3 | unknown field `foo`, expected one of `folder`, `fi
 3 | counts of one unit | FILES ; rate = 200 ; scale = 1e-320
 3 | counts of one unit | FILES ; rate = 200 ; scale = 1e300
 2 | found NaN | FILES ; rate = nan
-3 | from 1 on, found -9223372036854775808 | FILES ; rate = 200 ; time = -9223372036854775808
+3 | from 1 on, found -922 | FILES ; rate = 200 ; time = -922
 3 | from 1 on, found inf | FILES ; rate = 200 ; time = inf
 4 | found NaN | FILES ; rate = 200 ; label = 9 ; labels = { open = [nan] }
 3 | EMG mode 2 | FILES ; rate = 200 ; rectified = true

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use crate::description::DescriptionError;
 use crate::examiner::finding::Finding;
-use excerpt::printable;
+use execution::printable::printable;
 pub use fault::Fault;
 
 /// Place of a fault in its file.
