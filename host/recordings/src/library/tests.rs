@@ -1,4 +1,5 @@
 use super::*;
+use shared::units::Sample;
 
 #[test]
 fn a_path_without_recordings_says_so() {
@@ -154,5 +155,82 @@ fn utf_16_is_refused_with_what_to_do() {
         let skipped = library.skipped[0].to_string();
         assert!(skipped.contains("UTF-16"), "{skipped}");
         assert!(skipped.contains("UTF-8"), "{skipped}");
+    }
+}
+
+#[test]
+fn endings_in_capitals_are_read_as_small_ones() {
+    let samples = crate::examiner::fixture::emg(1000, 1);
+    let rows = |with: &dyn Fn(&Sample) -> String| {
+        samples
+            .iter()
+            .map(|own| with(own) + "\n")
+            .collect::<String>()
+    };
+    let counts = |own: &Sample| own.map(|count| count.to_string()).join(",");
+    let own = HEADER.to_owned() + &rows(&|own| format!("0,{}", counts(own)));
+    let decimal = |own: &Sample| own.map(|count| (f64::from(count) / 128.0).to_string());
+    let bytes: Vec<u8> = samples
+        .iter()
+        .flatten()
+        .map(|c| c.cast_unsigned())
+        .collect();
+    let array = crate::npy::encode("|i1", &[1000, 8], &bytes);
+    let words = crate::npy::encode("|i1", &[1000], &[1; 1000]);
+    let int16: Vec<u8> = samples
+        .iter()
+        .flatten()
+        .flat_map(|&count| i16::from(count).to_le_bytes())
+        .collect();
+    let metadata = r#"{"data/bob/R_0_C_1.csv": {"class_name": "Hand_Open"}}"#;
+    let description = "files = \"{person}/{trial}_emg.Npy\"\nlabel_files = \"{person}/{trial}_ann.npy\"\nrate = 200\n\
+                       labels = { open = [1] }\n";
+    for files in [
+        vec![("anna/anna_1.csv", own.into_bytes())],
+        vec![(
+            "12345-1/7.txt",
+            rows(&|own| counts(own) + ",0").into_bytes(),
+        )],
+        vec![(
+            "sub1/M2T1.csv",
+            rows(&|own| decimal(own).join(",")).into_bytes(),
+        )],
+        vec![("EvaluationDataset/Male0/Test0/classe_0.dat", int16)],
+        vec![
+            ("s3/e2_emg.npy", array.clone()),
+            ("s3/e2_ann.npy", words.clone()),
+        ],
+        vec![
+            ("bob/R_0_C_1.csv", rows(&counts).into_bytes()),
+            ("bob/metadata.json", metadata.into()),
+        ],
+        vec![
+            ("eva/1_emg.npy", array),
+            ("eva/1_ann.npy", words),
+            ("recordings.toml", description.into()),
+        ],
+    ] {
+        let read = |ending: &dyn Fn(&str) -> String| {
+            let named = files.iter().map(|(name, bytes)| {
+                let (stem, own) = name.rsplit_once('.').unwrap();
+                let is_read = own != "toml";
+                let own = if is_read { ending(own) } else { own.to_owned() };
+                (format!("{stem}.{own}"), bytes)
+            });
+            let named: Vec<(String, &Vec<u8>)> = named.collect();
+            let named: Vec<(&str, &Vec<u8>)> = named
+                .iter()
+                .map(|(name, bytes)| (name.as_str(), *bytes))
+                .collect();
+            let folder = folder(&named);
+            let library = load(folder.path(), &LoadOptions::default()).unwrap();
+            assert!(library.skipped.is_empty(), "{:?}", library.skipped);
+            let own = &library.recordings[0];
+            (own.data_set, own.full_name(), own.labels.clone())
+        };
+        let capitals = |own: &str| own.to_uppercase();
+        let title = |own: &str| own[..1].to_uppercase() + &own[1..];
+        assert_eq!(read(&capitals), read(&str::to_owned));
+        assert_eq!(read(&title), read(&str::to_owned));
     }
 }

@@ -158,6 +158,25 @@ fn the_layout_of_most_files_is_described_and_the_others_are_told() {
 }
 
 #[test]
+fn endings_in_capitals_are_described_with_the_small_ones() {
+    let plain = || table("", 300, |at| counts(at, 8, |v| v.to_string()));
+    let words = || "1\n".repeat(300);
+    let (lines, text) = written(&[
+        ("anna/1_emg.CSV", plain()),
+        ("anna/1_ann.TXT", words()),
+        ("ben/1_emg.csv", plain()),
+        ("ben/1_ann.txt", words()),
+    ])
+    .unwrap();
+    assert!(has(&lines, r#"files = "{person}/1_emg.csv""#), "{text}");
+    assert!(
+        has(&lines, r#"label_files = "{person}/1_ann.txt""#),
+        "{text}"
+    );
+    assert!(!text.contains("Cannot be read"), "{text}");
+}
+
+#[test]
 fn a_folder_without_samples_says_what_it_has() {
     for files in [
         vec![],
