@@ -4,13 +4,14 @@
 //! Where a path can be divided in several ways, the caller's words decide: `wave_in_3` is gesture `wave_in` and trial 3
 //! if the labels have `wave_in`.
 
+use std::borrow::Cow;
 use std::collections::HashSet;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use crate::readers::path::is_number;
+use crate::readers::path::{is_number, with_small_ending};
 
 /// Field of a pattern.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -106,6 +107,19 @@ impl TryFrom<String> for Pattern {
     }
 }
 
+/// Names with the ending of the last one in small letters, as paths are compared.
+fn with_small_endings(names: &[Vec<Part>]) -> Cow<'_, [Vec<Part>]> {
+    let mut names = Cow::Borrowed(names);
+    if let Some(Part::Text(last)) = names.last().and_then(|name| name.last())
+        && let Some(ending) = last.rfind('.')
+        && last[ending..].contains(|c: char| c.is_ascii_uppercase())
+        && let Some(Part::Text(last)) = names.to_mut().last_mut().and_then(|name| name.last_mut())
+    {
+        last[ending..].make_ascii_lowercase();
+    }
+    names
+}
+
 /// Parts of one name.
 fn parts(name: &str) -> Result<Vec<Part>, PatternError> {
     let brace = || PatternError::Brace(name.to_owned());
@@ -197,9 +211,10 @@ impl Pattern {
     }
 
     fn matched(&self, path: &Path, accepts: &dyn Fn(Field, &str) -> bool) -> Option<Fields> {
+        let (path, names) = (with_small_ending(path), with_small_endings(&self.names));
         let mut fields = Vec::new();
         let mut found = path.iter();
-        for parts in &self.names {
+        for parts in &*names {
             let mut name = Name {
                 text: found.next()?.to_str()?,
                 accepts,

@@ -16,7 +16,7 @@ use super::words::Words;
 use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::{Damage, Fault, LoadError};
 use crate::readers::mat::{self, Matrix};
-use crate::readers::path::is_number;
+use crate::readers::path::{ending, is_number};
 use crate::readers::table::auxiliary::AuxiliaryColumns;
 use crate::readers::table::separator::Separator;
 use crate::readers::table::shape::Shape;
@@ -111,8 +111,7 @@ impl Layout {
     }
 
     fn fits(&self, path: &Path, bytes: &[u8]) -> bool {
-        let ending = path.extension().and_then(|ending| ending.to_str());
-        match (ending, FileKind::of(bytes)) {
+        match (ending(path).as_deref(), FileKind::of(bytes)) {
             (Some("npy"), FileKind::Npy) | (Some("mat"), FileKind::Mat) | (Some("dat"), _) => true,
             (Some("csv"), FileKind::Table | FileKind::Text) => {
                 let Ok(text) = str::from_utf8(bytes) else {
@@ -204,7 +203,7 @@ impl Layout {
             let words = self.pulses.as_ref();
             let words = words.map(|pulses| pulses.words(&matrices, samples.len()));
             (samples, words.transpose()?)
-        } else if path.extension().is_some_and(|ending| ending == "dat") {
+        } else if ending(path).as_deref() == Some("dat") {
             (int16(bytes)?, None)
         } else {
             return self.description.rows(bytes);

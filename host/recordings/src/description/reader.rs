@@ -14,7 +14,7 @@ use crate::labels::compensation::Compensation;
 use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::{Damage, Fault, LoadError};
 use crate::readers::open::{Found, Request, SkipReason, open};
-use crate::readers::path::left_arm;
+use crate::readers::path::{existing, left_arm};
 use crate::recording::{DataSet, Recording, Timing};
 use execution::bounded_read;
 
@@ -91,11 +91,9 @@ impl Description {
     ) -> Result<Rows, LoadError> {
         if let Some(pattern) = &self.label_files {
             let file = folder.join(pattern.path_of(fields));
-            if !file.exists() {
-                let name = file.file_name().unwrap_or_default().to_string_lossy();
-                let missing = Damage::of_file(Fault::Partner(name.into_owned()));
-                return Err(missing.in_file(path));
-            }
+            let name = file.file_name().unwrap_or_default().to_string_lossy();
+            let missing = Damage::of_file(Fault::Partner(name.into_owned()));
+            let file = existing(file).ok_or_else(|| missing.in_file(path))?;
             let labels = labels(&read(&file)?, rows.samples.len());
             rows.labels = labels.map_err(|damage| damage.in_file(&file))?;
             rows.labels_file = Some(file);

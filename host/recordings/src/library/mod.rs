@@ -19,7 +19,7 @@ use super::labels::timing;
 use super::readers::error::excerpt::excerpt;
 use super::readers::error::{Damage, LoadError};
 use super::readers::open::{Found, Request, SkipReason, open};
-use super::readers::path::left_arm;
+use super::readers::path::{ending, left_arm};
 use super::recording::{DataSet, Recording};
 use crate::examiner::finding::Finding;
 
@@ -73,8 +73,8 @@ pub struct Ignored {
 /// [`LoadOptions::strict`]; [`LoadError::NoRecordings`] if none is found; [`LoadError::Io`] if the path
 /// itself cannot be read.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
-    let given = path.extension().is_some_and(|ending| ending == "toml");
-    let given = given.then(|| Described::read(path)).transpose()?;
+    let is_description = ending(path).as_deref() == Some("toml");
+    let given = is_description.then(|| Described::read(path)).transpose()?;
     let (root, files) = files(given.as_ref().map_or(path, |given| &given.folder))?;
     let described = Described::of_files(given, &root, &files)?;
     let alone = !root.is_dir();

@@ -6,5 +6,5 @@ pub mod label_file;
 pub mod mat;
 pub mod npy;
 pub mod open;
-pub(crate) mod path;
+pub mod path;
 pub(crate) mod table;

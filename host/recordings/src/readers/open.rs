@@ -8,6 +8,7 @@ use std::path::Path;
 use super::error::{Damage, Fault, LoadError};
 use super::formats::react_emg;
 use super::npy::{self, Values};
+use super::path::{ending, with_small_ending};
 use super::table;
 use crate::description::published::Layout;
 use crate::examiner::bands;
@@ -73,7 +74,7 @@ pub(crate) fn open(
     request: &Request<impl Fn(DataSet) -> bool>,
 ) -> Result<Found, LoadError> {
     // What only the name decides: headerless binary could be anything.
-    if extension(path).is_none() {
+    if recording_ending(path).is_none() {
         return Ok(Found::Nothing(SkipReason::Ending));
     }
     let bytes = bounded_read::read(path, bounded_read::RECORDING);
@@ -82,11 +83,10 @@ pub(crate) fn open(
 }
 
 /// The ending of a path that may be a recording, or one that is refused with what converts it.
-fn extension(path: &Path) -> Option<&str> {
-    let extension = path.extension().and_then(|e| e.to_str());
-    extension.filter(|e| {
+fn recording_ending(path: &Path) -> Option<String> {
+    ending(path).filter(|ending| {
         matches!(
-            *e,
+            ending.as_str(),
             "npy" | "csv" | "txt" | "dat" | "json" | "mat" | "edf" | "bdf" | "xdf"
         )
     })
@@ -99,7 +99,7 @@ pub fn of_bytes(
     bytes: &[u8],
     request: &Request<impl Fn(DataSet) -> bool>,
 ) -> Result<Found, LoadError> {
-    let Some(extension) = extension(path) else {
+    let Some(ending) = recording_ending(path) else {
         return Ok(Found::Nothing(SkipReason::Ending));
     };
     let damage = |damage: Damage| damage.in_file(path);
@@ -128,9 +128,9 @@ pub fn of_bytes(
         }
         return request.one(layout.set, || layout.read(path, bytes, &fields));
     }
-    match extension {
+    match ending.as_str() {
         _ if kind == FileKind::Npy => array(path, bytes, request),
-        _ if path.ends_with("userData.mat") => request.one(DataSet::Epn, || {
+        _ if with_small_ending(path).ends_with("userData.mat") => request.one(DataSet::Epn, || {
             Err(damage(Damage::of_file(Fault::Objects)))
         }),
         _ if kind == FileKind::Mat => request.nothing(path, kind),

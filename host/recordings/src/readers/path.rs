@@ -1,6 +1,6 @@
 //! Names of files and folders, which identify person and gesture in the published sets.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Name of the file without its ending.
 pub(crate) fn stem(path: &Path) -> Option<&str> {
@@ -10,6 +10,30 @@ pub(crate) fn stem(path: &Path) -> Option<&str> {
 /// Name of the folder `levels` above the file: 1 is the folder it lies in.
 pub(crate) fn folder(path: &Path, levels: usize) -> Option<&str> {
     path.ancestors().nth(levels)?.file_name()?.to_str()
+}
+
+/// Ending of a path in small letters: some systems and recorders write `.CSV`.
+#[must_use]
+pub fn ending(path: &Path) -> Option<String> {
+    let ending = path.extension()?.to_str()?;
+    Some(ending.to_ascii_lowercase())
+}
+
+/// A path with its ending in small letters.
+pub(crate) fn with_small_ending(path: &Path) -> PathBuf {
+    ending(path).map_or_else(|| path.to_owned(), |ending| path.with_extension(ending))
+}
+
+/// The file of a path, whatever letters its ending has; none if there is no such file.
+#[must_use]
+pub fn existing(path: PathBuf) -> Option<PathBuf> {
+    if path.exists() {
+        return Some(path);
+    }
+    let wanted = with_small_ending(&path);
+    let beside = path.parent()?.read_dir().ok()?.flatten();
+    let mut beside = beside.map(|entry| entry.path());
+    beside.find(|own| with_small_ending(own) == wanted)
 }
 
 /// Whether a text is digits alone.

@@ -5,6 +5,7 @@ use std::path::Path;
 use anyhow::bail;
 
 use recordings::npy;
+use recordings::readers::path::ending;
 
 /// File format of a matrix.
 #[derive(Clone, Copy)]
@@ -18,7 +19,7 @@ pub(in crate::cli) enum Format {
 impl Format {
     /// Format by the extension of a file.
     pub fn of(path: &Path) -> anyhow::Result<Self> {
-        match path.extension().and_then(|extension| extension.to_str()) {
+        match ending(path).as_deref() {
             Some("npy") => Ok(Self::Npy),
             Some("csv") => Ok(Self::Csv),
             _ => bail!(

@@ -11,6 +11,7 @@ use evaluation::report::model_report::label_tables;
 use evaluation::report::{labels as facts, text};
 use execution::progress;
 use recordings::Recording;
+use recordings::readers::path::existing;
 
 use super::{Arguments, Purpose, emission, label_file, labels};
 use crate::cli::arguments::recordings_of;
@@ -56,7 +57,7 @@ fn labels_of(
 ) -> anyhow::Result<Option<SmoothedLabels>> {
     let files = ["csv", "npy", "txt"].map(|ending| file_of(recording, folder, ending));
     let files = files.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
-    let Some(path) = files.into_iter().find(|path| path.is_file()) else {
+    let Some(path) = files.into_iter().find_map(existing) else {
         return Ok(None);
     };
     let reference = labels(label_file::read(&path, Purpose::Prediction)?);

@@ -7,6 +7,7 @@ use shared::units::CHANNELS;
 
 use crate::readers::error::LoadError;
 use crate::readers::npy::{self, Values};
+use crate::readers::path::ending;
 use crate::readers::table;
 use crate::readers::table::columns::Columns;
 use crate::readers::table::separator::Separator;
@@ -54,15 +55,14 @@ const SEPARATORS: [(Separator, &str); 4] = [
 /// # Errors
 /// If it cannot be read.
 pub(super) fn look(path: &Path) -> Result<Look, LoadError> {
-    let ending = path.extension().and_then(|ending| ending.to_str());
-    let Some(ending) = ending.filter(|ending| matches!(*ending, "npy" | "csv" | "txt" | "tsv"))
-    else {
+    let is_read = |ending: &String| matches!(ending.as_str(), "npy" | "csv" | "txt" | "tsv");
+    let Some(ending) = ending(path).filter(is_read) else {
         return Ok(Look::Nothing);
     };
     let bytes = read(path)?;
     let layout = |separator, width, names| {
         Look::Samples(Layout {
-            ending: ending.to_owned(),
+            ending: ending.clone(),
             separator,
             width,
             names,

@@ -20,6 +20,7 @@ use rayon::prelude::*;
 use super::pattern::{Field, Pattern};
 use super::{Described, Description, FILE_NAME};
 use crate::readers::error::LoadError;
+use crate::readers::path::with_small_ending;
 use columns::Roles;
 use layout::{Beginning, Layout, Look};
 use text::Text;
@@ -150,7 +151,7 @@ fn survey(folder: &Path, is_elsewhere: bool) -> Result<String, SurveyError> {
         let found = format!("{} files such as {}", paths.len(), paths[0].display());
         return Err(none(found));
     };
-    let below = |path: &PathBuf| path.strip_prefix(folder).unwrap_or(path).to_owned();
+    let below = |path: &PathBuf| with_small_ending(path.strip_prefix(folder).unwrap_or(path));
     let relative: Vec<PathBuf> = paths.iter().map(below).collect();
     let labels: BTreeSet<PathBuf> = labels.iter().map(below).collect();
     // A column of labels goes before a file of them.

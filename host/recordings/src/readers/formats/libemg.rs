@@ -9,6 +9,7 @@ use shared::units::Sample;
 use super::react_emg::own;
 use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::Damage;
+use crate::readers::path::{existing, with_small_ending};
 use crate::recording::{DataSet, Recording};
 use execution::bounded_read;
 
@@ -26,6 +27,7 @@ const NAMES: [(&str, &str); 2] = [
 
 /// Whether a file names the classes of those beside it.
 pub(crate) fn is_metadata(path: &Path, text: &str) -> bool {
+    let path = with_small_ending(path);
     let is_it = |(name, key): &(&str, &str)| path.ends_with(name) && text.contains(key);
     NAMES.iter().any(is_it)
 }
@@ -33,7 +35,7 @@ pub(crate) fn is_metadata(path: &Path, text: &str) -> bool {
 /// Text of the file beside a recording that names its class.
 pub(crate) fn metadata(path: &Path) -> Option<String> {
     NAMES.iter().find_map(|(name, _)| {
-        let path = path.with_file_name(name);
+        let path = existing(path.with_file_name(name))?;
         let text = bounded_read::read_text(&path, bounded_read::RECORDING).ok()?;
         is_metadata(&path, &text).then_some(text)
     })
@@ -42,6 +44,7 @@ pub(crate) fn metadata(path: &Path) -> Option<String> {
 /// Class of a file: by its number, or by its path. The metadata's keys are the recorder's paths, of which the last part
 /// is compared.
 pub(crate) fn class_name(metadata: &str, path: &Path) -> Option<String> {
+    let path = with_small_ending(path);
     let file = path.file_name()?.to_str()?;
     let metadata: Value = serde_json::from_str(metadata).ok()?;
     if let Some(classes) = metadata.get(CLASSES) {
