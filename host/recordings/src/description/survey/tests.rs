@@ -138,6 +138,30 @@ fn what_is_refused_is_written_as_it_is_seen() {
 }
 
 #[test]
+fn bytes_without_a_sign_are_told_as_the_examiner_tells_them() {
+    let offset = |v: i32| (v + 128).to_string();
+    let unsigned = |v: i32| (v & 255).to_string();
+    let kinds: [(&dyn Fn(i32) -> String, &str); 2] = [
+        (
+            &offset,
+            "bytes with 128 added: subtract 128 from each value",
+        ),
+        (
+            &unsigned,
+            "bytes without a sign: subtract 256 from each value above 127",
+        ),
+    ];
+    for (kind, words) in kinds {
+        for head in ["", "a,b,c,d,e,f,g,h\n"] {
+            let text = table(head, 300, |at| counts(at, 8, kind));
+            let (lines, text) = written(&[("1.csv", text)]).unwrap();
+            assert!(text.contains(words), "{text}");
+            assert!(has(&lines, "rectified = false"), "{text}");
+        }
+    }
+}
+
+#[test]
 fn the_layout_of_most_files_is_described_and_the_others_are_told() {
     let plain = || table("", 300, |at| counts(at, 8, |v| v.to_string()));
     let volts = table("", 300, |at| {

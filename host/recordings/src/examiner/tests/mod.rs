@@ -158,6 +158,41 @@ fn silent_saturated_and_copied_channels_are_found() {
 }
 
 #[test]
+fn every_channel_with_a_defect_is_named() {
+    let told = |of: &dyn Fn(usize, Sample) -> Sample| -> Vec<String> {
+        let found = groups(&one(&counts(&each(&emg(4000, 1), of))));
+        found.iter().map(|own| own.what.clone()).collect()
+    };
+    for (channels, words) in [
+        (&[4][..], "channel 4 is silent"),
+        (&[2, 8], "channels 2 and 8 are silent"),
+        (&[2, 4, 6, 7], "channels 2, 4, 6 and 7 are silent"),
+        (&[4, 5, 6, 7, 8], "channels 4 to 8 are silent"),
+        (&[2, 4, 5, 6, 8], "channels 2, 4 to 6 and 8 are silent"),
+    ] {
+        let silent = |_, mut sample: Sample| {
+            channels.iter().for_each(|channel| sample[channel - 1] = 0);
+            sample
+        };
+        assert_eq!(told(&silent), [words]);
+    }
+    let saturated = |at: usize, mut sample: Sample| {
+        if at.is_multiple_of(20) {
+            (sample[0], sample[2]) = (127, -128);
+        }
+        sample
+    };
+    let words = "channels 1 and 3 are saturated in up to 5 % of the samples";
+    assert_eq!(told(&saturated), [words]);
+    let copied = |_, mut sample: Sample| {
+        (sample[3], sample[6], sample[7]) = (sample[1], sample[1], sample[2]);
+        sample
+    };
+    let words = "channels say the same as others: 4 as 2, 7 as 2, 8 as 3";
+    assert_eq!(told(&copied), [words]);
+}
+
+#[test]
 fn two_armbands_are_refused_however_they_are_written() {
     let (left, right) = (emg(2000, 1), emg(2000, 2));
     let turns = |rows: usize| -> Vec<Sample> {

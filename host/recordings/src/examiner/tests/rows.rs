@@ -183,6 +183,25 @@ fn every_second_sample_without_a_clock_and_a_standstill_are_told() {
 }
 
 #[test]
+fn samples_that_resemble_the_next_are_told() {
+    for (rows, own) in [(1200, 0.4), (4000, 0.6), (4000, 0.95)] {
+        let mut before = [0.0; CHANNELS];
+        let filtered = emg(rows, 1).into_iter().map(|sample| {
+            before = std::array::from_fn(|at| own * before[at] + f64::from(sample[at]));
+            before.map(|value| value.round() as i8)
+        });
+        let smooth: Vec<Sample> = filtered.collect();
+        let found = groups(&one(&counts(&smooth)));
+        assert_eq!(found[0].kind, "resembling-samples", "{own}");
+        assert!(
+            found[0].what.contains("faster than 200 Hz"),
+            "{}",
+            found[0].what
+        );
+    }
+}
+
+#[test]
 fn columns_of_times_without_a_name_are_a_clock_too() {
     let numbered = |step: f64| -> String {
         let samples = emg(3000, 1);
