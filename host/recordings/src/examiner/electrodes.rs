@@ -37,7 +37,6 @@ pub fn levels(samples: &[Sample]) -> [f64; CHANNELS] {
 
 /// Judges the electrodes; the error is a finding that makes the recording meaningless.
 pub(super) fn examine(signal: &Signal<'_>, hum: Option<&Finding>) -> Result<Vec<Finding>, Finding> {
-    let mut findings = Vec::new();
     if signal.levels.iter().all(|&level| level == 0.0) {
         let sample = signal.samples[0];
         return Err(Finding::Constant { sample });
@@ -54,35 +53,43 @@ pub(super) fn examine(signal: &Signal<'_>, hum: Option<&Finding>) -> Result<Vec<
         });
     }
     let alike = matches!(hum, Some(Finding::Hum { percent, .. }) if *percent > ALIKE_BY_HUM);
-    let mut own: Vec<usize> = Vec::new();
-    for channel in 0..CHANNELS {
-        if signal.levels[channel] < SILENT {
-            findings.push(Finding::Dead {
-                channel: channel + 1,
-            });
-            continue;
-        }
+    let all: Vec<usize> = (0..CHANNELS).collect();
+    let (dead, alive) = all
+        .into_iter()
+        .partition::<Vec<_>, _>(|&channel| signal.levels[channel] < SILENT);
+    let (mut own, mut copies): (Vec<usize>, Vec<(usize, usize)>) = (Vec::new(), Vec::new());
+    for &channel in &alive {
         let same = |&&other: &&usize| {
             let mut samples = signal.samples.iter();
             samples.all(|sample| sample[channel] == sample[other])
                 || (!alike && signal.correlation(channel, other).abs() > COPY)
         };
         match own.iter().find(same) {
-            Some(&of) => findings.push(Finding::SameChannel {
-                channel: channel + 1,
-                of: of + 1,
-            }),
+            Some(&of) => copies.push((channel + 1, of + 1)),
             None => own.push(channel),
-        }
-        if saturation[channel] > SATURATED {
-            findings.push(Finding::Saturated {
-                channel: channel + 1,
-                percent: 100.0 * saturation[channel],
-            });
         }
     }
     if own.len() < FEWEST {
         return Err(Finding::FewChannels { own: own.len() });
+    }
+    let saturated = alive
+        .into_iter()
+        .filter(|&channel| saturation[channel] > SATURATED);
+    let saturated: Vec<usize> = saturated.collect();
+    let most = saturated.iter().map(|&channel| saturation[channel]);
+    let percent = 100.0 * most.fold(0.0, f64::max);
+    let numbers = |channels: Vec<usize>| channels.into_iter().map(|channel| channel + 1).collect();
+    let mut findings = Vec::new();
+    if !dead.is_empty() {
+        let channels = numbers(dead);
+        findings.push(Finding::Dead { channels });
+    }
+    if !copies.is_empty() {
+        findings.push(Finding::SameChannel { pairs: copies });
+    }
+    if !saturated.is_empty() {
+        let channels = numbers(saturated);
+        findings.push(Finding::Saturated { channels, percent });
     }
     Ok(findings)
 }

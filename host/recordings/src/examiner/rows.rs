@@ -24,6 +24,11 @@ const REPEATED: f64 = 0.15;
 const UNRELATED: Range<f64> = -0.13..0.1;
 /// Correlation of neighbours below which they are 5 ms apart for certain.
 const RELATED: f64 = -0.12;
+/// Mean correlation of neighbours, each loud channel's above [`UNRELATED`], from which samples resemble each other: one
+/// public recording does, of 6 000.
+const RESEMBLING: f64 = 0.25;
+/// Minimum number of samples for that judgement: at rest, single channels of raw recordings drift for seconds.
+const ENOUGH_RESEMBLING: usize = 1200;
 /// Minimum number of rows for which a clock is used.
 const CLOCKED: usize = 20;
 /// Minimum number of samples for which neighbours are judged, since rest is noise; `CHANNELS`: of loud channels.
@@ -206,12 +211,18 @@ fn split(rows: usize, gaps: &[(usize, f64)]) -> Vec<Range<usize>> {
         .collect()
 }
 
-/// Finding that neighbours are unrelated, as where every second sample is missing.
+/// Finding that neighbours are unrelated, as where every second sample is missing, or resemble each other, as where
+/// samples come faster.
 pub(super) fn neighbours(signal: &Signal<'_>) -> Option<Finding> {
     let correlations = signal.autocorrelations(1, 0, 1);
-    let enough = signal.samples.len() >= ENOUGH && correlations.len() >= CHANNELS;
-    let unrelated = correlations.iter().all(|own| UNRELATED.contains(own));
-    (enough && unrelated).then(|| Finding::Unrelated {
-        correlation: mean(&correlations),
-    })
+    if correlations.len() < CHANNELS {
+        return None;
+    }
+    let (samples, correlation) = (signal.samples.len(), mean(&correlations));
+    let all = |related: &dyn Fn(f64) -> bool| correlations.iter().all(|&own| related(own));
+    if samples >= ENOUGH && all(&|own| UNRELATED.contains(&own)) {
+        return Some(Finding::Unrelated { correlation });
+    }
+    let resembling = correlation > RESEMBLING && all(&|own| own > UNRELATED.end);
+    (samples >= ENOUGH_RESEMBLING && resembling).then_some(Finding::Resembling { correlation })
 }

@@ -277,7 +277,7 @@ mod tests {
     fn findings_and_notes_are_told_once_for_all_recordings() {
         let mut library = library();
         let recording = &mut library.recordings[0];
-        recording.findings.push(Finding::Dead { channel: 3 });
+        recording.findings.push(Finding::Dead { channels: vec![3] });
         let mut second = recording.clone();
         second.name = "b".into();
         library.recordings.push(second);

@@ -29,8 +29,8 @@ pub(super) struct Roles {
     pub label: Option<usize>,
     /// Rows a second by the column of times, over all files.
     pub rate: Option<f64>,
-    /// Counts for a value of 1; none if no scale is known.
-    pub scale: Option<f64>,
+    /// Counts for a value of 1, or what the examiner says of values that no scale makes counts.
+    pub scale: Result<f64, Finding>,
     /// Least and largest value.
     pub range: (f64, f64),
 }
@@ -76,9 +76,8 @@ impl Roles {
             .iter()
             .map(|file| Self::of_alike(std::slice::from_ref(file)));
         let own: Vec<Self> = own.collect::<Option<_>>()?;
-        let scale = own[0]
-            .scale
-            .filter(|scale| own.iter().all(|other| other.scale == Some(*scale)));
+        let differs = own.iter().find(|other| other.scale != own[0].scale);
+        let scale = differs.map_or(&own[0].scale, |other| &other.scale).clone();
         let least = own
             .iter()
             .map(|own| own.range.0)
@@ -171,7 +170,7 @@ pub(super) fn is_armbands(rate: f64) -> bool {
 }
 
 /// Counts for a value of 1, and the range of the values.
-fn scale(files: &[Beginning], channels: &[usize; CHANNELS]) -> (Option<f64>, (f64, f64)) {
+fn scale(files: &[Beginning], channels: &[usize; CHANNELS]) -> (Result<f64, Finding>, (f64, f64)) {
     let mut detector = ScaleDetector::default();
     let mut range = (f64::INFINITY, f64::NEG_INFINITY);
     for file in files {
@@ -186,16 +185,16 @@ fn scale(files: &[Beginning], channels: &[usize; CHANNELS]) -> (Option<f64>, (f6
         }
     }
     let scale = match detector.finish() {
-        Ok(()) => Some(1.0),
+        Ok(()) => Ok(1.0),
         Err(Finding::Scale {
             scale: Scale::Step { step, .. },
             ..
-        }) => Some(if step < 1.0 {
+        }) => Ok(if step < 1.0 {
             (1.0 / step).round()
         } else {
             1.0 / step
         }),
-        Err(_) => None,
+        Err(finding) => Err(finding),
     };
     (scale, range)
 }

@@ -103,7 +103,7 @@ impl Text<'_> {
 
     fn scale(&self) -> String {
         match self.roles.scale {
-            Some(scale) if scale != 1.0 => format!("scale = {scale}\n"),
+            Ok(scale) if scale != 1.0 => format!("scale = {scale}\n"),
             _ => String::new(),
         }
     }
@@ -183,22 +183,25 @@ impl Text<'_> {
 
     fn unit(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (least, most) = self.roles.range;
-        match self.roles.scale {
-            Some(1.0) => writeln!(f, "# Values from {least} to {most}: the armband's counts.")?,
-            Some(scale) => writeln!(
+        match &self.roles.scale {
+            Ok(1.0) => writeln!(f, "# Values from {least} to {most}: the armband's counts.")?,
+            Ok(scale) => writeln!(
                 f,
                 "scale = {scale}    # values from {least} to {most}: counts divided by this"
             )?,
-            None => writeln!(
+            Err(finding) => writeln!(
                 f,
-                "scale = 1    # values from {least} to {most} are no counts of a known unit. Say how many counts 1 is."
+                "scale = 1    # values from {least} to {most} are no counts of a known unit. Say how many counts 1 is.\n\
+                 # As they are, files are refused: {finding}: {}",
+                finding.advice()
             )?,
         }
-        let is_rectified = least >= 0.0;
+        // Bytes without a sign are not rectified.
+        let is_rectified = least >= 0.0 && self.roles.scale.is_ok();
         let seen = if is_rectified {
             "no value is below zero: it is refused"
         } else {
-            "values have both signs"
+            "waves on both sides of a middle"
         };
         writeln!(f, "rectified = {is_rectified}    # {seen}")
     }

@@ -41,6 +41,7 @@ impl Finding {
             Self::Repeats { .. } => "repeats",
             Self::Standstill { .. } => "standstill",
             Self::Unrelated { .. } => "unrelated-samples",
+            Self::Resembling { .. } => "resembling-samples",
             Self::Devices { .. }
             | Self::ManyColumns { .. }
             | Self::ManyChannels { .. }
@@ -83,6 +84,7 @@ impl Finding {
             }
             Self::Standstill { .. } => "the armband did not stream then: cut the rows out, into two files",
             Self::Unrelated { .. } => "check that the armband was recorded at 200 Hz, each sample once",
+            Self::Resembling { .. } => "give the armband's own samples, 200 a second, as EMG mode 2 sends them",
             Self::Devices { .. } => "keep the rows of one armband in a file",
             Self::ManyColumns { .. } | Self::ManyChannels { .. } => "keep the columns of one armband in a file",
             Self::InTurn { .. } => "write each armband's rows into a file of its own",

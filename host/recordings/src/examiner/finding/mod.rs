@@ -128,26 +128,24 @@ pub enum Finding {
         /// Channels that are neither silent nor copies.
         own: usize,
     },
-    /// A channel is silent.
-    #[error("channel {channel} is silent")]
+    /// Channels are silent.
+    #[error("{} silent", are(channels))]
     Dead {
-        /// The channel.
-        channel: usize,
+        /// The channels.
+        channels: Vec<usize>,
     },
-    /// A channel is a copy of another.
-    #[error("channel {channel} says the same as channel {of}")]
+    /// Channels are copies of others.
+    #[error("channels say the same as others: {}", pairs.iter().map(|(own, of)| format!("{own} as {of}")).collect::<Vec<_>>().join(", "))]
     SameChannel {
-        /// The channel that is a copy.
-        channel: usize,
-        /// The channel that it equals.
-        of: usize,
+        /// Each channel that is a copy, and the channel that it equals.
+        pairs: Vec<(usize, usize)>,
     },
-    /// A channel is at the ends of its range.
-    #[error("channel {channel} is saturated in {percent:.0} % of the samples")]
+    /// Channels are at the ends of their range.
+    #[error("{} saturated in up to {percent:.0} % of the samples", are(channels))]
     Saturated {
-        /// The channel.
-        channel: usize,
-        /// Share of the channel's samples, in percent.
+        /// The channels.
+        channels: Vec<usize>,
+        /// Largest share of a channel's samples, in percent.
         percent: f64,
     },
     /// Mains hum is in the signal.
@@ -237,6 +235,15 @@ pub enum Finding {
         /// Mean correlation of neighbours.
         correlation: f64,
     },
+    /// Neighbours are less than 5 ms apart, or smoothed.
+    #[error(
+        "samples resemble the next (correlation {correlation:.2}; -0.2 to -0.4 at {SAMPLE_RATE_HZ} Hz): sampled faster than \
+         {SAMPLE_RATE_HZ} Hz, filtered, or of another device"
+    )]
+    Resembling {
+        /// Mean correlation of neighbours.
+        correlation: f64,
+    },
     /// Rows of several armbands.
     #[error("expected the rows of one armband, found those of {} in column \"{column}\": {}", devices.len(), devices.join(", "))]
     Devices {
@@ -286,4 +293,23 @@ pub enum Finding {
         /// Duration of the common samples, in seconds.
         seconds: f64,
     },
+}
+
+/// Channels in words: `channels 2, 4 to 6 and 8 are`.
+fn are(channels: &[usize]) -> String {
+    if let [only] = channels {
+        return format!("channel {only} is");
+    }
+    let mut parts: Vec<String> = Vec::new();
+    for run in channels.chunk_by(|a, b| a + 1 == *b) {
+        match run {
+            [first, _, .., last] => parts.push(format!("{first} to {last}")),
+            few => parts.extend(few.iter().map(usize::to_string)),
+        }
+    }
+    let last = parts.pop().unwrap_or_default();
+    match &parts[..] {
+        [] => format!("channels {last} are"),
+        before => format!("channels {} and {last} are", before.join(", ")),
+    }
 }

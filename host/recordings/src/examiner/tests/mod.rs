@@ -177,7 +177,7 @@ fn every_channel_with_a_defect_is_named() {
         assert_eq!(told(&silent), [words]);
     }
     let saturated = |at: usize, mut sample: Sample| {
-        if at.is_multiple_of(20) {
+        if at.is_multiple_of(21) {
             (sample[0], sample[2]) = (127, -128);
         }
         sample

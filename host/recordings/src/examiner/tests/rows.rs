@@ -184,7 +184,7 @@ fn every_second_sample_without_a_clock_and_a_standstill_are_told() {
 
 #[test]
 fn samples_that_resemble_the_next_are_told() {
-    for (rows, own) in [(1200, 0.4), (4000, 0.6), (4000, 0.95)] {
+    for (rows, own) in [(1200, 0.7), (4000, 0.8), (4000, 0.95)] {
         let mut before = [0.0; CHANNELS];
         let filtered = emg(rows, 1).into_iter().map(|sample| {
             before = std::array::from_fn(|at| own * before[at] + f64::from(sample[at]));
