@@ -354,6 +354,41 @@ mod tests {
     }
 
     #[test]
+    fn the_depth_of_functions_that_call_each_other_does_not_depend_on_their_addresses() {
+        // main calls poll; poll and wake call each other; either goes on to a deeper one.
+        let [main, poll, wake, format, log] = [0, 1, 2, 3, 4];
+        let frames = [5, 20, 10, 100, 90];
+        let calls: [&[usize]; 5] = [&[poll], &[wake, log], &[poll, format], &[], &[]];
+        // main, poll, wake, format; poll's; wake, poll, log, or wake, format.
+        let expected = [135, 130, 120, 100, 90];
+        for order in orders(&[main, poll, wake, format, log]) {
+            let address = |function: usize| order[function] as u64 * 2;
+            let functions = (0..5).map(|at| {
+                let calls = calls[at].iter().map(|call| address(*call)).collect();
+                let (name, frame) = (at.to_string(), frames[at]);
+                (address(at), Function { name, frame, calls })
+            });
+            let functions = functions.collect();
+            let depths = Depths::of(&functions);
+            let found = [0, 1, 2, 3, 4].map(|at| depths.of_function(address(at)));
+            assert_eq!(found, expected, "{order:?}");
+        }
+    }
+
+    /// Every order of these numbers.
+    fn orders(numbers: &[usize]) -> Vec<Vec<usize>> {
+        if numbers.is_empty() {
+            return vec![Vec::new()];
+        }
+        let begun = numbers.iter().flat_map(|first| {
+            let rest: Vec<_> = numbers.iter().copied().filter(|one| one != first).collect();
+            let rest = orders(&rest).into_iter();
+            rest.map(|rest| [vec![*first], rest].concat())
+        });
+        begun.collect()
+    }
+
+    #[test]
     fn what_is_no_image_is_refused() {
         assert!(deepest(b"").is_err());
     }
