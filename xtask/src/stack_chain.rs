@@ -66,71 +66,72 @@ pub fn deepest(elf: &[u8]) -> Result<Chain> {
         .skip(2)
         .map(|word| u64::from(u32::from_le_bytes(*word)) & !1);
     let interrupt = handlers.map(|at| depths.of_function(at)).max().unwrap_or(0);
-    let (&first, _) = functions
-        .iter()
-        .max_by_key(|(at, _)| depths.of_function(**at))
-        .context("no functions")?;
-    let mut chain = Vec::new();
-    let mut next = Some(first);
-    while let Some(at) = next {
-        let function = &functions[&at];
-        chain.push((function.name.clone(), function.frame));
-        next = depths.deepest_call(at);
-    }
+    let (deepest, chain) = depths.0.values().max().context("no functions")?;
     Ok(Chain {
-        bytes: depths.of_function(reset) + depths.of_function(first) + EXCEPTION_FRAME + interrupt,
-        functions: chain,
+        bytes: depths.of_function(reset) + deepest + EXCEPTION_FRAME + interrupt,
+        functions: chain
+            .iter()
+            .map(|at| (functions[at].name.clone(), functions[at].frame))
+            .collect(),
     })
 }
 
-/// Depths of all functions, each followed once. A call back to a caller adds nothing: what recurses is not counted.
-struct Depths<'f> {
-    functions: &'f BTreeMap<u64, Function>,
-    known: BTreeMap<u64, (u64, Option<u64>)>,
-}
+/// Deepest chains of calls, by the function that they begin with: bytes and functions. A call back to a caller adds nothing:
+/// what recurses is not counted.
+struct Depths(BTreeMap<u64, (u64, Vec<u64>)>);
 
-impl<'f> Depths<'f> {
-    fn of(functions: &'f BTreeMap<u64, Function>) -> Self {
-        let mut depths = Self {
-            functions,
-            known: BTreeMap::new(),
-        };
+impl Depths {
+    fn of(functions: &BTreeMap<u64, Function>) -> Self {
+        // Functions that call each other in a circle reach the same ones. Those that they call reach fewer: they come first.
+        let mut circles: BTreeMap<_, BTreeSet<u64>> = BTreeMap::new();
         for &at in functions.keys() {
-            depths.follow(at, &mut BTreeSet::new());
+            let reached = reached(functions, at);
+            let circle = circles.entry((reached.len(), reached)).or_default();
+            circle.insert(at);
+        }
+        let mut depths = Self(BTreeMap::new());
+        for circle in circles.values() {
+            let follow = |&at| (at, depths.follow(functions, at, circle.clone()));
+            let followed: Vec<_> = circle.iter().map(follow).collect();
+            depths.0.extend(followed);
         }
         depths
     }
 
-    fn follow(&mut self, at: u64, callers: &mut BTreeSet<u64>) -> u64 {
-        if let Some((depth, _)) = self.known.get(&at) {
-            return *depth;
-        }
-        let Some(function) = self.functions.get(&at) else {
-            return 0;
-        };
-        if !callers.insert(at) {
-            return 0;
-        }
-        let mut most = (0, None);
-        for &call in &function.calls {
-            let depth = self.follow(call, callers);
-            if depth > most.0 {
-                most = (depth, Some(call));
+    /// Follows a function through those of its circle that are no callers of it, and out of the circle.
+    fn follow(
+        &self,
+        functions: &BTreeMap<u64, Function>,
+        at: u64,
+        mut circle: BTreeSet<u64>,
+    ) -> (u64, Vec<u64>) {
+        circle.remove(&at);
+        let function = &functions[&at];
+        let calls = function.calls.iter().filter_map(|&call| {
+            if circle.contains(&call) {
+                return Some(self.follow(functions, call, circle.clone()));
             }
-        }
-        callers.remove(&at);
-        let depth = function.frame + most.0;
-        self.known.insert(at, (depth, most.1));
-        depth
+            self.0.get(&call).cloned()
+        });
+        let (depth, mut chain) = calls.max().unwrap_or_default();
+        chain.insert(0, at);
+        (function.frame + depth, chain)
     }
 
     fn of_function(&self, at: u64) -> u64 {
-        self.known.get(&at).map_or(0, |(depth, _)| *depth)
+        self.0.get(&at).map_or(0, |(depth, _)| *depth)
     }
+}
 
-    fn deepest_call(&self, at: u64) -> Option<u64> {
-        self.known.get(&at)?.1
+/// Functions that are called from one on, itself included.
+fn reached(functions: &BTreeMap<u64, Function>, first: u64) -> BTreeSet<u64> {
+    let mut reached = BTreeSet::from([first]);
+    let mut open = vec![first];
+    while let Some(function) = open.pop().and_then(|at| functions.get(&at)) {
+        let calls = function.calls.iter().copied();
+        open.extend(calls.filter(|call| functions.contains_key(call) && reached.insert(*call)));
     }
+    reached
 }
 
 /// All functions, by their address.
@@ -349,7 +350,7 @@ mod tests {
         ]);
         let depths = Depths::of(&functions);
         assert_eq!(depths.of_function(1), 130);
-        assert_eq!(depths.deepest_call(1), Some(2));
+        assert_eq!(depths.0[&1].1, [1, 2, 4]);
         assert_eq!(depths.of_function(9), 0);
     }
 
