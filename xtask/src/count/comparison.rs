@@ -5,7 +5,7 @@ use std::fmt;
 use super::table::{ALIGNMENT, PARTS, Table, milliseconds};
 
 /// Instructions of a whole patch, 50 ms of EMG.
-pub const BUDGET: u64 = 150_000;
+pub const BUDGET: u64 = 130_000;
 
 /// Percent by which a count is higher than another.
 pub fn change(now: u64, before: u64) -> f64 {
@@ -131,7 +131,7 @@ mod tests {
             ["embed", "10200", "160000", "10000", "+2.0", "%", "15300"]
         );
         assert!(
-            text.contains("budget 150000: within, 6.8 % of it"),
+            text.contains("budget 130000: within, 7.8 % of it"),
             "{text}"
         );
     }
