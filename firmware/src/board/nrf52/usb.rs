@@ -26,7 +26,8 @@ use static_cell::{ConstStaticCell, StaticCell};
 
 use crate::messages::usb::LINES;
 
-/// The test number of pid.codes: hosts choose their driver by the class. A product that is sold needs its own.
+/// The test number of pid.codes, for a developer's own boards alone. A board that is given to others, sold or not, needs a number
+/// of its own: docs/guides/port.md. Hosts choose their driver by the class, so any number works.
 const VENDOR: u16 = 0x1209;
 const PRODUCT: u16 = 0x0001;
 /// Bytes of a packet: the most at full speed.
