@@ -16,7 +16,7 @@ use crate::cli::output::Width;
     after_long_help = "balanced: mean recall of the classes present. TA: transition accuracy, share of label changes that are followed within\n\
     half a second either way and held. recognised: share of gestures whose label is emitted and held, and no other.\n\
     latency: median / 90th percentile from muscle onset to the emitted label, look-ahead included, misses counted as\n\
-    misses. false/min: false activations a minute of rest. flicker/min: label changes a minute beyond the true\n\
+    misses. release, off: the same from the muscle's end to the change away from the gesture, if recognised. false/min: false activations a minute of rest. flicker/min: label changes a minute beyond the true\n\
     ones. raw: share of samples. [a, b]: 95 % interval of the mean, from six subjects on. n: subjects of a number, where its\n\
     row has more. classes: subjects with all classes of the model in their recordings, and subjects with fewer, in rows of\n\
     their own. Floors: a constant `relax`, and an\n\

@@ -42,6 +42,7 @@ pub(super) fn json(scores: &LabelScore) -> Value {
         "gestures_recognised": own.recognised,
         "recognition": own.recognition,
         "latency": own.latency,
+        "release": own.release,
         "recognised_within_ms": SOON_MS.map(|ms| (ms.to_string(), own.recognised_within(ms))).into_iter().collect::<BTreeMap<_, _>>(),
         "false_activations": per_minute(own.rest),
         "other_activations": per_minute(own.other_movement),
@@ -101,16 +102,14 @@ pub(super) fn tables(scores: &LabelScore) -> String {
         own.recognised,
         own.gestures
     );
-    if let Some(LatencySummary { median, p90 }) = own.latency {
+    for (name, latency) in [("latency", own.latency), ("release", own.release)] {
         let of = |latency| match latency {
             Latency::Ms(ms) => format!("{ms:.0} ms"),
             Latency::Missed => "missed".to_owned(),
         };
-        text += &format!(
-            "latency              median {}, 90 % {}\n",
-            of(median),
-            of(p90)
-        );
+        if let Some(LatencySummary { median, p90 }) = latency {
+            text += &format!("{name:20} median {}, 90 % {}\n", of(median), of(p90));
+        }
     }
     if own.gestures > 0 {
         let soon = SOON_MS.map(|ms| format!("{} in {ms} ms", share(own.recognised_within(ms))));
@@ -178,18 +177,29 @@ fn changes(changes: &[Change]) -> Table {
 }
 
 fn gestures(gestures: &[Gesture]) -> Table {
-    let mut table = Table::new("", ["onset", "at s", "gesture", "verdict", "latency ms"]);
-    for gesture in gestures {
-        let latency = gesture.latency.map_or_else(String::new, |samples| {
+    let columns = [
+        "onset",
+        "at s",
+        "gesture",
+        "verdict",
+        "latency ms",
+        "release ms",
+    ];
+    let mut table = Table::new("", columns);
+    let ms = |samples: Option<i32>| {
+        samples.map_or_else(String::new, |samples| {
             format!("{:+}", i64::from(samples) * i64::from(SAMPLE_PERIOD_MS))
-        });
+        })
+    };
+    for gesture in gestures {
         let onset = gesture.span.start;
         table.push([
             onset.to_string(),
             format!("{:.2}", onset as f64 / f64::from(SAMPLE_RATE_HZ)),
             gesture.label.name().to_owned(),
             gesture.verdict.reason().to_owned(),
-            latency,
+            ms(gesture.latency),
+            ms(gesture.release),
         ]);
     }
     table

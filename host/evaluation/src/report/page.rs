@@ -248,6 +248,7 @@ fn headline(entry: &Entry<'_>) -> Markup {
         tile(name, value, interval, floor)
     };
     let median = |score: &Score| score.events.latency.map(|own| quantile(own.median));
+    let release = |score: &Score| score.events.release.map(|own| quantile(own.median));
     let false_rate = |score: &Score| {
         let shown = rate(score.events.false_activations);
         shown.split(' ').next().unwrap_or_default().to_owned()
@@ -261,6 +262,7 @@ fn headline(entry: &Entry<'_>) -> Markup {
             (share("transition accuracy", Measure::TransitionAccuracy))
             (share("gestures recognised", Measure::Recognition))
             (tile("median latency, ms", &latency, "from the muscle's onset", energy.and_then(median)))
+            (tile("median release, ms", &release(own).unwrap_or_else(none), "from the muscle's end", energy.and_then(release)))
             (tile("false activations", &false_rate(own), "a minute of rest", energy.map(false_rate)))
         }
     }

@@ -41,7 +41,7 @@ pub(super) fn people_of<'a>(scores: impl IntoIterator<Item = &'a Score>) -> Vec<
 pub(super) type Column = (&'static str, fn(&Person<'_>) -> String);
 
 /// Columns of a person's scores, and their cells; empty where the person has no value.
-pub(super) const COLUMNS: [Column; 11] = [
+pub(super) const COLUMNS: [Column; 13] = [
     ("balanced", |own| share(own.score.balanced_accuracy)),
     ("TA", |own| share(own.score.transition_accuracy)),
     ("recognised", |own| {
@@ -50,8 +50,18 @@ pub(super) const COLUMNS: [Column; 11] = [
     ("gestures", |own| {
         shown(own.events, |events| events.gestures.to_string())
     }),
-    ("latency ms", |own| latency(own, |of| of.median)),
-    ("p90 ms", |own| latency(own, |of| of.p90)),
+    ("latency ms", |own| {
+        quantile_of(own, |of| of.latency, |of| of.median)
+    }),
+    ("p90 ms", |own| {
+        quantile_of(own, |of| of.latency, |of| of.p90)
+    }),
+    ("release ms", |own| {
+        quantile_of(own, |of| of.release, |of| of.median)
+    }),
+    ("release p90", |own| {
+        quantile_of(own, |of| of.release, |of| of.p90)
+    }),
     ("false/min", |own| rate(own, |events| events.rest)),
     ("other/min", |own| rate(own, |events| events.other_movement)),
     ("flicker/min", |own| rate(own, |events| events.flicker)),
@@ -59,8 +69,12 @@ pub(super) const COLUMNS: [Column; 11] = [
     ("classes", |own| own.score.classes.to_string()),
 ];
 
-fn latency(person: &Person<'_>, of: fn(LatencySummary) -> Latency) -> String {
-    shown(person.events.and_then(|events| events.latency), |latency| {
+fn quantile_of(
+    person: &Person<'_>,
+    latency: fn(&SubjectEvents) -> Option<LatencySummary>,
+    of: fn(LatencySummary) -> Latency,
+) -> String {
+    shown(person.events.and_then(latency), |latency| {
         quantile(of(latency))
     })
 }

@@ -40,12 +40,13 @@ const OTHER: Column = ("other/min", |own| {
 const LATENCY: Column = ("latency ms", |own| {
     counted(latency(own.events.latency), own, Measure::Recognition)
 });
+const RELEASE: Column = ("release ms", |own| latency(own.events.release));
 const RAW: Column = ("raw", |own| mean(own, Measure::RawAccuracy, share));
 const SUBJECTS: Column = ("subjects", |own| people(own).to_string());
 const TRANSITIONS: Column = ("transitions", |own| own.widest().events.to_string());
 
 /// Columns of a table of scores.
-const SCORES: [Column; 15] = [
+const SCORES: [Column; 16] = [
     RECORDINGS,
     CLASSES,
     MODEL,
@@ -54,6 +55,7 @@ const SCORES: [Column; 15] = [
     ("TA", |own| estimated(own, Measure::TransitionAccuracy)),
     ("recognised", |own| estimated(own, Measure::Recognition)),
     LATENCY,
+    RELEASE,
     ("false/min", |own| {
         mean(own, Measure::FalseActivations, rate)
     }),
@@ -88,7 +90,7 @@ const PAPER: [Column; 12] = [
 ];
 
 /// Columns of what a user of the device gets.
-const EMITTED: [Column; 12] = [
+const EMITTED: [Column; 13] = [
     RECORDINGS,
     CLASSES,
     MODEL,
@@ -112,6 +114,7 @@ const EMITTED: [Column; 12] = [
         mean(own, Measure::Within300, share)
     }),
     LATENCY,
+    RELEASE,
     SUBJECTS,
 ];
 
@@ -145,7 +148,7 @@ const SUMMARY: [Column; 8] = [
 ];
 
 /// Columns of several models, 100 letters together.
-const NARROW: [Column; 9] = [
+const NARROW: [Column; 10] = [
     RECORDINGS,
     CLASSES,
     MODEL,
@@ -157,6 +160,10 @@ const NARROW: [Column; 9] = [
     EVENTS,
     MEDIAN,
     FALSE,
+    ("off ms", |own| {
+        let median = own.events.release.map(|release| quantile(release.median));
+        median.unwrap_or_else(none)
+    }),
 ];
 
 fn people(score: &Score) -> usize {

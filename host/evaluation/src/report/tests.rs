@@ -363,7 +363,8 @@ fn every_table_of_scores_has_its_floors_and_the_differences_to_them() {
     let floor = &cells(0, 2);
     // Relax and close: the recall of relax is 1.
     assert_eq!(floor[0], "0.500");
-    assert_eq!(floor[3..6], ["missed / missed", "0.0 (0.0)", "0.0 (0.0)"]);
+    let rates = ["0.0 (0.0)", "0.0 (0.0)"];
+    assert_eq!(floor[3..7], ["missed / missed", "-", rates[0], rates[1]]);
     assert_eq!(floor[2], "0.000");
     assert_eq!(cells(0, 1)[2], "1.000");
     assert_eq!(cells(1, 2)[2], "+1.000 n 2, no difference shown");

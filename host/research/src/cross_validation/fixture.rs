@@ -66,6 +66,8 @@ fn events(score: &SubjectScore) -> SubjectEvents {
         recognition: score.transition_accuracy,
         latency: latency::summary(&latencies, score.events),
         latencies,
+        releases: Vec::new(),
+        release: None,
         rest: rate(1, 30.0),
         other_movement: rate(0, 0.0),
         raised: BTreeMap::new(),

@@ -29,7 +29,8 @@ fn a_failed_transition_is_shown_with_its_reason() {
         "latency median 50 ms, 90 % 50 ms",
         // The last 50 samples have no prediction: they are no rest either.
         "false activations 0.0 a minute (0 in 2.2 s) of rest",
-        "300 1.50 open recognised +50",
+        "300 1.50 open recognised +50 +1250",
+        "release median 1250 ms, 90 % 1250 ms",
         "mean +50 ms",
         "the last 50 samples",
         "1 x no_change_in_buffer: no change from the old label to the new one",
@@ -174,7 +175,7 @@ fn every_number_is_that_of_a_version_written_from_the_page() {
     let folder = tempfile::tempdir().unwrap();
     let [truth_path, path] = ["truth.txt", "prediction.txt"].map(|name| folder.path().join(name));
     let mut random = ChaCha8Rng::seed_from_u64(11);
-    let mut followed = 0;
+    let (mut followed, mut released) = (0, 0);
     for round in 0..400 {
         let samples = random.random_range(1..2500);
         let longest = [40, 250, 600][round % 3];
@@ -206,11 +207,13 @@ fn every_number_is_that_of_a_version_written_from_the_page() {
             (Ok(found), Some(expected)) => {
                 let found: serde_json::Value = serde_json::from_str(&found).unwrap();
                 followed += found["correct"].as_u64().unwrap();
+                let gestures = found["gestures"].as_array().unwrap().iter();
+                released += gestures.filter(|own| own["release"].is_i64()).count();
                 naive::compare(&found, &expected, round);
             }
             (Err(_), None) => {}
             (found, expected) => panic!("{round}: {found:?}, {expected:?}"),
         }
     }
-    assert!(followed > 200, "{followed}");
+    assert!(followed > 200 && released > 50, "{followed}, {released}");
 }

@@ -13,6 +13,11 @@
 //! A label that was there before and stays is no recognition: the user sees no reaction to the gesture.
 //! Nor is a label that comes by chance somewhere in a long gesture.
 //! Latency = first sample of the run that is held - onset; negative within the tolerance before the onset.
+//!
+//! Release latency = end of the last run of A that begins among its samples - end of the gesture. It is known of a
+//! recognised gesture that another one follows in the labelled stretch, or at least four times the tolerance of labels.
+//! A label that is still there at the end of the stretch counts as let go there. One that falls more than the tolerance
+//! before the end of the gesture is no release.
 
 use std::ops::Range;
 
@@ -33,6 +38,8 @@ pub struct Gesture {
     pub verdict: Verdict,
     /// Emission of its label minus onset, in samples, if it is recognised.
     pub latency: Option<i32>,
+    /// Emission of the change away from its label minus end, in samples, if it is recognised and its release known.
+    pub release: Option<i32>,
 }
 
 /// Whether a gesture is recognised, or why not.
@@ -71,6 +78,8 @@ pub(super) struct Owner {
     pub(super) samples: Range<usize>,
     /// Whether it is counted: its onset is in the recording and enough of it too.
     counted: bool,
+    /// End of its labelled stretch, if its release is in it.
+    released_by: Option<usize>,
 }
 
 /// The runs of active labels in the truth, in order, with the samples that they own; these do not overlap.
@@ -85,11 +94,14 @@ pub(super) fn owners(truth: &[Option<Intent>], rule: &EventRule) -> Vec<Owner> {
             let cut = span.end == stretch.end && span.len() < 4 * rule.tolerance;
             if let Some(before) = owners[first..].last_mut() {
                 before.samples.end = before.samples.end.min(from.max(before.samples.start));
+                before.released_by = Some(stretch.end);
             }
+            let rests = stretch.end - span.end >= 4 * rule.tolerance;
             owners.push(Owner {
                 label,
                 samples: from.max(stretch.start)..(span.end + rule.tolerance).min(stretch.end),
                 counted: span.start > stretch.start && !cut,
+                released_by: rests.then_some(stretch.end),
                 span,
             });
         }
@@ -112,15 +124,16 @@ pub fn gestures(
     owners(truth, rule)
         .into_iter()
         .filter(|owner| owner.counted)
-        .map(|owner| judge(owner, &emitted_runs))
+        .map(|owner| judge(owner, &emitted_runs, rule))
         .collect()
 }
 
-fn judge(owner: Owner, emitted: &[(Intent, Range<usize>)]) -> Gesture {
+fn judge(owner: Owner, emitted: &[(Intent, Range<usize>)], rule: &EventRule) -> Gesture {
     let Owner {
         label,
         span,
         samples,
+        released_by,
         ..
     } = owner;
     let begun = || {
@@ -142,14 +155,19 @@ fn judge(owner: Owner, emitted: &[(Intent, Range<usize>)]) -> Gesture {
     } else {
         Verdict::NoLabel
     };
+    let recognised = verdict == Verdict::Recognised;
     let latency = first
-        .filter(|_| verdict == Verdict::Recognised)
+        .filter(|_| recognised)
         .map(|(_, run)| run.start as i32 - span.start as i32);
+    let last = begun().rfind(|(own, _)| *own == label);
+    let release = last.zip(released_by).filter(|_| recognised);
+    let release = release.map(|((_, run), by)| run.end.min(by) as i32 - span.end as i32);
     Gesture {
         label,
         span,
         verdict,
         latency,
+        release: release.filter(|&samples| samples >= -(rule.tolerance as i32)),
     }
 }
 

@@ -52,6 +52,12 @@ pub struct SubjectEvents {
     pub latencies: Vec<i32>,
     /// Quantiles of the latency, misses included.
     pub latency: Option<LatencySummary>,
+    /// Release latency of each recognised gesture whose release is known, in samples; empty in scores of earlier versions.
+    #[serde(default)]
+    pub releases: Vec<i32>,
+    /// Quantiles of the release latency.
+    #[serde(default)]
+    pub release: Option<LatencySummary>,
     /// False activations in rest.
     pub rest: Rate,
     /// Activations in movements outside the vocabulary.
@@ -78,6 +84,8 @@ impl SubjectEvents {
             recognition: None,
             latencies: Vec::new(),
             latency: None,
+            releases: Vec::new(),
+            release: None,
             rest: Rate::default(),
             other_movement: Rate::default(),
             raised: BTreeMap::new(),
@@ -88,6 +96,8 @@ impl SubjectEvents {
             own.recognised += recording.recognised();
             let latencies = recording.gestures.iter().filter_map(|g| g.latency);
             own.latencies.extend(latencies);
+            let releases = recording.gestures.iter().filter_map(|g| g.release);
+            own.releases.extend(releases);
             own.rest = own.rest.plus(recording.rest);
             own.other_movement = own.other_movement.plus(recording.other_movement);
             own.flicker = own.flicker.plus(recording.flicker);
@@ -99,6 +109,7 @@ impl SubjectEvents {
         }
         own.recognition = (own.gestures > 0).then(|| own.recognised as f64 / own.gestures as f64);
         own.latency = latency::summary(&own.latencies, own.gestures);
+        own.release = latency::summary(&own.releases, own.releases.len());
         own
     }
 
@@ -131,6 +142,9 @@ pub struct EventSummary {
     pub recognition: Option<MeanSd>,
     /// Quantiles of the latency over all gestures, misses included.
     pub latency: Option<LatencySummary>,
+    /// Quantiles of the release latency over all gestures whose release is known; none in scores of earlier versions.
+    #[serde(default)]
+    pub release: Option<LatencySummary>,
     /// False activations a minute of rest, mean over subjects that have rest.
     pub false_activations: Option<MeanSd>,
     /// Activations a minute of other movements, mean over subjects that have such.
@@ -148,12 +162,14 @@ impl EventSummary {
             MeanSd::of(&subjects.iter().filter_map(of).collect::<Vec<_>>())
         };
         let latencies: Vec<i32> = subjects.iter().flat_map(|s| s.latencies.clone()).collect();
+        let releases: Vec<i32> = subjects.iter().flat_map(|s| s.releases.clone()).collect();
         let gestures = subjects.iter().map(|s| s.gestures).sum();
         Self {
             gestures,
             recognised: subjects.iter().map(|s| s.recognised).sum(),
             recognition: mean(&|s| s.recognition),
             latency: latency::summary(&latencies, gestures),
+            release: latency::summary(&releases, releases.len()),
             false_activations: mean(&|s| s.rest.per_minute()),
             other_activations: mean(&|s| s.other_movement.per_minute()),
             flicker: mean(&|s| s.flicker.per_minute()),

@@ -79,6 +79,46 @@ fn each_missed_gesture_has_its_reason() {
 }
 
 #[test]
+fn a_gesture_is_released_when_its_label_changes_after_the_muscle() {
+    let release = |truth: &[(Label, usize)], emitted: &[(Label, usize)]| {
+        let found = events(truth, emitted).gestures;
+        found.iter().map(|own| own.release).collect::<Vec<_>>()
+    };
+    let held_to = |end: usize| release(&TRUTH, &[(R, 440), (C, end - 440), (R, 1200 - end)]);
+    for (end, expected) in [
+        (849, Some(49)),
+        (950, Some(150)),
+        (750, Some(-50)),
+        // The label falls before the muscle does: no release.
+        (749, None),
+        // Never let go: at least as late as the labels last.
+        (1200, Some(400)),
+    ] {
+        assert_eq!(held_to(end), [expected], "{end}");
+    }
+    // What comes back before the tolerance is over is let go once more; a gesture that is missed is not let go.
+    let back = [(R, 440), (C, 370), (R, 20), (C, 60), (R, 310)];
+    assert_eq!(release(&TRUTH, &back), [Some(90)]);
+    assert_eq!(release(&TRUTH, &[(R, 1200)]), [None]);
+    let other = [(R, 440), (C, 380), (O, 20), (R, 360)];
+    assert_eq!(release(&TRUTH, &other), [None]);
+    // The end is not known, or what follows it is too short for a slow release.
+    let to_the_end = [(R, 440), (C, 760)];
+    assert_eq!(release(&[(R, 400), (C, 800)], &to_the_end), [None]);
+    let emitted = [(R, 440), (C, 390), (R, 169)];
+    assert_eq!(release(&[(R, 400), (C, 400), (R, 199)], &emitted), [None]);
+    let cut = [(R, 400), (C, 400), (R, 199), (N, 300)];
+    assert_eq!(release(&cut, &[(R, 440), (C, 390), (R, 469)]), [None]);
+    // A gesture that follows at once, or soon, is enough.
+    let direct = [(R, 300), (O, 300), (C, 300), (R, 300)];
+    let followed = [(R, 360), (O, 310), (C, 280), (R, 250)];
+    assert_eq!(release(&direct, &followed), [Some(70), Some(50)]);
+    let twice = [(R, 400), (C, 400), (R, 100), (C, 400), (R, 400)];
+    let held_over_both = [(R, 440), (C, 900), (R, 360)];
+    assert_eq!(release(&twice, &held_over_both), [Some(540), None]);
+}
+
+#[test]
 fn only_gestures_with_their_onset_in_the_recording_are_counted() {
     let held = [(C, 500), (R, 300), (N, 100), (O, 300), (R, 200), (O, 199)];
     assert!(events(&held, &[(R, 1599)]).gestures.is_empty());
@@ -177,7 +217,7 @@ mod naive {
     use super::*;
 
     pub(super) struct Found {
-        pub(super) gestures: Vec<(usize, usize, Verdict, Option<i32>)>,
+        pub(super) gestures: Vec<(usize, usize, Verdict, Option<i32>, Option<i32>)>,
         pub(super) rest: (usize, usize),
         pub(super) flicker: (usize, usize),
     }
@@ -241,7 +281,17 @@ mod naive {
             } else {
                 (Verdict::NotHeld, None)
             };
-            gestures.push((onset, end, verdict, latency));
+            let labels_end = (end..truth.len())
+                .find(|&at| truth[at].is_none())
+                .unwrap_or(truth.len());
+            let next = onsets.iter().any(|&next| next >= end && next < labels_end);
+            let is_known = next || labels_end - end >= 4 * tolerance;
+            let last = begun.iter().copied().rfind(|&at| own(at));
+            let release = last
+                .filter(|_| verdict == Verdict::Recognised && is_known)
+                .map(|at| end_of_run(emitted, at).min(labels_end) as i32 - end as i32)
+                .filter(|release| release + tolerance as i32 >= 0);
+            gestures.push((onset, end, verdict, latency, release));
         }
         let rest: Vec<usize> = (0..truth.len())
             .filter(|&at| truth[at] == R && owner(at).is_none())
@@ -308,7 +358,7 @@ proptest! {
         let gestures: Vec<_> = found
             .gestures
             .iter()
-            .map(|g| (g.span.start, g.span.end, g.verdict, g.latency))
+            .map(|g| (g.span.start, g.span.end, g.verdict, g.latency, g.release))
             .collect();
         prop_assert_eq!(gestures, naive.gestures);
         let samples_of = |rate: Rate| (rate.count, (rate.seconds * 200.0).round() as usize);

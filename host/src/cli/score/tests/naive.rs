@@ -22,8 +22,8 @@ pub(super) struct Expected {
     raw: Option<f64>,
     /// Changes: sample, whether the prediction follows it, and its offset.
     changes: Vec<(i64, bool, Option<i64>)>,
-    /// Gestures: onset, and the latency if it is recognised.
-    gestures: Vec<(i64, Option<i64>)>,
+    /// Gestures: onset, latency if it is recognised, and release latency if that is known.
+    gestures: Vec<(i64, Option<i64>, Option<i64>)>,
     false_activations: usize,
     rest: usize,
     flicker: usize,
@@ -180,7 +180,7 @@ fn gestures(
     emitted: &[Label],
     stretch: &Range<usize>,
     owned: &mut [bool],
-    found: &mut Vec<(i64, Option<i64>)>,
+    found: &mut Vec<(i64, Option<i64>, Option<i64>)>,
 ) {
     let (s, e) = (stretch.start as i64, stretch.end as i64);
     let onset =
@@ -198,17 +198,24 @@ fn gestures(
         if !is_counted {
             continue;
         }
-        let (mut latency, mut other) = (None, false);
+        let (mut latency, mut release, mut other) = (None, None, false);
         for at in own.clone().filter(|&at| begins(emitted, at as usize)) {
             let begun = emitted[at as usize];
             other |= is_active(begun) && begun != label;
             let covers = (at..own.end).take_while(|&held| emitted[held as usize] == label);
             let held = covers.filter(|&held| held >= onset).count() as i64;
+            if begun == label {
+                let held = (at..e).take_while(|&held| emitted[held as usize] == label);
+                release = held.last().map(|last| last + 1 - end);
+            }
             if begun == label && 2 * held >= end - onset && latency.is_none() {
                 latency = Some(at - onset);
             }
         }
-        found.push((onset, latency.filter(|_| !other)));
+        let latency = latency.filter(|_| !other);
+        let is_followed = index + 1 < onsets.len() || e - end >= 4 * T;
+        let release = release.filter(|&late| latency.is_some() && is_followed && late >= -T);
+        found.push((onset, latency, release));
     }
 }
 
@@ -233,11 +240,11 @@ fn flicker(t: &[Label], emitted: &[Label], stretch: &Range<usize>) -> usize {
     count
 }
 
-/// Quantile of the latencies of all gestures, in ms; none if it falls on a missed gesture.
-fn quantile(gestures: &[(i64, Option<i64>)], percent: usize) -> Option<i64> {
-    let mut latencies: Vec<i64> = gestures.iter().filter_map(|own| own.1).collect();
+/// Quantile of the latencies of so many gestures, in ms; none if it falls on a missed gesture.
+fn quantile(latencies: impl Iterator<Item = i64>, of: usize, percent: usize) -> Option<i64> {
+    let mut latencies: Vec<i64> = latencies.collect();
     latencies.sort_unstable();
-    let rank = (percent * gestures.len()).div_ceil(100);
+    let rank = (percent * of).div_ceil(100);
     latencies.get(rank - 1).map(|samples| 5 * samples)
 }
 
@@ -306,6 +313,7 @@ pub(super) fn compare(found: &Value, expected: &Expected, round: usize) {
             (
                 own["span"]["start"].as_i64().unwrap(),
                 own["latency"].as_i64(),
+                own["release"].as_i64(),
             )
         })
         .collect();
@@ -323,10 +331,16 @@ pub(super) fn compare(found: &Value, expected: &Expected, round: usize) {
     if !told.is_empty() {
         for (name, percent) in [("median", 50), ("p90", 90)] {
             let latency = &found["latency"][name];
-            match quantile(&expected.gestures, percent) {
+            let latencies = expected.gestures.iter().filter_map(|own| own.1);
+            match quantile(latencies, told.len(), percent) {
                 Some(ms) => number(&latency["ms"], Some(ms as f64), name),
                 None => assert_eq!(latency, "missed", "{round}"),
             }
+            let releases = || expected.gestures.iter().filter_map(|own| own.2);
+            let release =
+                (releases().count() > 0).then(|| quantile(releases(), releases().count(), percent));
+            let release = release.flatten().map(|ms| ms as f64);
+            number(&found["release"][name]["ms"], release, "release");
         }
     }
     for (name, count, samples) in [
