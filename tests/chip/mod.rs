@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
-use nrf52::chip::{APPROTECT, Model};
-use nrf52::softdevice::{Kind, SoftDevice};
+use nrf52::chip::{APPROTECT, Model, PSELRESET, REGOUT0, Reset};
+use nrf52::softdevice::{Kind, SoftDevice, boot};
 use nrf52::time::ms;
 use nrf52::{Image, Machine, Refusal};
 use shared::myo::{Address, binding};
@@ -24,20 +24,29 @@ const RSSI: i8 = -50;
 pub const BINDING: u32 = 0x5_7000;
 /// The model's region, as in `memory.x`.
 pub const MODEL: u32 = 0x5_8000;
-/// UICR's words for the pin that resets the chip.
-const PSELRESET: [u32; 2] = [0x200, 0x204];
+/// Address at which a boot loader starts the program.
+const PROGRAM: u32 = 0x1000;
+/// RAM that Adafruit's boot loader uses: words that it keeps, its variables and its stack (linker/nrf52840.ld of
+/// Adafruit_nRF52_Bootloader).
+pub const BOOT_LOADER_RAM: std::ops::Range<u32> = 0x2000_7f7c..0x2004_0000;
 
-/// Pins of a kit, as in `firmware/src/board/nrf52/wiring`: those of the second port follow at 32.
+/// Pins of a board by their names on it, as its maker's documents have them: those of the second port follow at 32.
 #[derive(Clone, Copy, Debug)]
 pub struct Pins {
     /// One for each intent, in class order.
     pub intents: [u32; 6],
     /// `valid`.
     pub valid: u32,
-    /// The LEDs of the armband and of an alignment: low while they are lit.
-    pub leds: [u32; 2],
+    /// LEDs: the label is valid; an armband streams; what an alignment does.
+    pub leds: [u32; 3],
+    /// Level that lights them.
+    pub led_on: bool,
     /// The button: low while it is down.
     pub button: u32,
+    /// The UART: sends, receives.
+    pub uart: [u32; 2],
+    /// A pin that is low for good.
+    pub low: Option<u32>,
     /// Resets the chip.
     pub reset: u32,
 }
@@ -46,16 +55,55 @@ impl Pins {
     const NRF52840: Self = Self {
         intents: [33, 34, 35, 36, 37, 38],
         valid: 39,
-        leds: [14, 15],
+        leds: [13, 14, 15],
+        led_on: false,
         button: 11,
+        uart: [6, 8],
+        low: None,
         reset: 18,
     };
     const NRF52832: Self = Self {
         intents: [11, 12, 22, 23, 24, 25],
         valid: 26,
-        leds: [18, 19],
+        leds: [17, 18, 19],
+        led_on: false,
         button: 13,
+        uart: [6, 8],
+        low: None,
         reset: 21,
+    };
+    /// D0 to D5, D8; green, blue, red; D10; D6, D7; the lower end of the battery's divider.
+    const XIAO: Self = Self {
+        intents: [2, 3, 28, 29, 4, 5],
+        valid: 45,
+        leds: [30, 6, 26],
+        led_on: false,
+        button: 47,
+        uart: [43, 44],
+        low: Some(14),
+        reset: 18,
+    };
+    /// A0 to A5, D5; red, blue, D6; the user switch; TX, RX.
+    const FEATHER: Self = Self {
+        intents: [4, 5, 30, 28, 2, 3],
+        valid: 40,
+        leds: [47, 42, 7],
+        led_on: true,
+        button: 34,
+        uart: [25, 24],
+        low: None,
+        reset: 18,
+    };
+    /// 017, 020, 022, 024, 100, 011, 104; the board's LED, 106, 115; 113; 006, 008.
+    const NICE_NANO: Self = Self {
+        intents: [17, 20, 22, 24, 32, 11],
+        valid: 36,
+        leds: [15, 38, 47],
+        led_on: true,
+        button: 45,
+        uart: [6, 8],
+        low: None,
+        reset: 18,
     };
 }
 
@@ -149,7 +197,8 @@ pub struct Board {
 }
 
 impl Board {
-    /// A board with this image, whose power has just come.
+    /// A board with this image, whose power has just come. One with USB has its boot loader, which starts the program: the vectors
+    /// at 0 are not the program's, and none but reset's leads anywhere; and a full battery.
     ///
     /// # Panics
     /// If the constant address is none.
@@ -158,6 +207,9 @@ impl Board {
         let (model, pins, kind) = match built {
             Built::Nrf52840S140 => (Model::Nrf52840, Pins::NRF52840, Some(Kind::S140)),
             Built::Nrf52832S132 => (Model::Nrf52832, Pins::NRF52832, Some(Kind::S132)),
+            Built::Xiao => (Model::Nrf52840, Pins::XIAO, None),
+            Built::Feather => (Model::Nrf52840, Pins::FEATHER, None),
+            Built::NiceNano => (Model::Nrf52840, Pins::NICE_NANO, None),
             _ => (Model::Nrf52840, Pins::NRF52840, None),
         };
         let address = Address::parse(ARMBAND).expect("an address");
@@ -175,12 +227,26 @@ impl Board {
             let mut chip = machine.chip();
             chip.bus.memory.program(MODEL, &setting.model);
             chip.bus.memory.program(BINDING, &setting.page);
+            // The battery is at VDDH; the boot loader sets 3.3 V.
+            chip.bus.board.is_high_voltage = built == Built::NiceNano;
             if !setting.is_blank {
                 for word in PSELRESET {
                     chip.program_uicr(word, pins.reset);
                 }
                 chip.program_uicr(APPROTECT, 0x5a);
+                chip.program_uicr(REGOUT0, !7 | 5);
             }
+        }
+        if Built::UF2.contains(&built) {
+            let mut chip = machine.chip();
+            boot::install_reset(&chip.bus.memory, PROGRAM);
+            // AIN5, AIN7 and the chip's own divider of its supply.
+            for (input, millivolts) in [(6, 2050), (8, 1385), (13, 820)] {
+                chip.set_input(input, millivolts);
+            }
+            drop(chip);
+            machine.boot_loader_ram = Some(BOOT_LOADER_RAM);
+            machine.reset(Reset::Power);
         }
         Self { machine, pins }
     }

@@ -39,7 +39,7 @@ impl Board {
                 continue;
             }
             let is_high = |pin: u32| levels[pin as usize] == Some(true);
-            let is_lit = |pin: u32| levels[pin as usize] == Some(false);
+            let is_lit = |pin: u32| levels[pin as usize] == Some(self.pins.led_on);
             let before = received.partition_point(|(received, _)| received <= at);
             let last = before.checked_sub(1).map_or(0, |last| received[last].0);
             let (now, last) = (at / us(1), last / us(1));
@@ -49,7 +49,7 @@ impl Board {
             for (intent, pin) in Intent::ALL.into_iter().zip(self.pins.intents) {
                 let _ = write!(lines, " {}={}", intent.name(), u8::from(is_high(pin)));
             }
-            let [armband, alignment] = self.pins.leds.map(|pin| u8::from(is_lit(pin)));
+            let [_, armband, alignment] = self.pins.leds.map(|pin| u8::from(is_lit(pin)));
             let _ = writeln!(lines, " armband={armband} alignment={alignment}");
         }
         lines

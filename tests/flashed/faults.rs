@@ -7,8 +7,7 @@ use shared::model::noise::Noise;
 use shared::units::Sample;
 use xtask::firmware::Image;
 
-use super::usb::BOOT_LOADER_RAM;
-use myointent_tests::chip::{self, Board, Setting};
+use myointent_tests::chip::{self, BOOT_LOADER_RAM, Board, Setting};
 
 /// Noise of rest and effort in turn.
 pub fn effort(seconds: usize) -> Vec<Sample> {
@@ -41,7 +40,7 @@ fn board_with_valid_labels(test: &str) -> anyhow::Result<Option<Board>> {
     Ok(Some(board))
 }
 
-fn is_valid(board: &Board) -> bool {
+pub fn is_valid(board: &Board) -> bool {
     board.machine.chip().level(board.pins.valid) == Some(true)
 }
 

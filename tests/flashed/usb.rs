@@ -1,8 +1,9 @@
 //! Boards with USB: from their boot loader to lines and commands on the host's serial port.
 
+use std::collections::BTreeMap;
+
 use anyhow::{Context as _, bail, ensure};
 use nrf52::chip::Reset;
-use nrf52::softdevice::boot;
 use nrf52::time::{HZ, ms};
 use shared::uart_line::answer::{Answer, Charge};
 use shared::uart_line::line::{Line, LineReader};
@@ -12,31 +13,19 @@ use super::faults::effort;
 use super::start::starts;
 use myointent_tests::chip::{self, Board, Setting};
 
-/// Address at which a boot loader starts the program.
-const PROGRAM: u32 = 0x1000;
-/// RAM that Adafruit's boot loader uses: words that it keeps, its variables and its stack (linker/nrf52840.ld of
-/// Adafruit_nRF52_Bootloader).
-pub const BOOT_LOADER_RAM: std::ops::Range<u32> = 0x2000_7f7c..0x2004_0000;
+/// UARTE0.PSEL.TXD and RXD.
+const UART_PINS: [u32; 2] = [0x4000_250c, 0x4000_2514];
 /// POWER.GPREGRET.
 const GPREGRET: u32 = 0x4000_051c;
 
-/// A board that its boot loader starts: the vectors at 0 are not the program's, and none but reset's leads anywhere.
-fn started(test: &str, built: Image) -> Option<Board> {
+/// A board with an armband.
+pub fn started(test: &str, built: Image) -> Option<Board> {
     let image = chip::image(test, built)?;
     let setting = Setting {
         samples: effort(60),
         ..Setting::default()
     };
-    let mut board = Board::new(built, image, setting);
-    let memory = board.machine.chip().bus.memory.clone();
-    boot::install_reset(&memory, PROGRAM);
-    // A full battery, at AIN5, AIN7 and the chip's own divider of its supply.
-    for (input, millivolts) in [(6, 2050), (8, 1385), (13, 820)] {
-        board.machine.chip().set_input(input, millivolts);
-    }
-    board.machine.boot_loader_ram = Some(BOOT_LOADER_RAM);
-    board.machine.reset(Reset::Power);
-    Some(board)
+    Some(Board::new(built, image, setting))
 }
 
 /// Makes a control transfer; gives the bytes that the device sent.
@@ -59,13 +48,13 @@ fn descriptor(board: &mut Board, kind: u8, number: u8, length: u8) -> anyhow::Re
 
 /// Endpoints for lines and for commands.
 #[derive(Clone, Copy, Debug)]
-struct Endpoints {
+pub struct Endpoints {
     lines: usize,
     commands: usize,
 }
 
 /// Plugs the cable and enumerates, as a host does.
-fn plug(board: &mut Board) -> anyhow::Result<Endpoints> {
+pub fn plug(board: &mut Board) -> anyhow::Result<Endpoints> {
     board.machine.chip().plug_usb(true);
     let end = board.machine.now() + HZ;
     while !board.machine.chip().usb().is_attached() {
@@ -105,7 +94,7 @@ fn plug(board: &mut Board) -> anyhow::Result<Endpoints> {
 }
 
 /// Opens the port at a baud rate, or closes it.
-fn set_port(board: &mut Board, baud: u32, is_open: bool) -> anyhow::Result<()> {
+pub fn set_port(board: &mut Board, baud: u32, is_open: bool) -> anyhow::Result<()> {
     let [a, b, c, d] = baud.to_le_bytes();
     control(
         board,
@@ -126,7 +115,7 @@ fn received(board: &Board, endpoints: Endpoints, from: usize) -> Vec<u8> {
 }
 
 /// Text that the host has received.
-fn heard(board: &Board, endpoints: Endpoints) -> String {
+pub fn heard(board: &Board, endpoints: Endpoints) -> String {
     String::from_utf8_lossy(&received(board, endpoints, 0)).into_owned()
 }
 
@@ -142,49 +131,40 @@ fn opened(test: &str) -> anyhow::Result<Option<(Board, Endpoints)>> {
     Ok(Some((board, endpoints)))
 }
 
-/// Pins of a board: those of the intents and `valid`, which is low at first; the button; those that are nobody's.
-type Wired = (Image, [u32; 6], u32, u32, &'static [u32]);
-
-const WIRED: [Wired; 3] = [
-    // P0.13 sets the charger's current, P0.17 is its state.
-    (Image::Xiao, [2, 3, 28, 29, 4, 5], 45, 47, &[13, 17]),
-    (Image::Feather, [4, 5, 30, 28, 2, 3], 40, 34, &[16, 31, 10]),
-    // P0.13 switches the pin VCC.
-    (
-        Image::NiceNano,
-        [17, 20, 22, 24, 32, 11],
-        36,
-        45,
-        &[13, 9, 10],
-    ),
-];
-
 #[test]
 fn every_board_starts_from_its_boot_loader_on_pins_of_its_own() -> anyhow::Result<()> {
     let test = "every_board_starts_from_its_boot_loader_on_pins_of_its_own";
-    for (built, intents, valid, button, free) in WIRED {
+    for built in Image::UF2 {
         let Some(mut board) = started(test, built) else {
             return Ok(());
         };
         let said = format!("image {built}, model");
         board.wait_for(&said, 1000)?;
         board.wait_for("# armband FA", 10_000)?;
+        let pins = board.pins;
+        let [relax, others @ ..] = pins.intents;
+        let [valid, armband, alignment] = pins.leds;
+        let [sends, receives] = pins.uart;
+        let high = [relax, pins.button, sends, receives].map(|pin| (pin, true));
+        let low = others.into_iter().chain([pins.valid]).chain(pins.low);
+        let leds = [
+            (valid, !pins.led_on),
+            (armband, pins.led_on),
+            (alignment, !pins.led_on),
+        ];
+        let expected: BTreeMap<u32, bool> = high
+            .into_iter()
+            .chain(low.map(|pin| (pin, false)))
+            .chain(leds)
+            .collect();
         let chip = board.machine.chip();
-        let levels = intents.map(|pin| chip.level(pin));
-        let low = Some(false);
-        assert_eq!(levels, [Some(true), low, low, low, low, low], "{built}");
-        assert_eq!(chip.level(valid), low, "{built}");
-        assert_eq!(chip.level(button), Some(true), "{built}");
-        let free = free.iter().map(|pin| chip.level(*pin));
-        assert!(
-            free.clone().all(|level| level.is_none()),
-            "{built}: {:?}",
-            free.collect::<Vec<_>>()
-        );
-        // The lower end of the XIAO's divider.
-        assert!(built != Image::Xiao || chip.level(14) == low);
+        // All others float: the charger's current and state, the supply of VCC, the antenna.
+        let levels = (0..48).filter_map(|pin| Some((pin, chip.level(pin)?)));
+        assert_eq!(levels.collect::<BTreeMap<_, _>>(), expected, "{built}");
         drop(chip);
-        board.machine.chip().drive(button, low);
+        let uart = UART_PINS.map(|register| board.machine.chip().read(register, 4));
+        assert_eq!(uart, pins.uart, "{built}");
+        board.set_button(true);
         board.wait_for("# pairing", 4000)?;
         assert_eq!(
             starts(&board)[1..],

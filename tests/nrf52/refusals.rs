@@ -1,5 +1,7 @@
 //! Each refusal has a program that earns it.
 
+#[path = "refusals/board.rs"]
+mod board;
 #[path = "program.rs"]
 mod program;
 #[path = "refusals/usb.rs"]
@@ -140,6 +142,7 @@ fn a_task_at_the_wrong_time() {
 #[test]
 fn a_receiver_that_is_stopped_while_a_shortcut_starts_it_again() {
     let program = Program::default()
+        .store(P0 + 0x720, 0)
         .store(UARTE + 0x514, 8)
         .store(UARTE + 0x500, 8)
         .store(UARTE + 0x534, 0x2000_4000)
@@ -196,6 +199,7 @@ fn ends_of_a_channel_that_are_no_event_and_no_task() {
 #[test]
 fn dma_from_flash() {
     let program = Program::default()
+        .store(P0 + 0x518, 1 << 6)
         .store(UARTE + 0x50c, 6)
         .store(UARTE + 0x500, 8)
         .store(UARTE + 0x544, 0x100)
@@ -313,6 +317,7 @@ fn a_core_that_locks_up() {
 fn read_on_the_line(thousandths: i64) -> Vec<u8> {
     let program = Program::default()
         .store(0x2000_4000, 0x41)
+        .store(P0 + 0x518, 1 << 6)
         .store(UARTE + 0x50c, 6)
         .store(UARTE + 0x524, 0x01d6_0000)
         .store(UARTE + 0x500, 8)

@@ -54,6 +54,12 @@ pub enum What {
         /// State in which it was triggered, in words.
         when: &'static str,
     },
+    /// A pin that is used for something else.
+    #[error("is configured for something else: {why}")]
+    Pin {
+        /// What has the pin, or what it lacks.
+        why: &'static str,
+    },
     /// The interconnect leads to no task.
     #[error("is the end of a channel of the interconnect, and is no task")]
     NoTask,

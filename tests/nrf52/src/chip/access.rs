@@ -106,7 +106,11 @@ impl Chip {
             return Err(What::NoPeripheral);
         };
         let offset = address - one.base();
-        let pins = matches!(one.base() & !0xfff, GPIO | 0x4000_6000);
+        // GPIO, GPIOTE, and what takes pins: CLOCK, UARTE.
+        let pins = matches!(
+            one.base() & !0xfff,
+            GPIO | 0x4000_0000 | 0x4000_2000 | 0x4000_6000
+        );
         match one.registers_mut().write(offset, value)? {
             Written::Nothing => {}
             Written::Task => one.task(offset, bus),
@@ -155,6 +159,7 @@ impl Chip {
         }
         if std::mem::take(&mut self.pins_are_stale) {
             self.settle_pins();
+            self.check_pins();
         }
         let (all, _) = self.clocked();
         let next = all.iter().filter_map(|one| one.next()).min();

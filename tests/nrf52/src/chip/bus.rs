@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use super::clock_and_power::LFXO;
 use super::register::Registers;
 use crate::memory::Memory;
 use crate::refusal::What;
@@ -41,8 +42,23 @@ pub struct Bus {
     /// Thousandths by which the high-frequency clock is fast while its crystal does not run. A test sets it; HFINT is off by
     /// 20 at most (5.4.7).
     pub inaccuracy: i64,
+    /// Ticks that the crystal of the low-frequency clock takes to start; `None` if there is none. A test sets it.
+    pub slow_crystal: Option<u64>,
+    /// True if the watchdog runs, and with it the RC oscillator of the low-frequency clock.
+    pub watchdog_runs: bool,
+    /// What the board has around the chip.
+    pub board: Surroundings,
     /// True if something has changed that the core has to know.
     pub attention: bool,
+}
+
+/// What a board has around the chip, as far as the program has to know.
+#[derive(Clone, Copy, Default, Debug)]
+pub struct Surroundings {
+    /// True if the supply is at VDDH, so that levels of pins are what UICR.REGOUT0 says.
+    pub is_high_voltage: bool,
+    /// Inductors of the DC/DC converters: of the core's supply, and of VDDH.
+    pub inductors: [bool; 2],
 }
 
 impl Bus {
@@ -58,6 +74,9 @@ impl Bus {
             low_frequency_runs: false,
             crystal_runs: false,
             inaccuracy: 0,
+            slow_crystal: Some(LFXO),
+            watchdog_runs: false,
+            board: Surroundings::default(),
             attention: true,
         }
     }

@@ -1,7 +1,7 @@
 //! CLOCK and POWER, which share their base address (product specification, 5.4 and 5.3).
 //!
 //! Clocks take their time to start. Where a test says so, the high-frequency clock is off on the UART's line until its
-//! crystal runs. The supply is ideal.
+//! crystal runs, and the crystal of the low-frequency clock starts late or never. The supply is ideal.
 
 use super::Model;
 use super::bus::{Bus, Peripheral, Reset};
@@ -24,6 +24,8 @@ const LFCLKSTAT: u32 = 0x418;
 const LFCLKSRCCOPY: u32 = 0x41c;
 const LFCLKSRC: u32 = 0x518;
 const RESETREAS: u32 = 0x400;
+const DCDCEN: u32 = 0x578;
+const DCDCEN0: u32 = 0x580;
 /// Register without a name that the workaround of erratum 108 of the nRF52832 writes.
 const ERRATUM_108: u32 = 0xee4;
 /// Ticks after a stop, or a reset, in which the RC oscillator must not be started: erratum 132 of the nRF52832.
@@ -37,6 +39,9 @@ const USBREGSTATUS: u32 = 0x438;
 
 /// HFCLKSTAT and LFCLKSTAT: running (5.4.6).
 const RUNNING: u32 = 1 << 16;
+/// Sources of the low-frequency clock: RC oscillator, crystal.
+const RC: u32 = 0;
+const XTAL: u32 = 1;
 
 /// Ticks that the crystal of the high-frequency clock takes to start (5.4.7).
 const HFXO: u64 = us(360);
@@ -64,8 +69,8 @@ macro_rules! table {
     read_write("LFCLKSRC", LFCLKSRC, 3 | 3 << 16),
     // Of the access port, on the same address (4.8.1).
     read_write("APPROTECT.DISABLE", 0x558, 0xff),
-    read_write("DCDCEN", 0x578, 1),
-    read_write("DCDCEN0", 0x580, 1),
+    read_write("DCDCEN", DCDCEN, 1),
+    read_write("DCDCEN0", DCDCEN0, 1),
     $($more),*
         ]
     };
@@ -88,7 +93,10 @@ pub struct ClockAndPower {
     registers: Registers,
     model: Model,
     high: Option<u64>,
+    /// Tick at which the low-frequency clock runs, from its source or, while the crystal starts, from the RC oscillator.
     low: Option<u64>,
+    /// Tick at which it runs from its source.
+    low_started: Option<u64>,
     /// Tick at which the low-frequency clock stopped.
     low_stopped: u64,
 }
@@ -120,6 +128,7 @@ impl ClockAndPower {
             model,
             high: None,
             low: None,
+            low_started: None,
             low_stopped: now,
         }
     }
@@ -128,6 +137,35 @@ impl ClockAndPower {
     pub fn low_frequency_source(&self) -> Option<u32> {
         let status = self.registers.get(LFCLKSTAT);
         (status & RUNNING != 0).then_some(status & 3)
+    }
+
+    /// Returns true from the start of the low-frequency crystal on: its pins are taken.
+    pub fn crystal_has_pins(&self) -> bool {
+        self.registers.get(LFCLKRUN) == 1 && self.registers.get(LFCLKSRCCOPY) & 3 == XTAL
+    }
+
+    /// Starts the crystal of the low-frequency clock, which runs when it returns.
+    pub fn start_slow_crystal(&mut self) {
+        for (offset, value) in [
+            (LFCLKSRCCOPY, XTAL),
+            (LFCLKRUN, 1),
+            (LFCLKSTAT, RUNNING | XTAL),
+        ] {
+            self.registers.put(offset, value);
+        }
+    }
+
+    /// LFCLKSTAT: the watchdog keeps the RC oscillator running (6.36).
+    fn low_frequency_status(&self, bus: &Bus) -> u32 {
+        match self.registers.get(LFCLKSTAT) {
+            0 if bus.watchdog_runs => RUNNING | RC,
+            status => status,
+        }
+    }
+
+    fn run_low(&mut self, source: u32, bus: &mut Bus) {
+        self.registers.put(LFCLKSTAT, RUNNING | source);
+        bus.low_frequency_runs = true;
     }
 
     /// The supply of the USB comes or goes.
@@ -153,17 +191,11 @@ impl ClockAndPower {
     }
 }
 
-/// Returns the ticks that the source of the low-frequency clock takes to start (5.4.8 to 5.4.10).
-const fn low_frequency_start(source: u32) -> u64 {
-    match source & 3 {
-        // RC oscillator.
-        0 => us(600),
-        // Crystal, with the time until it is stable.
-        1 => ms(250),
-        // From the high-frequency clock.
-        _ => us(100),
-    }
-}
+/// Ticks that the RC oscillator takes to start, and the low-frequency clock from the high-frequency one (5.4.8 to 5.4.10).
+const LFRC: u64 = us(600);
+const LFSYNT: u64 = us(100);
+/// Ticks that the crystal takes until it is stable.
+pub const LFXO: u64 = ms(250);
 
 impl Peripheral for ClockAndPower {
     fn base(&self) -> u32 {
@@ -199,10 +231,20 @@ impl Peripheral for ClockAndPower {
                 }
                 self.registers.put(LFCLKRUN, 1);
                 self.registers.put(LFCLKSRCCOPY, source);
-                self.low = Some(bus.now + low_frequency_start(source));
+                let (runs, started) = match source & 3 {
+                    RC => (LFRC, Some(LFRC)),
+                    XTAL => (LFRC, bus.slow_crystal),
+                    _ => (LFSYNT, Some(LFSYNT)),
+                };
+                self.low = Some(bus.now + runs);
+                self.low_started = started.map(|ticks| bus.now + ticks);
+            }
+            _ if self.low_frequency_status(bus) == 0 => {
+                let when = "while the low-frequency clock does not run";
+                self.refuse(offset, bus, What::Untimely { when });
             }
             _ => {
-                self.low = None;
+                (self.low, self.low_started) = (None, None);
                 self.low_stopped = bus.now;
                 bus.low_frequency_runs = false;
                 self.registers.put(LFCLKRUN, 0);
@@ -211,8 +253,32 @@ impl Peripheral for ClockAndPower {
         }
     }
 
+    fn read(&mut self, offset: u32, bus: &mut Bus) -> Option<u32> {
+        (offset == LFCLKSTAT).then(|| self.low_frequency_status(bus))
+    }
+
+    fn stored(&mut self, offset: u32, bus: &mut Bus) {
+        let value = self.registers.get(offset);
+        let is_running = self.low_frequency_status(bus) != 0 || self.low.is_some();
+        let source = match self.registers.get(LFCLKRUN) {
+            1 => self.registers.get(LFCLKSRCCOPY),
+            _ => RC,
+        };
+        let [core, high] = bus.board.inductors;
+        let expected = match offset {
+            LFCLKSRC if is_running && value != source => {
+                "the low-frequency clock runs, and its source must not change until it is stopped"
+            }
+            DCDCEN if value == 1 && !core => "the board has no inductor for it",
+            DCDCEN0 if value == 1 && !high => "the board has no inductor for it",
+            _ => return,
+        };
+        self.refuse(offset, bus, What::Value { value, expected });
+    }
+
     fn next(&self) -> Option<u64> {
-        [self.high, self.low].into_iter().flatten().min()
+        let all = [self.high, self.low, self.low_started];
+        all.into_iter().flatten().min()
     }
 
     fn due(&mut self, bus: &mut Bus) {
@@ -222,10 +288,13 @@ impl Peripheral for ClockAndPower {
             self.registers.put(HFCLKSTAT, RUNNING | 1);
             self.raise(HFCLKSTARTED, bus);
         }
+        let source = self.registers.get(LFCLKSRCCOPY) & 3;
         if self.low.take_if(|at| *at <= now).is_some() {
-            let source = self.registers.get(LFCLKSRCCOPY) & 3;
-            self.registers.put(LFCLKSTAT, RUNNING | source);
-            bus.low_frequency_runs = true;
+            self.run_low(if source == XTAL { RC } else { source }, bus);
+        }
+        if self.low_started.take_if(|at| *at <= now).is_some() {
+            self.low = None;
+            self.run_low(source, bus);
             self.raise(LFCLKSTARTED, bus);
         }
     }

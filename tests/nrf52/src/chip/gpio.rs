@@ -6,7 +6,8 @@ use super::register::{Register, Registers, clear, one_clears, read_only, read_wr
 const OUT: u32 = 0x504;
 const IN: u32 = 0x510;
 const DIR: u32 = 0x514;
-const PIN_CNF: u32 = 0x700;
+/// Configurations of the pins.
+pub const PIN_CNF: u32 = 0x700;
 /// Bytes from one port's registers to the next port's.
 pub const PORT: u32 = 0x300;
 /// PIN_CNF after a reset: an input whose buffer is disconnected.
@@ -76,10 +77,25 @@ impl Gpio {
         self.levels[pin as usize]
     }
 
+    /// Returns true if a pin is an output.
+    pub fn is_output(&self, pin: u32) -> bool {
+        self.registers.get(DIR) >> pin & 1 == 1
+    }
+
+    /// Returns true if a pin can be read.
+    pub fn is_input(&self, pin: u32) -> bool {
+        self.registers.get(PIN_CNF + 4 * pin) & 3 == 0
+    }
+
+    /// Returns true if a pin can be read, or is driven or pulled.
+    pub fn is_used(&self, pin: u32) -> bool {
+        self.registers.get(PIN_CNF + 4 * pin) & 0xf != DISCONNECTED
+    }
+
     /// Sets every pin's level; `taken` says what a peripheral drives it to.
     pub fn settle(&mut self, taken: impl Fn(u32) -> Option<bool>) {
         for pin in 0..32 {
-            let is_output = self.registers.get(DIR) >> pin & 1 == 1;
+            let is_output = self.is_output(pin);
             let (driven, levels) = self.outside;
             let pull = self.registers.get(PIN_CNF + 4 * pin) >> 2 & 3;
             let level = if let Some(level) = taken(pin) {

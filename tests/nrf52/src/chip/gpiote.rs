@@ -45,12 +45,20 @@ impl Gpiote {
 
     /// Returns the level that a channel drives a pin to, if any. Pins of the second port follow those of the first.
     pub fn drives(&self, pin: u32) -> Option<bool> {
-        let mut channels = 0..CHANNELS;
-        let channel = channels.find(|channel| {
+        let channel = self.of_pin(pin).next()?;
+        Some(self.levels[channel as usize])
+    }
+
+    /// Returns the number of channels that drive a pin.
+    pub fn channels(&self, pin: u32) -> usize {
+        self.of_pin(pin).count()
+    }
+
+    fn of_pin(&self, pin: u32) -> impl Iterator<Item = u32> {
+        (0..CHANNELS).filter(move |channel| {
             let config = self.registers.get(CONFIG + 4 * channel);
             config & 3 == TASK && config >> 8 & 0x3f == pin
-        })?;
-        Some(self.levels[channel as usize])
+        })
     }
 }
 

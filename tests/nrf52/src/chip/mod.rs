@@ -10,6 +10,7 @@ mod gpiote;
 mod nvmc;
 mod outside;
 mod ownership;
+mod pins;
 mod ppi;
 mod register;
 mod rng;
@@ -24,11 +25,11 @@ mod watchdog;
 
 use std::collections::BTreeMap;
 
-pub use bus::{Bus, Peripheral, Reset};
+pub use bus::{Bus, Peripheral, Reset, Surroundings};
 pub use nvmc::{FlashTimes, PAGE};
 pub use ownership::Owner;
 pub use uarte::Received;
-pub use uicr::APPROTECT;
+pub use uicr::{APPROTECT, NFCPINS, PSELRESET, REGOUT0};
 pub use usbd::{Control, Usbd};
 
 use crate::memory::Memory;
@@ -214,6 +215,7 @@ impl Chip {
         // A reset by software or by the pin leaves the watchdog running.
         if matches!(why, Reset::Power | Reset::Watchdog) {
             self.watchdog = Watchdog::new();
+            self.bus.watchdog_runs = false;
         }
         self.egus = egus();
         let before = Some(&self.nvmc);

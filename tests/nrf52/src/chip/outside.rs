@@ -76,6 +76,12 @@ impl Chip {
         self.settle();
     }
 
+    /// Gives the low-frequency clock its crystal, as the SoftDevice does.
+    pub fn start_slow_crystal(&mut self) {
+        self.clock_and_power.start_slow_crystal();
+        self.check_pins();
+    }
+
     /// TIMER0 counts microseconds from now on: a time slot begins.
     pub fn start_slot_timer(&mut self) {
         self.timers[0] = Timer::of_microseconds("TIMER0", 0x4000_8000, self.bus.now);

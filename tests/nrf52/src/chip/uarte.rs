@@ -178,6 +178,14 @@ impl Uarte {
         self.registers.get(ENABLE) == ENABLED
     }
 
+    /// The pins by which it sends and receives, while it is enabled.
+    pub fn pins(&self) -> [Option<u32>; 2] {
+        [PSEL_TXD, PSEL_RXD].map(|offset| {
+            let pin = self.registers.get(offset);
+            (self.is_enabled() && pin & DISCONNECTED == 0).then_some(pin & 0x3f)
+        })
+    }
+
     fn buffer(&self, pointer: u32, bus: &mut Bus) -> Buffer {
         let (address, length) = (self.registers.get(pointer), self.registers.get(pointer + 4));
         if !bus.memory.is_ram(address, length) {

@@ -119,6 +119,7 @@ impl Peripheral for Watchdog {
 
     fn task(&mut self, _: u32, bus: &mut Bus) {
         if self.expires.is_none() {
+            bus.watchdog_runs = true;
             self.registers.put(RUNSTATUS, 1);
             self.registers.put(REQSTATUS, self.registers.get(RREN));
             self.reload(bus.now);

@@ -247,6 +247,9 @@ impl SoftDevice {
         core.set_call_priority(CALL_PRIORITY);
         core.set_priority(EVENTS, EVENTS_PRIORITY);
         self.is_enabled = true;
+        if clock[0] == 1 {
+            chip.start_slow_crystal();
+        }
         chip.owner = Owner::SoftDevice;
         Ok(answer::SUCCESS)
     }
