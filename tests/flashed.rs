@@ -8,6 +8,8 @@ mod air;
 mod alignment;
 #[path = "flashed/controller.rs"]
 mod controller;
+#[path = "flashed/dead_man.rs"]
+mod dead_man;
 #[path = "flashed/faults.rs"]
 mod faults;
 #[path = "flashed/flash.rs"]

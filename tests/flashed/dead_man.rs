@@ -1,0 +1,70 @@
+//! The dead-man timer clears every label's pin, on every board.
+
+use nrf52::time::{HZ, ms};
+use shared::intent::Intent;
+use shared::model::file::Model;
+use xtask::firmware::Image;
+
+use super::faults::{effort, is_valid};
+use myointent_tests::chip::{self, Board, Setting};
+
+/// Milliseconds of a core that stands still: more than the timer takes, less than the watchdog.
+const HALT_MS: u64 = 400;
+/// Milliseconds within which the pins are safe, as docs/uart.md says.
+const SAFE_MS: u64 = 250;
+
+/// The model of six classes, which sees this one in everything.
+fn model_of(intent: Intent) -> anyhow::Result<Vec<u8>> {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/six-class.intent");
+    let file = std::fs::read(path)?;
+    let model = Model::parse(&file)?;
+    let outputs = model.header.dimensions.row_outputs();
+    let mut parts = model.to_parts();
+    for row in parts.head.bias.chunks_mut(outputs) {
+        row[intent.class()] = 90.0;
+    }
+    Ok(parts.to_bytes()?)
+}
+
+/// Pins of the labels and of `valid` that are high.
+fn high(board: &Board) -> Vec<u32> {
+    let chip = board.machine.chip();
+    let pins = board.pins.intents.into_iter().chain([board.pins.valid]);
+    pins.filter(|pin| chip.level(*pin) == Some(true)).collect()
+}
+
+#[test]
+fn a_core_that_stands_still_in_any_label_loses_all_pins_on_every_board() -> anyhow::Result<()> {
+    let test = "a_core_that_stands_still_in_any_label_loses_all_pins_on_every_board";
+    let boards = Image::ALL
+        .into_iter()
+        .filter(|image| *image != Image::Emulator);
+    for built in boards {
+        for intent in Intent::ALL {
+            let Some(image) = chip::image(test, built) else {
+                return Ok(());
+            };
+            let setting = Setting {
+                model: model_of(intent)?,
+                samples: effort(10),
+                ..Setting::default()
+            };
+            let mut board = Board::new(built, image, setting);
+            while !is_valid(&board) {
+                let in_time = board.machine.now() < 10 * HZ;
+                anyhow::ensure!(
+                    in_time,
+                    "{built}, {intent:?}: never valid:\n{}",
+                    board.text()
+                );
+                board.run_ms(50)?;
+            }
+            let [relax, pin] = [Intent::Relax, intent].map(|one| board.pins.intents[one.class()]);
+            assert_eq!(high(&board), [pin, board.pins.valid], "{built}, {intent:?}");
+            board.machine.chip().bus.halt(ms(HALT_MS));
+            board.run_ms(SAFE_MS)?;
+            assert_eq!(high(&board), [relax], "{built}, {intent:?}");
+        }
+    }
+    Ok(())
+}
