@@ -6,6 +6,8 @@
 mod air;
 #[path = "flashed/alignment.rs"]
 mod alignment;
+#[path = "flashed/boot.rs"]
+mod boot;
 #[path = "flashed/controller.rs"]
 mod controller;
 #[path = "flashed/dead_man.rs"]
