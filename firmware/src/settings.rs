@@ -69,48 +69,47 @@ pub const ARM: Arm = match option_env!("MYOINTENT_MIRRORED") {
 #[derive(Clone, Copy)]
 pub enum SlowClock {
     /// The crystal that a development kit has, of 20 ppm.
+    #[cfg(feature = "radio-softdevice")]
     Crystal,
     /// The chip's own oscillator, of 500 ppm while it is calibrated.
     Oscillator,
 }
 
-/// The clock's source, as `MYOINTENT_SLOW_CLOCK=oscillator` when the program is built.
+/// The clock's source. `MYOINTENT_SLOW_CLOCK=oscillator`, when the program is built, is for a kit under a SoftDevice whose board has
+/// no crystal: the radio would never start.
 ///
-/// The crystal without it. On a board that has none the radio would never start.
+/// Without a SoftDevice it is the oscillator, on every board. Boards that are sold with one name lack the crystal, or have a
+/// microphone at its pins. And the source must not change while the watchdog keeps the clock running.
 #[cfg(all(feature = "chip", target_os = "none"))]
 pub const SLOW_CLOCK: SlowClock = match option_env!("MYOINTENT_SLOW_CLOCK") {
+    #[cfg(feature = "radio-softdevice")]
     None => SlowClock::Crystal,
+    #[cfg(feature = "radio-trouble")]
+    None => SlowClock::Oscillator,
     Some(text) => match text.as_bytes() {
+        #[cfg(feature = "radio-softdevice")]
         b"crystal" => SlowClock::Crystal,
         b"oscillator" => SlowClock::Oscillator,
-        _ => panic!("MYOINTENT_SLOW_CLOCK is neither crystal nor oscillator"),
+        _ => panic!("MYOINTENT_SLOW_CLOCK is not oscillator, nor crystal with a SoftDevice"),
     },
 };
 
 #[cfg(all(feature = "chip", target_os = "none"))]
 impl SlowClock {
     /// Quarters of a second between two calibrations: Nordic's recommendation for changes of 0.5 degrees a second.
-    pub const fn calibration_interval(self) -> u8 {
-        match self {
-            Self::Crystal => 0,
-            Self::Oscillator => 16,
-        }
-    }
-
+    pub const CALIBRATION_INTERVAL: u8 = 16;
     /// Intervals after which a calibration is made although the temperature has not changed.
-    pub const fn most_skipped(self) -> u8 {
-        match self {
-            Self::Crystal => 0,
-            Self::Oscillator => 2,
-        }
-    }
-
-    /// Greatest error, parts in a million.
+    pub const MOST_SKIPPED: u8 = 2;
+    /// Greatest error of the oscillator, parts in a million.
     #[cfg(feature = "radio-trouble")]
-    pub const fn accuracy_ppm(self) -> u16 {
+    pub const OSCILLATOR_PPM: u16 = 500;
+
+    /// Its name in the line that says which one runs.
+    pub const fn name(self) -> &'static str {
         match self {
-            Self::Crystal => 20,
-            Self::Oscillator => 500,
+            #[cfg(feature = "radio-softdevice")]
+            Self::Crystal => "the crystal",
+            Self::Oscillator => "the chip's oscillator",
         }
     }
 }

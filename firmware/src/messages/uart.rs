@@ -30,6 +30,9 @@ pub enum UartMessage {
     Started(ResetReason, Option<u32>),
     /// A panic ended the run before.
     Ended,
+    /// The radio has started, with this source of its clock.
+    #[cfg(all(feature = "chip", target_os = "none"))]
+    SlowClock(crate::settings::SlowClock),
     /// The model cannot be run, so no label will be valid.
     ModelRefused(ModelRefused),
     /// Armband that is followed from now on.
@@ -159,6 +162,8 @@ impl UartMessage {
                 write!(line, ", started by {}\r\n", reason.name())
             }
             Self::Ended => write!(line, "# the run before {}\r\n", previous_message()),
+            #[cfg(all(feature = "chip", target_os = "none"))]
+            Self::SlowClock(source) => write!(line, "# slow clock: {}\r\n", source.name()),
             Self::ModelRefused(error) => write!(line, "# {error}\r\n"),
             Self::Following(following) => write_following(line, following),
             Self::PairingFailed => line.write_str("# pairing over: no armband was heard\r\n"),

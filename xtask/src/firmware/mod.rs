@@ -82,15 +82,17 @@ pub fn build(arguments: &Arguments) -> Result<()> {
 /// When there is no toolchain, or a lint to fix.
 pub fn lint(arguments: &LintArguments) -> Result<()> {
     let toolchain = toolchain::find(arguments.install)?;
-    // The nRF52832, and boards with the same features, differ by numbers alone.
+    // The nRF52832, and boards with the same features, differ by numbers alone. The image of a kit is also looked at as it is for
+    // a board without a crystal.
     let images = [
-        Image::Nrf52840S140,
-        Image::Nrf52840Sdc,
-        Image::Xiao,
-        Image::Emulator,
+        (Image::Nrf52840S140, "oscillator"),
+        (Image::Nrf52840S140, "crystal"),
+        (Image::Nrf52840Sdc, "oscillator"),
+        (Image::Xiao, "oscillator"),
+        (Image::Emulator, "oscillator"),
     ];
-    for image in images {
-        println!("{image}");
+    for (image, slow_clock) in images {
+        println!("{image}, {slow_clock}");
         let status = cargo::command(
             &toolchain,
             "clippy",
@@ -98,6 +100,7 @@ pub fn lint(arguments: &LintArguments) -> Result<()> {
             arguments.install,
             arguments.locked,
         )?
+        .env("MYOINTENT_SLOW_CLOCK", slow_clock)
         .args(["--", "-D", "warnings"])
         .status()
         .context("clippy cannot be run")?;

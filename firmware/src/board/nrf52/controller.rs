@@ -14,6 +14,7 @@ use static_cell::StaticCell;
 
 use super::chip_flash::ChipFlash;
 use crate::installation;
+use crate::messages::uart::{self, UartMessage};
 use crate::radio::{driver::SessionDriver, trouble};
 use crate::settings::{SLOW_CLOCK, SlowClock};
 
@@ -69,7 +70,7 @@ pub struct RadioParts {
 ///
 /// # Panics
 ///
-/// If the library refuses its peripherals or the crystal, or needs more than [`CONTROLLER_BYTES`].
+/// If the library refuses its peripherals or the high-frequency crystal, or needs more than [`CONTROLLER_BYTES`].
 pub async fn run_radio(spawner: Spawner, parts: RadioParts, driver: &SessionDriver<'_>) {
     static MPSL: StaticCell<MultiprotocolServiceLayer<'static>> = StaticCell::new();
     static FLASH_SESSION: StaticCell<SessionMem<1>> = StaticCell::new();
@@ -77,13 +78,10 @@ pub async fn run_radio(spawner: Spawner, parts: RadioParts, driver: &SessionDriv
     static MEMORY: StaticCell<Mem<CONTROLLER_BYTES>> = StaticCell::new();
 
     let clock = nrf_mpsl::raw::mpsl_clock_lfclk_cfg_t {
-        source: match SLOW_CLOCK {
-            SlowClock::Crystal => nrf_mpsl::raw::MPSL_CLOCK_LF_SRC_XTAL as u8,
-            SlowClock::Oscillator => nrf_mpsl::raw::MPSL_CLOCK_LF_SRC_RC as u8,
-        },
-        rc_ctiv: SLOW_CLOCK.calibration_interval(),
-        rc_temp_ctiv: SLOW_CLOCK.most_skipped(),
-        accuracy_ppm: SLOW_CLOCK.accuracy_ppm(),
+        source: nrf_mpsl::raw::MPSL_CLOCK_LF_SRC_RC as u8,
+        rc_ctiv: SlowClock::CALIBRATION_INTERVAL,
+        rc_temp_ctiv: SlowClock::MOST_SKIPPED,
+        accuracy_ppm: SlowClock::OSCILLATOR_PPM,
         skip_wait_lfclk_started: false,
     };
     let session = FLASH_SESSION.init(SessionMem::new());
@@ -92,6 +90,7 @@ pub async fn run_radio(spawner: Spawner, parts: RadioParts, driver: &SessionDriv
         Ok(mpsl) => &*MPSL.init(mpsl),
         Err(error) => panic!("the radio's scheduler did not start: {error:?}"),
     };
+    uart::enqueue(UartMessage::SlowClock(SLOW_CLOCK));
     match run_mpsl(mpsl) {
         Ok(task) => spawner.spawn(task),
         Err(_) => panic!("the radio's scheduler runs already"),

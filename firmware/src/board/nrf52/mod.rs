@@ -35,8 +35,6 @@ use crate::messages::pin_state::PinState;
 use crate::reset_reason::{End, ResetReason, keep_end, previous_end};
 use crate::settings::WATCHDOG_MS;
 #[cfg(feature = "radio-trouble")]
-use crate::settings::{SLOW_CLOCK, SlowClock};
-#[cfg(feature = "radio-trouble")]
 pub use controller::{RadioParts, run_radio};
 #[cfg(feature = "radio-softdevice")]
 pub use softdevice::{RadioParts, run_radio};
@@ -62,10 +60,13 @@ pub fn start() -> Board {
     // program has one of them.
     config.gpiote_interrupt_priority = Priority::P2;
     config.time_interrupt_priority = Priority::P2;
-    // The scheduler of the controller's library is told the same source. Nothing says that it changes one that runs.
-    #[cfg(feature = "radio-trouble")]
-    if matches!(SLOW_CLOCK, SlowClock::Crystal) {
-        config.lfclk_source = embassy_nrf::config::LfclkSource::ExternalXtal;
+    // The slow clock starts from the chip's oscillator, in less than a millisecond. A crystal may never start: nothing may wait
+    // for it before the pins are safe and the watchdog runs.
+    config.lfclk_source = embassy_nrf::config::LfclkSource::InternalRC;
+    // The battery is at VDDH. Boot loaders set this; pins have 1.8 V if none did.
+    #[cfg(feature = "nice-nano")]
+    {
+        config.dcdc.reg0_voltage = Some(embassy_nrf::config::Reg0Voltage::_3V3);
     }
     // Instructions from flash would wait otherwise. Before the SoftDevice, which reserves the register.
     pac::NVMC.icachecnf().write(|cache| cache.set_cacheen(true));
@@ -81,6 +82,7 @@ pub fn start() -> Board {
         alignment_led: wiring.alignment_led,
     };
     critical_section::with(|section| OUTPUTS.borrow(section).replace(Some(outputs)));
+    let watchdog = Watchdog::start(wiring.watchdog);
 
     let (labels, commands) = uart::start(wiring.uart);
     Board {
@@ -89,7 +91,7 @@ pub fn start() -> Board {
         pins: Pins(()),
         button: Button(wiring.button),
         radio: wiring.radio,
-        watchdog: Watchdog::start(wiring.watchdog),
+        watchdog,
         dead_man,
         #[cfg(feature = "uf2")]
         battery: Battery::start(wiring.battery),
@@ -213,30 +215,27 @@ impl Button {
 }
 
 /// The watchdog. It keeps running over resets until power is lost.
-pub struct Watchdog(Option<wdt::WatchdogHandle>);
+pub struct Watchdog(());
 
 impl Watchdog {
     fn start(peripheral: embassy_nrf::Peri<'static, peripherals::WDT>) -> Self {
-        // One that runs already, such as a boot loader's, cannot be reconfigured: use it as it is.
-        let config = wdt::Config::try_new(&peripheral).unwrap_or_else(|| {
-            let mut config = wdt::Config::default();
-            config.timeout_ticks = WATCHDOG_MS * 32_768 / 1000;
-            // A debugger that halts the core must not cause a reset.
-            config.action_during_debug_halt = wdt::HaltConfig::Pause;
-            config
-        });
-        let handle = wdt::Watchdog::try_new(peripheral, config);
-        let handle = handle.ok().map(|(_, [handle])| handle);
-        if handle.is_none() {
-            defmt::warn!("the watchdog runs with more than one handle and is not fed");
+        let mut config = wdt::Config::default();
+        config.timeout_ticks = WATCHDOG_MS * 32_768 / 1000;
+        // A debugger that halts the core must not cause a reset.
+        config.action_during_debug_halt = wdt::HaltConfig::Pause;
+        // One that runs already, by a boot loader or another program, cannot be configured: it is used as it is.
+        let started: Result<(_, [_; 1]), _> = wdt::Watchdog::try_new(peripheral, config);
+        if started.is_err() {
+            defmt::info!("a watchdog runs already");
         }
-        Self(handle)
+        Self(())
     }
 
-    /// Restarts the period.
+    /// Restarts the period. One that runs already may wait for any of its reload requests.
     pub fn feed(&mut self) {
-        if let Some(handle) = &mut self.0 {
-            handle.pet();
+        for request in 0..8 {
+            let request = pac::WDT.rr(request);
+            request.write(|request| request.set_rr(pac::wdt::vals::Rr::Reload));
         }
     }
 }

@@ -7,6 +7,7 @@ use nrf_softdevice::{Config, Softdevice, raw};
 
 use super::chip_flash::ChipFlash;
 use crate::installation;
+use crate::messages::uart::{self, UartMessage};
 use crate::radio::{self, driver::SessionDriver};
 use crate::settings::{SLOW_CLOCK, SlowClock};
 
@@ -22,16 +23,18 @@ pub struct RadioParts {}
 pub async fn run_radio(spawner: Spawner, _: RadioParts, driver: &SessionDriver<'_>) {
     check_version();
     let config = Config {
-        clock: Some(raw::nrf_clock_lf_cfg_t {
-            source: match SLOW_CLOCK {
-                SlowClock::Crystal => raw::NRF_CLOCK_LF_SRC_XTAL as u8,
-                SlowClock::Oscillator => raw::NRF_CLOCK_LF_SRC_RC as u8,
+        clock: Some(match SLOW_CLOCK {
+            SlowClock::Crystal => raw::nrf_clock_lf_cfg_t {
+                source: raw::NRF_CLOCK_LF_SRC_XTAL as u8,
+                rc_ctiv: 0,
+                rc_temp_ctiv: 0,
+                accuracy: raw::NRF_CLOCK_LF_ACCURACY_20_PPM as u8,
             },
-            rc_ctiv: SLOW_CLOCK.calibration_interval(),
-            rc_temp_ctiv: SLOW_CLOCK.most_skipped(),
-            accuracy: match SLOW_CLOCK {
-                SlowClock::Crystal => raw::NRF_CLOCK_LF_ACCURACY_20_PPM as u8,
-                SlowClock::Oscillator => raw::NRF_CLOCK_LF_ACCURACY_500_PPM as u8,
+            SlowClock::Oscillator => raw::nrf_clock_lf_cfg_t {
+                source: raw::NRF_CLOCK_LF_SRC_RC as u8,
+                rc_ctiv: SlowClock::CALIBRATION_INTERVAL,
+                rc_temp_ctiv: SlowClock::MOST_SKIPPED,
+                accuracy: raw::NRF_CLOCK_LF_ACCURACY_500_PPM as u8,
             },
         }),
         conn_gap: Some(raw::ble_gap_conn_cfg_t {
@@ -53,6 +56,7 @@ pub async fn run_radio(spawner: Spawner, _: RadioParts, driver: &SessionDriver<'
     };
     let softdevice: &Softdevice = Softdevice::enable(&config);
     keep_crystal_on();
+    uart::enqueue(UartMessage::SlowClock(SLOW_CLOCK));
     match run_softdevice(softdevice) {
         Ok(task) => spawner.spawn(task),
         Err(_) => panic!("the SoftDevice's task runs already"),
