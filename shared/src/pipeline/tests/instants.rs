@@ -68,6 +68,32 @@ fn an_early_label_keeps_its_class_where_the_samples_are_taken_again_at_once() {
     );
 }
 
+#[test]
+fn the_first_label_comes_with_the_sample_that_the_documentation_names() {
+    let page = include_str!("../../../../docs/uart.md");
+    let balanced = Some(Reaction::Balanced.early());
+    for (early, class, samples) in [
+        (balanced, 1, 651),
+        (balanced, 0, 661),
+        (None, 1, 661),
+        (None, 0, 661),
+    ] {
+        let settings = Settings {
+            early,
+            ..Settings::PAPER_IN_PATCHES
+        };
+        let state = Box::leak(Box::new(SumModel.fresh()));
+        let mut pipeline = Pipeline::new(SumModel, state, settings, Start::Boot).unwrap();
+        let first = (0..1000).find(|&index| {
+            let reports = pipeline.sample(at(index), constant(class)).into_iter();
+            reports.count() > 0
+        });
+        assert_eq!(first, Some(samples - 1), "{early:?}, class {class}");
+        let named = page.contains(&alloc::format!("the {samples}st"));
+        assert!(named, "docs/uart.md lacks the {samples}st sample");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(256))]
     #[test]
