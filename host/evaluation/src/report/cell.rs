@@ -171,10 +171,24 @@ mod tests {
             median: Latency::Ms(285.0),
             p90: Latency::Missed,
         };
-        assert_eq!(latency(Some(missed)), "285 / missed");
-        assert_eq!(of_people(latency(Some(missed)), 8, 8), "285 / missed");
+        assert_eq!(latency(Some(missed)), "285 / >10 % missed");
+        assert_eq!(of_people(latency(Some(missed)), 8, 8), "285 / >10 % missed");
         assert_eq!(of_people(share(Some(both)), 8, 9), "0.912 (0.04) n 8");
         assert_eq!(of_people(none(), 0, 9), none());
+    }
+
+    #[test]
+    fn a_latency_that_falls_on_a_missed_gesture_says_how_many_are_missed_at_least() {
+        let of = |median, p90| LatencySummary { median, p90 };
+        let (ms, missed) = (Latency::Ms, Latency::Missed);
+        for (value, shown) in [
+            (of(ms(260.0), ms(610.0)), "260 / 610"),
+            (of(ms(260.0), missed), "260 / >10 % missed"),
+            (of(missed, missed), ">50 % missed"),
+        ] {
+            assert_eq!(latency(Some(value)), shown);
+        }
+        assert_eq!(latency(None), none());
     }
 
     #[test]

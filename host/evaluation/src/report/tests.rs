@@ -1,6 +1,7 @@
 //! Tables and a page of synthetic recordings, checked as a whole.
 
 mod one_person;
+mod shown;
 
 use std::collections::BTreeMap;
 use std::{error::Error, fs};

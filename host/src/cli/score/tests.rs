@@ -26,11 +26,11 @@ fn a_failed_transition_is_shown_with_its_reason() {
         "when emitted balanced 0.756, transition 0.500",
         "so soon 1.000 in 100 ms, 1.000 in 150 ms",
         "gestures recognised 1.000 (1 of 1)",
-        "latency median 50 ms, 90 % 50 ms",
+        "latency half within 50 ms, nine in ten within 50 ms of the onset",
         // The last 50 samples have no prediction: they are no rest either.
         "false activations 0.0 a minute (0 in 2.2 s) of rest",
         "300 1.50 open recognised +50 +1250",
-        "release median 1250 ms, 90 % 1250 ms",
+        "release half within 1250 ms, nine in ten within 1250 ms of the end",
         "mean +50 ms",
         "the last 50 samples",
         "1 x no_change_in_buffer: no change from the old label to the new one",

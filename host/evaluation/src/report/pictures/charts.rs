@@ -290,7 +290,22 @@ mod tests {
     #[test]
     fn one_latency_and_none_are_drawn_too() {
         assert!(latencies(&[vec![]])[0].0.contains("0 of 0 gestures"));
-        let missed = &latencies(&[vec![Some(24), None]])[0].0;
-        assert!(missed.contains("1 of 2 gestures recognised, median 120 ms, 90 % missed"));
+        for (own, words) in [
+            (
+                vec![Some(24)],
+                "1 of 1 gestures recognised: half within 120 ms, nine in ten within 120 ms",
+            ),
+            (
+                vec![Some(24), None],
+                "1 of 2 gestures recognised: half within 120 ms, more than one in ten missed",
+            ),
+            (
+                vec![Some(24), None, None],
+                "1 of 3 gestures recognised: more than half missed",
+            ),
+        ] {
+            let svg = &latencies(&[own])[0].0;
+            assert!(svg.contains(words), "{svg}");
+        }
     }
 }

@@ -75,6 +75,9 @@ mod tests {
         assert_eq!(share(&confusion, 0, 1), 0.25);
         assert_eq!(share(&confusion, 1, 1), 0.0);
         assert_eq!(share(&confusion, 2, 0), 1.0);
-        assert!(matrix(&confusion).0.contains("25.0 %"));
+        let svg = matrix(&confusion).0;
+        assert!(svg.contains("25.0 %"));
+        // Labels at the times that they are for, not when they are emitted.
+        assert!(svg.contains("predicted") && !svg.contains("emitted"));
     }
 }
