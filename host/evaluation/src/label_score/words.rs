@@ -11,11 +11,11 @@ use crate::metric::confusion::Confusion;
 use crate::metric::event::EventRule;
 use crate::metric::event::activation::Rate;
 use crate::metric::event::gesture::Gesture;
-use crate::metric::event::latency::{Latency, LatencySummary};
 use crate::metric::event::summary::{Raised, SubjectEvents};
 use crate::metric::offset;
 use crate::metric::transition::{Change, TransitionStatus};
 use crate::report::Table;
+use crate::report::cell::latency_in_words;
 
 /// Scores as JSON; the names are those of docs/metrics.md.
 pub(super) fn json(scores: &LabelScore) -> Value {
@@ -102,13 +102,12 @@ pub(super) fn tables(scores: &LabelScore) -> String {
         own.recognised,
         own.gestures
     );
-    for (name, latency) in [("latency", own.latency), ("release", own.release)] {
-        let of = |latency| match latency {
-            Latency::Ms(ms) => format!("{ms:.0} ms"),
-            Latency::Missed => "missed".to_owned(),
-        };
-        if let Some(LatencySummary { median, p90 }) = latency {
-            text += &format!("{name:20} median {}, 90 % {}\n", of(median), of(p90));
+    for (name, latency, from) in [
+        ("latency", own.latency, "onset"),
+        ("release", own.release, "end"),
+    ] {
+        if let Some(latency) = latency {
+            text += &format!("{name:20} {} of the {from}\n", latency_in_words(latency));
         }
     }
     if own.gestures > 0 {

@@ -86,21 +86,44 @@ pub(crate) fn rate(value: Option<MeanSd>) -> String {
     spread(value, |mean| format!("{mean:.1}"), |sd| format!("{sd:.1}"))
 }
 
-/// Median and 90th percentile of a latency in ms, `285 / 610`; `missed` for one that falls on a missed gesture.
+/// Median and 90th percentile of a latency in ms, `285 / 610`. Where one falls on a missed gesture, the share that is
+/// missed at least: `285 / >10 % missed`, `>50 % missed`.
 #[must_use]
 pub fn latency(value: Option<LatencySummary>) -> String {
-    let Some(LatencySummary { median, p90 }) = value else {
-        return none();
-    };
-    [median, p90].map(quantile).join(" / ")
+    match value {
+        None => none(),
+        Some(own) if own.median == Latency::Missed => median(own),
+        Some(own) => format!("{} / {}", median(own), p90(own)),
+    }
 }
 
-/// A quantile of a latency in ms.
-pub(crate) fn quantile(value: Latency) -> String {
+/// Median of a latency in ms.
+pub(crate) fn median(of: LatencySummary) -> String {
+    quantile(of.median, ">50 % missed")
+}
+
+/// 90th percentile of a latency in ms.
+pub(crate) fn p90(of: LatencySummary) -> String {
+    quantile(of.p90, ">10 % missed")
+}
+
+fn quantile(value: Latency, missed: &str) -> String {
     match value {
         Latency::Ms(milliseconds) => whole(milliseconds),
-        Latency::Missed => "missed".to_owned(),
+        Latency::Missed => missed.to_owned(),
     }
+}
+
+/// Latency in a sentence: `half within 285 ms, nine in ten within 610 ms`.
+pub(crate) fn latency_in_words(LatencySummary { median, p90 }: LatencySummary) -> String {
+    let Latency::Ms(median) = median else {
+        return "more than half missed".to_owned();
+    };
+    let rest = match p90 {
+        Latency::Ms(p90) => format!("nine in ten within {} ms", whole(p90)),
+        Latency::Missed => "more than one in ten missed".to_owned(),
+    };
+    format!("half within {} ms, {rest}", whole(median))
 }
 
 /// A difference of shares: `+0.120 [+0.030, +0.210] n 8`, and in words if no difference is shown.

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use shared::intent::{Intent, Vocabulary};
-use shared::units::{LOOK_AHEAD, SAMPLE_RATE_HZ};
+use shared::units::SAMPLE_RATE_HZ;
 
 use super::Fact;
 use super::pictures::charts::Panel;
@@ -54,15 +54,15 @@ impl Entry<'_> {
     }
 
     /// The busiest recordings of the `worst` people with the lowest balanced accuracy, the worst first, and of the best
-    /// one; named after the entry where it is not the only one.
+    /// one; of those who have all classes, if there are any. Named after the entry where it is not the only one.
     pub(super) fn drawn(
         &self,
         worst: usize,
         named: bool,
     ) -> Result<Vec<Timeline<'_>>, EvaluationError> {
         let measure = Measure::BalancedAccuracy;
-        let values = over_all(&self.scores).flat_map(|score| measure.values(score));
-        let mut people: Vec<_> = values.collect();
+        let first = over_all(&self.scores).next();
+        let mut people = first.map_or_else(Vec::new, |score| measure.values(score));
         people.sort_by(|a, b| a.1.total_cmp(&b.1));
         let best = people.iter().skip(worst).last();
         let drawn = people.iter().take(worst).chain(best);
@@ -81,12 +81,12 @@ impl Entry<'_> {
         Ok(timelines)
     }
 
-    /// The 20 s of a person's recordings with the most gestures.
+    /// The 20 s of a person's recordings with the most movement.
     fn busiest(&self, subject: &str) -> Option<(usize, Range<usize>)> {
         let all = self.recordings.iter().enumerate();
         let own = all.filter(|(_, recording)| recording.subject == subject);
         own.map(|(at, recording)| (at, busiest_part(recording)))
-            .max_by_key(|(at, part)| onsets(&self.recordings[*at], part))
+            .max_by_key(|(at, part)| movement(&self.recordings[*at], part))
     }
 
     /// A part of a recording with the labels that the model emits for it.
@@ -107,11 +107,7 @@ impl Entry<'_> {
             recording: recording.name.clone(),
             emg: within(&recording.emg, &part),
             truth: within(&recording.lag_compensated, &part),
-            emitted: within(&labels.reference, &part).to_vec(),
-            look_ahead_samples: match self.look_ahead {
-                LookAhead::None => 0,
-                LookAhead::AllRows | LookAhead::SameInstant => LOOK_AHEAD,
-            },
+            emitted: within(&labels.emitted, &part).to_vec(),
         })
     }
 }
@@ -126,7 +122,7 @@ pub(super) fn over_all(scores: &[Score]) -> impl Iterator<Item = &Score> {
     Group::ALL.into_iter().flat_map(of)
 }
 
-/// The 20 s of a recording with the most gestures, the first ones on ties.
+/// The 20 s of a recording with the most movement, the first ones on ties.
 fn busiest_part(recording: &EvaluatedRecording) -> Range<usize> {
     let starts = (0..recording.emg.len().max(1)).step_by(SHOWN / 4);
     let parts = starts.map(|start| start..start + SHOWN);
@@ -134,18 +130,17 @@ fn busiest_part(recording: &EvaluatedRecording) -> Range<usize> {
     let whole = parts.filter(|part| part.start == 0 || part.end <= recording.emg.len());
     whole
         .rev()
-        .max_by_key(|part| onsets(recording, part))
+        .max_by_key(|part| movement(recording, part))
         .unwrap_or(0..SHOWN)
 }
 
-/// Gestures that begin in a part of a recording.
-pub(super) fn onsets(recording: &EvaluatedRecording, part: &Range<usize>) -> usize {
-    let is_gesture = |label: Option<Intent>| label.is_some_and(|intent| intent != Intent::Relax);
-    let begins = |pair: &&[Option<Intent>]| pair[0] != pair[1] && is_gesture(pair[1]);
-    within(&recording.lag_compensated, part)
-        .windows(2)
-        .filter(begins)
-        .count()
+/// Number of gestures that begin in a part of a recording, then of samples in gestures: holds have no beginning.
+pub(super) fn movement(recording: &EvaluatedRecording, part: &Range<usize>) -> (usize, usize) {
+    let is_gesture = |label: &Option<Intent>| label.is_some_and(|intent| intent != Intent::Relax);
+    let begins = |pair: &&[Option<Intent>]| pair[0] != pair[1] && is_gesture(&pair[1]);
+    let labels = within(&recording.lag_compensated, part);
+    let moving = labels.iter().filter(|label| is_gesture(label)).count();
+    (labels.windows(2).filter(begins).count(), moving)
 }
 
 /// Part of a sequence; what lies outside of it is cut off.

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use execution::run_folder::write_whole;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
-use recordings::statistics::FEWEST;
+use recordings::statistics::{FEWEST, MeanSd};
 
-use super::cell::{none, quantile, rate};
+use super::cell::{median, none, rate};
 use super::device;
 use super::entry::{Entry, over_all};
 use super::pictures::{
@@ -15,6 +15,7 @@ use super::pictures::{
 use super::scores::estimated;
 use super::table::Table;
 use super::{Fact, recognition};
+use crate::metric::event::summary::EventSummary;
 use crate::{EvaluationError, Measure, Score, confusion, gestures};
 
 /// Style of the page; that of the pictures comes from `pictures`.
@@ -22,6 +23,8 @@ const PAGE_STYLE: &str = include_str!("page.css");
 
 /// People who are drawn of a single entry, the lowest first; the best one is added.
 const WORST: usize = 3;
+/// Whom they are chosen from.
+const AMONG: &str = ", of those whose recordings have all classes, if there are such";
 
 /// Contents of a report; empty parts are left out of the page.
 #[derive(Default)]
@@ -176,7 +179,7 @@ fn errors(entries: &[Entry<'_>]) -> Result<Markup, EvaluationError> {
         @if !entries.is_empty() {
             p.remark {
                 "Of all people, whatever their classes. Confusion matrix: each row is one true label and adds up to 100 % of its \
-                 samples. Latency: the gestures that were recognised, from the onset to the emitted label; the orange line is the \
+                 samples, with each predicted label at the time that it is for. Latency: the gestures that were recognised, from the onset to the emitted label; the orange line is the \
                  median over all gestures, missed ones included."
             }
         }
@@ -203,13 +206,14 @@ fn recordings(entries: &[Entry<'_>]) -> Result<Markup, EvaluationError> {
     Ok(html! {
         @if !timelines.is_empty() {
             p.remark {
-                "Rectified EMG, all channels on one scale. Thin lines mark where the true label changes; the emitted label should \
-                 change near them."
+                "Rectified EMG, all channels on one scale. Below it the true label, from the muscle's onset to its end, and the label \
+                 that the model has emitted by then. Thin lines mark where the true label changes; the emitted one should change soon \
+                 after them."
             }
             h3 {
                 @if all_of_one_person(entries.iter().flat_map(Entry::everybody)) { "The person's recording with the most gestures" }
-                @else if several { "The person with the lowest balanced accuracy of each model, then its best one" }
-                @else { "The people with the lowest balanced accuracy, the worst first, then the best one" }
+                @else if several { "The person with the lowest balanced accuracy of each model, then its best one" (AMONG) }
+                @else { "The people with the lowest balanced accuracy, the worst first, then the best one" (AMONG) }
             }
             @for recording in &timelines { figure { (timeline::svg(recording)) } }
         }
@@ -240,40 +244,47 @@ fn headline(entry: &Entry<'_>) -> Markup {
         return html! {};
     };
     let energy = entry.energy().find(|floor| floor.people == own.people);
-    let share = |name, measure: Measure| {
+    let share = |name, measure: Measure, why| {
         let shown = estimated(own, measure);
         let (value, interval) = shown.split_once(' ').unwrap_or((&shown, ""));
         let floor = energy.and_then(|floor| measure.mean(floor));
         let floor = floor.map(|floor| format!("{:.3}", floor.mean));
-        tile(name, value, interval, floor)
+        tile(name, value, interval, why, floor)
     };
-    let median = |score: &Score| score.events.latency.map(|own| quantile(own.median));
-    let release = |score: &Score| score.events.release.map(|own| quantile(own.median));
-    let false_rate = |score: &Score| {
-        let shown = rate(score.events.false_activations);
-        shown.split(' ').next().unwrap_or_default().to_owned()
+    let of_both = |name, of: fn(&EventSummary) -> String, unit, why| {
+        let floor = energy.map(|floor| of(&floor.events));
+        tile(name, &of(&own.events), unit, why, floor)
     };
     let people = own.widest().subjects.len().to_string();
-    let latency = median(own).unwrap_or_else(none);
+    let is_other_marked = own.events.other_activations.is_some();
     html! {
         ul.headline {
-            (tile("people", &people, &own.people.told(own.classes), None))
-            (share("balanced accuracy", Measure::BalancedAccuracy))
-            (share("transition accuracy", Measure::TransitionAccuracy))
-            (share("gestures recognised", Measure::Recognition))
-            (tile("median latency, ms", &latency, "from the muscle's onset", energy.and_then(median)))
-            (tile("median release, ms", &release(own).unwrap_or_else(none), "from the muscle's end", energy.and_then(release)))
-            (tile("false activations", &false_rate(own), "a minute of rest", energy.map(false_rate)))
+            (tile("people", &people, &own.people.told(own.classes), "", None))
+            (share("balanced accuracy", Measure::BalancedAccuracy, "nobody here has two classes"))
+            (share("transition accuracy", Measure::TransitionAccuracy, "no label changes here"))
+            (share("gestures recognised", Measure::Recognition, "no gesture begins here"))
+            (of_both("median latency, ms", |of| of.latency.map_or_else(none, median), "from the muscle's onset", "no gesture begins here"))
+            (of_both("median release, ms", |of| of.release.map_or_else(none, median), "from the muscle's end", "no gesture is let go here"))
+            (of_both("false activations", |of| mean_rate(of.false_activations), "a minute of rest", "there is no rest here"))
+            @if is_other_marked {
+                (of_both("labels in other movement", |of| mean_rate(of.other_activations), "a minute of it", ""))
+            }
         }
     }
 }
 
-/// A number with its interval or unit, and the number of the energy detector.
-fn tile(name: &str, value: &str, remark: &str, floor: Option<String>) -> Markup {
+/// Mean of a rate, without its deviation.
+fn mean_rate(value: Option<MeanSd>) -> String {
+    rate(value.map(|of| MeanSd { sd: None, ..of }))
+}
+
+/// A number with its interval or unit, or why there is none, and the number of the energy detector.
+fn tile(name: &str, value: &str, with: &str, why: &str, floor: Option<String>) -> Markup {
+    let is_missing = value == none();
     html! {
         li {
-            span.name { (name) } span.value { (value) } span.with { (remark) }
-            @if let Some(floor) = floor { span.floor { "energy detector " (floor) } }
+            span.name { (name) } span.value { (value) } span.with { (if is_missing { why } else { with }) }
+            @if let Some(floor) = floor.filter(|floor| *floor != none()) { span.floor { "energy detector " (floor) } }
         }
     }
 }

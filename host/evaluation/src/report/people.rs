@@ -1,12 +1,12 @@
 //! Scores of each person as tables.
 
-use super::cell::quantile;
+use super::cell::{median, p90};
 use super::entry::{Entry, over_all};
 use super::scores::COMPARED;
 use super::table::Table;
 use crate::Score;
 use crate::metric::event::activation::Rate;
-use crate::metric::event::latency::{Latency, LatencySummary};
+use crate::metric::event::latency::LatencySummary;
 use crate::metric::event::summary::SubjectEvents;
 use crate::metric::summary::SubjectScore;
 
@@ -50,18 +50,10 @@ pub(super) const COLUMNS: [Column; 13] = [
     ("gestures", |own| {
         shown(own.events, |events| events.gestures.to_string())
     }),
-    ("latency ms", |own| {
-        quantile_of(own, |of| of.latency, |of| of.median)
-    }),
-    ("p90 ms", |own| {
-        quantile_of(own, |of| of.latency, |of| of.p90)
-    }),
-    ("release ms", |own| {
-        quantile_of(own, |of| of.release, |of| of.median)
-    }),
-    ("release p90", |own| {
-        quantile_of(own, |of| of.release, |of| of.p90)
-    }),
+    ("latency ms", |own| quantile(own, |of| of.latency, median)),
+    ("p90 ms", |own| quantile(own, |of| of.latency, p90)),
+    ("release ms", |own| quantile(own, |of| of.release, median)),
+    ("release p90", |own| quantile(own, |of| of.release, p90)),
     ("false/min", |own| rate(own, |events| events.rest)),
     ("other/min", |own| rate(own, |events| events.other_movement)),
     ("flicker/min", |own| rate(own, |events| events.flicker)),
@@ -69,14 +61,12 @@ pub(super) const COLUMNS: [Column; 13] = [
     ("classes", |own| own.score.classes.to_string()),
 ];
 
-fn quantile_of(
+fn quantile(
     person: &Person<'_>,
     latency: fn(&SubjectEvents) -> Option<LatencySummary>,
-    of: fn(LatencySummary) -> Latency,
+    show: fn(LatencySummary) -> String,
 ) -> String {
-    shown(person.events.and_then(latency), |latency| {
-        quantile(of(latency))
-    })
+    shown(person.events.and_then(latency), show)
 }
 
 fn rate(person: &Person<'_>, of: fn(&SubjectEvents) -> Rate) -> String {

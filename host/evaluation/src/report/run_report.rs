@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::Fact;
 use super::cell::number_of;
-use super::entry::{Entry, SHOWN, onsets};
+use super::entry::{Entry, SHOWN, movement};
 use super::labels;
 use super::page::Page;
 use super::people::people_table;
@@ -19,7 +19,7 @@ use presets::config::ResolvedConfig;
 /// Name of the report in a run folder.
 pub const REPORT: &str = "report.html";
 
-/// Writes the report of a run's models to `page`, and `timeline.svg`, the recording with the most gestures, beside it.
+/// Writes the report of a run's models to `page`, and `timeline.svg`, the recording with the most movement, beside it.
 ///
 /// # Errors
 /// When a file cannot be written.
@@ -39,7 +39,7 @@ pub fn write(
     let bytes = integer.and(evaluation.model.as_deref());
     let entry = entry(folder, config, results, candidate, recordings, bytes)?;
     contents(config, results, std::slice::from_ref(&entry)).write(page)?;
-    let whole = |at: usize| onsets(&recordings[at], &(0..recordings[at].emg.len()));
+    let whole = |at: usize| movement(&recordings[at], &(0..recordings[at].emg.len()));
     if let Some(at) = (0..recordings.len()).max_by_key(|&at| whole(at)) {
         let picture = timeline::svg(&entry.timeline(at, 0..SHOWN)?);
         let file = page.with_file_name("timeline.svg");

@@ -1,7 +1,7 @@
 //! Tables of scores and of differences.
 
 use super::cell::{
-    difference, estimate, latency, narrow_estimate, none, of_people, one_ms, quantile, rate, share,
+    difference, estimate, latency, median, narrow_estimate, none, of_people, one_ms, rate, share,
 };
 use super::table::Table;
 use crate::metric::offset::OffsetSummary;
@@ -125,8 +125,8 @@ const EVENTS: Column = ("events", |own| {
     mean(own, Measure::Recognition, narrow_share)
 });
 const MEDIAN: Column = ("lat. ms", |own| {
-    let median = own.events.latency.map(|latency| quantile(latency.median));
-    counted(median.unwrap_or_else(none), own, Measure::Recognition)
+    let shown = own.events.latency.map_or_else(none, median);
+    counted(shown, own, Measure::Recognition)
 });
 const FALSE: Column = ("false/min", |own| {
     mean(own, Measure::FalseActivations, narrow_rate)
@@ -160,10 +160,7 @@ const NARROW: [Column; 10] = [
     EVENTS,
     MEDIAN,
     FALSE,
-    ("off ms", |own| {
-        let median = own.events.release.map(|release| quantile(release.median));
-        median.unwrap_or_else(none)
-    }),
+    ("off ms", |own| own.events.release.map_or_else(none, median)),
 ];
 
 fn people(score: &Score) -> usize {

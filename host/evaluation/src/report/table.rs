@@ -217,12 +217,10 @@ fn width(text: &str) -> usize {
     text.chars().count()
 }
 
-/// Whether a cell belongs to a column of numbers: `0.91`, `+160 ms`, `0.75 ± 0.04`, `-`, `missed`, nothing.
+/// Whether a cell belongs to a column of numbers: `0.91`, `+160 ms`, `0.75 ± 0.04`, `-`, `>50 % missed`, nothing.
 fn is_number_or_empty(text: &str) -> bool {
-    let unsigned = text.trim_start_matches(['+', '-', '−', '±']);
-    unsigned.is_empty()
-        || unsigned.starts_with("missed")
-        || unsigned.starts_with(|c: char| c.is_ascii_digit())
+    let unsigned = text.trim_start_matches(['+', '-', '−', '±', '>']);
+    unsigned.is_empty() || unsigned.starts_with(|c: char| c.is_ascii_digit())
 }
 
 #[cfg(test)]

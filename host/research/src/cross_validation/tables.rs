@@ -359,7 +359,7 @@ mod tests {
         assert_eq!(all[column("balanced")], "0.333");
         assert_eq!(all[column("TA")], "0.000 n 2");
         assert_eq!(all[column("recognised")], "0.000 n 2");
-        assert_eq!(all[column("latency ms")], "missed / missed n 2");
+        assert_eq!(all[column("latency ms")], ">50 % missed n 2");
         let fewer = row(["all", "fewer"]);
         assert_eq!(
             [&fewer[column("balanced")], &fewer[column("people")]],

@@ -7,7 +7,7 @@ use super::{
     shortened, text,
 };
 use crate::metric::event::latency::{self, Latency};
-use crate::report::cell::quantile;
+use crate::report::cell::latency_in_words;
 
 /// Curves that share their axes.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -179,8 +179,7 @@ fn histogram(latencies: &[Option<i32>], axis: &Bins, counts: &[u32], highest: u3
     let of = latencies.len();
     let mut summary = format!("{} of {of} gestures recognised", recognised.len());
     if let Some(of) = quantiles {
-        let (median, p90) = (quantile(of.median), quantile(of.p90));
-        summary += &format!(", median {median} ms, 90 % {p90} ms").replace("missed ms", "missed");
+        summary += &format!(": {}", latency_in_words(of));
     }
     let &Bins { start, width, .. } = axis;
     let top = f64::from(highest) * 1.08;

@@ -9,8 +9,8 @@ const CELL: f64 = 84.0;
 const GUTTER: f64 = 92.0;
 const HEAD: f64 = 52.0;
 
-/// Picture of a square per pair of true and emitted label, with its share of the true label in percent and in depth of
-/// colour. Samples without an emitted label are left out.
+/// Picture of a square per pair of true and predicted label, with its share of the true label in percent and in depth of
+/// colour. Samples without a predicted label are left out.
 pub(in crate::report) fn matrix(confusion: &Confusion) -> Markup {
     let names = &confusion.intents;
     let classes = names.len();
@@ -25,12 +25,12 @@ pub(in crate::report) fn matrix(confusion: &Confusion) -> Markup {
         })
         .collect();
     let description = format!(
-        "Share of each true intent that was emitted as itself: {}.",
+        "Share of each true intent that was predicted as itself: {}.",
         diagonal.join(", ")
     );
     let middle = |class: usize| CELL * (class as f64 + 0.5);
     let body = html! {
-        (text("middle", (GUTTER + side / 2.0, 12.0), 11.0, MUTED, "emitted"))
+        (text("middle", (GUTTER + side / 2.0, 12.0), 11.0, MUTED, "predicted"))
         (text("end", (GUTTER - 10.0, 36.0), 11.0, MUTED, "true"))
         @for (class, name) in names.iter().enumerate() {
             (text("middle", (GUTTER + middle(class), 36.0), 12.0, INK, name))
@@ -53,12 +53,12 @@ pub(in crate::report) fn matrix(confusion: &Confusion) -> Markup {
     picture(size, "Confusion matrix", &description, &body)
 }
 
-/// Part of the emitted labels of the true class `row` that is `column`; 0 for a class without any.
+/// Part of the predicted labels of the true class `row` that is `column`; 0 for a class without any.
 fn share(confusion: &Confusion, row: usize, column: usize) -> f64 {
-    let emitted = &confusion.counts[row][..confusion.intents.len()];
-    match emitted.iter().sum::<u64>() {
+    let predicted = &confusion.counts[row][..confusion.intents.len()];
+    match predicted.iter().sum::<u64>() {
         0 => 0.0,
-        total => emitted[column] as f64 / total as f64,
+        total => predicted[column] as f64 / total as f64,
     }
 }
 

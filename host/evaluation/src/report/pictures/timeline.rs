@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 use recordings::runs;
 use shared::intent::Intent;
-use shared::units::{CHANNELS, CleanSample, SAMPLE_PERIOD_MS, SAMPLE_RATE_HZ};
+use shared::units::{CHANNELS, CleanSample, SAMPLE_RATE_HZ};
 
 use super::{GRID, INK, MUTED, intent_colour, line, nice_step, picture, points, rect, text};
 
@@ -18,10 +18,8 @@ pub(in crate::report) struct Timeline<'a> {
     pub emg: &'a [CleanSample],
     /// The true label of each sample; none where it is unknown.
     pub truth: &'a [Option<Intent>],
-    /// The label emitted *for* each sample, `look_ahead_samples` after it.
+    /// The label that a user sees at each sample, look-ahead included.
     pub emitted: Vec<Option<Intent>>,
-    /// Samples from the reference time of a label to its emission.
-    pub look_ahead_samples: usize,
 }
 
 /// Width of the picture, and of its margins.
@@ -36,10 +34,8 @@ const STRIP: f64 = 30.0;
 const TRUTH: f64 = HEAD + STRIP * CHANNELS as f64 + 12.0;
 const BAND: f64 = 24.0;
 const EMITTED: f64 = TRUTH + BAND + 5.0;
-/// Bars from the reference time of a new label to its emission.
-const DELAY: f64 = EMITTED + BAND + 3.0;
-const AXIS: f64 = DELAY + 10.0;
-const HEIGHT: f64 = AXIS + 36.0;
+const AXIS: f64 = EMITTED + BAND + 6.0;
+const HEIGHT: f64 = AXIS + 22.0;
 
 /// Colour of a muscle's trace.
 const TRACE: &str = "#52606D";
@@ -65,12 +61,7 @@ pub(in crate::report) fn svg(timeline: &Timeline<'_>) -> Markup {
         (traces(&axis, emg))
         (band(&axis, TRUTH, "true", truth))
         (band(&axis, EMITTED, "emitted", emitted))
-        @for run in runs(emitted).into_iter().filter(|run| run.label.is_some()) {
-            @let start = axis.at(run.start);
-            @let end = axis.at(run.start + timeline.look_ahead_samples).max(start + 0.5);
-            (rect((start, DELAY), (end, DELAY + 4.0), INK, 1.0))
-        }
-        (seconds(&axis, timeline.look_ahead_samples))
+        (seconds(&axis))
     };
     picture((WIDTH, HEIGHT), &title, &description, &body)
 }
@@ -189,15 +180,11 @@ fn band(axis: &Axis, top: f64, name: &str, labels: &[Option<Intent>]) -> Markup 
     }
 }
 
-/// The time axis and a remark.
-fn seconds(axis: &Axis, look_ahead: usize) -> Markup {
+/// The time axis.
+fn seconds(axis: &Axis) -> Markup {
     let rate = f64::from(SAMPLE_RATE_HZ);
     let length = axis.samples as f64 / rate;
     let step = nice_step(length, 10.0);
-    let remark = format!(
-        "short bars: look-ahead of {} ms, from the reference time of a new label to its emission",
-        look_ahead * SAMPLE_PERIOD_MS as usize
-    );
     html! {
         (line((axis.at(0), AXIS), (axis.at(axis.samples), AXIS), MUTED, 1.0))
         @for tick in 0..=(length / step * (1.0 + 1e-9)) as u32 {
@@ -206,7 +193,6 @@ fn seconds(axis: &Axis, look_ahead: usize) -> Markup {
             (line((x, AXIS), (x, AXIS + 4.0), MUTED, 1.0))
             (text("middle", (x, AXIS + 13.0), 11.0, MUTED, format!("{} s", (second * 100.0).round() / 100.0)))
         }
-        (text("end", (WIDTH - RIGHT, AXIS + 29.0), 11.0, MUTED, remark))
     }
 }
 
