@@ -54,10 +54,11 @@ def main(path):
         held_out = [own for own in recordings if own.person == person]
         labels = join(emitted(classifier, own.emg) for own in held_out)
         scores = myointent.score(join(own.labels for own in held_out), labels).results
-        latency = scores["latency"] and scores["latency"]["median"]
+        median = scores["latency"] and scores["latency"]["median"]
+        latency = f"{median['ms']:.0f} ms" if isinstance(median, dict) else "more than half missed"
         print(
             f"{person}: balanced accuracy {scores['balanced_accuracy']:.3f}, "
-            f"gestures recognised {scores['gestures_recognised']}, median latency {latency} ms"
+            f"gestures recognised {scores['gestures_recognised']}, median latency: {latency if median else 'no gestures'}"
         )
 
 

@@ -106,6 +106,7 @@ class ExamplesTest(unittest.TestCase):
         self.assertEqual(len(lines), 3)
         for line in lines:
             self.assertGreater(float(line.split("balanced accuracy ")[1].split(",")[0]), 0.5, line)
+            self.assertRegex(line, r"median latency: (-?\d+ ms|more than half missed)$")
 
     def test_lab_streaming_layer_receives_samples_and_labels(self):
         own = example(self.id(), "lab_streaming_layer")
