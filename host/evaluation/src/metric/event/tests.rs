@@ -216,8 +216,11 @@ fn subjects_weigh_the_same_and_misses_count_in_the_latency() {
 mod naive {
     use super::*;
 
+    /// Onset and end of a gesture, its verdict, latency and release latency.
+    type Judged = (usize, usize, Verdict, Option<i32>, Option<i32>);
+
     pub(super) struct Found {
-        pub(super) gestures: Vec<(usize, usize, Verdict, Option<i32>, Option<i32>)>,
+        pub(super) gestures: Vec<Judged>,
         pub(super) rest: (usize, usize),
         pub(super) flicker: (usize, usize),
     }
