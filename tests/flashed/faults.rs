@@ -150,6 +150,20 @@ fn the_guard_of_the_stack_ends_a_program_that_grows_into_it() -> anyhow::Result<
 }
 
 #[test]
+fn a_fault_after_a_reset_by_the_watchdog_is_told_as_what_it_is() -> anyhow::Result<()> {
+    let test = "a_fault_after_a_reset_by_the_watchdog_is_told_as_what_it_is";
+    let Some(mut board) = board_with_valid_labels(test)? else {
+        return Ok(());
+    };
+    board.machine.reset(Reset::Watchdog);
+    board.wait_for("started by the watchdog", 1000)?;
+    leave_interrupts(&mut board)?;
+    board.machine.core().jump(0xf_0000);
+    board.wait_for("started by software", 1000)?;
+    Ok(())
+}
+
+#[test]
 fn the_words_of_a_panic_outlive_the_boot_loader_of_a_board_with_usb() -> anyhow::Result<()> {
     let test = "the_words_of_a_panic_outlive_the_boot_loader_of_a_board_with_usb";
     let Some(mut board) = board_with_valid_labels(test)? else {
