@@ -144,6 +144,13 @@ fn a_description_reads_what_the_sets_reader_reads() {
         ),
         ("pangestu", &[]),
         ("dideakay", &[]),
+        (
+            "adl",
+            &[
+                r#"labels = { typing = ["type"], writing = ["write"], phone = ["phone"], walking = ["walk"], eating = ["eating"], daily-life = ["other"], unknown = ["calibration"] }"#,
+                "timing = \"muscle\"",
+            ],
+        ),
         // The set's reader does not look at the times, which leap once.
         ("myo-rps", &["time = \"index\""]),
     ] {

@@ -1,5 +1,6 @@
 //! The measures of a score that have one value for each person.
 
+use super::metric::event::activation::DailyUse;
 use super::metric::event::summary::SubjectEvents;
 use super::metric::summary::{SubjectScore, Summary};
 use super::score::Score;
@@ -36,6 +37,10 @@ pub enum Measure {
     OtherActivations,
     /// Share of movements outside the vocabulary that raise a label.
     Raised,
+    /// Activations a minute of daily life.
+    DailyActivations,
+    /// Share of daily life with an active label.
+    DailyActive,
     /// Label changes a minute beyond the true ones.
     Flicker,
     /// Raw accuracy.
@@ -61,6 +66,8 @@ impl Measure {
             Self::FalseActivations => "false/min",
             Self::OtherActivations => "other/min",
             Self::Raised => "other raised",
+            Self::DailyActivations => "daily/min",
+            Self::DailyActive => "daily active",
             Self::Flicker => "flicker/min",
             Self::RawAccuracy => "raw",
         }
@@ -97,6 +104,8 @@ impl Measure {
             Self::FalseActivations => of_events(|own| own.rest.per_minute()),
             Self::OtherActivations => of_events(|own| own.other_movement.per_minute()),
             Self::Raised => of_events(SubjectEvents::raised_share),
+            Self::DailyActivations => of_events(|own| own.daily_life()?.activations.per_minute()),
+            Self::DailyActive => of_events(|own| own.daily_life().map(DailyUse::active_share)),
             Self::Flicker => of_events(|own| own.flicker.per_minute()),
         }
     }

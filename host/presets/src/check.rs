@@ -23,7 +23,7 @@ const BELOW_1: f64 = 1.0_f64.next_down();
 /// training runs, but never yields a model: 1e30 is the largest rate that single precision holds with room for a step.
 /// No layer is as wide as the largest rank.
 #[rustfmt::skip]
-const BOUNDS: [(&str, f64, f64, &str); 27] = [
+const BOUNDS: [(&str, f64, f64, &str); 28] = [
     ("teacher.window", (LOOK_BACK * PATCH) as f64, WINDOW as f64, "60 to 600 samples"),
     ("teacher.layers", 1.0, f64::MAX, "1 or more"),
     ("teacher.feed_forward", 1.0, f64::MAX, "1 or more"),
@@ -50,6 +50,7 @@ const BOUNDS: [(&str, f64, f64, &str); 27] = [
     ("distillation.ema_decay", 0.0, BELOW_1, "0 or more, below 1"),
     ("data.held_out_share", 0.0, BELOW_1, "0 or more, below 1"),
     ("data.validation_share", 0.0, BELOW_1, "0 or more, below 1"),
+    ("data.daily_life", 0.0, 0.9, "0 to 0.9"),
     ("data.balance", 0.0, 1.0, "0 to 1"),
 ];
 

@@ -207,10 +207,34 @@ impl ResolvedConfig {
         (compensated.labels_in(vocabulary), other_movement)
     }
 
+    /// Streams of whole recordings of daily life, weighted so that they have the preset's share beside the others.
+    fn daily_life(&self, others: &[Stream], daily_life: &[&Recording]) -> Vec<Stream> {
+        let share = self.preset.data.daily_life;
+        let daily = daily_life.iter().map(|recording| recording.samples.len());
+        let daily = daily.sum::<usize>().max(1) as f64;
+        let others = others.iter().map(|stream| stream.emg.len()).sum::<usize>() as f64;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "the preset's check allows shares from 0 to 0.9"
+        )]
+        let weight = (share / (1.0 - share) * others / daily).round().max(1.0) as usize;
+        let stream = |recording: &&Recording| Stream {
+            weight,
+            ..Stream::of_daily_life(recording, self.samples(recording))
+        };
+        daily_life.iter().map(stream).collect()
+    }
+
     fn corpus(&self, library: &Library, role: Role) -> Corpus {
         let vocabulary = self.preset.vocabulary();
         let data = &self.preset.data;
-        let by_set = by_data_set(self.split.select(&library.recordings, role));
+        let (daily_life, gestures): (Vec<_>, Vec<_>) = self
+            .split
+            .select(&library.recordings, role)
+            .into_iter()
+            .partition(|recording| recording.is_daily_life());
+        let by_set = by_data_set(gestures);
         let subjects = folds::subjects(by_set.values().flatten().copied());
         let most = subjects.values().map(Vec::len).max().unwrap_or(0);
         let mut streams = Vec::new();
@@ -231,6 +255,7 @@ impl ResolvedConfig {
                 streams.extend(spliced.into_iter().map(Stream::from));
             }
         }
+        streams.extend(self.daily_life(&streams, &daily_life));
         let corpus = Corpus {
             vocabulary,
             other: self.preset.other(),

@@ -184,10 +184,18 @@ pub struct DataSelection {
     /// Role in training of movement outside the vocabulary.
     #[serde(default, skip_serializing_if = "OtherMovement::is_unknown")]
     pub other_movement: OtherMovement,
+    /// Share of daily life among what a student learns from, rounded to whole repetitions of the recordings; 0: daily life is not
+    /// used.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub daily_life: f64,
     /// Whether recordings are also used as published.
     pub as_published: bool,
     /// Maximum number of training subjects per data set; 0: all.
     pub most_subjects: usize,
+}
+
+fn is_zero(share: &f64) -> bool {
+    *share == 0.0
 }
 
 fn is_paper(median: &Median) -> bool {

@@ -129,7 +129,7 @@ impl ResolvedConfig {
     }
 
     /// The recordings that have labels of the preset's classes: of the preset's data sets, or of all if none of these
-    /// was found. A set that is not [trained on by default](recordings::DataSet::trained_by_default) is used where the
+    /// was found; daily life where the preset learns from it. A set that is not [trained on by default](recordings::DataSet::trained_by_default) is used where the
     /// preset names it, or one of its subjects to hold out.
     ///
     /// # Errors
@@ -146,6 +146,7 @@ impl ResolvedConfig {
             });
         }
         let data = &preset.data;
+        labelled.retain(|recording| data.daily_life > 0.0 || !recording.is_daily_life());
         let named = |recording: &&Recording| data.data_sets.contains(&recording.data_set);
         let held_out = |recording: &Recording| {
             let set = recording.data_set.name();
@@ -215,12 +216,12 @@ pub fn test_people(preset: &Preset, library: &Library) -> Vec<String> {
     people.into_iter().collect()
 }
 
-/// The recordings that have labels of the preset's classes.
+/// The recordings that have labels of the preset's classes, or are daily life.
 fn with_labels<'l>(preset: &Preset, library: &'l Library) -> Vec<&'l Recording> {
     let vocabulary = preset.vocabulary();
     let recordings = library.recordings.iter();
     recordings
-        .filter(|recording| recording.has_labels_in(vocabulary))
+        .filter(|recording| recording.teaches(vocabulary))
         .collect()
 }
 

@@ -38,7 +38,7 @@ const REPACKED: Address = Address::ByHand(
 );
 
 /// Every published set, in the order of [`DataSet::ALL`].
-pub const SOURCES: [Source; 17] = [
+pub const SOURCES: [Source; 18] = [
     Source {
         data_set: DataSet::Roshambo,
         page: "https://doi.org/10.5281/zenodo.3194792",
@@ -128,6 +128,12 @@ pub const SOURCES: [Source; 17] = [
     Source {
         data_set: DataSet::Dideakay,
         page: "https://github.com/dideakay/emg-classification-myo",
+        address: REPACKED,
+        licence: NONE_STATED,
+    },
+    Source {
+        data_set: DataSet::Adl,
+        page: "https://github.com/eeddy/DiscreteMCI",
         address: REPACKED,
         licence: NONE_STATED,
     },

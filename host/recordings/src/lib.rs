@@ -36,6 +36,7 @@ pub use readers::error::{Damage, Fault, LoadError, Place, in_one_line};
 pub use readers::npy;
 pub use readers::open::SkipReason;
 pub use recording::by_data_set;
+pub use recording::daily_life::{self, DailyKind};
 pub use recording::movement;
 pub use recording::movement::{Movement, MovementKind};
 pub use recording::{DataSet, Recording, Timing};

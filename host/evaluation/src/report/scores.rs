@@ -37,6 +37,9 @@ const LOOK_AHEAD: Column = ("look-ahead", |own| own.look_ahead.name().to_owned()
 const OTHER: Column = ("other/min", |own| {
     mean(own, Measure::OtherActivations, rate)
 });
+const DAILY: Column = (Measure::DailyActivations.name(), |own| {
+    mean(own, Measure::DailyActivations, rate)
+});
 const LATENCY: Column = ("latency ms", |own| {
     counted(latency(own.events.latency), own, Measure::Recognition)
 });
@@ -46,7 +49,7 @@ const SUBJECTS: Column = ("subjects", |own| people(own).to_string());
 const TRANSITIONS: Column = ("transitions", |own| own.widest().events.to_string());
 
 /// Columns of a table of scores.
-const SCORES: [Column; 16] = [
+const SCORES: [Column; 17] = [
     RECORDINGS,
     CLASSES,
     MODEL,
@@ -60,6 +63,7 @@ const SCORES: [Column; 16] = [
         mean(own, Measure::FalseActivations, rate)
     }),
     OTHER,
+    DAILY,
     ("flicker/min", |own| mean(own, Measure::Flicker, rate)),
     RAW,
     SUBJECTS,
@@ -292,10 +296,14 @@ pub fn summary(results: &Results, model: &str) -> Table {
 
 /// Table with a row for each score.
 pub(super) fn table(caption: &str, scores: &[&Score]) -> Table {
-    // Few data sets mark movements outside the vocabulary.
-    let other = |score: &&Score| score.events.other_activations.is_some();
+    // Few data sets mark movements outside the vocabulary, or are daily life.
+    let has = |measure: Measure| scores.iter().any(|own| measure.mean(own).is_some());
     let mut columns = SCORES.to_vec();
-    columns.retain(|(name, _)| *name != OTHER.0 || scores.iter().any(other));
+    columns.retain(|(name, _)| match *name {
+        name if name == OTHER.0 => has(Measure::OtherActivations),
+        name if name == DAILY.0 => has(Measure::DailyActivations),
+        _ => true,
+    });
     of_columns(caption, scores, &columns)
 }
 

@@ -8,6 +8,7 @@ use shared::intent::{Intent, Vocabulary};
 use shared::stream::preprocess::{Median, clean};
 use shared::units::{CleanSample, PATCH, SAMPLE_RATE_HZ, Sample, WINDOW};
 
+use crate::labels::runs::runs;
 use crate::recording::Recording;
 
 /// One continuous stream: a recording, or pieces of one subject's recordings joined.
@@ -21,6 +22,8 @@ pub struct Stream {
     pub labels: Vec<Option<Intent>>,
     /// Movement outside the vocabulary, if it is a class: ranges of samples, in order.
     pub other_movement: Vec<Range<usize>>,
+    /// Number of times that the stream counts where parts of streams are drawn at random.
+    pub weight: usize,
 }
 
 impl Stream {
@@ -32,6 +35,20 @@ impl Stream {
             raw,
             labels,
             other_movement: Vec::new(),
+            weight: 1,
+        }
+    }
+
+    /// Stream of a recording of daily life, with these samples: relax where the muscles are quiet, otherwise movement
+    /// outside the vocabulary.
+    #[must_use]
+    pub fn of_daily_life(recording: &Recording, samples: Vec<Sample>) -> Self {
+        let quiet = recording.quiet();
+        let relax = quiet.iter().map(|quiet| quiet.then_some(Intent::Relax));
+        let active = runs(&quiet).into_iter().filter(|run| !run.label);
+        Self {
+            other_movement: active.map(|run| run.start..run.end).collect(),
+            ..Self::new(samples, relax.collect())
         }
     }
 
@@ -145,6 +162,34 @@ pub fn lead_in<T: Copy>(samples: &[T], length: usize) -> Vec<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::recording::DataSet;
+
+    #[test]
+    fn daily_life_is_relax_where_the_muscles_are_quiet_and_other_movement_elsewhere() {
+        let loud = |at: usize| if at % 2 == 0 { 40 } else { -40 };
+        let samples = (0..2000).map(|at| {
+            [if (800..1400).contains(&at) {
+                loud(at)
+            } else {
+                1
+            }; 8]
+        });
+        let samples: Vec<Sample> = samples.collect();
+        let labels = vec![None; samples.len()];
+        let recording = Recording::new(DataSet::Adl, "adl/p01", samples.clone(), labels);
+        let stream = Stream::of_daily_life(&recording, samples);
+        let [active] = &stream.other_movement[..] else {
+            panic!("expected one stretch, found {:?}", stream.other_movement);
+        };
+        assert!(
+            active.start.abs_diff(800) < 20 && active.end.abs_diff(1400) < 20,
+            "{active:?}"
+        );
+        for (at, label) in stream.labels.iter().enumerate() {
+            let expected = (!active.contains(&at)).then_some(Intent::Relax);
+            assert_eq!(*label, expected, "sample {at}");
+        }
+    }
 
     #[test]
     fn a_patch_takes_the_label_of_its_majority() {

@@ -1,5 +1,6 @@
 //! One recording, and the published set that it belongs to.
 
+pub mod daily_life;
 pub mod movement;
 
 use std::collections::BTreeMap;
@@ -48,6 +49,8 @@ pub enum DataSet {
     Pangestu,
     /// Recordings of a GitHub user.
     Dideakay,
+    /// Eddy et al., daily life of people who mean no gesture (DiscreteMCI), 2025.
+    Adl,
     /// Benalcazar et al., EMG-EPN-612, 2020.
     #[serde(rename = "emg-epn-612")]
     EmgEpn612,
@@ -59,7 +62,7 @@ pub enum DataSet {
 
 impl DataSet {
     /// Every set, in the order of lists.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::Roshambo,
         Self::SsStm,
         Self::CoteAllard,
@@ -75,6 +78,7 @@ impl DataSet {
         Self::DutraMoves,
         Self::Pangestu,
         Self::Dideakay,
+        Self::Adl,
         Self::EmgEpn612,
         Self::ReactEmg,
         Self::Synthetic,
@@ -99,6 +103,7 @@ impl DataSet {
             Self::DutraMoves => "dutra-moves",
             Self::Pangestu => "pangestu",
             Self::Dideakay => "dideakay",
+            Self::Adl => "adl",
             Self::EmgEpn612 => "emg-epn-612",
             Self::ReactEmg => "react-emg",
             Self::Synthetic => "synthetic",
@@ -120,6 +125,14 @@ impl DataSet {
                 | Self::Pangestu
                 | Self::Dideakay
         )
+    }
+}
+
+impl DataSet {
+    /// Whether the set is daily life: nobody in it means a gesture.
+    #[must_use]
+    pub const fn is_daily_life(self) -> bool {
+        matches!(self, Self::Adl)
     }
 }
 

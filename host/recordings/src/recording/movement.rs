@@ -4,6 +4,8 @@ use std::ops::Range;
 
 use shared::intent::Intent;
 
+use super::daily_life::DailyKind;
+
 /// Kind of a movement.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum MovementKind {
@@ -31,10 +33,12 @@ pub enum MovementKind {
     ThumbUp,
     /// Any movement that is none of the six intents.
     Other,
+    /// Daily life: hours of movement in which no gesture is meant.
+    Daily(DailyKind),
 }
 
 impl MovementKind {
-    /// Kinds that are no intent, in the order of the names in tables.
+    /// Kinds that a person can be asked for and that are no intent, in the order of the names in tables.
     pub const NO_INTENT: [Self; 11] = [
         Self::RadialDeviation,
         Self::UlnarDeviation,
@@ -52,7 +56,9 @@ impl MovementKind {
     /// Kind of a name in tables; none for an intent or an unknown name.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
-        Self::NO_INTENT.into_iter().find(|kind| kind.name() == name)
+        let daily = DailyKind::ALL.map(Self::Daily);
+        let mut kinds = Self::NO_INTENT.into_iter().chain(daily);
+        kinds.find(|kind| kind.name() == name)
     }
 
     /// Name in tables.
@@ -71,6 +77,7 @@ impl MovementKind {
             Self::FingersTogether => "fingers-together",
             Self::ThumbUp => "thumb-up",
             Self::Other => "other",
+            Self::Daily(kind) => kind.name(),
         }
     }
 }
@@ -141,7 +148,8 @@ mod tests {
 
     #[test]
     fn every_kind_has_a_name_of_its_own() {
-        for kind in MovementKind::NO_INTENT {
+        let daily = DailyKind::ALL.map(MovementKind::Daily);
+        for kind in MovementKind::NO_INTENT.into_iter().chain(daily) {
             assert_eq!(MovementKind::from_name(kind.name()), Some(kind));
             assert_eq!(Intent::from_name(kind.name()), None);
         }

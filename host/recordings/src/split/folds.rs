@@ -17,7 +17,8 @@ pub enum Protocol {
     /// A group of subjects per fold, in this number of folds: for models that cost too much to train once per subject.
     LeaveGroupsOut(usize),
     /// All subjects of one data set per fold: what a user meets who was recorded elsewhere. The sets that nothing is
-    /// [trained on by default](DataSet::trained_by_default) share the last fold, whose model learns from all others.
+    /// [trained on by default](DataSet::trained_by_default) share the last fold, whose model learns from all others. The people of
+    /// [daily life](DataSet::is_daily_life) are divided among the folds: who means no gesture belongs to no set of gestures.
     LeaveSetsOut,
 }
 
@@ -70,12 +71,16 @@ impl FromStr for Protocol {
     }
 }
 
-/// Subjects of each data set, in alphabetical order; those of the sets that nothing is trained on are one group.
+/// Subjects of each data set, in alphabetical order; those of the sets that nothing is trained on are one group. Behind them one of
+/// each group, the people of daily life.
 fn of_sets(sets: BTreeMap<DataSet, Vec<&str>>) -> Vec<Vec<String>> {
-    let (mut groups, mut untrained) = (Vec::new(), Vec::new());
+    let (mut groups, mut untrained, mut daily) =
+        (Vec::<Vec<String>>::new(), Vec::new(), Vec::new());
     for (set, people) in sets {
         let people = people.into_iter().map(str::to_owned);
-        if set.trained_by_default() {
+        if set.is_daily_life() {
+            daily.extend(people);
+        } else if set.trained_by_default() {
             groups.push(people.collect());
         } else {
             untrained.extend(people);
@@ -83,6 +88,11 @@ fn of_sets(sets: BTreeMap<DataSet, Vec<&str>>) -> Vec<Vec<String>> {
     }
     untrained.sort_unstable();
     groups.extend((!untrained.is_empty()).then_some(untrained));
+    let folds = groups.len().max(1);
+    groups.resize(folds, Vec::new());
+    for (at, person) in daily.into_iter().enumerate() {
+        groups[at % folds].push(person);
+    }
     groups
 }
 
@@ -209,7 +219,7 @@ mod tests {
     #[test]
     fn a_fold_of_sets_holds_out_a_whole_set() {
         let mut all = recordings(1, 2);
-        let unseen = [DataSet::UciGestures, DataSet::Ciil];
+        let unseen = [DataSet::UciGestures, DataSet::Ciil, DataSet::Adl];
         all.extend(unseen.map(|set| Recording {
             data_set: set,
             subject: format!("{}/0", set.name()),
@@ -217,7 +227,7 @@ mod tests {
         }));
         let groups = Protocol::LeaveSetsOut.groups(&all, 42);
         let expected = [
-            vec!["roshambo/0"],
+            vec!["roshambo/0", "adl/0"],
             vec!["ss-stm/0", "ss-stm/1"],
             vec!["ciil/0", "uci-gestures/0"],
         ];

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use evaluation::metric::event::activation::DailyUse;
 use evaluation::metric::event::latency::{self, LatencySummary};
 use evaluation::metric::event::summary::Raised;
 use evaluation::{Group, LookAhead, Measure, Score};
@@ -184,6 +185,20 @@ impl<'a> Merged<'a> {
         for (kind, raised) in people.flat_map(|person| &person.raised) {
             let own = by_kind.entry(kind).or_default();
             *own = own.plus(*raised);
+        }
+        by_kind
+    }
+
+    /// Daily life, of all people and seeds, by the name of its kind.
+    pub(crate) fn daily_life(&self) -> BTreeMap<&'a str, DailyUse> {
+        let mut by_kind: BTreeMap<&str, DailyUse> = BTreeMap::new();
+        let people = self
+            .scores
+            .iter()
+            .flat_map(|(_, score)| &score.events.subjects);
+        for (kind, part) in people.flat_map(|person| &person.daily) {
+            let own = by_kind.entry(kind).or_default();
+            *own = own.plus(*part);
         }
         by_kind
     }

@@ -25,5 +25,7 @@ pub(crate) use job::{CrossValidation, Job};
 pub(crate) use job_scores::{FoldScore, JobScores};
 pub(crate) use merged::{Merged, Origin};
 pub(crate) use paper::paper_tables;
-pub(crate) use tables::{differences, emission, movements, over_sets, people, scores, test_scores};
+pub(crate) use tables::{
+    daily_life, differences, emission, movements, over_sets, people, scores, test_scores,
+};
 pub(crate) use teacher::PaperTeacher;

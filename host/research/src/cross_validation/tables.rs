@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use evaluation::metric::event::activation::DailyUse;
 use evaluation::report::Table;
 use evaluation::report::cell;
 use evaluation::{Difference, Group, LookAhead, Measure};
@@ -16,9 +17,10 @@ const SHARES: [Measure; 3] = [
     Measure::Recognition,
 ];
 /// Measures given per minute.
-const RATES: [Measure; 3] = [
+const RATES: [Measure; 4] = [
     Measure::FalseActivations,
     Measure::OtherActivations,
+    Measure::DailyActivations,
     Measure::Flicker,
 ];
 /// Measures of labels at their emission times, beside the latency.
@@ -41,7 +43,7 @@ const OVER_SETS: [Measure; 6] = [
     Measure::FalseActivations,
 ];
 /// Measures that contenders are compared by.
-const COMPARED: [Measure; 11] = [
+const COMPARED: [Measure; 12] = [
     Measure::BalancedAccuracy,
     Measure::BalancedAccuracyEmitted,
     Measure::TransitionAccuracy,
@@ -53,6 +55,7 @@ const COMPARED: [Measure; 11] = [
     Measure::FalseActivations,
     Measure::OtherActivations,
     Measure::Raised,
+    Measure::DailyActivations,
 ];
 
 /// Caption of the scores of development people.
@@ -233,10 +236,33 @@ pub(crate) fn movements(merged: &[Merged<'_>]) -> Table {
     table
 }
 
+/// Table of daily life, a row for each kind: minutes, and for each contender and aggregation mode the activations a minute
+/// and the share of the time with an active label.
+pub(crate) fn daily_life(merged: &[Merged<'_>]) -> Table {
+    let caption = "Daily life of all people and seeds: activations a minute; share of the time with a gesture's label";
+    let by_kind: Vec<_> = merged.iter().map(Merged::daily_life).collect();
+    let header = ["kind".to_owned(), "minutes".to_owned()].into_iter();
+    let mut table = Table::new(caption, header.chain(merged.iter().map(Merged::name)));
+    let kinds: BTreeSet<&str> = by_kind.iter().flat_map(|own| own.keys().copied()).collect();
+    for kind in kinds {
+        let mut all = by_kind.iter().filter_map(|own| own.get(kind));
+        let minutes = all.next().map_or(0.0, |own| own.activations.seconds / 60.0);
+        let cells = by_kind.iter().map(|own| {
+            let rate = |own: &DailyUse| Some((own.activations.per_minute()?, own.active_share()));
+            let rate = own.get(kind).and_then(rate);
+            rate.map_or_else(cell::none, |(rate, share)| format!("{rate:.1}; {share:.2}"))
+        });
+        let names = [kind.to_owned(), format!("{minutes:.0}")];
+        table.push(names.into_iter().chain(cells));
+    }
+    table
+}
+
 /// Table for CSV with a row for each person and job: those held out (`development`), then the test people (`test`).
 pub(crate) fn people(development: &[Merged<'_>], test: &[Merged<'_>]) -> Table {
     let measures = SHARES.into_iter().chain(RATES).chain([
         Measure::Raised,
+        Measure::DailyActive,
         Measure::RawAccuracy,
         Measure::TransitionAccuracyMiddle,
         Measure::TransitionAccuracyNarrow,

@@ -17,6 +17,8 @@ pub(super) struct Sequence {
     pub(super) targets: Vec<Option<usize>>,
     /// Patches that are learnt from their labels alone, without the teacher.
     pub(super) labels_alone: Vec<bool>,
+    /// Number of times that the sequence counts in a draw.
+    weight: usize,
     /// The teacher's logits at every patch after the lead-in.
     pub(super) soft_targets: Option<Vec<LookBackLogits>>,
 }
@@ -50,6 +52,7 @@ pub(super) fn sequences(
             let unknown = std::iter::repeat_n(None, WINDOW_PATCHES);
             let labels_alone = others.iter().map(|&other| other && !teacher_on_other);
             Sequence {
+                weight: stream.weight,
                 labels_alone: std::iter::repeat_n(false, WINDOW_PATCHES)
                     .chain(labels_alone)
                     .collect(),
@@ -83,12 +86,13 @@ impl Excerpt {
         config: &Distillation,
         rng: &mut ChaCha8Rng,
     ) -> Self {
-        // Uniform over all patches, so that a sequence is drawn in proportion to its length.
-        let total = sequences.iter().map(Sequence::patches).sum();
+        // Uniform over all patches, so that a sequence is drawn in proportion to its length and weight.
+        let counted = |sequence: &Sequence| sequence.weight * sequence.patches();
+        let total = sequences.iter().map(counted).sum();
         let mut patch = rng.random_range(0..total);
         let mut sequence = 0;
-        while patch >= sequences[sequence].patches() {
-            patch -= sequences[sequence].patches();
+        while patch >= counted(&sequences[sequence]) {
+            patch -= counted(&sequences[sequence]);
             sequence += 1;
         }
         let last_start = sequences[sequence].patches().saturating_sub(config.patches);

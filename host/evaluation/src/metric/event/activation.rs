@@ -2,7 +2,8 @@
 //!
 //! Rest: samples whose truth is relax and that no gesture owns ([`gesture`](super::gesture)). A label that began
 //! before and is still there is not counted again. The same count over movements outside the vocabulary, which a
-//! data set has to mark, says how often other use of the hand is taken for a gesture.
+//! data set has to mark, says how often other use of the hand is taken for a gesture; over daily life, how often
+//! something is said when nothing is meant.
 
 use std::ops::Range;
 
@@ -66,6 +67,42 @@ pub(crate) fn activations(emitted: &[Option<Intent>], mask: &[bool]) -> Rate {
     let samples = (0..emitted.len()).filter(marked);
     let count = samples.clone().filter(|&at| begins(emitted, at)).count();
     Rate::of(count, samples.count())
+}
+
+/// Labels raised in a part of daily life, in which none is meant.
+#[derive(Clone, Copy, PartialEq, Debug, Default, serde::Serialize, serde::Deserialize)]
+pub struct DailyUse {
+    /// Activations.
+    pub activations: Rate,
+    /// Seconds with an active label.
+    pub active_seconds: f64,
+}
+
+impl DailyUse {
+    /// Activations within these samples, and how long their labels stay.
+    pub(super) fn of(emitted: &[Option<Intent>], samples: Range<usize>) -> Self {
+        let count = samples.clone().filter(|&at| begins(emitted, at)).count();
+        let shown = samples.clone().filter(|&at| active(emitted[at]).is_some());
+        Self {
+            active_seconds: Rate::of(0, shown.count()).seconds,
+            activations: Rate::of(count, samples.len()),
+        }
+    }
+
+    /// Sum of both.
+    #[must_use]
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            activations: self.activations.plus(other.activations),
+            active_seconds: self.active_seconds + other.active_seconds,
+        }
+    }
+
+    /// Share of the time with an active label; not a number without any time.
+    #[must_use]
+    pub fn active_share(self) -> f64 {
+        self.active_seconds / self.activations.seconds
+    }
 }
 
 /// Whether an active label begins within these samples; one that began before does not count.

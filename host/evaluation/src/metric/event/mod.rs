@@ -13,8 +13,9 @@ pub mod summary;
 use shared::intent::Intent;
 
 use crate::EvaluationError;
-use activation::Rate;
+use activation::{DailyUse, Rate};
 use gesture::{Gesture, Verdict};
+use recordings::DailyKind;
 use recordings::movement::{Movement, MovementKind, mask};
 
 /// Durations of the event metrics, in samples.
@@ -43,6 +44,8 @@ pub struct RecordingEvents {
     pub other_movement: Rate,
     /// Kind of each of these movements, and whether it raises a label.
     pub raised: Vec<(MovementKind, bool)>,
+    /// Parts of daily life, which are no other movements.
+    pub daily: Vec<(DailyKind, DailyUse)>,
     /// Label changes beyond the true ones.
     pub flicker: Rate,
 }
@@ -59,15 +62,22 @@ impl RecordingEvents {
         rule: &EventRule,
     ) -> Result<Self, EvaluationError> {
         super::same_length(truth, emitted)?;
-        let raised = other_movement.iter().map(|movement| {
-            let raised = activation::raises(emitted, movement.samples.clone());
-            (movement.kind, raised)
-        });
+        let (mut others, mut raised, mut daily) = (Vec::new(), Vec::new(), Vec::new());
+        for movement in other_movement {
+            let samples = movement.samples.clone();
+            if let MovementKind::Daily(kind) = movement.kind {
+                daily.push((kind, DailyUse::of(emitted, samples)));
+            } else {
+                raised.push((movement.kind, activation::raises(emitted, samples)));
+                others.push(movement.clone());
+            }
+        }
         Ok(Self {
             gestures: gesture::gestures(truth, emitted, rule),
             rest: activation::activations(emitted, &activation::rest(truth, rule)),
-            raised: raised.collect(),
-            other_movement: activation::activations(emitted, &mask(other_movement, truth.len())),
+            raised,
+            daily,
+            other_movement: activation::activations(emitted, &mask(&others, truth.len())),
             flicker: flicker::flicker(truth, emitted, rule),
         })
     }

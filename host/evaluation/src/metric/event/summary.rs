@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use super::RecordingEvents;
-use super::activation::Rate;
+use super::activation::{DailyUse, Rate};
 use super::latency::{self, LatencySummary};
 use recordings::statistics::MeanSd;
 use shared::units::SAMPLE_PERIOD_MS;
@@ -66,6 +66,9 @@ pub struct SubjectEvents {
     /// earlier versions.
     #[serde(default)]
     pub raised: BTreeMap<String, Raised>,
+    /// Daily life, by the name of its kind; empty in scores of earlier versions.
+    #[serde(default)]
+    pub daily: BTreeMap<String, DailyUse>,
     /// Label changes beyond the true ones.
     pub flicker: Rate,
 }
@@ -89,6 +92,7 @@ impl SubjectEvents {
             rest: Rate::default(),
             other_movement: Rate::default(),
             raised: BTreeMap::new(),
+            daily: BTreeMap::new(),
             flicker: Rate::default(),
         };
         for recording in recordings {
@@ -101,6 +105,10 @@ impl SubjectEvents {
             own.rest = own.rest.plus(recording.rest);
             own.other_movement = own.other_movement.plus(recording.other_movement);
             own.flicker = own.flicker.plus(recording.flicker);
+            for (kind, part) in &recording.daily {
+                let kind = own.daily.entry(kind.name().to_owned()).or_default();
+                *kind = kind.plus(*part);
+            }
             for (kind, raised) in &recording.raised {
                 let kind = own.raised.entry(kind.name().to_owned()).or_default();
                 kind.movements += 1;
@@ -119,6 +127,12 @@ impl SubjectEvents {
         let samples = (ms / SAMPLE_PERIOD_MS) as i32;
         let soon = self.latencies.iter().filter(|&&late| late <= samples);
         (self.gestures > 0).then(|| soon.count() as f64 / self.gestures as f64)
+    }
+
+    /// All daily life together; none without any.
+    #[must_use]
+    pub fn daily_life(&self) -> Option<DailyUse> {
+        self.daily.values().copied().reduce(DailyUse::plus)
     }
 
     /// Share of the movements outside the vocabulary that raise a label; none without any.
@@ -149,6 +163,9 @@ pub struct EventSummary {
     pub false_activations: Option<MeanSd>,
     /// Activations a minute of other movements, mean over subjects that have such.
     pub other_activations: Option<MeanSd>,
+    /// Activations a minute of daily life, mean over subjects that have such; none in scores of earlier versions.
+    #[serde(default)]
+    pub daily_activations: Option<MeanSd>,
     /// Label changes a minute beyond the true ones, mean over subjects.
     pub flicker: Option<MeanSd>,
 }
@@ -172,6 +189,7 @@ impl EventSummary {
             release: latency::summary(&releases, releases.len()),
             false_activations: mean(&|s| s.rest.per_minute()),
             other_activations: mean(&|s| s.other_movement.per_minute()),
+            daily_activations: mean(&|s| s.daily_life()?.activations.per_minute()),
             flicker: mean(&|s| s.flicker.per_minute()),
             subjects,
         }

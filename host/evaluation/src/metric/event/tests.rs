@@ -139,6 +139,38 @@ fn direct_changes_divide_what_the_gestures_own() {
 }
 
 #[test]
+fn daily_life_is_neither_rest_nor_other_movement() {
+    let emitted = sequence(&[(C, 100), (R, 300), (O, 150), (C, 50), (R, 600)]);
+    let truth = vec![N; emitted.len()];
+    let daily = |kind, samples| Movement::new(MovementKind::Daily(kind), samples);
+    let movements = [
+        daily(DailyKind::Typing, 50..600),
+        daily(DailyKind::Walking, 600..1200),
+    ];
+    let events = RecordingEvents::new(&truth, &emitted, &movements, &EventRule::default()).unwrap();
+    assert_eq!((events.rest, events.other_movement), Default::default());
+    assert!(events.raised.is_empty());
+    let own = SubjectEvents::new("a", [&events]);
+    // The label that was there before is not counted, but it is there.
+    let typing = own.daily["typing"];
+    assert_eq!((typing.activations.count, typing.active_seconds), (2, 1.25));
+    assert_eq!(
+        (own.daily["walking"].activations.count, own.daily.len()),
+        (0, 2)
+    );
+    let all = own.daily_life().unwrap();
+    assert_eq!(all.activations.per_minute(), Some(2.0 * 60.0 / 5.75));
+    assert_eq!(all.active_share(), 1.25 / 5.75);
+    assert_eq!(
+        EventSummary::of_subjects(vec![own])
+            .daily_activations
+            .unwrap()
+            .n,
+        1
+    );
+}
+
+#[test]
 fn false_activations_are_counted_in_rest_and_in_other_movements() {
     let truth = sequence(&[(R, 1200), (C, 400), (R, 400), (N, 400)]);
     // Two in rest; one within the tolerance before the gesture; one that goes on in other movements and one there.

@@ -35,6 +35,7 @@ impl DataSet {
             Self::DutraMoves => "dutra-moves/p01/s1_emg.npy (n, 8) with s1_ann.npy",
             Self::Pangestu => "pangestu/p01/close_T1.npy (n, 8)",
             Self::Dideakay => "dideakay/p1/close_1.npy (n, 8)",
+            Self::Adl => "adl/p01/type.npy (n, 8)",
             Self::EmgEpn612 => "JSON per user with trainingSamples, testingSamples",
             Self::ReactEmg => {
                 "your own: a table with eight channels by name (emg_0..emg_7, label in gt), what a recordings.toml \

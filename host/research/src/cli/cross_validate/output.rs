@@ -7,8 +7,8 @@ use evaluation::{CONSTANT, ENERGY, Group, LookAhead};
 use execution::run_folder::write_whole;
 
 use crate::cross_validation::{
-    Contender, FoldScore, Gate, JobScores, Merged, Origin, differences, emission, movements,
-    over_sets, paper_tables, people, scores, test_scores,
+    Contender, FoldScore, Gate, JobScores, Merged, Origin, daily_life, differences, emission,
+    movements, over_sets, paper_tables, people, scores, test_scores,
 };
 
 /// Tables of a cross-validation, a row for each person, and a picture, with the names of their files.
@@ -29,6 +29,7 @@ impl Tables {
             emission(development),
             differences(development),
             movements(development),
+            daily_life(development),
         ];
         tables.extend((!test.is_empty()).then(|| test_scores(test)));
         Self {

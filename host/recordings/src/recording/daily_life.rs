@@ -1,0 +1,75 @@
+//! Daily life: recordings of people who use their hands and mean no gesture. Any label is one too many.
+
+use shared::intent::Vocabulary;
+
+use super::Recording;
+use super::movement::MovementKind;
+use crate::labels::activity::{Activity, activity};
+
+/// Kind of a daily activity.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum DailyKind {
+    /// Typing on a keyboard.
+    Typing,
+    /// Writing by hand.
+    Writing,
+    /// Use of a phone.
+    Phone,
+    /// Walking.
+    Walking,
+    /// Eating.
+    Eating,
+    /// Any other activity.
+    Other,
+}
+
+impl DailyKind {
+    /// All kinds, in the order of tables.
+    pub const ALL: [Self; 6] = [
+        Self::Typing,
+        Self::Writing,
+        Self::Phone,
+        Self::Walking,
+        Self::Eating,
+        Self::Other,
+    ];
+
+    /// Name in tables and descriptions.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Typing => "typing",
+            Self::Writing => "writing",
+            Self::Phone => "phone",
+            Self::Walking => "walking",
+            Self::Eating => "eating",
+            Self::Other => "daily-life",
+        }
+    }
+}
+
+impl Recording {
+    /// Whether a training can learn from the recording: it has labels of a vocabulary, or is daily life.
+    #[must_use]
+    pub fn teaches(&self, vocabulary: Vocabulary) -> bool {
+        self.is_daily_life() || self.has_labels_in(vocabulary)
+    }
+
+    /// Whether any part of the recording is daily life.
+    #[must_use]
+    pub fn is_daily_life(&self) -> bool {
+        let mut movements = self.other_movement.iter();
+        movements.any(|own| matches!(own.kind, MovementKind::Daily(_)))
+    }
+
+    /// Flags of the samples that are quiet: a label of relax is certain there, whatever the person does.
+    ///
+    /// Nothing is quiet in a recording whose muscles are always, or never, active.
+    #[must_use]
+    pub fn quiet(&self) -> Vec<bool> {
+        activity(&self.samples).map_or_else(
+            || vec![false; self.samples.len()],
+            |activity| activity.iter().map(|own| *own == Activity::Quiet).collect(),
+        )
+    }
+}
