@@ -84,10 +84,11 @@ class ExamplesTest(unittest.TestCase):
             features=None,
             port=receiver.getsockname()[1],
         )
+        # Its process empties the memory when it starts, and asks for more than a window before the first decision. The mark
+        # stands before the process: set after it, the mark could come after the memory was emptied, and would stay for ever.
+        memory.modify_variable("emg_count", lambda count: count * 0 + 1)
         online.run(block=False)
         self.addCleanup(online.stop_running)
-        # It empties the memory when it starts, and asks for more than a window before the first decision.
-        memory.modify_variable("emg_count", lambda count: count * 0 + 1)
         while memory.get_variable("emg_count")[0, 0] != 0:
             time.sleep(0.01)
         emg, found = self.recording.emg[:2000], []
