@@ -19,7 +19,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use libtest_mimic::{Arguments, Failed, Trial};
-use xtask::firmware;
+use xtask::firmware::{self, Image};
 
 /// Scenarios that the emulated chip cannot run.
 const LEFT_OUT: usize = 22;
@@ -48,11 +48,20 @@ fn trials(folder: &Path) -> anyhow::Result<Vec<Trial>> {
         other => Err(format!("{other} scenarios say `not_on_chip`, expected {LEFT_OUT}").into()),
     }));
     for file in files {
-        if file.scenario.not_on_chip.is_none() {
+        // The image that the README flashes, and the one without a SoftDevice.
+        let images = [
+            (
+                "chip",
+                file.scenario.not_on_chip.is_none(),
+                Image::Nrf52840S140,
+            ),
+            ("chip::sdc", file.scenario.on_sdc, Image::Nrf52840Sdc),
+        ];
+        for (board, _, image) in images.into_iter().filter(|(_, runs, _)| *runs) {
             let file = file.clone();
             let is_left = !file.scenario.always_on_chip;
-            let trial = Trial::test(format!("chip::{}", file.name), move || {
-                on_chip::run(&file).map_err(|error| failed(&file, &error))
+            let trial = Trial::test(format!("{board}::{}", file.name), move || {
+                on_chip::run(&file, image).map_err(|error| failed(&file, &error))
             });
             trials.push(trial.with_ignored_flag(is_left));
         }

@@ -134,11 +134,11 @@ async fn is_answered(answered: &Signal<CriticalSectionRawMutex, Ticket>, own: Ti
 mod tests {
     use core::pin::pin;
     use core::task::{Context, Poll, Waker};
-    use std::sync::{Mutex as Lock, MutexGuard, PoisonError};
 
     use embassy_time::MockDriver;
 
     use super::*;
+    use crate::clock::alone;
 
     /// The result of a future that is polled once.
     macro_rules! now {
@@ -156,12 +156,6 @@ mod tests {
             Poll::Ready(request) => Some(request),
             Poll::Pending => None,
         }
-    }
-
-    /// Virtual time is one for all tests: one of them at a time.
-    fn alone() -> MutexGuard<'static, ()> {
-        static TIME: Lock<()> = Lock::new(());
-        TIME.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     #[test]

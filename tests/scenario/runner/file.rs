@@ -32,6 +32,9 @@ pub struct Scenario {
     /// True if the emulated chip runs it in every run of the tests; the others with `--ignored`.
     #[serde(default)]
     pub always_on_chip: bool,
+    /// True if the image without a SoftDevice runs it on the chip too.
+    #[serde(default)]
+    pub on_sdc: bool,
     /// Expected result.
     pub expect: Expectation,
 
@@ -152,6 +155,9 @@ pub enum Act {
     Send {
         /// Notifications before.
         at: usize,
+        /// Milliseconds from then on, or from the act before.
+        #[serde(default)]
+        after_ms: u64,
         /// Body of the line.
         command: String,
     },
@@ -186,6 +192,14 @@ impl Act {
             | Self::Send { at, .. }
             | Self::SendBytes { at, .. }
             | Self::Install { at, .. } => *at,
+        }
+    }
+
+    /// Returns the milliseconds that it waits when those were sent and the act before is done.
+    pub const fn after_ms(&self) -> u64 {
+        match self {
+            Self::Send { after_ms, .. } => *after_ms,
+            _ => 0,
         }
     }
 }

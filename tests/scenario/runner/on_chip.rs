@@ -13,19 +13,16 @@ use super::bench::{model, page, samples};
 use super::expectation::Models;
 use super::file::{Act, File, Scenario};
 
-/// The image that runs them: the one that the README flashes.
-const IMAGE: Image = Image::Nrf52840S140;
-
-/// Runs a scenario on the emulated chip.
+/// Runs a scenario on the emulated chip, in this image.
 ///
 /// # Errors
 /// Names the first expectation that does not hold.
-pub fn run(file: &File) -> anyhow::Result<()> {
+pub fn run(file: &File, built: Image) -> anyhow::Result<()> {
     let scenario = &file.scenario;
     let Some(samples) = samples(&file.name, scenario)? else {
         return Ok(());
     };
-    let Some(image) = chip::image(&file.name, IMAGE) else {
+    let Some(image) = chip::image(&file.name, built) else {
         return Ok(());
     };
     let model = model(&scenario.model)?;
@@ -41,7 +38,7 @@ pub fn run(file: &File) -> anyhow::Result<()> {
         stranger: stranger.transpose()?,
         is_blank: false,
     };
-    let mut board = Board::new(IMAGE, image, setting);
+    let mut board = Board::new(built, image, setting);
     let mut person = Person::new(&scenario.person);
     let end = (scenario.run_seconds * HZ as f64) as u64;
     while board.machine.now() < end {
@@ -80,6 +77,8 @@ struct Person<'s> {
     acts: &'s [Act],
     /// The tick at which the button is released.
     releases_at: Option<u64>,
+    /// The tick from which on the next act waits.
+    waits_from: Option<u64>,
 }
 
 impl<'s> Person<'s> {
@@ -87,6 +86,7 @@ impl<'s> Person<'s> {
         Self {
             acts,
             releases_at: None,
+            waits_from: None,
         }
     }
 
@@ -107,6 +107,10 @@ impl<'s> Person<'s> {
         if board.sent() < act.at() || !has_spoken(&board.machine.chip()) {
             return Ok(());
         }
+        if now < *self.waits_from.get_or_insert(now) + ms(act.after_ms()) {
+            return Ok(());
+        }
+        self.waits_from = None;
         self.acts = rest;
         match act {
             Act::Press { for_ms, .. } => {

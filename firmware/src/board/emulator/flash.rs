@@ -3,13 +3,20 @@
 
 use core::ptr;
 
+use embassy_time::Timer;
+
 use crate::flash::{Flash, FlashFailed, PAGE_BYTES};
+
+/// Microseconds of an erasure and of a word (nRF52840 product specification, NVMC), in which other tasks run.
+const ERASE_US: u64 = 85_000;
+const WORD_US: u64 = 41;
 
 /// Memory in the place of flash.
 pub struct Memory;
 
 impl Flash for Memory {
     async fn erase(&mut self, page: u32) -> Result<(), FlashFailed> {
+        Timer::after_micros(ERASE_US).await;
         (page..page + PAGE_BYTES)
             .step_by(4)
             .for_each(|address| set(address, |_| u32::MAX));
@@ -17,6 +24,7 @@ impl Flash for Memory {
     }
 
     async fn write(&mut self, address: u32, words: &[u8]) -> Result<(), FlashFailed> {
+        Timer::after_micros(WORD_US * words.len() as u64 / 4).await;
         for (address, word) in (address..).step_by(4).zip(words.as_chunks().0) {
             set(address, |before| before & u32::from_le_bytes(*word));
         }

@@ -6,11 +6,14 @@ use std::io::{Seek as _, SeekFrom, Write as _};
 use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use super::{clock, hardware, power, surroundings};
+use embassy_time::Timer;
+
+use super::{hardware, power, surroundings};
 use crate::flash::{self, Flash, FlashFailed, PAGE_BYTES, Region};
 use crate::reset_reason::ResetReason;
 
-/// Microseconds of an erasure and of a word (nRF52840 product specification, NVMC). The core stands still meanwhile.
+/// Microseconds of an erasure and of a word (nRF52840 product specification, NVMC). Other tasks run meanwhile, as beside a
+/// Bluetooth stack that erases a page in parts or reports the end by an event.
 const ERASE_US: u64 = 85_000;
 const WORD_US: u64 = 41;
 
@@ -22,13 +25,13 @@ pub struct Files;
 
 impl Flash for Files {
     async fn erase(&mut self, page: u32) -> Result<(), FlashFailed> {
-        clock::spend(ERASE_US);
+        Timer::after_micros(ERASE_US).await;
         hardware::happened("ERASE", page);
         operate(page, PAGE_BYTES, |length| flash::erase(page, length))
     }
 
     async fn write(&mut self, address: u32, words: &[u8]) -> Result<(), FlashFailed> {
-        clock::spend(WORD_US * words.len() as u64 / 4);
+        Timer::after_micros(WORD_US * words.len() as u64 / 4).await;
         hardware::happened("WRITE", address);
         operate(address, words.len() as u32, |length| {
             flash::program(address, &words[..length as usize]);

@@ -7,6 +7,8 @@ mod clock;
 mod fault;
 mod flash;
 mod hardware;
+#[cfg(test)]
+mod moments;
 mod person;
 mod power;
 mod radio;

@@ -46,6 +46,8 @@ pub static IS_DOWN: AtomicBool = AtomicBool::new(false);
 /// Carries out what the scenario asks for.
 pub struct Person {
     acts: VecDeque<Act>,
+    /// Time from which on the next act waits.
+    waits_from_us: Option<u64>,
     sending: VecDeque<u8>,
     next_byte_us: u64,
     released_us: u64,
@@ -77,6 +79,7 @@ impl Person {
             .filter(|act| next == 0 || act.at() > next || goes_on(act));
         Self {
             acts: left.cloned().collect(),
+            waits_from_us: None,
             sending: VecDeque::new(),
             next_byte_us: 0,
             released_us: 0,
@@ -87,7 +90,15 @@ impl Person {
 
     /// Does what is due.
     pub fn act(&mut self, now_us: u64, next: usize) {
-        while let Some(act) = self.acts.pop_front_if(|act| act.at() <= next) {
+        while let Some(act) = self.acts.front().filter(|act| act.at() <= next) {
+            let since = *self.waits_from_us.get_or_insert(now_us);
+            if now_us < since + act.after_us() {
+                break;
+            }
+            self.waits_from_us = None;
+            let Some(act) = self.acts.pop_front() else {
+                break;
+            };
             match act {
                 Act::Press { for_ms, .. } => {
                     IS_DOWN.store(true, Ordering::Relaxed);

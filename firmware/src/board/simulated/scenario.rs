@@ -90,6 +90,9 @@ pub enum Act {
     Send {
         /// Notifications before.
         at: usize,
+        /// Milliseconds from then on, or from the act before.
+        #[serde(default)]
+        after_ms: u64,
         /// Command without `$`, checksum and line end.
         command: String,
     },
@@ -132,6 +135,14 @@ impl Act {
             | Self::Send { at, .. }
             | Self::SendBytes { at, .. }
             | Self::Install { at, .. } => *at,
+        }
+    }
+
+    /// Microseconds that it waits when those were sent and the act before is done.
+    pub const fn after_us(&self) -> u64 {
+        match self {
+            Self::Send { after_ms, .. } => *after_ms * 1000,
+            _ => 0,
         }
     }
 }
