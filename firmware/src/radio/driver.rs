@@ -3,29 +3,21 @@
 //! The session decides everything and knows no stack; nothing is decided here. One operation runs
 //! at a time, notifications arrive beside it, and the session gets a tick every 50 ms.
 
-use core::cell::{Cell, RefCell};
+mod request;
 
+use core::cell::{Cell, RefCell};
 use core::future::pending;
 
-use embassy_futures::{
-    join::join,
-    select::{Either, Either3, select, select3},
-    yield_now,
-};
-use embassy_sync::{blocking_mutex::raw::NoopRawMutex, channel::Channel, signal::Signal};
+use embassy_futures::select::{Either, Either3, select, select3};
+use embassy_sync::{blocking_mutex::raw::NoopRawMutex, signal::Signal};
 use embassy_time::{Duration, Ticker};
-use shared::myo::{
-    Action, Address, ConnectionParameters, Discovery, Event, Following, MyoSession, Progress,
-};
+use shared::myo::{Action, Address, Event, Following, MyoSession, Progress};
 use shared::stream::link_sequence::Sequencer;
 use shared::uart_line::answer::{Binding, Refusal};
 use shared::uart_line::command::BindCommand;
 use shared::units::Millis;
 
-use super::{
-    ConnectionHandler, ENABLE_NOTIFICATIONS, Link, MAX_VALUE_BYTES, OperationFailed, Pace, Radio,
-    Scanned, handles::Handles,
-};
+use super::{ConnectionHandler, Link, Pace, Radio, Scanned, handles::Handles};
 use crate::binding_region;
 use crate::clock::now;
 use crate::flash::{Flash, SharedFlash};
@@ -35,14 +27,20 @@ use crate::messages::{
     requests,
     uart::{self, UartMessage},
 };
+use request::Request;
 
 const TICK: Duration = Duration::from_millis(50);
 /// Milliseconds after which a scan that has found nobody receives seldom.
 const SOUGHT_MS: u32 = 60_000;
-/// First byte of the command that starts a stream (`myohw_command_set_mode` of Thalmic's header).
-const SET_MODE: u8 = 1;
-/// UUID of the preferred connection parameters, as in the declaration of their characteristic.
-const PREFERRED: [u8; 2] = [0x04, 0x2a];
+
+/// Use of the radio that the session wants.
+#[derive(Clone, Copy)]
+enum Use {
+    /// Neither a scan nor a connection.
+    Nothing,
+    Scan,
+    Connect(Address),
+}
 
 /// The session, and what connects it to the stack and to the inference.
 pub struct SessionDriver<'q> {
@@ -51,10 +49,10 @@ pub struct SessionDriver<'q> {
     progress: Cell<Progress>,
     sequencer: RefCell<Sequencer>,
     packets: &'q Packets,
-    /// Actions for the stack, in order. The session has at most one operation outstanding, and may
-    /// stop a scan before it.
-    operations: Channel<NoopRawMutex, Action, 4>,
-    disconnect: Signal<NoopRawMutex, ()>,
+    /// Use of the radio that is wanted from now on: the newest takes the place of one that was not begun, and ends one that was.
+    wanted: Signal<NoopRawMutex, Use>,
+    /// Request to the armband that is connected: the session has one outstanding at most.
+    request: Signal<NoopRawMutex, Request>,
     /// Notifications are taken from here on.
     listens: Signal<NoopRawMutex, ()>,
     connected: Cell<bool>,
@@ -85,8 +83,8 @@ impl<'q> SessionDriver<'q> {
             progress: Cell::new(Progress::new()),
             sequencer: RefCell::new(Sequencer::new()),
             packets,
-            operations: Channel::new(),
-            disconnect: Signal::new(),
+            wanted: Signal::new(),
+            request: Signal::new(),
             listens: Signal::new(),
             connected: Cell::new(false),
             sought: Cell::new(now()),
@@ -100,6 +98,7 @@ impl<'q> SessionDriver<'q> {
 
     /// Runs the session forever, from one connection to the next.
     pub async fn run<R: Radio>(&self, radio: &mut R, flash: &SharedFlash<impl Flash>) {
+        // Neither returns, so neither is dropped.
         select(self.tick(), async {
             loop {
                 if R::LEAVES_FLASH_TIME {
@@ -119,32 +118,31 @@ impl<'q> SessionDriver<'q> {
     /// Carries out what the session asks for. Returns where a model is installed, if the radio leaves flash no time.
     async fn use_radio<R: Radio>(&self, radio: &mut R, flash: &SharedFlash<impl Flash>) {
         loop {
-            // Between two scans or connections: erasing a page holds the core up, for longer than a connection bears.
-            let next = select3(self.keep.wait(), unused::<R>(), self.operations.receive());
-            let operation = match next.await {
+            // Those that are dropped lose nothing: a signal stays until it is taken.
+            let next = select3(self.keep.wait(), unused::<R>(), self.wanted.wait());
+            match next.await {
                 Either3::First(armband) => {
+                    // Between two scans or connections: erasing a page holds the core up, for longer than a connection bears.
+                    radio.silence().await;
                     self.keep(flash, armband).await;
-                    continue;
                 }
                 Either3::Second(()) => return,
-                Either3::Third(operation) => operation,
-            };
-            match operation {
-                Action::Scan => {
-                    let stopped = async {
-                        while !matches!(self.operations.receive().await, Action::StopScan) {}
-                    };
-                    let scan = select3(stopped, self.scan(radio), unused::<R>());
+                // A connection that was not begun, or nothing that the session waits for.
+                Either3::Third(Use::Nothing) => self.handle(Event::ConnectFailed),
+                Either3::Third(Use::Scan) => {
+                    // The scan that is dropped ends; what it has heard was passed on.
+                    let scan = select3(self.is_changed(), self.scan(radio), unused::<R>());
                     if !matches!(scan.await, Either3::First(())) {
                         self.handle(Event::ScanEnded);
                     }
                 }
-                Action::Connect(address) => {
-                    self.disconnect.reset();
+                Either3::Third(Use::Connect(address)) => {
                     self.listens.reset();
                     self.connected.set(false);
-                    let ended = select(self.disconnect.wait(), unused::<R>());
-                    select(radio.connect(address, self), ended).await;
+                    // The connection that is dropped ends, or is never established; with it an answer that is on its way.
+                    let ended = select(self.is_changed(), unused::<R>());
+                    select(ended, radio.connect(address, self)).await;
+                    self.request.reset();
                     self.sought.set(now());
                     self.handle(if self.connected.get() {
                         Event::Disconnected
@@ -152,31 +150,22 @@ impl<'q> SessionDriver<'q> {
                         Event::ConnectFailed
                     });
                 }
-                // Of a link that has ended; the session has handled that already.
-                _ => {}
             }
         }
     }
 
-    /// Waits until there is a model. A scan waits with it; nothing else comes of what the session asks for.
+    /// Waits until another use of the radio is wanted, and leaves that to whoever begins it.
+    async fn is_changed(&self) {
+        let wanted = self.wanted.wait().await;
+        self.wanted.signal(wanted);
+    }
+
+    /// Waits until there is a model. What the session wants meanwhile waits too.
     async fn wait_for_model(&self) {
-        let scan_is_wanted = async {
-            loop {
-                match self.operations.receive().await {
-                    Action::Scan => return,
-                    Action::Connect(_) => self.handle(Event::ConnectFailed),
-                    _ => {}
-                }
-            }
-        };
-        join(scan_is_wanted, async {
-            model::until(true).await;
-            self.sought.set(now());
-            // Nothing was heard meanwhile.
-            self.progress.set(Progress::new());
-        })
-        .await;
-        self.act(Action::Scan);
+        model::until(true).await;
+        self.sought.set(now());
+        // Nothing was heard meanwhile.
+        self.progress.set(Progress::new());
     }
 
     async fn keep(&self, flash: &SharedFlash<impl Flash>, armband: Option<Address>) {
@@ -222,6 +211,7 @@ impl<'q> SessionDriver<'q> {
             if model::current().is_none() || self.progress.get().is_alive(now()) {
                 heartbeat::RADIO.beat();
             }
+            // Whichever is dropped loses nothing: the ticker knows its next time, the request stays until it is taken.
             let next = select(ticker.next(), requests::BIND.receive()).await;
             if let Either::Second((ticket, command)) = next {
                 requests::BIND.answer(ticket, self.bind(command));
@@ -261,97 +251,20 @@ impl<'q> SessionDriver<'q> {
 
     fn act(&self, action: Action) {
         match action {
-            Action::Disconnect => self.disconnect.signal(()),
+            Action::Scan => self.wanted.signal(Use::Scan),
+            Action::Connect(address) => self.wanted.signal(Use::Connect(address)),
+            Action::StopScan | Action::Disconnect => self.wanted.signal(Use::Nothing),
+            Action::Discover => self.request.signal(Request::Discover),
+            Action::Read(one) => self.request.signal(Request::Read(one)),
+            Action::Subscribe(one) => self.request.signal(Request::Subscribe(one)),
+            Action::Write(one, payload) => self.request.signal(Request::Write(one, payload)),
             Action::Deliver(samples) => self
                 .packets
                 .push(self.sequencer.borrow_mut().samples(samples)),
             Action::Keep(armband) => self.keep.signal(armband),
             Action::Gap { missing } => self.sequencer.borrow_mut().gap(missing),
             Action::StreamEnded => self.packets.push(self.sequencer.borrow_mut().end()),
-            // It has room: at most one operation is outstanding.
-            operation => drop(self.operations.try_send(operation)),
         }
-    }
-
-    async fn operate(&self, link: &impl Link, operation: Action) {
-        let mut value = [0; MAX_VALUE_BYTES];
-        let handles = self.handles.get();
-        let outcome = match operation {
-            Action::Discover => {
-                let handles = self.discover(link).await;
-                self.handles.set(handles);
-                return self.handle(Event::Discovered(handles.found()));
-            }
-            Action::Read(characteristic) => match handles.value(characteristic) {
-                Some(handle) => match link.read(handle, &mut value).await {
-                    Ok(length) => {
-                        return self.handle(Event::Read(&value[..length.min(MAX_VALUE_BYTES)]));
-                    }
-                    Err(failed) => Err(failed),
-                },
-                None => Err(OperationFailed),
-            },
-            Action::Write(characteristic, payload) => {
-                if payload.as_slice().first() == Some(&SET_MODE) {
-                    // Before it: the first notification may come with the response.
-                    self.listens.signal(());
-                    yield_now().await;
-                }
-                match handles.value(characteristic) {
-                    Some(handle) => link.write(handle, payload.as_slice()).await,
-                    None => Err(OperationFailed),
-                }
-            }
-            Action::Subscribe(characteristic) => match handles.subscription(characteristic) {
-                Some(handle) => link.write(handle, &ENABLE_NOTIFICATIONS).await,
-                None => Err(OperationFailed),
-            },
-            _ => return,
-        };
-        self.handle(match outcome {
-            Ok(()) => Event::Done,
-            Err(_) => Event::Failed,
-        });
-    }
-
-    /// Reads attributes until every characteristic is found, or to the end.
-    async fn discover(&self, link: &impl Link) -> Handles {
-        let mut handles = Handles::default();
-        let mut discovery = Discovery::new();
-        let mut value = [0; MAX_VALUE_BYTES];
-        while let Some(handle) = discovery.handle() {
-            let read = link.read(handle, &mut value).await;
-            let bytes = read.ok().and_then(|length| value.get(..length));
-            if let Some(attribute) = discovery.answered(bytes) {
-                handles.insert(attribute);
-            }
-            if let Some([_, low, high, uuid @ ..]) = bytes
-                && *uuid == PREFERRED
-            {
-                let handle = u16::from_le_bytes([*low, *high]);
-                self.say_preferred(link, handle).await;
-            }
-        }
-        handles
-    }
-
-    /// Says which connection parameters the armband prefers, once: nobody has seen them.
-    async fn say_preferred(&self, link: &impl Link, handle: u16) {
-        let mut value = [0; MAX_VALUE_BYTES];
-        if self.has_said_preferred.replace(true)
-            || !matches!(link.read(handle, &mut value).await, Ok(8..))
-        {
-            return;
-        }
-        let [a, b, c, d, e, f, g, h, ..] = value;
-        let [min_interval, max_interval, latency, supervision_timeout] =
-            [[a, b], [c, d], [e, f], [g, h]].map(u16::from_le_bytes);
-        uart::enqueue(UartMessage::Preferred(ConnectionParameters {
-            min_interval,
-            max_interval,
-            latency,
-            supervision_timeout,
-        }));
     }
 }
 
@@ -368,10 +281,10 @@ impl ConnectionHandler for SessionDriver<'_> {
         self.connected.set(true);
         self.handles.take();
         self.handle(Event::Connected);
-        let operate = async {
+        let ask = async {
             loop {
-                let operation = self.operations.receive().await;
-                self.operate(link, operation).await;
+                let request = self.request.wait().await;
+                self.carry_out(link, request).await;
             }
         };
         let listen = async {
@@ -388,6 +301,7 @@ impl ConnectionHandler for SessionDriver<'_> {
             })
             .await
         };
-        select(operate, listen).await;
+        // It returns once the connection has ended: the session learns that, and waits for no answer then.
+        select(ask, listen).await;
     }
 }
