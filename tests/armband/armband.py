@@ -7,9 +7,10 @@ stricter than the real armband.
 import asyncio
 from dataclasses import dataclass, field
 
-from bumble import att, hci
+from bumble import att, hci, l2cap
 from bumble.core import AdvertisingData
 from bumble.device import Connection, Device, DeviceConfiguration
+from bumble.gatt import GATT_CLIENT_CHARACTERISTIC_CONFIGURATION_DESCRIPTOR
 from bumble.host import Host
 from bumble.transport.common import AsyncPipeSink
 
@@ -85,6 +86,15 @@ class Armband:
         # Bumble carries out a Write Command on any attribute; an armband ignores it.
         self._server.on_att_write_command = self._on_write_command
         self._server.on("characteristic_subscription", self._on_subscription)
+        if options.script.hides_subscriptions:
+            for attribute in self._server.attributes:
+                if attribute.type == GATT_CLIENT_CHARACTERISTIC_CONFIGURATION_DESCRIPTOR:
+                    # Bumble lets everything be read that needs no authorization.
+                    attribute.permissions |= att.Attribute.READ_REQUIRES_AUTHORIZATION
+        self._signals = self._device.l2cap_channel_manager
+        self._signals.on_control_frame = self._on_signal
+        # Identifiers of requests for connection parameters without an answer.
+        self._unanswered: set[int] = set()
         self._device.on("connection", self._on_connection)
 
     async def start(self) -> None:
@@ -114,6 +124,8 @@ class Armband:
         self._connection = connection
         if self._options.script.chatter_ms is not None:
             self._spawn(self._chatter(connection, self._options.script.chatter_ms / 1000))
+        if self._options.script.asks:
+            self._spawn(self._ask(connection, **self._options.script.asks))
         self._advertise_after = 0.0
         self._plan_sleep()
 
@@ -155,6 +167,29 @@ class Armband:
             self._log.write("chatter")
             await asyncio.sleep(period)
 
+    async def _ask(self, connection: Connection, first_ms: int, every_ms: int, times: int) -> None:
+        """Asks for other connection parameters, and ends the connection if that is not answered."""
+        self._unanswered.clear()
+        await asyncio.sleep(first_ms / 1000)
+        for _ in range(times):
+            if self._connection is not connection:
+                return
+            identifier = self._signals.next_identifier(connection)
+            self._unanswered.add(identifier)
+            self._log.write("asked", identifier=identifier)
+            request = l2cap.L2CAP_Connection_Parameter_Update_Request(
+                identifier=identifier, interval_min=16, interval_max=32, latency=0, timeout=200
+            )
+            self._signals.send_control_frame(connection, l2cap.L2CAP_LE_SIGNALING_CID, request)
+            await asyncio.sleep(every_ms / 1000)
+        if self._connection is connection and self._unanswered:
+            self._log.write("unanswered", identifiers=sorted(self._unanswered))
+            self._disconnect(HUNG_UP, self._options.wake_after)
+
+    def _on_signal(self, _connection: Connection, _channel: int, frame: l2cap.L2CAP_Control_Frame) -> None:
+        self._unanswered.discard(frame.identifier)
+        self._log.write("signal", value=bytes(frame).hex())
+
     # What the central writes
 
     def _on_command(self, command: bytes) -> None:
@@ -186,6 +221,7 @@ class Armband:
 
     async def _stream(self) -> None:
         clock = asyncio.get_running_loop().time
+        await asyncio.sleep(self._options.script.begins_after_ms / 1000)
         schedule = Schedule.starting(clock(), self._options.pace)
         lane = self._options.first_lane
         while await self._recording.has(self._next):

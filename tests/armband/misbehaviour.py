@@ -9,7 +9,7 @@
          "foreign"  its bytes, on a characteristic without subscription
          "garbage"  bytes that are no PDU of the attribute protocol
          "cut"      a PDU of the attribute protocol that ends too early: those of CUT in turn
-         "signal"   the end of a channel that nobody opened
+         "signal"   a command on the channel of signals that nobody may obey: those of SIGNALS in turn
     {"do": "delay", "at": 100, "ms": 80}         100 is sent 80 ms late, with all due by then
     {"do": "vanish", "at": 100, "for_ms": 500}   before 100 the link is lost (supervision timeout);
                                                  no advertising for 500 ms; then 100 is the next
@@ -19,6 +19,11 @@
     {"do": "refuse", "count": 2}                 the first two connections are closed at once
     {"do": "chatter", "ms": 5}                   from every connection to its stream, a notification without
                                                  subscription every 5 ms
+    {"do": "ask-parameters"}                     on every connection it asks for other connection parameters
+         with "first_ms": 5000, "every_ms": 30000 and "times": 3 unless others are given, and ends the
+         connection, `every_ms` after the last, if one was not answered
+    {"do": "begin-late", "ms": 3000}             EMG begins 3 s after the command that sets the mode
+    {"do": "hide-subscriptions"}                 the descriptors that enable notifications cannot be read
 
 `at` counts the notifications of the recording from 0, sent or not, over all connections.
 Milliseconds are real time.
@@ -48,9 +53,14 @@ _FIELDS: dict[str, dict[str, Any]] = {
     "battery": {"at": None, "percent": None},
     "refuse": {"count": None},
     "chatter": {"ms": None},
+    "ask-parameters": {"first_ms": 5000, "every_ms": 30000, "times": 3},
+    "begin-late": {"ms": None},
+    "hide-subscriptions": {},
 }
 # Steps that change packets; the others are actions of the armband.
 _IMPAIRMENTS = ("drop", "duplicate", "swap", "corrupt")
+# Steps that hold for the whole run.
+_HABITS = ("refuse", "chatter", "ask-parameters", "begin-late", "hide-subscriptions")
 
 
 class ScriptError(ValueError):
@@ -91,9 +101,12 @@ class Script:
             raise ScriptError("expected a list of steps")
         steps = [Step.parse(entry) for entry in entries]
         self.refusals = sum(step.fields["count"] for step in steps if step.do == "refuse")
-        chatter = [step.fields["ms"] for step in steps if step.do == "chatter"]
-        self.chatter_ms = chatter[0] if chatter else None
-        others = (*_IMPAIRMENTS, "refuse", "chatter")
+        habits = {step.do: step.fields for step in steps if step.do in _HABITS}
+        self.chatter_ms = habits["chatter"]["ms"] if "chatter" in habits else None
+        self.asks = habits.get("ask-parameters")
+        self.begins_after_ms = habits["begin-late"]["ms"] if "begin-late" in habits else 0
+        self.hides_subscriptions = "hide-subscriptions" in habits
+        others = (*_IMPAIRMENTS, *_HABITS)
         self._actions = [step for step in steps if step.do not in others]
         self._impairments: dict[int, Step] = {}
         for step in (step for step in steps if step.do in _IMPAIRMENTS):
@@ -139,8 +152,23 @@ CUT = [
     bytes.fromhex("10 01 00 ff ff") + bytes(16),
 ]
 
-# The request to disconnect channel 0, whose other end is channel 0.
-SIGNAL = bytes.fromhex("06 01 04 00 00 00 00 00")
+# The request to disconnect channel 0, whose other end is channel 0, and another channel; for a channel of credits; a ping of
+# the other kind of link; codes of no command; requests for connection parameters that are too short, too long, two at once.
+SIGNALS = [
+    bytes.fromhex(command)
+    for command in (
+        "06 01 04 00 00 00 00 00",
+        "06 02 04 00 40 00 40 00",
+        "14 03 0a 00 80 00 40 00 17 00 17 00 05 00",
+        "08 04 00 00",
+        "00 05 00 00",
+        "ff 06 02 00 00 00",
+        "12 07",
+        "12 08 08 00 06 00",
+        "12 09 09 00 06 00 0c 00 00 00 c8 00 00",
+        "12 0a 08 00 06 00 0c 00 00 00 c8 00 12 0b 00 00",
+    )
+]
 
 
 @dataclass
@@ -184,6 +212,6 @@ def _corrupted(n: int, packet: Packet, kind: str) -> Packet:
         case "cut":
             return Packet(None, CUT[n % len(CUT)])
         case "signal":
-            return Packet(None, SIGNAL, L2CAP_LE_SIGNALING_CID)
+            return Packet(None, SIGNALS[n % len(SIGNALS)], L2CAP_LE_SIGNALING_CID)
         case _:
             return GARBAGE

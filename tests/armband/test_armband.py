@@ -6,6 +6,8 @@ python -m unittest discover -s tests/armband
 import asyncio
 import unittest
 
+from bumble import att
+
 from armband import Armband, Options, advertisement
 from central import EMG_FILTERED, NEVER_SLEEP, Central, until
 from event_log import EventLog
@@ -305,6 +307,45 @@ class Misbehaviour(ArmbandTest):
         await self.until("end")
         await until(lambda: levels == [5], "the new level")
         self.assertEqual(await central.find(BATTERY_LEVEL).read_value(), b"\x05")
+
+
+class Habits(ArmbandTest):
+    async def test_it_asks_for_parameters_and_stays_where_it_is_answered(self):
+        ask = {"do": "ask-parameters", "first_ms": 20, "every_ms": 20, "times": 3}
+        central = await self.start_armband(script=[ask])
+        await central.connect(ADDRESS)
+        await self.until("signal", 3)
+        await asyncio.sleep(0.1)
+        self.assertEqual(len(self.log.named("asked")), 3)
+        # Code 0x13, and accepted: Bumble's central takes whatever is asked for.
+        answers = [bytes.fromhex(entry["value"]) for entry in self.log.named("signal")]
+        self.assertEqual([(answer[0], answer[2:]) for answer in answers], [(0x13, b"\2\0\0\0")] * 3)
+        self.assertEqual(central.disconnections, [])
+
+    async def test_it_ends_a_connection_in_which_it_asked_in_vain(self):
+        ask = {"do": "ask-parameters", "first_ms": 20, "every_ms": 20, "times": 3}
+        central = await self.start_armband(script=[ask])
+        central.device.l2cap_channel_manager.on_control_frame = lambda *_: None
+        await central.connect(ADDRESS)
+        await self.until("unanswered")
+        self.assertEqual(len(self.log.named("asked")), 3)
+        await until(lambda: central.disconnections, "the end")
+
+    async def test_it_begins_late(self):
+        central = await self.start_armband(script=[{"do": "begin-late", "ms": 300}])
+        await central.start(ADDRESS)
+        await asyncio.sleep(0.15)
+        self.assertEqual(central.received, [])
+        await self.until("end")
+
+    async def test_its_subscriptions_can_be_written_and_not_read(self):
+        central = await self.start_armband(script=[{"do": "hide-subscriptions"}])
+        await central.connect(ADDRESS)
+        client = central.connection.gatt_client
+        with self.assertRaises(att.ATT_Error):
+            await client.read_value(0x2C)
+        await client.write_value(0x2C, b"\1\0", with_response=True)
+        self.assertEqual(len(self.log.named("subscribed")), 1)
 
 
 class AnotherArmband(ArmbandTest):

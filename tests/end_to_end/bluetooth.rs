@@ -94,14 +94,14 @@ fn a_link_that_is_refused_and_lost_comes_back_and_no_stranger_is_followed() -> a
 }
 
 /// Streams with such a packet in the place of every 27th notification: each leaves a gap that is bridged.
-fn play_with(test: &str, kind: &str) -> anyhow::Result<()> {
+fn play_with(test: &str, kind: &str) -> anyhow::Result<Option<Run>> {
     const PACKETS: u32 = 28;
     let script: Vec<_> = (0..PACKETS)
         .map(|number| json!({"do": "corrupt", "at": 400 + 27 * number, "kind": kind}))
         .collect();
     let samples = vec![[1; 8]; 2600];
     let Some(mut run) = start(test, &samples, 3.0, script.into(), &["--end", "disconnect"])? else {
-        return Ok(());
+        return Ok(None);
     };
     run.wait_for("the end", |run| {
         last_cause(run) == Some(Cause::Disconnected)
@@ -111,19 +111,49 @@ fn play_with(test: &str, kind: &str) -> anyhow::Result<()> {
     let lost = run.reports()?.last().map(|report| report.counters.lost);
     // A busy host may lose more.
     assert!(lost >= Some(2 * PACKETS), "{lost:?}: {}", run.tails());
-    Ok(())
+    Ok(Some(run))
 }
 
 #[test]
 fn attribute_pdus_that_end_too_early_do_not_restart_the_board() -> anyhow::Result<()> {
-    play_with(
-        "attribute_pdus_that_end_too_early_do_not_restart_the_board",
-        "cut",
-    )
+    let test = "attribute_pdus_that_end_too_early_do_not_restart_the_board";
+    play_with(test, "cut").map(drop)
 }
 
 #[test]
 fn the_end_of_a_channel_that_nobody_opened_does_not_restart_the_board() -> anyhow::Result<()> {
     let test = "the_end_of_a_channel_that_nobody_opened_does_not_restart_the_board";
-    play_with(test, "signal")
+    let Some(run) = play_with(test, "signal")? else {
+        return Ok(());
+    };
+    // Each is answered, by a command reject: not understood.
+    let rejects = run.event_values("signal");
+    let is_reject = |value: &String| value.starts_with("01") && value.ends_with("02000000");
+    assert!(rejects.iter().all(is_reject), "{rejects:?}");
+    assert_eq!(rejects.len(), 28, "{rejects:?}");
+    Ok(())
+}
+
+#[test]
+fn an_armband_that_asks_for_parameters_begins_late_and_hides_subscriptions_streams()
+-> anyhow::Result<()> {
+    let test = "an_armband_that_asks_for_parameters_begins_late_and_hides_subscriptions_streams";
+    let script = json!([
+        { "do": "ask-parameters", "first_ms": 500, "every_ms": 500 },
+        { "do": "begin-late", "ms": 6000 },
+        { "do": "hide-subscriptions" },
+    ]);
+    let samples: Vec<_> = (0..2000).map(|n| [(n * n % 251 - 125) as i8; 8]).collect();
+    let Some(mut run) = start(test, &samples, 2.0, script, &["--end", "disconnect"])? else {
+        return Ok(());
+    };
+    run.wait_for("the end", |run| {
+        last_cause(run) == Some(Cause::Disconnected)
+    })?;
+    assert_eq!(run.event_count("connected"), 1, "{}", run.tails());
+    assert_eq!(run.event_count("unanswered"), 0, "{}", run.tails());
+    // Refused, each by its own identifier.
+    let answers = run.event_values("signal");
+    assert_eq!(answers, ["130102000100", "130202000100", "130302000100"]);
+    run.check()
 }

@@ -265,6 +265,16 @@ impl Output {
         events.iter().filter(|line| line["event"] == event).count()
     }
 
+    /// Returns the values of the virtual armband's events with this name.
+    #[must_use]
+    pub fn event_values(&self, event: &str) -> Vec<String> {
+        let events = self.armband_events();
+        let events = events.iter().filter(|line| line["event"] == event);
+        events
+            .filter_map(|line| line["value"].as_str().map(str::to_owned))
+            .collect()
+    }
+
     /// Returns the bytes of the deepest stack so far.
     #[must_use]
     pub fn stack(&self) -> u64 {

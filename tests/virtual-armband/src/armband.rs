@@ -49,6 +49,12 @@ struct Connection {
     delayed_until_us: u64,
     /// Notification that a swap holds back.
     held: Option<Notification>,
+    /// Time of the next request for connection parameters.
+    asks_at_us: Option<u64>,
+    /// Number of requests so far, which is the identifier of the last one.
+    asked: u8,
+    /// Identifiers of requests without an answer.
+    unanswered: Vec<u8>,
 }
 
 impl Armband {
@@ -145,6 +151,7 @@ impl Armband {
     pub fn read(&self, handle: u16) -> Option<Vec<u8>> {
         match self.attribute(handle)? {
             Attribute::Constant(value) => Some(value.clone()),
+            Attribute::Subscription(_) if self.hides_subscriptions() => None,
             Attribute::Subscription(of) => Some(vec![u8::from(self.notifies(*of)), 0]),
             Attribute::Value(Characteristic::FirmwareVersion) => Some(gatt::FIRMWARE.to_vec()),
             Attribute::Value(Characteristic::BatteryLevel) => Some(vec![self.battery]),
@@ -160,12 +167,62 @@ impl Armband {
                 self.link.subscribed.push(of);
             }
             (Some(Attribute::Value(Characteristic::Command)), [SET_MODE, 3, emg, ..]) => {
-                self.link.streams_from_us = matches!(emg, 2 | 3).then_some(now_us);
+                let from = now_us + self.begins_after_us();
+                self.link.streams_from_us = matches!(emg, 2 | 3).then_some(from);
             }
             (Some(Attribute::Value(Characteristic::Command)), [SET_SLEEP, 1, _]) => {}
             _ => return false,
         }
         true
+    }
+
+    /// Takes the request for other connection parameters that is due, by its identifier; ends the connection if one was not
+    /// answered.
+    pub fn take_request(&mut self, now_us: u64) -> Option<u8> {
+        let asks = self.behaviour.steps.iter().find_map(|step| match *step {
+            Step::AskParameters {
+                first_ms,
+                every_ms,
+                times,
+            } => Some((first_ms * 1000, every_ms * 1000, times)),
+            _ => None,
+        });
+        let (first_us, every_us, times) = asks?;
+        let due = *self.link.asks_at_us.get_or_insert(now_us + first_us);
+        if self.link.is_lost || now_us < due {
+            return None;
+        }
+        if self.link.asked == times {
+            self.link.asks_at_us = Some(u64::MAX);
+            if !self.link.unanswered.is_empty() {
+                self.link.is_closed = true;
+                self.lose(Some(now_us));
+            }
+            return None;
+        }
+        self.link.asks_at_us = Some(now_us + every_us);
+        self.link.asked += 1;
+        self.link.unanswered.push(self.link.asked);
+        Some(self.link.asked)
+    }
+
+    /// Takes the answer to a request for connection parameters, whatever it says.
+    pub fn answered(&mut self, identifier: u8) {
+        self.link.unanswered.retain(|one| *one != identifier);
+    }
+
+    fn hides_subscriptions(&self) -> bool {
+        let hides = |step: &Step| matches!(step, Step::HideSubscriptions);
+        self.behaviour.steps.iter().any(hides)
+    }
+
+    /// Microseconds from a command that sets the mode to the EMG.
+    fn begins_after_us(&self) -> u64 {
+        let late = self.behaviour.steps.iter().map(|step| match step {
+            Step::BeginLate { ms } => ms * 1000,
+            _ => 0,
+        });
+        late.sum()
     }
 
     fn attribute(&self, handle: u16) -> Option<&Attribute> {

@@ -110,8 +110,40 @@ pub enum Step {
         #[serde(rename = "ms")]
         _ms: u64,
     },
+    /// Request for other connection parameters, on every connection, as a peripheral of the nRF51's time makes it. Where one is
+    /// not answered, the armband ends the connection when the next would be due after the last.
+    AskParameters {
+        /// Milliseconds from the connection to the first request.
+        #[serde(default = "five_seconds")]
+        first_ms: u64,
+        /// Milliseconds from each to the next.
+        #[serde(default = "half_a_minute")]
+        every_ms: u64,
+        /// Number of requests.
+        #[serde(default = "three")]
+        times: u8,
+    },
+    /// EMG that begins so late after every command that sets the mode.
+    BeginLate {
+        /// Milliseconds.
+        ms: u64,
+    },
+    /// Refusal of all reads of the descriptors that enable notifications.
+    HideSubscriptions,
     /// Armband that is switched off.
     Absent,
+}
+
+const fn five_seconds() -> u64 {
+    5_000
+}
+
+const fn half_a_minute() -> u64 {
+    30_000
+}
+
+const fn three() -> u8 {
+    3
 }
 
 const fn one() -> usize {

@@ -13,6 +13,8 @@ pub const FIRMWARE: [u8; 8] = [1, 0, 5, 0, 0xb2, 0x07, 2, 0];
 const PREFERRED: Uuid = Uuid::Sig(0x2a04);
 /// Value of the characteristic: 7.5 to 15 ms, no latency, 3 s. What a real armband prefers is not known.
 pub const PREFERRED_PARAMETERS: [u8; 8] = [6, 0, 12, 0, 0, 0, 44, 1];
+/// Connection parameters that an armband asks for: 20 to 40 ms, no latency, 2 s.
+pub const ASKED_PARAMETERS: [u16; 4] = [16, 32, 0, 200];
 /// Handle of the table without a subscription.
 pub const FOREIGN: u16 = 0x27;
 

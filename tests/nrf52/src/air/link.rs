@@ -74,6 +74,13 @@ impl Air {
         link.is_some_and(|link| link.update.replace((at, parameters)).is_none())
     }
 
+    /// Answers the armband's request for other parameters.
+    pub fn answer(&mut self, identifier: u8) {
+        if let Some(link) = &self.link {
+            self.armbands[link.armband].answered(identifier);
+        }
+    }
+
     /// Sends a request, one at a time; false if there is no link, or another is under way.
     pub fn request(&mut self, request: Request) -> bool {
         let is_free = |link: &&mut Link| link.request.is_none() && link.response.is_none();
@@ -130,6 +137,8 @@ impl Air {
             self.events.push_back(Event::Updated(parameters));
         }
         self.notify(number, now);
+        let asked = self.armbands[number].take_request(air_us(now));
+        self.events.extend(asked.map(Event::Asked));
         let armband = &self.armbands[number];
         if armband.is_lost()
             && let Some(link) = self.link.as_mut().filter(|link| link.ends.is_none())

@@ -41,6 +41,8 @@ pub enum Event {
     Disconnected(u8),
     /// The link has other parameters.
     Updated(Parameters),
+    /// The armband asks for other parameters, with this identifier.
+    Asked(u8),
     /// The armband was sent so many packets.
     Sent(u16),
     /// The longest unit that the armband takes, in bytes.

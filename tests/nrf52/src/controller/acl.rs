@@ -1,4 +1,7 @@
-//! Data of the host: requests to the armband's attributes (Bluetooth Core Specification, volume 3, parts A and F).
+//! Data of the host: requests to the armband's attributes, answers to its signals (Bluetooth Core Specification, volume 3,
+//! parts A and F).
+
+use virtual_armband::gatt::ASKED_PARAMETERS;
 
 use super::hci::HANDLE;
 use super::{Controller, answer, needs, take, wrong};
@@ -15,6 +18,13 @@ const READ_RESPONSE: u8 = 0x0b;
 const WRITE_REQUEST: u8 = 0x12;
 const WRITE_RESPONSE: u8 = 0x13;
 const NOTIFICATION: u8 = 0x1b;
+/// Channels (part A, 2.1).
+const ATTRIBUTES: u16 = 4;
+const SIGNALS: u16 = 5;
+/// Codes of signals (part A, 4).
+const COMMAND_REJECT: u8 = 0x01;
+const PARAMETERS_REQUEST: u8 = 0x12;
+const PARAMETERS_RESPONSE: u8 = 0x13;
 /// Reasons of errors (3.4.1.1).
 const READ_NOT_PERMITTED: u8 = 0x02;
 const WRITE_NOT_PERMITTED: u8 = 0x03;
@@ -46,13 +56,20 @@ impl Controller {
         )?;
         self.air.send_packet();
         let unit = take(memory, at + 4, length.into())?;
-        let [a, b, 4, 0, ref unit @ ..] = unit[..] else {
-            return Err(wrong(&format!(
-                "of a channel that is not modelled: {unit:x?}"
-            )));
+        let [a, b, low, high, ref unit @ ..] = unit[..] else {
+            return Err(wrong(&format!("without a channel: {unit:x?}")));
         };
         let whole = usize::from(u16::from_le_bytes([a, b])) == unit.len();
         needs(whole, "with a part of a unit, which is not modelled")?;
+        match u16::from_le_bytes([low, high]) {
+            ATTRIBUTES => {}
+            SIGNALS => return self.put_signal(unit),
+            other => {
+                return Err(wrong(&format!(
+                    "of a channel that is not modelled: {other}"
+                )));
+            }
+        }
         let request = match *unit {
             [MTU_REQUEST, _, _] => Request::Mtu,
             [READ_REQUEST, a, b] => Request::Read(u16::from_le_bytes([a, b])),
@@ -70,8 +87,18 @@ impl Controller {
         Ok(answer::SUCCESS)
     }
 
-    /// Tells the program what comes of attributes.
-    pub(super) fn tell_of_attribute(&mut self, event: Event) {
+    /// Takes a response to the armband's request for connection parameters.
+    fn put_signal(&mut self, unit: &[u8]) -> Result<i32, What> {
+        match *unit {
+            [PARAMETERS_RESPONSE, identifier, 2, 0, 0 | 1, 0]
+            | [COMMAND_REJECT, identifier, 2, 0, ..] => self.air.answer(identifier),
+            _ => return Err(wrong(&format!("with a signal that is none: {unit:x?}"))),
+        }
+        Ok(answer::SUCCESS)
+    }
+
+    /// Tells the program what comes from the armband.
+    pub(super) fn tell_of_data(&mut self, event: Event) {
         let failed = |request: u8, attribute: u16, why: u8| {
             let [a, b] = attribute.to_le_bytes();
             vec![ERROR, request, a, b, why]
@@ -87,8 +114,13 @@ impl Controller {
             Event::Notified(attribute, value) => {
                 [&[NOTIFICATION], &attribute.to_le_bytes()[..], &value].concat()
             }
+            Event::Asked(identifier) => {
+                let fields = ASKED_PARAMETERS.map(u16::to_le_bytes).concat();
+                let head = [PARAMETERS_REQUEST, identifier, fields.len() as u8, 0];
+                return self.channel_data(SIGNALS, &[&head, &fields[..]].concat());
+            }
             _ => return,
         };
-        self.attribute_data(&unit);
+        self.channel_data(ATTRIBUTES, &unit);
     }
 }

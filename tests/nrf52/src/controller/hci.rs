@@ -106,12 +106,11 @@ impl Controller {
         }
     }
 
-    /// A protocol data unit of the armband's attributes (volume 3, part A, 3.1).
-    pub(super) fn attribute_data(&mut self, unit: &[u8]) {
+    /// A protocol data unit of a channel (volume 3, part A, 3.1).
+    pub(super) fn channel_data(&mut self, channel: u16, unit: &[u8]) {
         const FIRST: u16 = 2 << 12;
-        const ATTRIBUTES: u16 = 4;
         let length = unit.len() as u16;
-        let header = [HANDLE | FIRST, length + 4, length, ATTRIBUTES];
+        let header = [HANDLE | FIRST, length + 4, length, channel];
         self.push(
             DATA,
             [&header.map(u16::to_le_bytes).concat(), unit].concat(),
@@ -190,7 +189,7 @@ impl Controller {
                 self.hci.in_flight = self.hci.in_flight.saturating_sub(count as u8);
                 self.event(0x13, &[&[1], &handle[..], &count.to_le_bytes()].concat());
             }
-            answer => self.tell_of_attribute(answer),
+            data => self.tell_of_data(data),
         }
     }
 }

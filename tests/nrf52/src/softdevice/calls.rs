@@ -53,6 +53,7 @@ pub mod event {
     pub const CONN_PARAM_UPDATE: u16 = 18;
     pub const TIMEOUT: u16 = 27;
     pub const ADV_REPORT: u16 = 29;
+    pub const CONN_PARAM_UPDATE_REQUEST: u16 = 31;
     pub const READ_RSP: u16 = 54;
     pub const WRITE_RSP: u16 = 56;
     pub const HVX: u16 = 57;

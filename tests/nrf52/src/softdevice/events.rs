@@ -78,6 +78,11 @@ pub fn updated(handle: u16, with: Parameters) -> Vec<u8> {
     gap(event::CONN_PARAM_UPDATE, handle, &parameters(with))
 }
 
+/// The armband asks for other parameters.
+pub fn asked(handle: u16, with: Parameters) -> Vec<u8> {
+    gap(event::CONN_PARAM_UPDATE_REQUEST, handle, &parameters(with))
+}
+
 /// Scanning or connecting has ended by itself.
 pub fn timed_out(source: u8) -> Vec<u8> {
     gap(event::TIMEOUT, NO_HANDLE, &[source])

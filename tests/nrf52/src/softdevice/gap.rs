@@ -1,6 +1,7 @@
 //! Scanning and connecting (`ble_gap.h`), as a central.
 
 use shared::myo::{Address, AddressKind};
+use virtual_armband::gatt::ASKED_PARAMETERS;
 
 use super::calls::answer;
 use super::events::{self, HANDLE};
@@ -119,7 +120,13 @@ impl SoftDevice {
         };
         match self.answer_of(handle) {
             answer::SUCCESS if !self.air.update_parameters(now, parameters) => answer::BUSY,
-            answer => answer,
+            answer => {
+                // It grants what the armband has asked for, if it has.
+                if let Some(identifier) = self.asked.take() {
+                    self.air.answer(identifier);
+                }
+                answer
+            }
         }
     }
 
@@ -155,6 +162,10 @@ impl SoftDevice {
             }
             Event::Disconnected(reason) => events::disconnected(HANDLE, reason),
             Event::Updated(parameters) => events::updated(HANDLE, parameters),
+            Event::Asked(identifier) => {
+                self.asked = Some(identifier);
+                events::asked(HANDLE, ASKED_PARAMETERS)
+            }
             // Only writes without a response are told of (`BLE_GATTC_EVT_WRITE_CMD_TX_COMPLETE`).
             Event::Sent(_) | Event::Mtu(_) => return,
             Event::Read(attribute, value) => events::read(HANDLE, attribute, value.as_deref()),

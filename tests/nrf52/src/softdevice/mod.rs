@@ -71,6 +71,8 @@ pub struct SoftDevice {
     chip_events: VecDeque<u32>,
     interrupts: bool,
     whitelist: Vec<Address>,
+    /// Identifier of the armband's request for parameters that the program has not answered.
+    asked: Option<u8>,
     /// Address to which the data of an advertisement goes.
     scan_buffer: u32,
     /// The radio, and the armbands.
@@ -94,6 +96,7 @@ impl SoftDevice {
             chip_events: VecDeque::new(),
             interrupts: false,
             whitelist: Vec::new(),
+            asked: None,
             scan_buffer: 0,
             air: Air::default(),
             flash: Flash::default(),
@@ -117,6 +120,7 @@ impl SoftDevice {
         self.chip_events.clear();
         self.interrupts = false;
         self.whitelist.clear();
+        self.asked = None;
         self.flash.reset();
     }
 
