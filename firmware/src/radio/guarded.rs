@@ -1,4 +1,4 @@
-//! A Bluetooth controller whose host is given only packets that it takes ([`attribute_pdu`]).
+//! A Bluetooth controller whose host is given only packets that it takes ([`attribute_pdu`]), or refuses ([`signaling`]).
 
 use bt_hci::{
     ControllerToHostPacket,
@@ -7,23 +7,34 @@ use bt_hci::{
     data::{AclBroadcastFlag, AclPacket, AclPacketBoundary, IsoPacket, SyncPacket},
 };
 use embedded_io::ErrorType;
-use shared::myo::attribute_pdu;
+use shared::myo::{attribute_pdu, signaling};
 
 /// The controller itself, but for what it receives.
 pub struct Guarded<C>(pub C);
 
-/// Packet that the host gets. In the place of one that it may not be given it gets an empty one of a kind
-/// that it counts and ignores: the host owes the controller an account of every packet.
-fn taken(packet: AclPacket<'_>) -> AclPacket<'_> {
-    let first = packet.boundary_flag() == AclPacketBoundary::FirstFlushable;
+/// Buffer of the controller, and one for a packet that the host gets in the place of a received one.
+pub struct Buffer<B> {
+    received: B,
+    refused: [u8; signaling::MOST_BYTES],
+}
+
+/// Packet that the host gets. In the place of a signal it gets one that it refuses; in the place of another that it may not be
+/// given an empty one of a kind that it counts and ignores: the host owes the controller an account of every packet.
+fn taken<'a>(packet: AclPacket<'a>, refused: &'a mut [u8; signaling::MOST_BYTES]) -> AclPacket<'a> {
+    let boundary = packet.boundary_flag();
+    let first = boundary == AclPacketBoundary::FirstFlushable;
     if !first || attribute_pdu::may_be_taken(packet.data()) {
         return packet;
     }
+    let (boundary, data) = match signaling::refused(packet.data(), refused) {
+        Some(signal) => (boundary, signal),
+        None => (AclPacketBoundary::Complete, &[][..]),
+    };
     AclPacket::new(
         packet.handle(),
-        AclPacketBoundary::Complete,
+        boundary,
         AclBroadcastFlag::PointToPoint,
-        &[],
+        data,
     )
 }
 
@@ -32,10 +43,13 @@ impl<C: ErrorType> ErrorType for Guarded<C> {
 }
 
 impl<C: Controller> Controller for Guarded<C> {
-    type Buffer<'a> = C::Buffer<'a>;
+    type Buffer<'a> = Buffer<C::Buffer<'a>>;
 
     fn alloc_buf(&self) -> Result<Self::Buffer<'_>, Self::Error> {
-        self.0.alloc_buf()
+        Ok(Buffer {
+            received: self.0.alloc_buf()?,
+            refused: [0; signaling::MOST_BYTES],
+        })
     }
 
     async fn write_acl_data(&self, packet: &AclPacket<'_>) -> Result<(), Self::Error> {
@@ -54,8 +68,11 @@ impl<C: Controller> Controller for Guarded<C> {
         &self,
         buffer: &'a mut Self::Buffer<'_>,
     ) -> Result<ControllerToHostPacket<'a>, Self::Error> {
-        Ok(match self.0.read(buffer).await? {
-            ControllerToHostPacket::Acl(packet) => ControllerToHostPacket::Acl(taken(packet)),
+        let Buffer { received, refused } = buffer;
+        Ok(match self.0.read(received).await? {
+            ControllerToHostPacket::Acl(packet) => {
+                ControllerToHostPacket::Acl(taken(packet, refused))
+            }
             other => other,
         })
     }

@@ -2,9 +2,9 @@
 //!
 //! A characteristic is declared by an attribute that everybody may read: its properties, the handle of its
 //! value, its UUID (Bluetooth Core, Vol 3, Part G, 3.3.1). Behind the value come descriptors; the one that
-//! enables notifications has two bytes and can be read too (3.3.3.3). So plain reads suffice, and a read is the
-//! one operation that every Bluetooth stack carries out whatever else it receives meanwhile: the ready-made
-//! discovery of nrf-softdevice 0.1 panics on any notification.
+//! enables notifications has two bytes and can be read too (3.3.3.3). An armband that refuses to let it be read refuses that for
+//! the first time there. So plain reads suffice, and a read is the one operation that every Bluetooth stack carries out whatever
+//! else it receives meanwhile: the ready-made discovery of nrf-softdevice 0.1 panics on any notification.
 //!
 //! Bounded by the last handle that is read; the session bounds the time.
 
@@ -22,7 +22,8 @@ const BEFORE_UUID: usize = 3;
 pub enum Attribute {
     /// The value of a characteristic.
     Value(Characteristic, u16),
-    /// The descriptor that enables its notifications.
+    /// The descriptor that enables its notifications. The last one counts, where several are named: one that was refused is
+    /// named until one that can be read shows itself.
     Subscription(Characteristic, u16),
 }
 
@@ -61,8 +62,8 @@ impl Discovery {
     #[must_use]
     pub fn handle(&self) -> Option<u16> {
         let complete = |one: Characteristic| {
-            let needed = matches!(one, Characteristic::Emg(_) | Characteristic::BatteryLevel);
-            self.values.contains(one) && (!needed || self.subscriptions.contains(one))
+            let has_subscription = self.subscriptions.contains(one) && self.of != Some(one);
+            self.values.contains(one) && (!notifies(one) || has_subscription)
         };
         let all = Characteristic::ALL.into_iter().all(complete);
         (self.next <= LAST && !all).then_some(self.next)
@@ -72,7 +73,12 @@ impl Discovery {
     pub fn answered(&mut self, value: Option<&[u8]>) -> Option<Attribute> {
         let handle = self.next;
         self.next = handle.saturating_add(1);
-        let value = value?;
+        let Some(value) = value else {
+            let characteristic = self.of.filter(|one| notifies(*one))?;
+            let is_first = !self.subscriptions.contains(characteristic);
+            self.subscriptions = self.subscriptions.with(characteristic);
+            return is_first.then_some(Attribute::Subscription(characteristic, handle));
+        };
         if let Some((value_handle, uuid)) = declaration(handle, value) {
             // The value itself is not read: it may have side effects.
             self.next = value_handle.saturating_add(1);
@@ -93,6 +99,11 @@ impl Discovery {
         self.subscriptions = self.subscriptions.with(characteristic);
         Some(Attribute::Subscription(characteristic, handle))
     }
+}
+
+/// Whether the session enables the notifications of a characteristic.
+const fn notifies(one: Characteristic) -> bool {
+    matches!(one, Characteristic::Emg(_) | Characteristic::BatteryLevel)
 }
 
 /// The handle of the value and the UUID, none if it is of neither family, where `bytes` are a declaration.
@@ -185,9 +196,37 @@ mod tests {
         }
         let found = run(&later).0;
         let command = Attribute::Value(Characteristic::Command, 22);
-        let lane = Attribute::Value(Characteristic::Emg(Lane::ALL[3]), 25);
-        assert_eq!(found, [command, lane]);
+        let lane = Characteristic::Emg(Lane::ALL[3]);
+        let subscription = Attribute::Subscription(lane, 26);
+        assert_eq!(found, [command, Attribute::Value(lane, 25), subscription]);
         assert_eq!(expected.len(), 12);
+    }
+
+    #[test]
+    fn a_subscription_that_cannot_be_read_is_where_a_read_is_refused_first() {
+        let (mut table, expected) = armband();
+        let (mut described, _) = armband();
+        for attribute in &expected {
+            if let Attribute::Subscription(_, handle) = attribute {
+                table[usize::from(*handle) - 1] = None;
+                described[usize::from(*handle) - 2] = None;
+            }
+        }
+        assert_eq!(run(&table).0, expected);
+        // The description is refused in its place: the one that can be read counts.
+        let mut found = run(&described).0;
+        found.reverse();
+        let mut named = Vec::new();
+        found.retain(|one| match one {
+            Attribute::Value(..) => true,
+            Attribute::Subscription(of, _) if named.contains(of) => false,
+            Attribute::Subscription(of, _) => {
+                named.push(*of);
+                true
+            }
+        });
+        found.reverse();
+        assert_eq!(found, expected);
     }
 
     #[test]

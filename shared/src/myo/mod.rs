@@ -38,6 +38,7 @@ mod scan;
 mod sequence;
 mod session;
 mod set_up;
+pub mod signaling;
 mod stream_monitor;
 mod uuid;
 

@@ -4,6 +4,8 @@ use crate::units::Millis;
 
 /// Silence after which the mode is set again, and after which, once more, the connection is closed.
 const SILENCE_MS: u32 = 500;
+/// The same before the first notification: an armband may begin three seconds after its mode is set, and anew if it is set again.
+const START_MS: u32 = 4_000;
 /// Period of the command never to sleep. The armband's own timer is about 30 s.
 const NEVER_SLEEP_MS: u32 = 10_000;
 /// Time-out of an operation.
@@ -12,8 +14,10 @@ pub(super) const OPERATION_MS: u32 = 5_000;
 /// The times of a running stream.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct StreamMonitor {
-    /// Time of the newest EMG.
+    /// Time of the newest EMG; of the stream's begin, before the first notification.
     emg: Millis,
+    /// Whether a notification has come, of whatever bytes.
+    has_begun: bool,
     /// Time of the last command never to sleep.
     never_sleep: Millis,
     /// Time at which the mode was set again during the present silence.
@@ -41,9 +45,18 @@ impl StreamMonitor {
     pub(super) const fn new(now: Millis, write: Option<Millis>) -> Self {
         Self {
             emg: now,
+            has_begun: false,
             never_sleep: now,
             mode_set_again: None,
             write,
+        }
+    }
+
+    /// A notification of EMG arrived, which may be malformed.
+    pub(super) const fn notified(&mut self, now: Millis) {
+        if !self.has_begun {
+            self.has_begun = true;
+            self.emg(now);
         }
     }
 
@@ -67,9 +80,10 @@ impl StreamMonitor {
         {
             return Due::Unanswered;
         }
+        let patience = if self.has_begun { SILENCE_MS } else { START_MS };
         match self.mode_set_again {
-            Some(at) if now.elapsed_since(at) >= SILENCE_MS => return Due::Stalled,
-            None if now.elapsed_since(self.emg) >= SILENCE_MS => {
+            Some(at) if now.elapsed_since(at) >= patience => return Due::Stalled,
+            None if now.elapsed_since(self.emg) >= patience => {
                 // While another write is outstanding this one is skipped, not queued: a link that has
                 // not answered for so long will not answer this one either.
                 self.mode_set_again = Some(now);

@@ -167,6 +167,7 @@ impl MyoSession {
         let State::Streaming(monitor) = &mut self.state else {
             return count(&mut self.counters.foreign, 1);
         };
+        monitor.notified(now);
         let Ok(pair) = parse_emg(bytes) else {
             return count(&mut self.counters.malformed, 1);
         };

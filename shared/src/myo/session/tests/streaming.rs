@@ -73,6 +73,33 @@ fn a_silent_stream_gets_its_mode_again_once_and_is_then_closed() {
 }
 
 #[test]
+fn an_armband_may_begin_three_seconds_after_its_mode_is_set() {
+    // Its first notification is awaited for four seconds, and as long again once the mode was set again.
+    for (first, due) in [(3_501, 4_001), (7_501, 8_001)] {
+        let mut driver = Driver::new(ANY);
+        driver.streaming(0);
+        let mut actions = Vec::new();
+        for now in (501..first).step_by(50) {
+            let action = driver.handle(now, Event::Tick);
+            actions.extend(action);
+        }
+        let mode: &[Action] = if first > 4_501 { &[SET_MODE] } else { &[] };
+        assert_eq!(actions, mode);
+        driver.handle(first, Event::Done);
+        assert_eq!(driver.emg(first, 0), [deliver(0)]);
+        assert_eq!(driver.handle(due - 1, Event::Tick), []);
+        assert_eq!(driver.handle(due, Event::Tick), [SET_MODE]);
+    }
+    let mut driver = Driver::new(ANY);
+    driver.streaming(0);
+    assert_eq!(driver.handle(4_501, Event::Tick), [SET_MODE]);
+    assert_eq!(driver.handle(4_502, Event::Done), []);
+    assert_eq!(driver.handle(8_500, Event::Tick), []);
+    let closed = [Action::Disconnect, Action::StreamEnded];
+    assert_eq!(driver.handle(8_501, Event::Tick), closed);
+}
+
+#[test]
 fn a_stream_that_resumes_after_the_mode_was_set_again_has_a_gap() {
     let mut driver = Driver::new(ANY);
     driver.streaming(0);
