@@ -17,6 +17,7 @@ use crate::model_region;
 /// Runs the radio once there is a model, and exchanges the model when that is asked for.
 pub async fn beside<F: Flash>(flash: F, radio: impl AsyncFnOnce(&SharedFlash<F>)) {
     let flash = SharedFlash::new(flash);
+    // Neither returns, unless the Bluetooth stack stops: the board restarts then, and goes on by the journal.
     select(serve(&flash), async {
         while model::current().is_none() {
             // No radio runs without a model.

@@ -125,6 +125,7 @@ impl Next {
 
 /// Waits for the next line: the oldest message; an answer while there is none; samples while there is neither.
 pub async fn receive() -> Next {
+    // Those that are dropped lose nothing: an entry stays in its queue until it is taken.
     match select3(MESSAGES.receive(), ANSWERS.receive(), raw::receive()).await {
         Either3::First(message) => Next::Message(message),
         Either3::Second(answer) => Next::Answer(answer),

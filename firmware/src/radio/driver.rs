@@ -140,8 +140,9 @@ impl<'q> SessionDriver<'q> {
                     self.listens.reset();
                     self.connected.set(false);
                     // The connection that is dropped ends, or is never established; with it an answer that is on its way.
+                    // First of the two: one that was established just now is known, and ended.
                     let ended = select(self.is_changed(), unused::<R>());
-                    select(ended, radio.connect(address, self)).await;
+                    select(radio.connect(address, self), ended).await;
                     self.request.reset();
                     self.sought.set(now());
                     self.handle(if self.connected.get() {

@@ -95,6 +95,7 @@ pub async fn run<C: CentralController>(
         central: stack.central(),
         advertisements: &advertisements,
     };
+    // The host returns only where the controller fails: the board restarts then, and whatever the session was at is lost.
     select(
         runner.run_with_handler(&advertisements),
         driver.run(&mut radio, flash),
@@ -197,6 +198,7 @@ impl<C: CentralController> Radio for TroubleRadio<'_, '_, C> {
                 Poll::Ready(())
             }
         });
+        // Nothing is lost with the one that is dropped: a flag, or an attempt whose connection has ended.
         let connection = match select(self.central.connect(&config), missed).await {
             Either::First(connection) => connection.map_err(|_| ConnectFailed)?,
             Either::Second(()) => return Err(ConnectFailed),
@@ -211,7 +213,7 @@ impl<C: CentralController> Radio for TroubleRadio<'_, '_, C> {
             client: &client,
             listener: Mutex::new(listener),
         };
-        // Only the client's task notices the end of the connection, and ends then.
+        // Only the client's task notices the end of the connection, and ends then. The handler's request has no answer any more.
         select(client.task(), handler.run(&link)).await;
         connection.disconnect();
         Ok(())

@@ -112,6 +112,7 @@ pub async fn run(
     loop {
         let silence = timer_until(pipeline.deadline());
         let (asked, exchange) = (INFERENCE.receive(), MODEL.receive());
+        // Those that are dropped lose nothing: packets and requests stay until they are taken, the deadline is the pipeline's.
         let next = select4(PACKETS.receive(), silence, asked, exchange).await;
         let now = now();
         // Before anything else finds that it is late, and takes that for a silence of the armband.

@@ -194,6 +194,7 @@ impl CommandPort {
     pub async fn read(&mut self, buffer: &mut [u8]) -> (usize, Result<usize, BytesLost>) {
         let mut received = [0; 32];
         let by_usb = super::usb::RECEIVED.read(&mut received);
+        // Nothing is lost with the one that is dropped: its bytes stay in their buffer until they are copied at its end.
         match select(self.receive(buffer), by_usb).await {
             Either::First(count) => (0, count),
             Either::Second(count) => {

@@ -119,6 +119,7 @@ async fn receive(mut receiver: Receiver<'static, UsbDriver>, control: ControlCha
             receiver.wait_connection().await;
             receiver.read_packet(&mut packet).await
         };
+        // Nothing is lost with the one that is dropped: a packet stays in the endpoint until it is read, a change is a flag.
         match select(reading, control.control_changed()).await {
             Either::First(Ok(count)) => {
                 let bytes = packet.get(..count).unwrap_or_default();

@@ -87,6 +87,7 @@ impl Radio for SimulatedRadio<'_> {
                 Timer::after_millis(NOTICED_MS).await;
             }
         };
+        // Whatever the handler waits for ends with the link.
         select(lost, handler.run(&link)).await;
         Ok(())
     }
