@@ -228,4 +228,76 @@ mod tests {
         twice[512 + 12..][..4].copy_from_slice(&0x1000_u32.to_le_bytes());
         assert_eq!(Uf2::parse(&twice), Err(Uf2Error::Block { block: 1 }));
     }
+
+    /// A file with one more block at a place, which numbers count.
+    fn with_block(file: &[u8], at: usize, change: impl Fn(&mut [u8; BLOCK])) -> Vec<u8> {
+        let mut blocks = file.as_chunks::<BLOCK>().0.to_vec();
+        let mut block = blocks[0];
+        change(&mut block);
+        blocks.insert(at, block);
+        let count = blocks.len() as u32;
+        for (number, block) in (0_u32..).zip(&mut blocks) {
+            block[20..24].copy_from_slice(&number.to_le_bytes());
+            block[24..28].copy_from_slice(&count.to_le_bytes());
+        }
+        blocks.into_flattened()
+    }
+
+    #[test]
+    fn a_block_that_is_not_for_main_flash_writes_nothing_wherever_it_is() {
+        let mut all = Uf2::default();
+        all.put(0x1000, &[1; 700]);
+        let file = all.file();
+        // Beside a family, another flag, or neither; with an address in flash, outside of it, or at no piece's start.
+        for (flags, address, length) in [
+            (0x2001_u32, 0x1000_u32, 256_u32),
+            (0x6001, 0x5000, 476),
+            (1, u32::MAX, 12),
+        ] {
+            for at in 0..=3 {
+                let commented = with_block(&file, at, |block| {
+                    block[8..12].copy_from_slice(&flags.to_le_bytes());
+                    block[12..16].copy_from_slice(&address.to_le_bytes());
+                    block[16..20].copy_from_slice(&length.to_le_bytes());
+                    block[HEADER..HEADER + PAYLOAD].fill(9);
+                });
+                let found = Uf2::parse(&commented);
+                assert_eq!(found, Ok(all.clone()), "{flags:#x} at {at}");
+            }
+        }
+        // It is still a block; and one of a file for a file system is none for flash.
+        let torn = with_block(&file, 1, |block| (block[8], block[508]) = (1, 0));
+        assert_eq!(Uf2::parse(&torn), Err(Uf2Error::Block { block: 1 }));
+        for flags in [0x3000_u32, 0x3001] {
+            let contained = with_block(&file, 3, |block| {
+                block[8..12].copy_from_slice(&flags.to_le_bytes());
+                block[12..16].copy_from_slice(&0x5000_u32.to_le_bytes());
+            });
+            assert_eq!(Uf2::parse(&contained), Err(Uf2Error::Block { block: 3 }));
+        }
+    }
+
+    #[test]
+    fn blocks_that_name_different_counts_are_refused() {
+        let mut all = Uf2::default();
+        all.put(0x1000, &[1; 700]);
+        for (block, other) in [(1, 2_u32), (1, 4), (2, 2)] {
+            let mut file = all.file();
+            file[block * BLOCK + 24..][..4].copy_from_slice(&other.to_le_bytes());
+            assert_eq!(Uf2::parse(&file), Err(Uf2Error::Block { block }));
+        }
+    }
+
+    #[test]
+    fn flash_between_pieces_is_erased() {
+        let mut all = Uf2::default();
+        all.put(0x5_8100, &[1; 256]);
+        all.put(0x5_8300, &[2]);
+        let bytes = all.bytes(MODEL_REGION);
+        for gap in [&bytes[..256], &bytes[512..768]] {
+            assert!(gap.iter().all(|byte| *byte == 0xff));
+        }
+        assert_eq!((bytes[256], bytes[768], bytes.len()), (1, 2, 1024));
+        assert_eq!(all.bytes(PROGRAM_REGION), []);
+    }
 }
