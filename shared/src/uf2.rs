@@ -16,6 +16,10 @@ const HEADER: usize = 32;
 const PAYLOAD: usize = 256;
 /// Family of the nRF52840 with Adafruit's boot loader.
 const FAMILY: u32 = 0xADA5_2840;
+/// Flag: the block is a comment, not for main flash. A reader skips it, unless it is part of a file.
+const NOT_MAIN_FLASH: u32 = 0x1;
+/// Flag: the block is part of a file for a file system.
+const IN_A_FILE: u32 = 0x1000;
 /// Flag: the block has a family.
 const HAS_FAMILY: u32 = 0x2000;
 const BEGINS: [u32; 2] = [0x0A32_4655, 0x9E5D_5157];
@@ -76,17 +80,26 @@ impl Uf2 {
         for (number, block) in blocks.iter().enumerate() {
             let (words, _) = block.as_chunks::<4>();
             let word = |at: usize| u32::from_le_bytes(words[at / 4]);
-            expected = word(24) as usize;
-            let (address, length) = (word(12), word(16) as usize);
+            let refused = Uf2Error::Block { block: number };
+            if number == 0 {
+                expected = word(24) as usize;
+            }
             let is_one = [word(0), word(4)] == BEGINS && word(BLOCK - 4) == ENDS;
-            let is_ours = word(8) & HAS_FAMILY != 0 && word(28) == FAMILY;
+            let is_next = word(20) as usize == number && word(24) as usize == expected;
+            let (flags, address) = (word(8), word(12));
+            if !is_one || !is_next || flags & IN_A_FILE != 0 {
+                return Err(refused);
+            }
+            if flags & NOT_MAIN_FLASH != 0 {
+                continue;
+            }
+            let is_ours = flags & HAS_FAMILY != 0 && word(28) == FAMILY;
             let is_placed = WINDOW.contains(&address) && address.is_multiple_of(PAYLOAD as u32);
-            let is_next = word(20) as usize == number;
             let mut payload = [0; PAYLOAD];
             payload.copy_from_slice(&block[HEADER..][..PAYLOAD]);
-            let is_right = is_one && is_ours && is_placed && is_next && length == PAYLOAD;
+            let is_right = is_ours && is_placed && word(16) as usize == PAYLOAD;
             if !is_right || all.insert(address, payload).is_some() {
-                return Err(Uf2Error::Block { block: number });
+                return Err(refused);
             }
         }
         let found = blocks.len();
@@ -119,10 +132,16 @@ impl Uf2 {
         Ok(())
     }
 
-    /// Bytes at addresses of a range, without those between the pieces.
+    /// Flash from the start of a range to the last piece in it, erased between the pieces; empty without a piece.
     #[must_use]
     pub fn bytes(&self, range: Range<u32>) -> Vec<u8> {
-        self.0.range(range).flat_map(|(_, piece)| *piece).collect()
+        let start = range.start;
+        let mut bytes = Vec::new();
+        for (address, piece) in self.0.range(range) {
+            bytes.resize((address - start) as usize, 0xff);
+            bytes.extend_from_slice(piece);
+        }
+        bytes
     }
 
     /// The file, block by block.
