@@ -27,21 +27,45 @@ fn model() -> Vec<u8> {
 
 /// A file of a release.
 pub(crate) fn image(text: &[u8]) -> Vec<u8> {
+    let mut file = program(text);
+    file.put_model(&model()).unwrap();
+    file.file()
+}
+
+/// Firmware without a model.
+fn program(text: &[u8]) -> Uf2 {
     let mut file = Uf2::default();
     file.put(0x1000, &[0; 300]);
     file.put(0x2000, text);
-    file.put_model(&model()).unwrap();
-    file.file()
+    file
 }
 
 fn content(image: &[u8], model: Option<&[u8]>) -> Result<Content, FlashError> {
     Content::new(Some((Path::new("xiao.uf2"), image)), model)
 }
 
-/// The armband that it binds.
-const ARMBAND: Address = Address {
+/// An armband.
+pub(crate) const ARMBAND: Address = Address {
     kind: AddressKind::Public,
     bytes: [0x9a, 0x78, 0x56, 0x34, 0x12, 0xfa],
+};
+
+/// What a board has and hears.
+#[derive(Clone, Copy)]
+pub(crate) struct Kept {
+    /// CRC-32 of the model in its flash before a file comes.
+    pub(crate) model: Option<u32>,
+    /// Whom it follows.
+    pub(crate) following: Following,
+    /// Whom its pairing hears.
+    pub(crate) hears: Option<Address>,
+}
+
+/// A new board beside an armband.
+const NEW: Kept = Kept {
+    model: None,
+    following: Following::Nobody,
+    hears: Some(ARMBAND),
 };
 
 /// A board with a boot loader: shows its drive when its port was opened at 1200 baud, and runs the file that comes.
@@ -54,8 +78,13 @@ pub(crate) struct Fake {
 }
 
 impl Fake {
-    /// Starts one that says `runs` of its firmware once a file has come.
+    /// Starts a new one that says `runs` of its firmware once a file has come.
     pub(crate) fn start(runs: &'static str) -> Self {
+        Self::with(runs, NEW)
+    }
+
+    /// Starts one that has something already.
+    pub(crate) fn with(runs: &'static str, kept: Kept) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let (mut master, slave) = SerialPort::pair().unwrap();
         master.set_read_timeout(AGAIN / 10).unwrap();
@@ -64,8 +93,12 @@ impl Fake {
         let thread = std::thread::spawn(move || {
             let mut reader = CommandReader::new();
             let mut bytes = [0; 64];
-            let (mut model, mut was_touched) = (None, false);
-            let mut following = Following::Nobody;
+            let (mut is_running, mut was_touched) = (false, false);
+            let Kept {
+                mut model,
+                mut following,
+                hears,
+            } = kept;
             while !stopped.load(Ordering::Relaxed) {
                 let baud = line.get_configuration().unwrap().get_baud_rate().unwrap();
                 let touched = baud == TOUCH_BAUD;
@@ -76,14 +109,17 @@ impl Fake {
                 let file = fs::read(drive.join("FIRMWARE.UF2")).unwrap_or_default();
                 if let Ok(file) = Uf2::parse(&file) {
                     let held = file.bytes(MODEL_REGION);
-                    model = Some(ModelFile::new(&held).unwrap().checksum());
+                    if !held.is_empty() {
+                        model = Some(ModelFile::new(&held).unwrap().checksum());
+                    }
+                    is_running = true;
                     fs::remove_file(drive.join("INFO_UF2.TXT")).unwrap();
                     fs::remove_file(drive.join("FIRMWARE.UF2")).unwrap();
                 }
                 let length = master.read(&mut bytes).unwrap_or(0);
                 for command in bytes[..length].iter().filter_map(|&byte| reader.push(byte)) {
                     let answer = match command {
-                        Ok(Command::Identify) if model.is_some() => Answer::Identity(Identity {
+                        Ok(Command::Identify) if is_running => Answer::Identity(Identity {
                             version: "0.1.0",
                             revision: "0123456789ab",
                             image: runs,
@@ -96,7 +132,12 @@ impl Fake {
                             let mut answered = following;
                             if asked == BindCommand::Begin {
                                 answered = Following::Pairing;
-                                following = Following::Bound(ARMBAND);
+                                following = hears.map_or(following, Following::Bound);
+                                if hears.is_none() {
+                                    master
+                                        .write_all(b"# pairing over: no armband was heard\r\n")
+                                        .unwrap();
+                                }
                             }
                             Answer::Binding(Binding {
                                 following: answered,
@@ -293,5 +334,108 @@ fn a_wrong_file_or_a_wrong_board_is_refused() {
             }) => assert!(found.contains(expected), "{found}"),
             other => panic!("{id}: {other:?}"),
         }
+    }
+}
+
+#[test]
+fn a_model_that_no_board_can_run_is_not_in_a_file_that_is_taken() {
+    let whole = model();
+    let mut flipped = whole.clone();
+    flipped[5000] ^= 1;
+    let mut other_format = whole.clone();
+    other_format[4] ^= 3;
+    let mut files = Vec::new();
+    for (damage, bytes) in [
+        ("cut", &whole[..whole.len() / 2]),
+        ("a piece short", &whole[..whole.len() - 256]),
+        ("flipped", &flipped),
+        ("of another format", &other_format),
+        ("none", b"no model"),
+    ] {
+        let mut file = program(PROGRAM_TEXT);
+        file.put(MODEL_REGION.start, bytes);
+        files.push((damage, file));
+    }
+    let mut moved = program(PROGRAM_TEXT);
+    moved.put(MODEL_REGION.start + 256, &whole);
+    files.push(("moved", moved));
+    for (damage, file) in files {
+        // Beside firmware, and alone.
+        let mut alone = Uf2::default();
+        alone.put(MODEL_REGION.start, &file.bytes(MODEL_REGION));
+        for file in [&file, &alone] {
+            let refused = content(&file.file(), None)
+                .map(drop)
+                .expect_err(damage)
+                .to_string();
+            assert!(refused.starts_with("xiao.uf2: "), "{damage}: {refused}");
+            assert!(refused.contains("model"), "{damage}: {refused}");
+            // Another one takes its place.
+            let mended = content(&file.file(), Some(&whole)).unwrap();
+            assert_eq!(
+                mended.model,
+                Some(ModelFile::new(&whole).unwrap().checksum())
+            );
+        }
+    }
+}
+
+#[test]
+fn a_file_that_this_program_has_written_is_read_back() {
+    let mine = fs::read("../models/six-class.intent").unwrap();
+    let alone = Content::new(None, Some(&mine)).unwrap();
+    let again = content(&alone.file(), None).unwrap();
+    assert_eq!((again.model, &again.firmware), (alone.model, &None));
+    assert_eq!(again.file(), alone.file());
+    // A file of neither is not.
+    let mut binding = Uf2::default();
+    binding.put(0x5_7000, &[1; 256]);
+    for file in [binding, program(b"another program")] {
+        let foreign = content(&file.file(), None).unwrap_err();
+        assert!(matches!(foreign, FlashError::Foreign { .. }), "{foreign}");
+    }
+}
+
+/// Result of copying firmware without a model onto a board.
+fn without_a_model(kept: Kept) -> Result<(), FlashError> {
+    let fake = Fake::with("xiao", kept);
+    let mut search = fake.search();
+    let content = content(&program(PROGRAM_TEXT).file(), None).unwrap();
+    assert_eq!(content.model, None);
+    search.drive(|_| ())?.write(&content.file())?;
+    search.patience = Duration::from_secs(2);
+    search.started(&content, BOARDS[0]).map(drop)
+}
+
+#[test]
+fn firmware_without_a_model_needs_one_on_the_board() {
+    let model = Some(0x5f3a_0c11);
+    without_a_model(Kept { model, ..NEW }).unwrap();
+    let refused = without_a_model(NEW).unwrap_err().to_string();
+    assert!(refused.contains("no model that it can run"), "{refused}");
+    assert!(refused.contains("--model"), "{refused}");
+}
+
+/// Not to be opened by anybody: the system checks who writes there.
+const CLOSED: &str = "/proc/sys/kernel/ostype";
+
+#[test]
+fn a_port_that_this_user_may_not_open_is_said_before_anything_is_written_and_after() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("INFO_UF2.TXT"), XIAO).unwrap();
+    let search = Search {
+        drive: Some(folder.path().to_owned()),
+        port: Some(CLOSED.into()),
+        board: None,
+        patience: Duration::ZERO,
+    };
+    let content = content(&image(PROGRAM_TEXT), None).unwrap();
+    let before = search.drive(|_| ()).map(drop).unwrap_err();
+    let after = search.started(&content, BOARDS[0]).unwrap_err();
+    for error in [before, after] {
+        assert!(
+            matches!(&error, FlashError::Model(BoardError::Open { .. })),
+            "{error}"
+        );
     }
 }
