@@ -80,3 +80,32 @@ pub fn map<T: Sync, R: Send>(
     progress.finish_and_clear();
     results
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cause_is_said_once() {
+        #[derive(Debug, thiserror::Error)]
+        enum Outer {
+            #[error("outside: {0}")]
+            Quotes(#[source] Inner),
+            #[error("{0} inside; try again")]
+            Within(#[source] Inner),
+            #[error("outside")]
+            Leaves(#[source] Inner),
+        }
+        #[derive(Debug, thiserror::Error)]
+        #[error("block 7")]
+        struct Inner(#[source] io::Error);
+        let inner = || Inner(io::Error::other("no room"));
+        for (error, said) in [
+            (Outer::Quotes(inner()), "outside: block 7: no room"),
+            (Outer::Within(inner()), "block 7 inside; try again: no room"),
+            (Outer::Leaves(inner()), "outside: block 7: no room"),
+        ] {
+            assert_eq!(with_causes(&error), said);
+        }
+    }
+}

@@ -201,7 +201,7 @@ fn free(address: IpAddr) -> u16 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::Cli;
+    use crate::cli::{Cli, Command};
     use clap::Parser as _;
 
     fn refusal(line: &[&str]) -> String {
@@ -244,5 +244,44 @@ mod tests {
         assert_eq!(listen("::1").unwrap().1, None);
         assert_eq!(listen("[::1]:81").unwrap().1, Some(81));
         assert!(listen("localhost").is_err());
+    }
+
+    #[test]
+    fn packets_go_to_a_name_or_an_address_with_a_port() {
+        for right in [
+            "localhost:9000",
+            "my-computer.local:1",
+            "127.0.0.1:9000",
+            "[::1]:65535",
+        ] {
+            assert_eq!(receiver(right), Ok(right.to_owned()));
+        }
+        for wrong in [
+            "localhost",
+            "localhost:",
+            ":9000",
+            "localhost:0",
+            "localhost:65536",
+            "::1",
+            "::1:9000",
+            "[::1]",
+            "[x]:9000",
+            "http://localhost:9000",
+            "",
+        ] {
+            let error = receiver(wrong).unwrap_err();
+            assert!(error.contains("localhost:9000"), "{wrong}: {error}");
+        }
+        let long = format!("{}:9000", "x".repeat(64));
+        let line = ["myointent", "live", "--demo", "--osc", &long];
+        let Cli { command } = Cli::parse_from(line);
+        let Command::Live(arguments) = command else {
+            panic!("{command:?}");
+        };
+        let error = run(&arguments).unwrap_err().to_string();
+        assert!(
+            error.contains(&long) && error.contains("a name that this computer knows"),
+            "{error}"
+        );
     }
 }

@@ -122,7 +122,8 @@ mod tests {
         receiver
             .set_read_timeout(Some(Duration::from_secs(60)))
             .unwrap();
-        let osc = Osc::to(receiver.local_addr().unwrap()).unwrap();
+        let port = receiver.local_addr().unwrap().port();
+        let osc = Osc::to(&format!("localhost:{port}")).unwrap();
         let over = AtomicBool::new(false);
         let kinds = ["label", "scores", "emg", "connected"];
         let mut received: BTreeMap<String, Vec<OscType>> = BTreeMap::new();
