@@ -1,7 +1,7 @@
 //! `myointent live`: the stream of a board or a recording, on a page or as lines of JSON.
 
 use std::io::Write;
-use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, TcpListener};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -47,10 +47,10 @@ pub struct Arguments {
     /// Exit code 0 when the reader closes the pipe.
     #[arg(long)]
     json: bool,
-    /// Send labels, scores and samples as packets of Open Sound Control to an address:port; serve a page only with
-    /// --listen.
-    #[arg(long, value_name = "ADDRESS:PORT", conflicts_with = "json")]
-    osc: Option<SocketAddr>,
+    /// Send labels, scores and samples as packets of Open Sound Control to an address or a name, such as localhost:9000; serve a
+    /// page only with --listen.
+    #[arg(long, value_name = "HOST:PORT", conflicts_with = "json", value_parser = receiver)]
+    osc: Option<String>,
     /// Where the page is served: an address, or address:port.
     ///
     /// Beyond this machine the address that is printed has a token; the connection is not encrypted.
@@ -101,11 +101,29 @@ pub(super) fn listen(text: &str) -> Result<(IpAddr, Option<u16>), String> {
     })
 }
 
+/// Checks the form of a host and its port; the name is looked up once the command runs.
+fn receiver(text: &str) -> Result<String, String> {
+    let is_host = |host: &str| match host.strip_prefix('[') {
+        Some(rest) => rest
+            .strip_suffix(']')
+            .is_some_and(|address| address.parse::<Ipv6Addr>().is_ok()),
+        None => !host.is_empty() && !host.contains([':', '/']),
+    };
+    let is_port = |port: &str| port.parse().is_ok_and(|port: u16| port != 0);
+    match text.rsplit_once(':') {
+        Some((host, port)) if is_host(host) && is_port(port) => Ok(text.to_owned()),
+        _ => Err(
+            "expected an address or a name, and a port, such as 192.168.0.2:9000, [::1]:9000 or localhost:9000"
+                .to_owned(),
+        ),
+    }
+}
+
 /// Serves the page, or writes lines of JSON, until Ctrl-C.
 ///
 /// # Errors
-/// When the model is refused, the recording cannot be read, the address cannot be listened on or nobody reads the lines
-/// any more.
+/// When the model is refused, the recording cannot be read, the address cannot be listened on, the receiver's name is not known or
+/// nobody reads the lines any more.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let model = arguments.model.as_deref().map(read_model).transpose()?;
     let source = arguments.source.source(arguments.name.as_deref())?;
@@ -118,8 +136,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             progress::log(&format!("page: {url}"));
             listen.into_iter().for_each(|listen| warn(listen.ip()));
         };
-        let output: Box<dyn Write + Send> = match arguments.osc {
-            Some(target) => Box::new(Osc::to(target).with_context(|| target.to_string())?),
+        let output: Box<dyn Write + Send> = match &arguments.osc {
+            Some(target) => Box::new(Osc::to(target).with_context(|| {
+                format!("--osc {target}: expected an address, or a name that this computer knows")
+            })?),
             None => Box::new(std::io::stdout()),
         };
         return live::print(source, model, listen, output, opened, || {

@@ -10,7 +10,7 @@
 //! UDP tells nobody whether a packet arrives, or whether somebody listens.
 
 use std::io::{self, ErrorKind, Write};
-use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
+use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, ToSocketAddrs as _, UdpSocket};
 
 use rosc::{OscMessage, OscPacket, OscType, encoder};
 use serde_json::Value;
@@ -25,11 +25,15 @@ pub(crate) struct Osc {
 }
 
 impl Osc {
-    /// A sender to an address.
+    /// A sender to an address or a name, and a port.
     ///
     /// # Errors
-    /// When the system gives no socket.
-    pub(crate) fn to(target: SocketAddr) -> io::Result<Self> {
+    /// When the name is not known, or the system gives no socket.
+    pub(crate) fn to(target: &str) -> io::Result<Self> {
+        let found = target.to_socket_addrs()?;
+        // `localhost` is both, and most receivers listen on IPv4 alone.
+        let target = found.min_by_key(SocketAddr::is_ipv6);
+        let target = target.ok_or(ErrorKind::AddrNotAvailable)?;
         let any = if target.is_ipv4() {
             Ipv4Addr::UNSPECIFIED.into()
         } else {
