@@ -1,6 +1,8 @@
 //! Progress on standard error: bars and log lines; parallel work with a bar.
 
+use std::error::Error;
 use std::io::{self, Write as _};
+use std::iter;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -46,6 +48,20 @@ pub fn bytes(length: Option<u64>, what: &str) -> ProgressBar {
     );
     bar.set_prefix(printable(what));
     bar
+}
+
+/// Message of an error and of its causes, each once: some messages quote their cause, because a page shows them alone.
+#[must_use]
+pub fn with_causes(error: &(dyn Error + 'static)) -> String {
+    let causes = iter::successors(error.source(), |&cause| cause.source());
+    causes.fold(error.to_string(), |said, cause| {
+        let cause = cause.to_string();
+        if said.contains(&cause) {
+            said
+        } else {
+            format!("{said}: {cause}")
+        }
+    })
 }
 
 /// Writes a message to the log, printable: it may quote files. An error of writing is ignored.

@@ -149,7 +149,7 @@ impl Cli {
                 } else {
                     "error: "
                 };
-                progress::log(&format!("{start}{error:#}"));
+                progress::log(&format!("{start}{}", progress::with_causes(&*error)));
                 let interrupted = is_interrupt(&error);
                 if interrupted {
                     progress::log(advice);

@@ -67,7 +67,7 @@ impl Cli {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
             Err(error) => {
-                progress::log(&format!("error: {error:#}"));
+                progress::log(&format!("error: {}", progress::with_causes(&*error)));
                 if is_interrupt(&error) {
                     progress::log(advice);
                 }
