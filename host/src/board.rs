@@ -3,6 +3,8 @@
 pub mod drive;
 pub mod flash;
 mod install;
+pub(crate) mod port;
+mod usb;
 
 pub use self::install::{ModelFile, install};
 
@@ -18,8 +20,6 @@ use shared::uart_line::command::Command;
 use shared::uart_line::line::{Line, LineReader};
 use shared::uf2::MODEL_REGION;
 
-/// Baud rate of the board's UART.
-const BAUD: u32 = 115_200;
 /// Longest time that one read waits for bytes.
 const WAIT: Duration = Duration::from_millis(20);
 /// Longest time to wait for an answer. A board answers within a second, after the lines already queued for the UART.
@@ -124,27 +124,6 @@ fn runs(model: Option<u32>) -> String {
     }
 }
 
-/// Opens a serial port without the bytes that arrived before, which are out of date.
-pub(crate) fn open_port(
-    path: &Path,
-    read: Duration,
-    write: Duration,
-) -> std::io::Result<SerialPort> {
-    let mut port = SerialPort::open(path, BAUD)?;
-    port.set_read_timeout(read)?;
-    port.set_write_timeout(write)?;
-    port.discard_input_buffer()?;
-    Ok(port)
-}
-
-/// Whether an error of a read only means that no byte came in time.
-pub(crate) fn is_timeout(error: &std::io::Error) -> bool {
-    matches!(
-        error.kind(),
-        ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted
-    )
-}
-
 /// Connection to a board on a serial port.
 #[derive(Debug)]
 pub struct Board {
@@ -155,6 +134,8 @@ pub struct Board {
     reason: Option<String>,
     /// Report of an alignment that ended as soon as it began; cleared by the next command.
     unavailable: Option<AlignmentReport>,
+    /// Whether a pairing has ended because no armband was heard.
+    pub(crate) has_heard_nobody: bool,
 }
 
 impl Board {
@@ -163,7 +144,7 @@ impl Board {
     /// # Errors
     /// [`BoardError::Open`].
     pub fn open(path: &Path) -> Result<Self, BoardError> {
-        let port = open_port(path, WAIT, ANSWER).map_err(|source| BoardError::Open {
+        let port = port::open(path, WAIT, ANSWER).map_err(|source| BoardError::Open {
             path: path.to_owned(),
             source,
         })?;
@@ -173,6 +154,7 @@ impl Board {
             reader: LineReader::new(),
             reason: None,
             unavailable: None,
+            has_heard_nobody: false,
         })
     }
 
@@ -265,6 +247,9 @@ impl Board {
                             Line::Comment(text) if text.starts_with(" model refused: ") => {
                                 self.reason = Some(text.trim().to_owned());
                             }
+                            Line::Comment(text) if text.starts_with(" pairing over: no ") => {
+                                self.has_heard_nobody = true;
+                            }
                             Line::Alignment(report)
                                 if report.state == AlignmentState::Unavailable =>
                             {
@@ -277,7 +262,7 @@ impl Board {
                         }
                     }
                 }
-                Err(error) if is_timeout(&error) => {}
+                Err(error) if port::is_timeout(&error) => {}
                 Err(error) => return Err(self.lost(error)),
             }
         }

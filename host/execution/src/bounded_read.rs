@@ -84,7 +84,7 @@ pub fn read_model(path: &Path) -> io::Result<Vec<u8>> {
     }
 }
 
-/// Refuses folders, devices, pipes and sockets.
+/// Refuses folders, devices, pipes, sockets and, where it was not followed, a link.
 ///
 /// # Errors
 /// An error with `Refusal::Kind` inside.
@@ -94,6 +94,8 @@ pub fn regular(kind: FileType) -> io::Result<()> {
     }
     let what = if kind.is_dir() {
         "a folder"
+    } else if kind.is_symlink() {
+        "a link"
     } else {
         "a device, pipe or socket"
     };

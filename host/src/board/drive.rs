@@ -4,10 +4,14 @@ use std::fs::{self, File};
 use std::io::{self, ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 
+use execution::bounded_read;
+
 use super::flash::{FlashError, UsbBoard};
 
 /// File in which a boot loader says what board it is on. Source: github.com/microsoft/uf2, README.
 const INFO: &str = "INFO_UF2.TXT";
+/// First version of the boot loader that writes all of a program; older ones leave what is below 0x26000 as it is.
+pub(super) const FIRST: (u32, u32) = (0, 4);
 /// Name of the file that is written; the boot loader takes any.
 const WRITTEN: &str = "FIRMWARE.UF2";
 /// Bytes of the information that are read: a boot loader's file is one sector.
@@ -22,23 +26,53 @@ pub struct Drive {
     pub board: Option<UsbBoard>,
     /// `Board-ID` of the boot loader.
     pub id: String,
+    /// Version of the boot loader, such as 0.6.1; empty if it does not say one.
+    pub version: String,
 }
 
 impl Drive {
     /// The drive at a folder; none if the folder is none.
     #[must_use]
     pub fn at(path: &Path) -> Option<Self> {
-        let info = execution::bounded_read::read(&path.join(INFO), INFO_BYTES).ok()?;
+        let read = |name: &str| bounded_read::read(&path.join(name), INFO_BYTES).ok();
+        // Some systems show the names of a FAT drive in small letters.
+        let info = read(INFO).or_else(|| read(&INFO.to_ascii_lowercase()))?;
         let info = String::from_utf8_lossy(&info);
-        let id = info
-            .lines()
-            .find_map(|line| line.strip_prefix("Board-ID:"))?
-            .trim();
+        let said = |key: &str| {
+            let mut lines = info.split(['\r', '\n']);
+            lines.find_map(|line| behind(line.trim(), key))
+        };
+        let id = said("Board-ID:")?.trim();
+        let version = said("UF2 Bootloader").unwrap_or_default();
+        let version = version.trim_start_matches([' ', ':', 'v', 'V']);
         Some(Self {
             path: path.to_owned(),
             board: UsbBoard::with_id(id),
             id: id.to_owned(),
+            version: version.split(' ').next().unwrap_or_default().to_owned(),
         })
+    }
+
+    /// Whether the boot loader writes all of a program; none if its version is not known.
+    #[must_use]
+    pub fn is_recent(&self) -> Option<bool> {
+        let (major, rest) = self.version.split_once('.')?;
+        let minor = rest.split(|letter: char| !letter.is_ascii_digit()).next()?;
+        Some((major.parse().ok()?, minor.parse().ok()?) >= FIRST)
+    }
+
+    /// The drive of a clone that has the pins of `board`.
+    ///
+    /// # Errors
+    /// [`FlashError::OtherBoard`] if its boot loader says that it is another one.
+    pub fn with_pins_of(self, board: UsbBoard) -> Result<Self, FlashError> {
+        match self.board {
+            Some(known) if known != board => Err(FlashError::other(&self, board.name)),
+            _ => Ok(Self {
+                board: Some(board),
+                ..self
+            }),
+        }
     }
 
     /// The only drive among folders, or the only one of a board that is asked for; none if there is none.
@@ -70,18 +104,36 @@ impl Drive {
     /// [`FlashError::Full`], [`FlashError::Unwritable`].
     pub fn write(&self, file: &[u8]) -> Result<(), FlashError> {
         let path = self.path.join(WRITTEN);
-        let written = File::create(&path).and_then(|mut out| {
-            out.write_all(file)?;
-            // The board starts with the last block, and its drive may go before the system is done: what it runs says whether
-            // it has all.
-            let _ = out.sync_all();
-            Ok(())
-        });
-        written.map_err(|source| match source.kind() {
-            ErrorKind::StorageFull => FlashError::Full { path },
-            _ => FlashError::Unwritable { path, source },
-        })
+        let written = created(&path).and_then(|out| copy(out, file));
+        written.map_err(|source| FlashError::unwritten(path, source))
     }
+}
+
+/// The rest of a line behind a key, in whatever case.
+fn behind<'l>(line: &'l str, key: &str) -> Option<&'l str> {
+    let (start, rest) = line.split_at_checked(key.len())?;
+    start.eq_ignore_ascii_case(key).then_some(rest)
+}
+
+/// A new file, in place of an earlier one. A link is not followed, and a pipe, whose opening waits, is not opened.
+fn created(path: &Path) -> io::Result<File> {
+    match path.symlink_metadata() {
+        Ok(earlier) => {
+            bounded_read::regular(earlier.file_type())?;
+            fs::remove_file(path)?;
+        }
+        Err(error) if error.kind() == ErrorKind::NotFound => {}
+        Err(error) => return Err(error),
+    }
+    File::create_new(path)
+}
+
+fn copy(mut out: File, file: &[u8]) -> io::Result<()> {
+    out.write_all(file)?;
+    // The board starts with the last block, and its drive may go before the system is done: what it runs says whether it has
+    // all.
+    let _ = out.sync_all();
+    Ok(())
 }
 
 /// Folders at which drives may be mounted.

@@ -2,11 +2,12 @@
 
 mod search;
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use shared::uf2::{MODEL_REGION, PROGRAM_REGION, Uf2, Uf2Error};
 
-use super::drive::Drive;
+use super::drive::{Drive, FIRST};
 use super::{BoardError, ModelFile};
 pub use search::{PATIENCE, Search};
 
@@ -17,7 +18,7 @@ pub struct UsbBoard {
     pub image: &'static str,
     /// Name for people.
     pub name: &'static str,
-    /// Beginnings of its boot loader's `Board-ID`. Source: board.h of each board in Adafruit_nRF52_Bootloader.
+    /// Values of its boot loader's `Board-ID`. Source: board.h of each board in Adafruit_nRF52_Bootloader.
     ids: &'static [&'static str],
 }
 
@@ -26,12 +27,21 @@ pub const BOARDS: [UsbBoard; 3] = [
     UsbBoard {
         image: "xiao",
         name: "XIAO nRF52840",
-        ids: &["nRF52840-SeeedXiao", "Seeed_XIAO_nRF52840"],
+        ids: &[
+            "nRF52840-SeeedXiao-v1",
+            "nRF52840-SeeedXiaoSense-v1",
+            "Seeed_XIAO_nRF52840",
+            "Seeed_XIAO_nRF52840_Sense",
+        ],
     },
     UsbBoard {
         image: "feather",
         name: "Feather nRF52840",
-        ids: &["nRF52840-Feather"],
+        ids: &[
+            "nRF52840-Feather-revD",
+            "nRF52840-Feather-revE",
+            "nRF52840-Feather-Sense",
+        ],
     },
     UsbBoard {
         image: "nice-nano",
@@ -49,7 +59,7 @@ impl UsbBoard {
 
     /// The board of a boot loader.
     pub(super) fn with_id(id: &str) -> Option<Self> {
-        let is_its = |board: &Self| board.ids.iter().any(|start| id.starts_with(start));
+        let is_its = |board: &Self| board.ids.iter().any(|own| id.eq_ignore_ascii_case(own));
         BOARDS.into_iter().find(is_its)
     }
 }
@@ -65,6 +75,15 @@ pub enum FlashError {
          the pins for a hand"
     )]
     NoBoard,
+    /// A folder that is given is no drive of a boot loader.
+    #[error(
+        "{path}: expected the drive of a boot loader, with a Board-ID in its INFO_UF2.TXT, found none: press reset twice, quickly, \
+         mount the drive, and give its folder"
+    )]
+    NoDriveAt {
+        /// The folder.
+        path: PathBuf,
+    },
     /// More than one drive might be meant.
     #[error("several drives of boot loaders: {}; unplug all but one board, or give --drive", listed(.paths))]
     Drives {
@@ -72,7 +91,7 @@ pub enum FlashError {
         paths: Vec<PathBuf>,
     },
     /// The drive is another board's.
-    #[error("{path}: expected the drive of {expected}, found Board-ID {id}: nothing was written")]
+    #[error("{path}: expected the drive of {expected}, found Board-ID {id}: nothing was written{}", of_clones(.id))]
     OtherBoard {
         /// Folder of the drive.
         path: PathBuf,
@@ -81,8 +100,19 @@ pub enum FlashError {
         /// `Board-ID` of the boot loader.
         id: String,
     },
+    /// The boot loader would leave out the beginning of the program.
+    #[error(
+        "{path}: expected a boot loader of version {}.{} or later, found {version}: nothing was written. Older ones do not write all \
+         of the firmware: update it as the board's maker says, then try again", FIRST.0, FIRST.1
+    )]
+    OldBootLoader {
+        /// Folder of the drive.
+        path: PathBuf,
+        /// Version that the boot loader says.
+        version: String,
+    },
     /// The file is no UF2 file.
-    #[error("{path}: {source}")]
+    #[error("{path}")]
     File {
         /// The file.
         path: PathBuf,
@@ -98,6 +128,15 @@ pub enum FlashError {
         /// The file.
         path: PathBuf,
     },
+    /// The model in a file is damaged, or no board can run it.
+    #[error("{path}: its model is damaged: download the file again, or give a model with --model")]
+    Held {
+        /// The file.
+        path: PathBuf,
+        /// Reason of the refusal.
+        #[source]
+        source: BoardError,
+    },
     /// The model does not fit, or no board can run it.
     #[error(transparent)]
     Model(#[from] BoardError),
@@ -110,7 +149,9 @@ pub enum FlashError {
         path: PathBuf,
     },
     /// The drive cannot be written.
-    #[error("{path} cannot be written: press reset twice, quickly, and try again")]
+    #[error(
+        "{path} cannot be written; if it is on a boot loader's drive, press reset twice, quickly, and try again"
+    )]
     Unwritable {
         /// File that was written.
         path: PathBuf,
@@ -127,6 +168,9 @@ pub enum FlashError {
         PATIENCE.as_secs()
     )]
     Silent,
+    /// The firmware runs without a model.
+    #[error("copied, but the board has no model that it can run: give one with --model")]
+    NoModel,
     /// The board that answers runs something else than what was copied.
     #[error(
         "copied, but the board runs {found}, expected {expected}: press reset twice, quickly, and try again"
@@ -137,6 +181,35 @@ pub enum FlashError {
         /// Image and model that answer.
         found: String,
     },
+}
+
+impl FlashError {
+    /// A drive that is not the one of a board with this name.
+    pub(super) fn other(drive: &Drive, expected: &str) -> Self {
+        Self::OtherBoard {
+            path: drive.path.clone(),
+            expected: expected.to_owned(),
+            id: drive.id.clone(),
+        }
+    }
+
+    /// A file that was not written to a drive.
+    pub(super) fn unwritten(path: PathBuf, source: std::io::Error) -> Self {
+        match source.kind() {
+            ErrorKind::StorageFull => Self::Full { path },
+            _ => Self::Unwritable { path, source },
+        }
+    }
+}
+
+/// What to do with a board whose `Board-ID` is not known.
+fn of_clones(id: &str) -> &'static str {
+    match UsbBoard::with_id(id) {
+        Some(_) => "",
+        None => {
+            ". If it is an nRF52840 with the pins of one of these boards, say which: --as nice-nano"
+        }
+    }
 }
 
 fn listed(paths: &[PathBuf]) -> String {
@@ -192,17 +265,22 @@ impl Content {
     /// Firmware from a file of a release with the model in it, a model in its place, or a model alone.
     ///
     /// # Errors
-    /// The file is no UF2 file or holds another program, or no board can run the model.
+    /// The file is no UF2 file or holds another program, or a model is damaged or too large for a board.
     pub fn new(image: Option<(&Path, &[u8])>, model: Option<&[u8]>) -> Result<Self, FlashError> {
         let (mut file, mut firmware) = (Uf2::default(), None);
-        if let Some((path, bytes)) = image {
-            let path = path.to_owned();
+        let path = image.map(|(path, _)| path.to_owned()).unwrap_or_default();
+        if let Some((_, bytes)) = image {
             file = match Uf2::parse(bytes) {
                 Ok(file) => file,
                 Err(source) => return Err(FlashError::File { path, source }),
             };
-            let found = Firmware::find(&file.bytes(PROGRAM_REGION));
-            firmware = Some(found.ok_or(FlashError::Foreign { path })?);
+            let program = file.bytes(PROGRAM_REGION);
+            firmware = Firmware::find(&program);
+            // `--out` writes a file of a model alone.
+            let is_model = program.is_empty() && !file.bytes(MODEL_REGION).is_empty();
+            if firmware.is_none() && !is_model {
+                return Err(FlashError::Foreign { path });
+            }
         }
         if let Some(model) = model {
             let checked = ModelFile::new(model)?;
@@ -212,7 +290,11 @@ impl Content {
                 })?;
         }
         let held = file.bytes(MODEL_REGION);
-        let model = ModelFile::new(&held).ok().map(|model| model.checksum());
+        let model = match ModelFile::new(&held) {
+            _ if held.is_empty() => None,
+            Ok(model) => Some(model.checksum()),
+            Err(source) => return Err(FlashError::Held { path, source }),
+        };
         Ok(Self {
             file,
             firmware,
@@ -226,10 +308,10 @@ impl Content {
         self.file.file()
     }
 
-    /// Checks that a drive is that of the board.
+    /// Checks that a drive is that of the board, and that its boot loader writes all of it.
     ///
     /// # Errors
-    /// [`FlashError::OtherBoard`].
+    /// [`FlashError::OtherBoard`], [`FlashError::OldBootLoader`].
     pub fn fits(&self, drive: &Drive, asked: Option<UsbBoard>) -> Result<UsbBoard, FlashError> {
         let of_file = self.firmware.as_ref().map(|firmware| firmware.board);
         let is_right = |board: &UsbBoard| {
@@ -238,18 +320,17 @@ impl Content {
                 .flatten()
                 .all(|one| one == *board)
         };
-        drive.board.filter(is_right).ok_or_else(|| {
-            let expected = of_file
-                .or(asked)
-                .map_or(BOARDS.map(|board| board.name).join(", "), |board| {
-                    board.name.to_owned()
-                });
-            FlashError::OtherBoard {
+        let board = drive.board.filter(is_right).ok_or_else(|| {
+            let all = BOARDS.map(|board| board.name).join(", ");
+            FlashError::other(drive, of_file.or(asked).map_or(&all, |board| board.name))
+        })?;
+        if drive.is_recent() == Some(false) {
+            return Err(FlashError::OldBootLoader {
                 path: drive.path.clone(),
-                expected,
-                id: drive.id.clone(),
-            }
-        })
+                version: drive.version.clone(),
+            });
+        }
+        Ok(board)
     }
 }
 

@@ -13,10 +13,10 @@ use shared::uart_line::command::{BindCommand, Command};
 use super::board::{Bind, advised, run_bind};
 use super::output::refuse_existing;
 use super::read_model;
-use crate::board::flash::{BOARDS, Content, PATIENCE, Search, UsbBoard};
+use crate::board::flash::{BOARDS, Content, FlashError, PATIENCE, Search, UsbBoard};
 use crate::board::{Board, BoardError};
-use execution::bounded_read;
 use execution::run_folder::write_whole;
+use execution::{bounded_read, progress};
 
 /// Maximum size of a UF2 file in bytes: twice what such a file may fill of flash.
 const UF2_BYTES: u64 = 4 << 20;
@@ -26,7 +26,7 @@ const UF2_BYTES: u64 = 4 << 20;
 #[command(
     after_help = "The file for a board is among those of a release: xiao.uf2, feather.uf2, nice-nano.uf2; `cargo xtask uf2` builds it.\n\
     Press reset twice, quickly, and the board shows its drive. A board that runs this firmware needs no button.\n\
-    The armband that a board is bound to stays.\n\n\
+    The armband that a board is bound to stays; exit code 1 if there is none in the end.\n\n\
     Examples:\n  myointent flash xiao.uf2                                what a new board needs: firmware and model\n  \
     myointent flash --model my.intent                       another model\n  \
     myointent flash --model my.intent --out my.uf2          a file to drag onto the drive"
@@ -41,6 +41,9 @@ pub struct Arguments {
     /// The board, where several are connected.
     #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(BOARDS.map(|board| board.image)))]
     board: Option<String>,
+    /// The board whose pins a clone has, where its boot loader names another one.
+    #[arg(long = "as", value_name = "NAME", value_parser = PossibleValuesParser::new(BOARDS.map(|board| board.image)))]
+    pins_of: Option<String>,
     /// Folder of the boot loader's drive, where it is not found.
     #[arg(long, value_name = "DIR")]
     drive: Option<PathBuf>,
@@ -48,14 +51,14 @@ pub struct Arguments {
     #[arg(long, value_name = "PATH")]
     port: Option<PathBuf>,
     /// UF2 file to write, in place of a board; there must be none of this name.
-    #[arg(long, value_name = "FILE.uf2", conflicts_with_all = ["drive", "port", "board"])]
+    #[arg(long, value_name = "FILE.uf2", conflicts_with_all = ["drive", "port", "board", "pins_of"])]
     out: Option<PathBuf>,
 }
 
 /// Copies firmware, model or both, waits for the board and binds an armband.
 ///
 /// # Errors
-/// When there is no board or not the right one, a file is refused, or the board does not run what was copied.
+/// When there is no board or not the right one, a file is refused, the board does not run what was copied, or no armband is bound.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let content = arguments.content()?;
     let mut out = std::io::stdout();
@@ -66,18 +69,23 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         writeln!(out, "{}", path.display())?;
         return Ok(());
     }
+    let board = |name: &Option<String>| name.as_deref().and_then(UsbBoard::with_image);
     let search = Search {
         drive: arguments.drive.clone(),
         port: arguments.port.clone(),
-        board: arguments.board.as_deref().and_then(UsbBoard::with_image),
+        board: board(&arguments.board),
         patience: PATIENCE,
     };
-    let drive = search.drive(|port| {
+    let starts = |port: &Path| {
         let port = port.display();
-        execution::progress::log(&format!(
+        progress::log(&format!(
             "{port}: starts the boot loader, waits for its drive"
         ));
-    })?;
+    };
+    let mut drive = search.drive(starts).map_err(told)?;
+    if let Some(board) = board(&arguments.pins_of) {
+        drive = drive.with_pins_of(board)?;
+    }
     let Some(content) = content else {
         let all = BOARDS
             .map(|board| format!("{}.uf2", board.image))
@@ -104,17 +112,30 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(model) = content.model {
         writeln!(out, "model     {model:08x}")?;
     }
+    if drive.is_recent().is_none() {
+        progress::log(
+            "warning: the version of the boot loader is not known; one older than 0.4 does not start this firmware: update it first",
+        );
+    }
     writeln!(out, "copies these; the board then starts, bound as before")?;
     drive.write(&content.file())?;
-    let port = search.started(&content, board)?;
+    let port = search.started(&content, board).map_err(told)?;
     writeln!(out, "runs      on {}", port.display())?;
-    bind(&port)?;
+    let bound = bind(&port);
     write!(out, "next:     myointent live --port {}", port.display())?;
     match &arguments.model {
         Some(model) => writeln!(out, " --model {}", model.display())?,
         None => writeln!(out)?,
     }
-    Ok(())
+    bound.context("the board runs what was copied, and follows no armband yet")
+}
+
+/// An error, with what helps against a port that cannot be opened.
+fn told(error: FlashError) -> anyhow::Error {
+    match error {
+        FlashError::Model(error) => advised(error),
+        error => error.into(),
+    }
 }
 
 impl Arguments {
@@ -158,68 +179,4 @@ fn following(board: &mut Board) -> Result<Following, BoardError> {
 }
 
 #[cfg(test)]
-mod tests {
-    use crate::cli::Cli;
-    use clap::Parser as _;
-
-    #[cfg(target_os = "linux")]
-    #[test]
-    fn a_new_board_gets_firmware_and_an_armband_and_later_another_model_and_keeps_the_armband() {
-        use super::{Answer, Board, Command, Following, following, run};
-        use crate::board::ModelFile;
-        use crate::board::flash::tests::{Fake, PROGRAM_TEXT, image};
-
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("xiao.uf2");
-        std::fs::write(&file, image(PROGRAM_TEXT)).unwrap();
-        let fake = Fake::start("xiao");
-        let search = fake.search();
-        let mut arguments = super::Arguments {
-            firmware: Some(file),
-            model: None,
-            board: None,
-            drive: search.drive,
-            port: search.port.clone(),
-            out: None,
-        };
-        let port = search.port.unwrap();
-        let mut before = None;
-        for own in ["../models/three-class.intent", "../models/six-class.intent"] {
-            run(&arguments).unwrap();
-            let mut board = Board::open(&port).unwrap();
-            let following = following(&mut board).unwrap();
-            assert!(matches!(following, Following::Bound(_)), "{following:?}");
-            assert!(
-                before
-                    .replace(following)
-                    .is_none_or(|before| before == following)
-            );
-            let running = board.ask(Command::Identify, |answer| match answer {
-                Answer::Identity(identity) => identity.model,
-                _ => None,
-            });
-            let expected = ModelFile::new(&std::fs::read(own).unwrap())
-                .unwrap()
-                .checksum();
-            assert_eq!(running.unwrap(), expected);
-            arguments.firmware = None;
-            arguments.model = Some("../models/six-class.intent".into());
-        }
-        // Without a file: the drive is found, and its file is named.
-        (arguments.model, arguments.board) = (None, Some("xiao".to_owned()));
-        let error = run(&arguments).unwrap_err().to_string();
-        assert!(error.contains("xiao.uf2"), "{error}");
-    }
-
-    #[test]
-    fn a_file_is_written_or_a_board_is_flashed() {
-        let refused = |line: &[&str]| {
-            let line = ["myointent", "flash"].iter().chain(line);
-            Cli::try_parse_from(line).unwrap_err().to_string()
-        };
-        let both = refused(&["--model", "x", "--out", "y", "--port", "z"]);
-        assert!(both.contains("cannot be used with"), "{both}");
-        let other = refused(&["--board", "uno"]);
-        assert!(other.contains("xiao, feather, nice-nano"), "{other}");
-    }
-}
+mod tests;

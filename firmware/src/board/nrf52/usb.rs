@@ -22,14 +22,11 @@ use embassy_usb::{
     class::cdc_acm::{CdcAcmClass, ControlChanged, Receiver, Sender, State},
 };
 use heapless::String;
+use shared::uf2::USB_NUMBERS;
 use static_cell::{ConstStaticCell, StaticCell};
 
 use crate::messages::usb::LINES;
 
-/// The test number of pid.codes, for a developer's own boards alone. A board that is given to others, sold or not, needs a number
-/// of its own: docs/guides/port.md. Hosts choose their driver by the class, so any number works.
-const VENDOR: u16 = 0x1209;
-const PRODUCT: u16 = 0x0001;
 /// Bytes of a packet: the most at full speed.
 const PACKET: usize = 64;
 /// Time in which the host's request to close the port ends.
@@ -57,7 +54,8 @@ pub fn start(spawner: Spawner, driver: UsbDriver) {
     let [high, low] = [0, 1].map(|word| pac::FICR.deviceid(word).read());
     let number = NUMBER.init(String::new());
     let _ = write!(number, "{high:08X}{low:08X}");
-    let mut config = Config::new(VENDOR, PRODUCT);
+    let [vendor, product] = USB_NUMBERS;
+    let mut config = Config::new(vendor, product);
     config.manufacturer = Some("myointent");
     config.product = Some("myointent");
     config.serial_number = Some(number.as_str());

@@ -274,14 +274,28 @@ pub(super) fn run_bind(board: &mut Board, bind: &Bind) -> anyhow::Result<()> {
         _ => None,
     };
     let mut out = std::io::stdout();
+    board.has_heard_nobody = false;
     let mut binding = board.ask(Command::Bind(command), read)?;
+    if !matches!(bind, Bind::Begin) {
+        writeln!(out, "{}", Bound(binding))?;
+        return Ok(());
+    }
     let end = Instant::now() + PATIENCE;
-    if matches!(bind, Bind::Begin) {
-        writeln!(out, "pairing: wear the armband close to the board for 30 s")?;
-        while binding.following == Following::Pairing && Instant::now() < end {
-            std::thread::sleep(AGAIN);
-            binding = board.ask(Command::Bind(BindCommand::State), read)?;
-        }
+    writeln!(out, "pairing: wear the armband close to the board for 30 s")?;
+    while binding.following == Following::Pairing && Instant::now() < end {
+        std::thread::sleep(AGAIN);
+        binding = board.ask(Command::Bind(BindCommand::State), read)?;
+    }
+    let has_armband = matches!(
+        binding.following,
+        Following::Bound(_) | Following::Pinned(_)
+    );
+    if board.has_heard_nobody || !has_armband {
+        bail!(
+            "no armband was heard, and the binding is as before: {}. Put the armband on, move the hand to wake it, stay close to the \
+             board, quit Myo Connect on computers nearby, and try again: `myointent board --port PORT bind begin`",
+            Bound(binding)
+        );
     }
     writeln!(out, "{}", Bound(binding))?;
     Ok(())

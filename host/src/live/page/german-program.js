@@ -122,7 +122,7 @@ export const GERMAN_PROGRAM = {
   "Close every other program that reads this port: a terminal, a serial monitor, another myointent.": "Jedes andere Programm schließen, das diesen Anschluss liest: ein Terminal, einen seriellen Monitor, ein anderes myointent.",
   "If none is to be found, pull the board's USB cable and put it back.": "Ist keines zu finden, das USB-Kabel der Platine ziehen und wieder stecken.",
   "Connect the board's USB cable: one that carries data, not power alone.": "Das USB-Kabel der Platine stecken: eines, das Daten überträgt, nicht nur Strom.",
-  "Linux: run  sudo usermod -aG dialout $USER  and log in again.": "Linux:  sudo usermod -aG dialout $USER  ausführen und neu anmelden.",
+  "Linux: run  sudo usermod -aG dialout $USER  (uucp in place of dialout on Arch) and log in again, or have udev give you the port.": "Linux:  sudo usermod -aG dialout $USER  ausführen (unter Arch uucp statt dialout) und neu anmelden, oder udev den Anschluss freigeben lassen.",
   "macOS: name the port /dev/cu.usbmodem…, not /dev/tty…": "macOS: den Anschluss /dev/cu.usbmodem… nennen, nicht /dev/tty…",
   "Check the board's USB cable and its power.": "USB-Kabel und Strom der Platine prüfen.", "Pull the board's USB cable and put it back.": "Das USB-Kabel der Platine ziehen und wieder stecken.",
   "Is the board powered? Its LED blinks while it looks for an armband.": "Hat die Platine Strom? Ihre LED blinkt, solange sie ein Armband sucht.",

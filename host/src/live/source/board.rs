@@ -20,9 +20,10 @@ use self::advice::Advice;
 use super::dialogue::{BoardEvent, Dialogue, Losses};
 use super::scored_pipeline::ScoredPipeline;
 use super::{Context, SourceRequest};
-use crate::board::{self, ModelFile};
+use crate::board::{self, ModelFile, port};
 use crate::live::event::Event;
 use crate::live::outcome::InstallationState;
+use execution::progress::with_causes;
 
 /// Longest time that one read waits for bytes: the longest delay that a page sees.
 const WAIT: Duration = Duration::from_millis(10);
@@ -79,7 +80,7 @@ impl BoardSource {
     ) -> Option<Vec<u8>> {
         let mut missing = (String::new(), Vec::new());
         while !context.stop.requested() {
-            let ended = match board::open_port(&self.path, WAIT, WRITE) {
+            let ended = match port::open(&self.path, WAIT, WRITE) {
                 Ok(port) => {
                     missing.0.clear();
                     if let model @ Some(_) = early_installation(context) {
@@ -180,7 +181,7 @@ impl<E: Encode> BoardConnection<'_, '_, E> {
             match self.port.read(&mut buffer) {
                 Ok(0) => break ConnectionEnd::Lost(ErrorKind::UnexpectedEof.into()),
                 Ok(length) => self.bytes(&buffer[..length]),
-                Err(error) if board::is_timeout(&error) => {}
+                Err(error) if port::is_timeout(&error) => {}
                 Err(error) => break ConnectionEnd::Lost(error),
             }
             self.watch(board);
@@ -318,7 +319,10 @@ fn install(path: &Path, model: &[u8], context: &Context) -> bool {
         },
         Err(error) => InstallationState {
             state: "failed",
-            text: format!("{error:#}. Install again: it goes on where this one ended"),
+            text: format!(
+                "{}. Install again: it goes on where this one ended",
+                with_causes(&*error)
+            ),
             ..running
         },
     });

@@ -45,7 +45,7 @@ impl Advice {
             ErrorKind::PermissionDenied => (
                 format!("this user may not open {path}"),
                 vec![
-                    "Linux: run  sudo usermod -aG dialout $USER  and log in again.".to_owned(),
+                    "Linux: run  sudo usermod -aG dialout $USER  (uucp in place of dialout on Arch) and log in again, or have udev give you the port.".to_owned(),
                     "macOS: name the port /dev/cu.usbmodem…, not /dev/tty…".to_owned(),
                 ],
             ),
