@@ -16,7 +16,7 @@ use serial2::SerialPort;
 use shared::model::file::ModelError;
 use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
 use shared::uart_line::answer::{Answer, Charge, Refusal};
-use shared::uart_line::command::Command;
+use shared::uart_line::command::{Command, NOBODY_HEARD};
 use shared::uart_line::line::{Line, LineReader};
 use shared::uf2::MODEL_REGION;
 
@@ -247,7 +247,7 @@ impl Board {
                             Line::Comment(text) if text.starts_with(" model refused: ") => {
                                 self.reason = Some(text.trim().to_owned());
                             }
-                            Line::Comment(text) if text.starts_with(" pairing over: no ") => {
+                            Line::Comment(_) if line.to_string() == NOBODY_HEARD => {
                                 self.has_heard_nobody = true;
                             }
                             Line::Alignment(report)

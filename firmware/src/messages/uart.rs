@@ -9,7 +9,7 @@ use embassy_futures::select::{Either3, select3};
 use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, channel::Channel};
 use shared::myo::{ConnectionParameters, Counters, FirmwareVersion, Following};
 use shared::uart_line::answer::{Answer, Identity};
-use shared::uart_line::command::BEGIN_PAIRING;
+use shared::uart_line::command::{BEGIN_PAIRING, NOBODY_HEARD};
 use shared::uart_line::emg::EmgReport;
 use shared::uart_line::{Report, alignment::AlignmentReport};
 
@@ -167,7 +167,7 @@ impl UartMessage {
             Self::SlowClock(source) => write!(line, "# slow clock: {}\r\n", source.name()),
             Self::ModelRefused(error) => write!(line, "# {error}\r\n"),
             Self::Following(following) => write_following(line, following),
-            Self::PairingFailed => line.write_str("# pairing over: no armband was heard\r\n"),
+            Self::PairingFailed => line.write_str(NOBODY_HEARD),
             Self::NotKept => {
                 line.write_str("# the flash page did not take the change: a restart undoes it\r\n")
             }

@@ -57,6 +57,8 @@ pub const MAX_COMMAND_BYTES: usize = 112;
 
 /// The line that begins a pairing, for a text that tells a person to send it.
 pub const BEGIN_PAIRING: &str = "$BIND,begin*4A\r\n";
+/// Line of a pairing that has bound nobody, CR LF included.
+pub const NOBODY_HEARD: &str = "# pairing over: no armband was heard\r\n";
 
 /// Command to the device. `Display` writes the line, CR LF included.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]

@@ -10,7 +10,7 @@ use std::time::Duration;
 use serial2::SerialPort;
 use shared::myo::{Address, AddressKind, Following};
 use shared::uart_line::answer::{Answer, Binding, Identity, Refusal};
-use shared::uart_line::command::{BindCommand, Command, CommandReader};
+use shared::uart_line::command::{BindCommand, Command, CommandReader, NOBODY_HEARD};
 use shared::uf2::{MODEL_REGION, Uf2};
 use tempfile::TempDir;
 
@@ -110,9 +110,7 @@ impl Fake {
                                 answered = Following::Pairing;
                                 following = hears.map_or(following, Following::Bound);
                                 if hears.is_none() {
-                                    master
-                                        .write_all(b"# pairing over: no armband was heard\r\n")
-                                        .unwrap();
+                                    master.write_all(NOBODY_HEARD.as_bytes()).unwrap();
                                 }
                             }
                             Answer::Binding(Binding {
