@@ -53,6 +53,12 @@ use crate::intent::Intent;
 use crate::stream::safe_state::{Cause, Status};
 use crate::units::SampleIndex;
 
+/// USB numbers, vendor and product, of a board that has its serial port there.
+///
+/// The test number of pid.codes, for a developer's own boards alone. A board that is given to others, sold or not, needs a number
+/// of its own: docs/guides/port.md. Hosts choose their driver by the class, so any number works; `myointent flash` finds a board by it.
+pub const USB_NUMBERS: [u16; 2] = [0x1209, 0x0001];
+
 /// Why a line is written.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Kind {

@@ -30,11 +30,6 @@ const WINDOW: Range<u32> = 0x1000..0xE_A000;
 const JOURNAL: u32 = 0x5_6000;
 /// Bytes of a page of flash.
 const PAGE: usize = 4096;
-/// USB numbers, vendor and product, of a board that runs this firmware.
-///
-/// The test number of pid.codes, for a developer's own boards alone. A board that is given to others, sold or not, needs a number
-/// of its own: docs/guides/port.md. Hosts choose their driver by the class, so any number works; `myointent flash` finds a board by it.
-pub const USB_NUMBERS: [u16; 2] = [0x1209, 0x0001];
 /// Region of the program, as in `memory.x`.
 pub const PROGRAM_REGION: Range<u32> = WINDOW.start..JOURNAL;
 /// Region of the model file, as in `memory.x`.

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use shared::uf2::USB_NUMBERS;
+use shared::uart_line::USB_NUMBERS;
 
 /// Ports of boards that run this firmware; none where the system does not say.
 pub(super) fn ports() -> Vec<PathBuf> {

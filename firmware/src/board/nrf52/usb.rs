@@ -22,7 +22,7 @@ use embassy_usb::{
     class::cdc_acm::{CdcAcmClass, ControlChanged, Receiver, Sender, State},
 };
 use heapless::String;
-use shared::uf2::USB_NUMBERS;
+use shared::uart_line::USB_NUMBERS;
 use static_cell::{ConstStaticCell, StaticCell};
 
 use crate::messages::usb::LINES;
