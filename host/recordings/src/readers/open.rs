@@ -1,6 +1,8 @@
 //! Recognition of one file's format, and the recordings in it.
 
 mod rows;
+#[cfg(test)]
+mod tests;
 
 use std::fmt;
 use std::path::Path;

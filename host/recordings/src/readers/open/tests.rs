@@ -1,0 +1,237 @@
+//! Tables that are not one sample a row, as files below a folder: refused in words that name the fault by every reader,
+//! or read.
+
+use std::fmt::Write as _;
+
+use shared::units::Sample;
+
+use crate::description::survey::describe;
+use crate::examiner::fixture::emg;
+use crate::library::tests::folder;
+use crate::{Library, LoadOptions, load};
+
+fn joined<T: ToString>(values: &[T], mark: &str) -> String {
+    let values: Vec<String> = values.iter().map(T::to_string).collect();
+    values.join(mark)
+}
+
+/// Rows of a table of one person.
+fn rows(of: impl Fn(usize, &Sample) -> String) -> String {
+    let samples = emg(1000, 1);
+    let rows = samples.iter().enumerate();
+    rows.map(|(at, sample)| of(at, sample) + "\n").collect()
+}
+
+const NAMES: [&str; 9] = [
+    "gt", "emg_0", "emg_1", "emg_2", "emg_3", "emg_4", "emg_5", "emg_6", "emg_7",
+];
+
+fn own(mark: &str) -> String {
+    let rows = rows(|_, sample| format!("0{mark}{}", joined(sample, mark)));
+    format!("{}\n{rows}", NAMES.join(mark))
+}
+
+/// Rows of so many samples each, with what stands around them.
+fn windows(samples: usize, around: [&str; 2], value: impl Fn(i8) -> String) -> String {
+    let all = emg(1000, 1);
+    let row = |own: &[Sample]| {
+        let values: Vec<String> = own.iter().flatten().map(|&count| value(count)).collect();
+        format!("{}{}{}\n", around[0], values.join(","), around[1])
+    };
+    all.chunks_exact(samples).map(row).collect()
+}
+
+/// What a load says of the only file, and what a description of its folder says.
+fn told(text: &str) -> (String, String) {
+    let folder = folder(&[("anna/anna_1.csv", text)]);
+    let loaded = match load(folder.path(), &LoadOptions::default()) {
+        Ok(Library { skipped, .. }) => skipped.first().map(ToString::to_string),
+        Err(error) => Some(error.to_string()),
+    };
+    let described =
+        describe(folder.path(), None).map_or_else(|error| error.to_string(), |own| own.1);
+    (loaded.unwrap_or_default(), described)
+}
+
+#[test]
+fn what_is_not_one_sample_a_row_is_refused_in_words_that_name_the_fault() {
+    let whole = |count: i8| count.to_string();
+    let decimal = |count: i8| (f64::from(count) / 128.0).to_string();
+    let kinds = |first: usize, second: usize| {
+        rows(|at, sample| {
+            let time = format!("\"10:00:{:06.3}\"", at as f64 / 200.0);
+            let emg = format!("{time},\"emg\",\"{}\"\n", joined(sample, "\",\""));
+            emg.repeat(first)
+                + &vec![format!("{time},\"imu\",\"0\",\"0\",\"0\""); second].join("\n")
+        })
+    };
+    let named = |names: Vec<String>| {
+        let row = joined(&vec!["0.5"; names.len()], ",") + "\n";
+        format!("{}\n{}", names.join(","), row.repeat(700))
+    };
+    let numbered = |words: &[&str], count: usize| -> Vec<String> {
+        let names = |word: &&str| {
+            (0..count)
+                .map(move |at| format!("{word}{at}"))
+                .collect::<Vec<_>>()
+        };
+        words.iter().flat_map(names).collect()
+    };
+    let lists = (0..20).fold(String::new(), |mut text, row| {
+        let samples: Vec<String> = emg(50, row)
+            .iter()
+            .map(|own| format!("[{}]", joined(own, ", ")))
+            .collect();
+        let _ = writeln!(text, "rest [{}]", samples.join(", "));
+        text
+    });
+    for (name, text, words) in [
+        (
+            "title",
+            format!("Recording of Anna\n{}", own(",")),
+            "found it in line 2",
+        ),
+        (
+            "title of fields",
+            format!("Recording of Anna;;;;;;;;\n{}", own(";")),
+            "found it in line 2",
+        ),
+        (
+            "three titles",
+            format!("Anna\t2024\nleft\n\n{}", own("\t")),
+            "found it in line 4",
+        ),
+        (
+            "a title of numbers",
+            format!("Anna 1 2 3\n{}", rows(|_, own| joined(own, ","))),
+            "8 in line 2",
+        ),
+        (
+            "kinds in turn",
+            kinds(1, 1),
+            "found 10 values here and 5 in line 2",
+        ),
+        (
+            "mostly another kind",
+            kinds(1, 3),
+            "found 10 values here and 5 in line 2",
+        ),
+        ("windows", windows(8, ["", ""], whole), "8 samples a row"),
+        (
+            "windows with a class",
+            windows(8, ["", ",3"], whole),
+            "8 samples a row",
+        ),
+        (
+            "windows behind a class",
+            windows(8, ["1,", ""], decimal),
+            "8 samples a row",
+        ),
+        (
+            "windows with a word",
+            windows(8, ["", ",rest"], whole),
+            "8 samples a row",
+        ),
+        (
+            "long windows",
+            windows(50, ["", ",1"], whole),
+            "50 samples a row",
+        ),
+        (
+            "named windows",
+            named(numbered(&["emg_"], 64)),
+            "8 samples a row",
+        ),
+        (
+            "windows by name",
+            named(numbered(&["s0_ch", "s1_ch", "s2_ch", "s3_ch"], 8)),
+            "4 samples a row",
+        ),
+        ("lists", lists, "lists in brackets"),
+    ] {
+        let (loaded, described) = told(&text);
+        assert!(loaded.contains(words), "{name}: {loaded}");
+        assert!(described.contains(words), "{name}: {described}");
+    }
+    let features = windows(2, ["", ""], |count| {
+        (f64::from(count) * 0.713 + 0.1).sin().to_string()
+    });
+    for text in [
+        named(numbered(&["zcr ", "sch "], 8)),
+        named(numbered(&[""], 16)),
+        features,
+    ] {
+        let (loaded, described) = told(&text);
+        assert!(
+            !loaded.contains("armbands") && !described.contains("armbands"),
+            "{loaded}\n{described}"
+        );
+    }
+}
+
+#[test]
+fn rows_of_separators_alone_are_passed_over() {
+    for (mark, blank) in [
+        (",", ",,,,,,,,"),
+        (";", ";;;;;;;;"),
+        ("\t", "\t\t\t\t\t\t\t\t"),
+        (",", "\"\",\"\",\"\",\"\",\"\",\"\",\"\",\"\",\"\""),
+        (",", " , , "),
+        (",", ""),
+    ] {
+        let text = own(mark);
+        let (head, rest) = text.split_at(text.len() / 2);
+        let (line, rest) = rest.split_once('\n').unwrap();
+        for blanked in [
+            format!("{text}{blank}\n{blank}\n"),
+            format!("{text}{blank}\r\n{blank}"),
+            format!("{head}{line}\n{blank}\n{rest}"),
+            format!("{blank}\n{text}"),
+        ] {
+            let read = |text: &str| {
+                load(
+                    folder(&[("anna/1.csv", text)]).path(),
+                    &LoadOptions::default(),
+                )
+                .unwrap()
+            };
+            let library = read(&blanked);
+            assert!(library.skipped.is_empty(), "{blank}: {:?}", library.skipped);
+            assert_eq!(library.recordings[0].samples.len(), 1000, "{blank}");
+        }
+    }
+}
+
+#[test]
+fn a_word_beside_the_channels_makes_no_header() {
+    let words = ["rest", "fist"];
+    let before = |at: usize| words[at / 200 % 2].to_owned() + ",";
+    let behind = |at: usize| ",".to_owned() + words[at / 200 % 2];
+    for (text, label) in [
+        (rows(|at, own| joined(own, ",") + &behind(at)), "label = 9"),
+        (rows(|at, own| before(at) + &joined(own, ",")), "label = 1"),
+        (
+            rows(|at, own| joined(own, ",") + &behind(at) + ",left"),
+            "label = 9",
+        ),
+    ] {
+        let folder = folder(&[
+            ("anna/1.csv", &text),
+            ("bob/1.csv", &text.replacen("fist", "rest", 100)),
+        ]);
+        let loaded = load(folder.path(), &LoadOptions::default()).unwrap();
+        assert!(
+            loaded.skipped[0]
+                .to_string()
+                .contains("no header that says"),
+            "{:?}",
+            loaded.skipped
+        );
+        let (_, text) = describe(folder.path(), None).unwrap();
+        for line in ["header = false", label, "files = \"{person}/1.csv\""] {
+            assert!(text.lines().any(|own| own == line), "{line}: {text}");
+        }
+        let read = load(folder.path(), &LoadOptions::default()).unwrap();
+        assert_eq!(read.recordings[0].samples.len(), 1000);
+    }
+}
