@@ -122,7 +122,8 @@ impl Layout {
                 }
                 let shape = Shape::of(text);
                 shape.is_some_and(|shape| {
-                    (shape.separator, shape.columns) == (Separator::Comma, CHANNELS)
+                    (shape.separator, shape.columns, shape.numbers)
+                        == (Separator::Comma, CHANNELS, CHANNELS)
                         && shape.is_decimal == (self.description.scale != Scale::default())
                 })
             }

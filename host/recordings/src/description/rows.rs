@@ -7,10 +7,12 @@ use shared::units::{CHANNELS, Sample};
 use super::Description;
 use super::values::Column;
 use super::words::Words;
+use crate::examiner::wide;
 use crate::readers::error::{Damage, Fault, Place};
 use crate::readers::npy::{self, Array, Values};
 use crate::readers::table::auxiliary::{AuxiliaryColumns, unnamed};
 use crate::readers::table::columns::Columns;
+use crate::readers::table::head::Head;
 use crate::readers::table::separator::Separator;
 use crate::readers::table::{self, Samples};
 use execution::file_kind::FileKind;
@@ -23,13 +25,13 @@ pub(super) struct Labels {
 }
 
 /// Places of rows in their file.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Default)]
 pub(super) enum At {
     /// A name.
     #[default]
     File,
-    /// Lines from this one on.
-    Lines(usize),
+    /// Line of each.
+    Lines(Vec<usize>),
     /// Bytes from this one on, so many a row.
     Bytes(u64, u64),
 }
@@ -40,10 +42,10 @@ impl At {
         Self::Bytes(start, array.byte_of_row(1) - start)
     }
 
-    pub const fn place(self, row: usize) -> Place {
+    pub fn place(&self, row: usize) -> Place {
         match self {
             Self::File => Place::File,
-            Self::Lines(first) => Place::Line(first + row),
+            Self::Lines(lines) => Place::Line(lines[row]),
             Self::Bytes(start, bytes) => Place::Byte(start + row as u64 * bytes),
         }
     }
@@ -76,6 +78,7 @@ impl Description {
     }
 
     fn table(&self, text: &str) -> Result<Rows, Damage> {
+        wide::windows(text).map_err(Damage::refused)?;
         let columns = self.columns(text)?;
         let mut auxiliary = AuxiliaryColumns::find(&columns);
         let time = self
@@ -89,9 +92,10 @@ impl Description {
         }
         let (mut samples, mut words) =
             (Samples::default(), columns.label.map(|_| Words::default()));
-        for (line, row) in table::rows(text).skip(columns.first_line - 1) {
+        let mut lines = Vec::new();
+        for row in columns.rows(text) {
+            let (line, fields) = row?;
             let at_line = |fault| Damage::at_line(line, fault);
-            let fields = columns.fields(line, row)?;
             let mut counts = [0.0; CHANNELS];
             for (count, &at) in counts.iter_mut().zip(&columns.channels) {
                 let text = columns.separator.number(fields[at]);
@@ -99,6 +103,7 @@ impl Description {
             }
             samples.push(&counts, columns.channels[0] + 1, at_line);
             auxiliary.push(columns.separator, &fields);
+            lines.push(line);
             if let Some((words, at)) = words.as_mut().zip(columns.label) {
                 words.push(fields[at]);
             }
@@ -107,7 +112,7 @@ impl Description {
             samples: samples.finish()?,
             labels: Labels {
                 words,
-                at: At::Lines(columns.first_line),
+                at: At::Lines(lines),
             },
             labels_file: None,
             auxiliary,
@@ -119,39 +124,27 @@ impl Description {
         let mut columns = match &self.channels {
             None => Columns::of(text).map_err(|error| Damage::at_line(error.line, error.fault))?,
             Some(channels) => {
-                let mut rows = table::rows(text).skip_while(|(_, row)| table::is_note(row));
-                let Some((line, first)) = rows.next() else {
-                    return Err(Damage::of_file(Fault::Empty));
-                };
-                let separator = self
-                    .separator
-                    .map_or_else(|| Separator::of(first), |mark| mark.0);
-                let fields = separator.fields(first);
-                let is_number = |at: usize| {
-                    let field = fields.get(at).map(|field| separator.number(field));
-                    field.is_some_and(|field| field.parse::<f64>().is_ok())
-                };
-                let all_numbers = channels.0.iter().all(|column| match column {
-                    Column::At(at) => is_number(*at),
-                    Column::Named(_) => false,
-                });
-                let header = self.header.unwrap_or(!all_numbers);
+                let mark = self.separator.map(|mark| mark.0);
+                let head = Head::of(text, mark).ok_or(Damage::of_file(Fault::Empty))?;
+                let is_named = |column: &Column| matches!(column, Column::Named(_));
+                let is_names = head.is_names || channels.0.iter().any(is_named);
+                let header = self.header.unwrap_or(is_names);
                 let names: Vec<String> = if header {
-                    fields.iter().map(|&name| name.to_owned()).collect()
+                    head.fields.iter().map(|&name| name.to_owned()).collect()
                 } else {
                     Vec::new()
                 };
                 let mut found = [0; CHANNELS];
                 for (found, column) in found.iter_mut().zip(&channels.0) {
-                    *found = position(column, &names, fields.len(), line)?;
+                    *found = position(column, &names, head.fields.len(), head.line)?;
                 }
                 Columns {
-                    separator,
-                    count: fields.len(),
+                    separator: head.separator,
+                    count: head.fields.len(),
                     names,
                     channels: found,
                     label: None,
-                    first_line: line + usize::from(header),
+                    first_line: head.line + usize::from(header || head.is_comment),
                 }
             }
         };
@@ -263,8 +256,11 @@ pub(super) fn labels(bytes: &[u8], samples: usize) -> Result<Labels, Damage> {
         let text = str::from_utf8(bytes);
         let text =
             text.map_err(|error| Damage::at_byte(error.valid_up_to() as u64, Fault::Text))?;
-        table::rows(text).for_each(|(_, row)| words.push(row));
-        At::Lines(1)
+        let lines = table::lines(text).map(|(line, row)| {
+            words.push(row);
+            line
+        });
+        At::Lines(lines.collect())
     };
     if words.at.len() != samples {
         let labels = words.at.len();

@@ -1,4 +1,4 @@
-//! Detection of two armbands in one file: alternating rows, or channels side by side.
+//! Detection of two armbands in one file by its rows: alternating, or with a column that names devices.
 
 use std::collections::BTreeMap;
 
@@ -14,11 +14,6 @@ const DEVICES: [&str; 10] = [
 ];
 /// Names of columns that say it only if they change from row to row.
 const SIDES: [&str; 4] = ["arm", "side", "hand", "source"];
-/// Names of numbered columns that are no EMG: the armband's other sensors.
-#[rustfmt::skip]
-const OTHERS: [&str; 12] = [
-    "acc", "accel", "accelerometer", "gyro", "gyr", "gyroscope", "quat", "orientation", "ori", "mag", "imu", "rot",
-];
 /// Minimum number of samples for the detection of alternating rows.
 const ENOUGH: usize = 1200;
 /// Ratio of a channel's amplitude in every second row to that in the others, which shows two armbands; one armband has
@@ -91,50 +86,6 @@ impl Devices {
             devices: self.rows.keys().cloned().collect(),
         })
     }
-}
-
-/// Refuses a header with the channels of two armbands.
-pub(crate) fn in_header<S: AsRef<str>>(names: &[S]) -> Result<(), Finding> {
-    let mut groups: BTreeMap<String, Vec<&str>> = BTreeMap::new();
-    for name in names {
-        let name = name.as_ref().trim().trim_matches('"');
-        let prefix = name.trim_end_matches(|c: char| c.is_ascii_digit());
-        let key = prefix.trim_end_matches(['_', '-', ' ', '.']).to_lowercase();
-        let word = |other: &&str| key.split(['_', '-', ' ', '.']).any(|part| part == *other);
-        if prefix.len() < name.len() && !OTHERS.iter().any(word) {
-            groups.entry(key).or_default().push(name);
-        }
-    }
-    let full: Vec<&Vec<&str>> = groups
-        .values()
-        .filter(|names| names.len() >= CHANNELS)
-        .collect();
-    let columns = |names: &[&str]| -> Option<String> {
-        Some(format!(
-            "{} to {}",
-            names.first()?,
-            names.get(CHANNELS - 1)?
-        ))
-    };
-    let armbands = match full[..] {
-        [names] if names.len() >= 2 * CHANNELS => {
-            vec![columns(names), columns(&names[CHANNELS..])]
-        }
-        [] | [_] => return Ok(()),
-        _ => full.iter().map(|names| columns(names)).collect(),
-    };
-    Err(Finding::ManyColumns {
-        armbands: armbands.into_iter().flatten().collect(),
-    })
-}
-
-/// Refuses rows that have the channels of two armbands and perhaps a label.
-pub(crate) fn in_row(columns: usize) -> Result<(), Finding> {
-    const TWO: usize = 2 * CHANNELS;
-    if (TWO..=TWO + 1).contains(&columns) {
-        return Err(Finding::ManyChannels { columns });
-    }
-    Ok(())
 }
 
 /// Refuses alternating samples of two armbands: one or two of each in turn.

@@ -6,7 +6,8 @@
 //! | `clock` | what does a column of times say: the rate, gaps? |
 //! | `repeats` | do rows come twice? |
 //! | `rows` | which rows are samples, and where does the recording break? |
-//! | `bands` | are the rows or columns those of two armbands? |
+//! | `bands` | are the rows those of two armbands? |
+//! | `wide` | does a row hold two armbands, or several samples? |
 //! | [`electrodes`] | is a channel dead, saturated or a copy of another? |
 //! | `hum` | is there mains hum? |
 //! | `copies` | are the samples those of another recording? |
@@ -24,6 +25,7 @@ pub(crate) mod repeats;
 pub(crate) mod rows;
 pub(crate) mod scale;
 mod signal;
+pub(crate) mod wide;
 
 use shared::units::WINDOW;
 

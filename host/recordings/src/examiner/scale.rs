@@ -86,6 +86,18 @@ impl ScaleDetector {
         })
     }
 
+    /// Value of one count, if there is one that makes counts of all values.
+    pub fn scale_of_counts(&self) -> Option<f64> {
+        match self.finish() {
+            Ok(()) => Some(1.0),
+            Err(Finding::Scale {
+                scale: Scale::Step { step, .. },
+                ..
+            }) => Some(step),
+            Err(_) => None,
+        }
+    }
+
     fn scale(&self, largest: f64) -> Scale {
         if self.whole && self.least >= 0.0 && self.most > 127.0 && self.most <= 255.0 {
             let middle = self

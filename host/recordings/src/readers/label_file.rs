@@ -61,7 +61,7 @@ pub fn read(path: &Path, purpose: Purpose) -> Result<Vec<Motion>, LoadError> {
 pub fn read_if_named(path: &Path, purpose: Purpose) -> Result<Option<Vec<Motion>>, LoadError> {
     let bytes = contents(path)?;
     let text = str::from_utf8(&bytes).unwrap_or_default();
-    let header = table::rows(text).next();
+    let header = table::lines(text).next();
     if header.is_none_or(|(_, header)| purpose.column(header).is_none()) {
         return Ok(None);
     }
@@ -87,7 +87,7 @@ pub fn parse(bytes: &[u8], purpose: Purpose) -> Result<Vec<Motion>, Damage> {
     }
     let text = std::str::from_utf8(bytes)
         .map_err(|error| Damage::at_byte(error.valid_up_to() as u64, Fault::Text))?;
-    let mut rows = table::rows(text).peekable();
+    let mut rows = table::lines(text).peekable();
     let header = rows.peek().map_or("", |(_, row)| *row);
     let expected = header.split(',').count();
     let column = purpose.column(header);

@@ -13,7 +13,7 @@ use super::npy::{self, Values};
 use super::path::{ending, with_small_ending};
 use super::table;
 use crate::description::published::Layout;
-use crate::examiner::bands;
+use crate::examiner::wide;
 use crate::recording::{DataSet, Recording};
 use execution::bounded_read;
 use execution::file_kind::FileKind;
@@ -145,6 +145,9 @@ pub fn of_bytes(
     }
 }
 
+/// Rows of an array that are looked at.
+const FIRST: usize = 100;
+
 /// Files that are accepted, in words.
 const KINDS: &str = "a recording (csv, npy, mat, dat or json)";
 
@@ -217,8 +220,14 @@ fn array(
             react_emg::read_npy(path, &array).map_err(damage)
         });
     }
-    if let ([_, columns], Values::Numbers(_)) = (&array.shape[..], &array.values) {
-        bands::in_row(*columns).map_err(|finding| damage(Damage::refused(finding)))?;
+    if let ([_, .., _], Values::Numbers(values)) = (&array.shape[..], &array.values) {
+        let columns = array.shape[1..]
+            .iter()
+            .fold(1, |all: usize, own| all.saturating_mul(*own));
+        let rows = values.chunks_exact(columns.max(1)).take(FIRST);
+        let rows: Vec<Vec<f64>> = rows.map(<[f64]>::to_vec).collect();
+        wide::in_rows(columns, columns, &rows)
+            .map_err(|finding| damage(Damage::refused(finding)))?;
     }
     match (&array.shape[..], &array.values) {
         ([_, 8], Values::Numbers(_)) => request.unknown(|| {

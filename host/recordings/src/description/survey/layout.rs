@@ -5,12 +5,15 @@ use std::path::Path;
 
 use shared::units::CHANNELS;
 
-use crate::readers::error::LoadError;
+use crate::examiner::wide;
+use crate::readers::error::{Damage, Fault, LoadError};
 use crate::readers::npy::{self, Values};
 use crate::readers::path::ending;
 use crate::readers::table;
 use crate::readers::table::columns::Columns;
+use crate::readers::table::head::Head;
 use crate::readers::table::separator::Separator;
+use crate::readers::table::shape::Shape;
 use execution::bounded_read;
 use execution::file_kind::FileKind;
 
@@ -38,6 +41,8 @@ pub(super) enum Look {
     Samples(Layout),
     /// One label a row.
     Labels,
+    /// Rows that no description makes samples, and why.
+    Refused(LoadError),
     /// Anything else.
     Nothing,
 }
@@ -85,40 +90,47 @@ pub(super) fn look(path: &Path) -> Result<Look, LoadError> {
     let Some(text) = text(&bytes) else {
         return Ok(Look::Nothing);
     };
-    let Some((separator, names, width)) = header(text) else {
+    let Some(head) = Head::of(text, None) else {
         return Ok(Look::Nothing);
     };
-    let by_name = Columns::of(text).is_ok_and(|columns| !columns.names.is_empty());
-    let mark = SEPARATORS.iter().find(|(own, _)| *own == separator);
+    if let Err(finding) = wide::windows(text) {
+        return Ok(Look::Refused(Damage::refused(finding).in_file(path)));
+    }
+    let mark = SEPARATORS.iter().find(|(own, _)| *own == head.separator);
     let mark = mark.map(|(_, text)| *text);
-    Ok(match width {
-        _ if by_name => layout(mark, 0, Vec::new()),
-        CHANNELS.. if has_channels(text, separator) => layout(mark, width, names),
-        1 => labels(
-            table::rows(text)
-                .map(|(_, row)| row.trim().to_owned())
-                .collect(),
-        ),
-        _ => Look::Nothing,
+    let width = head.fields.len();
+    Ok(match Columns::of(text) {
+        Ok(columns) if !columns.names.is_empty() => layout(mark, 0, Vec::new()),
+        Ok(_) => layout(mark, width, names(&head)),
+        _ if width == 1 => {
+            let rows = table::rows(text).map(|(_, row)| row.trim().to_owned());
+            labels(rows.collect())
+        }
+        // Their columns are described by a person.
+        Err(error)
+            if matches!(
+                error.fault,
+                Fault::Channels { .. } | Fault::Headerless { .. }
+            ) =>
+        {
+            let numbers = Shape::of(text).map_or(0, |shape| shape.numbers);
+            if numbers >= CHANNELS {
+                layout(mark, width, names(&head))
+            } else {
+                Look::Nothing
+            }
+        }
+        Err(error) if error.is_meant => {
+            Look::Refused(Damage::at_line(error.line, error.fault).in_file(path))
+        }
+        Err(_) => Look::Nothing,
     })
 }
 
-/// Whether most of the first rows have eight numbers or more; labels may be words.
-fn has_channels(text: &str, separator: Separator) -> bool {
-    const FIRST: usize = 20;
-    let rows = table::rows(text)
-        .map(|(_, row)| row)
-        .filter(|row| !table::is_note(row));
-    let rows: Vec<&str> = rows.take(FIRST).collect();
-    let is_number = |field: &&str| separator.number(field).parse::<f64>().is_ok();
-    let numbers = |row: &&&str| {
-        separator
-            .fields(row)
-            .iter()
-            .filter(|field| is_number(field))
-            .count()
-    };
-    2 * rows.iter().filter(|row| numbers(row) >= CHANNELS).count() > rows.len()
+/// Names of the columns; none without a header.
+fn names(head: &Head<'_>) -> Vec<String> {
+    let names = head.fields.iter().filter(|_| head.is_names);
+    names.map(|&name| name.to_owned()).collect()
 }
 
 /// A file of these labels.
@@ -137,21 +149,6 @@ fn read(path: &Path) -> Result<Vec<u8>, LoadError> {
 fn text(bytes: &[u8]) -> Option<&str> {
     let text = str::from_utf8(bytes).ok()?;
     Some(text.trim_start_matches('\u{feff}'))
-}
-
-/// Separator, names (none without a header) and number of columns.
-fn header(text: &str) -> Option<(Separator, Vec<String>, usize)> {
-    let mut rows = table::rows(text).map(|(_, row)| row);
-    let first = rows.find(|row| !table::is_note(row))?;
-    let separator = Separator::of(first);
-    let fields = separator.fields(first);
-    let is_number = |field: &&str| separator.number(field).parse::<f64>().is_ok();
-    let names = if fields.iter().all(is_number) {
-        Vec::new()
-    } else {
-        fields.iter().map(|&name| name.to_owned()).collect()
-    };
-    Some((separator, names, fields.len()))
 }
 
 /// Beginning of a file of samples, by columns.
@@ -181,20 +178,18 @@ pub(super) fn beginning(path: &Path) -> Result<Option<Beginning>, LoadError> {
             columns: (0..width).map(column).collect(),
         }));
     }
-    let found = text(&bytes).and_then(|text| Some((text, header(text)?)));
-    let Some((text, (separator, names, width))) = found else {
+    let found = text(&bytes).and_then(|text| Some((text, Head::of(text, None)?)));
+    let Some((text, head)) = found else {
         return Ok(None);
     };
-    let rows = table::rows(text).map(|(_, row)| row);
-    let rows = rows
-        .skip_while(|row| table::is_note(row))
-        .skip(usize::from(!names.is_empty()));
-    let mut columns = vec![Vec::new(); width];
-    for row in rows.take(EXAMINED) {
-        let fields = separator.fields(row);
-        if fields.len() == width {
+    let first = head.line + usize::from(head.is_names);
+    let rows = table::rows(text).skip_while(|(line, _)| *line < first);
+    let mut columns = vec![Vec::new(); head.fields.len()];
+    for (_, row) in rows.take(EXAMINED) {
+        let fields = head.separator.fields(row);
+        if fields.len() == columns.len() {
             for (column, field) in columns.iter_mut().zip(fields) {
-                column.push(separator.number(field).into_owned());
+                column.push(head.separator.number(field).into_owned());
             }
         }
     }
@@ -202,7 +197,7 @@ pub(super) fn beginning(path: &Path) -> Result<Option<Beginning>, LoadError> {
         .ok()
         .filter(|columns| !columns.names.is_empty());
     Ok(Some(Beginning {
-        names,
+        names: names(&head),
         by_name,
         columns,
     }))

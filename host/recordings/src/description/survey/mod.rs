@@ -95,6 +95,7 @@ pub fn describe(folder: &Path, out: Option<&Path>) -> Result<(PathBuf, String), 
 struct Files {
     samples: BTreeMap<Layout, Vec<PathBuf>>,
     labels: BTreeSet<PathBuf>,
+    refused: Vec<LoadError>,
     others: usize,
 }
 
@@ -116,6 +117,7 @@ fn files(folder: &Path) -> Result<Files, LoadError> {
             Look::Labels => {
                 files.labels.insert(path);
             }
+            Look::Refused(error) => files.refused.push(error),
             Look::Nothing => files.others += 1,
         }
     }
@@ -127,6 +129,7 @@ fn survey(folder: &Path, is_elsewhere: bool) -> Result<String, SurveyError> {
     let Files {
         mut samples,
         labels,
+        refused,
         others,
     } = files(folder)?;
     let none = |found: String| SurveyError::NoSamples {
@@ -137,8 +140,13 @@ fn survey(folder: &Path, is_elsewhere: bool) -> Result<String, SurveyError> {
         .iter()
         .max_by_key(|(layout, paths)| (paths.len(), std::cmp::Reverse(*layout)));
     let Some(layout) = most.map(|(layout, _)| layout.clone()) else {
-        let found = format!("{} files with one column and {others} others", labels.len());
-        return Err(none(found));
+        return Err(none(match refused.first() {
+            Some(first) => format!(
+                "{} files that cannot be read so; the first: {first}",
+                refused.len()
+            ),
+            None => format!("{} files with one column and {others} others", labels.len()),
+        }));
     };
     let paths = samples.remove(&layout).unwrap_or_default();
     let every = paths.len().div_ceil(EXAMINED);
@@ -148,7 +156,11 @@ fn survey(folder: &Path, is_elsewhere: bool) -> Result<String, SurveyError> {
         .filter_map(|path| layout::beginning(path).transpose())
         .collect::<Result<_, _>>()?;
     let Some(roles) = Roles::of(&beginnings) else {
-        let found = format!("{} files such as {}", paths.len(), paths[0].display());
+        let first = paths[0].display();
+        let found = format!(
+            "fewer such columns in {} files such as {first}",
+            paths.len()
+        );
         return Err(none(found));
     };
     let below = |path: &PathBuf| with_small_ending(path.strip_prefix(folder).unwrap_or(path));
@@ -171,6 +183,7 @@ fn survey(folder: &Path, is_elsewhere: bool) -> Result<String, SurveyError> {
             .values()
             .filter_map(|paths| Some((paths.len(), below(paths.first()?))))
             .collect(),
+        refused: &refused,
         people: BTreeSet::new(),
         words: Words::default(),
         known: crate::load(folder, &crate::LoadOptions::default())

@@ -11,6 +11,7 @@ use super::layout::Layout;
 use super::words::Words;
 use crate::description::pattern::{Field, Pattern};
 use crate::description::words::ALL_OTHERS;
+use crate::readers::error::LoadError;
 use crate::readers::error::excerpt::excerpt;
 use execution::printable::printable;
 
@@ -33,6 +34,8 @@ pub(super) struct Text<'s> {
     pub files: &'s [PathBuf],
     /// Files of other layouts, and the first of each.
     pub others: Vec<(usize, PathBuf)>,
+    /// Files whose rows no description makes samples.
+    pub refused: &'s [LoadError],
     pub people: BTreeSet<String>,
     pub words: Words,
     /// Recordings that are read without a description.
@@ -156,6 +159,10 @@ impl Text<'_> {
                 "# With other columns, and not described here: {count} files such as {first}"
             )?;
         }
+        if let Some(first) = self.refused.first() {
+            let (count, first) = (self.refused.len(), first.line());
+            writeln!(f, "# Left out: {count} files; the first: {first}")?;
+        }
         Ok(())
     }
 
@@ -196,12 +203,11 @@ impl Text<'_> {
                 finding.advice()
             )?,
         }
-        // Bytes without a sign are not rectified.
         let is_rectified = least >= 0.0 && self.roles.scale.is_ok();
-        let seen = if is_rectified {
-            "no value is below zero: it is refused"
-        } else {
-            "waves on both sides of a middle"
+        let seen = match (is_rectified, least >= 0.0) {
+            (true, _) => "no value is below zero: it is refused",
+            (false, true) => "not seen: the values are no counts",
+            (false, false) => "values have both signs",
         };
         writeln!(f, "rectified = {is_rectified}    # {seen}")
     }

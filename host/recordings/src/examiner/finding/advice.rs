@@ -46,6 +46,7 @@ impl Finding {
             | Self::ManyColumns { .. }
             | Self::ManyChannels { .. }
             | Self::InTurn { .. } => "two-armbands",
+            Self::Windows { .. } => "windows",
             Self::Copy { .. } => "copy",
             Self::Overlap { .. } => "overlap",
         }
@@ -87,6 +88,7 @@ impl Finding {
             Self::Resembling { .. } => "give the armband's own samples, 200 a second, as EMG mode 2 sends them",
             Self::Devices { .. } => "keep the rows of one armband in a file",
             Self::ManyColumns { .. } | Self::ManyChannels { .. } => "keep the columns of one armband in a file",
+            Self::Windows { .. } => "write each sample, channels 1 to 8, into a row of its own, with its label",
             Self::InTurn { .. } => "write each armband's rows into a file of its own",
             Self::Copy { person: true, .. } => "one of the names is wrong: remove the copy that is",
             Self::Copy { .. } => "remove the copy",

@@ -264,6 +264,15 @@ pub enum Finding {
         /// Number of columns.
         columns: usize,
     },
+    /// Rows have several samples.
+    #[error(
+        "expected a sample of {CHANNELS} channels a row, found {values} values: {} samples a row",
+        values / CHANNELS
+    )]
+    Windows {
+        /// Values of a row, without a label.
+        values: usize,
+    },
     /// Rows of two armbands alternate.
     #[error("expected the samples of one armband, found two in turn, {rows} of each")]
     InTurn {

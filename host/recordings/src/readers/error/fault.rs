@@ -102,7 +102,7 @@ pub enum Fault {
     /// A header without eight channels, or with several series of them.
     #[error(
         "expected a header with eight channels of one name, such as gt,emg_0 to emg_7, found {found} in \"{}\" \
-         (separated by {separator}): keep or rename the columns of one armband",
+         (separated by {separator}): name the armband's eight columns so",
         excerpt(header)
     )]
     Channels {
@@ -124,6 +124,34 @@ pub enum Fault {
         /// Separator of the columns.
         separator: Separator,
     },
+    /// Lines in front of the header.
+    #[error(
+        "expected the header in the first line, found it in line {line}: remove the lines before it, or begin each with #"
+    )]
+    Title {
+        /// Line of the header.
+        line: usize,
+    },
+    /// Rows of several kinds.
+    #[error(
+        "expected rows of one kind, found {found} values here and {other} in line {line}: keep the rows of the EMG, with \
+         one header, in a file of their own"
+    )]
+    Kinds {
+        /// Fields of the first row.
+        found: usize,
+        /// Fields of another row.
+        other: usize,
+        /// Line of that row.
+        line: usize,
+    },
+    /// Rows that hold lists.
+    #[error(
+        "expected a number in each field, found lists in brackets, \"{}\": write one sample a row, eight numbers and the \
+         label",
+        excerpt(_0)
+    )]
+    Lists(String),
     /// Text without rows of numbers.
     #[error(
         "expected rows of numbers separated by commas, semicolons, tabs or spaces, eight channels each, found other text"

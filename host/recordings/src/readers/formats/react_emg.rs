@@ -56,9 +56,9 @@ pub(crate) fn read_csv(
     let movement = columns.position(MOVEMENT_COLUMN).filter(|_| is_recorded);
     let (mut samples, mut labels, mut has_numbers) = (Samples::default(), Vec::new(), false);
     let (mut placed, mut auxiliary) = (Vec::new(), AuxiliaryColumns::find(columns));
-    for (line, row) in table::rows(text).skip(columns.first_line - 1) {
+    for row in columns.rows(text) {
+        let (line, fields) = row?;
         let at_line = |fault| Damage::at_line(line, fault);
-        let fields = columns.fields(line, row)?;
         let number = |column: usize| {
             table::number(line, column + 1, &columns.separator.number(fields[column]))
         };

@@ -3,14 +3,12 @@
 use std::path::Path;
 
 use super::{Found, KINDS, Request};
-use crate::examiner::bands;
-use crate::examiner::finding::Finding;
+use crate::examiner::wide;
 use crate::readers::error::{Damage, Fault, LoadError};
 use crate::readers::formats::{
     emg_epn, libemg, myo_readings, one_subject_myo, react_emg, uci_gestures,
 };
 use crate::readers::open::SkipReason;
-use crate::readers::table;
 use crate::readers::table::columns::Columns;
 use crate::readers::table::separator::Separator;
 use crate::readers::table::shape::Shape;
@@ -110,15 +108,15 @@ pub(super) fn of_text(
         });
     }
     let shape = Shape::of(text);
-    let nine = (Separator::Comma, 9);
-    if shape.is_some_and(|shape| (shape.separator, shape.columns) == nine)
+    let nine = (Separator::Comma, 9, 9);
+    if shape.is_some_and(|shape| (shape.separator, shape.columns, shape.numbers) == nine)
         && myo_readings::is_named(path)
     {
         return request.one(DataSet::MyoReadings, || {
             myo_readings::read(path, text).map_err(damage)
         });
     }
-    two_armbands(text, shape).map_err(|finding| damage(Damage::refused(finding)))?;
+    wide::in_table(text).map_err(|finding| damage(Damage::refused(finding)))?;
     match Columns::of(text) {
         Ok(columns) if columns.names.is_empty() => bare(path, text, &columns, request),
         Ok(columns) => request.several(DataSet::ReactEmg, || {
@@ -129,16 +127,6 @@ pub(super) fn of_text(
             Err(damage(Damage::at_line(error.line, error.fault)))
         }
         Err(_) => Ok(Found::Nothing(SkipReason::Layout)),
-    }
-}
-
-/// Refuses a table with the channels of two armbands, by its header or by numbers alone.
-fn two_armbands(text: &str, shape: Option<Shape>) -> Result<(), Finding> {
-    let mut rows = table::rows(text).map(|(_, row)| row);
-    let first = rows.find(|row| !table::is_note(row)).unwrap_or_default();
-    match (Shape::of(first), shape) {
-        (Some(_), Some(shape)) => bands::in_row(shape.columns),
-        _ => bands::in_header(&Separator::of(first).fields(first)),
     }
 }
 

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 
 use shared::units::CHANNELS;
 
+use super::head::{Head, form};
 use super::separator::Separator;
 use super::shape::Shape;
 use crate::readers::error::{Damage, Fault};
@@ -51,47 +52,47 @@ pub(crate) struct TableError {
 }
 
 impl Columns {
-    /// Splits a row into its fields.
+    /// The rows of a text below its header: line and fields of each.
     ///
-    /// # Errors
-    /// When it has more or fewer than there are columns.
-    pub(crate) fn fields<'r>(&self, line: usize, row: &'r str) -> Result<Vec<&'r str>, Damage> {
-        let fields = self.separator.fields(row);
-        if fields.len() != self.count {
+    /// A row is an error when it has more or fewer fields than there are columns.
+    pub(crate) fn rows<'t>(
+        &self,
+        text: &'t str,
+    ) -> impl Iterator<Item = Result<(usize, Vec<&'t str>), Damage>> {
+        let rows = table::rows(text).skip_while(|(line, _)| *line < self.first_line);
+        rows.map(|(line, row)| {
+            let fields = self.separator.fields(row);
             let (expected, found) = (self.count, fields.len());
-            return Err(Damage::at_line(line, Fault::Fields { expected, found }));
-        }
-        Ok(fields)
+            if found == expected {
+                Ok((line, fields))
+            } else {
+                Err(Damage::at_line(line, Fault::Fields { expected, found }))
+            }
+        })
     }
 
     /// The columns of a text.
     pub fn of(text: &str) -> Result<Self, TableError> {
-        let mut rows = table::rows(text).skip_while(|(_, row)| is_preface(row));
-        let Some((line, first)) = rows.next() else {
+        let Some(head) = Head::of(text, None) else {
             return Err(TableError {
                 fault: Fault::Empty,
                 line: 1,
                 is_meant: false,
             });
         };
-        let first = first.trim_start_matches('#');
-        let separator = Separator::of(first);
-        let fields = separator.fields(first);
-        let second = rows.next().map(|(_, row)| row);
-        if is_header(separator, &fields) || counts_up(&fields) && second != Some(first) {
-            let named = Self::named(separator, &fields, line, first);
-            let has_rows = second.is_some_and(|row| !is_header(separator, &separator.fields(row)));
-            named.map_err(|error| TableError {
-                fault: if has_rows || error.is_meant {
-                    error.fault
-                } else {
-                    Fault::NoTable
-                },
-                ..error
-            })
+        let found = if head.is_names {
+            Self::named(&head)
         } else {
-            Self::bare(text, line)
-        }
+            Self::bare(text, &head)
+        };
+        found.map_err(|error| match form(text) {
+            Some(fault) => TableError {
+                fault,
+                line: head.line,
+                is_meant: true,
+            },
+            None => error,
+        })
     }
 
     /// Position of the column of exactly this name.
@@ -99,19 +100,23 @@ impl Columns {
         self.names.iter().position(|own| own == name)
     }
 
-    fn named(
-        separator: Separator,
-        names: &[&str],
-        line: usize,
-        header: &str,
-    ) -> Result<Self, TableError> {
+    fn named(head: &Head<'_>) -> Result<Self, TableError> {
+        let Head {
+            separator,
+            fields: names,
+            ..
+        } = head;
         let error = |found: String, is_meant| TableError {
-            fault: Fault::Channels {
-                header: header.to_owned(),
-                separator,
-                found,
+            fault: if head.has_numbers || is_meant {
+                Fault::Channels {
+                    header: head.text.to_owned(),
+                    separator: *separator,
+                    found,
+                }
+            } else {
+                Fault::NoTable
             },
-            line,
+            line: head.line,
             is_meant,
         };
         let groups = Group::all(names);
@@ -141,38 +146,39 @@ impl Columns {
             }
         };
         Ok(Self {
-            separator,
+            separator: *separator,
             names: names.iter().map(|&name| name.to_owned()).collect(),
             count: names.len(),
             channels,
             label,
-            first_line: line + 1,
+            first_line: head.line + 1,
         })
     }
 
     /// Columns of a table without names.
-    fn bare(text: &str, line: usize) -> Result<Self, TableError> {
-        let Some(shape) = Shape::of(text) else {
-            return Err(TableError {
-                fault: Fault::NoTable,
-                line,
-                is_meant: false,
-            });
+    fn bare(text: &str, head: &Head<'_>) -> Result<Self, TableError> {
+        let error = |fault, is_meant| TableError {
+            fault,
+            line: head.line,
+            is_meant,
         };
-        let start = match shape.columns {
-            CHANNELS => Some(0),
-            columns if columns > CHANNELS => shape.without_clocks(text),
-            _ => None,
+        let numbers = head
+            .fields
+            .iter()
+            .filter(|field| head.separator.is_number(field));
+        if head.text.contains(['[', '{']) && numbers.count() >= CHANNELS / 2 {
+            return Err(error(Fault::Lists(head.text.to_owned()), true));
+        }
+        let is_alike = |shape: &Shape| shape.columns == head.fields.len();
+        let Some(shape) = Shape::of(text).filter(is_alike) else {
+            return Err(error(Fault::NoTable, false));
         };
-        let Some(start) = start else {
-            return Err(TableError {
-                fault: Fault::Headerless {
-                    columns: shape.columns,
-                    separator: shape.separator,
-                },
-                line,
-                is_meant: matches!(shape.columns, 9 | 16..=18),
-            });
+        let Some(start) = shape.channels(text) else {
+            let fault = Fault::Headerless {
+                columns: shape.columns,
+                separator: shape.separator,
+            };
+            return Err(error(fault, shape.columns > CHANNELS));
         };
         Ok(Self {
             separator: shape.separator,
@@ -180,37 +186,9 @@ impl Columns {
             count: shape.columns,
             channels: std::array::from_fn(|channel| start + channel),
             label: None,
-            first_line: line,
+            first_line: head.line,
         })
     }
-}
-
-/// Lines in front of a table; a comment that names channels is its header.
-fn is_preface(row: &str) -> bool {
-    let names_channels = row.trim().strip_prefix('#').is_some_and(|comment| {
-        let fields = Separator::of(comment).fields(comment);
-        channels(&Group::all(&fields)).is_ok()
-    });
-    table::is_note(row) && !names_channels
-}
-
-/// Whether a row consists of names.
-fn is_header(separator: Separator, fields: &[&str]) -> bool {
-    let is_number = |field: &&&str| separator.number(field).parse::<f64>().is_ok();
-    let numbers = fields.iter().filter(is_number).count();
-    // Columns may be called 0 to 7 beside one with a name; one damaged value makes no header.
-    2 * numbers < fields.len() || numbers < fields.len() && channels(&Group::all(fields)).is_ok()
-}
-
-/// Whether fields are 0 to 7 or 1 to 8, as columns without names are called.
-fn counts_up(fields: &[&str]) -> bool {
-    let from = |first: usize| {
-        fields
-            .iter()
-            .enumerate()
-            .all(|(at, field)| field.parse() == Ok(at + first))
-    };
-    fields.len() == CHANNELS && (from(0) || from(1))
 }
 
 /// A name in lower case, without a unit in brackets, with `_` between words.
@@ -220,7 +198,7 @@ fn plain(name: &str) -> String {
 }
 
 /// Numbered columns of one name.
-struct Group {
+pub(crate) struct Group {
     name: String,
     /// Column by number.
     columns: BTreeMap<usize, usize>,
@@ -229,7 +207,7 @@ struct Group {
 }
 
 impl Group {
-    fn all(names: &[&str]) -> Vec<Self> {
+    pub fn all(names: &[&str]) -> Vec<Self> {
         let mut groups: Vec<Self> = Vec::new();
         for (column, name) in names.iter().enumerate() {
             let name = plain(name);
@@ -252,10 +230,20 @@ impl Group {
         groups
     }
 
+    /// Number of the columns.
+    pub fn len(&self) -> usize {
+        self.columns.len()
+    }
+
     /// Whether the name says that it is muscle activity.
-    fn is_muscle(&self) -> bool {
-        let mut words = self.name.split('_');
-        self.name.contains("emg") || words.any(|word| CHANNEL_NAMES.contains(&word))
+    pub fn is_muscle(&self) -> bool {
+        Self::is_muscle_name(&self.name)
+    }
+
+    /// Whether a name says that a column is muscle activity.
+    pub fn is_muscle_name(name: &str) -> bool {
+        let mut words = name.split('_');
+        name.contains("emg") || words.any(|word| CHANNEL_NAMES.contains(&word))
     }
 
     /// The columns if they are those of eight channels.
@@ -280,7 +268,7 @@ impl Group {
 }
 
 /// Columns of the eight channels, or a description of what there is instead.
-fn channels(groups: &[Group]) -> Result<[usize; CHANNELS], String> {
+pub(crate) fn channels(groups: &[Group]) -> Result<[usize; CHANNELS], String> {
     let is_series = |group: &&Group| group.columns.len() >= CHANNELS / 2;
     let (muscle, others): (Vec<&Group>, Vec<&Group>) = groups
         .iter()

@@ -2,6 +2,7 @@
 
 pub(crate) mod auxiliary;
 pub(crate) mod columns;
+pub(crate) mod head;
 pub(crate) mod separator;
 pub(crate) mod shape;
 
@@ -12,20 +13,27 @@ use crate::readers::error::{Damage, Fault};
 use crate::readers::mat::Matrix;
 use crate::readers::npy::{Array, Values};
 
-/// The rows of a text, each with its line number; empty lines at the end are no rows.
+/// The rows of a text, each with its line number. Empty lines are no rows, nor are separators alone, as spreadsheets
+/// write them.
+pub(crate) fn rows(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let is_mark = |c: char| c.is_whitespace() || matches!(c, ',' | ';' | '"');
+    lines(text).filter(move |(_, line)| !line.chars().all(is_mark))
+}
+
+/// The lines of a text, each with its number, without empty ones at the end. A line may be a label, and an empty one none.
 ///
 /// Takes LF, CRLF, spaces around values, and a last line with or without an end.
-pub(crate) fn rows(text: &str) -> impl Iterator<Item = (usize, &str)> {
+pub(crate) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     text.trim_end()
         .lines()
         .enumerate()
         .map(|(index, line)| (index + 1, line))
 }
 
-/// Whether a row in front of a table is no part of it: empty, a comment, or the separator as spreadsheets note it.
+/// Whether a row in front of a table is no part of it: a comment, or the separator as spreadsheets note it.
 pub(crate) fn is_note(row: &str) -> bool {
     let row = row.trim();
-    row.is_empty() || row.starts_with('#') || row.to_lowercase().starts_with("sep=")
+    row.starts_with('#') || row.to_lowercase().starts_with("sep=")
 }
 
 /// One row of comma-separated numbers; it has exactly `N`.

@@ -41,6 +41,11 @@ impl Separator {
         }
     }
 
+    /// Whether a field is a number.
+    pub fn is_number(self, field: &str) -> bool {
+        self.number(field).parse::<f64>().is_ok()
+    }
+
     /// A field as the text of a number. A decimal comma becomes a point, where commas do not separate.
     pub fn number(self, field: &str) -> Cow<'_, str> {
         if self == Self::Comma || !field.contains(',') {

@@ -15,14 +15,16 @@ const RISING: usize = 100;
 pub(crate) struct Shape {
     /// Separator of the values.
     pub separator: Separator,
-    /// Numbers in most rows.
+    /// Fields in most rows.
     pub columns: usize,
+    /// Numbers among them.
+    pub numbers: usize,
     /// Whether most rows are decimals between -1 and 1.
     pub is_decimal: bool,
 }
 
 impl Shape {
-    /// The shape of most of the first rows; none if they are no rows of numbers.
+    /// The shape of most of the first rows; none if they are no rows of numbers. Words may stand beside eight numbers.
     pub fn of(text: &str) -> Option<Self> {
         let rows: Vec<&str> = table::rows(text)
             .map(|(_, row)| row)
@@ -30,17 +32,19 @@ impl Shape {
             .take(FIRST)
             .collect();
         let most = |count: usize| 2 * count > rows.len();
-        let numbers: Vec<(Separator, Vec<f64>)> =
-            rows.iter().filter_map(|row| numbers(row)).collect();
-        let (separator, columns) =
-            numbers
-                .iter()
-                .map(|(own, row)| (*own, row.len()))
-                .find(|shape| {
-                    let same = |(own, row): &&(Separator, Vec<f64>)| (*own, row.len()) == *shape;
-                    most(numbers.iter().filter(same).count())
-                })?;
-        let is_decimal = |row: &[f64]| {
+        let rows: Vec<(Separator, usize, Vec<f64>)> = rows
+            .iter()
+            .map(|row| fields_and_numbers(row))
+            .filter(|(_, fields, numbers)| numbers.len() == *fields || numbers.len() >= CHANNELS)
+            .collect();
+        let shape = |(separator, fields, numbers): &(Separator, usize, Vec<f64>)| {
+            (*separator, *fields, numbers.len())
+        };
+        let (separator, columns, numbers) = rows
+            .iter()
+            .map(shape)
+            .find(|own| most(rows.iter().filter(|row| shape(row) == *own).count()))?;
+        let is_decimal = |(_, _, row): &&(Separator, usize, Vec<f64>)| {
             row.len() == columns
                 && row.iter().all(|v| v.abs() <= 1.0)
                 && row.iter().any(|v| v.fract() != 0.0)
@@ -48,18 +52,25 @@ impl Shape {
         Some(Self {
             separator,
             columns,
-            is_decimal: most(numbers.iter().filter(|(_, row)| is_decimal(row)).count()),
+            numbers,
+            is_decimal: most(rows.iter().filter(is_decimal).count()),
         })
+    }
+
+    /// First of the columns of the channels: eight numbers, beside others at the ends that rise from row to row.
+    pub(crate) fn channels(self, text: &str) -> Option<usize> {
+        match (self.columns, self.numbers) {
+            (CHANNELS, CHANNELS) => Some(0),
+            (columns, numbers) if columns == numbers => self.without_clocks(text),
+            _ => None,
+        }
     }
 
     /// First of eight columns, if the others rise from row to row.
     pub(crate) fn without_clocks(self, text: &str) -> Option<usize> {
-        let rows = table::rows(text).filter_map(|(_, row)| numbers(row));
-        let rows: Vec<Vec<f64>> = rows
-            .map(|(_, row)| row)
-            .filter(|row| row.len() == self.columns)
-            .take(RISING)
-            .collect();
+        let rows = table::rows(text).map(|(_, row)| fields_and_numbers(row).2);
+        let rows = rows.filter(|row| row.len() == self.columns);
+        let rows: Vec<Vec<f64>> = rows.take(RISING).collect();
         if rows.len() < FIRST {
             return None;
         }
@@ -76,21 +87,25 @@ impl Shape {
     }
 }
 
-/// Separator and values of a row of numbers; none if a field is no number.
-fn numbers(row: &str) -> Option<(Separator, Vec<f64>)> {
+/// Numbers of the first rows of the usual number of fields.
+pub(crate) fn first_numbers(text: &str) -> Vec<Vec<f64>> {
+    let Some(shape) = Shape::of(text) else {
+        return Vec::new();
+    };
+    let rows = table::rows(text).map(|(_, row)| fields_and_numbers(row).2);
+    let rows = rows.take(RISING);
+    rows.filter(|row| row.len() == shape.numbers).collect()
+}
+
+/// Separator of a row, number of its fields, and the numbers among them.
+fn fields_and_numbers(row: &str) -> (Separator, usize, Vec<f64>) {
     let separator = Separator::of(row);
     let fields = separator.fields(row);
-    let numbers: Option<Vec<f64>> = fields
-        .iter()
-        .map(|field| {
-            separator
-                .number(field)
-                .parse::<f64>()
-                .ok()
-                .filter(|value| value.is_finite())
-        })
-        .collect();
-    numbers.map(|numbers| (separator, numbers))
+    let numbers = fields.iter().filter_map(|field| {
+        let value = separator.number(field).parse::<f64>().ok();
+        value.filter(|value| value.is_finite())
+    });
+    (separator, fields.len(), numbers.collect())
 }
 
 #[cfg(test)]
