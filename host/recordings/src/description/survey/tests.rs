@@ -65,6 +65,46 @@ fn columns_without_names_are_told_by_their_values() {
 }
 
 #[test]
+fn a_column_that_counts_is_a_clock_wherever_it_stands() {
+    let row = |at: usize| counts(at, 8, |v| v.to_string());
+    let first = "channels = [2, 3, 4, 5, 6, 7, 8, 9]";
+    let last = "channels = [1, 2, 3, 4, 5, 6, 7, 8]";
+    let kinds: [(&dyn Fn(usize) -> String, &str, &str); 7] = [
+        (
+            &|at| format!("{},{},{}", at % 100, row(at), at / 150),
+            first,
+            "time = 1",
+        ),
+        (
+            &|at| format!("{},{},{}", at % 100 + 1, row(at), at / 40 % 4),
+            first,
+            "time = 1",
+        ),
+        (&|at| format!("{},{}", at % 256, row(at)), first, "time = 1"),
+        (&|at| format!("{},{}", at + 1, row(at)), first, "time = 1"),
+        (&|at| format!("{},{}", row(at), at % 50), last, "time = 9"),
+        (
+            &|at| format!("{},{},{}", row(at), at / 150, at % 200),
+            last,
+            "time = 10",
+        ),
+        (
+            &|at| format!("10:00:{:06.3},{}", at as f64 * 0.005, row(at)),
+            first,
+            "time = 1",
+        ),
+    ];
+    for (row, channels, time) in kinds {
+        let text = table("", 600, row);
+        let (lines, text) = written(&[("anna/1.csv", text.clone()), ("ben/1.csv", text)]).unwrap();
+        for line in [channels, time, "rate = 200"] {
+            assert!(has(&lines, line), "{line}: {text}");
+        }
+        assert!(!text.contains("look like channels"), "{text}");
+    }
+}
+
+#[test]
 fn words_of_a_column_are_its_labels_and_more_columns_are_told() {
     let words = ["rest", "fist", "snap"];
     let text = table("a\tb\tc\td\te\tf\tg\th\tgyr\tpose\n", 600, |at| {

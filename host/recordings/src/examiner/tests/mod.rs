@@ -117,6 +117,20 @@ fn values_on_one_side_and_those_that_never_change_are_refused() {
 }
 
 #[test]
+fn a_column_that_counts_is_no_channel() {
+    for modulus in [100, 128, 256] {
+        let counted = each(&emg(2000, 1), |at, mut sample| {
+            sample[3] = (at % modulus) as u8 as i8;
+            sample
+        });
+        assert!(
+            refusal(&counts(&counted)).contains("counts in channel 4"),
+            "{modulus}"
+        );
+    }
+}
+
+#[test]
 fn mains_hum_is_found_at_either_frequency_and_on_one_channel() {
     for hz in [50.0, 60.0] {
         for channels in [1, CHANNELS] {

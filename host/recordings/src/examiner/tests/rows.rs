@@ -57,6 +57,58 @@ fn a_clock_of_200_hz_is_taken_in_every_unit_with_jitter_and_bursts() {
 }
 
 #[test]
+fn a_clock_is_known_by_its_values_whatever_its_name() {
+    let text = counts(&emg(6000, 1));
+    let of_day = |ms: f64| {
+        let seconds = ms / 1000.0;
+        format!("10:{:02}:{:06.3}", (seconds / 60.0) as u32, seconds % 60.0)
+    };
+    let clocks: [(&str, &dyn Fn(f64) -> String); 7] = [
+        ("Zeit", &|ms| (ms / 1000.0).to_string()),
+        ("x", &|ms| ms.to_string()),
+        ("Spalte 1", &|ms| (ms * 1000.0).to_string()),
+        ("", &|ms| format!("{:.0}", 1.7e18 + ms * 1e6)),
+        ("Nummer", &|ms| (ms / 5.0).to_string()),
+        ("wann", &|ms| "2024-02-29T".to_owned() + &of_day(ms) + "Z"),
+        ("Uhrzeit", &of_day),
+    ];
+    for (name, clock) in clocks {
+        let at = |period: f64, gap: f64| {
+            with_column(&text, name, |row| {
+                clock(row as f64 * period + if row < 2500 { 0.0 } else { gap })
+            })
+        };
+        let whole = one(&at(5.0, 0.0));
+        assert_eq!(
+            (whole.recordings.len(), kinds(&whole)),
+            (1, vec![]),
+            "{name}"
+        );
+        let torn = one(&at(5.0, 30_000.0));
+        assert_eq!(
+            (torn.recordings.len(), kinds(&torn)),
+            (2, vec!["gap"]),
+            "{name}"
+        );
+        let slow = refusal(&at(10.0, 0.0));
+        assert!(slow.contains("200 rows a second"), "{name}: {slow}");
+    }
+    // What does not rise evenly is none, whatever it means.
+    for value in [
+        |row: usize| row / 600,
+        |row| row * row,
+        |row| row * 7919 % 1000,
+    ] {
+        let library = one(&with_column(&text, "x", |row| value(row).to_string()));
+        assert_eq!((library.recordings.len(), kinds(&library)), (1, vec![]));
+    }
+    // A name that says time does not hide the clock beside it.
+    let dated = with_column(&text, "date", |_| "2024-02-29".into());
+    let both = with_column(&dated, "Zeit", |row| (row as f64 * 0.01).to_string());
+    assert!(refusal(&both).contains("found 100 by column \"Zeit\""));
+}
+
+#[test]
 fn a_clock_that_says_nothing_is_told() {
     let text = counts(&emg(3000, 1));
     for value in ["7", "noon"] {
