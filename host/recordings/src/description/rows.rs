@@ -13,7 +13,6 @@ use crate::readers::npy::{self, Array, Values};
 use crate::readers::table::auxiliary::{AuxiliaryColumns, unnamed};
 use crate::readers::table::columns::Columns;
 use crate::readers::table::head::Head;
-use crate::readers::table::separator::Separator;
 use crate::readers::table::{self, Samples};
 use execution::file_kind::FileKind;
 
@@ -80,16 +79,12 @@ impl Description {
     fn table(&self, text: &str) -> Result<Rows, Damage> {
         wide::windows(text).map_err(Damage::refused)?;
         let columns = self.columns(text)?;
-        let mut auxiliary = AuxiliaryColumns::find(&columns);
         let time = self
             .time
             .as_ref()
             .map(|time| position(time, &columns.names, columns.count, columns.first_line));
         let time = time.transpose()?;
-        // Where neither a name nor the description tells, no column is a clock.
-        if time.is_some() || columns.names.is_empty() {
-            auxiliary = auxiliary.clocked(time, &columns.names);
-        }
+        let mut auxiliary = AuxiliaryColumns::find(&columns).clocked(time, &columns.names);
         let (mut samples, mut words) =
             (Samples::default(), columns.label.map(|_| Words::default()));
         let mut lines = Vec::new();
@@ -175,11 +170,9 @@ impl Description {
         let [label, time] =
             [&self.label, &self.time].map(|column| column.as_ref().map(at).transpose());
         let (label, time) = (label?, time?);
-        // One field is pushed, the time.
-        let mut auxiliary = AuxiliaryColumns::default();
-        if let Some(at) = time {
-            auxiliary = AuxiliaryColumns::default().clocked(Some(0), &[unnamed(at)]);
-        }
+        let is_other = |at: &usize| !channels.contains(at) && label != Some(*at);
+        let others = (0..width).filter(is_other).collect();
+        let mut auxiliary = AuxiliaryColumns::of(others, &[]).clocked(time, &[]);
         let (mut samples, mut words) = (Samples::default(), label.map(|_| Words::default()));
         for (row, values) in values.chunks_exact(width.max(1)).enumerate() {
             let counts = channels.map(|channel: usize| values[channel] * self.scale.0);
@@ -189,9 +182,7 @@ impl Description {
             if let Some((words, at)) = words.as_mut().zip(label) {
                 words.push(&values[at].to_string());
             }
-            if let Some(at) = time {
-                auxiliary.push(Separator::Comma, &[&values[at].to_string()]);
-            }
+            auxiliary.push_values(values);
         }
         Ok(Rows {
             samples: samples.finish()?,

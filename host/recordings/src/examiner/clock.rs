@@ -1,6 +1,15 @@
 //! Clock of a recording: a column of times or sample numbers, which gives the rate and the gaps.
+//!
+//! A column is a clock by its name, or because it rises evenly, as nothing else does.
+
+mod instant;
+mod rising;
 
 use shared::units::SAMPLE_RATE_HZ;
+
+pub(crate) use instant::seconds_of;
+pub(crate) use rising::{HELD, rises, rises_evenly};
+use rising::{period, unwrapped};
 
 /// Names of columns that say when a row was sampled; a unit may follow.
 #[rustfmt::skip]
@@ -23,14 +32,14 @@ const UNITS: [(&[&str], f64); 4] = [
 ];
 /// Seconds from row to row that are plausible for a unit without a name.
 const PERIODS: std::ops::Range<f64> = 0.0005..0.5;
-/// Largest deviation of an even step from the usual step, as a share of it.
-const ALIKE: f64 = 0.2;
-/// Rows over which a rate is averaged: times may come in bursts, or be whole seconds.
-const AVERAGED: usize = 400;
 /// Rows on either side of a gap whose earliest arrivals are compared: a late arrival alone is no gap.
 const AROUND: usize = 200;
 /// Missing seconds from which there is a gap: a board bridges 25 ms and restarts its window after more.
 const GAP: f64 = 0.05;
+
+/// Rows of a column without a known name, and the share of later ones, that may go back until it is no clock for certain:
+/// more than those of the shortest counter.
+const MAY_GO_BACK: (usize, f64) = (16, 0.15);
 
 /// Column of times of a recording, one value per row.
 #[derive(Clone, PartialEq, Debug)]
@@ -39,6 +48,10 @@ pub(crate) struct Clock {
     pub name: String,
     /// Values of the column; dates and times of day in seconds.
     times: Vec<f64>,
+    /// Whether its name or a description says that it is a clock.
+    is_meant: bool,
+    /// Rows that go back, while it may be a clock.
+    back: Option<usize>,
 }
 
 /// Timebase that a clock gives.
@@ -122,27 +135,52 @@ pub(crate) fn column<S: AsRef<str>>(names: &[S]) -> Option<usize> {
 
 impl Clock {
     /// Empty clock of a column of this name.
-    pub const fn of(name: String) -> Self {
+    pub fn of(name: String) -> Self {
         Self {
-            name,
             times: Vec::new(),
+            is_meant: kind(&name).is_some(),
+            back: Some(0),
+            name,
+        }
+    }
+
+    /// Empty clock of a column that a description calls so.
+    pub fn described(name: String) -> Self {
+        Self {
+            is_meant: true,
+            ..Self::of(name)
         }
     }
 
     /// Adds a row's text. A text that is no time becomes NaN, and the clock then gives no rate.
     pub fn push(&mut self, text: &str) {
-        self.times.push(seconds_of(text).unwrap_or(f64::NAN));
+        if self.back.is_some() {
+            self.push_time(seconds_of(text).unwrap_or(f64::NAN));
+        }
+    }
+
+    /// Adds a row's value.
+    pub fn push_time(&mut self, time: f64) {
+        let Some(back) = &mut self.back else {
+            return;
+        };
+        let before = self.times.last();
+        *back += usize::from(before.is_some_and(|before| time.is_nan() || time < *before));
+        self.times.push(time);
+        let (first, share) = MAY_GO_BACK;
+        if !self.is_meant && *back as f64 > first as f64 + share * self.times.len() as f64 {
+            self.back = None;
+            self.times = Vec::new();
+        }
     }
 
     /// Clock of the rows that are kept.
     pub fn kept(&self, keep: &[bool]) -> Self {
         let times = self.times.iter().zip(keep);
+        let times = times.filter(|(_, keep)| **keep).map(|(time, _)| *time);
         Self {
-            name: self.name.clone(),
-            times: times
-                .filter(|(_, keep)| **keep)
-                .map(|(time, _)| *time)
-                .collect(),
+            times: times.collect(),
+            ..self.clone()
         }
     }
 
@@ -152,16 +190,29 @@ impl Clock {
             Some(Kind::Counter) => true,
             Some(Kind::Times(Some(_))) => false,
             _ => {
-                let steps = self.times.windows(2);
-                let ones = steps.clone().filter(|pair| pair[1] - pair[0] == 1.0);
-                10 * ones.count() > 9 * steps.len()
+                let times = unwrapped(&self.times);
+                let ones = times.windows(2).filter(|pair| pair[1] - pair[0] == 1.0);
+                10 * ones.count() > 9 * times.len().saturating_sub(1)
             }
         }
     }
 
+    /// Precedence among the clocks of a table, least first: times that give a rate, times that are meant and do not,
+    /// counters; none if the column is no clock.
+    pub(crate) fn precedence(&self) -> Option<(u8, bool)> {
+        let is_clear = matches!(self.timebase(), Timebase::Rate { .. });
+        let is_clock = self.is_meant || is_clear && rises_evenly(&self.times);
+        let rank = match (self.counts(), is_clear) {
+            (false, true) => 0,
+            (false, false) => 1,
+            (true, _) => 2,
+        };
+        is_clock.then_some((rank, !self.is_meant))
+    }
+
     /// Rate and gaps of the rows by this clock.
     pub(crate) fn timebase(&self) -> Timebase {
-        let times = self.unwrapped();
+        let times = unwrapped(&self.times);
         let Some(period) = period(&times).filter(|period| *period > 0.0) else {
             return Timebase::Unclear;
         };
@@ -183,49 +234,6 @@ impl Clock {
             gaps: gaps(&seconds, period),
         }
     }
-
-    /// Values of the column; a counter of 8, 16 or 32 bits is unwrapped.
-    fn unwrapped(&self) -> Vec<f64> {
-        let counts = self.counts();
-        let mut base = 0.0;
-        let mut before: Option<f64> = None;
-        let unwrapped = self.times.iter().map(|&time| {
-            if let Some(before) = before.filter(|_| counts)
-                && [256.0, 65_536.0, 4_294_967_296.0].contains(&(before + 1.0 - time))
-            {
-                base += before + 1.0 - time;
-            }
-            before = Some(time);
-            base + time
-        });
-        unwrapped.collect()
-    }
-}
-
-/// Usual step from row to row: the median of even steps, else the median over blocks of rows; none if a value is no
-/// number or there are too few.
-fn period(times: &[f64]) -> Option<f64> {
-    if times.len() < 2 || times.iter().any(|time| !time.is_finite()) {
-        return None;
-    }
-    let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    steps.sort_by(f64::total_cmp);
-    let middle = steps[steps.len() / 2];
-    let alike = steps
-        .iter()
-        .filter(|step| (*step - middle).abs() < ALIKE * middle);
-    if 10 * alike.count() > 9 * steps.len() {
-        return Some(middle);
-    }
-    let rows = ((times.len() - 1) / 8).clamp(1, AVERAGED);
-    let ends = times.iter().step_by(rows);
-    let mut steps: Vec<f64> = ends
-        .clone()
-        .zip(ends.skip(1))
-        .map(|(from, to)| (to - from) / rows as f64)
-        .collect();
-    steps.sort_by(f64::total_cmp);
-    steps.get(steps.len() / 2).copied()
 }
 
 /// Gaps: the first row after each, and its seconds.
@@ -249,58 +257,6 @@ fn gaps(seconds: &[f64], period: f64) -> Vec<(usize, f64)> {
         }
     }
     gaps
-}
-
-/// Seconds in a day.
-const DAY: f64 = 86_400.0;
-
-/// Parses a number, a date with a time of day, or a time of day, as seconds.
-fn seconds_of(text: &str) -> Option<f64> {
-    let text = text.trim().trim_matches('"');
-    if let Ok(number) = text.parse::<f64>() {
-        return number.is_finite().then_some(number);
-    }
-    let (date, time) = match text.split_once(['T', ' ']) {
-        Some((date, time)) => (days(date)?, time.trim_start()),
-        None => (0.0, text),
-    };
-    Some(date * DAY + time_of_day(time)?)
-}
-
-/// Days of a date such as `2021-03-04` since a fixed day.
-fn days(text: &str) -> Option<f64> {
-    let mut parts = text.split(['-', '/', '.']).map(str::parse::<u32>);
-    let mut next = || parts.next()?.ok();
-    let (year, month, day) = (next()?, next()?, next()?);
-    if !(1..=12).contains(&month) || !(1..=31).contains(&day) || year > 9999 {
-        return None;
-    }
-    // Days from March on, as calendars are computed: leap days come last in a year.
-    let (year, month) = if month < 3 {
-        (year.checked_sub(1)?, month + 9)
-    } else {
-        (year, month - 3)
-    };
-    let leaps = year / 4 + year / 400 - year / 100;
-    Some(f64::from(365 * year + leaps + (153 * month + 2) / 5 + day))
-}
-
-/// Seconds of a time of day such as `12:30:05.125`; a time zone behind it is ignored.
-fn time_of_day(text: &str) -> Option<f64> {
-    let text = text.trim_end_matches('Z');
-    let zone = text.rfind(['+', '-']).filter(|&at| at > 0);
-    let text = zone.map_or(text, |at| &text[..at]).trim_end();
-    let mut parts = text.split(':');
-    let mut next = || {
-        parts
-            .next()?
-            .parse::<f64>()
-            .ok()
-            .filter(|part| *part >= 0.0)
-    };
-    let (hours, minutes, seconds) = (next()?, next()?, next()?);
-    let whole = parts.next().is_none() && hours.fract() == 0.0 && minutes.fract() == 0.0;
-    (whole && minutes < 60.0 && seconds < 61.0).then_some(3600.0 * hours + 60.0 * minutes + seconds)
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use shared::units::{CHANNELS, Sample};
 
 use super::signal::Signal;
+use crate::examiner::clock::rises_evenly;
 use crate::examiner::finding::Finding;
 
 /// Share of a channel's samples at -128 or 127 above which it is reported as saturated.
@@ -44,6 +45,15 @@ pub(super) fn examine(signal: &Signal<'_>, hum: Option<&Finding>) -> Result<Vec<
     let values = || signal.samples.iter().flatten();
     if values().all(|&value| value >= 0) || values().all(|&value| value <= 0) {
         return Err(Finding::OneSided);
+    }
+    let values = |channel: usize| -> Vec<f64> {
+        let samples = signal.samples.iter();
+        samples.map(|sample| f64::from(sample[channel])).collect()
+    };
+    if let Some(channel) = (0..CHANNELS).find(|&channel| rises_evenly(&values(channel))) {
+        return Err(Finding::Counter {
+            channel: channel + 1,
+        });
     }
     let saturation = saturation(signal.samples);
     let all = saturation.iter().sum::<f64>() / CHANNELS as f64;

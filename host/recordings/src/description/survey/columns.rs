@@ -5,14 +5,12 @@ use std::collections::BTreeSet;
 use shared::units::{CHANNELS, SAMPLE_RATE_HZ};
 
 use super::layout::{Beginning, LABELS};
-use crate::examiner::clock::{self, Clock, Timebase};
+use crate::examiner::clock::{self, Clock, HELD, Timebase, rises, seconds_of};
 use crate::examiner::finding::{Finding, Scale};
 use crate::examiner::scale::ScaleDetector;
 use crate::readers::table::auxiliary::unnamed;
 use crate::statistics::median;
 
-/// Minimum mean number of rows from one change of a label to the next.
-const HELD: usize = 20;
 /// Largest deviation of a rate from the armband's, as a share, that counts as its own.
 const OFF: f64 = 0.1;
 
@@ -38,7 +36,7 @@ pub(super) struct Roles {
 /// Behaviour of a column's values.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Behaviour {
-    /// Never falls, and rises in the end: times, row numbers.
+    /// Rises from row to row: times, row numbers, a counter.
     Rises,
     /// Few values, each held for long: labels.
     Holds,
@@ -49,11 +47,12 @@ enum Behaviour {
 }
 
 fn behaviour(column: &[String]) -> Behaviour {
-    let numbers: Vec<f64> = column.iter().filter_map(|text| text.parse().ok()).collect();
+    let times: Option<Vec<f64>> = column.iter().map(|text| seconds_of(text)).collect();
     let changes = column.windows(2).filter(|pair| pair[0] != pair[1]).count();
-    let is_numeric = numbers.len() == column.len() && column.len() > 1;
+    let is_number = |text: &String| text.parse::<f64>().is_ok();
+    let is_numeric = column.iter().all(is_number) && column.len() > 1;
     let distinct: BTreeSet<&String> = column.iter().collect();
-    if is_numeric && numbers.is_sorted() && changes * HELD > column.len() {
+    if times.is_some_and(|times| rises(&times)) {
         Behaviour::Rises
     } else if distinct.len() <= LABELS && changes * HELD <= column.len() {
         Behaviour::Holds

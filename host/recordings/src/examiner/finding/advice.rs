@@ -27,6 +27,7 @@ impl Finding {
             Self::Scale { .. } => "scale",
             Self::Constant { .. } => "constant",
             Self::OneSided => "one-sided",
+            Self::Counter { .. } => "counter",
             Self::Clipped { .. } => "clipped",
             Self::FewChannels { .. } => "few-channels",
             Self::Dead { .. } => "silent-channel",
@@ -63,6 +64,7 @@ impl Finding {
                 "check that the armband streams, and that the columns are the EMG channels"
             }
             Self::OneSided => "record in EMG mode 2 (filtered, not rectified) at 200 Hz",
+            Self::Counter { .. } => "take the eight columns beside it for the channels",
             Self::Clipped { .. } => "check the scale: counts from -128 to 127",
             Self::Dead { .. } => {
                 "press the electrode against the skin, wipe skin and electrode; if it stays silent, it is broken"

@@ -116,6 +116,12 @@ pub enum Finding {
         "expected EMG around zero, found values on one side only: rectified, or its envelope (EMG mode 1)"
     )]
     OneSided,
+    /// A channel is a counter.
+    #[error("expected EMG in each channel, found a column that counts in channel {channel}")]
+    Counter {
+        /// The channel.
+        channel: usize,
+    },
     /// Most values at the ends of the range.
     #[error("expected EMG, found {percent:.0} % of all values at -128 or 127")]
     Clipped {

@@ -3,7 +3,7 @@
 use shared::units::Sample;
 
 use crate::examiner::bands::{Devices, is_device};
-use crate::examiner::clock::{Clock, column};
+use crate::examiner::clock::Clock;
 use crate::examiner::finding::Finding;
 use crate::examiner::rows::Rows;
 use crate::readers::table::columns::Columns;
@@ -15,7 +15,7 @@ const FILLED_IN: &str = "bridged";
 /// Columns of times and of devices, as rows are read.
 #[derive(Default)]
 pub(crate) struct AuxiliaryColumns {
-    /// The clock by its name, or all candidates where columns have no names.
+    /// Columns that may be clocks.
     clocks: Vec<(usize, Clock)>,
     devices: Option<(usize, Devices)>,
     /// Whether a column marks filled-in samples, which explain repeats.
@@ -28,37 +28,52 @@ impl AuxiliaryColumns {
         let taken = |at: &usize| columns.channels.contains(at) || columns.label == Some(*at);
         let others: Vec<usize> = (0..columns.count).filter(|at| !taken(at)).collect();
         let name = |at: usize| columns.names.get(at).map_or("", |name| name.trim());
-        let clocks = if columns.names.is_empty() {
-            let clock = |at: usize| (at, Clock::of(unnamed(at)));
-            others.iter().map(|&at| clock(at)).collect()
-        } else {
-            let names: Vec<&str> = others.iter().map(|&at| name(at)).collect();
-            let clock = column(&names).map(|found| others[found]);
-            let named = |at: usize| (at, Clock::of(name(at).to_owned()));
-            clock.into_iter().map(named).collect()
-        };
         let device = others.iter().copied().find(|&at| is_device(name(at)));
         Self {
-            clocks,
             devices: device.map(|at| (at, Devices::of(name(at).to_owned()))),
             filled_in: columns.position(FILLED_IN).is_some(),
+            ..Self::of(others, &columns.names)
         }
     }
 
-    /// The columns with a clock in this column alone, or none.
-    pub fn clocked(self, at: Option<usize>, names: &[String]) -> Self {
-        let name = |at: usize| names.get(at).cloned().unwrap_or_else(|| unnamed(at));
+    /// Clocks among the columns of these numbers.
+    pub fn of(others: Vec<usize>, names: &[String]) -> Self {
+        let name = |at: usize| {
+            names
+                .get(at)
+                .map_or_else(|| unnamed(at), |own| own.trim().to_owned())
+        };
+        let clock = |at: usize| (at, Clock::of(name(at)));
         Self {
-            clocks: at.map(|at| (at, Clock::of(name(at)))).into_iter().collect(),
+            clocks: others.into_iter().map(clock).collect(),
+            ..Self::default()
+        }
+    }
+
+    /// The columns with a clock in this column alone, if it is described.
+    pub fn clocked(self, at: Option<usize>, names: &[String]) -> Self {
+        let Some(at) = at else {
+            return self;
+        };
+        let name = names.get(at).cloned().unwrap_or_else(|| unnamed(at));
+        Self {
+            clocks: vec![(at, Clock::described(name))],
             ..self
         }
     }
 
-    /// Clock that gives the rate: times take precedence over row numbers.
+    /// Clock that gives the rate.
     pub fn clock(&self) -> Option<&Clock> {
-        let clocks = || self.clocks.iter().map(|(_, clock)| clock);
-        let times = clocks().find(|clock| !clock.counts());
-        times.or_else(|| clocks().next())
+        let clocks = self.clocks.iter().map(|(_, clock)| clock);
+        let ranked = clocks.filter_map(|clock| Some((clock.precedence()?, clock)));
+        ranked.min_by_key(|(rank, _)| *rank).map(|(_, clock)| clock)
+    }
+
+    /// Adds the values of a row of an array.
+    pub fn push_values(&mut self, values: &[f64]) {
+        for (at, clock) in &mut self.clocks {
+            clock.push_time(values[*at]);
+        }
     }
 
     /// Adds the fields of a row.

@@ -3,12 +3,13 @@
 use shared::units::CHANNELS;
 
 use super::separator::Separator;
+use crate::examiner::clock::rises_evenly;
 use crate::readers::table;
 
 /// Rows that are examined; one damaged row among the first must not hide the format.
 const FIRST: usize = 20;
 /// Rows over which a column of times or row numbers must rise: muscle activity never does so long.
-const RISING: usize = 100;
+const RISING: usize = 400;
 
 /// Common properties of the first rows of a table without a header.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -71,12 +72,9 @@ impl Shape {
         let rows = table::rows(text).map(|(_, row)| fields_and_numbers(row).2);
         let rows = rows.filter(|row| row.len() == self.columns);
         let rows: Vec<Vec<f64>> = rows.take(RISING).collect();
-        if rows.len() < FIRST {
-            return None;
-        }
         let rises = |column: usize| {
-            rows.windows(2)
-                .all(|pair| pair[1][column] > pair[0][column])
+            let values: Vec<f64> = rows.iter().map(|row| row[column]).collect();
+            rises_evenly(&values)
         };
         let start = (0..self.columns)
             .take_while(|&column| rises(column))
