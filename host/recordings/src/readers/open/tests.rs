@@ -3,10 +3,12 @@
 
 use std::fmt::Write as _;
 
+use shared::intent::Intent;
 use shared::units::Sample;
 
 use crate::description::survey::describe;
 use crate::examiner::fixture::emg;
+use crate::library::inspection::groups;
 use crate::library::tests::folder;
 use crate::{Library, LoadOptions, load};
 
@@ -234,4 +236,60 @@ fn a_word_beside_the_channels_makes_no_header() {
         let read = load(folder.path(), &LoadOptions::default()).unwrap();
         assert_eq!(read.recordings[0].samples.len(), 1000);
     }
+}
+
+#[test]
+fn a_column_for_each_class_is_read_or_told() {
+    let class = |at: usize| at / 100 % 3;
+    let read = |names: &str, of: &dyn Fn(usize, usize) -> String| {
+        let row = |at: usize| (0..3).map(|own| of(at, own)).collect::<Vec<_>>().join(",");
+        let rows = rows(|at, own| format!("{},{}", joined(own, ","), row(at)));
+        let text = format!("{},{names}\n{rows}", NAMES[1..].join(","));
+        let folder = folder(&[("anna/1.csv", &text)]);
+        let (_, described) = describe(folder.path(), None).unwrap();
+        std::fs::remove_file(folder.path().join("recordings.toml")).unwrap();
+        let library = load(folder.path(), &LoadOptions::default()).unwrap();
+        let told: Vec<String> = groups(&library).into_iter().map(|own| own.what).collect();
+        (
+            library.recordings[0].labels.clone(),
+            told.join("; "),
+            described,
+        )
+    };
+    let number = |at: usize, own: usize| u8::from(class(at) == own).to_string();
+    let decimal = |at: usize, own: usize| format!("{}.0", u8::from(class(at) == own));
+    let word = |at: usize, own: usize| if class(at) == own { "True" } else { "False" }.to_owned();
+    let intents = [Intent::Relax, Intent::Open, Intent::Close].map(Some);
+    let expected: Vec<_> = (0..1000).map(|at| intents[class(at)]).collect();
+    let kinds: [(&str, &dyn Fn(usize, usize) -> String); 4] = [
+        ("relax,open,close", &number),
+        ("Rest,Hand_Open,Fist", &decimal),
+        ("label_relax,label_open,label_close", &word),
+        ("is_rest,is_open,is_fist", &number),
+    ];
+    for (names, of) in kinds {
+        let (labels, told, described) = read(names, of);
+        assert_eq!(labels, expected, "{names}: {told}");
+        assert!(told.contains("labels are read from columns"), "{told}");
+        assert!(
+            described.contains("a label each") && !described.contains("\nlabel ="),
+            "{described}"
+        );
+    }
+    let both = |_: usize, _: usize| "1".to_owned();
+    let unread: [(&str, &dyn Fn(usize, usize) -> String); 2] =
+        [("a,b,c", &number), ("relax,open,close", &both)];
+    for (names, of) in unread {
+        let (labels, told, _) = read(names, of);
+        assert_eq!(labels, [None; 1000], "{names}");
+        assert!(
+            told.contains("look like a label each and are not read"),
+            "{names}: {told}"
+        );
+    }
+    // A switch beside the channels is no label.
+    let (_, told, _) = read("led,button,x", &|at, own| {
+        u8::from(at % (7 + own) == 0).to_string()
+    });
+    assert!(told.is_empty(), "{told}");
 }
