@@ -9,6 +9,7 @@ use crate::examiner::clock::{self, Clock, HELD, Timebase, rises, seconds_of};
 use crate::examiner::finding::{Finding, Scale};
 use crate::examiner::scale::ScaleDetector;
 use crate::readers::table::auxiliary::unnamed;
+use crate::readers::table::one_hot;
 use crate::statistics::median;
 
 /// Largest deviation of a rate from the armband's, as a share, that counts as its own.
@@ -25,6 +26,8 @@ pub(super) struct Roles {
     pub more: Option<usize>,
     pub time: Option<usize>,
     pub label: Option<usize>,
+    /// Columns with a label each, of which one is 1 in a row.
+    pub one_hot: Vec<usize>,
     /// Rows a second by the column of times, over all files.
     pub rate: Option<f64>,
     /// Counts for a value of 1, or what the examiner says of values that no scale makes counts.
@@ -92,6 +95,7 @@ impl Roles {
             time: own[0].time,
             // Where columns move, a person names the one of the labels.
             label: None,
+            one_hot: Vec::new(),
             rate: median(&own.iter().filter_map(|own| own.rate).collect::<Vec<_>>()),
             scale,
             range: (least, most),
@@ -133,6 +137,9 @@ impl Roles {
             values.collect::<BTreeSet<_>>().len() > 1
         };
         let held = |at: &usize| all(Behaviour::Holds, *at) && Some(*at) != time && differs(at);
+        let binary: Vec<usize> = others.iter().copied().filter(held).collect();
+        let one_hot = one_hot(files, binary);
+        let held = |at: &usize| held(at) && !one_hot.contains(at);
         let label = named.and_then(|columns| columns.label);
         let label = label.or_else(|| others.iter().copied().find(held));
         let (scale, range) = scale(files, &channels);
@@ -142,10 +149,31 @@ impl Roles {
             more: (changing.len() > CHANNELS).then_some(changing.len()),
             time,
             label,
+            one_hot,
             rate: time.and_then(|time| rate(files, time)),
             scale,
             range,
         })
+    }
+}
+
+/// Columns of which one is 1 in a row and the others are 0; none if there are fewer than two.
+fn one_hot(files: &[Beginning], mut columns: Vec<usize>) -> Vec<usize> {
+    let is_binary = |text: &String| one_hot::value(text).is_some();
+    columns.retain(|&at| {
+        files
+            .iter()
+            .all(|file| file.columns[at].iter().all(is_binary))
+    });
+    let is_exclusive = |file: &Beginning| {
+        let rows = file.columns.first().map_or(0, Vec::len);
+        let is_one = |at: usize, row: usize| one_hot::value(&file.columns[at][row]) == Some(true);
+        (0..rows).all(|row| columns.iter().filter(|&&at| is_one(at, row)).count() <= 1)
+    };
+    if columns.len() > 1 && files.iter().all(is_exclusive) {
+        columns
+    } else {
+        Vec::new()
     }
 }
 

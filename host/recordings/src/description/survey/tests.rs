@@ -64,12 +64,15 @@ fn columns_without_names_are_told_by_their_values() {
     }
 }
 
+/// Text of a row.
+type Row<'r> = &'r dyn Fn(usize) -> String;
+
 #[test]
 fn a_column_that_counts_is_a_clock_wherever_it_stands() {
     let row = |at: usize| counts(at, 8, |v| v.to_string());
     let first = "channels = [2, 3, 4, 5, 6, 7, 8, 9]";
     let last = "channels = [1, 2, 3, 4, 5, 6, 7, 8]";
-    let kinds: [(&dyn Fn(usize) -> String, &str, &str); 7] = [
+    let kinds: [(Row<'_>, &str, &str); 7] = [
         (
             &|at| format!("{},{},{}", at % 100, row(at), at / 150),
             first,

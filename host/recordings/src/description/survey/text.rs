@@ -326,6 +326,20 @@ impl fmt::Display for Text<'_> {
                 "# Columns: by their names, which differ from file to file."
             )?;
         }
+        if !self.roles.one_hot.is_empty() {
+            let columns: Vec<String> = self
+                .roles
+                .one_hot
+                .iter()
+                .map(|&at| self.column(at))
+                .collect();
+            writeln!(
+                f,
+                "# Columns {} have a label each, as a description cannot say. Where eight columns are called emg_0 to emg_7 and\n\
+                 # these after classes (relax, open, close), they are read without this file; else write one column of labels.",
+                columns.join(", ")
+            )?;
+        }
         if let Some(more) = self.roles.more {
             writeln!(
                 f,

@@ -120,10 +120,12 @@ pub(super) fn period(times: &[f64]) -> Option<f64> {
 mod tests {
     use super::*;
 
+    type Value<'v> = &'v dyn Fn(usize) -> f64;
+
     #[test]
     fn what_rises_evenly_is_told_from_labels_and_muscle_activity() {
         let muscle = |row: usize| ((row * 37 + row / 7) % 29) as f64 - 14.0;
-        let kinds: [(&str, bool, &dyn Fn(usize) -> f64); 13] = [
+        let kinds: [(&str, bool, Value<'_>); 13] = [
             ("seconds", true, &|row| row as f64 * 0.005),
             ("milliseconds, rounded", true, &|row| {
                 (row as f64 * 5.05).round()

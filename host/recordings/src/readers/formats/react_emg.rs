@@ -9,10 +9,12 @@
 
 use std::path::Path;
 
+use execution::printable::printable;
 use shared::stream::alignment::Alignment;
 use shared::stream::normalizer::Normalizer;
 use shared::units::{CHANNELS, Sample};
 
+use crate::examiner::finding::Finding;
 use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::excerpt::excerpt;
 use crate::readers::error::{Damage, Fault};
@@ -21,6 +23,7 @@ use crate::readers::npy::{Array, Values};
 use crate::readers::path::{is_number, left_arm, stem};
 use crate::readers::table::auxiliary::AuxiliaryColumns;
 use crate::readers::table::columns::Columns;
+use crate::readers::table::one_hot::{self, OneHot};
 use crate::readers::table::{self, Samples};
 use crate::recording::{DataSet, Recording, Timing};
 
@@ -56,6 +59,7 @@ pub(crate) fn read_csv(
     let movement = columns.position(MOVEMENT_COLUMN).filter(|_| is_recorded);
     let (mut samples, mut labels, mut has_numbers) = (Samples::default(), Vec::new(), false);
     let (mut placed, mut auxiliary) = (Vec::new(), AuxiliaryColumns::find(columns));
+    let mut one_hot = OneHot::find(columns);
     for row in columns.rows(text) {
         let (line, fields) = row?;
         let at_line = |fault| Damage::at_line(line, fault);
@@ -68,6 +72,7 @@ pub(crate) fn read_csv(
         }
         samples.push(&counts, columns.channels[0] + 1, at_line);
         auxiliary.push(columns.separator, &fields);
+        one_hot.push(&fields);
         let placement = match placements {
             None => Alignment::NONE,
             Some((turn, mirrored)) => {
@@ -91,6 +96,10 @@ pub(crate) fn read_csv(
             }
         });
     }
+    let one_hot = one_hot.finish();
+    if let Some(one_hot::Found::Labels(found, _)) = &one_hot {
+        labels.clone_from(found);
+    }
     let data_set = if columns.position(MUSCLE_COLUMN).is_some() {
         DataSet::Synthetic
     } else {
@@ -106,6 +115,11 @@ pub(crate) fn read_csv(
     )?;
     if is_recorded {
         recording.timing = Timing::Muscle;
+    }
+    match one_hot {
+        Some(one_hot::Found::Labels(_, note)) => recording.notes.push(printable(&note)),
+        Some(one_hot::Found::Unread(why)) => recording.findings.push(Finding::Known(why)),
+        None => {}
     }
     let label = columns.label.and_then(|column| columns.names.get(column));
     if let Some(label) = label.filter(|label| has_numbers && *label != "gt") {

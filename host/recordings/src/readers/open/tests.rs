@@ -238,6 +238,9 @@ fn a_word_beside_the_channels_makes_no_header() {
     }
 }
 
+/// Text of a row in the column of a class.
+type Label<'l> = &'l dyn Fn(usize, usize) -> String;
+
 #[test]
 fn a_column_for_each_class_is_read_or_told() {
     let class = |at: usize| at / 100 % 3;
@@ -261,7 +264,7 @@ fn a_column_for_each_class_is_read_or_told() {
     let word = |at: usize, own: usize| if class(at) == own { "True" } else { "False" }.to_owned();
     let intents = [Intent::Relax, Intent::Open, Intent::Close].map(Some);
     let expected: Vec<_> = (0..1000).map(|at| intents[class(at)]).collect();
-    let kinds: [(&str, &dyn Fn(usize, usize) -> String); 4] = [
+    let kinds: [(&str, Label<'_>); 4] = [
         ("relax,open,close", &number),
         ("Rest,Hand_Open,Fist", &decimal),
         ("label_relax,label_open,label_close", &word),
@@ -277,8 +280,7 @@ fn a_column_for_each_class_is_read_or_told() {
         );
     }
     let both = |_: usize, _: usize| "1".to_owned();
-    let unread: [(&str, &dyn Fn(usize, usize) -> String); 2] =
-        [("a,b,c", &number), ("relax,open,close", &both)];
+    let unread: [(&str, Label<'_>); 2] = [("a,b,c", &number), ("relax,open,close", &both)];
     for (names, of) in unread {
         let (labels, told, _) = read(names, of);
         assert_eq!(labels, [None; 1000], "{names}");

@@ -3,6 +3,7 @@
 pub(crate) mod auxiliary;
 pub(crate) mod columns;
 pub(crate) mod head;
+pub(crate) mod one_hot;
 pub(crate) mod separator;
 pub(crate) mod shape;
 
