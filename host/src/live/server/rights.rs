@@ -118,6 +118,30 @@ mod tests {
     }
 
     #[test]
+    fn the_page_on_security_names_every_request_that_a_viewer_may_send() {
+        let page = include_str!("../../../../SECURITY.md");
+        let (_, section) = page.split_once("## The page of `live`").unwrap();
+        let (section, _) = section.split_once("\n## ").unwrap();
+        let lines = |right: Right| {
+            let named = |line: &&str| {
+                line.starts_with(if right == All {
+                    "* Every viewer"
+                } else {
+                    "* Who leads"
+                })
+            };
+            section.lines().filter(named).collect::<String>()
+        };
+        for (names, rights) in TABLE {
+            let right = rights.into_iter().find(|right| !matches!(right, Nobody(_)));
+            let line = lines(right.unwrap());
+            for name in names.iter().filter(|name| **name != "ping") {
+                assert!(line.contains(&format!("`{name}`")), "SECURITY.md: {name}");
+            }
+        }
+    }
+
+    #[test]
     fn a_pairing_and_an_installation_are_for_the_session_of_a_board_alone() {
         for request in ["bind", "install"] {
             for mode in [Mode::Live, Mode::Replay, Mode::Record] {
