@@ -284,21 +284,24 @@ fn an_interrupt_stops_the_tuning() {
     assert!(stopped.unwrap_err().is_interrupt());
 }
 
-#[test]
-fn where_other_movement_is_shown_there_are_more_steps_and_a_lower_margin() {
-    let mut parts = parts(Vocabulary::Three);
-    parts = ModelParts {
+/// File of a model that knows other movement.
+fn file_with_other() -> Vec<u8> {
+    let parts = parts(Vocabulary::Three);
+    let dimensions = Dimensions {
+        other: true,
+        ..parts.dimensions
+    };
+    let mut parts = ModelParts {
         provenance: parts.provenance,
-        ..random_model(
-            Dimensions {
-                other: true,
-                ..parts.dimensions
-            },
-            5,
-        )
+        ..random_model(dimensions, 5)
     };
     parts.smoother.other_margin = Some(0.25);
-    let file = parts.to_bytes().unwrap();
+    parts.to_bytes().unwrap()
+}
+
+#[test]
+fn where_other_movement_is_shown_there_are_more_steps_and_a_lower_margin() {
+    let file = file_with_other();
     let settings = TuningSettings {
         steps: 1,
         steps_with_other: 2,
@@ -327,4 +330,58 @@ fn where_other_movement_is_shown_there_are_more_steps_and_a_lower_margin() {
     ];
     let shown = recording(&shown.repeat(5));
     assert_eq!(tuned(shown), (vec![(1, 2), (2, 2)], Some(-1.0)));
+}
+
+#[test]
+fn a_margin_over_other_movement_is_not_judged_on_the_movements_that_chose_it() {
+    let wave = Some(Intent::WaveIn);
+    let turn = [(R, 400), (O, 400), (R, 400), (C, 400)];
+    let moving = [(R, 400), (wave, 400)];
+    // Of one recording, the last third is held back: three movements, one, and none.
+    for (recording, all, judged) in [
+        ([turn.as_slice(), &moving].concat().repeat(12), 4, 2),
+        (
+            [&turn.repeat(8)[..], &moving, &turn.repeat(2)].concat(),
+            1,
+            1,
+        ),
+        (turn.repeat(9), 0, 0),
+    ] {
+        let library = library([self::recording(&recording)]);
+        let with = |other_per_minute| {
+            let settings = TuningSettings {
+                steps: 1,
+                steps_with_other: 1,
+                other_per_minute,
+                ..SETTINGS()
+            };
+            let (device, interrupt) = (Device::default().autodiff(), Interrupt::default());
+            let file = file_with_other();
+            personalize(
+                &file,
+                &library,
+                None,
+                &settings,
+                &device,
+                &interrupt,
+                |_, _| (),
+            )
+        };
+        let others = |done: &Personalized| {
+            let [old, new, constant] = &done.scores;
+            let seconds = [old, new, constant].map(|own| {
+                let events = &own.events.subjects[0];
+                let movements = events.raised.values().map(|of| of.movements);
+                (movements.sum::<usize>(), events.other_movement.seconds)
+            });
+            assert!(seconds.iter().all(|own| *own == seconds[0]), "{seconds:?}");
+            seconds[0]
+        };
+        let (found, seconds) = others(&with(None).unwrap());
+        assert_eq!(found, all);
+        match with(Some(1000.0)) {
+            Ok(done) => assert_eq!(others(&done), (judged, seconds / 2.0)),
+            Err(error) => assert!(all == 0 && matches!(error, PersonalizeError::NoOthers)),
+        }
+    }
 }
