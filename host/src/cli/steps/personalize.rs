@@ -41,7 +41,9 @@ pub struct Arguments {
     /// Person to tune for, as data-set/subject or subject alone; needed if the folder has recordings of several people.
     #[arg(long, value_name = "NAME")]
     subject: Option<String>,
-    /// Labels that other movement may raise a minute: the margin over it is raised until what is held back has no more.
+    /// Labels that other movement may raise a minute: the margin over it is raised until half of that held back has no more.
+    ///
+    /// The other half judges. It is every second movement of a kind, or the later half of one that is alone.
     #[arg(long, value_name = "LABELS", value_parser = per_minute)]
     other_per_minute: Option<f64>,
     /// Seed of all draws: the same one gives the same file.

@@ -1,5 +1,7 @@
 //! Scores of the old and the new model on what is held back.
 
+use std::collections::HashMap;
+
 use shared::intent::Vocabulary;
 use shared::model::file::Model;
 
@@ -10,6 +12,7 @@ use crate::run::StepError;
 use evaluation::integer_candidate;
 use evaluation::model_evaluation::look_ahead;
 use evaluation::{Candidate, EvaluatedRecording, LookAhead, Score, Truth, constant, score};
+use recordings::movement::{Movement, MovementKind};
 
 /// Step between margins over other movement that are tried, and their number.
 const MARGIN_STEP: f32 = 0.25;
@@ -17,6 +20,7 @@ const MARGINS: u8 = 40;
 
 /// Models on the parts of a person's recordings that each has not seen: integer arithmetic, the model's own look-ahead,
 /// lag-compensated labels.
+#[derive(Clone)]
 pub(super) struct Judgement {
     candidate: Candidate,
     recordings: Vec<EvaluatedRecording>,
@@ -66,6 +70,42 @@ impl Judgement {
             self.vocabulary,
             LookAhead::None,
         )
+    }
+
+    /// Halves the other movement: one judgement to choose a margin on, and one to judge it on. Every second movement of a
+    /// kind goes to either; one that is alone of its kind is cut in its middle.
+    pub(super) fn halves(self) -> (Self, Self) {
+        let (mut choosing, mut judging) = (self.clone(), self);
+        let all = judging
+            .recordings
+            .iter()
+            .flat_map(|own| &own.other_movement);
+        let mut movements: HashMap<MovementKind, usize> = HashMap::new();
+        all.for_each(|own| *movements.entry(own.kind).or_default() += 1);
+        let mut taken: HashMap<MovementKind, usize> = HashMap::new();
+        for (choice, judged) in choosing.recordings.iter_mut().zip(&mut judging.recordings) {
+            let (choice, judged) = (&mut choice.other_movement, &mut judged.other_movement);
+            choice.clear();
+            for Movement { kind, samples } in std::mem::take(judged) {
+                let taken = taken.entry(kind).or_default();
+                *taken += 1;
+                if movements[&kind] == 1 {
+                    let middle = usize::midpoint(samples.start, samples.end);
+                    choice.push(Movement::new(kind, samples.start..middle));
+                    judged.push(Movement::new(kind, middle..samples.end));
+                } else if *taken % 2 == 1 {
+                    choice.push(Movement::new(kind, samples));
+                } else {
+                    judged.push(Movement::new(kind, samples));
+                }
+            }
+        }
+        (choosing, judging)
+    }
+
+    /// Judges with another margin over other movement.
+    pub(super) fn set_margin(&mut self, margin: f32) {
+        self.candidate.other_margin = Some(margin);
     }
 
     /// Raises the margin over other movement until it raises at most `wanted` labels a minute, and returns it.

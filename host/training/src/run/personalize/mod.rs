@@ -97,6 +97,11 @@ pub fn personalize(
             .iter()
             .map(|(_, judged)| Judgement::new("before", file, judged)),
     )?;
+    // What chooses a margin does not judge it, nor the model before.
+    let before = match settings.other_per_minute {
+        Some(_) => before.halves().1,
+        None => before,
+    };
     let (old, constant) = (before.score()?, before.constant()?);
     let constant_before = is_constant(&old, &constant).then(|| CONSTANT_BEFORE.to_owned());
     let doubts = [exchanged.map(|found| found.to_string()), constant_before];
@@ -121,7 +126,7 @@ pub fn personalize(
         }
     ));
     let bytes = tune(file, tuned, settings, device, interrupt, &mut report)?;
-    let mut after = joined(divisions.iter().map(|(part, judged)| {
+    let after = joined(divisions.iter().map(|(part, judged)| {
         if is_whole {
             let own = tune(file, part, settings, device, interrupt, |_, _| ())?;
             Judgement::new("after", &own, judged)
@@ -129,9 +134,14 @@ pub fn personalize(
             Judgement::new("after", &bytes, judged)
         }
     }))?;
-    let bytes = match settings.other_per_minute {
-        Some(wanted) => Model::with_gate(&bytes, None, Some(after.raise_margin(wanted)?), None)?,
-        None => bytes,
+    let (bytes, after) = match settings.other_per_minute {
+        Some(wanted) => {
+            let (mut choosing, mut judging) = after.halves();
+            let margin = choosing.raise_margin(wanted)?;
+            judging.set_margin(margin);
+            (Model::with_gate(&bytes, None, Some(margin), None)?, judging)
+        }
+        None => (bytes, after),
     };
     let scores = [old, after.score()?, constant];
     let mut seen = model.header.provenance.subjects_seen.iter();

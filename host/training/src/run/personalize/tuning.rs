@@ -46,7 +46,8 @@ pub struct TuningSettings {
     /// Most margin over other movement of a model that was shown other movement. It knows what is not meant, and a margin of 0 would
     /// cost gestures.
     pub other_margin: f32,
-    /// Labels that other movement may raise a minute on what is held back: the margin over it is raised until it does.
+    /// Labels that other movement may raise a minute on half of that held back, for which the margin over it is raised; the other
+    /// half judges.
     pub other_per_minute: Option<f64>,
     /// Seed of all draws.
     pub seed: u64,
