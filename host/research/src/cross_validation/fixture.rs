@@ -71,6 +71,7 @@ fn events(score: &SubjectScore) -> SubjectEvents {
         rest: rate(1, 30.0),
         other_movement: rate(0, 0.0),
         raised: BTreeMap::new(),
+        daily: BTreeMap::new(),
         flicker: rate(3, 60.0),
     }
 }
