@@ -232,5 +232,64 @@ fn endings_in_capitals_are_read_as_small_ones() {
         let title = |own: &str| own[..1].to_uppercase() + &own[1..];
         assert_eq!(read(&capitals), read(&str::to_owned));
         assert_eq!(read(&title), read(&str::to_owned));
+
+/// Names of the recordings in files of these names, each with samples of its own.
+fn names_of(files: &[&str], description: Option<&str>) -> Vec<String> {
+    let texts = (1..).zip(files).map(|(seed, &file)| {
+        let samples = crate::examiner::fixture::emg(1000, seed);
+        (
+            file,
+            crate::examiner::fixture::csv(&samples, |count| count.to_string()),
+        )
+    });
+    let folder = folder(&texts.collect::<Vec<_>>());
+    if let Some(text) = description {
+        std::fs::write(folder.path().join(FILE_NAME), text).unwrap();
+    }
+    let library = load(folder.path(), &LoadOptions::default()).unwrap();
+    assert_eq!(library.recordings.len(), files.len(), "{files:?}");
+    let names = library.recordings.iter().map(Recording::full_name);
+    names.collect()
+}
+
+#[test]
+fn no_two_recordings_have_names_that_are_one_file_s() {
+    let described = |files: &str| {
+        let channels: Vec<String> = (0..8).map(|c| format!("\"emg_{c}\"")).collect();
+        format!(
+            "files = \"{files}\"\nchannels = [{}]\nlabel = \"gt\"\nlabels = {{ relax = [0], close = [2] }}\n\
+             rate = 200\nscale = 1\ntiming = \"cues\"\n",
+            channels.join(", ")
+        )
+    };
+    for (files, description, expected) in [
+        (&["a/x.csv", "a/y.csv"][..], None, &["a/x", "a/y"][..]),
+        (&["a/x.csv", "a/x.txt"], None, &["a/x.csv", "a/x.txt"]),
+        (&["a/X.csv", "a/x.csv"], None, &["a/X.csv", "a/x.csv-2"]),
+        (&["A/x.csv", "a/x.csv"], None, &["A/x.csv", "a/x.csv-2"]),
+        (
+            &["a/x.csv", "a/x.csv.txt", "a/x.txt"],
+            None,
+            &["a/x.csv", "a/x.csv-2", "a/x.txt"],
+        ),
+        (&["a/a/x.csv", "a/x.csv"], None, &["a/a/x", "a/x"]),
+        (
+            &["anna/emg.1", "anna/emg.2", "bob/emg.1"],
+            Some("{person}/emg.{trial}"),
+            &["anna/emg.1", "anna/emg.2", "bob/emg"],
+        ),
+        (
+            &["1/anna.csv", "1/anna.txt", "2/anna.csv"],
+            Some("{session}/{person}.{any}"),
+            &["anna/1/anna.csv", "anna/1/anna.txt", "anna/2/anna"],
+        ),
+    ] {
+        let description = description.map(described);
+        let names = names_of(files, description.as_deref());
+        let expected: Vec<String> = expected
+            .iter()
+            .map(|name| format!("react-emg/{name}"))
+            .collect();
+        assert_eq!(names, expected, "{files:?}");
     }
 }
