@@ -47,7 +47,7 @@ fn loud(_: usize, intent: Intent) -> i8 {
 }
 
 fn found(assembly: &Assembly) -> Vec<String> {
-    let findings = judge(assembly, false).findings;
+    let findings = judge(assembly).findings;
     findings
         .iter()
         .map(|finding| format!("{:?} {finding}", finding.severity()))
@@ -57,7 +57,7 @@ fn found(assembly: &Assembly) -> Vec<String> {
 #[test]
 fn a_good_session_is_good_enough() {
     let assembly = assembly(8, loud);
-    let quality = judge(&assembly, false);
+    let quality = judge(&assembly);
     assert!(quality.is_good_enough(), "{quality:?}");
     assert_eq!((quality.counts["open"], quality.counts["close"]), (8, 8));
     assert_eq!(
@@ -158,7 +158,10 @@ fn every_finding_says_what_to_do() {
         Finding::Nothing,
         Finding::Silent { channel: 1 },
         Finding::Early,
-        Finding::Damaged,
+        Finding::Damaged {
+            lines: 1,
+            seconds: 0.1,
+        },
         Finding::Late { late_ms: 250 },
     ];
     for finding in findings {
@@ -169,6 +172,6 @@ fn every_finding_says_what_to_do() {
 #[test]
 fn a_free_session_without_a_gesture_is_not_good_enough() {
     let assembly = assembly(0, loud);
-    let quality = judge(&assembly, false);
+    let quality = judge(&assembly);
     assert!(!quality.is_good_enough(), "{quality:?}");
 }
