@@ -43,3 +43,16 @@ impl Interrupt {
         self.0.load(Ordering::Relaxed)
     }
 }
+
+/// Makes a write beyond the limit on the size of files an error, in this thread and those that it starts: without this, the
+/// signal of the limit ends the program in the middle of a session.
+pub fn outlive_file_limit() {
+    #[cfg(unix)]
+    {
+        use nix::sys::signal::{SigSet, Signal};
+        let mut signals = SigSet::empty();
+        signals.add(Signal::SIGXFSZ);
+        // A system that refuses ends the program as before.
+        let _ = signals.thread_block();
+    }
+}

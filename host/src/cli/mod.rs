@@ -45,7 +45,7 @@ pub(crate) use self::untrained::WITHOUT_TRAINING;
 use ::presets::PresetError;
 use ::presets::resolve::ConfigError;
 use execution::run_folder::RunError;
-use execution::{bounded_read, progress};
+use execution::{bounded_read, interrupt, progress};
 
 /// Intent detection from Myo recordings: train, distil, quantize, evaluate, replay, look.
 #[derive(Debug, Parser)]
@@ -118,6 +118,7 @@ impl Cli {
     #[must_use]
     pub fn run(self) -> ExitCode {
         crate::declare_revision();
+        interrupt::outlive_file_limit();
         let advice = self.command.advice();
         let result = match self.command {
             Command::Steps(command) => command.run(),

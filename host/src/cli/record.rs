@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context as _;
 use clap::Args;
 
+use super::arguments::AS_RECORDED;
 use super::live::{SourceArguments, listen, serve};
 use super::read_model;
 use crate::live::{Options, RecordOptions};
@@ -35,6 +36,8 @@ pub struct Arguments {
     /// Recording to play, if the path of --replay holds several, as `data inspect` prints it: data-set/person/name.
     #[arg(long, requires = "replay")]
     name: Option<String>,
+    #[arg(hide_short_help = true, long, help = AS_RECORDED, requires = "replay")]
+    as_recorded: bool,
     /// Name of the person who is recorded: letters, digits and hyphens.
     ///
     /// The name of the folder and the beginning of the files' names.
@@ -100,10 +103,12 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         );
     }
     let model = arguments.model.as_deref().map(read_model).transpose()?;
-    let source = arguments.source.source(arguments.name.as_deref())?;
+    let source = arguments
+        .source
+        .source(arguments.name.as_deref(), arguments.as_recorded)?;
     #[cfg(feature = "train")]
     let device = arguments.backend.device()?;
-    recover(&arguments.out.join(&arguments.person))?;
+    let whole = recover(&arguments.out.join(&arguments.person))?;
     let (address, port) = arguments
         .listen
         .unwrap_or((Ipv4Addr::LOCALHOST.into(), None));
@@ -125,20 +130,33 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         model,
         listen,
         record: Some(record),
-    })
+    })?;
+    anyhow::ensure!(
+        whole,
+        "not everything of an earlier session could be kept: the first lines above say what is lost"
+    );
+    Ok(())
 }
 
-fn recover(folder: &Path) -> anyhow::Result<()> {
+/// Makes recordings of earlier sessions. Returns whether all of them are kept whole.
+fn recover(folder: &Path) -> anyhow::Result<bool> {
     let found = record::recover(folder).with_context(|| folder.display().to_string())?;
+    let mut whole = true;
     for (journal, kept) in found {
         let journal = journal.display();
         match kept {
-            Ok(kept) => progress::log(&format!("{journal}: an earlier session, {}", told(&kept))),
+            Ok(kept) => {
+                progress::log(&format!("{journal}: an earlier session, {}", told(&kept)));
+                whole &= kept.damage().is_none();
+            }
             // A bad journal stops neither the others nor this session.
-            Err(error) => progress::log(&format!("warning: {journal}: {error}")),
+            Err(error) => {
+                progress::log(&format!("warning: {journal}: {error}"));
+                whole = false;
+            }
         }
     }
-    Ok(())
+    Ok(whole)
 }
 
 fn told(kept: &Conversion) -> String {
@@ -149,8 +167,9 @@ fn told(kept: &Conversion) -> String {
     );
     if kept.left_off > 0 {
         text += &format!(
-            "; {} bytes of a line that was being written are left off, at most 0.1 s",
-            kept.left_off
+            "; {} bytes of a line that was being written are left off, at most {:.1} s",
+            kept.left_off,
+            kept.seconds_left_off()
         );
     }
     for finding in &kept.quality.findings {

@@ -10,7 +10,7 @@ use shared::intent::Intent;
 use shared::stream::alignment::Alignment;
 use shared::units::{Sample, SampleIndex};
 
-use super::journal::Entry;
+use super::journal::{Entry, TOGETHER};
 use super::session::{Continuity, GapDetector, RejectReason, has_reached};
 use recordings::labels::cued::{Hold, follow};
 use recordings::labels::motion::Motion;
@@ -48,6 +48,8 @@ pub(crate) struct Assembly {
     pub(crate) rejected: BTreeMap<u32, RejectReason>,
     /// Number of samples known to be missing.
     pub(crate) lost: u64,
+    /// Number of lines of the journal that are lost, and of samples in them.
+    pub(crate) damaged: (u32, u64),
     /// Whether the session came to its end.
     pub(crate) complete: bool,
 }
@@ -68,6 +70,8 @@ pub(crate) fn assemble(entries: &[Entry]) -> Assembly {
     let mut assembly = Assembly::default();
     let mut stream = GapDetector::default();
     let mut stretch = Stretch::default();
+    // Lines lost since the last samples.
+    let mut damaged = 0_u32;
     for entry in entries {
         match entry {
             Entry::Begin(_) => {}
@@ -76,6 +80,9 @@ pub(crate) fn assemble(entries: &[Entry]) -> Assembly {
                 let count = samples.len() as u32;
                 let first = SampleIndex(*first);
                 match stream.take(first, count) {
+                    Continuity::Bridged(missing) | Continuity::Lost(missing) if damaged > 0 => {
+                        assembly.damaged.1 += u64::from(missing);
+                    }
                     Continuity::Next => {}
                     Continuity::Bridged(missing) => {
                         assembly.lost += u64::from(missing);
@@ -87,6 +94,7 @@ pub(crate) fn assemble(entries: &[Entry]) -> Assembly {
                     }
                     Continuity::Restart => assembly.parts.extend(stretch.end()),
                 }
+                damaged = 0;
                 stretch.push(first, &samples);
             }
             Entry::Placement { turn, mirrored } => {
@@ -106,8 +114,18 @@ pub(crate) fn assemble(entries: &[Entry]) -> Assembly {
                 assembly.rejected.insert(*trial, *why);
             }
             Entry::Over => assembly.complete = true,
+            Entry::Damage { lines } => {
+                damaged = damaged.saturating_add(*lines);
+                assembly.damaged.0 = assembly.damaged.0.saturating_add(*lines);
+                assembly.parts.extend(stretch.end());
+                for trial in stretch.forget_cue() {
+                    let why = RejectReason::Lost;
+                    assembly.rejected.entry(trial).or_insert(why);
+                }
+            }
         }
     }
+    assembly.damaged.1 += u64::from(damaged) * TOGETHER as u64;
     assembly.parts.extend(stretch.end());
     for part in &mut assembly.parts {
         part.label(&assembly.rejected);
@@ -207,6 +225,19 @@ impl Stretch {
             ..Self::default()
         };
         parts
+    }
+}
+
+impl Stretch {
+    /// Forgets what was asked for, of a stretch that has ended: lost lines may have said something else. Returns the trials
+    /// that they may have rejected: the one in progress and, in the rest at its beginning, the one before it.
+    fn forget_cue(&mut self) -> impl Iterator<Item = u32> + use<> {
+        let (cue, trial) = self.carried;
+        let before = (cue == Motion::RELAX).then(|| trial.saturating_sub(1));
+        self.cues.clear();
+        self.carried = (Motion::Unknown, 0);
+        let trials = [Some(trial), before].into_iter().flatten();
+        trials.filter(|&trial| trial > 0)
     }
 }
 

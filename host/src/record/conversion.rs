@@ -16,8 +16,8 @@ use shared::units::{CHANNELS, SAMPLE_RATE_HZ, Sample};
 
 use super::RecordError;
 use super::assembly::{Assembly, Part, assemble};
-use super::journal::{ENDING, open};
-use super::quality::{Quality, judge};
+use super::journal::{ENDING, SECOND, open};
+use super::quality::{Finding, Quality, judge};
 use execution::run_folder::write_whole;
 use recordings::labels::motion::{GroundTruth, Motion};
 use recordings::readers::formats::react_emg::{
@@ -40,8 +40,22 @@ pub struct Conversion {
     pub(crate) quality: Quality,
     /// Number of trials that are not used.
     pub(crate) rejected: usize,
-    /// Number of bytes of the journal after its last whole line.
+    /// Number of bytes of an unfinished line at the journal's end.
     pub(crate) left_off: usize,
+}
+
+impl Conversion {
+    /// Sentence on what is lost of a damaged journal; none if it was whole.
+    pub(crate) fn damage(&self) -> Option<String> {
+        let mut findings = self.quality.findings.iter();
+        let damaged = findings.find(|finding| matches!(finding, Finding::Damaged { .. }));
+        damaged.map(ToString::to_string)
+    }
+
+    /// Upper bound of the seconds in the unfinished line.
+    pub(crate) fn seconds_left_off(&self) -> f64 {
+        self.left_off as f64 / SECOND as f64
+    }
 }
 
 /// Makes recordings beside a journal, reads them back, and removes the journal.
@@ -91,12 +105,12 @@ pub(crate) fn convert(journal: &Path) -> Result<Conversion, RecordError> {
         files.push(path);
     }
     let conversion = Conversion {
-        quality: judge(&assembly, contents.damaged),
+        quality: judge(&assembly),
         files,
         rejected: assembly.rejected.len(),
         left_off: contents.left_off,
     };
-    let put_away = if contents.damaged {
+    let put_away = if contents.is_damaged() {
         fs::rename(journal, journal.with_extension(DAMAGED))
     } else {
         fs::remove_file(journal)

@@ -34,7 +34,7 @@ pub enum RecordError {
         path: PathBuf,
     },
     /// The first line of a journal is damaged.
-    #[error("{}: the first line is damaged, so nobody can say whose it is; it is left as it is", path.display())]
+    #[error("{}: the line that says whose it is is damaged; it is left as it is", path.display())]
     Headless {
         /// The journal.
         path: PathBuf,
@@ -48,7 +48,7 @@ pub enum RecordError {
         found: u64,
     },
     /// The journal has another format version.
-    #[error("{}: format {found}, this program reads {FORMAT}: use the program that wrote it, version {version}", path.display())]
+    #[error("{}: format {found}, this program reads up to {FORMAT}: use the program that wrote it, version {version}", path.display())]
     Format {
         /// The journal.
         path: PathBuf,

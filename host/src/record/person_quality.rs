@@ -43,7 +43,7 @@ pub(crate) fn quality_by_person(library: &Library) -> Vec<PersonQuality> {
     let judged = people.into_iter().map(|(person, assembly)| PersonQuality {
         person: person.to_owned(),
         files: assembly.parts.len(),
-        quality: judge(&assembly, false),
+        quality: judge(&assembly),
     });
     judged.collect()
 }

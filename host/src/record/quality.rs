@@ -91,8 +91,15 @@ pub(crate) enum Finding {
     #[error("the session ended early")]
     Early,
     /// The disk has damaged the journal.
-    #[error("the journal is damaged: what follows the damage is not in the recordings")]
-    Damaged,
+    #[error(
+        "the journal is damaged: lines lost: {lines}, seconds of samples in them: {seconds:.1}"
+    )]
+    Damaged {
+        /// Number of lines lost.
+        lines: u32,
+        /// Duration of the samples lost.
+        seconds: f64,
+    },
 }
 
 impl Finding {
@@ -130,7 +137,9 @@ impl Finding {
             }
             Self::Late { .. } => "labels are where the muscle acts, so this costs nothing",
             Self::Early => "what was recorded is kept; record another session for the rest",
-            Self::Damaged => "check the disk; the journal is kept beside the recordings",
+            Self::Damaged { .. } => {
+                "check the disk; the journal is kept beside the recordings, and the trial in progress there is not used"
+            }
         }
     }
 }
@@ -173,7 +182,7 @@ impl Quality {
 }
 
 /// Judges the recordings of one session, or all of a person's together.
-pub(crate) fn judge(assembly: &Assembly, damaged: bool) -> Quality {
+pub(crate) fn judge(assembly: &Assembly) -> Quality {
     let samples: usize = assembly.parts.iter().map(|part| part.samples.len()).sum();
     let seconds = samples as f64 * f64::from(SAMPLE_PERIOD_MS) / 1000.0;
     let mut findings = Vec::new();
@@ -196,8 +205,10 @@ pub(crate) fn judge(assembly: &Assembly, damaged: bool) -> Quality {
     if !assembly.complete {
         findings.push(Finding::Early);
     }
-    if damaged {
-        findings.push(Finding::Damaged);
+    let (lines, samples) = assembly.damaged;
+    if lines > 0 {
+        let seconds = samples as f64 * f64::from(SAMPLE_PERIOD_MS) / 1000.0;
+        findings.push(Finding::Damaged { lines, seconds });
     }
     findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity()));
     Quality {

@@ -232,6 +232,8 @@ fn endings_in_capitals_are_read_as_small_ones() {
         let title = |own: &str| own[..1].to_uppercase() + &own[1..];
         assert_eq!(read(&capitals), read(&str::to_owned));
         assert_eq!(read(&title), read(&str::to_owned));
+    }
+}
 
 /// Names of the recordings in files of these names, each with samples of its own.
 fn names_of(files: &[&str], description: Option<&str>) -> Vec<String> {

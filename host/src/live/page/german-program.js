@@ -11,7 +11,7 @@ export const GERMAN_PROGRAM = {
   "{1} samples were lost, {2} %; gaps of up to 25 ms are bridged, longer ones begin another file": "{1} Messwerte gingen verloren, {2} %; Lücken bis 25 ms werden überbrückt, bei längeren beginnt eine neue Datei",
   "the muscle follows its cue after {1} ms": "der Muskel folgt der Aufforderung nach {1} ms",
   "the session ended early": "die Sitzung endete vorzeitig",
-  "the journal is damaged: what follows the damage is not in the recordings": "das Protokoll ist beschädigt: was danach kommt, fehlt in den Aufnahmen",
+  "the journal is damaged: lines lost: {1}, seconds of samples in them: {2}": "das Protokoll ist beschädigt: verlorene Zeilen: {1}, Sekunden mit Werten darin: {2}",
   "begin the session and do what it asks for to its end": "die Sitzung beginnen und bis zum Ende tun, was sie verlangt",
   "record another session: all of a person's recordings count together": "noch eine Sitzung aufnehmen: alle Aufnahmen einer Person zählen zusammen",
   "begin as soon as the picture changes, hold until it changes again, and repeat a trial that went wrong with R": "beginnen, sobald das Bild wechselt, halten, bis es wieder wechselt, und Misslungenes mit R wiederholen",
@@ -21,7 +21,7 @@ export const GERMAN_PROGRAM = {
   "bring armband and board closer together, away from other radios; unplug what also reads the port": "Armband und Platine näher zusammen, weg von anderem Funk; abziehen, was den Anschluss auch liest",
   "labels are where the muscle acts, so this costs nothing": "gezählt wird ab dem Muskel, es kostet also nichts",
   "what was recorded is kept; record another session for the rest": "was aufgenommen ist, bleibt; den Rest in einer weiteren Sitzung aufnehmen",
-  "check the disk; the journal is kept beside the recordings": "die Platte prüfen; das Protokoll bleibt neben den Aufnahmen",
+  "check the disk; the journal is kept beside the recordings, and the trial in progress there is not used": "die Platte prüfen; das Protokoll bleibt neben den Aufnahmen, und der Versuch an der Stelle zählt nicht",
   // Writing a session.
   "no samples have come yet: begin when the traces move": "noch kam kein Messwert: beginnen, wenn sich die Kurven bewegen",
   "the recording cannot begin: {1}": "die Aufnahme kann nicht beginnen: {1}",

@@ -171,6 +171,12 @@ impl RunningRecorder {
     fn convert(&mut self, path: PathBuf) {
         match convert(&path) {
             Ok(conversion) => {
+                if let Some(damage) = conversion.damage() {
+                    self.unconverted.push(Unconverted {
+                        journal: None,
+                        message: format!("{}: {damage}", path.display()),
+                    });
+                }
                 let result = summary(&conversion, &self.recorder);
                 self.recorder.hub.publish(&Event::Kept(result));
             }

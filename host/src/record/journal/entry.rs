@@ -1,9 +1,12 @@
-//! Line of a journal: `5f3a0c11 {"is":"cue",...}`, a CRC-32 of the JSON and the JSON.
+//! Line of a journal: `5f3a0c11 17 {"is":"cue",...}`, a CRC-32 of what follows, the line's number from 0 on, and JSON.
+//! Format 1 had no numbers.
 
 use std::fmt::Write as _;
+use std::ops::Range;
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use recordings::labels::motion::Motion;
+use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use shared::units::{CHANNELS, Sample, SampleIndex};
 
@@ -11,7 +14,9 @@ use crate::record::session::{Output, RejectReason};
 
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 /// Version of the format described here.
-pub(in crate::record) const FORMAT: u32 = 1;
+pub(in crate::record) const FORMAT: u32 = 2;
+/// Beginning of the JSON of a line, with the space before it.
+const JSON: &[u8] = b" {\"is\":\"";
 
 /// Description of a session.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
@@ -84,7 +89,16 @@ pub(crate) enum Entry {
     },
     /// Regular end of the session.
     Over,
+    /// Lines that are lost; never written.
+    #[serde(skip)]
+    Damage {
+        /// Number of lines.
+        lines: u32,
+    },
 }
+
+/// An entry of a line, with the line's number, if it has one.
+pub(super) type Numbered = (Option<u32>, Entry);
 
 impl Entry {
     /// Entry for an output of a session.
@@ -131,22 +145,67 @@ impl Entry {
             .unwrap_or(Motion::Unknown)
     }
 
-    /// Formats the line, with its end.
-    pub(super) fn line(&self) -> String {
+    /// Formats the line of a number, with its end.
+    pub(super) fn line(&self, number: u32) -> String {
         // Strings, numbers and lists of strings always become JSON.
         let json = serde_json::to_string(self).unwrap_or_default();
-        format!("{:08x} {json}\n", CRC.checksum(json.as_bytes()))
+        let text = format!("{number} {json}");
+        format!("{:08x} {text}\n", CRC.checksum(text.as_bytes()))
     }
 
     /// Parses a line without its end; none if it is damaged.
-    pub(super) fn parse(line: &[u8]) -> Option<Self> {
-        let (checksum, json) = line.split_at_checked(8)?;
-        let json = json.strip_prefix(b" ")?;
+    fn parse(line: &[u8]) -> Option<Numbered> {
+        let (checksum, text) = line.split_at_checked(8)?;
+        let text = text.strip_prefix(b" ")?;
         let checksum = std::str::from_utf8(checksum).ok()?;
         let expected = u32::from_str_radix(checksum, 16).ok()?;
-        if expected != CRC.checksum(json) {
+        if expected != CRC.checksum(text) {
             return None;
         }
-        serde_json::from_slice(json).ok()
+        let json = text.iter().position(|&byte| byte == b'{')?;
+        let number = std::str::from_utf8(&text[..json]).ok()?;
+        let number = number.strip_suffix(' ').and_then(|own| own.parse().ok());
+        Some((number, serde_json::from_slice(&text[json..]).ok()?))
+    }
+
+    /// The whole entries in the bytes of a line, with their places: several where ends of lines are damaged.
+    pub(super) fn whole(line: &[u8]) -> Vec<(Range<usize>, Numbered)> {
+        if let Some(entry) = Self::parse(line) {
+            return vec![(0..line.len(), entry)];
+        }
+        let mut found = Vec::new();
+        let mut free = 0;
+        for (at, _) in line
+            .windows(JSON.len())
+            .enumerate()
+            .filter(|own| own.1 == JSON)
+        {
+            let json = serde_json::Deserializer::from_slice(&line[at..]);
+            let mut json = json.into_iter::<IgnoredAny>();
+            if !matches!(json.next(), Some(Ok(_))) {
+                continue;
+            }
+            let end = at + json.byte_offset();
+            let before = line[free.min(at)..at].iter().rev();
+            let digits = before.take_while(|byte| byte.is_ascii_digit()).count();
+            let starts = [digits + 9, 8].map(|length| at.checked_sub(length));
+            let starts = starts.into_iter().flatten().filter(|&start| start >= free);
+            let entry = |start| Some((start..end, Self::parse(&line[start..end])?));
+            if let Some(entry) = starts.into_iter().find_map(entry) {
+                free = end;
+                found.push(entry);
+            }
+        }
+        found
+    }
+
+    /// Whether bytes are the beginning of a line: its checksum, and JSON as far as they reach.
+    pub(super) fn is_begun(bytes: &[u8]) -> bool {
+        let (checksum, rest) = bytes.split_at(bytes.len().min(8));
+        let rest = rest.strip_prefix(b" ").unwrap_or(rest);
+        let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
+        let json = &rest[digits..];
+        let known = json.len().min(JSON.len());
+        checksum.iter().all(u8::is_ascii_hexdigit) && (json[..known] == JSON[..known])
     }
 }

@@ -21,7 +21,7 @@ const SYNC_MS: u32 = 1_000;
 /// Length in bytes at which a session has to end, so that data waiting for the disk still fits.
 const FULL: u64 = LARGEST - (32 << 20);
 /// Least number of bytes of a second of samples.
-const SECOND: usize = 3_500;
+pub(in crate::record) const SECOND: usize = 3_500;
 
 /// Result of a flush.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -40,6 +40,8 @@ pub(crate) enum FlushOutcome {
 pub(crate) struct Journal {
     path: PathBuf,
     writer: Writer<File>,
+    /// Entries that each round repeats: without them the rest of a damaged journal has no meaning.
+    repeated: Vec<Entry>,
     synced: Option<Millis>,
     /// Time of the last attempt to write the file anew; none after a success.
     refused: Option<Millis>,
@@ -58,7 +60,8 @@ impl Journal {
         lock(path, &file)?;
         let mut writer = Writer::new(file);
         header.format = FORMAT;
-        writer.entry(&Entry::Begin(header));
+        let begin = Entry::Begin(header);
+        writer.entry(&begin);
         let named = writer.flush().and_then(|()| set_name(&unnamed, path));
         named.map_err(|error| {
             let _ = fs::remove_file(&unnamed);
@@ -67,6 +70,7 @@ impl Journal {
         Ok(Self {
             path: path.to_owned(),
             writer,
+            repeated: vec![begin],
             synced: None,
             refused: None,
         })
@@ -84,6 +88,14 @@ impl Journal {
 
     /// Takes an entry of another kind.
     pub(crate) fn entry(&mut self, entry: &Entry) {
+        match entry {
+            Entry::Round { .. } => self.repeated.iter().for_each(|own| self.writer.entry(own)),
+            Entry::Placement { .. } => {
+                self.repeated.truncate(1);
+                self.repeated.push(entry.clone());
+            }
+            _ => {}
+        }
         self.writer.entry(entry);
     }
 
@@ -201,24 +213,21 @@ pub(crate) fn open(path: &Path) -> Result<(File, Header, Contents), RecordError>
         .take(LARGEST)
         .read_to_end(&mut bytes)
         .map_err(failed)?;
-    let mut contents = read(&bytes);
-    if contents.entries.is_empty() {
-        let path = path.to_owned();
-        return Err(if contents.damaged {
-            RecordError::Headless { path }
-        } else {
-            RecordError::Empty { path }
-        });
-    }
-    match contents.entries.remove(0) {
-        Entry::Begin(header) if header.format == FORMAT => Ok((file, header, contents)),
-        Entry::Begin(header) => Err(RecordError::Format {
-            path: path.to_owned(),
+    let contents = read(&bytes);
+    let mut entries = contents.entries.iter();
+    let header = entries.find_map(|entry| match entry {
+        Entry::Begin(header) => Some(header.clone()),
+        _ => None,
+    });
+    let path = path.to_owned();
+    match header {
+        Some(header) if header.format <= FORMAT => Ok((file, header, contents)),
+        Some(header) => Err(RecordError::Format {
+            path,
             found: header.format,
             version: header.version,
         }),
-        _ => Err(RecordError::Headless {
-            path: path.to_owned(),
-        }),
+        None if contents.entries.is_empty() => Err(RecordError::Empty { path }),
+        None => Err(RecordError::Headless { path }),
     }
 }

@@ -7,7 +7,7 @@ use shared::units::{Sample, SampleIndex};
 use super::Entry;
 
 /// Samples in a line: a tenth of a second. A killed process loses so much, and the samples on their way here.
-const TOGETHER: usize = 20;
+pub(in crate::record) const TOGETHER: usize = 20;
 /// Bytes that are kept while the output takes nothing: more than an hour of samples.
 const MOST_PENDING: usize = 16 << 20;
 
@@ -17,6 +17,8 @@ pub(crate) struct Writer<W> {
     out: W,
     /// Bytes not yet taken; begins within a line if the output took a part of it.
     pending: Vec<u8>,
+    /// Number of lines taken.
+    lines: u32,
     first: SampleIndex,
     samples: Vec<Sample>,
 }
@@ -27,6 +29,7 @@ impl<W: Write> Writer<W> {
         Self {
             out,
             pending: Vec::new(),
+            lines: 0,
             first: SampleIndex(0),
             samples: Vec::new(),
         }
@@ -53,7 +56,13 @@ impl<W: Write> Writer<W> {
     /// Takes an entry of another kind, after the samples before it.
     pub(crate) fn entry(&mut self, entry: &Entry) {
         self.close();
-        self.pending.extend_from_slice(entry.line().as_bytes());
+        self.line(entry);
+    }
+
+    fn line(&mut self, entry: &Entry) {
+        let line = entry.line(self.lines);
+        self.pending.extend_from_slice(line.as_bytes());
+        self.lines += 1;
     }
 
     /// Ends the line of samples.
@@ -61,7 +70,7 @@ impl<W: Write> Writer<W> {
         if !self.samples.is_empty() {
             let entry = Entry::samples(self.first, &self.samples);
             self.samples.clear();
-            self.pending.extend_from_slice(entry.line().as_bytes());
+            self.line(&entry);
         }
     }
 
