@@ -24,6 +24,7 @@ use recordings::splice::{SpliceOptions, splice};
 use recordings::split::predefined::PredefinedSplit;
 use recordings::{Library, LoadOptions, Recording, load, runs};
 use shared::intent::Intent;
+use shared::units::Sample;
 
 /// Returns the folder of one set; without it, prints the skip of the test.
 fn folder(test: &str, set: &str) -> Option<PathBuf> {
@@ -45,8 +46,19 @@ fn read(test: &str, set: &str) -> Option<&'static Library> {
         let own = sets.entry(folder.clone());
         own.or_insert_with(|| Box::leak(Box::default()))
     };
-    let load = || load(&folder, &LoadOptions::default()).expect("the published set is readable");
+    let as_recorded = LoadOptions {
+        as_recorded: true,
+        ..LoadOptions::default()
+    };
+    let load = || load(&folder, &as_recorded).expect("the published set is readable");
     Some(own.get_or_init(load))
+}
+
+/// The samples of a recording as recorded, in the common frame of all sets.
+fn aligned_samples(recording: &Recording) -> Vec<Sample> {
+    let mut samples = recording.samples.clone();
+    recording.data_set.align(&mut samples);
+    samples
 }
 
 fn seconds(recordings: &[Recording]) -> usize {

@@ -2,14 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use recordings::Library;
 use recordings::alignment::{open_hand, openings, template};
 use recordings::split::predefined::is_test;
-use recordings::{Library, Recording};
 use shared::intent::{Intent, Vocabulary};
 use shared::stream::alignment::{Alignment, Outcome};
 use shared::units::Sample;
 
-use super::read;
+use super::{aligned_samples, read};
 
 /// Returns the mean over people of a gesture's pattern: ln(1 + mean |x|) by channel, less its mean over channels.
 fn pattern(
@@ -80,7 +80,7 @@ fn electrode_frames_fit_the_gestures_that_two_sets_share() {
             continue;
         };
         let aligned = |library: &Library| -> Vec<[f64; 8]> {
-            let pattern = |&i| pattern(&library.recordings, Recording::aligned_samples, i);
+            let pattern = |&i| pattern(&library.recordings, aligned_samples, i);
             intents.iter().map(pattern).collect()
         };
         let expected = aligned(reference);
@@ -133,7 +133,7 @@ fn openers(test: &str) -> Option<BTreeMap<String, Vec<Labelled>>> {
             }
             let late = std::iter::repeat_n(None, recording.data_set.label_lag());
             let labels = late.chain(recording.labels_in(Vocabulary::Three));
-            let samples = recording.aligned_samples();
+            let samples = aligned_samples(recording);
             let labels = labels.take(samples.len()).collect();
             let own = people.entry(recording.subject.clone()).or_default();
             own.push((samples, labels));

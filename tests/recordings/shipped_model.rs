@@ -15,7 +15,7 @@ use shared::model::file::Model;
 use shared::stream::preprocess::{Median, clean};
 use shared::units::{CleanSample, PATCH, WINDOW};
 
-use super::read;
+use super::{aligned_samples, read};
 
 /// Returns the recordings with labels shifted by the lag of their data set.
 fn evaluated(library: &Library) -> Vec<EvaluatedRecording> {
@@ -27,7 +27,7 @@ fn evaluated(library: &Library) -> Vec<EvaluatedRecording> {
             subject: recording.subject.clone(),
             name: recording.name.clone(),
             raw: recording.samples.clone(),
-            emg: clean(recording.aligned_samples(), Median::Three).collect(),
+            emg: clean(aligned_samples(recording), Median::Three).collect(),
             normalized: {
                 let mut samples = recording.normalized_samples();
                 recording.data_set.align(&mut samples);

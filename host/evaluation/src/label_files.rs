@@ -8,7 +8,7 @@ use recordings::labels::vocabulary;
 use recordings::split::predefined;
 use recordings::{DataSet, Library};
 use serde::Serialize;
-use shared::stream::alignment::Alignment;
+use shared::units::Sample;
 
 use crate::model_evaluation::{evaluated_recordings, labelled};
 use crate::{
@@ -61,9 +61,8 @@ pub fn evaluate_labels(
             first: missing.first().cloned().unwrap_or_default(),
         });
     }
-    let worn = found.iter();
-    let worn = worn.map(|own| (own.subject.clone(), Alignment::NONE));
-    let recordings = evaluated_recordings(&found, &worn.collect(), vocabulary, &lags, 0);
+    let as_they_are = |_: &mut Vec<Sample>| ();
+    let recordings = evaluated_recordings(&found, vocabulary, &lags, |_| Some(as_they_are));
     let (own, truth) = (LookAhead::None, Truth::LagCompensated);
     let mut scores = score_labels(name, &predicted, &recordings, vocabulary, own, truth)?;
     let energy = EnergyDetector::default().candidate(&recordings);

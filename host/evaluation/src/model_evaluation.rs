@@ -140,8 +140,16 @@ pub fn evaluate_models(
         .enumerate()
         .map(|(number, own)| (own.subject.clone(), selection.worn.of(number)))
         .collect();
-    let mut recordings =
-        evaluated_recordings(&labelled, &worn, vocabulary, &lags, selection.lost_percent);
+    let mut recordings = evaluated_recordings(&labelled, vocabulary, &lags, |recording| {
+        let placed = worn.get(&recording.subject)?.inverse();
+        let name = recording.full_name();
+        Some(move |samples: &mut Vec<Sample>| {
+            for sample in &mut *samples {
+                *sample = placed.apply(*sample);
+            }
+            bridge_lost_notifications(samples, selection.lost_percent, &name);
+        })
+    });
     let mut gestures = cued(&recordings);
     let named: Vec<(&NamedModel, &Model<'_>)> = models.iter().zip(&parsed).collect();
     let mut left_out_openings = Vec::new();
@@ -221,8 +229,8 @@ pub fn evaluate_models(
     })
 }
 
-/// The labelled recordings of some people (`data-set/subject`), as [`evaluate_models`] evaluates them; a constant lag
-/// is estimated on the training people that are given.
+/// The labelled recordings of some people (`data-set/subject`) of a library that is as recorded, as [`evaluate_models`]
+/// evaluates them: in the common frame. A constant lag is estimated on the training people that are given.
 #[must_use]
 pub fn recordings_of(
     library: &Library,
@@ -232,11 +240,11 @@ pub fn recordings_of(
 ) -> Vec<EvaluatedRecording> {
     let labelled = labelled(library, vocabulary);
     let lags = lags(&labelled, LabelLag::default(), is_training);
-    let worn = people
-        .iter()
-        .map(|subject| (subject.clone(), Alignment::NONE))
-        .collect();
-    evaluated_recordings(&labelled, &worn, vocabulary, &lags, 0)
+    evaluated_recordings(&labelled, vocabulary, &lags, |recording| {
+        let data_set = recording.data_set;
+        let align = move |samples: &mut Vec<Sample>| data_set.align(samples);
+        people.contains(&recording.subject).then_some(align)
+    })
 }
 
 /// Recordings that models of a vocabulary can be evaluated on.
@@ -247,28 +255,24 @@ pub(crate) fn labelled(library: &Library, vocabulary: Vocabulary) -> Vec<&Record
         .collect()
 }
 
-/// Recordings of people with the armband as `worn`, with `lost_percent` percent of the notifications lost.
-pub(crate) fn evaluated_recordings(
+/// Recordings with their samples as `arranged` changes them; those for which it gives nothing are left out.
+pub(crate) fn evaluated_recordings<A: Fn(&mut Vec<Sample>)>(
     labelled: &[&Recording],
-    worn: &BTreeMap<String, Alignment>,
     vocabulary: Vocabulary,
     lags: &BTreeMap<DataSet, Lag>,
-    lost_percent: u8,
+    arranged: impl Fn(&Recording) -> Option<A> + Sync,
 ) -> Vec<EvaluatedRecording> {
     labelled
         .par_iter()
-        .filter_map(|recording| Some((recording, worn.get(&recording.subject)?.inverse())))
-        .map(|(recording, placed)| {
-            let name = format!("{}/{}", recording.subject, recording.name);
-            let arrange = |samples: &mut Vec<Sample>| {
-                recording.data_set.align(samples);
-                for sample in &mut *samples {
-                    *sample = placed.apply(*sample);
-                }
-                bridge_lost_notifications(samples, lost_percent, &name);
-            };
+        .filter_map(|recording| {
+            let arrange = arranged(recording)?;
             let compensation = lags[&recording.data_set].of_recording(recording);
-            EvaluatedRecording::new(recording, arrange, vocabulary, compensation)
+            Some(EvaluatedRecording::new(
+                recording,
+                arrange,
+                vocabulary,
+                compensation,
+            ))
         })
         .collect()
 }

@@ -28,7 +28,8 @@ class Error(ValueError): ...
 
 @final
 class Model:
-    def __new__(cls, path: str | PathLike[str]) -> Model: ...
+    def __new__(cls, file: str | PathLike[str] | bytes, name: str | None = None) -> Model: ...
+    def __reduce__(self) -> tuple[type[Model], tuple[bytes, str]]: ...
     @property
     def name(self) -> str: ...
     @property
@@ -75,6 +76,17 @@ class Smoother:
 
 @final
 class Recording:
+    def __new__(
+        cls,
+        person: str,
+        name: str,
+        path: str | PathLike[str],
+        emg: NDArray[np.int8],
+        labels: NDArray[np.int8],
+        other_movement: list[tuple[int, int, str]],
+        notes: list[str],
+    ) -> Recording: ...
+    def __reduce__(self) -> tuple[type[Recording], tuple[Any, ...]]: ...
     @property
     def person(self) -> str: ...
     @property
@@ -92,6 +104,8 @@ class Recording:
 
 @final
 class Report:
+    def __new__(cls, results: dict[str, Any], text: str) -> Report: ...
+    def __reduce__(self) -> tuple[type[Report], tuple[dict[str, Any], str]]: ...
     @property
     def results(self) -> dict[str, Any]: ...
 
@@ -100,6 +114,7 @@ def read(
     *,
     strict: bool = False,
     label_lag: Literal["none", "each-cue", "estimated"] = "none",
+    as_recorded: bool = False,
 ) -> list[Recording]: ...
 def evaluate(
     model: Model,
@@ -110,6 +125,7 @@ def evaluate(
     test_people: bool = False,
     strict: bool = False,
     label_lag: Literal["none", "each-cue", "estimated"] = "each-cue",
+    as_recorded: bool = False,
     report: str | PathLike[str] | None = None,
 ) -> Report: ...
 def score(

@@ -22,9 +22,11 @@ use crate::report::Report;
 ///     test_people: Also test people, who are for releases.
 ///     strict: Refuse damaged files instead of leaving them out.
 ///     label_lag: How labels, which are cues, are moved to where the muscle acts: "each-cue", "estimated" or "none".
+///     as_recorded: Leave the channels of published sets in their own order instead of turning them into the frame of the
+///         models.
 ///     report: Page (HTML) to write; an earlier file is replaced.
 #[pyfunction]
-#[pyo3(signature = (model, path, *, people = Vec::new(), seen = false, test_people = false, strict = false, label_lag = "each-cue", report = None))]
+#[pyo3(signature = (model, path, *, people = Vec::new(), seen = false, test_people = false, strict = false, label_lag = "each-cue", as_recorded = false, report = None))]
 #[expect(clippy::too_many_arguments, reason = "keywords in Python")]
 pub fn evaluate(
     py: Python<'_>,
@@ -35,6 +37,7 @@ pub fn evaluate(
     test_people: bool,
     strict: bool,
     label_lag: &str,
+    as_recorded: bool,
     report: Option<PathBuf>,
 ) -> PyResult<Report> {
     let selection = Selection {
@@ -44,7 +47,7 @@ pub fn evaluate(
         label_lag: label_lag.parse::<LabelLag>().map_err(told)?,
         ..Selection::default()
     };
-    let library = library(py, &path, strict)?;
+    let library = library(py, &path, strict, as_recorded)?;
     let models = std::slice::from_ref(&*model.named);
     let evaluation = py
         .detach(|| {
@@ -58,5 +61,5 @@ pub fn evaluate(
     let results = &evaluation.results;
     let facts = labels(&results.lags, &results.gestures);
     let text = text(&model_report::tables(results, false), &facts);
-    Report::new(py, results, text)
+    Report::of(py, results, text)
 }

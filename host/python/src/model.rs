@@ -8,7 +8,7 @@ use evaluation::model_evaluation::NamedModel;
 use evaluation::smooth;
 use numpy::{PyArray1, PyArray2, PyArrayMethods as _};
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
+use pyo3::types::{PyBytes, PyTuple, PyType};
 use shared::intent::Intent;
 use shared::model::encoder::HostEncoder;
 use shared::model::file;
@@ -21,6 +21,10 @@ type Prediction<'py> = (Bound<'py, PyArray1<i8>>, Bound<'py, PyArray2<f32>>);
 
 /// A model file (`.intent`), the one that a board runs.
 ///
+/// Args:
+///     file: Path of a model file, or its content as bytes.
+///     name: Name in tables; that of the file without its ending if not given.
+///
 /// Raises `Error` if the file cannot be read or is refused.
 #[pyclass(frozen, module = "myointent")]
 pub struct Model {
@@ -32,8 +36,22 @@ pub struct Model {
 #[pymethods]
 impl Model {
     #[new]
-    fn new(path: PathBuf) -> PyResult<Self> {
-        let named = NamedModel::read(&path).map_err(about(&path))?;
+    #[pyo3(signature = (file, name = None))]
+    fn new(file: &Bound<'_, PyAny>, name: Option<String>) -> PyResult<Self> {
+        let (path, mut named) = match file.cast::<PyBytes>() {
+            Ok(content) => {
+                let (name, bytes) = ("model".to_owned(), content.as_bytes().to_vec());
+                (PathBuf::from(&name), NamedModel { name, bytes })
+            }
+            Err(_) => {
+                let path: PathBuf = file.extract()?;
+                let named = NamedModel::read(&path).map_err(about(&path))?;
+                (path, named)
+            }
+        };
+        if let Some(name) = name {
+            named.name = name;
+        }
         let refused = PathBuf::from(format!("{} is refused", path.display()));
         let model = file::Model::parse(&named.bytes);
         let model = model.and_then(|model| HostEncoder::new(&model).map(|_| model));
@@ -47,6 +65,15 @@ impl Model {
             named: Arc::new(named),
             classes,
         })
+    }
+
+    /// A model is pickled as the content of its file.
+    fn __reduce__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> (Bound<'py, PyType>, (Bound<'py, PyBytes>, &str)) {
+        let content = PyBytes::new(py, &self.named.bytes);
+        (py.get_type::<Self>(), (content, &self.named.name))
     }
 
     /// Name of the file without its ending.

@@ -51,5 +51,5 @@ pub fn score(
         allow_relax,
     };
     let score = LabelScore::new("", &truth, &labels(prediction)?, emission, rule).map_err(told)?;
-    Report::new(py, &score.json(), score.tables())
+    Report::of(py, &score.json(), score.tables())
 }

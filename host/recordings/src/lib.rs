@@ -31,7 +31,7 @@ pub use examiner::finding;
 pub use examiner::finding::{Finding, Scale, Severity};
 pub use execution::printable::printable;
 pub use labels::runs::{Run, runs};
-pub use library::{Ignored, Library, LoadOptions, load};
+pub use library::{Ignored, Library, LoadOptions, load, load_all};
 pub use readers::error::{Damage, Fault, LoadError, Place, in_one_line};
 pub use readers::npy;
 pub use readers::open::SkipReason;

@@ -1,6 +1,5 @@
 //! Arguments that several subcommands share.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::bail;
@@ -8,7 +7,7 @@ use shared::stream::alignment::Arm;
 use shared::uart_line::flag;
 
 use execution::progress;
-use recordings::{Library, LoadError, LoadOptions, load};
+use recordings::{Library, LoadError, LoadOptions, load_all};
 
 /// Parses the arm for an alignment: 0 or 1 for mirrored.
 pub(in crate::cli) fn mirrored(text: &str) -> Result<Arm, String> {
@@ -16,46 +15,35 @@ pub(in crate::cli) fn mirrored(text: &str) -> Result<Arm, String> {
     Ok(Arm::Known { mirrored })
 }
 
-/// Loads all recordings below a path, of every data set.
-///
-/// # Errors
-/// When nothing can be read, or a file is damaged and `strict`.
-pub(crate) fn every_recording(path: &Path, strict: bool) -> anyhow::Result<Library> {
-    recordings_of(&[path], strict)
-}
+/// Help of `--as-recorded`.
+pub(in crate::cli) const AS_RECORDED: &str = "Leave the channels of published sets in their own order instead of turning them into the frame of the models \
+    (docs/recordings.md, electrode frames).";
 
 /// Loads all recordings at or below some paths, of every data set.
 ///
 /// # Errors
 /// When nothing can be read at one of them, two recordings have one name, or a file is damaged and `strict`.
-pub(in crate::cli) fn recordings_of(
+pub(crate) fn recordings_of(
     paths: &[impl AsRef<Path>],
     strict: bool,
+    as_recorded: bool,
 ) -> anyhow::Result<Library> {
     let options = LoadOptions {
         strict,
-        data_sets: Vec::new(),
+        as_recorded,
+        ..LoadOptions::default()
     };
-    let mut libraries = Vec::with_capacity(paths.len());
+    let library = load_all(paths, &options).map_err(refused)?;
     for path in paths {
-        let path = path.as_ref();
-        let found = load(path, &options).map_err(refused)?;
-        found.not_empty(path)?;
-        libraries.push(found);
+        library.not_empty(path.as_ref())?;
     }
-    let library = Library::joined(libraries);
-    let mut named = BTreeMap::new();
-    for own in &library.recordings {
-        if let Some(other) = named.insert(own.full_name(), &own.path)
-            && paths.len() > 1
-        {
-            bail!(
-                "{} and {} are both named {}: give the folder that holds both, or rename one",
-                other.display(),
-                own.path.display(),
-                own.full_name()
-            );
-        }
+    if let Some([first, second]) = library.named_alike() {
+        bail!(
+            "{} and {} are both named {}: give the folder that holds both, or rename one",
+            first.path.display(),
+            second.path.display(),
+            second.full_name()
+        );
     }
     let paths: Vec<_> = paths
         .iter()
@@ -75,8 +63,13 @@ pub(in crate::cli) fn log_found(library: &Library, whence: &str) {
     }
 }
 
-/// Logs what was left out and the doubts about the recordings.
+/// Logs what was left out, the doubts about the recordings, and which sets are turned.
 pub(in crate::cli) fn log_doubts(library: &Library) {
+    if library.in_common_frame {
+        for frame in library.frames() {
+            progress::log(&format!("{frame} (--as-recorded leaves them)"));
+        }
+    }
     library
         .doubts()
         .iter()

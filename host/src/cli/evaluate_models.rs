@@ -1,13 +1,13 @@
 //! `myointent evaluate --data DIR`: model files on any recordings, without a run folder.
 
 use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use clap::Args;
 use serde::Serialize;
 
-use crate::cli::arguments::{recordings_of, warn_of_test_people};
+use crate::cli::arguments::{AS_RECORDED, recordings_of, warn_of_test_people};
 use crate::cli::output::{PAGE, Width, first_line, refuse_unlike};
 use evaluation::model_evaluation::{
     EvaluatedSubject, ModelResults, NamedModel, Selection, Turn, Worn, evaluate_models,
@@ -16,6 +16,7 @@ use evaluation::report::labels;
 use evaluation::report::model_report::{self, people_rows, tables};
 use execution::progress;
 use execution::run_folder::write_whole;
+use recordings::Library;
 use recordings::finding::{Group, grouped};
 use recordings::labels::lag::LabelLag;
 use recordings::synthetic::losses::MOST_PERCENT;
@@ -37,10 +38,20 @@ pub(in crate::cli) struct PeopleArguments {
     test_people: bool,
     /// Refuse damaged files instead of leaving them out.
     #[arg(hide_short_help = true, long, requires = "data")]
-    pub(in crate::cli) strict: bool,
+    strict: bool,
+    #[arg(hide_short_help = true, long, requires = "data", help = AS_RECORDED)]
+    as_recorded: bool,
 }
 
 impl PeopleArguments {
+    /// Loads the recordings at or below some paths.
+    ///
+    /// # Errors
+    /// As [`recordings_of`].
+    pub(in crate::cli) fn recordings(&self, paths: &[impl AsRef<Path>]) -> anyhow::Result<Library> {
+        recordings_of(paths, self.strict, self.as_recorded)
+    }
+
     /// Selection of these people, with the armband as it was worn.
     pub(in crate::cli) fn selection(&self) -> Selection {
         Selection {
@@ -140,7 +151,7 @@ pub(in crate::cli) fn run(
             );
         }
     }
-    let library = recordings_of(&options.data, options.people.strict)?;
+    let library = options.people.recordings(&options.data)?;
     let selection = Selection {
         worn: Worn {
             turn: options.rotate,

@@ -9,8 +9,9 @@ use anyhow::{Context as _, bail};
 use clap::Args;
 use shared::myo::Address;
 
+use super::arguments::AS_RECORDED;
 use super::read_model;
-use super::replay::one_recording;
+use super::replay::recording_of;
 use crate::live::osc::Osc;
 use crate::live::{self, Options, Source, is_local};
 use execution::interrupt::Interrupt;
@@ -37,6 +38,8 @@ pub struct Arguments {
     /// Recording to play, if the path of --replay holds several, as `data inspect` prints it: data-set/person/name.
     #[arg(long, requires = "replay")]
     name: Option<String>,
+    #[arg(hide_short_help = true, long, help = AS_RECORDED, requires = "replay")]
+    as_recorded: bool,
     /// Model file.
     ///
     /// Without it, recordings run through the shipped three-class model, and a board shows no scores.
@@ -126,7 +129,9 @@ fn receiver(text: &str) -> Result<String, String> {
 /// nobody reads the lines any more.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let model = arguments.model.as_deref().map(read_model).transpose()?;
-    let source = arguments.source.source(arguments.name.as_deref())?;
+    let source = arguments
+        .source
+        .source(arguments.name.as_deref(), arguments.as_recorded)?;
     if arguments.json || arguments.osc.is_some() {
         let listen = arguments
             .listen
@@ -158,13 +163,14 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 impl SourceArguments {
-    /// Builds the source; `name` chooses among the recordings of a path.
+    /// Builds the source; `name` chooses among the recordings of a path, whose channels may stay as recorded.
     ///
     /// # Errors
     /// When the recording cannot be read, or the program was built without the Bluetooth that is asked for.
-    pub(super) fn source(&self, name: Option<&str>) -> anyhow::Result<Source> {
+    pub(super) fn source(&self, name: Option<&str>, as_recorded: bool) -> anyhow::Result<Source> {
         if let Some(path) = &self.replay {
-            return Ok(Source::Replay(Box::new(one_recording(path, name)?)));
+            let recording = recording_of(path, name, as_recorded)?;
+            return Ok(Source::Replay(Box::new(recording)));
         }
         if let Some(path) = &self.port {
             return Ok(Source::Port(path.clone()));
@@ -252,7 +258,7 @@ mod tests {
             port: None,
             bluetooth: Some(Followed(None)),
         };
-        let error = source.source(None).unwrap_err().to_string();
+        let error = source.source(None, false).unwrap_err().to_string();
         assert!(error.contains("--features bluetooth"), "{error}");
     }
 

@@ -2,7 +2,7 @@
 
 use std::io::{BufWriter, Write};
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, bail};
@@ -13,7 +13,7 @@ use shared::stream::alignment::Arm;
 use shared::uart_line::{Kind, Report};
 use shared::units::{CHANNELS, Millis, Sample, WINDOW};
 
-use crate::cli::arguments::{log_doubts, mirrored};
+use crate::cli::arguments::{AS_RECORDED, log_doubts, mirrored};
 use crate::cli::read_model;
 use evaluation::inference::Stream;
 use recordings::{LoadOptions, Recording, load};
@@ -41,6 +41,8 @@ pub struct Arguments {
     /// Recording to replay, if the path holds several, as `data inspect` prints it: data-set/person/name.
     #[arg(long)]
     name: Option<String>,
+    #[arg(hide_short_help = true, long, help = AS_RECORDED)]
+    as_recorded: bool,
     /// Replay in real time.
     #[arg(long)]
     real_time: bool,
@@ -66,7 +68,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let path = &arguments.model;
     let bytes = read_model(path)?;
     let model = Model::parse(&bytes).with_context(|| format!("{} is refused", path.display()))?;
-    let recording = one_recording(&arguments.recording, arguments.name.as_deref())?;
+    let recording = recording_of(
+        &arguments.recording,
+        arguments.name.as_deref(),
+        arguments.as_recorded,
+    )?;
     let mut out = BufWriter::new(std::io::stdout().lock());
     if arguments.speed {
         let start = Instant::now();
@@ -189,8 +195,21 @@ fn replay(
 ///
 /// # Errors
 /// When there is none, or several without a name.
-pub fn one_recording(path: &std::path::Path, name: Option<&str>) -> anyhow::Result<Recording> {
-    let mut library = load(path, &LoadOptions::default())?;
+pub fn one_recording(path: &Path, name: Option<&str>) -> anyhow::Result<Recording> {
+    recording_of(path, name, false)
+}
+
+/// Loads the recording at a path as [`one_recording`], or with the channels as recorded.
+pub(super) fn recording_of(
+    path: &Path,
+    name: Option<&str>,
+    as_recorded: bool,
+) -> anyhow::Result<Recording> {
+    let options = LoadOptions {
+        as_recorded,
+        ..LoadOptions::default()
+    };
+    let mut library = load(path, &options)?;
     if let Some(name) = name {
         library
             .recordings

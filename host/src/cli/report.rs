@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail};
 use clap::Args;
 
-use super::arguments::every_recording;
 #[cfg(feature = "train")]
 use super::arguments::warn_of_test_people;
 use super::evaluate_models::{PeopleArguments, warn};
@@ -133,7 +132,7 @@ fn runs(_: &Arguments) -> anyhow::Result<Vec<Reported>> {
 
 /// Model files, and the model files of run folders, on the recordings below `data`.
 fn models(arguments: &Arguments, data: &Path) -> anyhow::Result<Vec<Reported>> {
-    let library = every_recording(data, arguments.people.strict)?;
+    let library = arguments.people.recordings(&[data])?;
     let mut reported: Vec<Reported> = Vec::new();
     for path in &arguments.reported {
         let own = model(arguments, path, &library, &reported)?;

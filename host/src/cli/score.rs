@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use shared::intent::Intent;
 
+use crate::cli::arguments::AS_RECORDED;
 use evaluation::label_score::{Emission, LabelScore};
 use evaluation::metric::transition::Rule;
 use recordings::labels::lag::LabelLag;
@@ -69,6 +70,8 @@ pub struct Arguments {
         default_value = "each-cue"
     )]
     label_lag: LabelLag,
+    #[arg(hide_short_help = true, long, help = AS_RECORDED)]
+    as_recorded: bool,
     /// Print JSON
     #[arg(long)]
     json: bool,

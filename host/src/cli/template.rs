@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use clap::Args;
 
-use crate::cli::arguments::every_recording;
+use crate::cli::arguments::{AS_RECORDED, recordings_of};
 use crate::cli::output::refuse_existing;
 use crate::cli::read_model;
 use evaluation::EvaluationError;
@@ -42,6 +42,8 @@ pub struct Arguments {
     /// Refuse damaged files instead of leaving them out.
     #[arg(long)]
     strict: bool,
+    #[arg(hide_short_help = true, long, help = AS_RECORDED)]
+    as_recorded: bool,
 }
 
 /// Writes the model file with its template.
@@ -54,7 +56,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         refuse_existing(out)?;
     }
     let bytes = read_model(path)?;
-    let library = every_recording(&arguments.data, arguments.strict)?;
+    let library = recordings_of(&[&arguments.data], arguments.strict, arguments.as_recorded)?;
     let (file, people) = model_with_template(&bytes, &library)?;
     let out = arguments.out.as_ref().unwrap_or(path);
     write_whole(out, &file)?;
@@ -85,7 +87,7 @@ fn model_with_template(file: &[u8], library: &Library) -> anyhow::Result<(Vec<u8
     let lags = lags(&own, LabelLag::default(), &predefined::is_training);
     let opens = opens(own.iter().copied(), |recording| {
         let lag = &lags[&recording.data_set];
-        (recording.aligned_samples(), lag.of_recording(recording))
+        (recording.samples.clone(), lag.of_recording(recording))
     });
     let template = template(&opens).with_context(|| {
         let found = opens.len();

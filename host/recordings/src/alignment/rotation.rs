@@ -2,7 +2,8 @@
 
 use shared::units::{CHANNELS, Sample};
 
-use crate::recording::{DataSet, Recording};
+use crate::library::Library;
+use crate::recording::{DataSet, by_data_set};
 
 /// Order of a set's channels on the arm: channel c of the common frame is channel `c - rotation` of the set's, or
 /// `rotation - c` where the ring runs the other way round (modulo 8).
@@ -40,6 +41,20 @@ impl Frame {
             sample[own % CHANNELS]
         })
     }
+
+    /// What brings channels into the common frame, in words; none if they are in it.
+    fn words(self) -> Option<String> {
+        let places = match self.rotation {
+            1 => "1 place".to_owned(),
+            places => format!("{places} places"),
+        };
+        match (self.reversed, self.rotation) {
+            (false, 0) => None,
+            (false, _) => Some(format!("turned by {places}")),
+            (true, 0) => Some("mirrored".to_owned()),
+            (true, _) => Some(format!("mirrored and turned by {places}")),
+        }
+    }
 }
 
 impl DataSet {
@@ -72,19 +87,72 @@ impl DataSet {
     }
 }
 
-impl Recording {
-    /// The samples with the electrodes in the common frame of all data sets.
+impl Library {
+    /// Sentences on the sets whose own frame is another than the common one: how their channels come into it.
     #[must_use]
-    pub fn aligned_samples(&self) -> Vec<Sample> {
-        let mut samples = self.samples.clone();
-        self.data_set.align(&mut samples);
-        samples
+    pub fn frames(&self) -> Vec<String> {
+        let sets = by_data_set(&self.recordings);
+        let told = sets.keys().filter_map(|set| {
+            let how = set.electrode_frame().words()?;
+            Some(format!("{}: {}", set.name(), into(&how)))
+        });
+        told.collect()
     }
+
+    /// Turns channels into the common frame; notes of the recordings say so.
+    pub(crate) fn turn(&mut self) {
+        for recording in &mut self.recordings {
+            let frame = recording.data_set.electrode_frame();
+            if let Some(how) = frame.words() {
+                recording.data_set.align(&mut recording.samples);
+                recording.notes.push(into(&how));
+            }
+        }
+        self.in_common_frame = true;
+    }
+}
+
+fn into(how: &str) -> String {
+    format!("channels {how} into the common frame of the models")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::recording::Recording;
+
+    fn turned(data_set: DataSet, sample: Sample) -> Sample {
+        let mut library = Library {
+            recordings: vec![Recording::new(data_set, "", vec![sample], vec![None])],
+            ..Library::default()
+        };
+        library.turn();
+        library.recordings[0].samples[0]
+    }
+
+    #[test]
+    fn each_set_with_a_frame_of_its_own_is_told_and_no_other() {
+        let sets = [
+            DataSet::Roshambo,
+            DataSet::CoteAllard,
+            DataSet::OneSubjectMyo,
+            DataSet::UciGestures,
+            DataSet::ReactEmg,
+        ];
+        let recordings = sets.map(|set| Recording::new(set, "", vec![[0; CHANNELS]], vec![None]));
+        let library = Library {
+            recordings: recordings.into(),
+            ..Library::default()
+        };
+        assert_eq!(
+            library.frames(),
+            [
+                "cote-allard: channels turned by 1 place into the common frame of the models",
+                "one-subject-myo: channels turned by 7 places into the common frame of the models",
+                "uci-gestures: channels mirrored and turned by 6 places into the common frame of the models",
+            ]
+        );
+    }
 
     #[test]
     fn wrist_extension_comes_to_lie_on_the_third_channel() {
@@ -98,8 +166,7 @@ mod tests {
         ] {
             let mut sample = [0; CHANNELS];
             sample[extension] = 50;
-            let recording = Recording::new(data_set, "", vec![sample], vec![None]);
-            assert_eq!(recording.aligned_samples()[0][2], 50, "{data_set:?}");
+            assert_eq!(turned(data_set, sample)[2], 50, "{data_set:?}");
         }
     }
 
@@ -124,12 +191,11 @@ mod tests {
             DataSet::Myoup,
             DataSet::UciGestures,
         ] {
-            let recording = Recording::new(data_set, "", vec![numbers], vec![None]);
             let expected: Vec<i8> = (0..CHANNELS)
                 .map(|c| (own(data_set, c) % 8) as i8)
                 .collect();
             assert_eq!(
-                recording.aligned_samples()[0].as_slice(),
+                turned(data_set, numbers).as_slice(),
                 expected,
                 "{data_set:?}"
             );

@@ -2,6 +2,7 @@
 
 mod doubts;
 pub mod inspection;
+mod names;
 mod people;
 pub(crate) mod session;
 
@@ -30,6 +31,9 @@ pub struct LoadOptions {
     pub strict: bool,
     /// Data sets to read, files of others are ignored; all if empty.
     pub data_sets: Vec<DataSet>,
+    /// Whether the channels of published sets stay in their own order, rather than be turned into the
+    /// [common frame](Library::frames), in which models are trained.
+    pub as_recorded: bool,
 }
 
 impl LoadOptions {
@@ -51,6 +55,8 @@ pub struct Library {
     pub ignored: Vec<Ignored>,
     /// Sentences on how people were named whom no publication names.
     pub people: Vec<String>,
+    /// Whether channels were turned into the common frame.
+    pub in_common_frame: bool,
 }
 
 /// A file that is not read.
@@ -73,6 +79,49 @@ pub struct Ignored {
 /// [`LoadOptions::strict`]; [`LoadError::NoRecordings`] if none is found; [`LoadError::Io`] if the path
 /// itself cannot be read.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
+    load_all(&[path], options)
+}
+
+/// Reads what lies at or below several paths as [`load`] reads one. Copies and wearers are found across all, as if one
+/// folder held them.
+///
+/// # Errors
+/// As [`load`] for each path; of several, also if all of one is left out.
+pub fn load_all(paths: &[impl AsRef<Path>], options: &LoadOptions) -> Result<Library, LoadError> {
+    let mut library = Library::default();
+    for path in paths {
+        let own = read(path.as_ref(), options)?;
+        if paths.len() > 1 {
+            own.not_empty(path.as_ref())?;
+        }
+        library.recordings.extend(own.recordings);
+        library.skipped.extend(own.skipped);
+        library.repeats.extend(own.repeats);
+        library.ignored.extend(own.ignored);
+        library.people.extend(own.people);
+    }
+    if paths.len() > 1 {
+        // A folder and a file in it.
+        let mut seen = HashSet::new();
+        let recordings = &mut library.recordings;
+        recordings.retain(|own| seen.insert((own.path.clone(), own.full_name())));
+        for own in &mut *recordings {
+            let is_kept = |finding: &Finding| !matches!(finding, Finding::Overlap { .. });
+            own.findings.retain(is_kept);
+        }
+        library.repeats.extend(copies::leave_out(recordings));
+    }
+    // Copies are found among samples as they were recorded, in whatever set.
+    if !options.as_recorded {
+        library.turn();
+    }
+    library.follow_wearers();
+    timing::find(&mut library.recordings);
+    Ok(library)
+}
+
+/// Reads what lies at or below a path, each recording by itself.
+fn read(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
     let is_description = ending(path).as_deref() == Some("toml");
     let given = is_description.then(|| Described::read(path)).transpose()?;
     let (root, files) = files(given.as_ref().map_or(path, |given| &given.folder))?;
@@ -128,40 +177,11 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
         people::described(&described.file, library.recordings.iter().filter(own))
     });
     library.people.extend(told.collect::<Vec<_>>());
-    library.follow_wearers();
-    timing::find(&mut library.recordings);
+    names::make_unique(&mut library.recordings);
     Ok(library)
 }
 
 impl Library {
-    /// Joins what lies below several paths. Copies and wearers are found across all, as if one folder held them.
-    #[must_use]
-    pub fn joined(libraries: Vec<Self>) -> Self {
-        let several = libraries.len() > 1;
-        let mut all = Self::default();
-        for own in libraries {
-            all.recordings.extend(own.recordings);
-            all.skipped.extend(own.skipped);
-            all.repeats.extend(own.repeats);
-            all.ignored.extend(own.ignored);
-            all.people.extend(own.people);
-        }
-        if several {
-            // A folder and a file in it.
-            let mut seen = HashSet::new();
-            all.recordings
-                .retain(|own| seen.insert((own.path.clone(), own.full_name())));
-            for own in &mut all.recordings {
-                own.findings
-                    .retain(|finding| !matches!(finding, Finding::Overlap { .. }));
-            }
-            all.repeats.extend(copies::leave_out(&mut all.recordings));
-            all.follow_wearers();
-            timing::find(&mut all.recordings);
-        }
-        all
-    }
-
     /// Subjects, each once, in alphabetical order.
     #[must_use]
     pub fn subjects(&self) -> Vec<String> {

@@ -16,8 +16,8 @@ use shared::units::{CHANNELS, LOOK_BACK, PATCH, Sample, WINDOW};
 
 use self::matrix::Format;
 pub(super) use self::matrix::Matrix;
-use super::replay::one_recording;
-use crate::cli::arguments::recordings_of;
+use super::replay::recording_of;
+use crate::cli::arguments::{AS_RECORDED, recordings_of};
 use crate::cli::output::{file_of, first_line, refuse_unlike};
 use crate::cli::read_model;
 use evaluation::inference::{input, integer_logits};
@@ -79,6 +79,8 @@ pub struct Arguments {
     /// Recording to label, if the path holds several, as `data inspect` prints it: data-set/person/name.
     #[arg(long)]
     name: Option<String>,
+    #[arg(hide_short_help = true, long, help = AS_RECORDED, requires = "recording")]
+    as_recorded: bool,
     /// One window of raw samples as npy, 600 x 8.
     #[arg(long, value_name = "FILE.npy")]
     window: Option<PathBuf>,
@@ -110,13 +112,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
                 "--out is a file: expected one recording, or a folder as --out for the labels of each"
             );
         };
-        let recording = one_recording(path, arguments.name.as_deref())?;
+        let recording = recording_of(path, arguments.name.as_deref(), arguments.as_recorded)?;
         return write(
             &over_recording(&loaded(arguments)?, &recording.samples)?,
             &arguments.out,
         );
     }
-    let library = recordings_of(paths, false)?;
+    let library = recordings_of(paths, false, arguments.as_recorded)?;
     let model = loaded(arguments)?;
     for recording in library.recordings {
         let out = file_of(&recording, &arguments.out, "csv")?;

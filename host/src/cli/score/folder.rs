@@ -25,7 +25,7 @@ pub(super) fn report(args: &Arguments) -> anyhow::Result<String> {
         );
     }
     let folder = &args.prediction;
-    let library = recordings_of(&args.truth, false)?;
+    let library = recordings_of(&args.truth, false, args.as_recorded)?;
     let mut found = BTreeMap::new();
     for recording in &library.recordings {
         if let Some(labels) = labels_of(recording, folder, args.delay)? {
@@ -57,9 +57,18 @@ fn labels_of(
 ) -> anyhow::Result<Option<SmoothedLabels>> {
     let files = ["csv", "npy", "txt"].map(|ending| file_of(recording, folder, ending));
     let files = files.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
-    let Some(path) = files.into_iter().find_map(existing) else {
+    let mut files = files.into_iter().filter_map(existing);
+    let Some(path) = files.next() else {
         return Ok(None);
     };
+    if let Some(other) = files.next() {
+        bail!(
+            "{} and {} are both labels of {}: remove one",
+            path.display(),
+            other.display(),
+            recording.full_name()
+        );
+    }
     let reference = labels(label_file::read(&path, Purpose::Prediction)?);
     ensure!(
         reference.len() == recording.samples.len(),

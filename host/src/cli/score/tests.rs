@@ -57,6 +57,7 @@ fn a_csv_with_both_columns_is_scored_against_its_truth_and_not_against_itself() 
         allow_relax: false,
         delay: None,
         label_lag: LabelLag::default(),
+        as_recorded: false,
         json: true,
     };
     let report: serde_json::Value = serde_json::from_str(&report(&arguments).unwrap()).unwrap();
@@ -78,6 +79,7 @@ fn other_movement_is_counted_apart_and_is_no_prediction() {
         allow_relax: false,
         delay: None,
         label_lag: LabelLag::default(),
+        as_recorded: false,
         json: false,
     };
     let text = report(&arguments).unwrap();
@@ -116,6 +118,7 @@ fn the_column_of_emitted_labels_is_scored_by_itself_unless_a_delay_is_given() {
             allow_relax: false,
             delay,
             label_lag: LabelLag::default(),
+            as_recorded: false,
             json: true,
         };
         let report: serde_json::Value = serde_json::from_str(&report(&arguments).unwrap()).unwrap();
@@ -195,6 +198,7 @@ fn every_number_is_that_of_a_version_written_from_the_page() {
             allow_relax: round % 7 < 2,
             delay: [None, Some(51), Some(7)][round / 3 % 3],
             label_lag: LabelLag::default(),
+            as_recorded: false,
             json: true,
         };
         let rule = Rule {

@@ -207,9 +207,11 @@ pub(crate) fn recordings(
             ..Library::default()
         });
     };
-    let options = LoadOptions {
+    // The preset says whether its electrodes are aligned.
+    let mut options = LoadOptions {
         strict,
         data_sets: preset.data.data_sets.clone(),
+        as_recorded: true,
     };
     let library = match load(path, &options) {
         Err(LoadError::NoRecordings { .. }) if !options.data_sets.is_empty() => {
@@ -217,13 +219,17 @@ pub(crate) fn recordings(
                 "none of the preset's data sets is in {}: using all recordings",
                 path.display()
             ));
-            let data_sets = Vec::new();
-            load(path, &LoadOptions { strict, data_sets })
+            options.data_sets.clear();
+            load(path, &options)
         }
         library => library,
     }
     .map_err(refused)?;
     library.not_empty(path)?;
+    if preset.data.align_electrodes {
+        let frames = library.frames();
+        frames.iter().for_each(|frame| progress::log(frame));
+    }
     log_found(&library, &path.display().to_string());
     Ok(library)
 }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use thiserror::Error;
 
-use crate::cli::arguments::every_recording;
+use crate::cli::arguments::{AS_RECORDED, recordings_of};
 use crate::cli::output::refuse_existing;
 use crate::cli::read_model;
 use evaluation::report::scores::tuned;
@@ -52,6 +52,8 @@ pub struct Arguments {
     /// Refuse damaged files instead of leaving them out.
     #[arg(long)]
     strict: bool,
+    #[arg(hide_short_help = true, long, help = AS_RECORDED)]
+    as_recorded: bool,
     #[command(flatten)]
     backend: BackendArguments,
 }
@@ -89,7 +91,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     refuse_existing(out)?;
     let bytes = read_model(path)?;
     let device = arguments.backend.device()?;
-    let library = every_recording(&arguments.data, arguments.strict)?;
+    let library = recordings_of(&[&arguments.data], arguments.strict, arguments.as_recorded)?;
     let settings = TuningSettings {
         seed: arguments.seed,
         other_per_minute: arguments.other_per_minute,

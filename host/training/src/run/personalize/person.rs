@@ -128,15 +128,14 @@ impl Person {
 
 /// Converts a recording to the model's view.
 fn as_seen(recording: &Recording, vocabulary: Vocabulary, normalized: bool, lag: &Lag) -> Own {
-    let align = |samples: &mut Vec<Sample>| recording.data_set.align(samples);
-    let evaluated =
-        EvaluatedRecording::new(recording, align, vocabulary, lag.of_recording(recording));
-    let mut samples = if normalized {
+    let as_it_is = |_: &mut Vec<Sample>| ();
+    let compensation = lag.of_recording(recording);
+    let evaluated = EvaluatedRecording::new(recording, as_it_is, vocabulary, compensation);
+    let samples = if normalized {
         recording.normalized_samples()
     } else {
         recording.samples.clone()
     };
-    align(&mut samples);
     Own {
         recording: Recording {
             labels: evaluated.lag_compensated.clone(),
