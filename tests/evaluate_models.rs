@@ -9,6 +9,8 @@ mod small;
 mod browser;
 #[path = "evaluate_models/described.rs"]
 mod described;
+#[path = "evaluate_models/frame.rs"]
+mod frame;
 #[path = "evaluate_models/labels.rs"]
 mod labels;
 #[path = "evaluate_models/placement.rs"]
@@ -166,6 +168,49 @@ fn evaluated(folder: &Path, file: &Path, selection: &Selection) -> ModelEvaluati
     }];
     let library = load(&folder.join("data"), &LoadOptions::default()).unwrap();
     evaluate_models(&models, &library, selection).unwrap()
+}
+
+#[test]
+fn a_file_named_as_another_row_is_told_apart_from_it() {
+    let folder = folder("evaluate-names");
+    recordings(&folder);
+    let rows_of = |names: &[&str], more: &[&str]| {
+        let files: Vec<_> = names
+            .iter()
+            .map(|name| folder.join(format!("{name}.intent")))
+            .collect();
+        files
+            .iter()
+            .for_each(|file| model(file, &[], Vocabulary::Three));
+        let models = files.iter().map(|file| ["--model", file.to_str().unwrap()]);
+        let models = models.collect::<Vec<_>>().concat();
+        assert!(
+            evaluate(&folder, &[&models[..], more].concat()),
+            "{names:?}"
+        );
+        rows(&folder)
+    };
+    let expected = rows_of(&["one"], &[]);
+    for name in [
+        "energy detector",
+        "constant relax",
+        "integer student",
+        "a, aligned",
+    ] {
+        let named = |mut row: (String, String, f64)| {
+            if row.1 == "one" {
+                row.1 = format!("{name}.intent");
+            }
+            row
+        };
+        let named: Vec<_> = expected.iter().cloned().map(named).collect();
+        assert_eq!(rows_of(&[name], &[]), named);
+    }
+    let aligned = rows_of(&["one"], &["--align"]);
+    let both = rows_of(&["one", "one, aligned"], &["--align"]);
+    for row in aligned {
+        assert!(both.contains(&row), "{row:?}");
+    }
 }
 
 #[test]
