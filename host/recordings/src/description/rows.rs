@@ -9,6 +9,7 @@ use super::values::Column;
 use super::words::Words;
 use crate::examiner::wide;
 use crate::readers::error::{Damage, Fault, Place};
+use crate::readers::label_file::{self, Purpose};
 use crate::readers::npy::{self, Array, Values};
 use crate::readers::table::auxiliary::{AuxiliaryColumns, unnamed};
 use crate::readers::table::columns::Columns;
@@ -247,11 +248,10 @@ pub(super) fn labels(bytes: &[u8], samples: usize) -> Result<Labels, Damage> {
         let text = str::from_utf8(bytes);
         let text =
             text.map_err(|error| Damage::at_byte(error.valid_up_to() as u64, Fault::Text))?;
-        let lines = table::lines(text).map(|(line, row)| {
-            words.push(row);
-            line
-        });
-        At::Lines(lines.collect())
+        let named = label_file::named(text, Purpose::Truth)?;
+        let rows = named.unwrap_or_else(|| label_file::plain(text));
+        rows.iter().for_each(|(_, word)| words.push(word));
+        At::Lines(rows.into_iter().map(|(line, _)| line).collect())
     };
     if words.at.len() != samples {
         let labels = words.at.len();

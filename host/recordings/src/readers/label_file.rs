@@ -1,7 +1,8 @@
 //! Labels from a file, one per sample, for `myointent score`.
 //!
 //! npy: one axis of class numbers or names, or (n, 9) in ReactEMG's layout. Text: one label per
-//! line, or csv with a header that names the column. A label is a class number, a name
+//! line, or csv with a header that names the column, with any of the separators and in quotes or not; names of rows may stand
+//! before the columns, with or without a header of their own. A label is a class number, a name
 //! (`wave-in`), for any other movement -2, `other` or its name (`point`), or for no label -1, `unknown`, `none` or an empty field.
 
 use std::path::Path;
@@ -9,6 +10,7 @@ use std::path::Path;
 use super::error::{Damage, Fault, LoadError};
 use super::npy::{self, Values};
 use super::table;
+use super::table::separator::{Separator, unquoted};
 use crate::labels::motion::Motion;
 use execution::bounded_read;
 use execution::file_kind::FileKind;
@@ -40,9 +42,48 @@ impl Purpose {
     }
 
     /// Number of the column that a header names.
-    fn column(self, header: &str) -> Option<usize> {
-        let named = |wanted: &&str| header.split(',').position(|name| name.trim() == *wanted);
+    fn column(self, header: &[&str]) -> Option<usize> {
+        let named = |wanted: &&str| header.iter().position(|name| name == wanted);
         self.columns().iter().find_map(named)
+    }
+}
+
+/// First row of a text, and how all rows are divided.
+struct Header<'t> {
+    separator: Separator,
+    fields: Vec<&'t str>,
+    /// Number of fields of the other rows.
+    expected: usize,
+}
+
+impl<'t> Header<'t> {
+    fn of(text: &'t str) -> Self {
+        let mut rows = table::lines(text).map(|(_, row)| row);
+        let (header, first) = (rows.next().unwrap_or_default(), rows.next());
+        let divided = |row: &'t str| {
+            let separator = Separator::of(row);
+            (separator, separator.fields(row))
+        };
+        let (mut separator, fields) = divided(header);
+        let mut expected = fields.len().max(1);
+        // Names of rows without a header of their own.
+        if let Some((own, first)) = first.map(divided)
+            && first.len() == expected + 1
+            && (expected == 1 || own == separator)
+        {
+            separator = own;
+            expected = first.len();
+        }
+        Self {
+            separator,
+            fields,
+            expected,
+        }
+    }
+
+    /// Number of a purpose's column in the other rows.
+    fn column(&self, purpose: Purpose) -> Option<usize> {
+        Some(purpose.column(&self.fields)? + (self.expected - self.fields.len()))
     }
 }
 
@@ -61,8 +102,7 @@ pub fn read(path: &Path, purpose: Purpose) -> Result<Vec<Motion>, LoadError> {
 pub fn read_if_named(path: &Path, purpose: Purpose) -> Result<Option<Vec<Motion>>, LoadError> {
     let bytes = contents(path)?;
     let text = str::from_utf8(&bytes).unwrap_or_default();
-    let header = table::lines(text).next();
-    if header.is_none_or(|(_, header)| purpose.column(header).is_none()) {
+    if Header::of(text).column(purpose).is_none() {
         return Ok(None);
     }
     let labels = parse(&bytes, purpose).map_err(|damage| damage.in_file(path))?;
@@ -87,38 +127,55 @@ pub fn parse(bytes: &[u8], purpose: Purpose) -> Result<Vec<Motion>, Damage> {
     }
     let text = std::str::from_utf8(bytes)
         .map_err(|error| Damage::at_byte(error.valid_up_to() as u64, Fault::Text))?;
-    let mut rows = table::lines(text).peekable();
-    let header = rows.peek().map_or("", |(_, row)| *row);
-    let expected = header.split(',').count();
-    let column = purpose.column(header);
-    if column.is_some() {
-        rows.next();
-    } else if expected > 1
-        || Purpose::ALL
-            .iter()
-            .any(|other| other.column(header).is_some())
-    {
-        let fault = Fault::Column {
-            expected: purpose.columns().join(", "),
-            found: header.to_owned(),
-        };
-        return Err(Damage::at_line(1, fault));
-    }
-    let column = column.unwrap_or(0);
-    let labels = rows
-        .map(|(line, row)| {
-            let fields: Vec<&str> = row.split(',').map(str::trim).collect();
-            if fields.len() != expected {
-                let fault = Fault::Fields {
-                    expected,
-                    found: fields.len(),
+    let rows = match named(text, purpose)? {
+        Some(rows) => rows,
+        None => {
+            let header = Header::of(text);
+            let mut purposes = Purpose::ALL.into_iter();
+            if header.fields.len() > 1 || purposes.any(|other| header.column(other).is_some()) {
+                let (_, found) = table::lines(text).next().unwrap_or_default();
+                let fault = Fault::Column {
+                    expected: purpose.columns().join(", "),
+                    found: found.to_owned(),
                 };
-                return Err(Damage::at_line(line, fault));
+                return Err(Damage::at_line(1, fault));
             }
-            from_text(fields[column]).map_err(|fault| Damage::at_line(line, fault))
-        })
-        .collect::<Result<_, _>>()?;
-    not_empty(labels)
+            plain(text)
+        }
+    };
+    let labels = rows.into_iter().map(|(line, field)| {
+        let motion = from_text(field);
+        motion.map_err(|fault| Damage::at_line(line, fault))
+    });
+    not_empty(labels.collect::<Result<_, _>>()?)
+}
+
+/// Fields of the column that a header names, each with its line; none without such a header.
+pub(crate) fn named(text: &str, purpose: Purpose) -> Result<Option<Vec<(usize, &str)>>, Damage> {
+    let header = Header::of(text);
+    let Some(column) = header.column(purpose) else {
+        return Ok(None);
+    };
+    let field = |(line, row)| {
+        let mut fields = header.separator.fields(row);
+        // A line without a label.
+        if fields.is_empty() {
+            fields.push("");
+        }
+        let (expected, found) = (header.expected, fields.len());
+        if found != expected {
+            return Err(Damage::at_line(line, Fault::Fields { expected, found }));
+        }
+        Ok((line, fields[column]))
+    };
+    let rows = table::lines(text).skip(1).map(field);
+    rows.collect::<Result<_, _>>().map(Some)
+}
+
+/// Rows of one field each, with their lines.
+pub(crate) fn plain(text: &str) -> Vec<(usize, &str)> {
+    let rows = table::lines(text);
+    rows.map(|(line, row)| (line, unquoted(row))).collect()
 }
 
 fn not_empty(labels: Vec<Motion>) -> Result<Vec<Motion>, Damage> {
@@ -241,6 +298,43 @@ mod tests {
                 }
             )
         );
+    }
+
+    #[test]
+    fn a_csv_is_read_as_other_programs_write_it() {
+        for (text, expected) in [
+            ("\"label\"\n\"relax\"\n\"wave-in\"\n", [R, W]),
+            ("\"sample\",\"label\"\n1,\"relax\"\n2,\"3\"\n", [R, W]),
+            // write.csv of R: names of rows under an empty header; write.table: under none.
+            (
+                "\"\",\"label\"\n\"1\",\"relax\"\n\"2\",\"wave-in\"\n",
+                [R, W],
+            ),
+            ("\"\",\"gt\",\"label\"\n\"1\",0,2\n\"2\",3,2\n", [R, W]),
+            ("\"label\"\n\"1\" \"relax\"\n\"2\" \"wave-in\"\n", [R, W]),
+            ("\"t\" \"label\"\n\"1\" 0.5 0\n\"2\" 1 3\n", [R, W]),
+            (
+                "\"label\",\"note\"\n\"1\",\"relax\",\"a, b\"\n\"2\",\"wave-in\",\"\"\n",
+                [R, W],
+            ),
+            ("sample;label\r\n0,5;relax\r\n1;wave-in\r\n", [R, W]),
+            ("sample\tlabel\n0\trelax\n1\twave-in\n", [R, W]),
+            ("label\nrelax\n\n0\n", [R, NONE]),
+            (" \"relax\" \n\"wave-in\"\n", [R, W]),
+        ] {
+            let found = parse(text.as_bytes(), Purpose::Truth).unwrap();
+            assert_eq!(found[..2], expected, "{text}");
+        }
+        let text = "\"emitted\",\"label\"\n\"1\",\"relax\",\"close\"\n";
+        let emitted = parse(text.as_bytes(), Purpose::Emission);
+        assert_eq!(emitted, Ok(vec![R]));
+        for wrong in ["\"label\"\n\"relax\"\n1 2\n", "a,label\n1,2,3,0\n"] {
+            let damage = parse(wrong.as_bytes(), Purpose::Truth).unwrap_err();
+            assert!(
+                matches!(damage.fault, Fault::Fields { .. }),
+                "{wrong}: {damage:?}"
+            );
+        }
     }
 
     #[test]

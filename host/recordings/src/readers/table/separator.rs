@@ -31,13 +31,23 @@ impl Separator {
         eight.or(most).unwrap_or(Self::Space)
     }
 
-    /// The fields of a row, without spaces and quotes around them.
+    /// The fields of a row, without spaces and quotes around them. What is in quotes is not separated.
     pub fn fields(self, row: &str) -> Vec<&str> {
+        let mut is_quoted = false;
+        let fields = row.split(|letter| {
+            is_quoted ^= letter == '"';
+            !is_quoted && self.is(letter)
+        });
+        let fields = fields.filter(|field| self != Self::Space || !field.is_empty());
+        fields.map(unquoted).collect()
+    }
+
+    fn is(self, letter: char) -> bool {
         match self {
-            Self::Comma => row.split(',').map(unquoted).collect(),
-            Self::Semicolon => row.split(';').map(unquoted).collect(),
-            Self::Tab => row.split('\t').map(unquoted).collect(),
-            Self::Space => row.split_whitespace().map(unquoted).collect(),
+            Self::Comma => letter == ',',
+            Self::Semicolon => letter == ';',
+            Self::Tab => letter == '\t',
+            Self::Space => letter.is_whitespace(),
         }
     }
 
@@ -57,7 +67,7 @@ impl Separator {
 }
 
 /// A field without spaces and quotes around it.
-fn unquoted(field: &str) -> &str {
+pub(crate) fn unquoted(field: &str) -> &str {
     let field = field.trim();
     let inside = field
         .strip_prefix('"')
@@ -93,6 +103,8 @@ mod tests {
             assert_eq!(Separator::of(row), separator, "{row}");
         }
         assert_eq!(Separator::Comma.fields("\"a\", b ,"), ["a", "b", ""]);
+        assert_eq!(Separator::Comma.fields("\"a,b\",c"), ["a,b", "c"]);
+        assert_eq!(Separator::Space.fields(" \"a b\"  c "), ["a b", "c"]);
         assert_eq!(Separator::Semicolon.number("-0,5"), "-0.5");
     }
 }
