@@ -35,6 +35,12 @@ pub enum EvaluationError {
     /// There is no model to evaluate.
     #[error("no model to evaluate: give a model file")]
     NoModel,
+    /// Two models of one name, or a model of a floor's.
+    #[error("two rows of the results would be named {name}: rename a model")]
+    SameName {
+        /// The name.
+        name: String,
+    },
     /// Model files of different classes side by side.
     #[error("{first} and {other} have different classes: evaluate them one at a time")]
     DifferentClasses {

@@ -16,8 +16,8 @@ use shared::units::Sample;
 
 pub use self::alignment::{ALIGNED, AlignedSubject, Turn, Worn};
 use self::alignment::{Aligned, align, aligned_candidate, leave_out_openings, openings_of};
-use self::named_model::common_vocabulary;
-pub use self::named_model::{NamedModel, beside};
+pub use self::named_model::{NamedModel, SEEN, beside, is_taken};
+use self::named_model::{common_vocabulary, distinct};
 pub use self::subjects::EvaluatedSubject;
 use self::subjects::subjects;
 use crate::EvaluationError;
@@ -118,7 +118,7 @@ pub struct ModelEvaluation {
 /// lag. The energy detector is the default one, since there are no training people.
 ///
 /// # Errors
-/// When a model is refused, models have different classes, a name is unknown, or nobody is left.
+/// When a model is refused, models have one name or different classes, a name is unknown, or nobody is left.
 ///
 /// # Panics
 /// If the selection loses more than 66 % of the notifications.
@@ -127,6 +127,7 @@ pub fn evaluate_models(
     library: &Library,
     selection: &Selection,
 ) -> Result<ModelEvaluation, EvaluationError> {
+    distinct(models)?;
     let parsed = models
         .iter()
         .map(|model| Ok(Model::parse(&model.bytes)?))

@@ -40,8 +40,8 @@ impl Model {
     fn new(file: &Bound<'_, PyAny>, name: Option<String>) -> PyResult<Self> {
         let (path, mut named) = match file.cast::<PyBytes>() {
             Ok(content) => {
-                let (name, bytes) = ("model".to_owned(), content.as_bytes().to_vec());
-                (PathBuf::from(&name), NamedModel { name, bytes })
+                let bytes = content.as_bytes().to_vec();
+                (PathBuf::from("model"), NamedModel::new("model", bytes))
             }
             Err(_) => {
                 let path: PathBuf = file.extract()?;
@@ -50,7 +50,7 @@ impl Model {
             }
         };
         if let Some(name) = name {
-            named.name = name;
+            named = NamedModel::new(&name, named.bytes);
         }
         let refused = PathBuf::from(format!("{} is refused", path.display()));
         let model = file::Model::parse(&named.bytes);

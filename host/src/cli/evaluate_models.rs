@@ -3,7 +3,7 @@
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, bail};
+use anyhow::Context as _;
 use clap::Args;
 use serde::Serialize;
 
@@ -143,14 +143,6 @@ pub(in crate::cli) fn run(
         .iter()
         .map(|path| NamedModel::read(path).with_context(|| path.display().to_string()))
         .collect::<anyhow::Result<Vec<_>>>()?;
-    for (at, model) in models.iter().enumerate() {
-        if models[..at].iter().any(|other| other.name == model.name) {
-            bail!(
-                "two models are named {}: rename one of the files",
-                model.name
-            );
-        }
-    }
     let library = options.people.recordings(&options.data)?;
     let selection = Selection {
         worn: Worn {

@@ -12,7 +12,7 @@ use super::evaluate_models::{PeopleArguments, warn};
 use super::output::{PAGE, Width, refuse_unlike};
 #[cfg(feature = "train")]
 use super::steps::{find_run, recordings};
-use evaluation::model_evaluation::{NamedModel, Selection, evaluate_models};
+use evaluation::model_evaluation::{NamedModel, Selection, evaluate_models, is_taken};
 use evaluation::report::MOST_ENTRIES;
 use evaluation::report::several::{Reported, ReportedModel, tables, write};
 use evaluation::results::MODEL;
@@ -197,7 +197,7 @@ fn name(path: &Path) -> String {
 
 /// Makes a name unique: `fold-1`, `fold-1 (2)`.
 fn unique(name: String, before: &[Reported]) -> String {
-    let taken = |name: &str| before.iter().any(|own| own.name() == name);
+    let taken = |name: &str| is_taken(name) || before.iter().any(|own| own.name() == name);
     if !taken(&name) {
         return name;
     }

@@ -1,13 +1,16 @@
 //! A model file with its name in tables.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use shared::intent::Vocabulary;
 use shared::model::file::Model;
 
+use super::alignment::ALIGNED;
 use crate::EvaluationError;
 use crate::integer_candidate;
-use crate::results::MODEL;
+use crate::results::{INTEGER, INTEGER_LABELS_ONLY, LABELS_ONLY, MODEL, STUDENT, TEACHER};
+use crate::{CONSTANT, ENERGY};
 use crate::{Candidate, EvaluatedRecording};
 use execution::bounded_read;
 
@@ -21,6 +24,16 @@ pub struct NamedModel {
 }
 
 impl NamedModel {
+    /// A model of a name in tables. A name that [another row may have](is_taken) gets the ending of model files.
+    #[must_use]
+    pub fn new(name: &str, bytes: Vec<u8>) -> Self {
+        let ending = if is_taken(name) { ".intent" } else { "" };
+        Self {
+            name: format!("{name}{ending}"),
+            bytes,
+        }
+    }
+
     /// Reads a model file; its name is the file's without the extension, and that of a run folder's model the folder's.
     ///
     /// # Errors
@@ -33,12 +46,45 @@ impl NamedModel {
             Some(folder) if path.file_name().is_some_and(|file| file == MODEL) => folder,
             _ => stem,
         };
-        Ok(Self {
-            name: name.to_string_lossy().into_owned(),
-            bytes,
-        })
+        Ok(Self::new(&name.to_string_lossy(), bytes))
     }
 }
+
+/// Whether rows of results that are no model file's may have a name: those of floors, of a run's own models, of models
+/// after alignment, and of models that have seen people. Rows are told apart by their names.
+#[must_use]
+pub fn is_taken(name: &str) -> bool {
+    const TAKEN: [&str; 7] = [
+        CONSTANT,
+        ENERGY,
+        TEACHER,
+        STUDENT,
+        INTEGER,
+        LABELS_ONLY,
+        INTEGER_LABELS_ONLY,
+    ];
+    TAKEN.contains(&name) || name.ends_with(ALIGNED) || name.contains(SEEN)
+}
+
+/// Refuses models whose rows could not be told apart.
+///
+/// # Errors
+/// [`EvaluationError::SameName`].
+pub(super) fn distinct(models: &[NamedModel]) -> Result<(), EvaluationError> {
+    let mut names = BTreeSet::new();
+    let same = models
+        .iter()
+        .find(|model| is_taken(&model.name) || !names.insert(&model.name));
+    match same {
+        None => Ok(()),
+        Some(model) => Err(EvaluationError::SameName {
+            name: model.name.clone(),
+        }),
+    }
+}
+
+/// What follows the name of a model that has seen people: ` (has seen 2 of 5)`.
+pub const SEEN: &str = " (has seen ";
 
 /// A model's logits over recordings that another run evaluates.
 ///

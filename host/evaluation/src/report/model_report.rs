@@ -11,7 +11,7 @@ use super::scores::{differences, emitted, is_floor, narrow, sort, table};
 use super::{Fact, Table, labels};
 use crate::model_evaluation::{
     ALIGNED, AlignedSubject, EvaluatedModel, EvaluatedSubject, ModelEvaluation, ModelResults,
-    NamedModel, Turn, Worn,
+    NamedModel, SEEN, Turn, Worn,
 };
 use crate::{EvaluationError, Score};
 
@@ -323,7 +323,7 @@ pub(super) fn seen_by<'a>(results: &'a ModelResults, model: &str) -> Vec<&'a str
 fn mark(seen: usize, people: usize) -> String {
     match seen {
         0 => String::new(),
-        _ if seen == people => " (has seen them)".to_owned(),
-        _ => format!(" (has seen {seen} of {people})"),
+        _ if seen == people => format!("{SEEN}them)"),
+        _ => format!("{SEEN}{seen} of {people})"),
     }
 }
