@@ -7,6 +7,7 @@ use anyhow::{Context as _, bail, ensure};
 use evaluation::SmoothedLabels;
 use evaluation::label_files::evaluate_labels;
 use evaluation::metric::transition::Rule;
+use evaluation::model_evaluation::is_taken;
 use evaluation::report::model_report::label_tables;
 use evaluation::report::{labels as facts, text};
 use execution::progress;
@@ -33,7 +34,10 @@ pub(super) fn report(args: &Arguments) -> anyhow::Result<String> {
         }
     }
     let name = folder.file_name().unwrap_or(folder.as_os_str());
-    let name = name.to_string_lossy();
+    let mut name = name.to_string_lossy().into_owned();
+    if is_taken(&name) {
+        name += "/";
+    }
     let results = evaluate_labels(&name, found, &library, args.label_lag)
         .with_context(|| folder.display().to_string())?;
     if args.json {
@@ -104,6 +108,63 @@ mod tests {
     }
 
     #[test]
+    fn recordings_of_one_name_have_labels_of_their_own() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+        let (made, data, file) = (path("made"), path("data"), path("one.intent"));
+        let options = SynthOptions {
+            subjects: 2,
+            recordings: 1,
+            seconds: 30,
+            ..SynthOptions::default()
+        };
+        let written = synthetic::write(&options, Path::new(&made)).unwrap();
+        std::fs::create_dir_all(format!("{data}/anna")).unwrap();
+        for (from, to) in written.iter().zip(["x.csv", "x.txt"]) {
+            std::fs::copy(from, format!("{data}/anna/{to}")).unwrap();
+        }
+        write_model(&file);
+        let [labels, one] = ["labels", "one.csv"].map(path);
+        let predict = |recording: &str, out: &str| {
+            myointent(&[
+                "predict",
+                "--model",
+                &file,
+                "--recording",
+                recording,
+                "--out",
+                out,
+            ])
+        };
+        assert!(predict(&data, &labels));
+        for own in ["x.csv", "x.txt"] {
+            let _ = std::fs::remove_file(&one);
+            assert!(predict(&format!("{data}/anna/{own}"), &one));
+            let among_others = format!("{labels}/synthetic/anna/{own}.csv");
+            assert_eq!(
+                std::fs::read(among_others).unwrap(),
+                std::fs::read(&one).unwrap()
+            );
+        }
+        let score = || myointent(&["score", "--truth", &data, "--prediction", &labels]);
+        assert!(score());
+        std::fs::copy(&one, format!("{labels}/synthetic/anna/x.csv.txt")).unwrap();
+        assert!(!score(), "two files of labels for one recording");
+    }
+
+    /// Writes a small model file.
+    fn write_model(file: &str) {
+        let dimensions = Dimensions {
+            width: 32,
+            layers: 1,
+            span: 20,
+            vocabulary: Vocabulary::Three,
+            other: false,
+        };
+        std::fs::write(file, random_model(dimensions, 5).to_bytes().unwrap()).unwrap();
+    }
+
+    #[test]
     fn labels_of_a_folder_are_scored_as_the_model_that_gave_them() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
@@ -115,14 +176,7 @@ mod tests {
             ..SynthOptions::default()
         };
         synthetic::write(&options, Path::new(&data)).unwrap();
-        let dimensions = Dimensions {
-            width: 32,
-            layers: 1,
-            span: 20,
-            vocabulary: Vocabulary::Three,
-            other: false,
-        };
-        std::fs::write(&file, random_model(dimensions, 5).to_bytes().unwrap()).unwrap();
+        write_model(&file);
         assert!(myointent(&[
             "predict",
             "--model",

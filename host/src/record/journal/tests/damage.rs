@@ -1,0 +1,164 @@
+//! Journals that were damaged in place: every line that is whole is read.
+
+use super::*;
+
+/// Entries with so many lost lines in place of those from one on.
+fn without(entries: &[Entry], from: usize, lines: usize) -> Vec<Entry> {
+    let damage = Entry::Damage {
+        lines: lines as u32,
+    };
+    let rest = entries[from + lines..].iter().cloned();
+    let before = entries[..from].iter().cloned();
+    before.chain([damage]).chain(rest).collect()
+}
+
+#[test]
+fn any_changed_byte_loses_its_own_line_and_no_other() {
+    let whole = journal(60);
+    let all = read(&whole).entries;
+    for at in 0..whole.len() {
+        let line = whole[..at].iter().filter(|&&byte| byte == b'\n').count();
+        let ends_a_line = whole[at] == b'\n';
+        for changed in [whole[at] ^ 1, whole[at] ^ 0x80, 0] {
+            let mut bytes = whole.clone();
+            bytes[at] = changed;
+            let expected = if ends_a_line || bytes == whole {
+                all.clone()
+            } else {
+                without(&all, line, 1)
+            };
+            let contents = read(&bytes);
+            assert_eq!(contents.entries, expected, "{at}: {changed}");
+            assert_eq!(contents.left_off, 0, "{at}: {changed}");
+        }
+    }
+}
+
+#[test]
+fn every_line_that_is_whole_is_read_whatever_happened_to_the_others() {
+    let whole = journal(130);
+    let all = read(&whole).entries;
+    let lines: Vec<&[u8]> = whole.split_inclusive(|&byte| byte == b'\n').collect();
+    let (count, middle) = (lines.len(), lines.len() / 2);
+    let joined = |lines: &[&[u8]], end: &[u8]| {
+        let lines = lines.iter().map(|line| line.trim_ascii_end());
+        let lines = lines.flat_map(|line| [line, end]);
+        lines.flatten().copied().collect::<Vec<u8>>()
+    };
+    let lengths = |lines: &[&[u8]]| lines.iter().map(|line| line.len()).sum::<usize>();
+    let zeros = |from: usize, to: usize| {
+        let mut bytes = whole.clone();
+        bytes[from..to].fill(0);
+        bytes
+    };
+    let at = lengths(&lines[..middle]);
+    for (what, bytes, expected) in [
+        ("CRLF", joined(&lines, b"\r\n"), all.clone()),
+        ("CR", joined(&lines, b"\r"), all.clone()),
+        ("empty lines", joined(&lines, b"\n\n"), all.clone()),
+        ("no ends", joined(&lines, b""), all.clone()),
+        (
+            "a mark in front",
+            [b"\xef\xbb\xbf", &whole[..]].concat(),
+            all.clone(),
+        ),
+        (
+            "a line twice",
+            [&lines[..=middle], &lines[middle..]].concat().concat(),
+            all.clone(),
+        ),
+        (
+            "many lines twice",
+            [&lines[..middle + 3], &lines[middle - 3..]]
+                .concat()
+                .concat(),
+            all.clone(),
+        ),
+        ("all twice", [&whole[..], &whole].concat(), all.clone()),
+        (
+            "lines deleted",
+            [&lines[..middle], &lines[middle + 2..]].concat().concat(),
+            without(&all, middle, 2),
+        ),
+        (
+            "the first line deleted",
+            lines[1..].concat(),
+            without(&all, 0, 1),
+        ),
+        (
+            "zeros",
+            zeros(at, at + lengths(&lines[middle..middle + 3])),
+            without(&all, middle, 3),
+        ),
+        (
+            "zeros over ends of lines",
+            zeros(at + 5, at + lengths(&lines[middle..middle + 3]) + 5),
+            without(&all, middle, 4),
+        ),
+        (
+            "zeros at the end",
+            zeros(lengths(&lines[..count - 1]), whole.len()),
+            without(&all, count - 1, 1),
+        ),
+        ("zeros behind", [&whole[..], &[0; 4096]].concat(), {
+            let lost = Entry::Damage { lines: 1 };
+            all.iter().cloned().chain([lost]).collect()
+        }),
+    ] {
+        let contents = read(&bytes);
+        assert_eq!(contents.entries, expected, "{what}");
+        assert_eq!(contents.left_off, 0, "{what}");
+    }
+}
+
+#[test]
+fn a_journal_of_an_earlier_program_whose_lines_have_no_numbers_is_read() {
+    let all = read(&journal(60)).entries;
+    let line = |entry: &Entry| {
+        let json = serde_json::to_string(entry).unwrap();
+        let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
+        format!("{:08x} {json}\n", crc.checksum(json.as_bytes()))
+    };
+    let lines: Vec<String> = all.iter().map(line).collect();
+    assert_eq!(read(lines.concat().as_bytes()).entries, all);
+    let mut damaged = lines.clone();
+    damaged[3].replace_range(20..21, "!");
+    assert_eq!(
+        read(damaged.concat().as_bytes()).entries,
+        without(&all, 3, 1)
+    );
+    damaged = lines.clone();
+    damaged.insert(3, lines[3].clone());
+    assert_eq!(read(damaged.concat().as_bytes()).entries, all);
+}
+
+#[test]
+fn a_damaged_first_line_leaves_the_session_whose_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.journal");
+    let mut journal = Journal::create(&path, header()).unwrap();
+    let (turn, mirrored) = (3, true);
+    journal.entry(&Entry::Placement { turn, mirrored });
+    journal.entry(&Entry::Round { number: 1, at: 0 });
+    journal.samples(SampleIndex(0), &[sample(0); 20]);
+    journal.close().unwrap();
+    let mut bytes = std::fs::read(&path).unwrap();
+    bytes[12] ^= 1;
+    std::fs::write(&path, &bytes).unwrap();
+    let (lock, found, contents) = open(&path).unwrap();
+    drop(lock);
+    assert_eq!(
+        (found.person.as_str(), samples(&contents).len()),
+        ("anna", 20)
+    );
+    assert_eq!(contents.entries[0], Entry::Damage { lines: 1 });
+    let placements = contents.entries.iter();
+    let placements = placements.filter(|own| matches!(own, Entry::Placement { .. }));
+    assert_eq!(placements.count(), 2);
+    // What no line is whole of, is nobody's, and stays.
+    for bytes in [&b"\0\0\0\0"[..], b"{}\n{}\n", b"no journal"] {
+        std::fs::write(&path, bytes).unwrap();
+        let error = open(&path).unwrap_err();
+        assert!(matches!(error, RecordError::Headless { .. }), "{error}");
+    }
+}
