@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use recordings::Library;
 use recordings::alignment::{open_hand, openings, template};
 use recordings::split::predefined::is_test;
+use recordings::{Library, Recording};
 use shared::intent::{Intent, Vocabulary};
 use shared::stream::alignment::{Alignment, Outcome};
 use shared::units::Sample;

@@ -129,3 +129,31 @@ pub(super) fn common_vocabulary(
         }),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_model_has_the_name_of_another_row() {
+        for (name, expected) in [
+            ("three-class", "three-class"),
+            ("energy detector", "energy detector.intent"),
+            ("float student", "float student.intent"),
+            ("a, aligned", "a, aligned.intent"),
+            ("a (has seen them)", "a (has seen them).intent"),
+        ] {
+            assert_eq!(NamedModel::new(name, Vec::new()).name, expected);
+        }
+        let models = |names: &[&str]| {
+            let named = names.iter().map(|&name| NamedModel {
+                name: name.to_owned(),
+                bytes: Vec::new(),
+            });
+            distinct(&named.collect::<Vec<_>>()).is_ok()
+        };
+        assert!(models(&["", "a", "b"]));
+        assert!(!models(&["a", "b", "a"]));
+        assert!(!models(&["a", ENERGY]));
+    }
+}
