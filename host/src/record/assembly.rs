@@ -118,7 +118,7 @@ pub(crate) fn assemble(entries: &[Entry]) -> Assembly {
                 damaged = damaged.saturating_add(*lines);
                 assembly.damaged.0 = assembly.damaged.0.saturating_add(*lines);
                 assembly.parts.extend(stretch.end());
-                for trial in stretch.forget_cue() {
+                for trial in stretch.trials_in_progress() {
                     let why = RejectReason::Lost;
                     assembly.rejected.entry(trial).or_insert(why);
                 }
@@ -182,6 +182,16 @@ impl Stretch {
         }
     }
 
+    /// Trials that a lost line may have rejected or ended, of a stretch that has ended: those that have begun, and in the rest
+    /// at the beginning of one the one before it.
+    fn trials_in_progress(&self) -> impl Iterator<Item = u32> {
+        let (cue, trial) = self.carried;
+        let before = (cue == Motion::RELAX).then(|| trial.saturating_sub(1));
+        let begun = self.cues.iter().map(|(_, _, trial)| *trial);
+        let trials = before.into_iter().chain([trial]).chain(begun);
+        trials.filter(|&trial| trial > 0)
+    }
+
     /// Ends the stretch: returns its recordings, one a round.
     fn end(&mut self) -> Vec<Part> {
         let mut parts: Vec<Part> = Vec::new();
@@ -225,19 +235,6 @@ impl Stretch {
             ..Self::default()
         };
         parts
-    }
-}
-
-impl Stretch {
-    /// Forgets what was asked for, of a stretch that has ended: lost lines may have said something else. Returns the trials
-    /// that they may have rejected: the one in progress and, in the rest at its beginning, the one before it.
-    fn forget_cue(&mut self) -> impl Iterator<Item = u32> + use<> {
-        let (cue, trial) = self.carried;
-        let before = (cue == Motion::RELAX).then(|| trial.saturating_sub(1));
-        self.cues.clear();
-        self.carried = (Motion::Unknown, 0);
-        let trials = [Some(trial), before].into_iter().flatten();
-        trials.filter(|&trial| trial > 0)
     }
 }
 

@@ -208,3 +208,30 @@ fn a_long_part_is_cut_in_its_rests_and_nothing_is_missing() {
     );
     assert_eq!(part(vec![O; 6_500]).files(6_500), vec![0..6_500]);
 }
+
+#[test]
+fn lost_lines_end_a_recording_and_the_trial_in_progress_alone_is_not_used() {
+    let entries = [
+        Entry::Round { number: 1, at: 0 },
+        cue(0, R, 1),
+        quiet(0, 100),
+        cue(100, R, 2),
+        cue(150, O, 2),
+        quiet(100, 100),
+        Entry::Damage { lines: 1 },
+        quiet(220, 100),
+        cue(320, R, 3),
+        quiet(320, 100),
+        Entry::Damage { lines: 2 },
+    ];
+    let assembly = assemble(&entries);
+    let lengths: Vec<usize> = assembly.parts.iter().map(|own| own.samples.len()).collect();
+    assert_eq!(lengths, [200, 200]);
+    assert_eq!(assembly.parts[1].index[0], 220);
+    // What was asked for last, of which nobody knows that it was still asked for.
+    assert_eq!(assembly.parts[1].cues[0], O);
+    // In the rest at its beginning, the person may have rejected the trial before it.
+    let rejected: Vec<u32> = assembly.rejected.keys().copied().collect();
+    assert_eq!(rejected, [2, 3]);
+    assert_eq!((assembly.damaged, assembly.lost), ((3, 20 + 40), 0));
+}
