@@ -80,6 +80,22 @@ class RecordingsTest(unittest.TestCase):
         self.assertEqual(own.path, path.resolve())
         self.assertTrue(any("anna_grasp" in str(one.message) for one in told), told)
 
+    def test_channels_of_a_published_set_are_those_of_the_program(self):
+        path = self.folder / "EMG_S1/1_fist.npy"
+        path.parent.mkdir()
+        emg = np.random.default_rng(1).normal(size=(3000, 8)) * 9 * np.arange(1, 9)
+        emg[1000:2000] *= 3
+        np.save(path, emg.clip(-128, 127).astype(np.int8))
+        turned, own = [myointent.read(path, as_recorded=flag)[0] for flag in [False, True]]
+        np.testing.assert_array_equal(turned.emg, np.roll(own.emg, 2, axis=1))
+        told = "channels turned by 2 places into the common frame of the models"
+        self.assertEqual((told in turned.notes, told in own.notes), (True, False))
+        for recording, flag in [(turned, []), (own, ["--as-recorded"])]:
+            out = self.folder / f"labels{len(flag)}.npy"
+            program("predict", "--model", MODEL, "--recording", path, "--out", out, *flag)
+            labels = myointent.Model(MODEL).predict(recording.emg)[0]
+            np.testing.assert_array_equal(np.load(out)[:, 0], labels)
+
     def test_refusals_have_the_programs_words(self):
         bad = self.folder / "12345-1/7.txt"
         bad.parent.mkdir()
