@@ -104,7 +104,7 @@ impl SlowClock {
     #[cfg(feature = "radio-trouble")]
     pub const OSCILLATOR_PPM: u16 = 500;
 
-    /// Its name in the line that says which one runs.
+    /// Name in the line that says which clock runs.
     pub const fn name(self) -> &'static str {
         match self {
             #[cfg(feature = "radio-softdevice")]

@@ -35,7 +35,7 @@ pub struct Recording {
     notes: Vec<String>,
 }
 
-/// What a recording is made of, in the order of its fields.
+/// Parts of a recording, in the order of its fields.
 type Fields = (
     String,
     String,

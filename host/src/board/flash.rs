@@ -202,7 +202,7 @@ impl FlashError {
     }
 }
 
-/// What to do with a board whose `Board-ID` is not known.
+/// Advice for a board whose `Board-ID` is not known.
 fn of_clones(id: &str) -> &'static str {
     match UsbBoard::with_id(id) {
         Some(_) => "",

@@ -17,7 +17,7 @@ pub(super) const TOUCH_BAUD: u32 = 1200;
 /// Time in which the board sees that its port was opened, before it is closed.
 const SEEN: Duration = Duration::from_millis(100);
 
-/// What of a serial port the system is asked for; a recorder in tests.
+/// Part of a serial port that the system is asked for; a recorder in tests.
 trait Modem: Sized {
     /// Opens a port and makes its settings: raw, at a baud rate.
     fn open(path: &Path, baud: u32) -> io::Result<Self>;

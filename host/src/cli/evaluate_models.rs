@@ -47,7 +47,7 @@ impl PeopleArguments {
     /// Loads the recordings at or below some paths.
     ///
     /// # Errors
-    /// As [`recordings_of`].
+    /// Errors of [`recordings_of`].
     pub(in crate::cli) fn recordings(&self, paths: &[impl AsRef<Path>]) -> anyhow::Result<Library> {
         recordings_of(paths, self.strict, self.as_recorded)
     }

@@ -4,7 +4,7 @@ use crate::units::Millis;
 
 /// Silence after which the mode is set again, and after which, once more, the connection is closed.
 const SILENCE_MS: u32 = 500;
-/// The same before the first notification: an armband may begin three seconds after its mode is set, and anew if it is set again.
+/// Milliseconds without a notification before the first one: an armband may begin three seconds after its mode is set, and anew if it is set again.
 const START_MS: u32 = 4_000;
 /// Period of the command never to sleep. The armband's own timer is about 30 s.
 const NEVER_SLEEP_MS: u32 = 10_000;

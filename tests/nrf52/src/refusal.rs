@@ -57,7 +57,7 @@ pub enum What {
     /// A pin that is used for something else.
     #[error("is configured for something else: {why}")]
     Pin {
-        /// What has the pin, or what it lacks.
+        /// Holder of the pin, or what the pin lacks.
         why: &'static str,
     },
     /// The interconnect leads to no task.

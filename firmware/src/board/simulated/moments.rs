@@ -85,7 +85,7 @@ enum Act {
     Model(bool),
 }
 
-/// What came of the events: which armband is followed, which of the two stream, which advertise.
+/// Outcome of the events: which armband is followed, which of the two stream, which advertise.
 type Outcome = (Following, [bool; 2], [bool; 2]);
 
 /// Runs a board until its armbands have settled after the last event. Times are milliseconds since the start.
@@ -132,7 +132,7 @@ fn run(acts: &[(u64, Act)], is_exclusive: bool) -> Outcome {
     }
 }
 
-/// What is polled without being woken.
+/// Poll of a task without a wake-up.
 fn poll<F: Future>(future: Pin<&mut F>) -> Poll<F::Output> {
     future.poll(&mut Context::from_waker(Waker::noop()))
 }

@@ -83,7 +83,7 @@ pub(super) fn distinct(models: &[NamedModel]) -> Result<(), EvaluationError> {
     }
 }
 
-/// What follows the name of a model that has seen people: ` (has seen 2 of 5)`.
+/// Text behind the name of a model that has seen people: ` (has seen 2 of 5)`.
 pub const SEEN: &str = " (has seen ";
 
 /// A model's logits over recordings that another run evaluates.

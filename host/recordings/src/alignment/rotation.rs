@@ -42,7 +42,7 @@ impl Frame {
         })
     }
 
-    /// What brings channels into the common frame, in words; none if they are in it.
+    /// Turn that brings channels into the common frame, in words; none if they are in it.
     fn words(self) -> Option<String> {
         let places = match self.rotation {
             1 => "1 place".to_owned(),

@@ -86,7 +86,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
 /// folder held them.
 ///
 /// # Errors
-/// As [`load`] for each path; of several, also if all of one is left out.
+/// Errors of [`load`] for each path; of several, also if all of one is left out.
 pub fn load_all(paths: &[impl AsRef<Path>], options: &LoadOptions) -> Result<Library, LoadError> {
     let mut library = Library::default();
     for path in paths {

@@ -46,13 +46,13 @@ pub struct Bus {
     pub slow_crystal: Option<u64>,
     /// True if the watchdog runs, and with it the RC oscillator of the low-frequency clock.
     pub watchdog_runs: bool,
-    /// What the board has around the chip.
+    /// Parts of the board around the chip.
     pub board: Surroundings,
     /// True if something has changed that the core has to know.
     pub attention: bool,
 }
 
-/// What a board has around the chip, as far as the program has to know.
+/// Parts of a board around the chip, as far as the program has to know.
 #[derive(Clone, Copy, Default, Debug)]
 pub struct Surroundings {
     /// True if the supply is at VDDH, so that levels of pins are what UICR.REGOUT0 says.

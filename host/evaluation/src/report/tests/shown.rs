@@ -1,4 +1,4 @@
-//! What a page shows: pictures of recordings, people who are drawn, and numbers that are missing.
+//! Content of a page: pictures of recordings, people who are drawn, and numbers that are missing.
 
 use recordings::movement::{Movement, MovementKind};
 

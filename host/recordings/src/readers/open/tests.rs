@@ -43,7 +43,7 @@ fn windows(samples: usize, around: [&str; 2], value: impl Fn(i8) -> String) -> S
     all.chunks_exact(samples).map(row).collect()
 }
 
-/// What a load says of the only file, and what a description of its folder says.
+/// Words of a load about the only file, and of a description of its folder.
 fn told(text: &str) -> (String, String) {
     let folder = folder(&[("anna/anna_1.csv", text)]);
     let loaded = match load(folder.path(), &LoadOptions::default()) {

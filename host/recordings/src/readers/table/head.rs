@@ -18,7 +18,7 @@ pub(crate) struct Head<'t> {
     pub text: &'t str,
     /// Separator of its fields.
     pub separator: Separator,
-    /// Its fields.
+    /// Fields of the row.
     pub fields: Vec<&'t str>,
     /// Whether it is names, not values.
     pub is_names: bool,

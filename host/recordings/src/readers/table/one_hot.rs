@@ -22,7 +22,7 @@ struct Candidate<'c> {
     values: Vec<bool>,
 }
 
-/// What the columns of one label each say.
+/// Labels by columns of one label each.
 pub(crate) enum Found {
     /// Labels of the rows, and a sentence on where they stand.
     Labels(Vec<Motion>, String),

@@ -26,7 +26,7 @@ pub(crate) const ARMBAND: Address = Address {
     bytes: [0x9a, 0x78, 0x56, 0x34, 0x12, 0xfa],
 };
 
-/// What a board has and hears.
+/// State of a board, and the armband that it hears.
 #[derive(Clone, Copy)]
 pub(crate) struct Kept {
     /// CRC-32 of the model in its flash before a file comes.
