@@ -166,7 +166,7 @@ mod tests {
 
     #[test]
     fn daily_life_is_relax_where_the_muscles_are_quiet_and_other_movement_elsewhere() {
-        let loud = |at: usize| if at % 2 == 0 { 40 } else { -40 };
+        let loud = |at: usize| if at.is_multiple_of(2) { 40 } else { -40 };
         let samples = (0..2000).map(|at| {
             [if (800..1400).contains(&at) {
                 loud(at)
