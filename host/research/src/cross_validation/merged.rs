@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use evaluation::metric::event::activation::DailyUse;
 use evaluation::metric::event::latency::{self, LatencySummary};
-use evaluation::metric::event::summary::Raised;
+use evaluation::metric::event::summary::{Raised, SubjectEvents};
 use evaluation::{Group, LookAhead, Measure, Score};
 use recordings::statistics::MeanSd;
 
@@ -177,28 +177,28 @@ impl<'a> Merged<'a> {
 
     /// Movements outside the vocabulary, of all people and seeds, by the name of their kind.
     pub(crate) fn raised(&self) -> BTreeMap<&'a str, Raised> {
-        let mut by_kind: BTreeMap<&str, Raised> = BTreeMap::new();
-        let people = self
-            .scores
-            .iter()
-            .flat_map(|(_, score)| &score.events.subjects);
-        for (kind, raised) in people.flat_map(|person| &person.raised) {
-            let own = by_kind.entry(kind).or_default();
-            *own = own.plus(*raised);
-        }
-        by_kind
+        self.by_kind(|person| &person.raised, Raised::plus)
     }
 
     /// Daily life, of all people and seeds, by the name of its kind.
     pub(crate) fn daily_life(&self) -> BTreeMap<&'a str, DailyUse> {
-        let mut by_kind: BTreeMap<&str, DailyUse> = BTreeMap::new();
+        self.by_kind(|person| &person.daily, DailyUse::plus)
+    }
+
+    /// Sums of what each person has of a kind, over all people and seeds.
+    fn by_kind<T: Copy + Default + 'a>(
+        &self,
+        of: impl Fn(&'a SubjectEvents) -> &'a BTreeMap<String, T>,
+        plus: impl Fn(T, T) -> T,
+    ) -> BTreeMap<&'a str, T> {
+        let mut by_kind: BTreeMap<&str, T> = BTreeMap::new();
         let people = self
             .scores
             .iter()
             .flat_map(|(_, score)| &score.events.subjects);
-        for (kind, part) in people.flat_map(|person| &person.daily) {
+        for (kind, part) in people.flat_map(of) {
             let own = by_kind.entry(kind).or_default();
-            *own = own.plus(*part);
+            *own = plus(*own, *part);
         }
         by_kind
     }

@@ -63,8 +63,11 @@ pub(crate) fn rest(truth: &[Option<Intent>], rule: &EventRule) -> Vec<bool> {
 /// Runs of an active label that begin at a marked sample, over the marked time.
 #[must_use]
 pub(crate) fn activations(emitted: &[Option<Intent>], mask: &[bool]) -> Rate {
-    let marked = |&at: &usize| mask[at];
-    let samples = (0..emitted.len()).filter(marked);
+    begun(emitted, (0..emitted.len()).filter(|&at| mask[at]))
+}
+
+/// Runs of an active label that begin at one of these samples, over their time.
+fn begun(emitted: &[Option<Intent>], samples: impl Iterator<Item = usize> + Clone) -> Rate {
     let count = samples.clone().filter(|&at| begins(emitted, at)).count();
     Rate::of(count, samples.count())
 }
@@ -81,11 +84,10 @@ pub struct DailyUse {
 impl DailyUse {
     /// Activations within these samples, and how long their labels stay.
     pub(super) fn of(emitted: &[Option<Intent>], samples: Range<usize>) -> Self {
-        let count = samples.clone().filter(|&at| begins(emitted, at)).count();
         let shown = samples.clone().filter(|&at| active(emitted[at]).is_some());
         Self {
             active_seconds: Rate::of(0, shown.count()).seconds,
-            activations: Rate::of(count, samples.len()),
+            activations: begun(emitted, samples),
         }
     }
 
