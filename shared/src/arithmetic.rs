@@ -125,7 +125,6 @@ pub(crate) fn inverse_square_root(x: f32) -> f32 {
 /// The nearest integer, halves away from zero; exact for |x| < 2^23, saturating beyond, 0 for NaN.
 ///
 /// The addend is the largest number below one half: one half itself would round 0.499_999_97 up.
-#[cfg(any(test, feature = "write"))]
 #[must_use]
 #[inline]
 pub(crate) fn round(x: f32) -> i32 {

@@ -6,6 +6,7 @@
 //! | module | content |
 //! | --- | --- |
 //! | [`pipeline`] | the composition of everything below, sample by sample: start reading here |
+//! | [`calibration`] | a model's last layer, learnt from its wearer |
 //! | [`uart_line`] | format of the UART line |
 //! | [`myo`] | the session with a Myo armband, without I/O |
 //! | [`model`] | the student: file format, integer encoder |
@@ -40,6 +41,7 @@ test::entry!(run_tests);
 
 mod arithmetic;
 pub mod button;
+pub mod calibration;
 mod checksum;
 pub mod installation;
 pub mod intent;

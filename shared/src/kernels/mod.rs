@@ -12,6 +12,7 @@ mod cortex_m4;
 #[cfg(any(test, feature = "write"))]
 pub(crate) mod packing;
 mod portable;
+pub(crate) mod row;
 #[cfg(target_arch = "x86_64")]
 mod sse2;
 

@@ -2,39 +2,9 @@
 
 use alloc::vec::Vec;
 
-use super::{GROUP, GROUP_ORDER, TILE_ROWS, WEIGHT_ONE, weights_of};
+use super::{GROUP, GROUP_ORDER, TILE_ROWS, row, weights_of};
 
-/// The byte of a weight, in units of its own byte, behind another in its word: the nearest of which, with the byte
-/// before it, the weight is made ([`weights_of`]).
-fn byte_of(weight: f64, before: i8) -> i8 {
-    let low = f64::from(before.cast_unsigned()) / f64::from(WEIGHT_ONE);
-    // Saturates beyond -128 and 127.
-    crate::arithmetic::round((weight - low) as f32).clamp(-128, 127) as i8
-}
-
-/// The bytes of a row of weights in units of a byte, -127 to 127, in the order of their columns.
-///
-/// The distance of what they mean ([`weights_of_row`]) to the weights is at most half a unit, and less than one unit
-/// above 127.
-#[must_use]
-pub(crate) fn bytes_of_row(weights: &[f64]) -> Vec<i8> {
-    let mut bytes = alloc::vec![0; weights.len()];
-    for (weights, bytes) in weights.chunks(GROUP).zip(bytes.chunks_mut(GROUP)) {
-        let mut before = 0;
-        for column in GROUP_ORDER {
-            before = match (weights.get(column), bytes.get_mut(column)) {
-                (Some(&weight), Some(byte)) => {
-                    *byte = byte_of(weight, before);
-                    *byte
-                }
-                _ => 0,
-            };
-        }
-    }
-    bytes
-}
-
-/// The weights that the bytes of a row mean, in units of 1 / [`WEIGHT_ONE`] of a byte's.
+/// The weights that the bytes of a row mean, in units of 1 / [`WEIGHT_ONE`](super::WEIGHT_ONE) of a byte's.
 #[must_use]
 pub(crate) fn weights_of_row(bytes: &[i8]) -> Vec<i16> {
     let word = |four: &[i8]| GROUP_ORDER.map(|column| four.get(column).copied().unwrap_or(0));
@@ -76,19 +46,21 @@ pub(crate) fn unpacked(tiles: &[i8], rows: usize, columns: usize) -> Vec<i8> {
     if !columns.is_multiple_of(GROUP) || tiles.len() != rows.next_multiple_of(TILE_ROWS) * columns {
         return Vec::new();
     }
-    let place = |row: usize, column: usize| {
-        let within = GROUP_ORDER.iter().position(|&own| own == column % GROUP);
-        let group = column / GROUP * TILE_ROWS * GROUP + row % TILE_ROWS * GROUP;
-        row / TILE_ROWS * TILE_ROWS * columns + group + within.unwrap_or(0)
-    };
     (0..rows)
-        .flat_map(|row| (0..columns).map(move |column| tiles[place(row, column)]))
+        .flat_map(|row| row::bytes(tiles, row, columns))
         .collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Rounded bytes of a row in units of a byte.
+    fn bytes_of_row(weights: &[f64]) -> Vec<i8> {
+        let mut bytes = alloc::vec![0; weights.len()];
+        row::round_row(|column| weights[column], &mut bytes);
+        bytes
+    }
 
     #[test]
     fn a_tile_holds_groups_of_columns_row_by_row_and_the_last_tile_is_filled_with_zeros() {

@@ -28,6 +28,7 @@ use super::{Encode, LookBackLogits};
 use crate::arithmetic::inverse_square_root;
 use crate::model::dimensions::{Companding, Dimensions, HEADS, MAX_SLOTS, MAX_WIDTH};
 use crate::model::file::{Model, ModelError, Weights};
+use crate::model::head::Head;
 use crate::units::Patch;
 use attention::Attention;
 use cache::KvCache;
@@ -132,6 +133,15 @@ impl<'m, const WIDTH: usize, const SLOTS: usize> Encoder<'m, WIDTH, SLOTS> {
         })
     }
 
+    /// The encoder with another look-back head; as it was if the head is one for other dimensions.
+    #[must_use]
+    pub fn with_head(mut self, head: &'m Head) -> Self {
+        if head.fits(&self.dimensions) {
+            self.weights.head = head.linear();
+        }
+        self
+    }
+
     /// Number of classes, 3, 5 or 6.
     #[must_use]
     pub const fn classes(&self) -> usize {
@@ -164,6 +174,12 @@ impl<'m, const WIDTH: usize, const SLOTS: usize> Encoder<'m, WIDTH, SLOTS> {
         let EncoderState { cache, token } = state;
         let [logits] = self.tile(cache, token, [patch], probe);
         logits
+    }
+
+    /// Input of the look-back head at the patch of the last [`Encoder::step`]: the normalised residual stream, `[width]`.
+    #[must_use]
+    pub fn hidden<'s>(&self, state: &'s EncoderState<WIDTH, SLOTS>) -> &'s [f32] {
+        &state.token[0].normalised[..self.dimensions.width]
     }
 
     /// Takes `T` consecutive patches, the oldest first, as so many steps would.

@@ -211,6 +211,11 @@ pub enum ModelError {
         "this model does not know movement outside the vocabulary: it has no margin over it; train one with data.other_movement = \"class\""
     )]
     NoOther,
+    /// A head that is to replace that of a model of other dimensions.
+    #[error(
+        "the head is one for a model of other dimensions: take the model that it was learnt with"
+    )]
+    OtherHead,
     /// A metric that is infinite or NaN.
     #[error("a metric is {}, expected a finite number: evaluate and export the model again", Decimal(.found))]
     Metric {

@@ -79,7 +79,7 @@ impl LinearParts {
     }
 }
 
-fn linear(weights: &LinearWeights<'_>, inputs: usize) -> LinearParts {
+pub(super) fn linear(weights: &LinearWeights<'_>, inputs: usize) -> LinearParts {
     LinearParts {
         weights: unpacked(weights.weights, weights.bias.len(), inputs),
         scales: weights.scales.to_vec(),

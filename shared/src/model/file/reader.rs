@@ -21,6 +21,8 @@ pub struct Model<'m> {
     pub(crate) weights: Weights<'m>,
     /// Length of the file in bytes.
     pub length: usize,
+    /// CRC-32 at the end of the file, which identifies it.
+    pub checksum: u32,
 }
 
 impl<'m> Model<'m> {
@@ -33,7 +35,7 @@ impl<'m> Model<'m> {
     /// Each kind of damage has its own [`ModelError`]. Nothing after the length is used before the
     /// checksum is right.
     pub fn parse(region: &'m [u8]) -> Result<Self, ModelError> {
-        let (length, body) = checked_body(region)?;
+        let (length, checksum, body) = checked_body(region)?;
         let found = region.as_ptr().addr() % ALIGNMENT;
         if found != 0 {
             return Err(ModelError::Misaligned { found });
@@ -52,14 +54,15 @@ impl<'m> Model<'m> {
                 header,
                 weights,
                 length,
+                checksum,
             }),
             found => Err(ModelError::Trailing { found }),
         }
     }
 }
 
-/// Length of the file, and the bytes between prefix and checksum.
-fn checked_body(region: &[u8]) -> Result<(usize, &[u8]), ModelError> {
+/// Length and checksum of the file, and the bytes between prefix and checksum.
+fn checked_body(region: &[u8]) -> Result<(usize, u32, &[u8]), ModelError> {
     let too_short = ModelError::TooShort {
         expected: PREFIX_BYTES + CHECKSUM_BYTES,
         found: region.len(),
@@ -92,7 +95,7 @@ fn checked_body(region: &[u8]) -> Result<(usize, &[u8]), ModelError> {
     if expected != found {
         return Err(ModelError::Checksum { expected, found });
     }
-    Ok((declared, &content[PREFIX_BYTES..]))
+    Ok((declared, found, &content[PREFIX_BYTES..]))
 }
 
 /// The tensors not yet read, and the layer being read.

@@ -1,15 +1,17 @@
-//! A file with another header, its tensors as they are.
+//! A file with another header or head, everything else as it is.
 
 use alloc::vec::Vec;
 
 use super::{
     ALIGNMENT, CHECKSUM_BYTES, PREFIX_BYTES,
     error::ModelError,
+    owned::linear,
     reader::Model,
     wire_header::WireHeader,
     writer::{append, append_tensor, bytes_of, prefix, seal},
 };
 use crate::intent::Intent;
+use crate::model::head::Head;
 use crate::stream::alignment::Template;
 use crate::stream::smoother::Reaction;
 
@@ -51,6 +53,21 @@ impl Model<'_> {
                 header.aggregation = header.aggregation.with(reaction.early());
             }
         })
+    }
+
+    /// The file with another look-back head; everything else is as it was.
+    ///
+    /// # Errors
+    ///
+    /// Errors of [`Model::parse`], and [`ModelError::OtherHead`] if the head is one for other dimensions.
+    pub fn with_head(file: &[u8], head: &Head) -> Result<Vec<u8>, ModelError> {
+        let model = Model::parse(file)?;
+        if !head.fits(&model.header.dimensions) {
+            return Err(ModelError::OtherHead);
+        }
+        let mut parts = model.to_parts();
+        parts.head = linear(&head.linear(), model.header.dimensions.width);
+        parts.to_bytes()
     }
 
     fn with_header<'h>(

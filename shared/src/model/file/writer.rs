@@ -8,7 +8,7 @@ use super::{
     ALIGNMENT, CHECKSUM, CHECKSUM_BYTES, FORMAT_VERSION, MAGIC, PREFIX_BYTES, error::ModelError,
     header::SmootherDefaults, reader::Model, wire_header::WireHeader,
 };
-use crate::kernels::packing::{bytes_of_row, packed};
+use crate::kernels::{packing::packed, row};
 use crate::model::dimensions::{Companding, Dimensions};
 use crate::stream::alignment::Template;
 use crate::stream::preprocess::Preprocessing;
@@ -169,28 +169,15 @@ pub(super) fn bytes_of(template: Option<Template>) -> Vec<u8> {
     template.map_or_else(Vec::new, |template| template.to_bytes().to_vec())
 }
 
-/// Quantizes each row: bytes row-major ([`bytes_of_row`]), and one scale per row.
-///
-/// The scale is the row's largest magnitude over 127. A row of zeros has scale 0. Infinity and NaN make the scale
-/// infinite or NaN, which [`ModelParts::to_bytes`] refuses.
+/// Quantizes each row ([`row::quantize`]): bytes row-major, and one scale per row. An infinite or NaN scale is refused by
+/// [`ModelParts::to_bytes`].
 #[must_use]
 pub(super) fn quantize_rows(matrix: &[f32], rows: usize, columns: usize) -> (Vec<i8>, Vec<f32>) {
-    let mut bytes = Vec::with_capacity(matrix.len());
+    let mut bytes = vec![0; matrix.len()];
     let mut scales = vec![0.0; rows];
-    for (row, scale) in matrix.chunks(columns.max(1)).zip(&mut scales) {
-        let largest = crate::arithmetic::absmax(row);
-        *scale = largest / 127.0;
-        // f64: the quotient of a tiny row must be finite.
-        let inverse = if largest > 0.0 {
-            127.0 / f64::from(largest)
-        } else {
-            0.0
-        };
-        let row: Vec<f64> = row
-            .iter()
-            .map(|&weight| f64::from(weight) * inverse)
-            .collect();
-        bytes.extend(bytes_of_row(&row));
+    let rows = matrix.chunks(columns.max(1));
+    for ((weights, bytes), scale) in rows.zip(bytes.chunks_mut(columns.max(1))).zip(&mut scales) {
+        *scale = row::quantize(weights, bytes);
     }
     (bytes, scales)
 }

@@ -1,0 +1,71 @@
+//! Calibration: the last layer of a model learnt anew from a few seconds of its wearer.
+//!
+//! ```text
+//! hidden vector, what the wearer was asked for -> Sums -> solve -> Head -> Encoder::with_head
+//!                                                                   record -> kept over a loss of power
+//! ```
+//!
+//! The encoder stays as it is. The hidden vector of each patch that is shown, the head's input with a 1 behind it, is
+//! added to [`Sums`]. [`solve`] finds the head `W` that minimizes
+//!
+//! > mean of (W x - t)^2 over the shown patches, each class weighing the same, + s (W - W_0)^2,
+//!
+//! `t` being the logits of the class shown and `W_0` the model's own head, which the pull `s` holds wherever the wearer
+//! shows nothing. One matrix serves all six rows of the head: the class is the same throughout a hold. No heap, no clock;
+//! the order of all operations is fixed, so every target computes the same bits.
+//!
+//! Constants and what they were measured against: docs/calibration.md.
+
+mod record;
+mod solve;
+mod sums;
+
+pub use record::{RECORD_BYTES, Record, RecordError, from_record, to_record};
+pub use solve::{Factor, solve};
+pub use sums::{Shown, Sums};
+
+use crate::intent::Intent;
+use crate::model::head::MAX_HEAD_WIDTH;
+
+/// Fewest patches of each class, and of other movement if it is shown: half a second.
+pub const FEWEST_PATCHES: u32 = 10;
+/// Most patches of a hold that are taken: 3 s.
+pub const MOST_PATCHES: usize = 60;
+
+/// Reason why nothing is learnt.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
+pub enum Refusal {
+    /// The model is wider than those that a device runs.
+    #[error(
+        "the model has width {found}, at most {MAX_HEAD_WIDTH} can be calibrated: take a smaller model"
+    )]
+    TooWide {
+        /// Width of the model.
+        found: usize,
+    },
+    /// A class was shown too briefly.
+    #[error("{} was shown for {found} patches of 50 ms, {FEWEST_PATCHES} are needed: show it longer", .class.name())]
+    TooFew {
+        /// The class.
+        class: Intent,
+        /// Patches that were shown.
+        found: u32,
+    },
+    /// Other movement was shown too briefly.
+    #[error(
+        "other movement was shown for {found} patches of 50 ms, {FEWEST_PATCHES} are needed: show it longer, or none"
+    )]
+    TooFewOthers {
+        /// Patches that were shown.
+        found: u32,
+    },
+    /// The sums are of another model.
+    #[error("the hidden vectors are not of this model: show everything again")]
+    WrongModel,
+    /// What was shown gives no head that a model file may hold.
+    #[error("what was shown gives no usable weights: show everything again")]
+    NotFinite,
+}
+
+#[cfg(test)]
+mod tests;

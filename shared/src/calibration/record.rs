@@ -1,0 +1,146 @@
+//! The record of a calibration: what a device keeps over a loss of power.
+//!
+//! ```text
+//! 0..4    "MyoC"
+//! 4       version, 1
+//! 5       width
+//! 6       outputs
+//! 7       0
+//! 8..12   CRC-32 of the model file that it belongs to
+//! 12..16  counter: the highest of several records is the newest
+//! 16..    tiles of weights, scales, biases: as in the model file
+//! end     CRC-32 of the bytes before
+//! ```
+//!
+//! Numbers are little-endian.
+
+use crate::checksum::crc32;
+use crate::kernels::TILE_ROWS;
+use crate::model::file::Model;
+use crate::model::head::{Head, MAX_HEAD_WIDTH, MAX_OUTPUTS};
+
+const MAGIC: [u8; 4] = *b"MyoC";
+const VERSION: u8 = 1;
+const HEAD_START: usize = 16;
+const CHECKSUM_BYTES: usize = 4;
+/// Longest record: of six classes and other movement at width 64. One of three classes and other movement has 1748 bytes.
+pub const RECORD_BYTES: usize = HEAD_START
+    + MAX_OUTPUTS.next_multiple_of(TILE_ROWS) * MAX_HEAD_WIDTH
+    + 2 * 4 * MAX_OUTPUTS
+    + CHECKSUM_BYTES;
+
+// A page of flash holds any record.
+const _: () = assert!(RECORD_BYTES <= 4096);
+
+/// A calibration that was kept.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Record {
+    /// Head of the wearer.
+    pub head: Head,
+    /// Number of calibrations before it.
+    pub counter: u32,
+}
+
+/// Reason why a record is not used.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
+pub enum RecordError {
+    /// An erased page, or other bytes.
+    #[error("no calibration is kept")]
+    Missing,
+    /// Another version.
+    #[error("calibration of version {found}, this firmware reads {VERSION}: calibrate again")]
+    Version {
+        /// Version of the record.
+        found: u8,
+    },
+    /// A byte has changed, or the record is not whole.
+    #[error("the calibration is damaged: calibrate again")]
+    Damaged,
+    /// The record is of another model.
+    #[error("the calibration is of model {found:08x}, here is {expected:08x}: calibrate again")]
+    WrongModel {
+        /// CRC-32 of the model here.
+        expected: u32,
+        /// CRC-32 of the record's model.
+        found: u32,
+    },
+}
+
+/// Writes the record of a head for a model; returns its bytes.
+#[must_use]
+pub fn to_record<'b>(
+    record: &Record,
+    model: &Model<'_>,
+    bytes: &'b mut [u8; RECORD_BYTES],
+) -> &'b [u8] {
+    let head = &record.head;
+    bytes[..4].copy_from_slice(&MAGIC);
+    bytes[4..8].copy_from_slice(&[VERSION, head.width as u8, head.outputs as u8, 0]);
+    bytes[8..12].copy_from_slice(&model.checksum.to_le_bytes());
+    bytes[12..HEAD_START].copy_from_slice(&record.counter.to_le_bytes());
+    let tiles = bytemuck::cast_slice(head.tiles());
+    bytes[HEAD_START..][..tiles.len()].copy_from_slice(tiles);
+    let mut end = HEAD_START + tiles.len();
+    for numbers in [&head.scales, &head.bias] {
+        for number in &numbers[..head.outputs] {
+            bytes[end..][..4].copy_from_slice(&number.to_le_bytes());
+            end += 4;
+        }
+    }
+    let checksum = crc32(&bytes[..end]);
+    bytes[end..][..CHECKSUM_BYTES].copy_from_slice(&checksum.to_le_bytes());
+    &bytes[..end + CHECKSUM_BYTES]
+}
+
+/// The calibration of a model at the start of some bytes, which may go on behind it.
+///
+/// # Errors
+/// Each [`RecordError`].
+pub fn from_record(bytes: &[u8], model: &Model<'_>) -> Result<Record, RecordError> {
+    let (start, body) = bytes
+        .split_first_chunk::<HEAD_START>()
+        .ok_or(RecordError::Missing)?;
+    let [a, b, c, d, version, width, outputs, zero, ..] = *start;
+    if [a, b, c, d] != MAGIC {
+        return Err(RecordError::Missing);
+    }
+    if version != VERSION {
+        return Err(RecordError::Version { found: version });
+    }
+    let [found, counter] =
+        [8, 12].map(|place| u32::from_le_bytes([0, 1, 2, 3].map(|byte| start[place + byte])));
+    let (width, outputs) = (usize::from(width), usize::from(outputs));
+    let tiles = outputs.next_multiple_of(TILE_ROWS) * width;
+    let end = tiles + 2 * 4 * outputs;
+    let (covered, checksum) = bytes
+        .get(..HEAD_START + end + CHECKSUM_BYTES)
+        .and_then(<[u8]>::split_last_chunk)
+        .ok_or(RecordError::Damaged)?;
+    if zero != 0 || crc32(covered).to_le_bytes() != *checksum {
+        return Err(RecordError::Damaged);
+    }
+    let expected = model.checksum;
+    if found != expected {
+        return Err(RecordError::WrongModel { expected, found });
+    }
+    let mut head = Head::empty(&model.header.dimensions).ok_or(RecordError::Damaged)?;
+    if (head.width, head.outputs) != (width, outputs) {
+        return Err(RecordError::Damaged);
+    }
+    head.tiles_mut()
+        .copy_from_slice(bytemuck::cast_slice(&body[..tiles]));
+    let (numbers, _) = body[tiles..end].as_chunks::<4>();
+    let Head { scales, bias, .. } = &mut head;
+    for (number, bytes) in scales[..outputs]
+        .iter_mut()
+        .chain(&mut bias[..outputs])
+        .zip(numbers)
+    {
+        *number = f32::from_le_bytes(*bytes);
+    }
+    if head.complete() {
+        Ok(Record { head, counter })
+    } else {
+        Err(RecordError::Damaged)
+    }
+}

@@ -1,0 +1,244 @@
+//! The head of a wearer in closed form.
+
+use super::sums::{COLUMNS, Shown, Sums, TRIANGLE};
+use super::{FEWEST_PATCHES, Refusal};
+use crate::intent::{Intent, MAX_LOGITS};
+use crate::kernels::{WEIGHT_ONE, row};
+use crate::model::file::Model;
+use crate::model::head::{Head, MAX_HEAD_WIDTH};
+
+/// Logit of what is shown.
+const OWN: f32 = 4.0;
+/// Logit of everything else.
+const ELSE: f32 = -2.0;
+/// Logit of the gestures while the hand is relaxed, where models are surest.
+const AT_REST: f32 = -3.0;
+/// Weight of other movement beside that of a class.
+const OTHER_WEIGHT: f32 = 0.5;
+/// Strength of the pull towards the model's own head, per mean square of a column.
+const PULL: f32 = 2.0;
+
+/// Scratch memory of [`solve`]: the factors of a symmetric matrix, 8.6 KB.
+#[derive(Clone, Debug)]
+pub struct Factor([f32; TRIANGLE]);
+
+impl Factor {
+    /// All zeros.
+    pub const EMPTY: Self = Self([0.0; TRIANGLE]);
+}
+
+/// The head that a model has for the wearer of some sums. Cost: 0.2 million products.
+///
+/// The output for other movement stays the model's own if the wearer shows none.
+///
+/// # Errors
+/// Each [`Refusal`].
+pub fn solve(sums: &Sums, model: &Model<'_>, factor: &mut Factor) -> Result<Head, Refusal> {
+    let dimensions = &model.header.dimensions;
+    let mut head = Head::of(model).ok_or(Refusal::TooWide {
+        found: dimensions.width,
+    })?;
+    let classes = Classes::of(sums, model)?;
+    let columns = sums.columns;
+    let pull = matrix(sums, &classes, &mut factor.0);
+    if !factorize(&mut factor.0, columns) {
+        return Err(Refusal::NotFinite);
+    }
+    let outputs = dimensions.row_outputs();
+    for output in 0..head.outputs {
+        let place = output % outputs;
+        let Some(of) = classes.shown(place) else {
+            continue;
+        };
+        let mut x = [0.0; COLUMNS];
+        let x = &mut x[..columns];
+        let scale = head.scales[output] / WEIGHT_ONE as f32;
+        let weights = row::weights(head.tiles(), output, columns - 1);
+        for (x, weight) in x.iter_mut().zip(weights) {
+            *x = pull * (f32::from(weight) * scale);
+        }
+        x[columns - 1] = pull * head.bias[output];
+        for class in classes.each() {
+            let factor = class.weight * target(of, class.shown) / class.patches;
+            for (x, sum) in x.iter_mut().zip(&sums.of_class[class.shown.index()]) {
+                *x += factor * sum;
+            }
+        }
+        substitute(&factor.0, x);
+        head.put(output, &x[..columns - 1], x[columns - 1]);
+    }
+    if head.complete() {
+        Ok(head)
+    } else {
+        Err(Refusal::NotFinite)
+    }
+}
+
+/// Logit that an output has to give where something is shown.
+fn target(output: Shown, shown: Shown) -> f32 {
+    const RELAX: Shown = Shown::Intent(Intent::Relax);
+    match (output, shown) {
+        (own, shown) if own == shown => OWN,
+        (Shown::Intent(_), RELAX) => AT_REST,
+        _ => ELSE,
+    }
+}
+
+/// A class that was shown.
+#[derive(Clone, Copy)]
+struct Class {
+    shown: Shown,
+    /// Share of the class in the mean over all.
+    weight: f32,
+    patches: f32,
+}
+
+/// What was shown, in the order of a row's outputs.
+struct Classes {
+    classes: [Option<Class>; MAX_LOGITS],
+}
+
+impl Classes {
+    fn of(sums: &Sums, model: &Model<'_>) -> Result<Self, Refusal> {
+        let dimensions = &model.header.dimensions;
+        let intents = dimensions.vocabulary.intents();
+        for &class in intents {
+            let found = sums.patches(Shown::Intent(class));
+            if found < FEWEST_PATCHES {
+                return Err(Refusal::TooFew { class, found });
+            }
+        }
+        let others = sums.patches(Shown::Other);
+        if (1..FEWEST_PATCHES).contains(&others) {
+            return Err(Refusal::TooFewOthers { found: others });
+        }
+        let all = sums.patches.iter().filter(|patches| **patches > 0).count();
+        let with_others = others > 0;
+        // Sums of another vocabulary or width are of another model.
+        if sums.columns != dimensions.width + 1
+            || all != intents.len() + usize::from(with_others)
+            || with_others && !dimensions.other
+        {
+            return Err(Refusal::WrongModel);
+        }
+        let total = intents.len() as f32 + if with_others { OTHER_WEIGHT } else { 0.0 };
+        let class = |shown: Shown, weight: f32| Class {
+            shown,
+            weight: weight / total,
+            patches: sums.patches(shown) as f32,
+        };
+        let mut classes = [None; MAX_LOGITS];
+        for (place, &intent) in classes.iter_mut().zip(intents) {
+            *place = Some(class(Shown::Intent(intent), 1.0));
+        }
+        if with_others {
+            classes[intents.len()] = Some(class(Shown::Other, OTHER_WEIGHT));
+        }
+        Ok(Self { classes })
+    }
+
+    /// What a row's output stands for; none if that was not shown.
+    fn shown(&self, output: usize) -> Option<Shown> {
+        self.classes
+            .get(output)
+            .copied()
+            .flatten()
+            .map(|own| own.shown)
+    }
+
+    fn each(&self) -> impl Iterator<Item = Class> {
+        self.classes.into_iter().flatten()
+    }
+}
+
+/// The matrix of the normal equations; returns the pull that is on its diagonal.
+///
+/// The mean of the products within the classes, over all patches, and between the classes' means, each weighed as its
+/// class: so holds of unequal length need no matrix of their own.
+fn matrix(sums: &Sums, classes: &Classes, matrix: &mut [f32; TRIANGLE]) -> f32 {
+    let all = 1.0 / classes.each().map(|class| class.patches).sum::<f32>();
+    for (entry, product) in matrix.iter_mut().zip(&sums.products) {
+        *entry = product * all;
+    }
+    for class in classes.each() {
+        let factor = (class.weight / class.patches - all) / class.patches;
+        let own = &sums.of_class[class.shown.index()][..sums.columns];
+        let mut rest = &mut matrix[..];
+        for (row, &sum) in own.iter().enumerate() {
+            let (entries, after) = rest.split_at_mut(row + 1);
+            let sum = factor * sum;
+            for (entry, other) in entries.iter_mut().zip(own) {
+                *entry += sum * other;
+            }
+            rest = after;
+        }
+    }
+    let diagonal = |row: usize| start(row) + row;
+    let width = sums.columns - 1;
+    let mut trace = 0.0;
+    for row in 0..width {
+        trace += matrix[diagonal(row)];
+    }
+    let pull = PULL * trace / width as f32;
+    for row in 0..sums.columns {
+        matrix[diagonal(row)] += pull;
+    }
+    pull
+}
+
+/// Index of a row's first entry in a triangle.
+const fn start(row: usize) -> usize {
+    row * (row + 1) / 2
+}
+
+/// Factorizes a symmetric matrix in place into `L D L^T`: `D` on the diagonal, `L` below it. Returns whether it is
+/// positive definite.
+fn factorize(matrix: &mut [f32; TRIANGLE], columns: usize) -> bool {
+    for row in 0..columns {
+        let (above, rest) = matrix.split_at_mut(start(row));
+        let own = &mut rest[..=row];
+        // Entries of `L D` first.
+        for column in 0..row {
+            let other = &above[start(column)..][..column];
+            own[column] -= product(&own[..column], other);
+        }
+        let mut pivot = own[row];
+        for column in 0..row {
+            let scaled = own[column];
+            own[column] = scaled / above[start(column) + column];
+            pivot -= scaled * own[column];
+        }
+        own[row] = pivot;
+        if !(pivot > 0.0 && pivot < f32::MAX) {
+            return false;
+        }
+    }
+    true
+}
+
+/// Solves `L D L^T x = b` in place.
+fn substitute(factor: &[f32; TRIANGLE], x: &mut [f32]) {
+    for row in 0..x.len() {
+        x[row] -= product(&factor[start(row)..][..row], &x[..row]);
+    }
+    for (row, x) in x.iter_mut().enumerate() {
+        *x /= factor[start(row) + row];
+    }
+    for row in (0..x.len()).rev() {
+        let (above, own) = x.split_at_mut(row);
+        for (x, entry) in above.iter_mut().zip(&factor[start(row)..]) {
+            *x -= entry * own[0];
+        }
+    }
+}
+
+/// Sum of products, from the first to the last.
+fn product(a: &[f32], b: &[f32]) -> f32 {
+    let mut sum = 0.0;
+    for (a, b) in a.iter().zip(b) {
+        sum += a * b;
+    }
+    sum
+}
+
+const _: () = assert!(start(COLUMNS) == TRIANGLE && COLUMNS == MAX_HEAD_WIDTH + 1);

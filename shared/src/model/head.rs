@@ -1,0 +1,97 @@
+//! A look-back head that is not the model file's: its own weights, in the form of the file's.
+
+use super::dimensions::Dimensions;
+use super::file::{LinearWeights, Model, holds};
+use crate::intent::MAX_LOGITS;
+use crate::kernels::{Aligned, TILE_ROWS, code_limit, row};
+use crate::units::LOOK_BACK;
+
+/// Largest width of a model whose head can be replaced: that of a device's models.
+pub const MAX_HEAD_WIDTH: usize = 64;
+/// Most outputs of a head.
+pub(crate) const MAX_OUTPUTS: usize = LOOK_BACK * MAX_LOGITS;
+const TILED: usize = MAX_OUTPUTS.next_multiple_of(TILE_ROWS);
+
+/// A look-back head in memory of its own, with which an [`Encoder`](super::encoder::Encoder) runs in place of its model's.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Head {
+    /// Columns of the weights: the model's width.
+    pub(crate) width: usize,
+    /// Outputs: the look-back rows times the [row's outputs](Dimensions::row_outputs).
+    pub(crate) outputs: usize,
+    /// Tiles of `outputs` rows.
+    pub(crate) weights: Aligned<[[i8; MAX_HEAD_WIDTH]; TILED]>,
+    pub(crate) scales: [f32; MAX_OUTPUTS],
+    pub(crate) bias: [f32; MAX_OUTPUTS],
+    pub(crate) code_limit: i16,
+}
+
+impl Head {
+    /// The head of a model; none if the model is wider than [`MAX_HEAD_WIDTH`].
+    #[must_use]
+    pub fn of(model: &Model<'_>) -> Option<Self> {
+        let mut head = Self::empty(&model.header.dimensions)?;
+        let own = &model.weights.head;
+        head.tiles_mut().copy_from_slice(own.weights);
+        head.scales[..own.scales.len()].copy_from_slice(own.scales);
+        head.bias[..own.bias.len()].copy_from_slice(own.bias);
+        head.code_limit = own.code_limit;
+        Some(head)
+    }
+
+    /// A head of zeros for models of these dimensions; none if they are too wide.
+    pub(crate) fn empty(dimensions: &Dimensions) -> Option<Self> {
+        (dimensions.width <= MAX_HEAD_WIDTH).then_some(Self {
+            width: dimensions.width,
+            outputs: LOOK_BACK * dimensions.row_outputs(),
+            weights: Aligned([[0; MAX_HEAD_WIDTH]; TILED]),
+            scales: [0.0; MAX_OUTPUTS],
+            bias: [0.0; MAX_OUTPUTS],
+            code_limit: i16::MAX,
+        })
+    }
+
+    /// Whether the head is one for models of these dimensions.
+    #[must_use]
+    pub fn fits(&self, dimensions: &Dimensions) -> bool {
+        (self.width, self.outputs) == (dimensions.width, LOOK_BACK * dimensions.row_outputs())
+    }
+
+    /// Quantizes the weights of an output.
+    pub(crate) fn put(&mut self, output: usize, weights: &[f32], bias: f32) {
+        let mut bytes = [0; MAX_HEAD_WIDTH];
+        let bytes = &mut bytes[..weights.len()];
+        self.scales[output] = row::quantize(weights, bytes);
+        self.bias[output] = bias;
+        row::put(self.tiles_mut(), output, bytes);
+    }
+
+    /// Completes a head whose outputs are all put. Returns whether every number is one that a model file may hold.
+    pub(crate) fn complete(&mut self) -> bool {
+        self.code_limit = code_limit(self.tiles(), self.width);
+        let scales = &self.scales[..self.outputs];
+        holds(scales)
+            && scales.iter().all(|scale| *scale >= 0.0)
+            && holds(&self.bias[..self.outputs])
+    }
+
+    pub(crate) fn tiles(&self) -> &[i8] {
+        let bytes = self.outputs.next_multiple_of(TILE_ROWS) * self.width;
+        &self.weights.0.as_flattened()[..bytes]
+    }
+
+    pub(crate) fn tiles_mut(&mut self) -> &mut [i8] {
+        let bytes = self.outputs.next_multiple_of(TILE_ROWS) * self.width;
+        &mut self.weights.0.as_flattened_mut()[..bytes]
+    }
+
+    /// The tensors, as an encoder reads them.
+    pub(crate) fn linear(&self) -> LinearWeights<'_> {
+        LinearWeights {
+            weights: self.tiles(),
+            code_limit: self.code_limit,
+            scales: &self.scales[..self.outputs],
+            bias: &self.bias[..self.outputs],
+        }
+    }
+}
