@@ -1,5 +1,7 @@
 //! Errors of the crate.
 
+use crate::calibration::FEWEST_ROUNDS;
+use crate::model_evaluation::SET_ASIDE;
 use execution::run_folder::RunError;
 use recordings::split::SplitError;
 use shared::model::file::ModelError;
@@ -86,6 +88,28 @@ pub enum EvaluationError {
     NobodyOpens {
         /// People who could be evaluated otherwise.
         people: usize,
+    },
+    /// No person can be calibrated.
+    #[error(
+        "none of {people} people holds each gesture {SET_ASIDE} times for half a second: leave out --calibrate, or give others"
+    )]
+    NobodyHolds {
+        /// People who could be evaluated otherwise.
+        people: usize,
+    },
+    /// Several people, or nobody of the name given.
+    #[error("the recordings are of {}: say whose are meant with --subject", .found.join(", "))]
+    Whose {
+        /// Names of the people.
+        found: Vec<String>,
+    },
+    /// Too few holds to calibrate a model.
+    #[error(
+        "found {found} labelled holds of each gesture of half a second or more, with rest between them; {FEWEST_ROUNDS} are needed: record more"
+    )]
+    FewRounds {
+        /// Rounds found.
+        found: usize,
     },
     /// A file of the report could not be written whole, or one of the run could not be read; nothing of an older report
     /// was touched.

@@ -10,6 +10,7 @@ mod stream;
 use recordings::corpus::padded;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::{Model, ModelError};
+use shared::model::head::Head;
 use shared::model::{Encode, LookBackLogits};
 use shared::pipeline::Pipeline;
 use shared::stream::normalizer::Normalizer;
@@ -37,11 +38,14 @@ pub fn input(samples: &[Sample], preprocessing: Preprocessing) -> Vec<CleanSampl
 /// # Errors
 /// If the encoder refuses the model.
 pub fn outputs(model: &Model<'_>, patches: &[Patch]) -> Result<Vec<LookBackLogits>, ModelError> {
-    let encoder = HostEncoder::new(model)?;
+    Ok(outputs_of(&HostEncoder::new(model)?, patches))
+}
+
+fn outputs_of(encoder: &HostEncoder<'_>, patches: &[Patch]) -> Vec<LookBackLogits> {
     let mut outputs = Vec::with_capacity(patches.len());
     let mut state = encoder.fresh();
     encoder.steps(&mut state, patches, |logits| outputs.push(logits));
-    Ok(outputs)
+    outputs
 }
 
 /// Logits of an integer student at every whole patch of a recording, as the device computes them, after a
@@ -53,12 +57,25 @@ pub fn integer_logits(
     model: &Model<'_>,
     emg: &[CleanSample],
 ) -> Result<Vec<LookBackLogits>, ModelError> {
+    logits_with(model, None, emg)
+}
+
+/// Logits like [`integer_logits`], with a head in place of the model's own.
+///
+/// # Errors
+/// When the encoder refuses the model.
+pub fn logits_with(
+    model: &Model<'_>,
+    head: Option<&Head>,
+    emg: &[CleanSample],
+) -> Result<Vec<LookBackLogits>, ModelError> {
+    let mut encoder = HostEncoder::new(model)?;
+    if let Some(head) = head {
+        encoder = encoder.with_head(head);
+    }
     let stream = padded(emg);
     let (patches, _) = stream.as_chunks::<PATCH>();
-    Ok(outputs(model, patches)?
-        .into_iter()
-        .skip(WINDOW_PATCHES)
-        .collect())
+    Ok(outputs_of(&encoder, patches).split_off(WINDOW_PATCHES))
 }
 
 /// The pipeline of a model as a board sets it up at its start; `encoder` is that of the model.

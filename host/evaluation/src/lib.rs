@@ -2,6 +2,7 @@
 
 #![deny(missing_docs)]
 
+pub mod calibration;
 mod candidate;
 mod condition;
 mod cued;

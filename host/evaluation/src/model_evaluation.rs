@@ -1,6 +1,7 @@
 //! Evaluation of model files on any recordings, without a run folder.
 
 mod alignment;
+mod calibration;
 mod named_model;
 mod subjects;
 
@@ -16,6 +17,8 @@ use shared::units::Sample;
 
 pub use self::alignment::{ALIGNED, AlignedSubject, Turn, Worn};
 use self::alignment::{Aligned, align, aligned_candidate, leave_out_openings, openings_of};
+pub use self::calibration::{CALIBRATED, CalibratedSubject, Lesson, SET_ASIDE};
+use self::calibration::{calibrated, calibrated_candidate, people_of, set_aside};
 pub use self::named_model::{NamedModel, SEEN, beside, is_taken};
 use self::named_model::{common_vocabulary, distinct};
 pub use self::subjects::EvaluatedSubject;
@@ -50,6 +53,9 @@ pub struct Selection {
     pub align: bool,
     /// Whether alignments are told on which arm the armband is.
     pub arm_told: bool,
+    /// Whether each model is also evaluated after calibration, and by what. Only people with [`SET_ASIDE`] rounds are
+    /// evaluated then, and these rounds are not scored. Not together with `align`.
+    pub calibrate: Option<Lesson>,
     /// Percent of the notifications that are lost and bridged, 0 to 66.
     pub lost_percent: u8,
     /// Lag compensation of the labels.
@@ -84,6 +90,10 @@ pub struct ModelResults {
     pub left_out_test: Vec<String>,
     /// People left out because they do not open the hand twice, if alignment was asked for.
     pub left_out_openings: Vec<String>,
+    /// People left out because they have fewer than [`SET_ASIDE`] holds of a gesture, if calibration was asked for.
+    pub left_out_holds: Vec<String>,
+    /// Result of the calibration for each model and person; empty if it was not asked for.
+    pub calibrations: Vec<CalibratedSubject>,
     /// Placement of the armband.
     pub worn: Worn,
     /// Result of the alignment for each model and person; empty if it was not asked for.
@@ -174,6 +184,22 @@ pub fn evaluate_models(
         leave_out_openings(&mut recordings, &people, &aligned.taken);
         recordings.retain(|recording| people.contains_key(&recording.subject));
     }
+    let mut left_out_holds = Vec::new();
+    let mut calibrations = Vec::new();
+    if let Some(lesson) = selection.calibrate {
+        let people = people_of(&recordings, vocabulary);
+        let is_left = |own: &EvaluatedSubject| people.contains_key(&own.subject);
+        (subjects, left_out_holds) = subjects.into_iter().partition(is_left);
+        if subjects.is_empty() {
+            return Err(EvaluationError::NobodyHolds {
+                people: left_out_holds.len(),
+            });
+        }
+        calibrations = calibrated(&named, &recordings, &people, lesson)?;
+        set_aside(&mut recordings, &people);
+        recordings.retain(|recording| people.contains_key(&recording.subject));
+        gestures = cued(&recordings);
+    }
     let mut candidates = models
         .iter()
         .zip(&parsed)
@@ -182,6 +208,13 @@ pub fn evaluate_models(
     for ((model, parsed), own) in named.iter().zip(&aligned.found) {
         candidates.push(aligned_candidate(&model.name, parsed, &recordings, own)?);
     }
+    if selection.calibrate.is_some_and(|lesson| lesson.rounds > 0) {
+        for (model, parsed) in &named {
+            let own = calibrated_candidate(&model.name, parsed, &recordings, &calibrations)?;
+            candidates.push(own);
+        }
+    }
+    let derived = candidates.len();
     candidates.push(constant(&recordings));
     candidates.push(EnergyDetector::default().candidate(&recordings));
     let models: Vec<EvaluatedModel> = models
@@ -191,11 +224,8 @@ pub fn evaluate_models(
         .collect();
     let mut scores = Vec::new();
     for (at, candidate) in candidates.iter().enumerate() {
-        // The order is: models, aligned models, floors.
-        let mut repeated = models
-            .iter()
-            .cycle()
-            .take(models.len() + aligned.found.len());
+        // The order is: models, aligned or calibrated models, floors.
+        let mut repeated = models.iter().cycle().take(derived);
         let look_ahead = repeated
             .nth(at)
             .map_or(LookAhead::None, |model| model.look_ahead);
@@ -217,6 +247,8 @@ pub fn evaluate_models(
                 .into_iter()
                 .map(|own| own.subject)
                 .collect(),
+            left_out_holds: left_out_holds.into_iter().map(|own| own.subject).collect(),
+            calibrations,
             worn: selection.worn,
             alignments: aligned.results,
             lost_percent: selection.lost_percent,

@@ -10,7 +10,8 @@ use serde::Serialize;
 use crate::cli::arguments::{AS_RECORDED, recordings_of, warn_of_test_people};
 use crate::cli::output::{PAGE, Width, first_line, refuse_unlike};
 use evaluation::model_evaluation::{
-    EvaluatedSubject, ModelResults, NamedModel, Selection, Turn, Worn, evaluate_models,
+    EvaluatedSubject, Lesson, ModelResults, NamedModel, SET_ASIDE, Selection, Turn, Worn,
+    evaluate_models,
 };
 use evaluation::report::labels;
 use evaluation::report::model_report::{self, people_rows, tables};
@@ -87,6 +88,15 @@ pub(in crate::cli) struct Options {
     /// Tell each alignment on which arm the armband is.
     #[arg(hide_short_help = true, long, requires = "align")]
     arm_told: bool,
+    /// Evaluate each model also after calibration by each person's first rounds, 0 to 4: a hold of each gesture and two of rest.
+    ///
+    /// Four rounds are set aside and not scored, whatever the number; people without them are left out. Half of the rounds judge
+    /// whether the new head is used (docs/calibration.md).
+    #[arg(hide_short_help = true, long, value_name = "ROUNDS", requires = "data", conflicts_with = "align", value_parser = clap::value_parser!(u8).range(0..=SET_ASIDE as i64))]
+    calibrate: Option<u8>,
+    /// Show six seconds of other movement to each calibration too.
+    #[arg(hide_short_help = true, long, requires = "calibrate")]
+    show_others: bool,
     /// Lose this share of the notifications, 0 to 66 percent, and bridge them as the device does.
     #[arg(hide_short_help = true, long, value_name = "PERCENT", requires = "data", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=MOST_PERCENT.into()))]
     lose: u8,
@@ -151,6 +161,10 @@ pub(in crate::cli) fn run(
         },
         align: options.align,
         arm_told: options.arm_told,
+        calibrate: options.calibrate.map(|rounds| Lesson {
+            rounds: rounds.into(),
+            others: options.show_others,
+        }),
         lost_percent: options.lose,
         label_lag: options.label_lag,
         ..options.people.selection()
@@ -215,6 +229,10 @@ pub(in crate::cli) fn warn(results: &ModelResults) {
     count(
         results.left_out_openings.len(),
         "left out, because they do not open the hand twice (--align)",
+    );
+    count(
+        results.left_out_holds.len(),
+        "left out, because they hold a gesture fewer than four times (--calibrate)",
     );
     let evaluated = |wanted: fn(&&EvaluatedSubject) -> bool| {
         let subjects = results.subjects.iter();

@@ -2,6 +2,7 @@
 
 pub mod arguments;
 mod board;
+mod calibrate;
 mod completions;
 mod contents;
 mod data;
@@ -64,7 +65,7 @@ use execution::{bounded_read, interrupt, progress};
                   myointent quantize --run runs/mine\n  \
                   myointent evaluate --run runs/mine\n\n\
                   docs/presets.md explains every setting of a preset.\n\n\
-                  Exit codes: 0 done, 1 failed, 2 wrong arguments, 3 `personalize` keeps the old model, 130 interrupted."
+                  Exit codes: 0 done, 1 failed, 2 wrong arguments, 3 `calibrate` or `personalize` keeps the old model, 130 interrupted."
 )]
 pub struct Cli {
     #[command(subcommand)]
@@ -99,6 +100,8 @@ enum Command {
     Info(info::Arguments),
     /// Make the alignment template of a model file anew, from the people whom the model has seen.
     Template(template::Arguments),
+    /// Learn the last layer of a model file anew from a few holds of a person.
+    Calibrate(calibrate::Arguments),
     /// Move the operating point of a model file: the margins of its confidence gate.
     Gate(gate::Arguments),
     /// Put firmware and a model onto a board with USB, and bind an armband.
@@ -133,6 +136,7 @@ impl Cli {
             Command::Score(arguments) => score::run(arguments),
             Command::Info(arguments) => info::run(&arguments),
             Command::Template(arguments) => template::run(&arguments),
+            Command::Calibrate(arguments) => calibrate::run(&arguments),
             Command::Gate(arguments) => gate::run(&arguments),
             Command::Flash(arguments) => flash::run(&arguments),
             Command::Board(arguments) => board::run(&arguments),
@@ -145,11 +149,7 @@ impl Cli {
             Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
             Err(error) => {
                 // That the old model is kept is a result, not an error.
-                let start = if steps::keeps_the_old(&error) {
-                    ""
-                } else {
-                    "error: "
-                };
+                let start = if keeps_the_old(&error) { "" } else { "error: " };
                 progress::log(&format!("{start}{}", progress::with_causes(&*error)));
                 let interrupted = is_interrupt(&error);
                 if interrupted {
@@ -173,12 +173,12 @@ impl Command {
     }
 }
 
-/// Exit code: 130 after Ctrl-C, 2 for wrong arguments, 3 if a tuned model is worse, 1 after any other failure.
+/// Exit code: 130 after Ctrl-C, 2 for wrong arguments, 3 if a tuned or calibrated model is worse, 1 after any other failure.
 #[must_use]
 pub fn exit_code(error: &anyhow::Error, interrupted: bool) -> ExitCode {
     if interrupted {
         ExitCode::from(130)
-    } else if steps::keeps_the_old(error) {
+    } else if keeps_the_old(error) {
         ExitCode::from(KEPT)
     } else if is_wrong_argument(error) {
         ExitCode::from(2)
@@ -195,7 +195,12 @@ pub fn is_interrupt(error: &anyhow::Error) -> bool {
     })
 }
 
-/// Exit code if `personalize` keeps the old model.
+/// Whether a command decided to keep the old model.
+fn keeps_the_old(error: &anyhow::Error) -> bool {
+    error.is::<calibrate::Kept>() || steps::keeps_the_old(error)
+}
+
+/// Exit code if a command keeps the old model.
 const KEPT: u8 = 3;
 
 /// Whether an argument has an impossible value that the parser accepts.

@@ -27,8 +27,8 @@ pub use sums::{Shown, Sums};
 use crate::intent::Intent;
 use crate::model::head::MAX_HEAD_WIDTH;
 
-/// Fewest patches of each class, and of other movement if it is shown: half a second.
-pub const FEWEST_PATCHES: u32 = 10;
+/// Fewest patches of each class, and of other movement if it is shown: those that lie whole in half a second.
+pub const FEWEST_PATCHES: u32 = 9;
 /// Most patches of a hold that are taken: 3 s.
 pub const MOST_PATCHES: usize = 60;
 

@@ -13,8 +13,6 @@ const OWN: f32 = 4.0;
 const ELSE: f32 = -2.0;
 /// Logit of the gestures while the hand is relaxed, where models are surest.
 const AT_REST: f32 = -3.0;
-/// Weight of other movement beside that of a class.
-const OTHER_WEIGHT: f32 = 0.5;
 /// Strength of the pull towards the model's own head, per mean square of a column.
 const PULL: f32 = 2.0;
 
@@ -121,18 +119,17 @@ impl Classes {
         {
             return Err(Refusal::WrongModel);
         }
-        let total = intents.len() as f32 + if with_others { OTHER_WEIGHT } else { 0.0 };
-        let class = |shown: Shown, weight: f32| Class {
+        let class = |shown: Shown| Class {
             shown,
-            weight: weight / total,
+            weight: 1.0 / all as f32,
             patches: sums.patches(shown) as f32,
         };
         let mut classes = [None; MAX_LOGITS];
         for (place, &intent) in classes.iter_mut().zip(intents) {
-            *place = Some(class(Shown::Intent(intent), 1.0));
+            *place = Some(class(Shown::Intent(intent)));
         }
         if with_others {
-            classes[intents.len()] = Some(class(Shown::Other, OTHER_WEIGHT));
+            classes[intents.len()] = Some(class(Shown::Other));
         }
         Ok(Self { classes })
     }

@@ -7,6 +7,7 @@ use shared::intent::Vocabulary;
 use shared::model::file::Model;
 
 use super::alignment::ALIGNED;
+use super::calibration::CALIBRATED;
 use crate::EvaluationError;
 use crate::integer_candidate;
 use crate::results::{INTEGER, INTEGER_LABELS_ONLY, LABELS_ONLY, MODEL, STUDENT, TEACHER};
@@ -63,7 +64,10 @@ pub fn is_taken(name: &str) -> bool {
         LABELS_ONLY,
         INTEGER_LABELS_ONLY,
     ];
-    TAKEN.contains(&name) || name.ends_with(ALIGNED) || name.contains(SEEN)
+    TAKEN.contains(&name)
+        || name.ends_with(ALIGNED)
+        || name.ends_with(CALIBRATED)
+        || name.contains(SEEN)
 }
 
 /// Refuses models whose rows could not be told apart.

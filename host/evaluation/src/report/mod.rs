@@ -3,6 +3,7 @@
 //! Numbers are formatted and drawn here, not computed. The file contains its pictures and its style, so it
 //! can be mailed, archived and opened without a network.
 
+mod calibrations;
 pub mod cell;
 mod device;
 mod entry;

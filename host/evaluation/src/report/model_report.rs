@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::calibrations::calibrations;
 use super::cell::number_of;
 use super::entry::{Entry, over_all};
 use super::page::Page;
@@ -10,8 +11,8 @@ use super::run_report::PEOPLE;
 use super::scores::{differences, emitted, is_floor, narrow, sort, table};
 use super::{Fact, Table, labels};
 use crate::model_evaluation::{
-    ALIGNED, AlignedSubject, EvaluatedModel, EvaluatedSubject, ModelEvaluation, ModelResults,
-    NamedModel, SEEN, Turn, Worn,
+    ALIGNED, AlignedSubject, CALIBRATED, EvaluatedModel, EvaluatedSubject, ModelEvaluation,
+    ModelResults, NamedModel, SEEN, Turn, Worn,
 };
 use crate::{EvaluationError, Score};
 
@@ -136,7 +137,10 @@ fn tables_of_models(results: &ModelResults, wide: bool) -> Vec<Table> {
     sort(&mut scores);
     if !wide {
         let scores = [narrow(SCORES, &scores)].into_iter();
-        return scores.chain(alignments(results)).collect();
+        return scores
+            .chain(alignments(results))
+            .chain(calibrations(results))
+            .collect();
     }
     let pairs = of_first(results).flat_map(|own| {
         let others = results.scores.iter().filter(|other| other.same_people(own));
@@ -150,6 +154,7 @@ fn tables_of_models(results: &ModelResults, wide: bool) -> Vec<Table> {
         emitted(&scores),
     ];
     tables.extend(alignments(results));
+    tables.extend(calibrations(results));
     tables
 }
 
@@ -214,10 +219,11 @@ pub(super) fn facts(results: &ModelResults) -> Vec<Fact> {
         0 => String::new(),
         percent => format!("{percent} %"),
     };
-    let [seen, test, openings] = [
+    let [seen, test, openings, holds] = [
         &results.left_out_seen,
         &results.left_out_test,
         &results.left_out_openings,
+        &results.left_out_holds,
     ]
     .map(|people| people.join(", "));
     let mut facts = stated([
@@ -226,6 +232,7 @@ pub(super) fn facts(results: &ModelResults) -> Vec<Fact> {
         ("left out: test people", test),
         ("armband", placement(results.worn)),
         ("left out: fewer than two openings of the hand", openings),
+        ("left out: too few holds to calibrate", holds),
         ("notifications lost and bridged", lost),
     ]);
     facts.extend(labels(&results.lags, &results.gestures));
@@ -301,10 +308,11 @@ pub(super) fn marked(results: &ModelResults) -> ModelResults {
         marked.models[at].name += &mark;
         let scores = marked.scores.iter_mut().map(|score| &mut score.model);
         let alignments = marked.alignments.iter_mut().map(|own| &mut own.model);
-        for name in scores.chain(alignments) {
-            // The model itself, and the same model aligned.
+        let calibrations = marked.calibrations.iter_mut().map(|own| &mut own.model);
+        for name in scores.chain(alignments).chain(calibrations) {
+            // The model itself, and the same model aligned or calibrated.
             let rest = name.strip_prefix(&model.name);
-            if rest.is_some_and(|rest| rest.is_empty() || rest == ALIGNED) {
+            if rest.is_some_and(|rest| rest.is_empty() || [ALIGNED, CALIBRATED].contains(&rest)) {
                 name.insert_str(model.name.len(), &mark);
             }
         }

@@ -1,0 +1,175 @@
+//! Calibration of a model by a person's own holds, with the code that a board runs ([`shared::calibration`]).
+//!
+//! A round is a hold of each gesture and two of rest. The first half of the rounds teaches, the other half judges the new
+//! head beside the model's own; the new one is kept if it is not worse, and then learns from all rounds.
+
+mod own;
+mod parts;
+
+use std::collections::BTreeMap;
+
+use recordings::corpus::padded;
+use serde::Serialize;
+use shared::calibration::{Factor, MOST_PATCHES, Refusal, Shown, Sums, solve};
+use shared::model::encoder::HostEncoder;
+use shared::model::file::Model;
+use shared::model::head::Head;
+use shared::units::{PATCH, WINDOW_PATCHES};
+
+pub use self::own::{FEWEST_ROUNDS, OwnCalibration, calibrate_file};
+pub use self::parts::{Part, parts, rounds_of};
+use crate::inference::logits_with;
+use crate::{EvaluatedRecording, EvaluationError, smooth};
+
+/// Recall that the new head may lose and still be used: one that learns from all rounds is better than the one that is judged.
+const MOST_LOST: f64 = 0.05;
+
+/// What became of a calibration.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Calibration {
+    /// Head to use; none if the model's own is kept.
+    #[serde(skip)]
+    pub head: Option<Head>,
+    /// Mean recall of the classes in the rounds that judge, of the model's own head and of the new one; none with one round
+    /// alone, which cannot be judged.
+    pub judged: Option<[f64; 2]>,
+    /// Why nothing was learnt.
+    pub refusal: Option<String>,
+}
+
+/// Calibrates a model on the first `rounds` of a person's parts; without `others`, other movement is not shown.
+///
+/// # Errors
+/// When the encoder or the smoother refuses the model.
+pub fn calibrate(
+    model: &Model<'_>,
+    recordings: &[&EvaluatedRecording],
+    parts: &[Part],
+    rounds: usize,
+    others: bool,
+) -> Result<Calibration, EvaluationError> {
+    let wanted = |part: &&Part| part.round < rounds && (others || part.shown != Shown::Other);
+    let parts: Vec<&Part> = parts.iter().filter(wanted).collect();
+    let mut hidden = BTreeMap::new();
+    for part in &parts {
+        if let std::collections::btree_map::Entry::Vacant(entry) = hidden.entry(part.recording) {
+            entry.insert(hidden_vectors(model, recordings[part.recording])?);
+        }
+    }
+    let learnt = |rounds: usize| {
+        let mut sums = Sums::EMPTY;
+        for part in parts.iter().filter(|part| part.round < rounds) {
+            for vector in hidden[&part.recording]
+                .iter()
+                .take(part.end())
+                .skip(part.start())
+            {
+                sums.add(vector, part.shown);
+            }
+        }
+        let mut factor = Factor::EMPTY;
+        solve(&sums, model, &mut factor)
+    };
+    let refused = |refusal: Refusal| Calibration {
+        refusal: Some(refusal.to_string()),
+        ..Calibration::default()
+    };
+    if rounds == 0 {
+        return Ok(Calibration::default());
+    }
+    let teaching = rounds.div_ceil(2);
+    let judging: Vec<&Part> = parts
+        .iter()
+        .filter(|part| part.round >= teaching)
+        .copied()
+        .collect();
+    let first = match learnt(teaching) {
+        Ok(head) => head,
+        Err(refusal) => return Ok(refused(refusal)),
+    };
+    if judging.is_empty() {
+        return Ok(Calibration {
+            head: Some(first),
+            ..Calibration::default()
+        });
+    }
+    let recall = |head: Option<&Head>| recall(model, head, recordings, &judging);
+    let judged = [recall(None)?, recall(Some(&first))?];
+    if judged[1] < judged[0] - MOST_LOST {
+        return Ok(Calibration {
+            judged: Some(judged),
+            ..Calibration::default()
+        });
+    }
+    Ok(match learnt(rounds) {
+        Ok(head) => Calibration {
+            head: Some(head),
+            judged: Some(judged),
+            refusal: None,
+        },
+        Err(refusal) => refused(refusal),
+    })
+}
+
+impl Part {
+    /// First patch that is taken.
+    fn start(&self) -> usize {
+        self.samples.start.div_ceil(PATCH)
+    }
+
+    /// One after the last patch that is taken.
+    fn end(&self) -> usize {
+        (self.samples.end / PATCH).min(self.start() + MOST_PATCHES)
+    }
+}
+
+/// Hidden vector at each patch of a recording.
+fn hidden_vectors(
+    model: &Model<'_>,
+    recording: &EvaluatedRecording,
+) -> Result<Vec<Vec<f32>>, EvaluationError> {
+    let encoder = HostEncoder::new(model)?;
+    let mut state = encoder.fresh();
+    let stream = padded(&recording.input(model.header.preprocessing));
+    let (patches, _) = stream.as_chunks::<PATCH>();
+    let vectors = patches.iter().map(|patch| {
+        let _ = encoder.step(&mut state, patch);
+        encoder.hidden(&state).to_vec()
+    });
+    Ok(vectors.collect::<Vec<_>>().split_off(WINDOW_PATCHES))
+}
+
+/// Mean over the classes of the share of samples in these parts that a head labels right, as emitted.
+fn recall(
+    model: &Model<'_>,
+    head: Option<&Head>,
+    recordings: &[&EvaluatedRecording],
+    parts: &[&Part],
+) -> Result<f64, EvaluationError> {
+    let classes = model.header.dimensions.vocabulary.classes();
+    let mut labels = BTreeMap::new();
+    let mut counts = vec![(0, 0); classes];
+    for part in parts {
+        let Shown::Intent(intent) = part.shown else {
+            continue;
+        };
+        if let std::collections::btree_map::Entry::Vacant(entry) = labels.entry(part.recording) {
+            let recording = recordings[part.recording];
+            let logits = logits_with(model, head, &recording.input(model.header.preprocessing))?;
+            let settings = model.header.smoother.in_patches();
+            entry.insert(smooth(&logits, recording.emg.len(), classes, settings)?.emitted);
+        }
+        let own = &labels[&part.recording][part.samples.clone()];
+        let (right, all) = &mut counts[intent.class()];
+        *right += own.iter().filter(|label| **label == Some(intent)).count();
+        *all += own.len();
+    }
+    let shares = counts.iter().filter(|(_, all)| *all > 0);
+    let shares: Vec<f64> = shares
+        .map(|&(right, all)| right as f64 / all as f64)
+        .collect();
+    Ok(shares.iter().sum::<f64>() / shares.len().max(1) as f64)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,85 @@
+//! A model file calibrated on one person's recordings.
+
+use recordings::Library;
+use recordings::labels::lag::LabelLag;
+use recordings::labels::set_lag::lags;
+use recordings::split::predefined;
+use shared::calibration::Shown;
+use shared::model::file::Model;
+use shared::units::Sample;
+
+use super::{Calibration, calibrate, parts, rounds_of};
+use crate::model_evaluation::{evaluated_recordings, labelled};
+use crate::{EvaluatedRecording, EvaluationError};
+
+/// Fewest rounds: one teaches, one judges.
+pub const FEWEST_ROUNDS: usize = 2;
+
+/// Result of a calibration on a person's own recordings.
+#[derive(Clone, Debug)]
+pub struct OwnCalibration {
+    /// The person, as `data-set/subject`.
+    pub subject: String,
+    /// Rounds in the recordings.
+    pub rounds: usize,
+    /// Whether other movement was shown.
+    pub others: bool,
+    /// What became of it.
+    pub calibration: Calibration,
+    /// Model file with the new head; none if the old one is kept. The person is one whom it has seen.
+    pub file: Option<Vec<u8>>,
+}
+
+/// Calibrates a model file on all rounds of a person (`data-set/subject`, or the part after the slash), or of the only
+/// person; on other movement too, if the recordings and the model have it.
+///
+/// # Errors
+/// When the model is refused, it is unclear whose recordings are meant, or they hold too few rounds.
+pub fn calibrate_file(
+    file: &[u8],
+    library: &Library,
+    subject: Option<&str>,
+) -> Result<OwnCalibration, EvaluationError> {
+    let model = Model::parse(file)?;
+    let dimensions = &model.header.dimensions;
+    let people = library.subjects();
+    let named = people.iter().filter(|own| {
+        let after = own.split_once('/').map(|(_, name)| name);
+        subject.is_none_or(|wanted| *own == wanted || after == Some(wanted))
+    });
+    let [subject] = named.collect::<Vec<_>>()[..] else {
+        return Err(EvaluationError::Whose { found: people });
+    };
+    let labelled = labelled(library, dimensions.vocabulary);
+    let lags = lags(&labelled, LabelLag::default(), &predefined::is_training);
+    let recordings = evaluated_recordings(&labelled, dimensions.vocabulary, &lags, |recording| {
+        (recording.subject == *subject).then_some(|_: &mut Vec<Sample>| ())
+    });
+    let recordings: Vec<&EvaluatedRecording> = recordings.iter().collect();
+    let rounds = rounds_of(&recordings, dimensions.vocabulary);
+    if rounds < FEWEST_ROUNDS {
+        return Err(EvaluationError::FewRounds { found: rounds });
+    }
+    let parts = parts(&recordings, dimensions.vocabulary, rounds);
+    let others = dimensions.other && parts.iter().any(|part| part.shown == Shown::Other);
+    let calibration = calibrate(&model, &recordings, &parts, rounds, others)?;
+    let file = match &calibration.head {
+        Some(head) => {
+            let calibrated = Model::with_head(file, head)?;
+            let mut parts = Model::parse(&calibrated)?.to_parts();
+            let seen = &mut parts.provenance.subjects_seen;
+            if !seen.contains(subject) {
+                seen.push(subject.clone());
+            }
+            Some(parts.to_bytes()?)
+        }
+        None => None,
+    };
+    Ok(OwnCalibration {
+        subject: subject.clone(),
+        rounds,
+        others,
+        calibration,
+        file,
+    })
+}

@@ -1,0 +1,114 @@
+//! The parts of a person's recordings that are shown to a calibration.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use recordings::MovementKind;
+use shared::calibration::Shown;
+use shared::intent::{Intent, Vocabulary};
+use shared::units::SAMPLE_RATE_HZ;
+
+use crate::EvaluatedRecording;
+
+/// Shortest hold, in samples: half a second.
+const SHORTEST: usize = SAMPLE_RATE_HZ as usize / 2;
+/// Most samples of a rest: 3 s.
+const MOST_REST: usize = 3 * SAMPLE_RATE_HZ as usize;
+/// Most samples of one other movement: 1 s.
+const MOST_OTHER: usize = SAMPLE_RATE_HZ as usize;
+/// Other movements that are shown: six, 6 s.
+const OTHERS: usize = 6;
+/// Rests of a round.
+const RESTS: usize = 2;
+
+/// Part of a recording that is shown.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Part {
+    /// Index of the recording.
+    pub recording: usize,
+    /// Samples.
+    pub samples: Range<usize>,
+    /// What they show.
+    pub shown: Shown,
+    /// Round, from 0 on; other movement is shown in the first.
+    pub round: usize,
+}
+
+/// Complete rounds in a person's recordings: holds of the gesture that is held least often, by lag-compensated labels.
+#[must_use]
+pub fn rounds_of(recordings: &[&EvaluatedRecording], vocabulary: Vocabulary) -> usize {
+    let holds = holds(recordings);
+    let gestures = vocabulary.intents()[1..].iter();
+    let counts = gestures.map(|gesture| holds.get(gesture).map_or(0, Vec::len));
+    let rest = holds.contains_key(&Intent::Relax);
+    counts.min().filter(|_| rest).unwrap_or(0)
+}
+
+/// The first `rounds` rounds of a person's recordings, and six seconds of other movement, each kind in turn, as far as
+/// there are twice as many movements.
+#[must_use]
+pub fn parts(
+    recordings: &[&EvaluatedRecording],
+    vocabulary: Vocabulary,
+    rounds: usize,
+) -> Vec<Part> {
+    let mut parts = Vec::new();
+    for (intent, holds) in holds(recordings) {
+        if !vocabulary.contains(intent) {
+            continue;
+        }
+        let (a_round, most) = if intent == Intent::Relax {
+            (RESTS, MOST_REST)
+        } else {
+            (1, usize::MAX)
+        };
+        let holds = holds.into_iter().take(rounds * a_round).enumerate();
+        parts.extend(holds.map(|(place, (recording, samples))| Part {
+            recording,
+            samples: samples.start..samples.end.min(samples.start.saturating_add(most)),
+            shown: Shown::Intent(intent),
+            round: place / a_round,
+        }));
+    }
+    let mut kinds: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut others = Vec::new();
+    for (recording, own) in recordings.iter().enumerate() {
+        for movement in &own.other_movement {
+            let is_daily = matches!(movement.kind, MovementKind::Daily(_));
+            if !is_daily && movement.samples.len() >= SHORTEST {
+                let turn = kinds.entry(movement.kind.name()).or_default();
+                *turn += 1;
+                others.push((*turn, recording, movement.samples.clone()));
+            }
+        }
+    }
+    others.sort_by_key(|(turn, recording, samples)| (*turn, *recording, samples.start));
+    let count = OTHERS.min(others.len() / 2);
+    let others = others.into_iter().take(count);
+    parts.extend(others.map(|(_, recording, samples)| Part {
+        recording,
+        samples: samples.start..samples.end.min(samples.start + MOST_OTHER),
+        shown: Shown::Other,
+        round: 0,
+    }));
+    parts
+}
+
+/// Holds of each intent in the order of the recordings.
+fn holds(recordings: &[&EvaluatedRecording]) -> BTreeMap<Intent, Vec<(usize, Range<usize>)>> {
+    let mut holds: BTreeMap<Intent, Vec<(usize, Range<usize>)>> = BTreeMap::new();
+    for (recording, own) in recordings.iter().enumerate() {
+        let mut end = 0;
+        for run in own.lag_compensated.chunk_by(|a, b| a == b) {
+            let start = end;
+            end += run.len();
+            if let (Some(intent), true) = (run[0], run.len() >= SHORTEST) {
+                holds
+                    .entry(intent)
+                    .or_default()
+                    .push((recording, start..end));
+            }
+        }
+    }
+    holds
+}

@@ -1,0 +1,209 @@
+use std::ops::Range;
+use std::path::Path;
+
+use recordings::synthetic::{SynthOptions, generate};
+use recordings::{DataSet, Library, Movement, MovementKind};
+use shared::intent::{Intent, Vocabulary};
+
+use super::*;
+use crate::model_evaluation::{CALIBRATED, Lesson, NamedModel, Selection, evaluate_models};
+use crate::{ALL, Score};
+
+fn shipped() -> Vec<u8> {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models/three-class.intent");
+    std::fs::read(file).unwrap()
+}
+
+fn library(subjects: usize) -> Library {
+    Library {
+        recordings: generate(&SynthOptions {
+            subjects,
+            recordings: 2,
+            seconds: 60,
+            ..SynthOptions::default()
+        }),
+        in_common_frame: true,
+        ..Library::default()
+    }
+}
+
+/// A recording with these labels, half a second each so many times, and other movements of these kinds.
+fn recording(
+    labels: &[(Option<Intent>, usize)],
+    others: &[(MovementKind, Range<usize>)],
+) -> EvaluatedRecording {
+    let labels: Vec<Option<Intent>> = labels
+        .iter()
+        .flat_map(|&(label, halves)| vec![label; 100 * halves])
+        .collect();
+    EvaluatedRecording {
+        data_set: DataSet::Synthetic,
+        subject: "synthetic/a".to_owned(),
+        name: "r".to_owned(),
+        raw: vec![[0; 8]; labels.len()],
+        emg: vec![[0; 8]; labels.len()],
+        normalized: vec![[0; 8]; labels.len()],
+        published: None,
+        lag_compensated: labels,
+        other_movement: others
+            .iter()
+            .map(|(kind, samples)| Movement::new(*kind, samples.clone()))
+            .collect(),
+    }
+}
+
+#[test]
+fn a_round_is_a_hold_of_each_gesture_and_two_rests() {
+    const RELAX: Option<Intent> = Some(Intent::Relax);
+    const OPEN: Option<Intent> = Some(Intent::Open);
+    const CLOSE: Option<Intent> = Some(Intent::Close);
+    let first = recording(
+        &[
+            (RELAX, 8),
+            (OPEN, 4),
+            (RELAX, 1),
+            (CLOSE, 4),
+            (None, 2),
+            (OPEN, 4),
+        ],
+        &[],
+    );
+    let second = recording(&[(RELAX, 2), (CLOSE, 2), (RELAX, 2), (CLOSE, 2)], &[]);
+    let own = [&first, &second];
+    assert_eq!(rounds_of(&own, Vocabulary::Three), 2);
+    assert_eq!(rounds_of(&own[1..], Vocabulary::Three), 0);
+    let found = parts(&own, Vocabulary::Three, 2);
+    let of = |intent| {
+        let own = found
+            .iter()
+            .filter(move |part| part.shown == Shown::Intent(intent));
+        own.map(|part| (part.recording, part.samples.clone(), part.round))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(
+        of(Intent::Relax),
+        [
+            (0, 0..600, 0),
+            (0, 1200..1300, 0),
+            (1, 0..200, 1),
+            (1, 400..600, 1)
+        ]
+    );
+    assert_eq!(of(Intent::Open), [(0, 800..1200, 0), (0, 1900..2300, 1)]);
+    assert_eq!(of(Intent::Close), [(0, 1300..1700, 0), (1, 200..400, 1)]);
+}
+
+#[test]
+fn other_movement_is_shown_kind_by_kind_for_a_second_and_half_of_it_is_left() {
+    use MovementKind::{Point, ThumbUp};
+    let own = recording(
+        &[(None, 40)],
+        &[
+            (Point, 0..400),
+            (Point, 500..560),
+            (Point, 600..1000),
+            (ThumbUp, 1200..1350),
+            (
+                MovementKind::Daily(recordings::DailyKind::Typing),
+                1400..3000,
+            ),
+            (ThumbUp, 3100..3300),
+        ],
+    );
+    let found = parts(&[&own], Vocabulary::Three, 4);
+    let found: Vec<_> = found
+        .iter()
+        .map(|part| (part.shown, part.samples.clone()))
+        .collect();
+    assert_eq!(found, [(Shown::Other, 0..200), (Shown::Other, 1200..1350)]);
+}
+
+#[test]
+fn a_person_gains_and_their_file_has_the_head_that_was_judged() {
+    let (file, library) = (shipped(), library(1));
+    let done = calibrate_file(&file, &library, None).unwrap();
+    let [old, new] = done.calibration.judged.unwrap();
+    assert!(new > old, "{old} {new}");
+    let written = done.file.unwrap();
+    let written = Model::parse(&written).unwrap();
+    assert_eq!(Head::of(&written), done.calibration.head);
+    let seen = &written.header.provenance.subjects_seen;
+    assert!(seen.iter().any(|own| own == done.subject));
+}
+
+#[test]
+fn a_head_that_is_worse_in_the_later_rounds_is_not_used() {
+    let (file, mut library) = (shipped(), library(1));
+    // In the last recording the gestures have each other's names.
+    let later = library.recordings.last_mut().unwrap();
+    for label in &mut later.labels {
+        *label = label.map(|own| match own {
+            Intent::Open => Intent::Close,
+            Intent::Close => Intent::Open,
+            other => other,
+        });
+    }
+    let done = calibrate_file(&file, &library, None).unwrap();
+    let [old, new] = done.calibration.judged.unwrap();
+    assert!(new < old && done.file.is_none(), "{old} {new}");
+}
+
+#[test]
+fn it_must_be_clear_whose_recordings_are_meant() {
+    let (file, library) = (shipped(), library(2));
+    let found = |name| calibrate_file(&file, &library, name).map(|own| own.subject);
+    let first = library.subjects()[0].clone();
+    let (_, short) = first.split_once('/').unwrap();
+    assert_eq!(found(Some(&first)).unwrap(), first);
+    assert_eq!(found(Some(short)).unwrap(), first);
+    for name in [None, Some("nobody")] {
+        assert!(
+            matches!(found(name), Err(EvaluationError::Whose { .. })),
+            "{name:?}"
+        );
+    }
+}
+
+#[test]
+fn the_same_remainder_is_judged_for_any_number_of_rounds() {
+    let library = library(2);
+    let models = [NamedModel::new("m", shipped())];
+    let scores = |rounds| {
+        let selection = Selection {
+            calibrate: Some(Lesson {
+                rounds,
+                others: false,
+            }),
+            ..Selection::default()
+        };
+        evaluate_models(&models, &library, &selection)
+            .unwrap()
+            .results
+    };
+    let of = |scores: &[Score], name: &str| {
+        let own = scores
+            .iter()
+            .filter(|own| own.model == name && own.data_set != ALL);
+        own.cloned().collect::<Vec<_>>()
+    };
+    let [none, one, two] = [0, 1, 2].map(scores);
+    let calibrated = format!("m{CALIBRATED}");
+    assert!(of(&none.scores, &calibrated).is_empty());
+    for results in [&one, &two] {
+        assert_eq!(of(&results.scores, "m"), of(&none.scores, "m"));
+        let after = of(&results.scores, &calibrated);
+        let people = |scores: &[Score]| scores[0].emission.subjects.len();
+        assert_eq!(people(&after), people(&of(&none.scores, "m")));
+        assert_ne!(after, of(&none.scores, "m"));
+    }
+    assert!(
+        one.calibrations
+            .iter()
+            .all(|own| own.calibration.judged.is_none())
+    );
+    assert!(
+        two.calibrations
+            .iter()
+            .all(|own| own.calibration.judged.is_some())
+    );
+}

@@ -1,0 +1,191 @@
+//! Calibration of models by each person's first holds, judged on the remainder.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+use recordings::MovementKind;
+use serde::Serialize;
+use shared::calibration::Shown;
+use shared::intent::{Intent, Vocabulary};
+use shared::model::file::Model;
+use shared::model::head::Head;
+
+use super::look_ahead;
+use super::named_model::NamedModel;
+use crate::calibration::{Calibration, Part, calibrate, parts, rounds_of};
+use crate::inference::logits_with;
+use crate::{Candidate, EvaluatedRecording, EvaluationError, Measure, Truth, score};
+
+/// Suffix of the name of a model that is evaluated after calibration.
+pub const CALIBRATED: &str = ", calibrated";
+/// Rounds that are set aside of everybody: whatever number of them teaches, the same remainder is judged.
+pub const SET_ASIDE: usize = 4;
+
+/// What each person shows to a calibration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Lesson {
+    /// Rounds, 0 to [`SET_ASIDE`]; with 0 nothing is calibrated, and the same remainder is judged.
+    pub rounds: usize,
+    /// Whether six seconds of other movement are shown too.
+    pub others: bool,
+}
+
+/// One person's calibration of one model.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CalibratedSubject {
+    /// The model's name.
+    pub model: String,
+    /// The person.
+    pub subject: String,
+    /// Whether the new head is used.
+    pub kept: bool,
+    /// What became of the calibration.
+    #[serde(flatten)]
+    pub calibration: Calibration,
+    /// Activations a minute of the daily life of others with the model's own head and with this one: mean over the people of
+    /// daily life; none without such people.
+    pub daily: Option<[f64; 2]>,
+}
+
+/// The people who can be calibrated: places of their recordings, and the parts that are set aside.
+pub(super) type People = BTreeMap<String, (Vec<usize>, Vec<Part>)>;
+
+/// The people with enough holds.
+pub(super) fn people_of(recordings: &[EvaluatedRecording], vocabulary: Vocabulary) -> People {
+    let mut places: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+    for (at, recording) in recordings.iter().enumerate() {
+        places.entry(&recording.subject).or_default().push(at);
+    }
+    places
+        .into_iter()
+        .filter_map(|(subject, places)| {
+            let own = own(recordings, &places);
+            (rounds_of(&own, vocabulary) >= SET_ASIDE).then(|| {
+                let parts = parts(&own, vocabulary, SET_ASIDE);
+                (subject.to_owned(), (places, parts))
+            })
+        })
+        .collect()
+}
+
+fn own<'r>(recordings: &'r [EvaluatedRecording], places: &[usize]) -> Vec<&'r EvaluatedRecording> {
+    places.iter().map(|&at| &recordings[at]).collect()
+}
+
+/// Calibrates each model by each person.
+///
+/// # Errors
+/// When a model is refused.
+pub(super) fn calibrated(
+    models: &[(&NamedModel, &Model<'_>)],
+    recordings: &[EvaluatedRecording],
+    people: &People,
+    lesson: Lesson,
+) -> Result<Vec<CalibratedSubject>, EvaluationError> {
+    let is_daily = |own: &&EvaluatedRecording| {
+        let mut movements = own.other_movement.iter();
+        !people.contains_key(&own.subject)
+            && movements.any(|own| matches!(own.kind, MovementKind::Daily(_)))
+    };
+    let daily: Vec<EvaluatedRecording> = recordings.iter().filter(is_daily).cloned().collect();
+    let mut all = Vec::new();
+    for (named, model) in models {
+        let before = daily_per_minute(model, None, &daily)?;
+        let answers = people
+            .par_iter()
+            .map(|(subject, (places, parts))| {
+                let own = own(recordings, places);
+                let calibration = calibrate(model, &own, parts, lesson.rounds, lesson.others)?;
+                let after = match &calibration.head {
+                    Some(head) => daily_per_minute(model, Some(head), &daily)?,
+                    None => before,
+                };
+                Ok(CalibratedSubject {
+                    model: named.name.clone(),
+                    subject: subject.clone(),
+                    kept: calibration.head.is_some(),
+                    daily: before.zip(after).map(<[f64; 2]>::from),
+                    calibration,
+                })
+            })
+            .collect::<Result<Vec<_>, EvaluationError>>()?;
+        all.extend(answers);
+    }
+    Ok(all)
+}
+
+/// Activations a minute of daily life with a head, or the model's own: mean over people.
+///
+/// # Errors
+/// When the model is refused.
+fn daily_per_minute(
+    model: &Model<'_>,
+    head: Option<&Head>,
+    daily: &[EvaluatedRecording],
+) -> Result<Option<f64>, EvaluationError> {
+    let candidate = candidate("", model, daily, |_| head)?;
+    let vocabulary = model.header.dimensions.vocabulary;
+    let smoother = &model.header.smoother;
+    let truth = Truth::LagCompensated;
+    let scores = score(&candidate, daily, vocabulary, look_ahead(smoother), truth)?;
+    let rates = scores
+        .iter()
+        .flat_map(|score| Measure::DailyActivations.values(score));
+    let rates: BTreeMap<&str, f64> = rates.collect();
+    let people = rates.len();
+    Ok((people > 0).then(|| rates.values().sum::<f64>() / people as f64))
+}
+
+/// Removes what is set aside: its labels, and its other movements.
+pub(super) fn set_aside(recordings: &mut [EvaluatedRecording], people: &People) {
+    for (places, parts) in people.values() {
+        for part in parts {
+            let recording = &mut recordings[places[part.recording]];
+            if part.shown == Shown::Other {
+                let start = part.samples.start;
+                let movements = &mut recording.other_movement;
+                movements.retain(|own| own.samples.start != start);
+            }
+            let unlabel =
+                |labels: &mut Vec<Option<Intent>>| labels[part.samples.clone()].fill(None);
+            recording.published.as_mut().map(unlabel);
+            unlabel(&mut recording.lag_compensated);
+        }
+    }
+}
+
+/// The logits of a model with each person's head.
+///
+/// # Errors
+/// When the encoder refuses the model.
+pub(super) fn calibrated_candidate(
+    name: &str,
+    model: &Model<'_>,
+    recordings: &[EvaluatedRecording],
+    calibrations: &[CalibratedSubject],
+) -> Result<Candidate, EvaluationError> {
+    let own = calibrations.iter().filter(|own| own.model == name);
+    let heads: BTreeMap<&str, &Head> = own
+        .filter_map(|own| Some((&own.subject[..], own.calibration.head.as_ref()?)))
+        .collect();
+    let name = format!("{name}{CALIBRATED}");
+    candidate(&name, model, recordings, |subject| {
+        heads.get(subject).copied()
+    })
+}
+
+fn candidate<'h>(
+    name: &str,
+    model: &Model<'_>,
+    recordings: &[EvaluatedRecording],
+    head: impl Fn(&str) -> Option<&'h Head> + Sync,
+) -> Result<Candidate, EvaluationError> {
+    let logits = recordings
+        .par_iter()
+        .map(|recording| {
+            let input = recording.input(model.header.preprocessing);
+            Ok(logits_with(model, head(&recording.subject), &input)?)
+        })
+        .collect::<Result<_, EvaluationError>>()?;
+    Ok(Candidate::new(name, logits, &model.header.smoother))
+}

@@ -1,0 +1,149 @@
+//! `myointent calibrate`: a model file whose last layer is learnt from one person's holds.
+
+use std::io::Write as _;
+use std::path::PathBuf;
+
+use anyhow::bail;
+use clap::Args;
+use thiserror::Error;
+
+use crate::cli::arguments::{AS_RECORDED, recordings_of};
+use crate::cli::output::refuse_existing;
+use crate::cli::read_model;
+use evaluation::calibration::calibrate_file;
+use execution::run_folder::write_whole;
+
+/// Arguments of `calibrate`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "A round is a hold of each gesture and two of rest; two rounds are enough, half a minute. The first half of the rounds teaches,\n\
+    the others judge the new head beside the model's own. It is kept if it is not worse, and then learns from all rounds. Otherwise\n\
+    nothing is written and the exit code is 3. Six seconds of other movement are shown too if they are labelled.\n\
+    docs/calibration.md says what it gains.\n\n\
+    Example:\n  myointent calibrate --model models/three-class.intent --data MINE --out mine.intent"
+)]
+pub struct Arguments {
+    /// Model file to start from.
+    #[arg(long, value_name = "FILE.intent")]
+    model: PathBuf,
+    /// Folder of the person's labelled recordings.
+    #[arg(long, value_name = "DIR")]
+    data: PathBuf,
+    /// Model file to write; there must be none of this name.
+    #[arg(long, value_name = "FILE.intent")]
+    out: PathBuf,
+    /// Person to calibrate for, as data-set/subject or subject alone; needed if the folder has recordings of several people.
+    #[arg(long, value_name = "NAME")]
+    subject: Option<String>,
+    /// Refuse damaged files instead of leaving them out.
+    #[arg(long)]
+    strict: bool,
+    #[arg(hide_short_help = true, long, help = AS_RECORDED)]
+    as_recorded: bool,
+}
+
+/// Error: the new head is worse.
+#[derive(Debug, Error)]
+#[error(
+    "in the later rounds the new head labels {new:.3} right, the old one {old:.3}: nothing was written, go on with {model}"
+)]
+pub(super) struct Kept {
+    model: PathBuf,
+    old: f64,
+    new: f64,
+}
+
+/// Calibrates the model, and writes it unless it is worse.
+///
+/// # Errors
+/// When the model or the recordings are refused, there is a file already, or the new head is worse.
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let (model, out) = (&arguments.model, &arguments.out);
+    refuse_existing(out)?;
+    let bytes = read_model(model)?;
+    let library = recordings_of(&[&arguments.data], arguments.strict, arguments.as_recorded)?;
+    let done = calibrate_file(&bytes, &library, arguments.subject.as_deref())?;
+    if let Some(refusal) = done.calibration.refusal {
+        bail!("{}: {refusal}", done.subject);
+    }
+    let [old, new] = done.calibration.judged.unwrap_or_default();
+    let Some(file) = done.file else {
+        let model = model.clone();
+        return Err(Kept { model, old, new }.into());
+    };
+    write_whole(out, &file)?;
+    writeln!(
+        std::io::stdout(),
+        "{}: {} rounds{}; mean recall in the later ones {old:.3} -> {new:.3}\n{} ({} bytes)",
+        done.subject,
+        done.rounds,
+        if done.others {
+            " and other movement"
+        } else {
+            ""
+        },
+        out.display(),
+        file.len()
+    )?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::path::Path;
+    use std::process::ExitCode;
+
+    use clap::Parser as _;
+    use recordings::synthetic::{SynthOptions, write};
+
+    use crate::cli::{Cli, KEPT};
+
+    fn calibrate(data: &Path, out: &Path) -> ExitCode {
+        let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/three-class.intent");
+        let [model, data, out] = [&model, data, out].map(|path| path.to_str().unwrap());
+        let line = [
+            "myointent",
+            "calibrate",
+            "--model",
+            model,
+            "--data",
+            data,
+            "--out",
+            out,
+        ];
+        Cli::try_parse_from(line).unwrap().run()
+    }
+
+    /// The rows of a table with the gestures' labels exchanged.
+    fn exchanged(table: &str) -> String {
+        let row = |row: &str| match row.split_once(',') {
+            Some(("1", rest)) => format!("2,{rest}\n"),
+            Some(("2", rest)) => format!("1,{rest}\n"),
+            _ => format!("{row}\n"),
+        };
+        table.lines().map(row).collect()
+    }
+
+    #[test]
+    fn a_file_is_written_once_and_none_if_the_later_rounds_are_worse() {
+        let folder = tempfile::tempdir().unwrap();
+        let [data, first, second] =
+            ["data", "a.intent", "b.intent"].map(|name| folder.path().join(name));
+        let options = SynthOptions {
+            subjects: 1,
+            recordings: 2,
+            seconds: 60,
+            ..SynthOptions::default()
+        };
+        let files = write(&options, &data).unwrap();
+        assert_eq!(calibrate(&data, &first), ExitCode::SUCCESS);
+        let written = fs::read(&first).unwrap();
+        assert_eq!(calibrate(&data, &first), ExitCode::FAILURE);
+        assert_eq!(fs::read(&first).unwrap(), written);
+        let last = files.last().unwrap();
+        fs::write(last, exchanged(&fs::read_to_string(last).unwrap())).unwrap();
+        assert_eq!(calibrate(&data, &second), ExitCode::from(KEPT));
+        assert!(!second.exists());
+    }
+}
