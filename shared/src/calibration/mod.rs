@@ -20,7 +20,7 @@ mod record;
 mod solve;
 mod sums;
 
-pub use record::{RECORD_BYTES, Record, RecordError, from_record, to_record};
+pub use record::{RECORD_BYTES, RecordError, from_record, to_record};
 pub use solve::{Factor, solve};
 pub use sums::{Shown, Sums};
 

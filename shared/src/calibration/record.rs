@@ -32,15 +32,6 @@ pub const RECORD_BYTES: usize = HEAD_START
 // A page of flash holds any record.
 const _: () = assert!(RECORD_BYTES <= 4096);
 
-/// A calibration that was kept.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Record {
-    /// Head of the wearer.
-    pub head: Head,
-    /// Number of calibrations before it.
-    pub counter: u32,
-}
-
 /// Reason why a record is not used.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum RecordError {
@@ -66,18 +57,18 @@ pub enum RecordError {
     },
 }
 
-/// Writes the record of a head for a model; returns its bytes.
+/// Writes the record of a head for a model, and the number of records before it; returns its bytes.
 #[must_use]
 pub fn to_record<'b>(
-    record: &Record,
+    head: &Head,
+    counter: u32,
     model: &Model<'_>,
     bytes: &'b mut [u8; RECORD_BYTES],
 ) -> &'b [u8] {
-    let head = &record.head;
     bytes[..4].copy_from_slice(&MAGIC);
     bytes[4..8].copy_from_slice(&[VERSION, head.width as u8, head.outputs as u8, 0]);
     bytes[8..12].copy_from_slice(&model.checksum.to_le_bytes());
-    bytes[12..HEAD_START].copy_from_slice(&record.counter.to_le_bytes());
+    bytes[12..HEAD_START].copy_from_slice(&counter.to_le_bytes());
     let tiles = bytemuck::cast_slice(head.tiles());
     bytes[HEAD_START..][..tiles.len()].copy_from_slice(tiles);
     let mut end = HEAD_START + tiles.len();
@@ -92,11 +83,11 @@ pub fn to_record<'b>(
     &bytes[..end + CHECKSUM_BYTES]
 }
 
-/// The calibration of a model at the start of some bytes, which may go on behind it.
+/// Reads the head of a model's calibration at the start of some bytes, which may go on behind it; returns the counter.
 ///
 /// # Errors
-/// Each [`RecordError`].
-pub fn from_record(bytes: &[u8], model: &Model<'_>) -> Result<Record, RecordError> {
+/// Each [`RecordError`]. The head is of no use then.
+pub fn from_record(bytes: &[u8], model: &Model<'_>, head: &mut Head) -> Result<u32, RecordError> {
     let (start, body) = bytes
         .split_first_chunk::<HEAD_START>()
         .ok_or(RecordError::Missing)?;
@@ -123,14 +114,14 @@ pub fn from_record(bytes: &[u8], model: &Model<'_>) -> Result<Record, RecordErro
     if found != expected {
         return Err(RecordError::WrongModel { expected, found });
     }
-    let mut head = Head::empty(&model.header.dimensions).ok_or(RecordError::Damaged)?;
-    if (head.width, head.outputs) != (width, outputs) {
+    let fits = head.shape(&model.header.dimensions);
+    if !fits || (head.width, head.outputs) != (width, outputs) {
         return Err(RecordError::Damaged);
     }
     head.tiles_mut()
         .copy_from_slice(bytemuck::cast_slice(&body[..tiles]));
     let (numbers, _) = body[tiles..end].as_chunks::<4>();
-    let Head { scales, bias, .. } = &mut head;
+    let Head { scales, bias, .. } = &mut *head;
     for (number, bytes) in scales[..outputs]
         .iter_mut()
         .chain(&mut bias[..outputs])
@@ -139,7 +130,7 @@ pub fn from_record(bytes: &[u8], model: &Model<'_>) -> Result<Record, RecordErro
         *number = f32::from_le_bytes(*bytes);
     }
     if head.complete() {
-        Ok(Record { head, counter })
+        Ok(counter)
     } else {
         Err(RecordError::Damaged)
     }

@@ -25,17 +25,24 @@ impl Factor {
     pub const EMPTY: Self = Self([0.0; TRIANGLE]);
 }
 
-/// The head that a model has for the wearer of some sums. Cost: 0.2 million products.
+/// Writes the head that a model has for the wearer of some sums. Cost: 0.2 million products.
 ///
 /// The output for other movement stays the model's own if the wearer shows none.
 ///
 /// # Errors
-/// Each [`Refusal`].
-pub fn solve(sums: &Sums, model: &Model<'_>, factor: &mut Factor) -> Result<Head, Refusal> {
+/// Each [`Refusal`]; the head is the model's own then, or as it was if the model is too wide.
+pub fn solve(
+    sums: &Sums,
+    model: &Model<'_>,
+    factor: &mut Factor,
+    head: &mut Head,
+) -> Result<(), Refusal> {
     let dimensions = &model.header.dimensions;
-    let mut head = Head::of(model).ok_or(Refusal::TooWide {
-        found: dimensions.width,
-    })?;
+    if !head.copy_from(model) {
+        return Err(Refusal::TooWide {
+            found: dimensions.width,
+        });
+    }
     let classes = Classes::of(sums, model)?;
     let columns = sums.columns;
     let pull = matrix(sums, &classes, &mut factor.0);
@@ -66,8 +73,9 @@ pub fn solve(sums: &Sums, model: &Model<'_>, factor: &mut Factor) -> Result<Head
         head.put(output, &x[..columns - 1], x[columns - 1]);
     }
     if head.complete() {
-        Ok(head)
+        Ok(())
     } else {
+        head.copy_from(model);
         Err(Refusal::NotFinite)
     }
 }

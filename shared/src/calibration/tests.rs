@@ -60,8 +60,8 @@ fn sums(shown: &[(Vec<f32>, Shown)]) -> Sums {
 }
 
 fn solved(sums: &Sums, file: &[u8]) -> Result<Head, Refusal> {
-    let mut factor = Factor::EMPTY;
-    solve(sums, &Model::parse(file).unwrap(), &mut factor)
+    let (mut factor, mut head) = (Factor::EMPTY, Head::EMPTY);
+    solve(sums, &Model::parse(file).unwrap(), &mut factor, &mut head).map(|()| head)
 }
 
 /// The weights of an output and its bias.
@@ -206,9 +206,8 @@ fn every_machine_gives_the_same_bits() {
         sums.add(encoder.hidden(&state), GESTURES[patch as usize / 30]);
     }
     let head = solved(&sums, &file).unwrap();
-    let record = Record { head, counter: 1 };
     let mut bytes = [0; RECORD_BYTES];
-    let bytes = to_record(&record, &model, &mut bytes);
+    let bytes = to_record(&head, 1, &model, &mut bytes);
     // Without its own checksum, with which any record has the same.
     assert_eq!(
         crate::checksum::crc32(&bytes[..bytes.len() - 4]),
@@ -318,31 +317,31 @@ fn a_record_is_read_again_and_refused_with_any_byte_changed_or_missing() {
     let file = file(16, true);
     let model = Model::parse(&file).unwrap();
     let head = solved(&sums(&shown(16, [20; 4])), &file).unwrap();
-    let record = Record { head, counter: 7 };
+    let read = |bytes: &[u8], model: &Model<'_>| {
+        let mut head = Head::EMPTY;
+        from_record(bytes, model, &mut head).map(|counter| (head, counter))
+    };
     let mut page = [0xff; RECORD_BYTES];
-    let length = to_record(&record, &model, &mut page).len();
-    assert_eq!(from_record(&page, &model).as_ref(), Ok(&record));
+    let length = to_record(&head, 7, &model, &mut page).len();
+    assert_eq!(read(&page, &model), Ok((head, 7)));
     for at in 0..length {
         for change in [1, 0x80, 0xff] {
             let mut page = page;
             page[at] ^= change;
-            let error = from_record(&page, &model).unwrap_err();
+            let error = read(&page, &model).unwrap_err();
             match at {
                 0..4 => assert_eq!(error, RecordError::Missing),
                 4 => assert!(matches!(error, RecordError::Version { .. })),
                 _ => assert_eq!(error, RecordError::Damaged, "{at}"),
             }
         }
-        assert!(from_record(&page[..at], &model).is_err());
+        assert!(read(&page[..at], &model).is_err());
     }
-    assert_eq!(
-        from_record(&[0xff; 4096], &model),
-        Err(RecordError::Missing)
-    );
+    assert_eq!(read(&[0xff; 4096], &model), Err(RecordError::Missing));
     let other = random_model(model.header.dimensions, 4).to_bytes().unwrap();
     let other = Model::parse(&other).unwrap();
     assert_eq!(
-        from_record(&page, &other),
+        read(&page, &other),
         Err(RecordError::WrongModel {
             expected: other.checksum,
             found: model.checksum

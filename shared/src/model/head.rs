@@ -13,7 +13,7 @@ pub(crate) const MAX_OUTPUTS: usize = LOOK_BACK * MAX_LOGITS;
 const TILED: usize = MAX_OUTPUTS.next_multiple_of(TILE_ROWS);
 
 /// A look-back head in memory of its own, with which an [`Encoder`](super::encoder::Encoder) runs in place of its model's.
-#[derive(Clone, PartialEq, Debug)]
+#[derive(Clone, Debug)]
 pub struct Head {
     /// Columns of the weights: the model's width.
     pub(crate) width: usize,
@@ -27,28 +27,45 @@ pub struct Head {
 }
 
 impl Head {
+    /// A head without outputs, for no model.
+    pub const EMPTY: Self = Self {
+        width: 0,
+        outputs: 0,
+        weights: Aligned([[0; MAX_HEAD_WIDTH]; TILED]),
+        scales: [0.0; MAX_OUTPUTS],
+        bias: [0.0; MAX_OUTPUTS],
+        code_limit: i16::MAX,
+    };
+
     /// The head of a model; none if the model is wider than [`MAX_HEAD_WIDTH`].
     #[must_use]
     pub fn of(model: &Model<'_>) -> Option<Self> {
-        let mut head = Self::empty(&model.header.dimensions)?;
-        let own = &model.weights.head;
-        head.tiles_mut().copy_from_slice(own.weights);
-        head.scales[..own.scales.len()].copy_from_slice(own.scales);
-        head.bias[..own.bias.len()].copy_from_slice(own.bias);
-        head.code_limit = own.code_limit;
-        Some(head)
+        let mut head = Self::EMPTY;
+        head.copy_from(model).then_some(head)
     }
 
-    /// A head of zeros for models of these dimensions; none if they are too wide.
-    pub(crate) fn empty(dimensions: &Dimensions) -> Option<Self> {
-        (dimensions.width <= MAX_HEAD_WIDTH).then_some(Self {
-            width: dimensions.width,
-            outputs: LOOK_BACK * dimensions.row_outputs(),
-            weights: Aligned([[0; MAX_HEAD_WIDTH]; TILED]),
-            scales: [0.0; MAX_OUTPUTS],
-            bias: [0.0; MAX_OUTPUTS],
-            code_limit: i16::MAX,
-        })
+    /// Becomes the head of a model, in place: a device's stack has no room for a second one. Returns whether the model is
+    /// narrow enough; if not, nothing changes.
+    pub fn copy_from(&mut self, model: &Model<'_>) -> bool {
+        if !self.shape(&model.header.dimensions) {
+            return false;
+        }
+        let own = &model.weights.head;
+        self.tiles_mut().copy_from_slice(own.weights);
+        self.scales[..own.scales.len()].copy_from_slice(own.scales);
+        self.bias[..own.bias.len()].copy_from_slice(own.bias);
+        self.code_limit = own.code_limit;
+        true
+    }
+
+    /// Takes the shape of heads for models of these dimensions, unless they are too wide; numbers stay as they are.
+    pub(crate) fn shape(&mut self, dimensions: &Dimensions) -> bool {
+        let fits = dimensions.width <= MAX_HEAD_WIDTH;
+        if fits {
+            self.width = dimensions.width;
+            self.outputs = LOOK_BACK * dimensions.row_outputs();
+        }
+        fits
     }
 
     /// Whether the head is one for models of these dimensions.
@@ -93,5 +110,15 @@ impl Head {
             scales: &self.scales[..self.outputs],
             bias: &self.bias[..self.outputs],
         }
+    }
+}
+
+/// Equal shapes and tensors; what lies behind them does not count.
+impl PartialEq for Head {
+    fn eq(&self, other: &Self) -> bool {
+        let of = |head: &Self| (head.width, head.outputs, head.code_limit);
+        let [own, others] = [self.linear(), other.linear()];
+        of(self) == of(other)
+            && (own.weights, own.scales, own.bias) == (others.weights, others.scales, others.bias)
     }
 }

@@ -67,8 +67,8 @@ pub fn calibrate(
                 sums.add(vector, part.shown);
             }
         }
-        let mut factor = Factor::EMPTY;
-        solve(&sums, model, &mut factor)
+        let (mut factor, mut head) = (Factor::EMPTY, Head::EMPTY);
+        solve(&sums, model, &mut factor, &mut head).map(|()| head)
     };
     let refused = |refusal: Refusal| Calibration {
         refusal: Some(refusal.to_string()),
