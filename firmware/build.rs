@@ -45,12 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // Without --nmagic the linker aligns segments to pages of 64 KiB and so moves the start of flash.
     println!("cargo:rustc-link-arg-bins=--nmagic");
     println!("cargo:rustc-link-arg-bins=-Tlink.x");
-    if has("chip") {
-        println!("cargo:rustc-link-arg-bins=-Tdefmt.x");
-    } else {
-        // It would name a chip's interrupts; the emulator's board defines its own table.
-        fs::write(out.join("device.x"), "")?;
-    }
+    println!("cargo:rustc-link-arg-bins=-Tdefmt.x");
     Ok(())
 }
 
@@ -106,12 +101,11 @@ fn regions() -> (&'static str, &'static str) {
     if has("uf2") {
         return ("FLASH_UF2", "RAM_UF2");
     }
-    match (has("emulator"), has("nrf52832"), has("radio-trouble")) {
-        (true, ..) => ("FLASH_BARE", "RAM_EMULATOR"),
-        (_, true, true) => ("FLASH_BARE", "RAM_NRF52832"),
-        (_, true, false) => ("FLASH_NRF52832_S132", "RAM_NRF52832_S132"),
-        (_, false, true) => ("FLASH_BARE", "RAM_NRF52840"),
-        (_, false, false) => ("FLASH_NRF52840_S140", "RAM_NRF52840_S140"),
+    match (has("nrf52832"), has("radio-trouble")) {
+        (true, true) => ("FLASH_BARE", "RAM_NRF52832"),
+        (true, false) => ("FLASH_NRF52832_S132", "RAM_NRF52832_S132"),
+        (false, true) => ("FLASH_BARE", "RAM_NRF52840"),
+        (false, false) => ("FLASH_NRF52840_S140", "RAM_NRF52840_S140"),
     }
 }
 
@@ -120,15 +114,12 @@ fn image() -> &'static str {
     let board = ["xiao", "feather", "nice-nano"]
         .into_iter()
         .find(|board| has(board));
-    board.unwrap_or(
-        match (has("emulator"), has("nrf52832"), has("radio-trouble")) {
-            (true, ..) => "emulator",
-            (_, true, true) => "nrf52832-sdc",
-            (_, true, false) => "nrf52832-s132",
-            (_, false, true) => "nrf52840-sdc",
-            (_, false, false) => "nrf52840-s140",
-        },
-    )
+    board.unwrap_or(match (has("nrf52832"), has("radio-trouble")) {
+        (true, true) => "nrf52832-sdc",
+        (true, false) => "nrf52832-s132",
+        (false, true) => "nrf52840-sdc",
+        (false, false) => "nrf52840-s140",
+    })
 }
 
 fn has(feature: &str) -> bool {

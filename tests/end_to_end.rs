@@ -1,8 +1,8 @@
-//! Virtual armband -> controller -> HCI -> the firmware in an emulated Cortex-M4F -> label UART.
+//! Virtual armband -> controller -> HCI -> the firmware on the PC -> label UART.
 //!
-//! Tests of what the emulated chip cannot show: the image's Bluetooth host beside a controller and an armband that are not this project's, and the
-//! program `myointent` at a serial port. All else runs on the emulated chip (docs/emulated-chip.md). Needs QEMU, the cross
-//! compiler and the armband's Python: `cargo xtask emulator --install`.
+//! Tests of what the emulated chip cannot show: the firmware's Bluetooth host beside a controller and an armband that are not
+//! this project's, and the program `myointent` at a serial port. All else runs on the emulated chip (docs/emulated-chip.md).
+//! Needs the armband's Python: `cargo xtask emulator --install`.
 
 #[path = "end_to_end/bluetooth.rs"]
 mod bluetooth;
@@ -13,7 +13,8 @@ mod installation;
 use std::process::Command;
 
 use myointent::cli::replay;
-use myointent_tests::emulator::{Input, expected_lines, python};
+use myointent_tests::bench::python;
+use myointent_tests::oracle::{Input, expected_lines};
 
 #[test]
 fn the_virtual_armband_passes_its_own_tests() -> anyhow::Result<()> {

@@ -53,7 +53,7 @@ fn run_for(target: &str) -> Output {
         .env("CARGO_CFG_TARGET_OS", "none")
         .env("TARGET", target)
         .env("OUT_DIR", folder.path())
-        .env("CARGO_FEATURE_EMULATOR", "1")
+        .env("CARGO_FEATURE_NRF52840", "1")
         .output()
         .unwrap()
 }

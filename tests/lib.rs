@@ -5,8 +5,9 @@
 //! in `../shared/data` beside the workspace. A test that finds none prints where to get them and
 //! returns: `let Some(data) = data("name") else { return };`. With `MYOINTENT_REQUIRE=all` it fails.
 
+pub mod bench;
 pub mod chip;
-pub mod emulator;
+pub mod oracle;
 pub mod output;
 pub mod simulation;
 

@@ -24,11 +24,11 @@ mod cuts;
 #[cfg(target_os = "linux")]
 #[path = "live/empty.rs"]
 mod empty;
-#[cfg(target_os = "linux")]
-#[path = "live/emulator.rs"]
-mod emulator;
 #[path = "live/firefox.rs"]
 mod firefox;
+#[cfg(target_os = "linux")]
+#[path = "live/firmware.rs"]
+mod firmware;
 #[path = "live/guided.rs"]
 mod guided;
 #[cfg(target_os = "linux")]

@@ -7,7 +7,7 @@
 //! start           from reset to running tasks
 //! fault           from a panic to reset
 //! tasks           radio, inference, output, control, watchdog
-//! board           pins, UART, watchdog, Bluetooth controller: nRF52, emulator, or simulated on a PC
+//! board           pins, UART, watchdog, Bluetooth controller: nRF52, or simulated on a PC
 //! radio           the Myo session on a Bluetooth stack: SoftDevice or trouble
 //! installation    the model is exchanged
 //! messages        what the tasks send each other
@@ -41,7 +41,7 @@ mod start;
 mod tasks;
 
 #[cfg(target_os = "none")]
-#[embassy_executor::main(executor = "board::Executor")]
+#[embassy_executor::main]
 async fn main(spawner: embassy_executor::Spawner) {
     stack_guard::start();
     start::start(spawner);

@@ -65,7 +65,7 @@ pub const ARM: Arm = match option_env!("MYOINTENT_MIRRORED") {
 };
 
 /// Source of the clock of 32.768 kHz.
-#[cfg(all(feature = "chip", target_os = "none"))]
+#[cfg(target_os = "none")]
 #[derive(Clone, Copy)]
 pub enum SlowClock {
     /// The crystal that a development kit has, of 20 ppm.
@@ -80,7 +80,7 @@ pub enum SlowClock {
 ///
 /// Without a SoftDevice it is the oscillator, on every board. Boards that are sold with one name lack the crystal, or have a
 /// microphone at its pins. And the source must not change while the watchdog keeps the clock running.
-#[cfg(all(feature = "chip", target_os = "none"))]
+#[cfg(target_os = "none")]
 pub const SLOW_CLOCK: SlowClock = match option_env!("MYOINTENT_SLOW_CLOCK") {
     #[cfg(feature = "radio-softdevice")]
     None => SlowClock::Crystal,
@@ -94,7 +94,7 @@ pub const SLOW_CLOCK: SlowClock = match option_env!("MYOINTENT_SLOW_CLOCK") {
     },
 };
 
-#[cfg(all(feature = "chip", target_os = "none"))]
+#[cfg(target_os = "none")]
 impl SlowClock {
     /// Quarters of a second between two calibrations: Nordic's recommendation for changes of 0.5 degrees a second.
     pub const CALIBRATION_INTERVAL: u8 = 16;

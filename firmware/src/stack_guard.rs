@@ -58,12 +58,6 @@ pub fn guard() -> Range<usize> {
     start..start + GUARD
 }
 
-/// The end of the stack that it starts from.
-#[cfg(feature = "emulator")]
-pub fn top() -> usize {
-    stack().1
-}
-
 /// Whether the present hard fault is an access to the guard.
 #[expect(
     unsafe_code,

@@ -10,17 +10,13 @@ use crate::messages::{
 use crate::reset_reason::previous_message;
 use crate::tasks::{control, inference, output, radio, watchdog};
 
+#[cfg(not(any(feature = "nrf52832", feature = "nrf52840", not(target_os = "none"))))]
+compile_error!("choose a board: --features nrf52840 or nrf52832");
 #[cfg(not(any(
-    feature = "emulator",
-    feature = "nrf52832",
-    feature = "nrf52840",
+    feature = "radio-softdevice",
+    feature = "radio-trouble",
     not(target_os = "none")
 )))]
-compile_error!("choose a board: --features nrf52840, nrf52832 or emulator");
-#[cfg(all(
-    feature = "chip",
-    not(any(feature = "radio-softdevice", feature = "radio-trouble"))
-))]
 compile_error!("choose a radio: --features radio-softdevice or radio-trouble");
 
 /// Starts the board and every task.

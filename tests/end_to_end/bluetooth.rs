@@ -1,16 +1,16 @@
-//! The image's Bluetooth host against a real controller and armband: streams, lost links, strangers, damaged packets.
+//! The firmware's Bluetooth host against a real controller and armband: streams, lost links, strangers, damaged packets.
 
 use myointent::cli::replay;
+use myointent_tests::bench::{Run, Scenario, python};
 use myointent_tests::chip;
-use myointent_tests::emulator::{Run, Scenario, bench};
 use serde_json::{Value, json};
 use shared::myo::{Address, binding};
 use shared::stream::safe_state::Cause;
 use shared::units::Sample;
 
-/// Factor by which the guest's clock runs slower than real time. The timeout of 200 ms is then 0.6 s of real time: a busy
-/// host does not look like an armband that is silent.
-const TIME_SCALE: u32 = 3;
+/// Factor by which the board's clock runs slower than the PC's. The timeout of 200 ms is then 0.6 s: an armband that waits for
+/// a core does not look silent.
+const SLOWED: u32 = 3;
 
 /// Streams these samples, faster than an armband; without what it needs, reports the test as skipped.
 fn start(
@@ -20,20 +20,20 @@ fn start(
     script: Value,
     arguments: &[&str],
 ) -> anyhow::Result<Option<Run>> {
-    let Some(bench) = bench(test) else {
+    let Some(python) = python(test) else {
         return Ok(None);
     };
     let armband = Address::parse(chip::ARMBAND).expect("an address");
-    let run = bench.start(&Scenario {
+    let scenario = Scenario {
         model: &chip::model(),
-        page: Some(binding::to_record(armband).to_vec()),
+        page: binding::to_record(armband).to_vec(),
         samples,
-        time_scale: TIME_SCALE,
+        slowed: SLOWED,
         pace,
         script,
         arguments: arguments.iter().map(|one| (*one).to_owned()).collect(),
-    })?;
-    Ok(Some(run))
+    };
+    Run::start(python, &scenario).map(Some)
 }
 
 fn last_cause(run: &Run) -> Option<Cause> {

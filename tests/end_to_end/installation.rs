@@ -1,4 +1,4 @@
-//! Installation with `myointent board install` on the emulated board, whose regions are memory that a reset keeps.
+//! Installation with `myointent board install` on the simulated board, whose flash are files that a reset keeps.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use anyhow::ensure;
 use clap::Parser as _;
 use myointent::cli::Cli;
-use myointent_tests::emulator::{Bridge, Run, board};
+use myointent_tests::bench::{Bridge, Run};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
@@ -46,10 +46,7 @@ fn answered(run: &Run) -> usize {
 
 #[test]
 fn an_installation_goes_on_after_resets_at_random_moments() -> anyhow::Result<()> {
-    let Some(board) = board("an_installation_goes_on_after_resets_at_random_moments") else {
-        return Ok(());
-    };
-    let mut run = board.start_empty()?;
+    let mut run = Run::alone()?;
     run.wait_for("the start", |run| !run.comments().is_empty())?;
     let bridge = Bridge::start(run)?;
     let port = bridge.port().to_owned();
@@ -87,9 +84,9 @@ fn an_installation_goes_on_after_resets_at_random_moments() -> anyhow::Result<()
     }
     let ended = command.join().expect("a command does not panic");
     ensure!(ended == ExitCode::SUCCESS, "{}", bridge.run().tails());
-    // Without a controller the radio makes no progress: the watchdog starts the board again, with the new model.
-    let started = format!(", model {}, started by the watchdog", checksum()?);
     let mut run = bridge.run();
+    run.reset()?;
+    let started = format!(", model {}, started by power or reset", checksum()?);
     run.wait_for("a start with the new model", |run| {
         run.comments()
             .iter()

@@ -6,7 +6,7 @@
 
 use myointent::cli::replay::one_recording;
 use myointent_tests::chip::{self, Board, Setting};
-use myointent_tests::emulator::{Input, expected_lines};
+use myointent_tests::oracle::{Input, expected_lines};
 use myointent_tests::output::{LINES, Output, Pins};
 use recordings::{Recording, runs};
 use shared::intent::{Intent, Vocabulary};

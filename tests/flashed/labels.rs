@@ -7,6 +7,7 @@ use myointent::cli::replay;
 
 use super::start::FLASHED;
 use myointent_tests::chip::{self, Board, Setting};
+use xtask::stack_chain;
 
 /// Returns the file of a recording; without it, reports the test as skipped.
 pub fn recording(test: &str, recording: &str) -> Option<PathBuf> {
@@ -27,6 +28,15 @@ fn heard(text: &str) -> anyhow::Result<usize> {
     Ok(number.parse()?)
 }
 
+/// Bytes of the stack that a program has used: those from the lowest one that no longer holds what it held before.
+fn used(before: &[u8], after: &[u8]) -> usize {
+    let unused = before
+        .iter()
+        .zip(after)
+        .take_while(|(before, after)| before == after);
+    before.len() - unused.count()
+}
+
 /// Checks the lines of the three images for the first seconds of a recording, in which the label changes.
 fn labels_equal_replays(test: &str, name: &str, seconds: usize) -> anyhow::Result<()> {
     let Some(path) = recording(test, name) else {
@@ -39,7 +49,7 @@ fn labels_equal_replays(test: &str, name: &str, seconds: usize) -> anyhow::Resul
     let changes = ["relax", "open", "close"].map(|label| expected.concat().contains(label));
     assert!(changes.iter().filter(|one| **one).count() > 1);
     for built in FLASHED {
-        let Some(image) = chip::image(test, built) else {
+        let (Some(image), Some(elf)) = (chip::image(test, built), chip::elf(test, built)) else {
             return Ok(());
         };
         let setting = Setting {
@@ -47,6 +57,13 @@ fn labels_equal_replays(test: &str, name: &str, seconds: usize) -> anyhow::Resul
             ..Setting::default()
         };
         let mut board = Board::new(built, image, setting);
+        let stack = stack_chain::stack(&elf)?;
+        let read = |board: &Board| {
+            let memory = board.machine.chip().bus.memory.clone();
+            let bytes = memory.read(stack.start, stack.end - stack.start);
+            bytes.context("a stack outside RAM")
+        };
+        let before = read(&board)?;
         // Time to find the armband, and for the last state.
         board.wait_for("# stream over", seconds as u64 * 1000 + 6000)?;
         board.run_ms(200)?;
@@ -57,6 +74,13 @@ fn labels_equal_replays(test: &str, name: &str, seconds: usize) -> anyhow::Resul
         assert_eq!(played, expected, "{built}:\n{text}");
         let last = after.first().context("no line of the end")?;
         assert!(last.contains("disconnected"), "{built}: {last}");
+        // The chain of calls that the images' budget counts with is no shorter than what a run uses.
+        let (used, chain) = (used(&before, &read(&board)?), stack_chain::deepest(&elf)?);
+        println!(
+            "{built}: {used} bytes of stack, the deepest chain has {}",
+            chain.bytes
+        );
+        assert!(used > 2000 && used as u64 <= chain.bytes, "{built}: {used}");
     }
     Ok(())
 }

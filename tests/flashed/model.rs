@@ -8,8 +8,7 @@ use shared::model::encoder::DeviceEncoder;
 use shared::model::file::{Model, random::random_model};
 
 use super::start::FLASHED;
-use myointent_tests::chip::{self, Board, Setting};
-use myointent_tests::emulator::MODEL_REGION;
+use myointent_tests::chip::{self, Board, MODEL_REGION, Setting};
 
 /// A damaged file.
 struct Damage {

@@ -1,4 +1,4 @@
-//! Owner's loop without hardware: an armband turned by three places, a new emulated board, a pseudo-terminal and the
+//! Owner's loop without hardware: an armband turned by three places, a new board, a pseudo-terminal and the
 //! page in a browser. The armband is bound and aligned; a guided session is recorded; a model is tuned on it and
 //! installed over the line, and gives the right labels.
 
@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use bytemuck::cast_slice;
 use myointent::live::{self, Live, Options, RecordOptions, Source};
 use myointent::record::protocol::Protocol;
-use myointent_tests::emulator::{Bridge, Scenario, bench};
+use myointent_tests::bench::{Bridge, Run, Scenario, python};
 use recordings::synthetic::Follower;
 use serde_json::json;
 use shared::intent::Intent;
@@ -26,8 +26,8 @@ use super::record::{pictures, step};
 use super::shipped;
 use super::viewer::Viewer;
 
-/// Factor by which the guest's clock runs slower than real time: it halves a pause of a busy machine.
-const TIME_SCALE: u32 = 2;
+/// Factor by which the board's clock runs slower than the PC's: it halves a pause of a busy machine.
+const SLOWED: u32 = 2;
 /// Address of the armband.
 const ARMBAND: &str = "FA:12:34:56:78:9A";
 /// Synthetic person for whom the shipped model is right in 0.86 of a session. With one at 0.98, chance would decide
@@ -39,14 +39,14 @@ const TURNED: Alignment = Alignment::new(3, false);
 const SESSION: &str = "rounds = 2\npause = 1\n\
     sequence = [\"relax\", \"open\", \"relax\", \"close\", \"relax\", \"open\", \"relax\", \"close\", \"relax\", \"open\", \"relax\", \"close\", \"relax\", \"open\", \"relax\", \"close\", \"relax\"]\n\
     [seconds]\nrelax = 1.3\nopen = 1.6\nclose = 1.6\n";
-/// Guest's time between two notifications of two samples each.
+/// Board's time between two notifications of two samples each.
 const PAIR: Duration = Duration::from_millis(10);
 /// Longest wait on a machine that is busy with other work.
 const PATIENCE: Duration = Duration::from_secs(240);
 
-/// Waits for so many seconds of the guest's time.
+/// Waits for so many seconds of the board's time.
 fn wait(seconds: f64) {
-    std::thread::sleep(Duration::from_secs_f64(seconds * f64::from(TIME_SCALE)));
+    std::thread::sleep(Duration::from_secs_f64(seconds * f64::from(SLOWED)));
 }
 
 /// Thread that works until it is told to stop, and then gives a result.
@@ -106,7 +106,7 @@ impl Wearer {
             let mut done = Vec::new();
             let began = Instant::now();
             while !stop.load(Ordering::Relaxed) {
-                let pairs = began.elapsed().as_millis() / (PAIR * TIME_SCALE).as_millis();
+                let pairs = began.elapsed().as_millis() / (PAIR * SLOWED).as_millis();
                 let mut samples: Vec<Sample> = Vec::new();
                 while (done.len() as u128) < 2 * pairs {
                     let intent = *asked.lock().unwrap();
@@ -185,20 +185,21 @@ fn photograph(browser: &mut Browser, folder: &Path, name: &str) {
 #[test]
 fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> {
     let name = "from_a_turned_armband_to_ones_own_model_on_the_board";
-    let (Some(bench), Some(mut browser)) = (bench(name), Browser::start(name)) else {
+    let (Some(python), Some(mut browser)) = (python(name), Browser::start(name)) else {
         return Ok(());
     };
     let folder = tempfile::tempdir()?;
-    let mut run = bench.start(&Scenario {
+    let scenario = Scenario {
         model: &shipped(),
-        page: None,
+        page: Vec::new(),
         samples: &[],
-        time_scale: TIME_SCALE,
+        slowed: SLOWED,
         // Late samples are sent at once.
         pace: 1.0,
         script: json!([]),
         arguments: vec!["--follow".to_owned()],
-    })?;
+    };
+    let mut run = Run::start(python, &scenario)?;
     run.wait_for("a board that follows none", |run| {
         let nobody = |comment: &String| comment.starts_with("# follows no armband");
         run.comments().iter().any(nobody)
@@ -232,7 +233,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     browser.press("b");
     reach(&mut browser, &step("bind", "done"), |_| {});
     assert!(browser.text("step-bind").contains(ARMBAND));
-    let bound = bound.seconds(TIME_SCALE);
+    let bound = bound.seconds(SLOWED);
     // Samples from before the stream would come with it, and late.
     let worn = wearer.wear(muscles);
     reach(&mut browser, valid, |_| {});
@@ -261,7 +262,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     assert_eq!(text, "Aligned: turned by 3 places");
     assert_eq!(browser.value(&step("align", "done")), true);
     assert!(browser.text("step-align").contains("turned by 3 places"));
-    let aligned = aligned.seconds(TIME_SCALE);
+    let aligned = aligned.seconds(SLOWED);
     // For the picture.
     wearer.asked(Intent::Open);
     wait(1.5);
@@ -286,7 +287,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     photograph(&mut browser, folder.path(), "owner-session.png");
     reach(&mut browser, &phase("over"), go_on);
     browser.wait_for("!document.getElementById('result').hidden");
-    let recorded = recorded.seconds(TIME_SCALE);
+    let recorded = recorded.seconds(SLOWED);
     let verdict = browser.text("verdict");
     assert!(
         verdict.starts_with("Good enough"),
@@ -312,7 +313,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     let state = "document.getElementById('installed').dataset.state";
     browser.wait_for(&format!("{state} === 'running'"));
     reach(&mut browser, &format!("{state} !== 'running'"), |_| {});
-    let installed = installed.seconds(TIME_SCALE);
+    let installed = installed.seconds(SLOWED);
     assert_eq!(
         browser.value(state),
         "done",
@@ -331,7 +332,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
             let is_shown = format!("{shown} === '{}'", asked.name());
             browser.wait_for(&is_shown);
             wait(1.5);
-            // Still, or again: on a busy machine the emulated armband falters.
+            // Still, or again: on a busy machine the virtual armband falters.
             browser.wait_for(&is_shown);
         }
     }

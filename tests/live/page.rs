@@ -232,30 +232,31 @@ fn sample_to_screen_of_a_board_with_four_more_viewers() {
 
 #[cfg(target_os = "linux")]
 #[test]
-#[ignore = "a measurement: the same of the firmware in the emulator, whose armband streams at its own rate"]
-fn sample_to_screen_of_the_emulated_board_with_four_more_viewers() -> anyhow::Result<()> {
-    use myointent_tests::emulator::{Bridge, Scenario, bench};
+#[ignore = "a measurement: the same of the firmware on the PC, whose armband streams at its own rate"]
+fn sample_to_screen_of_the_firmware_with_four_more_viewers() -> anyhow::Result<()> {
+    use myointent_tests::bench::{Bridge, Run, Scenario, python};
     use shared::myo::{Address, binding::to_record};
 
-    let name = "sample_to_screen_of_the_emulated_board_with_four_more_viewers";
-    let (Some(bench), Some(mut browser)) = (bench(name), Browser::start(name)) else {
+    let name = "sample_to_screen_of_the_firmware_with_four_more_viewers";
+    let (Some(python), Some(mut browser)) = (python(name), Browser::start(name)) else {
         return Ok(());
     };
-    let mut run = bench.start(&Scenario {
+    let scenario = Scenario {
         model: &super::shipped(),
-        page: Some(to_record(Address::parse("FA:12:34:56:78:9A")?).to_vec()),
+        page: to_record(Address::parse("FA:12:34:56:78:9A")?).to_vec(),
         samples: &synthetic(600).samples,
         // A slowed clock halves a pause of a busy machine.
-        time_scale: 2,
+        slowed: 2,
         pace: 1.0,
         script: json!([]),
         arguments: Vec::new(),
-    })?;
+    };
+    let mut run = Run::start(python, &scenario)?;
     run.wait_for("the stream", |run| run.event_count("mode") > 0)?;
     let bridge = Bridge::start(run)?;
     measure(
         &mut browser,
-        "emulated board",
+        "firmware",
         Source::Port(bridge.port().to_owned()),
     );
     Ok(())

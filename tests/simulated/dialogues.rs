@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 
 use anyhow::{Context as _, ensure};
-use myointent_tests::emulator::{Input, expected_lines};
+use myointent_tests::oracle::{Input, expected_lines};
 use myointent_tests::simulation::{self, Inputs, Ran};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 
 use anyhow::{Context as _, ensure};
-use myointent_tests::emulator::{Input, expected_lines};
+use myointent_tests::oracle::{Input, expected_lines};
 use myointent_tests::simulation::{self, FlashOperation, Inputs, Ran, Start};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;

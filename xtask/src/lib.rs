@@ -1,6 +1,6 @@
 //! Build steps that plain cargo cannot express: cross builds, sizes, instruction counts, fuzzing, checks of the sources.
 //!
-//! A library as well as a command: the tests that start an emulator build its images with it.
+//! A library as well as a command: the tests that emulate a chip build its images with it.
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
@@ -18,7 +18,6 @@ pub mod merge;
 mod pages;
 pub mod qemu;
 pub mod size;
-pub mod stack;
 pub mod stack_chain;
 pub mod symbols;
 pub mod toolchain;

@@ -36,7 +36,7 @@ enum Step {
     Energy,
     /// Fuzzes all that meets the outside, target by target, and fails on a finding.
     Fuzz(fuzz::Arguments),
-    /// Prints which emulator and which Python run the end-to-end tests.
+    /// Prints which QEMU runs the tests of `shared`, and which Python the virtual armband.
     Emulator {
         /// Installs what is missing: QEMU with apt-get, as root; the armband's requirements with pip.
         #[arg(long)]

@@ -7,6 +7,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
+use std::ops::Range;
 
 use anyhow::{Context as _, Result, ensure};
 use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SectionKind, SymbolKind};
@@ -74,6 +75,21 @@ pub fn deepest(elf: &[u8]) -> Result<Chain> {
             .map(|at| (functions[at].name.clone(), functions[at].frame))
             .collect(),
     })
+}
+
+/// Addresses of the stack in an image, the guard's with them.
+///
+/// # Errors
+/// When it is no ELF image, or the linker script names no stack.
+pub fn stack(elf: &[u8]) -> Result<Range<u32>> {
+    let file = object::File::parse(elf).context("not an ELF image")?;
+    let address = |name: &str| {
+        let symbol = file.symbol_by_name(name);
+        symbol
+            .map(|symbol| symbol.address() as u32)
+            .context(name.to_owned())
+    };
+    Ok(address("_stack_end")?..address("_stack_start")?)
 }
 
 /// Deepest chains of calls, by the function that they begin with: bytes and functions. A call back to a caller adds nothing:

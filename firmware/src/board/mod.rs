@@ -2,27 +2,16 @@
 //!
 //! Every board has the same items: `start`, which takes the peripherals and sets all outputs to
 //! their safe levels; [`Pins`], [`LabelPort`], [`Watchdog`] and [`DeadMan`], which drive them; [`Button`] and [`CommandPort`], which
-//! are inputs; `Executor`, which runs the tasks; `run_radio`, which starts its Bluetooth stack and runs the Myo session on it; and `enter_safe_state`, for a panic. On a PC the board is simulated.
+//! are inputs; `run_radio`, which starts its Bluetooth stack and runs the Myo session on it; and `enter_safe_state`, for a panic. On a PC the board is simulated.
 
-#[cfg(all(feature = "emulator", target_os = "none"))]
-mod emulator;
-#[cfg(any(feature = "emulator", not(target_os = "none")))]
-mod levels;
-#[cfg(all(feature = "chip", target_os = "none"))]
+#[cfg(target_os = "none")]
 mod nrf52;
 #[cfg(not(target_os = "none"))]
 pub mod simulated;
 
-#[cfg(all(feature = "chip", target_os = "none"))]
-pub use embassy_executor::Executor;
-#[cfg(all(feature = "emulator", target_os = "none"))]
-pub use emulator::{
-    Button, CommandPort, DeadMan, Executor, LabelPort, Pins, RadioParts, Watchdog,
-    enter_safe_state, run_radio, start,
-};
 #[cfg(all(feature = "uf2", target_os = "none"))]
 pub use nrf52::Battery;
-#[cfg(all(feature = "chip", target_os = "none"))]
+#[cfg(target_os = "none")]
 pub use nrf52::{
     Button, CommandPort, DeadMan, LabelPort, Pins, RadioParts, Watchdog, enter_safe_state,
     run_radio, start,

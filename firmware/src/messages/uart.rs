@@ -31,7 +31,7 @@ pub enum UartMessage {
     /// A panic ended the run before.
     Ended,
     /// The radio has started, with this source of its clock.
-    #[cfg(all(feature = "chip", target_os = "none"))]
+    #[cfg(target_os = "none")]
     SlowClock(crate::settings::SlowClock),
     /// The model cannot be run, so no label will be valid.
     ModelRefused(ModelRefused),
@@ -163,7 +163,7 @@ impl UartMessage {
                 write!(line, ", started by {}\r\n", reason.name())
             }
             Self::Ended => write!(line, "# the run before {}\r\n", previous_message()),
-            #[cfg(all(feature = "chip", target_os = "none"))]
+            #[cfg(target_os = "none")]
             Self::SlowClock(source) => write!(line, "# slow clock: {}\r\n", source.name()),
             Self::ModelRefused(error) => write!(line, "# {error}\r\n"),
             Self::Following(following) => write_following(line, following),

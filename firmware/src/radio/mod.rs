@@ -1,12 +1,12 @@
 //! Interface of the two Bluetooth stacks, no wider than [`driver`] needs.
 
 pub mod driver;
-#[cfg(all(feature = "radio-hci", target_os = "none"))]
+#[cfg(any(feature = "radio-trouble", not(target_os = "none")))]
 mod guarded;
 mod handles;
 #[cfg(all(feature = "radio-softdevice", target_os = "none"))]
 pub mod softdevice;
-#[cfg(all(feature = "radio-hci", target_os = "none"))]
+#[cfg(any(feature = "radio-trouble", not(target_os = "none")))]
 pub mod trouble;
 
 use shared::myo::Address;

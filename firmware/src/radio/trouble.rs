@@ -1,5 +1,5 @@
-//! The Bluetooth host `trouble` as a central, on any HCI controller: Nordic's library on a chip, a
-//! UART in the emulator.
+//! The Bluetooth host `trouble` as a central, on any HCI controller: Nordic's library on a chip, on
+//! a PC one that another program simulates.
 
 use core::{future::poll_fn, task::Poll};
 

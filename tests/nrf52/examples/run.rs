@@ -82,10 +82,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         machine.instructions,
         machine.image().place(place)
     );
-    println!(
-        "lowest stack {:#x}, overruns {}",
-        machine.lowest_stack,
-        machine.chip().overruns()
-    );
+    println!("overruns {}", machine.chip().overruns());
     Ok(())
 }

@@ -48,8 +48,6 @@ pub struct Machine {
     pub incidents: Vec<(u64, Incident)>,
     /// Instructions that were run.
     pub instructions: u64,
-    /// The lowest stack pointer that was seen.
-    pub lowest_stack: u32,
     /// Refusals, kept while the program goes on, to see all of them at once. Without a list the first one ends the run.
     pub survey: Option<Vec<Refusal>>,
 }
@@ -83,7 +81,6 @@ impl Machine {
             controller,
             incidents: vec![(0, Incident::Started(Reset::Power))],
             instructions: 0,
-            lowest_stack: u32::MAX,
             survey: None,
         }
     }
@@ -207,7 +204,6 @@ impl Machine {
 
     /// Looks for what only shows in the core.
     fn look(&mut self) -> Result<(), Refusal> {
-        self.lowest_stack = self.lowest_stack.min(self.core.stack_pointer());
         if self.core.is_locked_up() {
             return Err(self.refusal(format!("{:#010x}", self.core.place()), What::LockedUp));
         }

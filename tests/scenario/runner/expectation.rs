@@ -4,7 +4,7 @@ mod pins;
 
 use super::installed;
 use anyhow::{Context as _, bail, ensure};
-use myointent_tests::emulator::{Input, expected_lines};
+use myointent_tests::oracle::{Input, expected_lines};
 use myointent_tests::output::Output;
 use serde::Deserialize;
 use shared::stream::alignment::Alignment;

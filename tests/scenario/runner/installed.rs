@@ -1,7 +1,7 @@
 //! Labels after an installation, held against a pipeline on the PC that changes its model at the same sample.
 
 use anyhow::{Context as _, ensure};
-use myointent_tests::emulator::{Input, expected_lines};
+use myointent_tests::oracle::{Input, expected_lines};
 use myointent_tests::output::{Line, Output};
 use shared::stream::safe_state::Cause;
 use shared::uart_line::{Kind, Report};

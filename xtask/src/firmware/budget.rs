@@ -10,7 +10,7 @@ use crate::size::Size;
 /// Most bytes that the no-access region below the stack takes: two regions of 256, and what aligns them.
 const STACK_GUARD: u64 = 2 * 256 + 255;
 /// Least bytes that must be left for the stack.
-pub const STACK_BUDGET: u64 = 12 * 1024;
+const STACK_BUDGET: u64 = 12 * 1024;
 
 /// Least bytes of RAM that nothing uses, below the deepest chain of calls.
 const SPARE: u64 = 6 * 1024;
@@ -75,33 +75,24 @@ pub fn check(row: &Row) -> Result<()> {
 }
 
 /// The table of `cargo xtask images`.
-pub struct Table<'r> {
-    /// The images with their sizes.
-    pub rows: &'r [Row],
-    /// Bytes of the deepest stack that the emulated board used; the tasks are the same in every
-    /// image.
-    pub stack: Option<u64>,
-}
+pub struct Table<'r>(pub &'r [Row]);
 
 impl fmt::Display for Table<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let kib = |bytes: u64| bytes as f64 / 1024.0;
-        let stack = self
-            .stack
-            .map_or_else(|| "-".to_owned(), |used| format!("{:.1}", kib(used)));
         writeln!(
             f,
-            "| image, KiB    | code  | constants | flash | of  | controller | own   | static RAM | of  | left for the stack | stack measured | deepest chain | spare |"
+            "| image, KiB    | code  | constants | flash | of  | controller | own   | static RAM | of  | left for the stack | deepest chain | spare |"
         )?;
         writeln!(
             f,
-            "|---------------|-------|-----------|-------|-----|------------|-------|------------|-----|--------------------|----------------|---------------|-------|"
+            "|---------------|-------|-----------|-------|-----|------------|-------|------------|-----|--------------------|---------------|-------|"
         )?;
-        for row in self.rows {
+        for row in self.0 {
             let &Row { image, size, chain } = row;
             writeln!(
                 f,
-                "| {image:13} | {:5.1} | {:9.1} | {:5.1} | {:3} | {:10.1} | {:5.1} | {:10.1} | {:3} | {:18.1} | {stack:>14} | {:13.1} | {:5.1} |",
+                "| {image:13} | {:5.1} | {:9.1} | {:5.1} | {:3} | {:10.1} | {:5.1} | {:10.1} | {:3} | {:18.1} | {:13.1} | {:5.1} |",
                 kib(size.text),
                 kib(size.rodata),
                 kib(size.flash()),

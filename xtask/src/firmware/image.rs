@@ -17,20 +17,17 @@ pub enum Image {
     NiceNano,
     /// nRF52832 under the SoftDevice S132.
     Nrf52832S132,
-    /// QEMU's `mps2-an386`.
-    Emulator,
 }
 
 impl Image {
     /// Every image.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 6] = [
         Self::Nrf52840S140,
         Self::Nrf52840Sdc,
         Self::Xiao,
         Self::Feather,
         Self::NiceNano,
         Self::Nrf52832S132,
-        Self::Emulator,
     ];
 
     /// Images of boards with USB and a boot loader for UF2 files.
@@ -52,7 +49,6 @@ impl Image {
             Self::Feather => "feather",
             Self::NiceNano => "nice-nano",
             Self::Nrf52832S132 => "nrf52832-s132",
-            Self::Emulator => "emulator",
         }
     }
 
@@ -65,7 +61,6 @@ impl Image {
             Self::Feather => "feather",
             Self::NiceNano => "nice-nano",
             Self::Nrf52832S132 => "nrf52832,radio-softdevice",
-            Self::Emulator => "emulator",
         }
     }
 
@@ -78,15 +73,13 @@ impl Image {
             Self::Nrf52840Sdc => &[0, 1, 2, 6, 8, 11, 17, 20],
             // And SAADC, USBD.
             Self::Xiao | Self::Feather | Self::NiceNano => &[0, 1, 2, 6, 7, 8, 11, 17, 20, 39],
-            // UART0 receiver, UART1 receiver, TIMER1.
-            Self::Emulator => &[0, 2, 9],
         }
     }
 
     /// Returns true if the image is built with link-time optimisation. Images under a SoftDevice cannot be (see
     /// firmware/build.rs); the others contain a Bluetooth host and need it to fit.
     pub(super) fn has_lto(self) -> bool {
-        self.has_controller() || self == Self::Emulator
+        self.has_controller()
     }
 
     /// Bytes of stack that a SoftDevice's interrupts take (its specification: 1.5 KiB); in other images the controller's
@@ -102,7 +95,7 @@ impl Image {
     pub(super) const fn flash_budget(self) -> u64 {
         match self {
             Self::Nrf52840S140 | Self::Nrf52832S132 => 160 * 1024,
-            Self::Nrf52840Sdc | Self::Emulator => 340 * 1024,
+            Self::Nrf52840Sdc => 340 * 1024,
             // From 0x1000.
             Self::Xiao | Self::Feather | Self::NiceNano => 336 * 1024,
         }
@@ -124,7 +117,6 @@ impl Image {
             Self::Nrf52840Sdc => 256 * 1024,
             Self::Xiao | Self::Feather | Self::NiceNano => 256 * 1024 - 8,
             Self::Nrf52832S132 => (64 - 16) * 1024,
-            Self::Emulator => 64 * 1024,
         }
     }
 }

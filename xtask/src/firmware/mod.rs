@@ -8,11 +8,10 @@ use std::fs;
 
 use anyhow::{Context as _, Result, ensure};
 
-pub use budget::STACK_BUDGET;
 pub use cargo::{build_image, build_simulation};
 pub use image::Image;
 
-use crate::{size, stack, stack_chain, toolchain};
+use crate::{size, stack_chain, toolchain};
 use budget::{Row, Table};
 
 /// Options of the build.
@@ -66,13 +65,7 @@ pub fn build(arguments: &Arguments) -> Result<()> {
             });
         }
     }
-    let emulator = cargo::elf_file(Image::Emulator);
-    let stack = if emulator.is_file() {
-        stack::measured(&emulator)?
-    } else {
-        None
-    };
-    println!("\n{}", Table { rows: &rows, stack });
+    println!("\n{}", Table(&rows));
     rows.iter().try_for_each(budget::check)
 }
 
@@ -89,7 +82,6 @@ pub fn lint(arguments: &LintArguments) -> Result<()> {
         (Image::Nrf52840S140, "crystal"),
         (Image::Nrf52840Sdc, "oscillator"),
         (Image::Xiao, "oscillator"),
-        (Image::Emulator, "oscillator"),
     ];
     for (image, slow_clock) in images {
         println!("{image}, {slow_clock}");

@@ -9,7 +9,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use embassy_time::{Duration, Instant, MockDriver};
 
-use crate::board::levels::Levels;
+use super::levels::Levels;
 use crate::messages::pin_state::{self, PinState};
 
 /// Every line that the program writes to its UART.
@@ -171,9 +171,14 @@ pub fn packets_sent() -> usize {
     SENT.load(Ordering::Relaxed)
 }
 
+/// Something was received by the radio.
+pub fn heard() {
+    with(|hardware| hardware.last_received_us = now_us());
+}
+
 /// The packet with this number was received.
 pub fn received(number: usize) {
-    with(|hardware| hardware.last_received_us = now_us());
+    heard();
     happened("PACKET", number);
 }
 

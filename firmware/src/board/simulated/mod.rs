@@ -1,4 +1,5 @@
-//! A board on a PC, in virtual time: beside it an armband and a person that do what a scenario says.
+//! A board on a PC, in virtual time: beside it an armband and a person that do what a scenario says. With a socket to a
+//! simulated Bluetooth controller the armbands are another program's, and time is the PC's.
 //!
 //! The tasks are the board's, on the same executor; time passes by 20 us with each of its turns, so that a minute takes a second and
 //! every run gives the same lines. What the program computes takes no time but what the scenario gives it.
@@ -7,6 +8,9 @@ mod clock;
 mod fault;
 mod flash;
 mod hardware;
+#[cfg(unix)]
+mod hci;
+mod levels;
 #[cfg(test)]
 mod moments;
 mod person;
@@ -15,6 +19,8 @@ mod radio;
 mod scenario;
 
 use std::cell::RefCell;
+#[cfg(unix)]
+use std::os::unix::net::UnixStream;
 use std::process::ExitCode;
 use std::sync::OnceLock;
 use std::sync::atomic::Ordering;
@@ -50,6 +56,8 @@ static SURROUNDINGS: OnceLock<Surroundings> = OnceLock::new();
 
 struct Surroundings {
     arguments: &'static Arguments,
+    #[cfg(unix)]
+    controller: Option<UnixStream>,
     scenario: Scenario,
     samples: Vec<Sample>,
     /// Model file that the person installs.
@@ -68,7 +76,7 @@ pub fn main(start: fn(Spawner)) -> ExitCode {
             on_panic();
             static EXECUTOR: StaticCell<Executor> = StaticCell::new();
             EXECUTOR.init_with(Executor::new).run(|spawner| {
-                if let Ok(clock) = clock::run(person) {
+                if let Ok(clock) = clock::run(person, arguments.slowed) {
                     spawner.spawn(clock);
                 }
                 start(spawner);
@@ -109,8 +117,12 @@ fn prepare(arguments: &'static Arguments) -> anyhow::Result<Surroundings> {
     let run_us = (scenario.run_seconds * 1e6) as u64;
     hardware::start(&arguments.out, run_us.saturating_sub(arguments.elapsed_us))
         .with_context(|| format!("{} cannot be written", arguments.out.display()))?;
+    #[cfg(unix)]
+    let controller = arguments.hci.as_ref().map(UnixStream::connect).transpose();
     Ok(Surroundings {
         arguments,
+        #[cfg(unix)]
+        controller: controller.context("no Bluetooth controller at the socket")?,
         samples: samples.collect(),
         scenario,
         file: file.unwrap_or_default(),
@@ -164,6 +176,14 @@ pub async fn run_radio(_: Spawner, _: RadioParts, driver: &SessionDriver<'_>) {
         samples,
         ..
     } = surroundings();
+    #[cfg(unix)]
+    if let Some(controller) = &surroundings().controller {
+        installation::beside(flash::Files, async |flash| {
+            hci::run(controller, driver, flash).await;
+        })
+        .await;
+        return;
+    }
     fault::inject_at_start(scenario.fault);
     let address = |text: &str| Address::parse(text).expect("an address of the scenario");
     let new = |text: &str, rssi| Armband::new(address(text), rssi, samples.clone());

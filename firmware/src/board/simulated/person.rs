@@ -88,6 +88,11 @@ impl Person {
         }
     }
 
+    /// Sends bytes to the UART behind those that are on their way.
+    pub fn send(&mut self, bytes: impl Iterator<Item = u8>) {
+        self.sending.extend(bytes);
+    }
+
     /// Does what is due.
     pub fn act(&mut self, now_us: u64, next: usize) {
         while let Some(act) = self.acts.front().filter(|act| act.at() <= next) {

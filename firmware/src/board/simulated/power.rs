@@ -16,7 +16,7 @@ use crate::reset_reason::ResetReason;
 ///
 /// Writes the lines of its UART to `uart0.out` and the levels of its pins to `uart2.out`.
 #[derive(Parser, Clone)]
-#[command(version)]
+#[command(version, args_override_self = true)]
 pub struct Arguments {
     /// The scenario.
     #[arg(value_name = "SCENARIO.toml")]
@@ -39,6 +39,13 @@ pub struct Arguments {
     /// Folder for what is written.
     #[arg(long, value_name = "FOLDER")]
     pub out: PathBuf,
+    /// Socket of a Bluetooth controller that another program simulates, with the armbands behind it.
+    #[cfg(unix)]
+    #[arg(long, value_name = "SOCKET", requires = "slowed")]
+    pub hci: Option<PathBuf>,
+    /// Follows the PC's time, so many times slower, and sends standard input to the UART. A reset ends the program.
+    #[arg(long, value_name = "FACTOR", value_parser = clap::value_parser!(u32).range(1..))]
+    pub slowed: Option<u32>,
     /// Why the program starts, once it has started before.
     #[arg(long, hide = true, requires = "elapsed_us")]
     pub reset: Option<Reset>,
@@ -107,6 +114,7 @@ fn start_again(reason: ResetReason) -> anyhow::Result<i32> {
     let Some(arguments) = ARGUMENTS.get() else {
         anyhow::bail!("it was not started");
     };
+    anyhow::ensure!(arguments.slowed.is_none(), "the PC's time has gone on");
     let elapsed = arguments.elapsed_us + hardware::now_us();
     let reason = match reason {
         ResetReason::Power => "power",
@@ -115,24 +123,8 @@ fn start_again(reason: ResetReason) -> anyhow::Result<i32> {
         ResetReason::StackOverflow => "stack-overflow",
     };
     let mut command = Command::new(std::env::current_exe()?);
-    for (name, path) in [
-        ("--journal", &arguments.journal),
-        ("--install", &arguments.install),
-    ] {
-        if let Some(path) = path {
-            command.arg(name).arg(path);
-        }
-    }
     let status = command
-        .arg(&arguments.scenario)
-        .arg("--model")
-        .arg(&arguments.model)
-        .arg("--samples")
-        .arg(&arguments.samples)
-        .arg("--page")
-        .arg(&arguments.page)
-        .arg("--out")
-        .arg(&arguments.out)
+        .args(std::env::args_os().skip(1))
         .args(["--reset", reason])
         .args(["--elapsed-us", &elapsed.to_string()])
         .args(["--starts", &(arguments.starts + 1).to_string()])

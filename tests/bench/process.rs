@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::path::Path;
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Child, ChildStdin, Command, ExitStatus};
 
 use anyhow::Context as _;
 
@@ -17,12 +17,17 @@ impl KillOnDrop {
     pub fn start(name: &'static str, mut command: Command, folder: &Path) -> anyhow::Result<Self> {
         let out = File::create(folder.join(format!("{name}.out")))?;
         let child = command
-            .stdin(Stdio::null())
             .stderr(out.try_clone()?)
             .stdout(out)
             .spawn()
             .with_context(|| format!("{name} cannot be started"))?;
         Ok(Self { name, child })
+    }
+
+    /// Its standard input, where that is a pipe.
+    pub fn input(&mut self) -> anyhow::Result<&mut ChildStdin> {
+        let input = self.child.stdin.as_mut();
+        input.with_context(|| format!("{} takes no input", self.name))
     }
 
     /// Its name and exit status, if it has ended.

@@ -1,4 +1,4 @@
-//! The emulated board's UART on a pseudo-terminal, which a program opens as a serial port.
+//! The board's UART on a pseudo-terminal, which a program opens as a serial port.
 
 use std::io::Read as _;
 use std::os::fd::AsRawFd as _;
@@ -41,7 +41,7 @@ impl Bridge {
         let (mut line, slave) = SerialPort::pair()?;
         line.set_read_timeout(Duration::from_millis(2))?;
         line.set_write_timeout(Duration::from_millis(20))?;
-        let mut labels = run.open_labels()?;
+        let mut labels = std::fs::File::open(run.lines_file())?;
         let run = Arc::new(Mutex::new(run));
         let stop = Arc::new(AtomicBool::new(false));
         let thread = {

@@ -1,0 +1,237 @@
+//! One run: its processes, and waiting for what they write.
+
+use std::io::Write as _;
+use std::ops::Deref;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context as _, bail, ensure};
+use bytemuck::cast_slice;
+use tempfile::TempDir;
+use xtask::emulator;
+
+use super::process::KillOnDrop;
+use super::{Place, Python, Scenario, program};
+use crate::output::{ARMBAND_LOG, LINES, Output};
+
+/// Longest wait. Far more than a healthy run needs, for a machine that is busy with other work.
+const TIMEOUT: Duration = Duration::from_secs(90);
+const POLL: Duration = Duration::from_millis(10);
+/// What armband and person do is not the board's scenario.
+const SCENARIO: &str = "run_seconds = 86400\n";
+
+/// Names of files in the folder of a run.
+const RECORDING: &str = "recording.i8";
+const SOCKET: &str = "hci";
+const MODEL: &str = "model.intent";
+const PAGE: &str = "page";
+
+/// A running board, mostly beside an armband. Both are killed when it is dropped.
+pub struct Run {
+    // Dropped first: a board that loses its controller would write an error.
+    board: Option<KillOnDrop>,
+    armband: Option<KillOnDrop>,
+    folder: TempDir,
+    output: Output,
+    slowed: u32,
+    /// True if the board may have started again: it was reset.
+    may_restart: bool,
+    _place: Place,
+}
+
+impl Run {
+    /// Starts an armband and a board.
+    ///
+    /// # Errors
+    /// When one of them does not start.
+    pub fn start(python: Python, scenario: &Scenario<'_>) -> anyhow::Result<Self> {
+        let mut run = Self::new(
+            python.place,
+            scenario.model,
+            &scenario.page,
+            scenario.slowed,
+        )?;
+        let path = |name: &str| run.folder.path().join(name);
+        let script = path("script.json");
+        std::fs::write(run.recording(), cast_slice::<[i8; 8], u8>(scenario.samples))?;
+        std::fs::write(&script, scenario.script.to_string())?;
+        let mut armband = Command::new(&python.path);
+        armband
+            .arg(emulator::armband())
+            .arg("--hci")
+            .arg(format!("unix-server:{}", path(SOCKET).display()))
+            .arg("--recording")
+            .arg(run.recording())
+            .arg("--script")
+            .arg(script)
+            .arg("--log")
+            .arg(path(ARMBAND_LOG))
+            .args(["--pace", &scenario.pace.to_string()])
+            .args(&scenario.arguments)
+            // No cache of compiled modules among the sources.
+            .env("PYTHONDONTWRITEBYTECODE", "1");
+        run.armband = Some(KillOnDrop::start("armband", armband, run.folder.path())?);
+        run.wait_for("the armband to be ready", |run| {
+            run.event_count("ready") > 0
+        })?;
+        run.start_board()?;
+        Ok(run)
+    }
+
+    /// Starts a board with neither model nor armband.
+    ///
+    /// # Errors
+    /// When it does not start.
+    pub fn alone() -> anyhow::Result<Self> {
+        let mut run = Self::new(Place::wait(), &[], &[], 1)?;
+        run.start_board()?;
+        Ok(run)
+    }
+
+    fn new(place: Place, model: &[u8], page: &[u8], slowed: u32) -> anyhow::Result<Self> {
+        // Short: the path of a socket has at most 107 bytes.
+        let folder = tempfile::Builder::new().prefix("myo").tempdir()?;
+        let files = [
+            (MODEL, model),
+            (PAGE, page),
+            ("scenario.toml", SCENARIO.as_bytes()),
+            (RECORDING, &[]),
+            (LINES, &[]),
+        ];
+        for (name, contents) in files {
+            std::fs::write(folder.path().join(name), contents)?;
+        }
+        Ok(Self {
+            board: None,
+            armband: None,
+            output: Output::new(folder.path(), LINES),
+            folder,
+            slowed,
+            may_restart: false,
+            _place: place,
+        })
+    }
+
+    fn start_board(&mut self) -> anyhow::Result<()> {
+        let folder = self.folder.path();
+        let mut board = Command::new(program());
+        board.arg(folder.join("scenario.toml"));
+        for (option, name) in [
+            ("--model", MODEL),
+            ("--page", PAGE),
+            ("--journal", "journal"),
+            ("--samples", RECORDING),
+            ("--out", ""),
+        ] {
+            board.arg(option).arg(folder.join(name));
+        }
+        board.args(["--slowed", &self.slowed.to_string()]);
+        if self.armband.is_some() {
+            board.arg("--hci").arg(folder.join(SOCKET));
+        }
+        board.stdin(Stdio::piped());
+        self.board = Some(KillOnDrop::start("board", board, folder)?);
+        Ok(())
+    }
+
+    /// Resets the board, in the middle of whatever it does: nothing but flash is kept.
+    ///
+    /// # Errors
+    /// When it does not start again.
+    pub fn reset(&mut self) -> anyhow::Result<()> {
+        self.may_restart = true;
+        self.board = None;
+        self.start_board()
+    }
+
+    /// Sends bytes to the UART.
+    ///
+    /// # Errors
+    /// When the board does not run.
+    pub fn send(&mut self, bytes: impl AsRef<[u8]>) -> anyhow::Result<()> {
+        let board = self.board.as_mut().context("no board")?;
+        board.input()?.write_all(bytes.as_ref())?;
+        Ok(())
+    }
+
+    /// The file that the armband streams; with its argument `--follow`, what is appended to it as well.
+    #[must_use]
+    pub fn recording(&self) -> PathBuf {
+        self.folder.path().join(RECORDING)
+    }
+
+    /// Sends a command and gives its answer's body. The answers to all commands before must have come.
+    ///
+    /// # Errors
+    /// When none comes.
+    pub fn ask(&mut self, line: &str) -> anyhow::Result<String> {
+        let before = self.answers().len();
+        self.send(line)?;
+        self.wait_for(&format!("an answer to {line}"), |run| {
+            run.answers().len() > before
+        })?;
+        Ok(self.answers().swap_remove(before))
+    }
+
+    /// Waits until a condition holds.
+    ///
+    /// # Errors
+    /// After a timeout, or when a process has ended; with the tails of all files.
+    pub fn wait_for(
+        &mut self,
+        what: &str,
+        condition: impl Fn(&Self) -> bool,
+    ) -> anyhow::Result<()> {
+        let start = Instant::now();
+        loop {
+            // Before the condition: a process that has ended may have fulfilled it.
+            let ended = self.ended();
+            if condition(self) {
+                return Ok(());
+            }
+            if let Some(ended) = ended {
+                bail!("{ended} while waiting for {what}\n{}", self.tails());
+            }
+            if start.elapsed() > TIMEOUT {
+                bail!("waited {TIMEOUT:?} in vain for {what}\n{}", self.tails());
+            }
+            std::thread::sleep(POLL);
+        }
+    }
+
+    /// Says which process has ended. A board that resets itself ends.
+    fn ended(&mut self) -> Option<String> {
+        let processes = [self.board.as_mut(), self.armband.as_mut()];
+        let ended = processes.into_iter().flatten().find_map(KillOnDrop::ended);
+        ended.map(|(name, status)| format!("the {name} ended ({status})"))
+    }
+
+    /// Checks the conditions that must hold in every run, whatever happened in it.
+    ///
+    /// # Errors
+    /// As [`Output::check`], where the board may have restarted if it was reset; when it has reset itself, has dropped
+    /// packets, or there is an error in the armband's log.
+    pub fn check(&mut self) -> anyhow::Result<()> {
+        let ended = self.ended();
+        ensure!(ended.is_none(), "{ended:?}\n{}", self.tails());
+        self.output.check(self.may_restart)?;
+        let is_late = self.comments().iter().any(|c| c.contains("too slow"));
+        ensure!(!is_late, "packets were dropped\n{}", self.tails());
+        let errors = self.event_count("error");
+        ensure!(
+            errors == 0,
+            "{errors} errors of the armband\n{}",
+            self.tails()
+        );
+        Ok(())
+    }
+}
+
+impl Deref for Run {
+    type Target = Output;
+
+    fn deref(&self) -> &Output {
+        &self.output
+    }
+}
