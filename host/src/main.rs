@@ -2,7 +2,6 @@
 
 use std::process::ExitCode;
 
-use clap::Parser;
 use myointent::cli::Cli;
 
 // Training allocates and frees large tensors by the thousand; this allocator keeps their pages.
@@ -10,5 +9,5 @@ use myointent::cli::Cli;
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 fn main() -> ExitCode {
-    Cli::parse().run()
+    Cli::from_command_line().run()
 }

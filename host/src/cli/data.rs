@@ -9,11 +9,10 @@ use shared::intent::Vocabulary;
 
 use super::arguments::refused;
 use super::contents::{Recordings, tables};
+#[cfg(feature = "fetch")]
 use super::fetch;
-use evaluation::report::Table;
 use execution::printable::printable_lines;
-use recordings::catalogue::{Address, SOURCES};
-use recordings::description::survey::describe;
+use recordings::description::draft::describe;
 use recordings::synthetic::{self, SynthOptions};
 use recordings::{DataSet, LoadOptions, load};
 
@@ -22,11 +21,12 @@ use recordings::{DataSet, LoadOptions, load};
 pub enum Command {
     /// Show subjects, seconds per intent, transitions, and what is wrong with recordings
     Inspect(InspectArguments),
-    /// Write a first recordings.toml, which says how to read a folder of your own files, by looking at them
+    /// Write a draft of a recordings.toml, which says how to read a folder of your own files
     Describe(DescribeArguments),
     /// Write synthetic recordings, to try things without a data set
     Synth(SynthArguments),
     /// Download a published data set, or put a downloaded archive in place
+    #[cfg(feature = "fetch")]
     Fetch(fetch::Arguments),
 }
 
@@ -67,9 +67,8 @@ fn inspect_help() -> String {
 
 /// Fields of a description, and how one is made.
 const DESCRIBE_HELP: &str = "\
-Looks at csv, txt, tsv and npy files: columns, separator, rate by a column of times, scale, names in the paths, words of
-labels with their seconds. Writes DIR/recordings.toml, with comments on what cannot be seen. Correct it, and every
-command reads the folder by it. An existing file is never replaced.
+Writes DIR/recordings.toml, a draft by csv, txt, tsv and npy files: separator, columns, scale, words of labels, with comments
+for the rest. Correct it, and every command reads the folder by it. An existing file is never replaced.
 
 Fields (files and rate are required):
   files        paths below the folder; {person}, {session}, {gesture}, {trial} (a number) and {any} stand for text.
@@ -165,25 +164,9 @@ pub(super) fn run(command: Command) -> anyhow::Result<()> {
         Command::Inspect(args) => inspect(&args),
         Command::Describe(args) => write_description(&args),
         Command::Synth(args) => write_synthetic(&args),
+        #[cfg(feature = "fetch")]
         Command::Fetch(args) => fetch::run(&args),
     }
-}
-
-/// Table of the data sets: names, addresses and licences.
-pub(super) fn published() -> Table {
-    let caption =
-        "myointent data fetch NAME downloads one; docs/recordings.md says what is in them.";
-    let mut table = Table::new(caption, ["name", "page", "how", "licence"]);
-    for own in SOURCES {
-        let how = match own.address {
-            Address::ByHand(_) => "by hand",
-            Address::Zenodo(_) => "download, checksum",
-            Address::GitHub(_) | Address::Uci(_) => "download",
-        };
-        let licence = own.licence.split([':', ';']).next().unwrap_or_default();
-        table.push([own.data_set.name(), own.page, how, licence]);
-    }
-    table
 }
 
 fn inspect(args: &InspectArguments) -> anyhow::Result<()> {

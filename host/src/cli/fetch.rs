@@ -1,4 +1,4 @@
-//! `myointent data fetch`: published recordings, downloaded or from an archive at hand. Its twin is `unfetched`.
+//! `myointent data fetch`: published recordings, downloaded or from an archive at hand.
 
 use std::io::{IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use anyhow::{Context as _, bail};
 use clap::Args;
 
 use super::contents::{Recordings, tables};
-use super::data::published;
+use evaluation::report::Table;
 use execution::progress;
 use recordings::catalogue::{Address, SOURCES, Source, source};
 pub use recordings::printable;
@@ -166,6 +166,23 @@ fn put(own: &Source, files: &[PathBuf], place: &Path) -> anyhow::Result<()> {
     let library = load(place, &LoadOptions::default())?;
     out.write_all(tables(&Recordings::new(&library)).as_bytes())?;
     Ok(())
+}
+
+/// Table of the data sets: names, addresses and licences.
+fn published() -> Table {
+    let caption =
+        "myointent data fetch NAME downloads one; docs/recordings.md says what is in them.";
+    let mut table = Table::new(caption, ["name", "page", "how", "licence"]);
+    for own in SOURCES {
+        let how = match own.address {
+            Address::ByHand(_) => "by hand",
+            Address::Zenodo(_) => "download, checksum",
+            Address::GitHub(_) | Address::Uci(_) => "download",
+        };
+        let licence = own.licence.split([':', ';']).next().unwrap_or_default();
+        table.push([own.data_set.name(), own.page, how, licence]);
+    }
+    table
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! The command line: parse, call, print. One file a subcommand; those of a run folder are in `steps`.
 
+mod absent;
 pub mod arguments;
 mod board;
 mod calibrate;
@@ -26,10 +27,6 @@ mod score;
 #[cfg(feature = "train")]
 pub mod steps;
 mod template;
-#[cfg(not(feature = "fetch"))]
-mod unfetched;
-#[cfg(not(feature = "train"))]
-mod untrained;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -37,12 +34,8 @@ use std::process::ExitCode;
 use anyhow::Context as _;
 use clap::{Parser, Subcommand};
 
-#[cfg(not(feature = "fetch"))]
-use self::unfetched as fetch;
 #[cfg(not(feature = "train"))]
-use self::untrained as steps;
-#[cfg(not(feature = "train"))]
-pub(crate) use self::untrained::WITHOUT_TRAINING;
+pub(crate) use self::absent::WITHOUT_TRAINING;
 use ::presets::PresetError;
 use ::presets::resolve::ConfigError;
 use execution::run_folder::RunError;
@@ -75,6 +68,7 @@ pub struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Commands that train.
+    #[cfg(feature = "train")]
     #[command(flatten)]
     Steps(steps::Command),
     /// Inspect recordings, or write synthetic ones.
@@ -117,6 +111,18 @@ enum Command {
 }
 
 impl Cli {
+    /// Parses the command line of this process, or ends it with an error.
+    #[must_use]
+    pub fn from_command_line() -> Self {
+        Self::try_parse().unwrap_or_else(|error| match absent::advice(&error) {
+            Some(advice) => {
+                progress::log(&format!("error: {advice}"));
+                std::process::exit(error.exit_code())
+            }
+            None => error.exit(),
+        })
+    }
+
     /// Runs the command and returns its exit code; an error is printed on standard error.
     #[must_use]
     pub fn run(self) -> ExitCode {
@@ -124,6 +130,7 @@ impl Cli {
         interrupt::outlive_file_limit();
         let advice = self.command.advice();
         let result = match self.command {
+            #[cfg(feature = "train")]
             Command::Steps(command) => command.run(),
             Command::Data(command) => data::run(command),
             Command::Evaluate(arguments) => evaluate::run(&arguments),
@@ -165,6 +172,7 @@ impl Command {
     /// Advice after an interrupt.
     const fn advice(&self) -> &'static str {
         match self {
+            #[cfg(feature = "train")]
             Self::Steps(command) if command.resumes() => {
                 "to continue, give the same command and --resume (without --overwrite)"
             }
@@ -191,13 +199,21 @@ pub fn exit_code(error: &anyhow::Error, interrupted: bool) -> ExitCode {
 #[must_use]
 pub fn is_interrupt(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| {
-        cause.downcast_ref().is_some_and(RunError::is_interrupt) || steps::is_interrupt(cause)
+        #[cfg(feature = "train")]
+        if steps::is_interrupt(cause) {
+            return true;
+        }
+        cause.downcast_ref().is_some_and(RunError::is_interrupt)
     })
 }
 
 /// Whether a command decided to keep the old model.
 fn keeps_the_old(error: &anyhow::Error) -> bool {
-    error.is::<calibrate::Kept>() || steps::keeps_the_old(error)
+    #[cfg(feature = "train")]
+    if steps::keeps_the_old(error) {
+        return true;
+    }
+    error.is::<calibrate::Kept>()
 }
 
 /// Exit code if a command keeps the old model.

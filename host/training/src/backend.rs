@@ -9,9 +9,6 @@ mod wgpu;
 /// Library that computes on tensors. The first that is compiled in is the default.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Backend {
-    /// An NVIDIA GPU.
-    #[cfg(feature = "cuda")]
-    Cuda,
     /// Any GPU, through Vulkan, Metal or Direct3D 12.
     #[cfg(feature = "wgpu")]
     Wgpu,
@@ -35,7 +32,7 @@ pub struct BackendArguments {
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum BackendError {
     /// The program was compiled without any backend.
-    #[error("no backend is compiled in: build with one of the features flex, ndarray, wgpu, cuda")]
+    #[error("no backend is compiled in: build with one of the features flex, ndarray, wgpu")]
     NoneCompiled,
     /// No driver offers an adapter that can compute.
     #[error(
@@ -69,8 +66,6 @@ impl Backend {
     /// When the backend finds no device.
     pub fn device(self) -> Result<Device, BackendError> {
         match self {
-            #[cfg(feature = "cuda")]
-            Self::Cuda => Ok(Device::cuda(0)),
             #[cfg(feature = "wgpu")]
             Self::Wgpu => wgpu::device(),
             #[cfg(feature = "flex")]
