@@ -50,9 +50,9 @@ fn a_folder_of_any_layout_is_evaluated_in_two_commands() {
     );
     let text = fs::read_to_string(data.join("recordings.toml")).unwrap();
     assert!(
-        text.contains("scale = 128 ")
+        text.contains("\nscale = 128\n")
             && text.contains(
-                "\nlabels = { relax = [\"rest\"], open = [\"paper\"], close = [\"fist\"] }"
+                "\nlabels = { close = [\"fist\"], open = [\"paper\"], relax = [\"rest\"] }"
             ),
         "{text}"
     );

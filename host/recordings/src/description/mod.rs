@@ -2,14 +2,14 @@
 //!
 //! A description stands in the folder that it describes, or names it as `folder`. It takes the place of a reader: what
 //! it reads goes the way of all recordings, through the examiner, the naming of people and the timing of labels.
-//! [`survey`] writes a first one.
+//! [`draft`] writes a first one.
 
+pub mod draft;
 mod error;
 mod pattern;
 pub(crate) mod published;
 mod reader;
 mod rows;
-pub mod survey;
 mod values;
 mod words;
 

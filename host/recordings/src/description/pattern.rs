@@ -51,7 +51,7 @@ impl Field {
 
 /// Part of a pattern within one name.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(super) enum Part {
+enum Part {
     Text(String),
     Field(Field),
 }
@@ -163,11 +163,6 @@ impl Fields {
 }
 
 impl Pattern {
-    /// Pattern of these names.
-    pub(super) const fn of(names: Vec<Vec<Part>>) -> Self {
-        Self { names }
-    }
-
     fn fields(&self) -> impl Iterator<Item = Field> {
         self.names.iter().flatten().filter_map(|part| match part {
             Part::Text(_) => None,

@@ -8,8 +8,8 @@ mod rising;
 use shared::units::SAMPLE_RATE_HZ;
 
 pub(crate) use instant::seconds_of;
-pub(crate) use rising::{HELD, rises, rises_evenly};
 use rising::{period, unwrapped};
+pub(crate) use rising::{rises, rises_evenly};
 
 /// Names of columns that say when a row was sampled; a unit may follow.
 #[rustfmt::skip]
@@ -122,15 +122,6 @@ fn kind(name: &str) -> Option<Kind> {
         }
         _ => None,
     }
-}
-
-/// Position of the clock's column among all names of a header; times take precedence over counters.
-pub(crate) fn column<S: AsRef<str>>(names: &[S]) -> Option<usize> {
-    let of = |wanted: fn(Kind) -> bool| {
-        let mut kinds = names.iter().map(|name| kind(name.as_ref()));
-        kinds.position(|kind| kind.is_some_and(wanted))
-    };
-    of(|kind| matches!(kind, Kind::Times(_))).or_else(|| of(|kind| kind == Kind::Counter))
 }
 
 impl Clock {

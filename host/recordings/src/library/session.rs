@@ -13,13 +13,6 @@ pub(crate) enum Session {
     Number,
 }
 
-impl Session {
-    /// Whether it names a session or a part of one wherever it stands.
-    pub(crate) const fn is_part_of_a_person(self) -> bool {
-        matches!(self, Self::Time | Self::Part)
-    }
-}
-
 /// Words for the time of a session.
 #[rustfmt::skip]
 const TIMES: [&str; 19] = [

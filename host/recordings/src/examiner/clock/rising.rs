@@ -9,7 +9,7 @@ const AVERAGED: usize = 400;
 /// Largest share of steps that go back in a column that rises: times may begin anew.
 const BACK: f64 = 0.01;
 /// Maximum mean number of rows from one rise of a column of times to the next; labels are held for longer.
-pub(crate) const HELD: usize = 20;
+const HELD: usize = 20;
 /// Minimum number of rows that show that a column rises evenly.
 const FEWEST: usize = 20;
 /// Rows after which a counter begins anew: a second at most, since what begins anew later may be another recording.

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use shared::intent::Intent;
 use shared::units::Sample;
 
-use crate::description::survey::describe;
+use crate::description::draft::describe;
 use crate::examiner::fixture::emg;
 use crate::library::inspection::groups;
 use crate::library::tests::folder;
@@ -249,15 +249,9 @@ fn a_column_for_each_class_is_read_or_told() {
         let rows = rows(|at, own| format!("{},{}", joined(own, ","), row(at)));
         let text = format!("{},{names}\n{rows}", NAMES[1..].join(","));
         let folder = folder(&[("anna/1.csv", &text)]);
-        let (_, described) = describe(folder.path(), None).unwrap();
-        std::fs::remove_file(folder.path().join("recordings.toml")).unwrap();
         let library = load(folder.path(), &LoadOptions::default()).unwrap();
         let told: Vec<String> = groups(&library).into_iter().map(|own| own.what).collect();
-        (
-            library.recordings[0].labels.clone(),
-            told.join("; "),
-            described,
-        )
+        (library.recordings[0].labels.clone(), told.join("; "))
     };
     let number = |at: usize, own: usize| u8::from(class(at) == own).to_string();
     let decimal = |at: usize, own: usize| format!("{}.0", u8::from(class(at) == own));
@@ -271,18 +265,14 @@ fn a_column_for_each_class_is_read_or_told() {
         ("is_rest,is_open,is_fist", &number),
     ];
     for (names, of) in kinds {
-        let (labels, told, described) = read(names, of);
+        let (labels, told) = read(names, of);
         assert_eq!(labels, expected, "{names}: {told}");
         assert!(told.contains("labels are read from columns"), "{told}");
-        assert!(
-            described.contains("a label each") && !described.contains("\nlabel ="),
-            "{described}"
-        );
     }
     let both = |_: usize, _: usize| "1".to_owned();
     let unread: [(&str, Label<'_>); 2] = [("a,b,c", &number), ("relax,open,close", &both)];
     for (names, of) in unread {
-        let (labels, told, _) = read(names, of);
+        let (labels, told) = read(names, of);
         assert_eq!(labels, [None; 1000], "{names}");
         assert!(
             told.contains("look like a label each and are not read"),
@@ -290,7 +280,7 @@ fn a_column_for_each_class_is_read_or_told() {
         );
     }
     // A switch beside the channels is no label.
-    let (_, told, _) = read("led,button,x", &|at, own| {
+    let (_, told) = read("led,button,x", &|at, own| {
         u8::from(at % (7 + own) == 0).to_string()
     });
     assert!(told.is_empty(), "{told}");

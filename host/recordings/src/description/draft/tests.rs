@@ -1,0 +1,166 @@
+use proptest::prelude::*;
+
+use super::*;
+
+/// Text of the draft of a folder with these files.
+fn written(files: &[(&str, String)]) -> Result<String, DraftError> {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        let path = folder.path().join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, text).unwrap();
+    }
+    let (path, text) = describe(folder.path(), None)?;
+    assert_eq!(std::fs::read_to_string(path).unwrap(), text);
+    Ok(text)
+}
+
+/// Lines of a draft without comments.
+fn fields(text: &str) -> Vec<&str> {
+    let is_field = |line: &&str| !line.is_empty() && !line.starts_with('#');
+    text.lines().filter(is_field).collect()
+}
+
+/// A table of so many channels, with the text `more` of each row behind them.
+fn table(head: &str, channels: usize, more: impl Fn(usize) -> String) -> String {
+    let value = |row: usize, channel: usize| (row * 37 + channel * 11) as i32 % 29 - 14;
+    let rows = (0..400).map(|row| {
+        let values: Vec<String> = (0..channels).map(|c| value(row, c).to_string()).collect();
+        values.join(",") + &more(row) + "\n"
+    });
+    head.to_owned() + &rows.collect::<String>()
+}
+
+fn plain() -> String {
+    table("", 8, |_| String::new())
+}
+
+#[test]
+fn names_numbers_and_words_tell_the_columns() {
+    let words = ["rest", "fist", "snap"];
+    let text = table("a,b,c,d,e,f,g,h,gyr,pose\n", 9, |row| {
+        format!(",{}", words[row / 150])
+    });
+    let text = written(&[("anna/1.csv", text.clone()), ("ben/1.csv", text)]).unwrap();
+    let expected = [
+        r#"files = "{person}/1.csv""#,
+        r#"separator = ",""#,
+        "header = true",
+        r#"channels = ["a", "b", "c", "d", "e", "f", "g", "h"]"#,
+        r#"label = "pose""#,
+        "rate = 200",
+        r#"labels = { close = ["fist"], relax = ["rest"], unknown = ["snap"] }"#,
+    ];
+    assert_eq!(fields(&text), expected);
+    assert!(text.contains("9 columns are numbers"), "{text}");
+    // Columns with names that are known are found by them.
+    let known = "emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7,gt\n";
+    let text = written(&[("1.csv", table(known, 8, |row| format!(",{}", row / 200)))]).unwrap();
+    let expected = [
+        r#"files = "1.csv""#,
+        r#"label = "gt""#,
+        "rate = 200",
+        "labels = { open = [1], relax = [0] }",
+    ];
+    assert_eq!(fields(&text), expected);
+    // Without a name, the first eight columns of numbers are the channels, and a person says what the ninth is.
+    let text = written(&[("1.csv", table("", 8, |row| format!(",{}", row / 200)))]).unwrap();
+    let channels = "channels = [1, 2, 3, 4, 5, 6, 7, 8]";
+    assert!(fields(&text).contains(&channels), "{text}");
+    assert!(text.contains("\n# label = 9\n"), "{text}");
+}
+
+#[test]
+fn paths_show_people_gestures_and_trials() {
+    for (paths, pattern) in [
+        (
+            ["p1/open_1.csv", "p2/fist_2.csv"],
+            "{person}/{gesture}_{trial}.csv",
+        ),
+        (
+            ["p1/m/x_a.CSV", "p2/n/y_a.csv"],
+            "{person}/{session}/{any}_a.csv",
+        ),
+        (["all/wave_in_3.csv", "all/open_3.csv"], "all/{any}.csv"),
+    ] {
+        let text = written(&paths.map(|path| (path, plain()))).unwrap();
+        let expected = format!("files = \"{pattern}\"");
+        assert!(fields(&text).contains(&&*expected), "{text}");
+        assert!(!text.contains("Cannot be read"), "{text}");
+    }
+}
+
+#[test]
+fn the_kind_of_most_files_is_described_and_the_others_are_told() {
+    let text = written(&[
+        ("a_1.csv", plain()),
+        ("a_2.csv", plain()),
+        ("deeper/a_3.csv", plain()),
+        ("b/x.csv", table("", 9, |_| String::new())),
+        ("notes.txt", "hello\n".into()),
+    ])
+    .unwrap();
+    for words in [
+        "files = \"a_{trial}.csv\"",
+        "Named otherwise, and not read: 1, such as deeper/a_3.csv",
+        "With other columns, and not read: 1, such as b/x.csv",
+    ] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+}
+
+#[test]
+fn what_no_description_can_read_is_told() {
+    let text = written(&[("1.csv", plain() + "1,2,3\n" + &plain())]).unwrap();
+    let words = "Cannot be read so: 1 files; the first: ";
+    assert!(text.contains(words), "{text}");
+    let filtered = (0..2400).map(|at| {
+        let end = if at % 8 == 7 { "\n" } else { "," };
+        (f64::from(at) * 0.731 + 0.01).sin().to_string() + end
+    });
+    let text = written(&[("1.csv", filtered.collect())]).unwrap();
+    assert!(text.contains("# scale = 128"), "{text}");
+}
+
+#[test]
+fn a_folder_without_samples_says_so() {
+    let empty = "emg0,emg1,emg2,emg3,emg4,emg5,emg6,emg7\n".to_owned();
+    for files in [
+        vec![],
+        vec![("notes.txt", "hello\n".to_owned())],
+        vec![("a.csv", empty)],
+    ] {
+        let error = written(&files).unwrap_err().to_string();
+        assert!(error.contains("no recordings in"), "{error}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_dangling_link_stops_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.csv"), plain()).unwrap();
+    std::os::unix::fs::symlink("/nowhere/b.csv", folder.path().join("b.csv")).unwrap();
+    let (_, text) = describe(folder.path(), None).unwrap();
+    assert!(text.contains("files = \"a.csv\""), "{text}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+    /// Whatever the files hold, a draft is a description, or an error says why there is none.
+    #[test]
+    fn any_files_are_described_or_an_error(
+        files in prop::collection::vec(("[a-c]{1}(/[a-c1-3_.-]{1,6}){0,2}", prop::collection::vec("(-?[0-9.]{1,4}[,;\t ]){7,9}[0-9ax]{0,2}|\\PC{0,9}", 0..30)), 0..4),
+    ) {
+        let named: Vec<(String, String)> = files
+            .into_iter()
+            .enumerate()
+            .map(|(at, (name, rows))| (format!("{at}{name}.csv"), rows.join("\n")))
+            .collect();
+        let files: Vec<(&str, String)> = named.iter().map(|(name, text)| (name.as_str(), text.clone())).collect();
+        if let Ok(text) = written(&files) {
+            let read = Description::parse(Path::new("recordings.toml"), &text);
+            prop_assert!(read.is_ok(), "{:?}\n{}", read, text);
+        }
+    }
+}
