@@ -105,7 +105,7 @@ impl Run {
         Ok(Self {
             board: None,
             armband: None,
-            output: Output::new(folder.path(), LINES),
+            output: Output::new(folder.path()),
             folder,
             slowed,
             may_restart: false,

@@ -7,7 +7,7 @@
 use myointent::cli::replay::one_recording;
 use myointent_tests::chip::{self, Board, Setting};
 use myointent_tests::oracle::{Input, expected_lines};
-use myointent_tests::output::{LINES, Output, Pins};
+use myointent_tests::output::{Output, Pins};
 use recordings::{Recording, runs};
 use shared::intent::{Intent, Vocabulary};
 use shared::model::dimensions::Dimensions;
@@ -111,7 +111,7 @@ fn align(
     board.run_ms(200)?;
     let folder = tempfile::tempdir()?;
     board.write_output(folder.path())?;
-    let output = Output::new(folder.path(), LINES);
+    let output = Output::new(folder.path());
     let news = output.alignments()?;
     let begun = news[0].emitted.0 as usize + 1;
     let (before, after) = samples.split_at(begun);

@@ -2,7 +2,6 @@
 
 mod invariants;
 mod pins;
-mod tail;
 
 use std::path::{Path, PathBuf};
 
@@ -13,9 +12,8 @@ use serde_json::Value;
 use shared::uart_line::{Report, alignment::AlignmentReport, emg::EmgReport};
 
 pub use pins::Pins;
-pub use tail::Tail;
 
-/// Name of the file with the lines of UART0, unless another program copies them elsewhere.
+/// Name of the file with the lines of UART0.
 pub const LINES: &str = "uart0.out";
 /// Name of the file with UART2's output: the levels of the pins.
 pub const LEVELS: &str = "uart2.out";
@@ -89,48 +87,27 @@ impl Line {
 #[derive(Clone, Debug)]
 pub struct Output {
     folder: PathBuf,
-    /// Name of the file with the lines of UART0.
-    lines: &'static str,
 }
 
 impl Output {
-    /// Refers to the files in a folder, of which `lines` has the lines of UART0.
+    /// Refers to the files in a folder.
     #[must_use]
-    pub fn new(folder: &Path, lines: &'static str) -> Self {
+    pub fn new(folder: &Path) -> Self {
         Self {
             folder: folder.to_owned(),
-            lines,
         }
     }
 
     /// Returns the path of the file with UART0's lines.
     #[must_use]
     pub fn lines_file(&self) -> PathBuf {
-        self.folder.join(self.lines)
-    }
-
-    /// Follows UART0's lines.
-    #[must_use]
-    pub fn follow_lines(&self) -> Tail {
-        Tail::new(&self.lines_file())
-    }
-
-    /// Follows the log of the pins.
-    #[must_use]
-    pub fn follow_pins(&self) -> Tail {
-        Tail::new(&self.folder.join(LEVELS))
-    }
-
-    /// Follows the armband's log.
-    #[must_use]
-    pub fn follow_armband(&self) -> Tail {
-        Tail::new(&self.folder.join(ARMBAND_LOG))
+        self.folder.join(LINES)
     }
 
     /// Returns the complete lines of UART0 that are reports, line ends included.
     #[must_use]
     pub fn lines(&self) -> Vec<String> {
-        let lines = self.file(self.lines);
+        let lines = self.file(LINES);
         let lines = lines.split_inclusive('\n').filter(|line| is_numbered(line));
         lines
             .filter(|l| l.ends_with('\n'))
@@ -144,7 +121,7 @@ impl Output {
     /// Panics if a checksum is wrong.
     #[must_use]
     pub fn answers(&self) -> Vec<String> {
-        let lines = self.file(self.lines);
+        let lines = self.file(LINES);
         let lines = lines.split_inclusive("\r\n");
         let answers = lines.filter(|l| l.starts_with("$OK,") || l.starts_with("$ERR,"));
         let complete = answers.filter(|l| l.ends_with("\r\n"));
@@ -164,7 +141,7 @@ impl Output {
     /// # Errors
     /// Fails when a line cannot be parsed.
     pub fn emg(&self) -> anyhow::Result<Vec<EmgReport>> {
-        let lines = self.file(self.lines);
+        let lines = self.file(LINES);
         let lines = lines.split_inclusive('\n').filter(|l| l.ends_with('\n'));
         let emg = lines.filter(|l| l.starts_with("$EMG,"));
         emg.map(|line| EmgReport::parse(line.as_bytes()).with_context(|| line.to_owned()))
@@ -174,7 +151,7 @@ impl Output {
     /// Returns the complete lines of UART0 that are comments, without line end.
     #[must_use]
     pub fn comments(&self) -> Vec<String> {
-        let lines = self.file(self.lines);
+        let lines = self.file(LINES);
         let lines = lines.split_inclusive('\n').filter(|l| l.starts_with('#'));
         lines
             .filter(|l| l.ends_with('\n'))
@@ -217,7 +194,7 @@ impl Output {
     /// Fails when a line is damaged, or comes before the first start.
     pub fn lines_by_start(&self) -> anyhow::Result<Vec<Vec<Line>>> {
         let mut starts: Vec<Vec<Line>> = Vec::new();
-        let text = self.file(self.lines);
+        let text = self.file(LINES);
         for line in text.split_inclusive('\n').filter(|l| l.ends_with('\n')) {
             if line.starts_with(STARTED) {
                 starts.push(Vec::new());
@@ -275,16 +252,6 @@ impl Output {
             .collect()
     }
 
-    /// Returns the bytes of the deepest stack so far.
-    #[must_use]
-    pub fn stack(&self) -> u64 {
-        let text = self.file(LEVELS);
-        let used = text.lines().filter_map(|line| line.strip_prefix("STACK "));
-        used.filter_map(|bytes| bytes.trim_end().parse().ok())
-            .max()
-            .unwrap_or(0)
-    }
-
     /// Returns the times at which the simulated armband began to stream, in microseconds; the virtual one does not log
     /// them.
     #[must_use]
@@ -292,7 +259,7 @@ impl Output {
         self.times_us("STREAM ")
     }
 
-    /// Returns the times of the injected faults, in microseconds of the guest's clock.
+    /// Returns the times of the injected faults, in microseconds.
     #[must_use]
     pub fn faults_us(&self) -> Vec<u32> {
         self.times_us("FAULT ")
@@ -315,13 +282,7 @@ impl Output {
     #[must_use]
     pub fn tails(&self) -> String {
         let mut text = String::new();
-        for name in [
-            self.lines,
-            LEVELS,
-            "machine.out",
-            ARMBAND_LOG,
-            "armband.out",
-        ] {
+        for name in [LINES, LEVELS, "board.out", ARMBAND_LOG, "armband.out"] {
             let file = self.file(name);
             let lines: Vec<_> = file.lines().collect();
             let tail = &lines[lines.len().saturating_sub(TAIL)..];

@@ -1,11 +1,11 @@
-//! Log of the emulated pins: `PINS <time us> <last HCI byte us> valid=0 relax=0 ... pinch=0 armband=0 alignment=0`.
+//! Log of the pins: `PINS <time us> <last HCI byte us> valid=0 relax=0 ... pinch=0 armband=0 alignment=0`.
 
 use shared::intent::Intent;
 
 /// State of the pins from one instant on.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Pins {
-    /// Time of the guest's clock, in microseconds; wraps after 71 minutes.
+    /// Time of the board's clock, in microseconds; wraps after 71 minutes.
     pub at_us: u32,
     /// Time at which the newest byte from the controller was received, on the same clock.
     pub last_byte_us: u32,
@@ -79,7 +79,7 @@ mod tests {
         };
         assert_eq!(overtaken.since_last_byte_us(), 0);
         for wrong in [
-            "STACK 900",
+            "FAULT 900",
             "PINS 1",
             "PINS 1 2 valid=2",
             "PINS 1 2 thumb=1",

@@ -13,7 +13,7 @@ use tempfile::TempDir;
 
 pub use events::{FlashOperation, Loss, Start};
 
-use crate::output::{LINES, Output};
+use crate::output::Output;
 
 /// Surroundings of a simulated board.
 #[derive(Clone, Copy, Debug)]
@@ -86,7 +86,7 @@ pub fn run(program: &Path, inputs: &Inputs<'_>) -> anyhow::Result<Ran> {
         .arg(folder.path())
         .output()
         .with_context(|| program.display().to_string())?;
-    let output = Output::new(folder.path(), LINES);
+    let output = Output::new(folder.path());
     ensure!(
         ran.status.success(),
         "{}: {}\n{}",

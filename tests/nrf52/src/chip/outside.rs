@@ -54,11 +54,6 @@ impl Chip {
         self.uarte.counts_broken = counts;
     }
 
-    /// Least milliseconds that the watchdog had left when it was fed.
-    pub fn closest_to_watchdog_ms(&self) -> Option<f64> {
-        self.watchdog.closest_ms()
-    }
-
     /// Returns true if RAM can be trusted after the core has slept.
     pub fn keeps_ram_asleep(&self) -> bool {
         let trim = self.ficr.get(ficr::ERRATUM_108);

@@ -40,8 +40,6 @@ pub struct Watchdog {
     /// The period of the low-frequency clock in which the counter is 0.
     expires: Option<u64>,
     has_warned: bool,
-    /// Least periods that were left when it was fed.
-    closest: Option<u64>,
 }
 
 impl Watchdog {
@@ -51,21 +49,11 @@ impl Watchdog {
             registers: Registers::new("WDT", TABLE),
             expires: None,
             has_warned: false,
-            closest: None,
         }
-    }
-
-    /// Milliseconds that were left at the latest feeding.
-    pub fn closest_ms(&self) -> Option<f64> {
-        self.closest.map(|periods| periods as f64 / 32.768)
     }
 
     fn reload(&mut self, now: u64) {
         let period = low_frequency(now);
-        if let Some(expires) = self.expires {
-            let left = expires.saturating_sub(period);
-            self.closest = Some(self.closest.map_or(left, |closest| closest.min(left)));
-        }
         // (CRV + 1) / 32768 seconds (6.36.1).
         self.expires = Some(period + u64::from(self.registers.get(CRV)) + 1);
     }
