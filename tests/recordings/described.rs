@@ -127,7 +127,13 @@ fn a_description_reads_what_the_sets_reader_reads() {
                 r#"labels = { relax = ["none"], open = ["paper"], close = ["rock"], two-fingers = ["scissor"] }"#,
             ][..],
         ),
-        ("epn", &["timing = \"from-activity\""]),
+        (
+            "epn",
+            &[
+                r#"files = "{person}/{session}/{trial}_{gesture}.npy""#,
+                "timing = \"from-activity\"",
+            ],
+        ),
         (
             "epn10",
             &[
