@@ -207,23 +207,27 @@ impl ResolvedConfig {
         (compensated.labels_in(vocabulary), other_movement)
     }
 
-    /// Streams of whole recordings of daily life, weighted so that they have the preset's share beside the others.
-    fn daily_life(&self, others: &[Stream], daily_life: &[&Recording]) -> Vec<Stream> {
-        let share = self.preset.data.daily_life;
+    /// Adds a stream of the daily life of each person, weighted so that they have the preset's share beside the others.
+    fn add_daily_life(&self, streams: &mut Vec<Stream>, daily_life: &[&Recording]) {
+        if daily_life.is_empty() {
+            return;
+        }
         let daily = daily_life.iter().map(|recording| recording.samples.len());
-        let daily = daily.sum::<usize>().max(1) as f64;
-        let others = others.iter().map(|stream| stream.emg.len()).sum::<usize>() as f64;
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "the preset's check allows shares from 0 to 0.9"
-        )]
-        let weight = (share / (1.0 - share) * others / daily).round().max(1.0) as usize;
-        let stream = |recording: &&Recording| Stream {
-            weight,
-            ..Stream::of_daily_life(recording, self.samples(recording))
-        };
-        daily_life.iter().map(stream).collect()
+        let others = streams.iter().map(|stream| stream.emg.len());
+        let weight = weight(self.preset.data.daily_life, others.sum(), daily.sum());
+        for stream in &mut *streams {
+            stream.weight = WEIGHT;
+        }
+        let people = daily_life.chunk_by(|one, next| one.subject == next.subject);
+        streams.extend(people.map(|recordings| {
+            let samples = recordings
+                .iter()
+                .flat_map(|recording| self.samples(recording));
+            Stream {
+                weight,
+                ..Stream::of_daily_life(recordings, samples.collect())
+            }
+        }));
     }
 
     fn corpus(&self, library: &Library, role: Role) -> Corpus {
@@ -255,12 +259,46 @@ impl ResolvedConfig {
                 streams.extend(spliced.into_iter().map(Stream::from));
             }
         }
-        streams.extend(self.daily_life(&streams, &daily_life));
+        self.add_daily_life(&mut streams, &daily_life);
         let corpus = Corpus {
             vocabulary,
             other: self.preset.other(),
             streams,
         };
         corpus.with_median(data.median)
+    }
+}
+
+/// Weight of every stream beside one of daily life, so that the share is met within a hundredth.
+const WEIGHT: usize = 100;
+
+/// Weight with which so many samples have a share beside others of [`WEIGHT`].
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "the preset's check allows shares from 0 to 0.9"
+)]
+fn weight(share: f64, others: usize, samples: usize) -> usize {
+    let others = (WEIGHT * others) as f64;
+    let weight = share / (1.0 - share) * others / samples.max(1) as f64;
+    weight.round().max(1.0) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_weight_gives_the_share_asked_for() {
+        for (share, others, samples) in [
+            (0.25, 90_000, 20_000),
+            (0.05, 70_000, 12_345),
+            (0.9, 10, 999),
+        ] {
+            let own = (weight(share, others, samples) * samples) as f64;
+            let found = own / (own + (WEIGHT * others) as f64);
+            assert!((found - share).abs() < 0.01, "{found} of {share}");
+        }
+        assert_eq!(weight(0.0, 1000, 0), 1);
     }
 }

@@ -184,8 +184,7 @@ pub struct DataSelection {
     /// Role in training of movement outside the vocabulary.
     #[serde(default, skip_serializing_if = "OtherMovement::is_unknown")]
     pub other_movement: OtherMovement,
-    /// Share of daily life among what a student learns from, rounded to whole repetitions of the recordings; 0: daily life is not
-    /// used.
+    /// Share of daily life among what a student learns from; 0: daily life is not used.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub daily_life: f64,
     /// Whether recordings are also used as published.

@@ -38,7 +38,7 @@ const REPACKED: Address = Address::ByHand(
 );
 
 /// Every published set, in the order of [`DataSet::ALL`].
-pub const SOURCES: [Source; 18] = [
+pub const SOURCES: [Source; 20] = [
     Source {
         data_set: DataSet::Roshambo,
         page: "https://doi.org/10.5281/zenodo.3194792",
@@ -136,6 +136,18 @@ pub const SOURCES: [Source; 18] = [
         page: "https://github.com/eeddy/DiscreteMCI",
         address: REPACKED,
         licence: NONE_STATED,
+    },
+    Source {
+        data_set: DataSet::Psl,
+        page: "https://github.com/noemiko/myo-sign-language",
+        address: REPACKED,
+        licence: "MIT",
+    },
+    Source {
+        data_set: DataSet::Libras,
+        page: "https://github.com/pernambucano/myo_libras",
+        address: REPACKED,
+        licence: "MIT",
     },
     Source {
         data_set: DataSet::EmgEpn612,

@@ -73,6 +73,7 @@ fn json(model: &Model<'_>) -> serde_json::Value {
             "other": early.other,
             "relax": early.relax,
             "leave": early.leave,
+            "caution": early.caution,
         })),
         "data_sets": provenance.data_sets.iter().collect::<Vec<_>>(),
         "subjects_seen": provenance.subjects_seen.iter().collect::<Vec<_>>(),

@@ -21,6 +21,9 @@
 //!
 //! Rows may have one more column, movement outside the vocabulary ([`Settings::other_margin`]). No label comes of it: it
 //! only keeps a class from being entered. A label that holds is ended by relax or another class, not by this column.
+//! Who has moved otherwise in the last seconds, as at a keyboard, is asked for more ([`Early::caution`]), and whose hand
+//! was quiet for less: the column's prior follows the stream, as in Saerens, Latinne and Decaestecker (Neural Computation
+//! 14(1), 2002).
 //!
 //! Source: ReactEMG (arXiv 2506.19815) and the live aggregator of its public code, which has both
 //! modes; `tests/golden` compares labels with it. Sums are f32, windows in time order, rows newest
@@ -31,6 +34,7 @@ mod settings;
 use crate::intent::Intent;
 use crate::units::SampleIndex;
 
+use settings::CAUTION;
 pub use settings::{AggregationMode, Early, Gate, Reaction, Settings, SettingsError};
 
 /// A label as a class number, with its instant and its delay.
@@ -66,6 +70,8 @@ pub struct Smoother<const CLASSES: usize, const ROWS: usize> {
     held: usize,
     /// Rows from the instant that the label changed at to the newest one: so many instants may change it again.
     since: usize,
+    /// Share of recent rows without a label in which movement outside the vocabulary is the likeliest.
+    otherwise: f32,
 }
 
 /// The class of rest, which needs no evidence.
@@ -109,6 +115,7 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
             current: RELAX,
             held: settings.hold,
             since: ROWS,
+            otherwise: 0.0,
         })
     }
 
@@ -141,6 +148,7 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         self.current = RELAX;
         self.held = self.settings.hold;
         self.since = ROWS;
+        self.otherwise = 0.0;
     }
 
     /// Takes the rows of the window that ends at sample `window_end`, newest first. Returns a label when
@@ -161,13 +169,14 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         self.since = ROWS.min(self.since + 1);
         self.held = self.settings.hold.min(self.held + 1);
         self.add(rows);
+        self.follow_other();
 
         let is_full = self.seen == depth;
         match self.early() {
             Some(early) if is_full => self.change(early),
             // After an early label of the gate before, not before an instant that has no label yet.
             None if is_full && self.phase == 0 && self.since >= depth => {
-                self.current = self.gated(0.0);
+                self.current = self.gated(0.0, 0.0);
             }
             _ => {}
         }
@@ -184,6 +193,15 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         })
     }
 
+    /// Lets the share of movement outside the vocabulary follow the newest row, but while a label holds: a gesture is none.
+    fn follow_other(&mut self) {
+        if self.current == RELAX && self.knows_other() {
+            let sums = &self.sums[self.newest][..self.columns];
+            let now = f32::from(u8::from(largest(sums) == self.classes));
+            self.otherwise += (now - self.otherwise) * self.settings.row_samples as f32 / CAUTION;
+        }
+    }
+
     /// Changes the label at the newest instant that is sure of another class, unless it changed less than `hold` windows
     /// ago.
     fn change(&mut self, early: Early) {
@@ -193,7 +211,7 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         let look_ahead = self.settings.look_ahead;
         for back in 0..self.since.min(look_ahead + 1) {
             let class = if back == look_ahead {
-                self.gated(early.leave)
+                self.gated(early.leave, early.caution * self.otherwise)
             } else {
                 self.sure(back, early)
             };
@@ -219,7 +237,8 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
             ([early.entry, early.other], 0.0)
         };
         let [from_classes, from_other] = beyond.map(|margin| margin * missing);
-        if self.exceeds(back, best, [from_classes + leave, from_other]) {
+        let caution = early.caution * self.otherwise;
+        if self.exceeds(back, best, [from_classes + leave, from_other + caution]) {
             best
         } else {
             self.current
@@ -227,12 +246,12 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
     }
 
     /// The class of the largest of the oldest instant's sums if the gate lets it in, else the label before it or relax.
-    /// Relax has to exceed a label by `leave`.
-    fn gated(&self, leave: f32) -> usize {
+    /// Relax has to exceed a label by `leave`, a class movement outside the vocabulary by `caution` more.
+    fn gated(&self, leave: f32, caution: f32) -> usize {
         let back = self.settings.look_ahead;
         let sums = self.sums_of(back);
         let best = largest(sums);
-        if best == self.current || best != RELAX && self.exceeds(back, best, [0.0; 2]) {
+        if best == self.current || best != RELAX && self.exceeds(back, best, [0.0, caution]) {
             best
         } else if self.current != RELAX
             && sums[self.current] > sums[RELAX] - leave * self.rows(back)

@@ -10,6 +10,7 @@ use shared::units::{CleanSample, PATCH, SAMPLE_RATE_HZ, Sample, WINDOW};
 
 use crate::labels::runs::runs;
 use crate::recording::Recording;
+use crate::recording::daily_life::quiet;
 
 /// One continuous stream: a recording, or pieces of one subject's recordings joined.
 #[derive(Clone, Debug)]
@@ -39,11 +40,12 @@ impl Stream {
         }
     }
 
-    /// Stream of a recording of daily life, with these samples: relax where the muscles are quiet, otherwise movement
-    /// outside the vocabulary.
+    /// Stream of one person's daily life, all recordings joined, and its samples as a model takes them: relax where the
+    /// muscles are quiet, otherwise movement outside the vocabulary.
     #[must_use]
-    pub fn of_daily_life(recording: &Recording, samples: Vec<Sample>) -> Self {
-        let quiet = recording.quiet();
+    pub fn of_daily_life(recordings: &[&Recording], samples: Vec<Sample>) -> Self {
+        let recorded = recordings.iter().flat_map(|recording| &recording.samples);
+        let quiet = quiet(&recorded.copied().collect::<Vec<_>>());
         let relax = quiet.iter().map(|quiet| quiet.then_some(Intent::Relax));
         let active = runs(&quiet).into_iter().filter(|run| !run.label);
         Self {
@@ -176,8 +178,11 @@ mod tests {
         });
         let samples: Vec<Sample> = samples.collect();
         let labels = vec![None; samples.len()];
-        let recording = Recording::new(DataSet::Adl, "adl/p01", samples.clone(), labels);
-        let stream = Stream::of_daily_life(&recording, samples);
+        let [first, second] = [0..1000, 1000..2000].map(|part| {
+            let labels = labels[part.clone()].to_vec();
+            Recording::new(DataSet::Adl, "adl/p01", samples[part].to_vec(), labels)
+        });
+        let stream = Stream::of_daily_life(&[&first, &second], samples);
         let [active] = &stream.other_movement[..] else {
             panic!("expected one stretch, found {:?}", stream.other_movement);
         };

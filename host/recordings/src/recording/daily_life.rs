@@ -1,6 +1,7 @@
 //! Daily life: recordings of people who use their hands and mean no gesture. Any label is one too many.
 
 use shared::intent::Vocabulary;
+use shared::units::Sample;
 
 use super::Recording;
 use super::movement::MovementKind;
@@ -19,18 +20,21 @@ pub enum DailyKind {
     Walking,
     /// Eating.
     Eating,
+    /// Signing: words and letters of a sign language.
+    Signing,
     /// Any other activity.
     Other,
 }
 
 impl DailyKind {
     /// All kinds, in the order of tables.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Typing,
         Self::Writing,
         Self::Phone,
         Self::Walking,
         Self::Eating,
+        Self::Signing,
         Self::Other,
     ];
 
@@ -43,6 +47,7 @@ impl DailyKind {
             Self::Phone => "phone",
             Self::Walking => "walking",
             Self::Eating => "eating",
+            Self::Signing => "signing",
             Self::Other => "daily-life",
         }
     }
@@ -61,15 +66,15 @@ impl Recording {
         let mut movements = self.other_movement.iter();
         movements.any(|own| matches!(own.kind, MovementKind::Daily(_)))
     }
+}
 
-    /// Flags of the samples that are quiet: a label of relax is certain there, whatever the person does.
-    ///
-    /// Nothing is quiet in a recording whose muscles are always, or never, active.
-    #[must_use]
-    pub fn quiet(&self) -> Vec<bool> {
-        activity(&self.samples).map_or_else(
-            || vec![false; self.samples.len()],
-            |activity| activity.iter().map(|own| *own == Activity::Quiet).collect(),
-        )
-    }
+/// Flags of the samples that are quiet: a label of relax is certain there, whatever the person does.
+///
+/// Nothing is quiet where the muscles are always, or never, active.
+#[must_use]
+pub fn quiet(samples: &[Sample]) -> Vec<bool> {
+    activity(samples).map_or_else(
+        || vec![false; samples.len()],
+        |activity| activity.iter().map(|own| *own == Activity::Quiet).collect(),
+    )
 }

@@ -51,6 +51,10 @@ pub enum DataSet {
     Dideakay,
     /// Eddy et al., daily life of people who mean no gesture (DiscreteMCI), 2025.
     Adl,
+    /// Words of Polish sign language, 2018.
+    Psl,
+    /// Letters and numbers of Brazilian sign language.
+    Libras,
     /// Benalcazar et al., EMG-EPN-612, 2020.
     #[serde(rename = "emg-epn-612")]
     EmgEpn612,
@@ -62,7 +66,7 @@ pub enum DataSet {
 
 impl DataSet {
     /// Every set, in the order of lists.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 21] = [
         Self::Roshambo,
         Self::SsStm,
         Self::CoteAllard,
@@ -79,6 +83,8 @@ impl DataSet {
         Self::Pangestu,
         Self::Dideakay,
         Self::Adl,
+        Self::Psl,
+        Self::Libras,
         Self::EmgEpn612,
         Self::ReactEmg,
         Self::Synthetic,
@@ -104,6 +110,8 @@ impl DataSet {
             Self::Pangestu => "pangestu",
             Self::Dideakay => "dideakay",
             Self::Adl => "adl",
+            Self::Psl => "psl",
+            Self::Libras => "libras",
             Self::EmgEpn612 => "emg-epn-612",
             Self::ReactEmg => "react-emg",
             Self::Synthetic => "synthetic",
@@ -132,7 +140,13 @@ impl DataSet {
     /// Whether the set is daily life: nobody in it means a gesture.
     #[must_use]
     pub const fn is_daily_life(self) -> bool {
-        matches!(self, Self::Adl)
+        matches!(self, Self::Adl | Self::Psl | Self::Libras)
+    }
+
+    /// Whether the set only teaches and holds nobody out: its recordings are too short to be judged.
+    #[must_use]
+    pub const fn only_teaches(self) -> bool {
+        matches!(self, Self::Psl | Self::Libras)
     }
 }
 

@@ -13,15 +13,15 @@ pub(crate) struct Gate {
     pub(crate) entry: f32,
     /// Margin over movement outside the vocabulary, for models that know it; none for the contender's own.
     pub(crate) other: Option<f32>,
-    /// Margins of early labels: over classes, over other movement, of relax, of leaving; none if no label is early.
+    /// Margins of early labels: over classes, over other movement, of relax, of leaving, of caution; none if no label is early.
     #[serde(default)]
-    pub(crate) early: Option<[f32; 4]>,
+    pub(crate) early: Option<[f32; 5]>,
 }
 
 impl FromStr for Gate {
     type Err = String;
 
-    /// Parses `1`, `1/0.5` or `1/0.5+0.5/1/2/0`.
+    /// Parses `1`, `1/0.5` or `1/0.5+0.5/1/2/0/8`.
     fn from_str(text: &str) -> Result<Self, String> {
         let margin = |text: &str, least: f32| {
             let margin = text.parse().ok();
@@ -38,7 +38,7 @@ impl FromStr for Gate {
             let margins = margins.collect::<Result<Vec<_>, _>>()?;
             margins
                 .try_into()
-                .map_err(|_| format!("`{early}`: expected four margins of early labels"))
+                .map_err(|_| format!("`{early}`: expected five margins of early labels"))
         });
         let (entry, other) = match gate.split_once('/') {
             Some((entry, other)) => (entry, Some(margin(other, -MAX_ENTRY_MARGIN)?)),
@@ -58,8 +58,8 @@ impl fmt::Display for Gate {
         if let Some(other) = self.other {
             write!(formatter, "/{other}")?;
         }
-        if let Some([entry, other, relax, leave]) = self.early {
-            write!(formatter, "+{entry}/{other}/{relax}/{leave}")?;
+        if let Some([entry, other, relax, leave, caution]) = self.early {
+            write!(formatter, "+{entry}/{other}/{relax}/{leave}/{caution}")?;
         }
         Ok(())
     }
@@ -71,7 +71,7 @@ mod tests {
 
     #[test]
     fn a_gate_is_written_as_it_is_read() {
-        for text in ["0", "1.5", "1/0.5", "0/-2", "1/0+0.5/1/2/0"] {
+        for text in ["0", "1.5", "1/0.5", "0/-2", "1/0+0.5/1/2/0/8"] {
             assert_eq!(text.parse::<Gate>().unwrap().to_string(), text);
         }
         for text in [
@@ -82,8 +82,8 @@ mod tests {
             "nan",
             "1/nan",
             "1/2/3",
-            "1+1/2/3",
-            "1+1/2/-3/0",
+            "1+1/2/3/4",
+            "1+1/2/-3/0/8",
         ] {
             assert!(text.parse::<Gate>().is_err(), "{text}");
         }

@@ -15,6 +15,7 @@ use crate::intent::Vocabulary;
 use crate::kernels::packing::packed;
 use crate::model::dimensions::Dimensions;
 use crate::stream::alignment::{TEMPLATE_BYTES, TemplateError};
+use crate::stream::smoother::Early;
 
 mod header;
 mod tensors;
@@ -198,6 +199,24 @@ fn a_gate_can_be_exchanged_without_touching_anything_else() {
         Model::with_gate(&small, None, Some(1.0), None).unwrap_err(),
         ModelError::NoOther
     );
+}
+
+#[test]
+fn caution_is_one_margin_more_and_without_it_a_file_is_as_it_was() {
+    let mut parts = small();
+    let mut bytes = |early| {
+        parts.smoother.early = early;
+        parts.to_bytes().unwrap()
+    };
+    let [waits, early, caution] = [None, Some(0.0), Some(8.0)]
+        .map(|caution| caution.map(|caution| Early::new([0.5, 0.5, 1.0, 0.5, caution])))
+        .map(|margins| (margins, bytes(margins)));
+    for (margins, bytes) in [&waits, &early, &caution] {
+        assert_eq!(Model::parse(bytes).unwrap().header.smoother.early, *margins);
+    }
+    let length = |(_, bytes): &(_, Vec<u8>)| bytes.len();
+    assert_eq!(length(&early), length(&waits) + 4 * 4);
+    assert_eq!(length(&caution), length(&early) + 4);
 }
 
 #[test]

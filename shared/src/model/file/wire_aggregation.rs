@@ -1,4 +1,5 @@
-//! The aggregation mode as a postcard enum: modes with early labels have their margins behind it.
+//! The aggregation mode as a postcard enum: modes with early labels have their margins behind it, those with caution one
+//! more.
 //!
 //! Written by hand so that a file with a mode that is not known is refused with the mode's number.
 
@@ -9,14 +10,14 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::stream::smoother::{AggregationMode, Early};
 
-/// Added to the mode of files with early labels.
+/// Added to the mode of files with early labels; twice with caution.
 const EARLY: u8 = 2;
 
-/// Mode, and margins over the classes, over other movement and of relax where labels are early.
+/// Mode, and margins where labels are early: four, or five with caution.
 #[derive(Clone, Copy)]
 pub(super) struct WireAggregation {
     mode: u8,
-    margins: Option<[f32; 4]>,
+    early: Option<Early>,
 }
 
 impl WireAggregation {
@@ -26,46 +27,51 @@ impl WireAggregation {
             AggregationMode::AllRowsFrom => 0,
             AggregationMode::SameInstant => 1,
         };
-        Self {
-            mode: mode + early.map_or(0, |_| EARLY),
-            margins: early.map(Early::margins),
-        }
+        let plain = Self { mode, early: None };
+        early.map_or(plain, |early| plain.with(early))
     }
 
     /// The mode with early labels.
     #[cfg(any(test, feature = "write"))]
-    pub(super) const fn with(self, early: Early) -> Self {
+    pub(super) fn with(self, early: Early) -> Self {
+        let kind = if early.caution == 0.0 {
+            EARLY
+        } else {
+            2 * EARLY
+        };
         Self {
-            mode: self.mode % EARLY + EARLY,
-            margins: Some(early.margins()),
+            mode: self.mode % EARLY + kind,
+            early: Some(early),
         }
     }
 
     /// The mode and the margins, unchecked; the number of a mode that is not known.
     pub(super) fn interpret(self) -> Result<(AggregationMode, Option<Early>), u8> {
-        let early = self.margins.map(Early::new);
         match self.mode % EARLY {
-            _ if self.mode >= 2 * EARLY => Err(self.mode),
-            0 => Ok((AggregationMode::AllRowsFrom, early)),
-            _ => Ok((AggregationMode::SameInstant, early)),
+            _ if self.mode >= 3 * EARLY => Err(self.mode),
+            0 => Ok((AggregationMode::AllRowsFrom, self.early)),
+            _ => Ok((AggregationMode::SameInstant, self.early)),
         }
     }
 
     #[cfg(test)]
     pub(super) const fn of_mode(mode: u8) -> Self {
-        Self {
-            mode,
-            margins: None,
-        }
+        Self { mode, early: None }
     }
 }
 
 impl Serialize for WireAggregation {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let (name, mode) = ("", u32::from(self.mode));
-        match &self.margins {
-            None => serializer.serialize_unit_variant(name, mode, name),
-            Some(margins) => serializer.serialize_newtype_variant(name, mode, name, margins),
+        let Some(early) = self.early else {
+            return serializer.serialize_unit_variant(name, mode, name);
+        };
+        let margins = early.margins();
+        let [without @ .., _] = margins;
+        if self.mode < 2 * EARLY {
+            serializer.serialize_newtype_variant(name, mode, name, &without)
+        } else {
+            serializer.serialize_newtype_variant(name, mode, name, &margins)
         }
     }
 }
@@ -87,12 +93,18 @@ impl<'de> Visitor<'de> for Mode {
 
     fn visit_enum<A: EnumAccess<'de>>(self, data: A) -> Result<WireAggregation, A::Error> {
         let (mode, behind) = data.variant::<u8>()?;
-        let margins = if (EARLY..2 * EARLY).contains(&mode) {
-            Some(behind.newtype_variant()?)
-        } else {
-            behind.unit_variant()?;
-            None
+        let margins = match mode / EARLY {
+            1 => {
+                let [entry, other, relax, leave] = behind.newtype_variant()?;
+                Some([entry, other, relax, leave, 0.0])
+            }
+            2 => Some(behind.newtype_variant()?),
+            _ => {
+                behind.unit_variant()?;
+                None
+            }
         };
-        Ok(WireAggregation { mode, margins })
+        let early = margins.map(Early::new);
+        Ok(WireAggregation { mode, early })
     }
 }

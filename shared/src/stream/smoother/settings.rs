@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::intent::MAX_CLASSES;
 use crate::names::names;
-use crate::units::{HOLD, LOOK_AHEAD, PATCH};
+use crate::units::{HOLD, LOOK_AHEAD, PATCH, SAMPLE_RATE_HZ};
 
 /// Rows of a window that are summed for an instant.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -49,8 +49,8 @@ impl Settings {
     };
 }
 
-/// Margins of an early label, beyond those of the settings: what is asked without look-ahead. It falls evenly with the
-/// look-ahead, to nothing where that is whole.
+/// Margins of an early label, beyond those of the settings: what is asked without look-ahead. The first three fall evenly
+/// with the look-ahead, to nothing where that is whole.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Early {
     /// Margin of a class over the other classes.
@@ -61,24 +61,31 @@ pub struct Early {
     pub relax: f32,
     /// Margin of relax over the classes at any look-ahead: it has none in the settings.
     pub leave: f32,
+    /// Margin of a class over movement outside the vocabulary at any look-ahead, times the share of such movement in the last
+    /// 20 s.
+    pub caution: f32,
 }
+
+/// Time constant of the share of movement outside the vocabulary: 20 s.
+pub(super) const CAUTION: f32 = 20.0 * SAMPLE_RATE_HZ as f32;
 
 impl Early {
     /// The margins, in the order of the fields.
     #[must_use]
-    pub const fn new([entry, other, relax, leave]: [f32; 4]) -> Self {
+    pub const fn new([entry, other, relax, leave, caution]: [f32; 5]) -> Self {
         Self {
             entry,
             other,
             relax,
             leave,
+            caution,
         }
     }
 
     /// The margins in the order of [`Self::new`].
     #[must_use]
-    pub const fn margins(self) -> [f32; 4] {
-        [self.entry, self.other, self.relax, self.leave]
+    pub const fn margins(self) -> [f32; 5] {
+        [self.entry, self.other, self.relax, self.leave, self.caution]
     }
 }
 
@@ -114,8 +121,8 @@ impl Reaction {
     #[must_use]
     pub const fn early(self) -> Early {
         Early::new(match self {
-            Self::Fast => [0.0, 0.5, 1.0, 0.5],
-            Self::Balanced | Self::Steady => [0.5, 0.5, 1.0, 0.5],
+            Self::Fast => [0.0, 0.5, 1.0, 0.5, 0.0],
+            Self::Balanced | Self::Steady => [0.5, 0.5, 1.0, 0.5, 0.0],
         })
     }
 }

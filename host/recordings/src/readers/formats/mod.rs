@@ -36,6 +36,8 @@ impl DataSet {
             Self::Pangestu => "pangestu/p01/close_T1.npy (n, 8)",
             Self::Dideakay => "dideakay/p1/close_1.npy (n, 8)",
             Self::Adl => "adl/p01/type.npy (n, 8)",
+            Self::Psl => "psl/p00/w01_01.npy (n, 8)",
+            Self::Libras => "libras/p1/C_1.npy (n, 8)",
             Self::EmgEpn612 => "JSON per user with trainingSamples, testingSamples",
             Self::ReactEmg => {
                 "your own: a table with eight channels by name (emg_0..emg_7, label in gt), what a recordings.toml \

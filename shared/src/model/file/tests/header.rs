@@ -82,8 +82,8 @@ fn every_other_header_field_has_its_refusal() {
         ModelError::Divisor { found: 127 }
     );
     assert_eq!(
-        header_refusal(|header| header.aggregation = WireAggregation::of_mode(4)),
-        ModelError::AggregationMode { found: 4 }
+        header_refusal(|header| header.aggregation = WireAggregation::of_mode(6)),
+        ModelError::AggregationMode { found: 6 }
     );
     assert_eq!(
         header_refusal(|header| header.entry_margins[2] = 50.5),

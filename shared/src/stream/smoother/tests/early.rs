@@ -14,6 +14,8 @@ struct Twin {
     change: Option<[usize; 2]>,
     /// Window of the last label.
     label: Option<usize>,
+    /// Share of movement outside the vocabulary.
+    otherwise: f64,
 }
 
 /// Label after a window.
@@ -40,7 +42,7 @@ impl Twin {
     }
 
     fn margins(&self, class: usize, ahead: usize) -> [f64; 2] {
-        let [entry, other, relax, leave] = self.early.margins().map(f64::from);
+        let [entry, other, relax, leave, caution] = self.early.margins().map(f64::from);
         let look_ahead = self.settings.look_ahead;
         let share = (look_ahead - ahead) as f64 / look_ahead.max(1) as f64;
         if class == 0 {
@@ -49,7 +51,7 @@ impl Twin {
             let settings = self.settings.other_margin.unwrap();
             [
                 f64::from(self.settings.entry_margins[class]) + entry * share,
-                f64::from(settings) + other * share,
+                f64::from(settings) + other * share + caution * self.otherwise,
             ]
         }
     }
@@ -83,6 +85,11 @@ impl Twin {
     fn push(&mut self, window: Rows) -> After {
         self.windows.push(window);
         let newest = self.windows.len() - 1;
+        if self.class == 0 {
+            let is_other = (0..USED).all(|class| window[0][USED] > window[0][class]);
+            let weight = f64::from(self.settings.row_samples) / 4000.0;
+            self.otherwise += (f64::from(u8::from(is_other)) - self.otherwise) * weight;
+        }
         let Settings {
             look_ahead, hold, ..
         } = self.settings;
@@ -128,7 +135,7 @@ impl Twin {
 /// Margins with a fraction that no difference of whole logits has.
 fn any_early() -> impl Strategy<Value = (Settings, Early)> {
     let margin = || (0..4_u8).prop_map(|margin| f32::from(margin) + 0.137);
-    let early = [(); 4].map(|()| margin());
+    let early = [(); 5].map(|()| margin());
     (any_settings(), early, margin(), margin()).prop_map(|(settings, early, entry, other)| {
         let early = Early::new(early);
         let settings = Settings {
@@ -164,7 +171,7 @@ proptest! {
     #[test]
     fn labels_are_those_of_the_twin((settings, early) in any_early(), windows in any_intents()) {
         let mut smoother = Smoother::<CLASSES, ROWS>::new(settings, USED).unwrap();
-        let mut twin = Twin { settings, early, windows: vec![], class: 0, change: None, label: None };
+        let mut twin = Twin { settings, early, windows: vec![], class: 0, change: None, label: None, otherwise: 0.0 };
         for (number, window) in windows.iter().enumerate() {
             let sample = |number: usize| SampleIndex(number as u32 * settings.row_samples);
             let decision = smoother.push(sample(number), window);
@@ -183,7 +190,7 @@ proptest! {
         (settings, early) in any_early(), windows in any_intents(),
     ) {
         let mut smoother = Smoother::<CLASSES, ROWS>::new(settings, USED).unwrap();
-        let mut twin = Twin { settings, early, windows: vec![], class: 0, change: None, label: None };
+        let mut twin = Twin { settings, early, windows: vec![], class: 0, change: None, label: None, otherwise: 0.0 };
         let mut changed: Option<[usize; 2]> = None;
         let mut label = 0;
         for (number, window) in windows.iter().enumerate() {
@@ -248,7 +255,7 @@ proptest! {
 
 #[test]
 fn a_clear_class_is_labelled_at_its_first_row_and_a_weaker_one_after_more() {
-    let early = Early::new([4.0, 0.0, 0.0, 0.0]);
+    let early = Early::new([4.0, 0.0, 0.0, 0.0, 0.0]);
     let settings = Settings {
         look_ahead: 5,
         hold: 2,
@@ -272,4 +279,37 @@ fn a_clear_class_is_labelled_at_its_first_row_and_a_weaker_one_after_more() {
     assert_eq!(first(4.0), Some((12, 10)));
     assert_eq!(first(1.0), Some((15, 10)));
     assert_eq!(first(0.9), None);
+}
+
+#[test]
+fn a_class_is_asked_for_more_after_other_movement_and_for_less_after_rest() {
+    let settings = Settings {
+        look_ahead: 5,
+        hold: 2,
+        row_samples: 10,
+        other_margin: Some(-1.5),
+        early: Some(Early::new([0.0, 0.0, 0.0, 0.0, 8.0])),
+        ..PLAIN
+    };
+    // The label of a class that other movement exceeds by 1, after so many patches of that movement and of rest.
+    let class = |other: usize, rest: usize| {
+        let mut smoother = Smoother::<CLASSES, ROWS>::new(settings, USED).unwrap();
+        let mut rows = Rows::default();
+        let before = [[-3.0, -3.0, -3.0, 3.0], [3.0, -3.0, -3.0, 0.0]];
+        let times = [
+            vec![before[0]; other],
+            vec![before[1]; rest],
+            vec![[-3.0, 3.0, 0.0, 4.0]; 20],
+        ];
+        let labels = times.concat().into_iter().enumerate().map(|(number, row)| {
+            rows.rotate_right(1);
+            rows[0] = row;
+            smoother.push(SampleIndex(10 * number as u32), &rows)
+        });
+        labels.flatten().last().unwrap().class
+    };
+    assert_eq!(class(0, 100), 1, "a quiet hand");
+    assert_eq!(class(400, 0), 0, "20 s of other movement");
+    assert_eq!(class(400, 400), 0, "20 s later");
+    assert_eq!(class(400, 1200), 1, "a minute later");
 }
