@@ -1,4 +1,4 @@
-"""The program itself, over the socket that an emulator would use."""
+"""The program itself, over the socket that the firmware on a PC uses."""
 
 import asyncio
 import json

@@ -18,7 +18,7 @@ use crate::output::{ARMBAND_LOG, LINES, Output};
 /// Longest wait. Far more than a healthy run needs, for a machine that is busy with other work.
 const TIMEOUT: Duration = Duration::from_secs(90);
 const POLL: Duration = Duration::from_millis(10);
-/// What armband and person do is not the board's scenario.
+/// Scenario without acts: the armband is another program, and the test is the person. The board runs for a day at most.
 const SCENARIO: &str = "run_seconds = 86400\n";
 
 /// Names of files in the folder of a run.

@@ -1,4 +1,4 @@
-//! Tools that the end-to-end tests need besides a compiler: QEMU, and a Python environment with Bumble, the
+//! Tools that tests need besides a compiler: QEMU, which runs those of `shared`, and a Python environment with Bumble, the
 //! virtual Bluetooth controller that the virtual armband is built on.
 
 use std::{

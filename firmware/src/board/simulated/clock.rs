@@ -1,4 +1,5 @@
-//! Virtual time: it passes while the program waits, and while the scenario says that it computes. Or it follows the PC's.
+//! Virtual time, which passes while the program waits, and while the scenario says that it computes; or time that follows the
+//! PC's.
 
 use std::io::Read as _;
 use std::sync::mpsc;
