@@ -1,8 +1,8 @@
 //! Calibration: the last layer of a model learnt anew from a few seconds of its wearer.
 //!
 //! ```text
-//! hidden vector, what the wearer was asked for -> Sums -> solve -> Head -> Encoder::with_head
-//!                                                                   record -> kept over a loss of power
+//! hidden vector, class that the wearer was asked for -> Sums -> solve -> Head -> Encoder::with_head
+//!                                                                           record -> kept over a loss of power
 //! ```
 //!
 //! The encoder stays as it is. The hidden vector of each patch that is shown, the head's input with a 1 behind it, is
@@ -10,9 +10,9 @@
 //!
 //! > mean of (W x - t)^2 over the shown patches, each class weighing the same, + s (W - W_0)^2,
 //!
-//! `t` being the logits of the class shown and `W_0` the model's own head, which the pull `s` holds wherever the wearer
-//! shows nothing. One matrix serves all six rows of the head: the class is the same throughout a hold. No heap, no clock;
-//! the order of all operations is fixed, so every target computes the same bits.
+//! ridge regression towards the model's own head `W_0`; `t` are the target logits of the class shown. The penalty `s` keeps
+//! the weights that no shown patch determines. One matrix serves all six rows of the head: the class is the same throughout
+//! a hold. No heap, no clock; the order of all operations is fixed, so every target computes the same bits.
 //!
 //! Constants and what they were measured against: docs/calibration.md.
 
@@ -29,10 +29,10 @@ use crate::model::head::MAX_HEAD_WIDTH;
 
 /// Fewest patches of each class, and of other movement if it is shown: those that lie whole in half a second.
 pub const FEWEST_PATCHES: u32 = 9;
-/// Most patches of a hold that are taken: 3 s.
+/// Most patches of a hold that a calibration learns from: 3 s.
 pub const MOST_PATCHES: usize = 60;
 
-/// Reason why nothing is learnt.
+/// Reason why a calibration learns nothing.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum Refusal {
     /// The model is wider than those that a device runs.
@@ -62,7 +62,7 @@ pub enum Refusal {
     /// The sums are of another model.
     #[error("the hidden vectors are not of this model: show everything again")]
     WrongModel,
-    /// What was shown gives no head that a model file may hold.
+    /// The solution is no head that a model file may hold: a number is NaN or too large.
     #[error("what was shown gives no usable weights: show everything again")]
     NotFinite,
 }

@@ -1,4 +1,4 @@
-//! The record of a calibration: what a device keeps over a loss of power.
+//! Record of a calibration: the bytes that a device keeps over a loss of power.
 //!
 //! ```text
 //! 0..4    "MyoC"
@@ -6,7 +6,7 @@
 //! 5       width
 //! 6       outputs
 //! 7       0
-//! 8..12   CRC-32 of the model file that it belongs to
+//! 8..12   CRC-32 of its model file
 //! 12..16  counter: the highest of several records is the newest
 //! 16..    tiles of weights, scales, biases: as in the model file
 //! end     CRC-32 of the bytes before
@@ -57,7 +57,7 @@ pub enum RecordError {
     },
 }
 
-/// Writes the record of a head for a model, and the number of records before it; returns its bytes.
+/// Writes the record of a model's head with a counter; returns its bytes.
 #[must_use]
 pub fn to_record<'b>(
     head: &Head,
@@ -83,10 +83,10 @@ pub fn to_record<'b>(
     &bytes[..end + CHECKSUM_BYTES]
 }
 
-/// Reads the head of a model's calibration at the start of some bytes, which may go on behind it; returns the counter.
+/// Reads the record at the start of some bytes, which may go on behind it, into `head`; returns the counter.
 ///
 /// # Errors
-/// Each [`RecordError`]. The head is of no use then.
+/// Each [`RecordError`]; the numbers of `head` are unspecified then.
 pub fn from_record(bytes: &[u8], model: &Model<'_>, head: &mut Head) -> Result<u32, RecordError> {
     let (start, body) = bytes
         .split_first_chunk::<HEAD_START>()

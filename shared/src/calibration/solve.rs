@@ -1,19 +1,19 @@
-//! The head of a wearer in closed form.
+//! Closed-form solution for the head of a wearer.
 
-use super::sums::{COLUMNS, Shown, Sums, TRIANGLE};
+use super::sums::{COLUMNS, Shown, Sums, TRIANGLE, add_products};
 use super::{FEWEST_PATCHES, Refusal};
 use crate::intent::{Intent, MAX_LOGITS};
 use crate::kernels::{WEIGHT_ONE, row};
 use crate::model::file::Model;
 use crate::model::head::{Head, MAX_HEAD_WIDTH};
 
-/// Logit of what is shown.
+/// Target logit of the class that is shown.
 const OWN: f32 = 4.0;
-/// Logit of everything else.
+/// Target logit of every other output.
 const ELSE: f32 = -2.0;
-/// Logit of the gestures while the hand is relaxed, where models are surest.
+/// Target logit of the gestures while relax is shown: models are surest there.
 const AT_REST: f32 = -3.0;
-/// Strength of the pull towards the model's own head, per mean square of a column.
+/// Ridge penalty on the distance to the model's own head, in mean squares of a column.
 const PULL: f32 = 2.0;
 
 /// Scratch memory of [`solve`]: the factors of a symmetric matrix, 8.6 KB.
@@ -25,7 +25,7 @@ impl Factor {
     pub const EMPTY: Self = Self([0.0; TRIANGLE]);
 }
 
-/// Writes the head that a model has for the wearer of some sums. Cost: 0.2 million products.
+/// Writes the head of a model for the wearer whose sums these are. Cost: 0.2 million products.
 ///
 /// The output for other movement stays the model's own if the wearer shows none.
 ///
@@ -80,7 +80,7 @@ pub fn solve(
     }
 }
 
-/// Logit that an output has to give where something is shown.
+/// Target logit of an output in patches that show a class.
 fn target(output: Shown, shown: Shown) -> f32 {
     const RELAX: Shown = Shown::Intent(Intent::Relax);
     match (output, shown) {
@@ -99,7 +99,7 @@ struct Class {
     patches: f32,
 }
 
-/// What was shown, in the order of a row's outputs.
+/// Classes that were shown, in the order of a row's outputs; `None` for an output whose class was not.
 struct Classes {
     classes: [Option<Class>; MAX_LOGITS],
 }
@@ -142,7 +142,7 @@ impl Classes {
         Ok(Self { classes })
     }
 
-    /// What a row's output stands for; none if that was not shown.
+    /// Class of a row's output; `None` if it was not shown.
     fn shown(&self, output: usize) -> Option<Shown> {
         self.classes
             .get(output)
@@ -156,10 +156,10 @@ impl Classes {
     }
 }
 
-/// The matrix of the normal equations; returns the pull that is on its diagonal.
+/// Writes the matrix of the normal equations; returns the penalty that is on its diagonal.
 ///
-/// The mean of the products within the classes, over all patches, and between the classes' means, each weighed as its
-/// class: so holds of unequal length need no matrix of their own.
+/// The matrix is the covariance within the classes, pooled over all patches, plus the second moments of the classes' means,
+/// each class weighed the same. One set of sums is enough for that, however unequal the holds.
 fn matrix(sums: &Sums, classes: &Classes, matrix: &mut [f32; TRIANGLE]) -> f32 {
     let all = 1.0 / classes.each().map(|class| class.patches).sum::<f32>();
     for (entry, product) in matrix.iter_mut().zip(&sums.products) {
@@ -168,15 +168,7 @@ fn matrix(sums: &Sums, classes: &Classes, matrix: &mut [f32; TRIANGLE]) -> f32 {
     for class in classes.each() {
         let factor = (class.weight / class.patches - all) / class.patches;
         let own = &sums.of_class[class.shown.index()][..sums.columns];
-        let mut rest = &mut matrix[..];
-        for (row, &sum) in own.iter().enumerate() {
-            let (entries, after) = rest.split_at_mut(row + 1);
-            let sum = factor * sum;
-            for (entry, other) in entries.iter_mut().zip(own) {
-                *entry += sum * other;
-            }
-            rest = after;
-        }
+        add_products(matrix, own, factor);
     }
     let diagonal = |row: usize| start(row) + row;
     let width = sums.columns - 1;

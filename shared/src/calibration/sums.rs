@@ -5,10 +5,10 @@ use crate::model::head::MAX_HEAD_WIDTH;
 
 /// Most columns: the hidden vector and the 1 behind it.
 pub(super) const COLUMNS: usize = MAX_HEAD_WIDTH + 1;
-/// Numbers of a symmetric matrix.
+/// Entries of a symmetric matrix up to the diagonal.
 pub(super) const TRIANGLE: usize = COLUMNS * (COLUMNS + 1) / 2;
 
-/// What a patch shows.
+/// Class that a patch shows.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Shown {
     /// An intent of the model.
@@ -27,7 +27,7 @@ impl Shown {
     }
 }
 
-/// Sums over the hidden vectors of the patches shown so far, some 10 KB: those of several rounds or days add up.
+/// Sums over the hidden vectors of all patches shown so far, over rounds and days. Size: 10 KB.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Sums {
     /// Columns of the hidden vectors, the 1 behind them included; 0 before the first.
@@ -55,8 +55,8 @@ impl Sums {
         patches: [0; MAX_LOGITS],
     };
 
-    /// Adds a patch that shows something: its [hidden vector](crate::model::encoder::Encoder::hidden), of at most
-    /// [`MAX_HEAD_WIDTH`] numbers. A vector of another length than those before is left out.
+    /// Adds the [hidden vector](crate::model::encoder::Encoder::hidden) of a patch, `[width]`. A vector longer than
+    /// [`MAX_HEAD_WIDTH`], or of another length than those before, is left out.
     pub fn add(&mut self, hidden: &[f32], shown: Shown) {
         let columns = hidden.len() + 1;
         if self.columns == 0 && columns <= COLUMNS {
@@ -68,14 +68,7 @@ impl Sums {
         let mut x = [1.0; COLUMNS];
         x[..hidden.len()].copy_from_slice(hidden);
         let x = &x[..columns];
-        let mut rest = &mut self.products[..];
-        for (row, &factor) in x.iter().enumerate() {
-            let (products, after) = rest.split_at_mut(row + 1);
-            for (product, value) in products.iter_mut().zip(x) {
-                *product += factor * value;
-            }
-            rest = after;
-        }
+        add_products(&mut self.products, x, 1.0);
         let own = &mut self.of_class[shown.index()];
         for (sum, value) in own.iter_mut().zip(x) {
             *sum += value;
@@ -84,9 +77,22 @@ impl Sums {
         *patches = patches.saturating_add(1);
     }
 
-    /// Patches that showed something so far.
+    /// Number of patches that showed a class so far.
     #[must_use]
     pub const fn patches(&self, shown: Shown) -> u32 {
         self.patches[shown.index()]
+    }
+}
+
+/// Adds the products of any two numbers of a vector, times a factor, to a triangle: row by row, each up to the diagonal.
+pub(super) fn add_products(triangle: &mut [f32; TRIANGLE], x: &[f32], factor: f32) {
+    let mut rest = &mut triangle[..];
+    for (row, &own) in x.iter().enumerate() {
+        let (products, after) = rest.split_at_mut(row + 1);
+        let own = factor * own;
+        for (product, other) in products.iter_mut().zip(x) {
+            *product += own * other;
+        }
+        rest = after;
     }
 }

@@ -57,7 +57,7 @@ pub(crate) fn quantize(weights: &[f32], bytes: &mut [i8]) -> f32 {
 
 /// Rounds a row of weights in units of a byte, -127 to 127, to bytes in the order of its columns.
 ///
-/// The distance of what they mean ([`weights_of`]) to the weights is at most half a unit, and less than one unit above 127.
+/// What the bytes mean ([`weights_of`]) differs from the weights by half a unit at most, above 127 by less than one.
 pub(crate) fn round_row(weight: impl Fn(usize) -> f64, bytes: &mut [i8]) {
     for (place, four) in bytes.chunks_mut(GROUP).enumerate() {
         let mut before = 0;
@@ -73,8 +73,8 @@ pub(crate) fn round_row(weight: impl Fn(usize) -> f64, bytes: &mut [i8]) {
     }
 }
 
-/// The byte of a weight, in units of its own byte, behind another in its word: the nearest of which, with the byte
-/// before it, the weight is made ([`weights_of`]).
+/// Byte of a weight that lies behind the byte `before` in its word. With `before` as its low byte it means the number
+/// nearest to the weight ([`weights_of`]), in units of a byte.
 fn byte_of(weight: f64, before: i8) -> i8 {
     let low = f64::from(before.cast_unsigned()) / f64::from(WEIGHT_ONE);
     // Saturates beyond -128 and 127.

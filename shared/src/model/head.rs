@@ -1,4 +1,4 @@
-//! A look-back head that is not the model file's: its own weights, in the form of the file's.
+//! Look-back head in memory of its own, with its weights in the form of a model file.
 
 use super::dimensions::Dimensions;
 use super::file::{LinearWeights, Model, holds};
@@ -12,7 +12,7 @@ pub const MAX_HEAD_WIDTH: usize = 64;
 pub(crate) const MAX_OUTPUTS: usize = LOOK_BACK * MAX_LOGITS;
 const TILED: usize = MAX_OUTPUTS.next_multiple_of(TILE_ROWS);
 
-/// A look-back head in memory of its own, with which an [`Encoder`](super::encoder::Encoder) runs in place of its model's.
+/// Look-back head that an [`Encoder`](super::encoder::Encoder) runs with in place of its model's.
 #[derive(Clone, Debug)]
 pub struct Head {
     /// Columns of the weights: the model's width.
@@ -37,14 +37,14 @@ impl Head {
         code_limit: i16::MAX,
     };
 
-    /// The head of a model; none if the model is wider than [`MAX_HEAD_WIDTH`].
+    /// Copy of a model's head; `None` if the model is wider than [`MAX_HEAD_WIDTH`].
     #[must_use]
     pub fn of(model: &Model<'_>) -> Option<Self> {
         let mut head = Self::EMPTY;
         head.copy_from(model).then_some(head)
     }
 
-    /// Becomes the head of a model, in place: a device's stack has no room for a second one. Returns whether the model is
+    /// Copies the head of a model, in place: a device's stack has no room for a second one. Returns whether the model is
     /// narrow enough; if not, nothing changes.
     pub fn copy_from(&mut self, model: &Model<'_>) -> bool {
         if !self.shape(&model.header.dimensions) {
@@ -113,7 +113,7 @@ impl Head {
     }
 }
 
-/// Equal shapes and tensors; what lies behind them does not count.
+/// Compares shapes and tensors; the unused memory behind them does not count.
 impl PartialEq for Head {
     fn eq(&self, other: &Self) -> bool {
         let of = |head: &Self| (head.width, head.outputs, head.code_limit);

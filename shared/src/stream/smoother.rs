@@ -21,8 +21,8 @@
 //!
 //! Rows may have one more column, movement outside the vocabulary ([`Settings::other_margin`]). No label comes of it: it
 //! only keeps a class from being entered. A label that holds is ended by relax or another class, not by this column.
-//! Who has moved otherwise in the last seconds, as at a keyboard, is asked for more ([`Early::caution`]), and whose hand
-//! was quiet for less: the column's prior follows the stream, as in Saerens, Latinne and Decaestecker (Neural Computation
+//! After such movement, as at a keyboard, a class needs a larger margin over it, after rest a smaller one
+//! ([`Early::caution`]): the column's prior follows the stream, as in Saerens, Latinne and Decaestecker (Neural Computation
 //! 14(1), 2002).
 //!
 //! Source: ReactEMG (arXiv 2506.19815) and the live aggregator of its public code, which has both
@@ -70,7 +70,7 @@ pub struct Smoother<const CLASSES: usize, const ROWS: usize> {
     held: usize,
     /// Rows from the instant that the label changed at to the newest one: so many instants may change it again.
     since: usize,
-    /// Share of recent rows without a label in which movement outside the vocabulary is the likeliest.
+    /// Moving average (EMA) over rows without a label: share in which movement outside the vocabulary has the largest logit.
     otherwise: f32,
 }
 
@@ -193,7 +193,8 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         })
     }
 
-    /// Lets the share of movement outside the vocabulary follow the newest row, but while a label holds: a gesture is none.
+    /// Updates the share of movement outside the vocabulary with the newest row, unless a label holds: a gesture is no such
+    /// movement.
     fn follow_other(&mut self) {
         if self.current == RELAX && self.knows_other() {
             let sums = &self.sums[self.newest][..self.columns];

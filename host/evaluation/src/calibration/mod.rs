@@ -6,7 +6,7 @@
 mod own;
 mod parts;
 
-use std::collections::BTreeMap;
+use std::collections::btree_map::{BTreeMap, Entry};
 
 use recordings::corpus::padded;
 use serde::Serialize;
@@ -21,19 +21,19 @@ pub use self::parts::{Part, parts, rounds_of};
 use crate::inference::logits_with;
 use crate::{EvaluatedRecording, EvaluationError, smooth};
 
-/// Recall that the new head may lose and still be used: one that learns from all rounds is better than the one that is judged.
+/// Recall that the judged head may lose: the one that is used learns from all rounds, and is better.
 const MOST_LOST: f64 = 0.05;
 
-/// What became of a calibration.
+/// Result of a calibration.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Calibration {
-    /// Head to use; none if the model's own is kept.
+    /// Head to use; `None` if the model's own is kept.
     #[serde(skip)]
     pub head: Option<Head>,
-    /// Mean recall of the classes in the rounds that judge, of the model's own head and of the new one; none with one round
-    /// alone, which cannot be judged.
+    /// Mean recall of the classes in the rounds that judge, of the model's own head and of the new one; `None` if a single
+    /// round teaches: none is left to judge.
     pub judged: Option<[f64; 2]>,
-    /// Why nothing was learnt.
+    /// Reason why nothing was learnt; `None` if a head was.
     pub refusal: Option<String>,
 }
 
@@ -48,11 +48,14 @@ pub fn calibrate(
     rounds: usize,
     others: bool,
 ) -> Result<Calibration, EvaluationError> {
+    if rounds == 0 {
+        return Ok(Calibration::default());
+    }
     let wanted = |part: &&Part| part.round < rounds && (others || part.shown != Shown::Other);
     let parts: Vec<&Part> = parts.iter().filter(wanted).collect();
     let mut hidden = BTreeMap::new();
     for part in &parts {
-        if let std::collections::btree_map::Entry::Vacant(entry) = hidden.entry(part.recording) {
+        if let Entry::Vacant(entry) = hidden.entry(part.recording) {
             entry.insert(hidden_vectors(model, recordings[part.recording])?);
         }
     }
@@ -74,9 +77,6 @@ pub fn calibrate(
         refusal: Some(refusal.to_string()),
         ..Calibration::default()
     };
-    if rounds == 0 {
-        return Ok(Calibration::default());
-    }
     let teaching = rounds.div_ceil(2);
     let judging: Vec<&Part> = parts
         .iter()
@@ -112,12 +112,12 @@ pub fn calibrate(
 }
 
 impl Part {
-    /// First patch that is taken.
+    /// First patch to learn from.
     fn start(&self) -> usize {
         self.samples.start.div_ceil(PATCH)
     }
 
-    /// One after the last patch that is taken.
+    /// One after the last patch to learn from.
     fn end(&self) -> usize {
         (self.samples.end / PATCH).min(self.start() + MOST_PATCHES)
     }
@@ -153,7 +153,7 @@ fn recall(
         let Shown::Intent(intent) = part.shown else {
             continue;
         };
-        if let std::collections::btree_map::Entry::Vacant(entry) = labels.entry(part.recording) {
+        if let Entry::Vacant(entry) = labels.entry(part.recording) {
             let recording = recordings[part.recording];
             let logits = logits_with(model, head, &recording.input(model.header.preprocessing))?;
             let settings = model.header.smoother.in_patches();

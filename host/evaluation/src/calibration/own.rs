@@ -24,9 +24,9 @@ pub struct OwnCalibration {
     pub rounds: usize,
     /// Whether other movement was shown.
     pub others: bool,
-    /// What became of it.
+    /// Result of the calibration.
     pub calibration: Calibration,
-    /// Model file with the new head; none if the old one is kept. The person is one whom it has seen.
+    /// Model file with the new head, which has seen the person; `None` if the old head is kept.
     pub file: Option<Vec<u8>>,
 }
 

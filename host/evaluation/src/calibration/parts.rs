@@ -1,19 +1,19 @@
-//! The parts of a person's recordings that are shown to a calibration.
+//! Parts of a person's recordings that are shown to a calibration.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 
 use recordings::MovementKind;
-use shared::calibration::Shown;
+use shared::calibration::{MOST_PATCHES, Shown};
 use shared::intent::{Intent, Vocabulary};
-use shared::units::SAMPLE_RATE_HZ;
+use shared::units::{PATCH, SAMPLE_RATE_HZ};
 
 use crate::EvaluatedRecording;
 
 /// Shortest hold, in samples: half a second.
 const SHORTEST: usize = SAMPLE_RATE_HZ as usize / 2;
-/// Most samples of a rest: 3 s.
-const MOST_REST: usize = 3 * SAMPLE_RATE_HZ as usize;
+/// Most samples of a rest: what a calibration learns from. The remainder is judged.
+const MOST_REST: usize = MOST_PATCHES * PATCH;
 /// Most samples of one other movement: 1 s.
 const MOST_OTHER: usize = SAMPLE_RATE_HZ as usize;
 /// Other movements that are shown: six, 6 s.
@@ -21,20 +21,21 @@ const OTHERS: usize = 6;
 /// Rests of a round.
 const RESTS: usize = 2;
 
-/// Part of a recording that is shown.
+/// Part of a recording that is shown to a calibration.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Part {
     /// Index of the recording.
     pub recording: usize,
-    /// Samples.
+    /// Range of samples in the recording.
     pub samples: Range<usize>,
-    /// What they show.
+    /// Class that they show.
     pub shown: Shown,
     /// Round, from 0 on; other movement is shown in the first.
     pub round: usize,
 }
 
-/// Complete rounds in a person's recordings: holds of the gesture that is held least often, by lag-compensated labels.
+/// Number of rounds in a person's recordings: holds of the gesture that is held least often, by lag-compensated labels; 0
+/// without rest.
 #[must_use]
 pub fn rounds_of(recordings: &[&EvaluatedRecording], vocabulary: Vocabulary) -> usize {
     let holds = holds(recordings);
@@ -44,8 +45,8 @@ pub fn rounds_of(recordings: &[&EvaluatedRecording], vocabulary: Vocabulary) -> 
     counts.min().filter(|_| rest).unwrap_or(0)
 }
 
-/// The first `rounds` rounds of a person's recordings, and six seconds of other movement, each kind in turn, as far as
-/// there are twice as many movements.
+/// The first `rounds` rounds of a person's recordings, and up to six other movements, a second each, kinds in turn. At least
+/// half of the other movements are left to be judged.
 #[must_use]
 pub fn parts(
     recordings: &[&EvaluatedRecording],

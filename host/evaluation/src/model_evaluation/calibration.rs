@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 use recordings::MovementKind;
+use recordings::statistics::MeanSd;
 use serde::Serialize;
 use shared::calibration::Shown;
 use shared::intent::{Intent, Vocabulary};
@@ -18,10 +19,10 @@ use crate::{Candidate, EvaluatedRecording, EvaluationError, Measure, Truth, scor
 
 /// Suffix of the name of a model that is evaluated after calibration.
 pub const CALIBRATED: &str = ", calibrated";
-/// Rounds that are set aside of everybody: whatever number of them teaches, the same remainder is judged.
+/// Rounds of each person that are not scored, so that any number of rounds is judged on the same remainder.
 pub const SET_ASIDE: usize = 4;
 
-/// What each person shows to a calibration.
+/// Rounds and movements that each person shows to a calibration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lesson {
     /// Rounds, 0 to [`SET_ASIDE`]; with 0 nothing is calibrated, and the same remainder is judged.
@@ -39,18 +40,18 @@ pub struct CalibratedSubject {
     pub subject: String,
     /// Whether the new head is used.
     pub kept: bool,
-    /// What became of the calibration.
+    /// Result of the calibration.
     #[serde(flatten)]
     pub calibration: Calibration,
-    /// Activations a minute of the daily life of others with the model's own head and with this one: mean over the people of
-    /// daily life; none without such people.
+    /// Activations a minute of daily life with the model's own head and with this one: mean over the people with daily life who
+    /// are not calibrated themselves; `None` without any.
     pub daily: Option<[f64; 2]>,
 }
 
-/// The people who can be calibrated: places of their recordings, and the parts that are set aside.
+/// People who can be calibrated: indices of their recordings, and the parts that are set aside.
 pub(super) type People = BTreeMap<String, (Vec<usize>, Vec<Part>)>;
 
-/// The people with enough holds.
+/// People with [`SET_ASIDE`] rounds.
 pub(super) fn people_of(recordings: &[EvaluatedRecording], vocabulary: Vocabulary) -> People {
     let mut places: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
     for (at, recording) in recordings.iter().enumerate() {
@@ -114,7 +115,7 @@ pub(super) fn calibrated(
     Ok(all)
 }
 
-/// Activations a minute of daily life with a head, or the model's own: mean over people.
+/// Activations a minute of daily life with a head, or with the model's own: mean over people; `None` without any.
 ///
 /// # Errors
 /// When the model is refused.
@@ -131,12 +132,13 @@ fn daily_per_minute(
     let rates = scores
         .iter()
         .flat_map(|score| Measure::DailyActivations.values(score));
+    // A person's rate is in the row of their set and in that of all sets.
     let rates: BTreeMap<&str, f64> = rates.collect();
-    let people = rates.len();
-    Ok((people > 0).then(|| rates.values().sum::<f64>() / people as f64))
+    let rates: Vec<f64> = rates.into_values().collect();
+    Ok(MeanSd::of(&rates).map(|rate| rate.mean))
 }
 
-/// Removes what is set aside: its labels, and its other movements.
+/// Removes the labels and other movements of the parts that are set aside.
 pub(super) fn set_aside(recordings: &mut [EvaluatedRecording], people: &People) {
     for (places, parts) in people.values() {
         for part in parts {
@@ -154,7 +156,7 @@ pub(super) fn set_aside(recordings: &mut [EvaluatedRecording], people: &People) 
     }
 }
 
-/// The logits of a model with each person's head.
+/// Candidate of a model with each person's head.
 ///
 /// # Errors
 /// When the encoder refuses the model.

@@ -1,4 +1,4 @@
-//! Table of what calibration does to people.
+//! Table of calibrations: scores before and after.
 
 use super::Table;
 use super::cell::{difference, estimate, none};
@@ -6,10 +6,10 @@ use crate::model_evaluation::{CALIBRATED, CalibratedSubject, ModelResults};
 use crate::{ALL, Difference, Measure, Score};
 use recordings::statistics::MeanSd;
 
-/// Loss of a person that counts.
+/// Loss of balanced accuracy beyond which a person is counted.
 const LOSS: f64 = 0.02;
 
-/// Table with a row for each calibrated model and set, balanced accuracy as emitted; none if no calibration was asked for.
+/// Table with a row for each calibrated model and set; `None` if no calibration was asked for.
 pub(super) fn calibrations(results: &ModelResults) -> Option<Table> {
     if results.calibrations.is_empty() {
         return None;
@@ -35,9 +35,8 @@ pub(super) fn calibrations(results: &ModelResults) -> Option<Table> {
         let Some(model) = after.model.strip_suffix(CALIBRATED) else {
             continue;
         };
-        let scores = results.scores.iter();
-        let before = scores.filter(|own| own.model == model);
-        if let Some(before) = before.into_iter().find(|own| own.same_people(after)) {
+        let mut scores = results.scores.iter();
+        if let Some(before) = scores.find(|own| own.model == model && own.same_people(after)) {
             table.push(row(results, before, after));
         }
     }

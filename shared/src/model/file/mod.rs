@@ -38,7 +38,8 @@ const FORMAT_VERSION: u8 = 7;
 /// 100 x sqrt(128) + 100 < 2e3, a linear map of 256 inputs 100 x 128 x 256 x 2e3 < 1e10, the map after attention or the
 /// feed-forward 100 x 128 x 256 x 1e10 < 1e17, a square of three layers' sum < 1e36.
 const LARGEST: f32 = 100.0;
-/// Whether all numbers are ones that a tensor may hold; NaN is none.
+
+/// Whether a tensor may hold all these numbers; NaN is refused.
 pub(crate) fn holds(numbers: &[f32]) -> bool {
     numbers.iter().all(|number| number.abs() <= LARGEST)
 }

@@ -49,8 +49,8 @@ impl Settings {
     };
 }
 
-/// Margins of an early label, beyond those of the settings: what is asked without look-ahead. The first three fall evenly
-/// with the look-ahead, to nothing where that is whole.
+/// Margins of an early label, in addition to those of the settings. The first three hold without look-ahead and fall evenly
+/// with it, to 0 at the whole look-ahead.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Early {
     /// Margin of a class over the other classes.
@@ -66,7 +66,7 @@ pub struct Early {
     pub caution: f32,
 }
 
-/// Time constant of the share of movement outside the vocabulary: 20 s.
+/// Time constant of the moving average behind [`Early::caution`], in samples: 20 s.
 pub(super) const CAUTION: f32 = 20.0 * SAMPLE_RATE_HZ as f32;
 
 impl Early {
