@@ -272,7 +272,7 @@ impl ResolvedConfig {
 /// Weight of every stream beside one of daily life, so that the share is met within a hundredth.
 const WEIGHT: usize = 100;
 
-/// Weight with which so many samples have a share beside others of [`WEIGHT`].
+/// Weight of `samples` samples that gives them a share of the total, beside `others` samples of weight [`WEIGHT`].
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

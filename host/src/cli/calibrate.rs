@@ -17,8 +17,8 @@ use execution::run_folder::write_whole;
 #[derive(Debug, Args)]
 #[command(
     after_help = "A round is a hold of each gesture and two of rest; two rounds are enough, half a minute. The first half of the rounds teaches,\n\
-    the others judge the new head beside the model's own. It is kept if it is not worse, and then learns from all rounds. Otherwise\n\
-    nothing is written and the exit code is 3. Six seconds of other movement are shown too if they are labelled.\n\
+    the others judge the new head beside the model's own. It is used, learnt from all rounds, unless it loses more than 0.05 mean\n\
+    recall: then nothing is written and the exit code is 3. Six seconds of other movement are shown too if they are labelled.\n\
     docs/calibration.md says what it gains.\n\n\
     Example:\n  myointent calibrate --model models/three-class.intent --data MINE --out mine.intent"
 )]
@@ -42,7 +42,7 @@ pub struct Arguments {
     as_recorded: bool,
 }
 
-/// Error: the new head is worse.
+/// Error: the new head is worse, and the old model is kept.
 #[derive(Debug, Error)]
 #[error(
     "in the later rounds the new head labels {new:.3} right, the old one {old:.3}: nothing was written, go on with {model}"

@@ -96,7 +96,7 @@ pub fn describe(folder: &Path, out: Option<&Path>) -> Result<(PathBuf, String), 
     Ok((path, text))
 }
 
-/// Content of a draft.
+/// Draft of a description.
 struct Draft {
     /// The folder, if the description is not in it.
     folder: Option<PathBuf>,
@@ -127,7 +127,7 @@ impl Draft {
         for (kind, path) in kinds {
             by_kind.entry(kind).or_default().push(path);
         }
-        // What the readers make of it.
+        // A folder that the readers know may need no description; and they say why a file is refused.
         let library = crate::load(folder, &crate::LoadOptions::default());
         let reason = match &library {
             Ok(library) => library.skipped.first().map(LoadError::line),

@@ -53,7 +53,7 @@ pub enum DataSet {
     Adl,
     /// Words of Polish sign language, 2018.
     Psl,
-    /// Letters and numbers of Brazilian sign language.
+    /// Letters of Brazilian sign language.
     Libras,
     /// Benalcazar et al., EMG-EPN-612, 2020.
     #[serde(rename = "emg-epn-612")]
@@ -143,7 +143,7 @@ impl DataSet {
         matches!(self, Self::Adl | Self::Psl | Self::Libras)
     }
 
-    /// Whether the set only teaches and holds nobody out: its recordings are too short to be judged.
+    /// Whether the set only teaches: its recordings are too short to be judged, so nobody of it is held out.
     #[must_use]
     pub const fn only_teaches(self) -> bool {
         matches!(self, Self::Psl | Self::Libras)

@@ -9,7 +9,8 @@ use rand::seq::SliceRandom;
 use crate::recording::{DataSet, Recording};
 use crate::seed;
 
-/// A cross-validation protocol: every subject is held out in one of its folds.
+/// A cross-validation protocol: every subject is held out in one of its folds, except those of sets that
+/// [only teach](DataSet::only_teaches).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Protocol {
     /// One subject of each data set per fold, in as many folds as the largest set has subjects.
@@ -19,12 +20,11 @@ pub enum Protocol {
     /// All subjects of one data set per fold: what a user meets who was recorded elsewhere. The sets that nothing is
     /// [trained on by default](DataSet::trained_by_default) share the last fold, whose model learns from all others. The people of
     /// [daily life](DataSet::is_daily_life) are divided among the folds: who means no gesture belongs to no set of gestures.
-    /// No protocol holds anybody of the sets that [only teach](DataSet::only_teaches) out.
     LeaveSetsOut,
 }
 
 impl Protocol {
-    /// The subjects that each fold holds out, in alphabetical order. Every subject is held out in one fold. The seed
+    /// The subjects that each fold holds out, in alphabetical order. The seed
     /// assigns the subjects of [`LeaveGroupsOut`](Self::LeaveGroupsOut) and
     /// [`LeaveOneSubjectOut`](Self::LeaveOneSubjectOut), those of a data set independently of the other sets.
     #[must_use]

@@ -11,15 +11,15 @@ use crate::readers::path::is_number;
 /// Marks that divide a name.
 const MARKS: [char; 4] = ['_', '-', ' ', '.'];
 
-/// Pattern of most of the paths; `has_label` where labels are not in the paths. None if names have braces.
+/// Pattern of most of the paths; `has_label` if labels are not in the paths. `None` if names have braces.
 pub(super) fn of(paths: &[PathBuf], has_label: bool) -> Option<Pattern> {
-    // Of the usual depth and number of parts.
     let names = |path: &PathBuf| -> Option<Vec<String>> {
         path.iter()
             .map(|name| Some(name.to_str()?.to_owned()))
             .collect()
     };
     let paths: Vec<Vec<String>> = paths.iter().filter_map(names).collect();
+    // A pattern has one depth.
     let depth = usual(paths.iter().map(Vec::len))?;
     let paths: Vec<Vec<String>> = paths
         .into_iter()
@@ -95,7 +95,8 @@ fn usual(numbers: impl Iterator<Item = usize>) -> Option<usize> {
         .map(|(number, _)| number)
 }
 
-/// A part that these texts have: their own text, or a field, which stands once in a pattern.
+/// Part of a pattern for these texts: their text if they are all the same, else a field. A pattern has a field once: `free`
+/// are those that it lacks.
 fn part(texts: &[&str], field: Field, free: &mut Vec<Field>) -> String {
     if texts.iter().all(|text| *text == texts[0]) {
         return texts[0].to_owned();
