@@ -1,4 +1,5 @@
-//! The firmware's Bluetooth host against a real controller and armband: streams, lost links, strangers, damaged packets.
+//! The firmware's Bluetooth host beside another maker's virtual controller and armband: streams, lost links, strangers,
+//! damaged packets.
 
 use myointent::cli::replay;
 use myointent_tests::bench::{Run, Scenario, python};

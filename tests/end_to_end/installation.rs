@@ -1,4 +1,4 @@
-//! Installation with `myointent board install` on the simulated board, whose flash are files that a reset keeps.
+//! Installation with `myointent board install` on the simulated board, whose flash is in files that a reset keeps.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

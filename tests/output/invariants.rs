@@ -18,7 +18,7 @@ impl Output {
     ///
     /// # Errors
     /// Fails when a line is damaged, missing or a label while `valid` is low; when the board restarted; when `valid` fell too
-    /// late, or another pin than relax's was high while it was low; when the inference was too slow.
+    /// late, or another pin than relax's was high while it was low.
     pub fn check(&self, may_restart: bool) -> anyhow::Result<()> {
         let fault = self.bad_line(may_restart)?;
         let fault = fault.or_else(|| self.bad_pin(may_restart));

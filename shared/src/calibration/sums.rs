@@ -40,12 +40,6 @@ pub struct Sums {
     pub(super) patches: [u32; MAX_LOGITS],
 }
 
-impl Default for Sums {
-    fn default() -> Self {
-        Self::EMPTY
-    }
-}
-
 impl Sums {
     /// Sums of no patches.
     pub const EMPTY: Self = Self {
