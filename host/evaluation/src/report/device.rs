@@ -11,7 +11,7 @@ use super::cell::none;
 const FLASH_KIB: f64 = 160.0;
 /// Clock of the boards, instructions at one cycle each.
 const CLOCK_HZ: f64 = 64e6;
-/// Cycles per instruction, estimated for the shipped model without wait states: 192 600 cycles, 125 468 instructions.
+/// Cycles per instruction, estimated for the shipped model without wait states: 192 600 cycles, 125 525 instructions.
 const CYCLES: f64 = 1.535;
 
 /// Bytes of the encoder's state on a board, whatever the model; on a PC, whose addresses are longer, it has a few more.
@@ -25,7 +25,7 @@ type Shape = (usize, usize, usize, usize, bool);
 /// Counted by `cargo xtask count --model FILE` on the emulated Cortex-M4F; docs/budgets.md. The first is the committed
 /// count.
 const COUNTED: [(Shape, u32); 3] = [
-    ((64, 2, 27, 3, true), 125_468),
+    ((64, 2, 27, 3, true), 125_525),
     ((64, 2, 27, 5, false), 125_094),
     ((64, 2, 27, 6, false), 125_301),
 ];
