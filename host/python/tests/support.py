@@ -38,9 +38,9 @@ def program(*arguments):
     return ended(0, arguments).stdout
 
 
-def refused(line):
-    """What the program says of a command that fails."""
-    return ended(1, line.split()).stderr.decode()
+def refused(line, code=1):
+    """Error of a command line that ends with this exit code."""
+    return ended(code, line.split()).stderr.decode()
 
 
 def synthetic(folder):
