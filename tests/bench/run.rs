@@ -210,7 +210,7 @@ impl Run {
     /// Checks the conditions that must hold in every run, whatever happened in it.
     ///
     /// # Errors
-    /// As [`Output::check`], where the board may have restarted if it was reset; when it has reset itself, has dropped
+    /// Errors of [`Output::check`], but for a restart after a reset; and when the board has reset itself or has dropped
     /// packets, or there is an error in the armband's log.
     pub fn check(&mut self) -> anyhow::Result<()> {
         let ended = self.ended();

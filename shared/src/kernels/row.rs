@@ -57,7 +57,7 @@ pub(crate) fn quantize(weights: &[f32], bytes: &mut [i8]) -> f32 {
 
 /// Rounds a row of weights in units of a byte, -127 to 127, to bytes in the order of its columns.
 ///
-/// What the bytes mean ([`weights_of`]) differs from the weights by half a unit at most, above 127 by less than one.
+/// The error of the bytes, as [`weights_of`] reads them, is half a unit at most, above 127 less than one.
 pub(crate) fn round_row(weight: impl Fn(usize) -> f64, bytes: &mut [i8]) {
     for (place, four) in bytes.chunks_mut(GROUP).enumerate() {
         let mut before = 0;

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use recordings::MovementKind;
 use shared::calibration::{MOST_PATCHES, Shown};
 use shared::intent::{Intent, Vocabulary};
 use shared::units::{PATCH, SAMPLE_RATE_HZ};
@@ -75,8 +74,7 @@ pub fn parts(
     let mut others = Vec::new();
     for (recording, own) in recordings.iter().enumerate() {
         for movement in &own.other_movement {
-            let is_daily = matches!(movement.kind, MovementKind::Daily(_));
-            if !is_daily && movement.samples.len() >= SHORTEST {
+            if !movement.kind.is_daily() && movement.samples.len() >= SHORTEST {
                 let turn = kinds.entry(movement.kind.name()).or_default();
                 *turn += 1;
                 others.push((*turn, recording, movement.samples.clone()));

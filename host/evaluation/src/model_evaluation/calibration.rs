@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
-use recordings::MovementKind;
 use recordings::statistics::MeanSd;
 use serde::Serialize;
 use shared::calibration::Shown;
@@ -85,8 +84,7 @@ pub(super) fn calibrated(
 ) -> Result<Vec<CalibratedSubject>, EvaluationError> {
     let is_daily = |own: &&EvaluatedRecording| {
         let mut movements = own.other_movement.iter();
-        !people.contains_key(&own.subject)
-            && movements.any(|own| matches!(own.kind, MovementKind::Daily(_)))
+        !people.contains_key(&own.subject) && movements.any(|own| own.kind.is_daily())
     };
     let daily: Vec<EvaluatedRecording> = recordings.iter().filter(is_daily).cloned().collect();
     let mut all = Vec::new();

@@ -4,7 +4,6 @@ use shared::intent::Vocabulary;
 use shared::units::Sample;
 
 use super::Recording;
-use super::movement::MovementKind;
 use crate::labels::activity::{Activity, activity};
 
 /// Kind of a daily activity.
@@ -64,7 +63,7 @@ impl Recording {
     #[must_use]
     pub fn is_daily_life(&self) -> bool {
         let mut movements = self.other_movement.iter();
-        movements.any(|own| matches!(own.kind, MovementKind::Daily(_)))
+        movements.any(|own| own.kind.is_daily())
     }
 }
 

@@ -61,6 +61,12 @@ impl MovementKind {
         kinds.find(|kind| kind.name() == name)
     }
 
+    /// Whether the movement is daily life.
+    #[must_use]
+    pub const fn is_daily(self) -> bool {
+        matches!(self, Self::Daily(_))
+    }
+
     /// Name in tables.
     #[must_use]
     pub const fn name(self) -> &'static str {
