@@ -73,7 +73,8 @@ pub struct Smoothing {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub entry_margins: Option<EntryMargins>,
     /// Margin over movement outside the vocabulary, of a student that knows it
-    /// ([`Settings::other_margin`](shared::stream::smoother::Settings::other_margin)); 0 if not given.
+    /// ([`Settings::other_margin`](shared::stream::smoother::Settings::other_margin)); that of the
+    /// reaction, or 0, if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub other_margin: Option<f32>,
 }
@@ -238,7 +239,8 @@ impl Preset {
     /// Smoother of the preset's model files. There is a margin over movement outside the vocabulary if the student knows it.
     #[must_use]
     pub fn smoother_defaults(&self, aggregation: AggregationMode) -> SmootherDefaults {
-        let other_margin = self.smoother.other_margin.unwrap_or(Reaction::OTHER);
+        let default = self.smoother.reaction.map_or(0.0, |_| Reaction::OTHER);
+        let other_margin = self.smoother.other_margin.unwrap_or(default);
         SmootherDefaults {
             aggregation,
             look_ahead: LOOK_AHEAD,
