@@ -19,7 +19,7 @@ use evaluation::report::labels;
 use execution::interrupt::Interrupt;
 use execution::progress;
 use execution::run_folder::RunFolder;
-use recordings::{Library, LoadError, LoadOptions, load, synthetic};
+use recordings::{Library, LoadError, LoadOptions, Recording, load, synthetic};
 use training::backend::BackendArguments;
 use training::run::StepError;
 use training::run::context::RunContext;
@@ -231,6 +231,11 @@ pub(crate) fn recordings(
         frames.iter().for_each(|frame| progress::log(frame));
     }
     log_found(&library, &path.display().to_string());
+    if preset.data.daily_life > 0.0 && !library.recordings.iter().any(Recording::is_daily_life) {
+        progress::log(
+            "no daily life found: a model that has not learned from it raises labels when nothing is meant (docs/recordings.md#daily-life)",
+        );
+    }
     Ok(library)
 }
 
