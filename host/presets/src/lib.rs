@@ -239,7 +239,7 @@ impl Preset {
     /// Smoother of the preset's model files. There is a margin over movement outside the vocabulary if the student knows it.
     #[must_use]
     pub fn smoother_defaults(&self, aggregation: AggregationMode) -> SmootherDefaults {
-        let default = self.smoother.reaction.map_or(0.0, |_| Reaction::OTHER);
+        let default = self.smoother.reaction.map_or(0.0, Reaction::other);
         let other_margin = self.smoother.other_margin.unwrap_or(default);
         SmootherDefaults {
             aggregation,

@@ -312,7 +312,7 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         let settings = [from_classes, self.settings.other_margin];
         let instead = [self.gate.entry, self.gate.other].map(|hundredths| hundredths.map(logits));
         let reaction = self.gate.reaction;
-        let reaction = reaction.map(|reaction| [reaction.entry(), Reaction::OTHER]);
+        let reaction = reaction.map(|reaction| [reaction.entry(), reaction.other()]);
         [0, 1].map(|of| {
             let margin = instead[of].or(reaction.map(|margins| margins[of]));
             margin.or(settings[of]).unwrap_or(0.0)

@@ -45,8 +45,8 @@ impl Model<'_> {
             if let Some(entry) = entry.or(reaction.map(Reaction::entry)) {
                 header.entry_margins[Intent::Relax.class() + 1..].fill(entry);
             }
-            let default = reaction.map_or(header.other_margin, |_| {
-                header.other_margin.map(|_| Reaction::OTHER)
+            let default = reaction.map_or(header.other_margin, |reaction| {
+                header.other_margin.map(|_| reaction.other())
             });
             header.other_margin = other.or(default);
             if let Some(reaction) = reaction {

@@ -114,15 +114,22 @@ impl Reaction {
         }
     }
 
-    /// Margin over other movement: see [`Settings::other_margin`]. Below 0, because [`Early::caution`] adds to it.
-    pub const OTHER: f32 = -1.5;
+    /// Margin over other movement: see [`Settings::other_margin`]. Below 0 where [`Early::caution`] adds much to it.
+    #[must_use]
+    pub const fn other(self) -> f32 {
+        match self {
+            Self::Fast | Self::Balanced => -1.0,
+            Self::Steady => 0.0,
+        }
+    }
 
     /// Margins of early labels.
     #[must_use]
     pub const fn early(self) -> Early {
         Early::new(match self {
             Self::Fast => [0.0, 0.5, 1.0, 0.5, 8.0],
-            Self::Balanced | Self::Steady => [0.5, 0.5, 1.0, 0.5, 8.0],
+            Self::Balanced => [0.5, 0.5, 1.0, 0.5, 8.0],
+            Self::Steady => [0.5, 0.5, 1.0, 0.5, 4.0],
         })
     }
 }
