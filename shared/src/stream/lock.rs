@@ -16,9 +16,9 @@ pub struct LockTimes {
 }
 
 impl LockTimes {
-    /// A sign of 2.5 s, a rest of 10 s.
+    /// A sign of 1 s, a rest of 10 s.
     pub const USUAL: Self = Self {
-        sign: 5 * SAMPLE_RATE_HZ / 2,
+        sign: SAMPLE_RATE_HZ,
         rest: 10 * SAMPLE_RATE_HZ,
     };
     /// Least and most samples of a sign: 0.5 to 10 s.
