@@ -16,9 +16,9 @@ pub struct LockTimes {
 }
 
 impl LockTimes {
-    /// A sign of 1 s, a rest of 10 s.
+    /// A sign of 1.5 s, a rest of 10 s.
     pub const USUAL: Self = Self {
-        sign: SAMPLE_RATE_HZ,
+        sign: 3 * SAMPLE_RATE_HZ / 2,
         rest: 10 * SAMPLE_RATE_HZ,
     };
     /// Least and most samples of a sign: 0.5 to 10 s.

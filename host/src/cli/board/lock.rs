@@ -16,7 +16,7 @@ pub(super) enum Request {
     /// Lock labels at once, and again after each rest.
     On {
         /// Seconds that the hand has to be held open, 0.5 to 10.
-        #[arg(long, default_value_t = 1.0, value_name = "SECONDS")]
+        #[arg(long, default_value_t = 1.5, value_name = "SECONDS")]
         sign: f64,
         /// Seconds of rest after which labels are locked again, 1 to 600.
         #[arg(long, default_value_t = 10.0, value_name = "SECONDS")]

@@ -38,7 +38,7 @@ const AGAIN: Duration = Duration::from_secs(1);
     myointent board --port /dev/ttyACM0 bind begin            the strongest armband of the next 30 s\n  \
     myointent board --port /dev/ttyACM0 align begin           open the hand twice, with rest before and after\n  \
     myointent board --port COM3 gate --reaction steady        fewer false activations, until the next start\n  \
-    myointent board --port /dev/ttyACM0 lock on               no label until the hand is held open for 1 s\n  \
+    myointent board --port /dev/ttyACM0 lock on               no label until the hand is held open for 1.5 s\n  \
     myointent board --port /dev/ttyACM0 install my.intent     a new model, 20 s; after a break, again: it goes on"
 )]
 pub struct Arguments {

@@ -31,7 +31,7 @@ export const ENGLISH = {
   "cause.disconnected": "the armband was disconnected", "cause.silence": "no sample for 200 ms",
   "cause.gap": "more than 5 samples in a row were lost; needs 3 s of samples", "cause.losses": "more than 10 % of the last 3 s were lost",
   "cause.stalled": "the board was too slow; needs 3 s of samples", "cause.installation": "a new model is being installed",
-  "cause.locked": "locked: hold the hand open for 1 s, or press the board's button",
+  "cause.locked": "locked: hold the hand open for 1.5 s, or press the board's button",
   "help.in.use": "What this means: label in use",
   "help.in.use.text": "A label is used only while samples come without gaps, for 3 s at least. Otherwise a board keeps its outputs at rest.",
   "help.share": "What this means: labels as asked",

@@ -31,7 +31,7 @@ export const GERMAN = {
   "cause.disconnected": "die Verbindung zum Armband ist getrennt", "cause.silence": "200 ms ohne Messwert",
   "cause.gap": "mehr als 5 Messwerte in Folge gingen verloren; braucht Messwerte von 3 s", "cause.losses": "mehr als 10 % der letzten 3 s gingen verloren",
   "cause.stalled": "die Platine war zu langsam; braucht Messwerte von 3 s", "cause.installation": "ein neues Modell wird aufgespielt",
-  "cause.locked": "gesperrt: die Hand 1 s offen halten oder den Knopf der Platine drücken",
+  "cause.locked": "gesperrt: die Hand 1,5 s offen halten oder den Knopf der Platine drücken",
   "help.in.use": "Was das heißt: gilt",
   "help.in.use.text": "Erkanntes gilt nur, solange Messwerte ohne Lücke kommen, mindestens 3 s lang. Sonst hält eine Platine ihre Ausgänge in Ruhe.",
   "help.share": "Was das heißt: wie verlangt",

@@ -118,7 +118,7 @@ impl Reaction {
     #[must_use]
     pub const fn other(self) -> f32 {
         match self {
-            Self::Fast | Self::Balanced => -1.0,
+            Self::Fast | Self::Balanced => -1.5,
             Self::Steady => 0.0,
         }
     }
