@@ -23,7 +23,7 @@ pub struct Arguments {
     /// Model file.
     #[arg(value_name = "FILE.intent")]
     model: PathBuf,
-    /// How soon a label changes: `fast`, `balanced` or `steady`. The sooner, the more false activations.
+    /// How soon a label changes: `fast`, `balanced`, `steady` or `late`. The sooner, the more false activations.
     #[arg(long, value_name = "REACTION", value_parser = reaction, required_unless_present_any = ["entry", "other"])]
     reaction: Option<Reaction>,
     /// By how much the mean logit of open, close, ... has to exceed that of every other intent, 0 to 50.

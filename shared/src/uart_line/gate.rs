@@ -3,7 +3,7 @@
 //! ```text
 //! entry = "0" ... "5000" | "-"         by how much the mean logit of a class has to exceed every other's
 //! other = "-5000" ... "5000" | "-"     by how much that of movement outside the vocabulary
-//! reaction = "fast" | "balanced" | "steady" | "-"     all margins at once, but for those that are given
+//! reaction = "fast" | "balanced" | "steady" | "late" | "-"     all margins at once, but for those that are given
 //! ```
 //!
 //! `-` is as in the model file.

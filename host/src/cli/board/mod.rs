@@ -76,7 +76,7 @@ enum Request {
 
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Args)]
 struct GateChange {
-    /// How soon a label changes: `fast`, `balanced` or `steady`; `model`: as the model file says.
+    /// How soon a label changes: `fast`, `balanced`, `steady` or `late`; `model`: as the model file says.
     #[arg(long, value_name = "REACTION", value_parser = reaction_or_model)]
     reaction: Option<OrModel<Reaction>>,
     /// By how much the mean logit of a class has to exceed that of every other one, 0 to 50; `model`: as the model file

@@ -101,6 +101,8 @@ names! {
         Balanced = "balanced",
         /// The fewest labels that nobody meant.
         Steady = "steady",
+        /// As late as labels that wait for the look-ahead: for models of more classes, which are seldom sure before.
+        Late = "late",
     }
 }
 
@@ -111,6 +113,7 @@ impl Reaction {
         match self {
             Self::Fast | Self::Balanced => 1.5,
             Self::Steady => 2.0,
+            Self::Late => 1.0,
         }
     }
 
@@ -118,7 +121,7 @@ impl Reaction {
     #[must_use]
     pub const fn other(self) -> f32 {
         match self {
-            Self::Fast | Self::Balanced => -1.5,
+            Self::Fast | Self::Balanced | Self::Late => -1.5,
             Self::Steady => 0.0,
         }
     }
@@ -130,6 +133,7 @@ impl Reaction {
             Self::Fast => [0.0, 0.5, 1.0, 0.5, 8.0],
             Self::Balanced => [0.5, 0.5, 1.0, 0.5, 8.0],
             Self::Steady => [0.5, 0.5, 1.0, 0.5, 4.0],
+            Self::Late => [9.0, 0.0, 1.0, 0.5, 8.0],
         })
     }
 }
