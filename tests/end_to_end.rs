@@ -1,14 +1,11 @@
 //! Virtual armband -> controller -> HCI -> the firmware on the PC -> label UART.
 //!
 //! Tests of what the emulated chip cannot show: the firmware's Bluetooth host beside a controller and an armband that are not
-//! this project's, and the program `myointent` at a serial port. All else runs on the emulated chip (docs/emulated-chip.md).
+//! this project's. All else runs on the emulated chip (docs/emulated-chip.md).
 //! Needs the armband's Python: `cargo xtask emulator --install`.
 
 #[path = "end_to_end/bluetooth.rs"]
 mod bluetooth;
-#[cfg(target_os = "linux")]
-#[path = "end_to_end/installation.rs"]
-mod installation;
 
 use std::process::Command;
 

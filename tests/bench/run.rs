@@ -27,7 +27,7 @@ const SOCKET: &str = "hci";
 const MODEL: &str = "model.intent";
 const PAGE: &str = "page";
 
-/// A running board, mostly beside an armband. Both are killed when it is dropped.
+/// A running board beside an armband. Both are killed when it is dropped.
 pub struct Run {
     // Dropped first: a board that loses its controller would write an error.
     board: Option<KillOnDrop>,
@@ -35,8 +35,6 @@ pub struct Run {
     folder: TempDir,
     output: Output,
     slowed: u32,
-    /// True if the board may have started again: it was reset.
-    may_restart: bool,
     _place: Place,
 }
 
@@ -79,16 +77,6 @@ impl Run {
         Ok(run)
     }
 
-    /// Starts a board with neither model nor armband.
-    ///
-    /// # Errors
-    /// When it does not start.
-    pub fn alone() -> anyhow::Result<Self> {
-        let mut run = Self::new(Place::wait(), &[], &[], 1)?;
-        run.start_board()?;
-        Ok(run)
-    }
-
     fn new(place: Place, model: &[u8], page: &[u8], slowed: u32) -> anyhow::Result<Self> {
         // Short: the path of a socket has at most 107 bytes.
         let folder = tempfile::Builder::new().prefix("myo").tempdir()?;
@@ -108,7 +96,6 @@ impl Run {
             output: Output::new(folder.path()),
             folder,
             slowed,
-            may_restart: false,
             _place: place,
         })
     }
@@ -127,22 +114,10 @@ impl Run {
             board.arg(option).arg(folder.join(name));
         }
         board.args(["--slowed", &self.slowed.to_string()]);
-        if self.armband.is_some() {
-            board.arg("--hci").arg(folder.join(SOCKET));
-        }
+        board.arg("--hci").arg(folder.join(SOCKET));
         board.stdin(Stdio::piped());
         self.board = Some(KillOnDrop::start("board", board, folder)?);
         Ok(())
-    }
-
-    /// Resets the board, in the middle of whatever it does: nothing but flash is kept.
-    ///
-    /// # Errors
-    /// When it does not start again.
-    pub fn reset(&mut self) -> anyhow::Result<()> {
-        self.may_restart = true;
-        self.board = None;
-        self.start_board()
     }
 
     /// Sends bytes to the UART.
@@ -210,12 +185,12 @@ impl Run {
     /// Checks the conditions that must hold in every run, whatever happened in it.
     ///
     /// # Errors
-    /// Errors of [`Output::check`], but for a restart after a reset; and when the board has reset itself or has dropped
-    /// packets, or there is an error in the armband's log.
+    /// Errors of [`Output::check`]; and when the board has ended or has dropped packets, or there is an error in the
+    /// armband's log.
     pub fn check(&mut self) -> anyhow::Result<()> {
         let ended = self.ended();
         ensure!(ended.is_none(), "{ended:?}\n{}", self.tails());
-        self.output.check(self.may_restart)?;
+        self.output.check(false)?;
         let is_late = self.comments().iter().any(|c| c.contains("too slow"));
         ensure!(!is_late, "packets were dropped\n{}", self.tails());
         let errors = self.event_count("error");

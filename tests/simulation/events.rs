@@ -14,30 +14,6 @@ pub struct Start {
     pub packets: Vec<(u64, usize)>,
     /// Time at which the last byte of each line had been sent, in the order of UART0's lines.
     pub lines: Vec<u64>,
-    /// Operations of flash.
-    pub flash: Vec<FlashOperation>,
-    /// Loss of power that ended the start, if one did.
-    pub loss: Option<Loss>,
-}
-
-/// Operation of flash.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct FlashOperation {
-    /// Time of its end.
-    pub at_us: u64,
-    /// True for the erasure of a page, false for a write.
-    pub is_erasure: bool,
-    /// First address.
-    pub address: u32,
-}
-
-/// Loss of power.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Loss {
-    /// Time of the loss.
-    pub at_us: u64,
-    /// Number of packets that the armband had sent before.
-    pub packets: usize,
 }
 
 /// Reads the log.
@@ -64,17 +40,7 @@ fn add(starts: &mut Vec<Start>, line: &str) -> anyhow::Result<()> {
     match what {
         "PACKET" => start.packets.push((at_us, number()?.parse()?)),
         "LINE" => start.lines.push(at_us),
-        "ERASE" | "WRITE" => start.flash.push(FlashOperation {
-            at_us,
-            is_erasure: what == "ERASE",
-            address: number()?.parse()?,
-        }),
-        "POWER" => {
-            start.loss = Some(Loss {
-                at_us,
-                packets: number()?.parse()?,
-            });
-        }
+        "ERASE" | "WRITE" | "POWER" => {}
         _ => bail!("nothing that a board writes"),
     }
     Ok(())

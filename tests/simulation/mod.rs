@@ -11,7 +11,7 @@ use anyhow::{Context as _, ensure};
 use shared::units::Sample;
 use tempfile::TempDir;
 
-pub use events::{FlashOperation, Loss, Start};
+pub use events::Start;
 
 use crate::output::Output;
 

@@ -204,9 +204,10 @@ proptest! {
     fn positions_are_right_again_after_lone_losses_of_any_length(
         losses in prop::collection::vec((1..=13u32, 30..40u32), 1..10),
         jitter in prop::collection::vec(0..=15u32, 0..50),
+        drift in -1..=1i32,
     ) {
         let script: Vec<_> = losses.iter().flat_map(|(lost, clean)| [Lose(*lost), Clean(*clean)]).collect();
-        let Simulated { outs, last, .. } = simulate(&script, &jitter, 0);
+        let Simulated { outs, last, .. } = simulate(&script, &jitter, drift);
         let samples: u32 = outs.into_iter().map(|one| match one {
             Out::Gap(samples) => samples,
             Out::Packet(_) => 2,

@@ -197,6 +197,19 @@ proptest! {
     }
 
     #[test]
+    fn a_command_that_is_cut_is_none_and_the_next_one_is_read(
+        command in command(), kept: prop::sample::Index, plug: bool,
+    ) {
+        let line = command.to_string();
+        // The first byte of the line's end ends it.
+        let mut bytes = line.as_bytes()[..kept.index(line.len() - 1)].to_vec();
+        // A pulled plug looks like these bytes.
+        bytes.extend(plug.then_some([0x00, 0xff]).iter().flatten());
+        bytes.extend(b"$IDENTIFY*04\r\n");
+        prop_assert_eq!(read(&bytes), [Ok(Command::Identify)]);
+    }
+
+    #[test]
     fn a_command_with_a_changed_bit_is_never_another(
         command in command(), place: prop::sample::Index, bit in 0_u8..8,
     ) {
