@@ -90,12 +90,124 @@ fn a_single_array_of_the_users_own_is_read() {
 
 #[test]
 fn rows_of_no_known_set_are_no_people() {
-    let rows = "1,2,3,4,5,6,7,8\n".repeat(100);
-    let folder = folder(&[("a/1.csv", rows.as_bytes()), ("b/2.csv", rows.as_bytes())]);
-    let error = load(folder.path(), &LoadOptions::default()).unwrap_err();
-    assert!(matches!(error, LoadError::NoRecordings { .. }), "{error}");
-    let one = load(&folder.path().join("a/1.csv"), &LoadOptions::default()).unwrap();
-    assert_eq!(one.subjects(), ["react-emg/a"]);
+    for separator in [",", ";", "\t", " "] {
+        let rows = "1,2,3,4,5,6,7,8\n".repeat(100).replace(',', separator);
+        let folder = folder(&[("a/1.csv", rows.as_bytes()), ("b/2.csv", rows.as_bytes())]);
+        let error = load(folder.path(), &LoadOptions::default()).unwrap_err();
+        assert!(matches!(error, LoadError::NoRecordings { .. }), "{error}");
+        let one = load(&folder.path().join("a/1.csv"), &LoadOptions::default()).unwrap();
+        assert_eq!(one.subjects(), ["react-emg/a"]);
+        assert_eq!(one.recordings[0].samples[99], [1, 2, 3, 4, 5, 6, 7, 8]);
+        assert!(!one.recordings[0].has_labels());
+    }
+}
+
+/// Table of a person, rest and a fist in turn.
+fn own(person: u64) -> String {
+    let samples = crate::examiner::fixture::emg(1000, person);
+    crate::examiner::fixture::csv(&samples, |count| count.to_string())
+}
+
+#[test]
+fn one_person_is_the_same_whichever_folder_is_asked_for() {
+    let folder = folder(&[
+        ("study/anna/monday/1.csv", own(1)),
+        ("study/anna/2026-11-25/1.csv", own(2)),
+        ("study/bob/session_1/1.csv", own(3)),
+    ]);
+    for (below, people) in [
+        ("", &["react-emg/anna", "react-emg/bob"][..]),
+        ("study/anna", &["react-emg/anna"]),
+        ("study/anna/monday", &["react-emg/anna"]),
+        ("study/anna/monday/1.csv", &["react-emg/anna"]),
+    ] {
+        let library = load(&folder.path().join(below), &LoadOptions::default()).unwrap();
+        assert_eq!(library.subjects(), people, "{below}");
+    }
+}
+
+#[test]
+fn an_own_folder_called_left_is_told_and_read_as_it_is() {
+    let folder = folder(&[
+        ("anna/left/1.csv", own(1)),
+        ("anna/links/1.csv", own(2)),
+        ("anna/1.csv", own(3)),
+    ]);
+    let library = load(folder.path(), &LoadOptions::default()).unwrap();
+    let told = |own: &Recording| own.notes.iter().any(|note| note.contains("left arm"));
+    let told: Vec<bool> = library.recordings.iter().map(told).collect();
+    assert_eq!(told, [false, true, true]);
+    let samples = crate::examiner::fixture::emg(1000, 1);
+    assert_eq!(library.recordings[1].samples, samples);
+}
+
+#[test]
+fn a_left_hand_of_myo_readings_is_mirrored_and_of_the_same_person() {
+    let [one, other] = [1, 2].map(|person| crate::examiner::fixture::emg(1000, person));
+    let text = |samples: &[Sample]| -> String {
+        let rows = samples.iter();
+        rows.map(|own| own.map(|count| count.to_string()).join(",") + ",0\n")
+            .collect()
+    };
+    let (left, right) = ("_readings_left_hand", "_readings_right_hand");
+    let name = |hand: &str| format!("{hand}/12345-1/7.txt");
+    let read = |files: &[(&str, String)]| {
+        let library = load(folder(files).path(), &LoadOptions::default()).unwrap();
+        assert_eq!(library.subjects(), ["myo-readings/12345"]);
+        library.recordings
+    };
+    let both = read(&[(&name(left), text(&one)), (&name(right), text(&other))]);
+    let mirrored = core::array::from_fn(|channel| one[5][(14 - channel) % 8]);
+    assert_eq!(
+        (both[0].samples[5], both[1].samples[5]),
+        (mirrored, other[5])
+    );
+    assert_ne!(both[0].full_name(), both[1].full_name());
+    assert!(both[0].notes[0].contains("mirrored"), "{:?}", both[0].notes);
+    // Signals of the left arm are not expected of the right one.
+    let alone = read(&[(&name(right), text(&other))]).remove(0);
+    assert_eq!(both[1].wearer, alone.wearer);
+}
+
+#[test]
+fn a_refusal_says_what_was_found_and_what_was_expected() {
+    let nine = own(1).lines().skip(1).collect::<Vec<_>>().join("\n");
+    let latin = [b"gt,emg_0 \xb5V\n".as_slice(), own(1).as_bytes()].concat();
+    let array =
+        |columns: usize| crate::npy::encode("|i1", &[700, columns], &vec![3; 700 * columns]);
+    let pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 5\n";
+    for (name, bytes, words) in [
+        ("nine.csv", nine.as_bytes(), "9 columns|header"),
+        ("latin.csv", &latin, "UTF-8"),
+        (
+            "notes.csv",
+            b"Dear reader,\nthis is no recording.\n",
+            "text",
+        ),
+        ("nine.npy", &array(9), "(700, 9)|eight|label"),
+        ("wide.npy", &array(700), "(700, 700)|(n, 8)"),
+        ("pointer.npy", pointer, "Git LFS|git lfs pull"),
+        (
+            "page.csv",
+            b"<!DOCTYPE html>\n<html><body>a,b</body></html>\n",
+            "HTML",
+        ),
+        ("archive.csv", b"PK\x03\x04\x14\0\0\0", "zip"),
+        ("model.dat", b"myointnt\x07", "model"),
+        ("empty.csv", b"", "empty"),
+    ] {
+        let folder = folder(&[(name, bytes)]);
+        let message = match load(&folder.path().join(name), &LoadOptions::default()) {
+            Ok(library) => library.skipped[0].to_string(),
+            Err(error) => error.to_string(),
+        };
+        for word in words.split('|') {
+            assert!(message.contains(word), "{name}: {message}");
+        }
+        for other in ["12345-1/7.txt", "sub7/", "s3/s3_", "classe_"] {
+            assert!(!message.contains(other), "{name}: {message}");
+        }
+    }
 }
 
 #[test]

@@ -39,6 +39,14 @@ fn channels_are_eight_numbered_columns_of_one_name() {
         columns(backwards).unwrap().channels,
         [7, 6, 5, 4, 3, 2, 1, 0]
     );
+    for name in ["Ch% [uV]", "\"emg.%\""] {
+        let names = (1..=8).map(|number| name.replace('%', &number.to_string()));
+        let header = names.collect::<Vec<_>>().join(",");
+        assert_eq!(columns(&header).unwrap().channels, [0, 1, 2, 3, 4, 5, 6, 7]);
+    }
+    // As pandas writes a table without names.
+    let pandas = columns(",0,1,2,3,4,5,6,7").unwrap().channels;
+    assert_eq!(pandas, [1, 2, 3, 4, 5, 6, 7, 8]);
     let beside = format!(
         "Time;{};acc_0;acc_1;acc_2;gyro_0;Class",
         eight("emg_", 0, ";")
