@@ -22,8 +22,6 @@ mod installation;
 mod labels;
 #[path = "flashed/merged.rs"]
 mod merged;
-#[path = "flashed/model.rs"]
-mod model;
 #[path = "flashed/moments.rs"]
 mod moments;
 #[path = "flashed/start.rs"]

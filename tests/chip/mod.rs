@@ -24,8 +24,6 @@ const RSSI: i8 = -50;
 pub const BINDING: u32 = 0x5_7000;
 /// The model's region, as in `memory.x`.
 pub const MODEL: u32 = 0x5_8000;
-/// Bytes of it.
-pub const MODEL_REGION: usize = 160 * 1024;
 /// Address at which a boot loader starts the program.
 const PROGRAM: u32 = 0x1000;
 /// RAM that Adafruit's boot loader uses: words that it keeps, its variables and its stack (linker/nrf52840.ld of

@@ -83,28 +83,6 @@ fn a_pairing_scans_all_the_time() -> anyhow::Result<()> {
 }
 
 #[test]
-fn every_notification_of_a_stream_is_heard() -> anyhow::Result<()> {
-    let test = "every_notification_of_a_stream_is_heard";
-    for built in [Image::Nrf52840S140, Image::Nrf52840Sdc] {
-        let behaviour = Behaviour {
-            steps: vec![Step::Sleep {
-                at: 300,
-                for_ms: 100_000,
-            }],
-            ..Behaviour::default()
-        };
-        let Some(mut board) = board_of(test, built, behaviour) else {
-            return Ok(());
-        };
-        board.wait_for("# stream over", 10_000)?;
-        board.run_ms(100)?;
-        let said = format!("notifications {},", board.sent());
-        assert!(board.text().contains(&said), "{said}:\n{}", board.text());
-    }
-    Ok(())
-}
-
-#[test]
 fn a_link_that_is_lost_is_found_again() -> anyhow::Result<()> {
     let test = "a_link_that_is_lost_is_found_again";
     for built in [Image::Nrf52840S140, Image::Nrf52840Sdc] {

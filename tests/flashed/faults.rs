@@ -71,46 +71,6 @@ fn last_start(board: &Board) -> Option<(u64, Reset)> {
 }
 
 #[test]
-fn the_dead_man_timer_clears_the_pins_of_a_core_that_stands_still() -> anyhow::Result<()> {
-    let test = "the_dead_man_timer_clears_the_pins_of_a_core_that_stands_still";
-    let Some(mut board) = board_with_valid_labels(test)? else {
-        return Ok(());
-    };
-    let from = board.machine.now();
-    board.machine.chip().bus.halt(ms(400));
-    board.run_ms(500)?;
-    let fell = fell_after_ms(&board, from);
-    assert!(fell.is_some_and(|after| after <= 250), "{fell:?} ms");
-    // It goes on: nothing has to start again.
-    board.run_ms(5000)?;
-    assert!(is_valid(&board), "{}", board.text());
-    assert_eq!(last_start(&board), Some((0, Reset::Power)));
-    Ok(())
-}
-
-#[test]
-fn the_watchdog_ends_a_program_that_loops() -> anyhow::Result<()> {
-    let test = "the_watchdog_ends_a_program_that_loops";
-    let Some(mut board) = board_with_valid_labels(test)? else {
-        return Ok(());
-    };
-    leave_interrupts(&mut board)?;
-    // Somewhere in flash: a branch to itself.
-    const LOOP: u32 = 0x9_0000;
-    board.machine.chip().bus.memory.program(LOOP, &[0xfe, 0xe7]);
-    let from = board.machine.now();
-    board.machine.core().jump(LOOP);
-    board.run_ms(2500)?;
-    let fell = fell_after_ms(&board, from);
-    assert!(fell.is_some_and(|after| after <= 250), "{fell:?} ms");
-    let (at, why) = last_start(&board).expect("it has started");
-    assert_eq!(why, Reset::Watchdog);
-    assert!(at - from <= ms(2010), "after {} ms", (at - from) / ms(1));
-    assert!(board.text().contains("the watchdog"), "{}", board.text());
-    Ok(())
-}
-
-#[test]
 fn a_clock_that_stops_is_ended_by_the_watchdog() -> anyhow::Result<()> {
     let Some(mut board) = board_with_valid_labels("a_clock_that_stops_is_ended_by_the_watchdog")?
     else {

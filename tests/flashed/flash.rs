@@ -63,20 +63,6 @@ fn check_page(board: &mut Board, case: &str, again_ms: u64) -> anyhow::Result<()
 }
 
 #[test]
-fn binding_writes_the_page() -> anyhow::Result<()> {
-    let Some(mut board) = board("binding_writes_the_page", []) else {
-        return Ok(());
-    };
-    board.run_ms(500)?;
-    board.send(&format!("BIND,set,{OTHER}"));
-    board.wait_for("$OK,BIND", 3000)?;
-    // The answer says what is in force; the page follows.
-    board.run_ms(1000)?;
-    assert_eq!(bound(&board), Some(address(OTHER)), "{}", board.text());
-    Ok(())
-}
-
-#[test]
 fn power_that_fails_while_the_page_is_written_leaves_one_armband_or_none() -> anyhow::Result<()> {
     let test = "power_that_fails_while_the_page_is_written_leaves_one_armband_or_none";
     for operation in 0..MOST_OPERATIONS {

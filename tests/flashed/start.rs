@@ -21,20 +21,6 @@ pub fn starts(board: &Board) -> Vec<Reset> {
 }
 
 #[test]
-fn a_board_says_why_it_starts_and_who_it_is() -> anyhow::Result<()> {
-    let test = "a_board_says_why_it_starts_and_who_it_is";
-    let Some(image) = chip::image(test, Image::Nrf52840S140) else {
-        return Ok(());
-    };
-    let mut board = Board::new(Image::Nrf52840S140, image, Setting::default());
-    board.wait_for("power or reset", 1000)?;
-    board.send("IDENTIFY");
-    board.wait_for("$OK,IDENTIFY", 1000)?;
-    assert_eq!(starts(&board), [Reset::Power]);
-    Ok(())
-}
-
-#[test]
 fn the_uart_runs_on_the_crystal() -> anyhow::Result<()> {
     let test = "the_uart_runs_on_the_crystal";
     for built in FLASHED {
