@@ -6,6 +6,7 @@ use evaluation::model_evaluation::{ModelEvaluation, Selection, Turn, Worn};
 use shared::intent::Vocabulary;
 use shared::model::file::Model;
 use shared::stream::alignment::Template;
+use shared::uart_line::alignment::AlignmentState;
 use shared::units::CHANNELS;
 
 use super::{evaluate, evaluated, model};
@@ -88,7 +89,7 @@ fn alignment_finds_the_same_however_the_armband_is_turned_and_its_openings_are_n
     let names: Vec<_> = straight
         .candidates
         .iter()
-        .map(|own| &own.name[..])
+        .map(|own| own.model.to_string())
         .collect();
     assert_eq!(
         names,
@@ -97,10 +98,16 @@ fn alignment_finds_the_same_however_the_armband_is_turned_and_its_openings_are_n
     assert_eq!(straight.results.alignments.len(), 4);
     assert_eq!(straight.results.alignments, turned.results.alignments);
     let aligned = straight.results.alignments.iter();
-    assert!(aligned.clone().any(|own| own.outcome == "aligned"));
+    assert!(
+        aligned
+            .clone()
+            .any(|own| own.outcome == AlignmentState::Aligned)
+    );
     // The logits are compared where an alignment was found.
     for (at, recording) in straight.recordings.iter().enumerate() {
-        let mut found = aligned.clone().filter(|own| own.outcome == "aligned");
+        let mut found = aligned
+            .clone()
+            .filter(|own| own.outcome == AlignmentState::Aligned);
         if found.any(|own| own.subject == recording.subject) {
             let logits = |evaluation: &ModelEvaluation| evaluation.candidates[1].logits[at].clone();
             assert_eq!(logits(&straight), logits(&turned));

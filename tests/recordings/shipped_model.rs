@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use evaluation::inference::outputs;
 use evaluation::metric::event::latency::Latency;
 use evaluation::{
-    ALL, CONSTANT, Candidate, Difference, ENERGY, EnergyDetector, EvaluatedRecording, LookAhead,
-    Measure, Score, Truth, constant, integer_candidate, score_all,
+    ALL, Candidate, Difference, EnergyDetector, EvaluatedRecording, LookAhead, Measure, Score,
+    System, Truth, constant, integer_candidate, score_all,
 };
 use recordings::split::predefined::is_test;
 use recordings::{Library, Recording};
@@ -70,14 +70,15 @@ fn the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_mad
     let candidates = [own, constant(&recordings), detector.candidate(&recordings)];
     let truths = [Truth::LagCompensated];
     let scores = score_all(&candidates, &recordings, Vocabulary::Three, &truths).unwrap();
-    let of = |model: &str, look_ahead: LookAhead| {
+    let of = |model: System, look_ahead: LookAhead| {
         let mut scores = scores.iter();
         scores
             .find(|score| score.model == model && score.look_ahead == look_ahead)
             .unwrap()
     };
     let balanced = |score: &Score| Measure::BalancedAccuracy.mean(score).unwrap().mean;
-    let (constant, energy) = (of(CONSTANT, LookAhead::None), of(ENERGY, LookAhead::None));
+    let floor = |system| of(system, LookAhead::None);
+    let (constant, energy) = (floor(System::Constant), floor(System::Energy));
     assert!((balanced(constant) - 1.0 / 3.0).abs() < 1e-9);
     assert_eq!(
         (
@@ -88,7 +89,7 @@ fn the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_mad
     );
     assert!(constant.events.gestures > 30 * people.len());
     for look_ahead in LookAhead::ALL {
-        let score = of("model", look_ahead);
+        let score = of("model".into(), look_ahead);
         assert!(balanced(score) > balanced(energy) && balanced(energy) > balanced(constant));
         let difference = Difference::of(Measure::Recognition, score, constant).unwrap();
         assert!(difference.mean.mean > 0.3, "{difference:?}");
@@ -164,7 +165,7 @@ fn the_lead_in_decides_the_first_labels() {
     }
     let of = |model: &str| {
         with_all_rows()
-            .find(|s| s.model == model && s.data_set == ALL)
+            .find(|s| s.model == System::from(model) && s.data_set == ALL)
             .unwrap()
     };
     let measure = Measure::BalancedAccuracy;

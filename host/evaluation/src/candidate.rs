@@ -11,12 +11,13 @@ use shared::model::file::{Model, SmootherDefaults};
 use shared::stream::smoother::{Early, Settings};
 
 use super::condition::LookAhead;
+use super::system::System;
 
 /// A model under evaluation: its logits over every recording.
 #[derive(Clone, Debug)]
 pub struct Candidate {
     /// Name in tables.
-    pub name: String,
+    pub model: System,
     /// Whether the model gives logits of past patches too. Without them a label cannot be based on later windows, so
     /// there is no look-ahead.
     pub looks_back: bool,
@@ -34,20 +35,28 @@ pub struct Candidate {
 impl Candidate {
     /// A model with logits of past patches and the margins of its file.
     #[must_use]
-    pub fn new(name: &str, logits: Vec<Vec<LookBackLogits>>, smoother: &SmootherDefaults) -> Self {
+    pub fn new(
+        model: impl Into<System>,
+        logits: Vec<Vec<LookBackLogits>>,
+        smoother: &SmootherDefaults,
+    ) -> Self {
         Self {
             entry_margins: smoother.entry_margins,
             other_margin: smoother.other_margin,
             early: smoother.early,
-            ..Self::without_margins(name, true, logits)
+            ..Self::without_margins(model, true, logits)
         }
     }
 
     /// A model without confidence gate, whose labels wait for their look-ahead.
     #[must_use]
-    pub fn without_margins(name: &str, looks_back: bool, logits: Vec<Vec<LookBackLogits>>) -> Self {
+    pub fn without_margins(
+        model: impl Into<System>,
+        looks_back: bool,
+        logits: Vec<Vec<LookBackLogits>>,
+    ) -> Self {
         Self {
-            name: name.to_owned(),
+            model: model.into(),
             looks_back,
             logits,
             entry_margins: [0.0; MAX_CLASSES],
@@ -87,7 +96,7 @@ impl Candidate {
 
 /// The logits of a model file's integer student over all recordings.
 pub fn integer_candidate(
-    name: &str,
+    name: impl Into<System>,
     model: &Model<'_>,
     recordings: &[EvaluatedRecording],
 ) -> Result<Candidate, EvaluationError> {

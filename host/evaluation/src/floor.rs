@@ -6,11 +6,7 @@ use shared::units::{CHANNELS, CleanSample, PATCH};
 
 use super::candidate::Candidate;
 use super::evaluated_recording::EvaluatedRecording;
-
-/// Name of [`constant`] in tables.
-pub const CONSTANT: &str = "constant relax";
-/// Name of the energy detector in tables.
-pub const ENERGY: &str = "energy detector";
+use super::system::System;
 
 /// Samples that the energy is a mean over: 200 ms.
 const SPAN: usize = 40;
@@ -20,7 +16,7 @@ const THRESHOLDS: i32 = 56;
 /// Candidate that always says relax.
 #[must_use]
 pub fn constant(recordings: &[EvaluatedRecording]) -> Candidate {
-    candidate(CONSTANT, recordings, |_| Intent::Relax)
+    candidate(System::Constant, recordings, |_| Intent::Relax)
 }
 
 /// Energy detector: one active class above a threshold of the amplitude, else relax.
@@ -112,7 +108,7 @@ impl EnergyDetector {
     /// The detector as a candidate, under the device's smoother and without look-ahead.
     #[must_use]
     pub fn candidate(&self, recordings: &[EvaluatedRecording]) -> Candidate {
-        candidate(ENERGY, recordings, |energy| {
+        candidate(System::Energy, recordings, |energy| {
             if energy >= self.threshold {
                 self.active
             } else {
@@ -141,7 +137,7 @@ fn energies(emg: &[CleanSample]) -> Vec<f64> {
 
 /// A candidate whose newest row of logits is 1 for the label and 0 for all others.
 fn candidate(
-    name: &str,
+    floor: System,
     recordings: &[EvaluatedRecording],
     label: impl Fn(f64) -> Intent,
 ) -> Candidate {
@@ -155,7 +151,7 @@ fn candidate(
             })
             .collect()
     };
-    Candidate::without_margins(name, false, recordings.iter().map(logits).collect())
+    Candidate::without_margins(floor, false, recordings.iter().map(logits).collect())
 }
 
 #[cfg(test)]

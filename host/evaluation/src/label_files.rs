@@ -12,8 +12,8 @@ use shared::units::Sample;
 
 use crate::model_evaluation::{evaluated_recordings, labelled};
 use crate::{
-    Cued, EnergyDetector, EvaluationError, LookAhead, Score, SmoothedLabels, Truth, constant, cued,
-    score, score_labels,
+    Cued, EnergyDetector, EvaluationError, LookAhead, Score, SmoothedLabels, System, Truth,
+    constant, cued, score, score_labels,
 };
 
 /// Scores of a program's labels, with the floors.
@@ -63,8 +63,9 @@ pub fn evaluate_labels(
     }
     let as_they_are = |_: &mut Vec<Sample>| ();
     let recordings = evaluated_recordings(&found, vocabulary, &lags, |_| Some(as_they_are));
+    let program = System::Model(name.to_owned());
     let (own, truth) = (LookAhead::None, Truth::LagCompensated);
-    let mut scores = score_labels(name, &predicted, &recordings, vocabulary, own, truth)?;
+    let mut scores = score_labels(&program, &predicted, &recordings, vocabulary, own, truth)?;
     let energy = EnergyDetector::default().candidate(&recordings);
     for floor in [constant(&recordings), energy] {
         scores.extend(score(&floor, &recordings, vocabulary, own, truth)?);

@@ -15,23 +15,21 @@ use shared::stream::alignment::Alignment;
 use shared::stream::smoother::AggregationMode;
 use shared::units::Sample;
 
-pub use self::alignment::{ALIGNED, AlignedSubject, Turn, Worn};
 use self::alignment::{Aligned, align, aligned_candidate, leave_out_openings, openings_of};
-pub use self::calibration::{CALIBRATED, CalibratedSubject, Lesson, SET_ASIDE};
+pub use self::alignment::{AlignedSubject, Turn, Worn};
+pub use self::calibration::{CalibratedSubject, Lesson, SET_ASIDE};
 use self::calibration::{calibrated, calibrated_candidate, people_of, set_aside};
-pub use self::named_model::{NamedModel, SEEN, beside, is_taken};
+pub(crate) use self::named_model::SEEN;
+pub use self::named_model::{NamedModel, beside, is_taken};
 use self::named_model::{common_vocabulary, distinct};
 pub use self::subjects::EvaluatedSubject;
 use self::subjects::subjects;
-use crate::EvaluationError;
-use crate::integer_candidate;
 use crate::{
-    Candidate, Cued, EnergyDetector, EvaluatedRecording, LookAhead, Score, Truth, constant, cued,
-    score,
+    Candidate, Cued, EnergyDetector, EvaluatedRecording, EvaluationError, LookAhead, Score, Truth,
+    constant, cued, integer_candidate, score,
 };
 use recordings::labels::lag::LabelLag;
-use recordings::labels::set_lag::Lag;
-use recordings::labels::set_lag::lags;
+use recordings::labels::set_lag::{Lag, lags};
 use recordings::split::predefined;
 use recordings::synthetic::losses::bridge_lost_notifications;
 use recordings::{DataSet, Library, Recording};
@@ -200,10 +198,9 @@ pub fn evaluate_models(
         recordings.retain(|recording| people.contains_key(&recording.subject));
         gestures = cued(&recordings);
     }
-    let mut candidates = models
+    let mut candidates = named
         .iter()
-        .zip(&parsed)
-        .map(|(model, parsed)| integer_candidate(&model.name, parsed, &recordings))
+        .map(|(model, parsed)| integer_candidate(&model.name[..], parsed, &recordings))
         .collect::<Result<Vec<_>, _>>()?;
     for ((model, parsed), own) in named.iter().zip(&aligned.found) {
         candidates.push(aligned_candidate(&model.name, parsed, &recordings, own)?);
@@ -214,21 +211,17 @@ pub fn evaluate_models(
             candidates.push(own);
         }
     }
-    let derived = candidates.len();
     candidates.push(constant(&recordings));
     candidates.push(EnergyDetector::default().candidate(&recordings));
-    let models: Vec<EvaluatedModel> = models
+    let models: Vec<EvaluatedModel> = named
         .iter()
-        .zip(&parsed)
         .map(|(model, parsed)| evaluated_model(model, parsed))
         .collect();
     let mut scores = Vec::new();
-    for (at, candidate) in candidates.iter().enumerate() {
-        // The order is: models, aligned or calibrated models, floors.
-        let mut repeated = models.iter().cycle().take(derived);
-        let look_ahead = repeated
-            .nth(at)
-            .map_or(LookAhead::None, |model| model.look_ahead);
+    for candidate in &candidates {
+        let mut own = models.iter();
+        let own = own.find(|own| candidate.model.model() == Some(&own.name));
+        let look_ahead = own.map_or(LookAhead::None, |own| own.look_ahead);
         scores.extend(score(
             candidate,
             &recordings,

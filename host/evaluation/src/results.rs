@@ -9,16 +9,6 @@ use crate::{Candidate, Cued, EvaluatedRecording, LookAhead, Score};
 
 /// Name of the model file in a run folder.
 pub const MODEL: &str = "student.intent";
-/// The teacher's name in tables.
-pub const TEACHER: &str = "teacher";
-/// The float student's name in tables.
-pub const STUDENT: &str = "float student";
-/// The integer student's name in tables; it is what devices run.
-pub const INTEGER: &str = "integer student";
-/// The name in tables of a float student trained on the labels alone.
-pub const LABELS_ONLY: &str = "student without teacher";
-/// The name in tables of an integer student trained on the labels alone.
-pub const INTEGER_LABELS_ONLY: &str = "integer student without teacher";
 
 /// Name of [`Results`] in a run folder.
 pub const RESULTS: &str = "results.json";
@@ -46,8 +36,6 @@ pub struct Evaluation {
     pub recordings: Vec<EvaluatedRecording>,
     /// Every model of the run.
     pub candidates: Vec<Candidate>,
-    /// The model file's aggregation mode.
-    pub aggregation: LookAhead,
     /// Whether all models are the run's own, so that the results are kept in its folder.
     pub is_kept: bool,
     /// The model file, if there is one.

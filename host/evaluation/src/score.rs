@@ -16,6 +16,7 @@ use super::metric::event::{EventRule, RecordingEvents, gesture::Gesture};
 use super::metric::summary::{RecordingScore, Summary, summary};
 use super::metric::transition::Rule;
 use super::smoothing::{SmoothedLabels, smooth};
+use super::system::System;
 use crate::EvaluationError;
 
 /// Widths of the buffer around a transition, in samples (paper: 200; ablation: 60 and 120).
@@ -27,8 +28,8 @@ pub const ALL: &str = "all";
 /// One row of results: one model under one condition, on one group of people of one data set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Score {
-    /// Name of the model.
-    pub model: String,
+    /// The system; JSON has its name.
+    pub model: System,
     /// Name of the data set, or [`ALL`].
     pub data_set: String,
     /// Number of classes of the model.
@@ -140,7 +141,7 @@ pub fn score(
         })
         .collect::<Result<Vec<_>, _>>()?;
     score_labels(
-        &candidate.name,
+        &candidate.model,
         &labels,
         recordings,
         vocabulary,
@@ -154,7 +155,7 @@ pub fn score(
 /// # Errors
 /// When labels cannot be compared.
 pub fn score_labels(
-    model: &str,
+    model: &System,
     labels: &[SmoothedLabels],
     recordings: &[EvaluatedRecording],
     vocabulary: Vocabulary,
@@ -211,7 +212,7 @@ pub fn score_labels(
             .into_iter()
             .map(|(subject, events)| SubjectEvents::new(subject, events));
         Some(Score {
-            model: model.to_owned(),
+            model: model.clone(),
             data_set: set.to_owned(),
             classes: vocabulary.classes(),
             people,
@@ -326,7 +327,7 @@ impl Score {
     ) -> Self {
         let summary = Summary::of_subjects(subjects);
         Self {
-            model: "m".to_owned(),
+            model: "m".into(),
             data_set: "x".to_owned(),
             classes: 3,
             people: Group::AllClasses,

@@ -83,7 +83,10 @@ impl HistoryOf {
             ..Selection::default()
         };
         let results = evaluate_models(&[model], library, &everybody)?.results;
-        let own = results.scores.iter().filter(|score| score.model.is_empty());
+        let own = results
+            .scores
+            .iter()
+            .filter(|score| !score.model.is_floor());
         for events in own.flat_map(|score| &score.events.subjects) {
             if let Some(session) = sessions.get_mut(&events.subject) {
                 session.gestures = events.gestures;

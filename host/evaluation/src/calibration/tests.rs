@@ -6,8 +6,8 @@ use recordings::{DataSet, Library, Movement, MovementKind};
 use shared::intent::{Intent, Vocabulary};
 
 use super::*;
-use crate::model_evaluation::{CALIBRATED, Lesson, NamedModel, Selection, evaluate_models};
-use crate::{ALL, Score};
+use crate::model_evaluation::{Lesson, NamedModel, Selection, evaluate_models};
+use crate::{ALL, Score, System};
 
 fn shipped() -> Vec<u8> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models/three-class.intent");
@@ -180,21 +180,21 @@ fn the_same_remainder_is_judged_for_any_number_of_rounds() {
             .unwrap()
             .results
     };
-    let of = |scores: &[Score], name: &str| {
+    let of = |scores: &[Score], model: &System| {
         let own = scores
             .iter()
-            .filter(|own| own.model == name && own.data_set != ALL);
+            .filter(|own| own.model == *model && own.data_set != ALL);
         own.cloned().collect::<Vec<_>>()
     };
     let [none, one, two] = [0, 1, 2].map(scores);
-    let calibrated = format!("m{CALIBRATED}");
+    let [own, calibrated] = ["m", "m, calibrated"].map(System::from);
     assert!(of(&none.scores, &calibrated).is_empty());
     for results in [&one, &two] {
-        assert_eq!(of(&results.scores, "m"), of(&none.scores, "m"));
+        assert_eq!(of(&results.scores, &own), of(&none.scores, &own));
         let after = of(&results.scores, &calibrated);
         let people = |scores: &[Score]| scores[0].emission.subjects.len();
-        assert_eq!(people(&after), people(&of(&none.scores, "m")));
-        assert_ne!(after, of(&none.scores, "m"));
+        assert_eq!(people(&after), people(&of(&none.scores, &own)));
+        assert_ne!(after, of(&none.scores, &own));
     }
     assert!(
         one.calibrations

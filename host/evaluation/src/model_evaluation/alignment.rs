@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use shared::intent::Intent;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
@@ -16,11 +16,8 @@ use shared::units::{CHANNELS, Sample};
 use super::named_model::NamedModel;
 use crate::EvaluationError;
 use crate::inference::{Stream, integer_logits};
-use crate::{Candidate, EvaluatedRecording};
+use crate::{Candidate, EvaluatedRecording, System};
 use recordings::alignment::{Openings, openings};
-
-/// Suffix of the name of a model that is evaluated after alignment.
-pub const ALIGNED: &str = ", aligned";
 
 /// Placement of the armband, after the data set's own frame is accounted for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -65,8 +62,9 @@ pub struct AlignedSubject {
     pub model: String,
     /// The person.
     pub subject: String,
-    /// Outcome: `aligned`, `poor-distance`, `poor-margin`, `timeout`, or `unavailable` without a template.
-    pub outcome: &'static str,
+    /// Outcome: aligned, poor distance, poor margin, timeout, or unavailable without a template.
+    #[serde(serialize_with = "name_of")]
+    pub outcome: AlignmentState,
     /// Places between the placement found and the frame of the data set, 0 to 4; none on the other arm, or if nothing
     /// was applied.
     pub places_off: Option<u8>,
@@ -74,6 +72,10 @@ pub struct AlignedSubject {
     pub wrong_arm: bool,
     /// Distance and margin in hundredths of a nat; none without a placement.
     pub quality: Option<(u32, u32)>,
+}
+
+fn name_of<S: Serializer>(state: &AlignmentState, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(state.name())
 }
 
 /// Alignments of all models and people.
@@ -142,7 +144,7 @@ pub(super) fn align(
             aligned.results.push(AlignedSubject {
                 model: named.name.clone(),
                 subject: subject.clone(),
-                outcome: state.name(),
+                outcome: state,
                 places_off: applied.and_then(|found| found.places_from(truth)),
                 wrong_arm: applied.is_some_and(|found| found.mirrored() != truth.mirrored()),
                 quality: report.and_then(|report| report.quality),
@@ -232,6 +234,6 @@ pub(super) fn aligned_candidate(
             integer_logits(model, &emg)
         })
         .collect::<Result<_, _>>()?;
-    let name = format!("{name}{ALIGNED}");
-    Ok(Candidate::new(&name, logits, &model.header.smoother))
+    let aligned = System::Aligned(name.to_owned());
+    Ok(Candidate::new(aligned, logits, &model.header.smoother))
 }

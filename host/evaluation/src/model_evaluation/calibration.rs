@@ -14,10 +14,8 @@ use super::look_ahead;
 use super::named_model::NamedModel;
 use crate::calibration::{Calibration, Part, calibrate, parts, rounds_of};
 use crate::inference::logits_with;
-use crate::{Candidate, EvaluatedRecording, EvaluationError, Measure, Truth, score};
+use crate::{Candidate, EvaluatedRecording, EvaluationError, Measure, System, Truth, score};
 
-/// Suffix of the name of a model that is evaluated after calibration.
-pub const CALIBRATED: &str = ", calibrated";
 /// Rounds of each person that are not scored, so that any number of rounds is judged on the same remainder.
 pub const SET_ASIDE: usize = 4;
 
@@ -122,7 +120,8 @@ fn daily_per_minute(
     head: Option<&Head>,
     daily: &[EvaluatedRecording],
 ) -> Result<Option<f64>, EvaluationError> {
-    let candidate = candidate("", model, daily, |_| head)?;
+    let own = System::Model(String::new());
+    let candidate = candidate(own, model, daily, |_| head)?;
     let vocabulary = model.header.dimensions.vocabulary;
     let smoother = &model.header.smoother;
     let truth = Truth::LagCompensated;
@@ -168,14 +167,14 @@ pub(super) fn calibrated_candidate(
     let heads: BTreeMap<&str, &Head> = own
         .filter_map(|own| Some((&own.subject[..], own.calibration.head.as_ref()?)))
         .collect();
-    let name = format!("{name}{CALIBRATED}");
-    candidate(&name, model, recordings, |subject| {
+    let calibrated = System::Calibrated(name.to_owned());
+    candidate(calibrated, model, recordings, |subject| {
         heads.get(subject).copied()
     })
 }
 
 fn candidate<'h>(
-    name: &str,
+    system: System,
     model: &Model<'_>,
     recordings: &[EvaluatedRecording],
     head: impl Fn(&str) -> Option<&'h Head> + Sync,
@@ -187,5 +186,5 @@ fn candidate<'h>(
             Ok(logits_with(model, head(&recording.subject), &input)?)
         })
         .collect::<Result<_, EvaluationError>>()?;
-    Ok(Candidate::new(name, logits, &model.header.smoother))
+    Ok(Candidate::new(system, logits, &model.header.smoother))
 }

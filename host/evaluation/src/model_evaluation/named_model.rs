@@ -6,13 +6,8 @@ use std::path::Path;
 use shared::intent::Vocabulary;
 use shared::model::file::Model;
 
-use super::alignment::ALIGNED;
-use super::calibration::CALIBRATED;
-use crate::EvaluationError;
-use crate::integer_candidate;
-use crate::results::{INTEGER, INTEGER_LABELS_ONLY, LABELS_ONLY, MODEL, STUDENT, TEACHER};
-use crate::{CONSTANT, ENERGY};
-use crate::{Candidate, EvaluatedRecording};
+use crate::results::MODEL;
+use crate::{Candidate, EvaluatedRecording, EvaluationError, System, integer_candidate};
 use execution::bounded_read;
 
 /// A model file under evaluation, with its name in tables.
@@ -51,23 +46,11 @@ impl NamedModel {
     }
 }
 
-/// Whether rows of results that are no model file's may have a name: those of floors, of a run's own models, of models
-/// after alignment, and of models that have seen people. Rows are told apart by their names.
+/// Whether rows that are no model file's may have a name: those of other [systems](System), and of models that have seen
+/// people.
 #[must_use]
 pub fn is_taken(name: &str) -> bool {
-    const TAKEN: [&str; 7] = [
-        CONSTANT,
-        ENERGY,
-        TEACHER,
-        STUDENT,
-        INTEGER,
-        LABELS_ONLY,
-        INTEGER_LABELS_ONLY,
-    ];
-    TAKEN.contains(&name)
-        || name.ends_with(ALIGNED)
-        || name.ends_with(CALIBRATED)
-        || name.contains(SEEN)
+    !matches!(System::from(name), System::Model(_)) || name.contains(SEEN)
 }
 
 /// Refuses models whose rows could not be told apart.
@@ -100,11 +83,9 @@ pub fn beside(
 ) -> Result<Candidate, EvaluationError> {
     let parsed = Model::parse(&model.bytes)?;
     let seen: Vec<&str> = parsed.header.provenance.subjects_seen.iter().collect();
-    let evaluated = recordings
-        .iter()
-        .map(|recording| recording.subject.as_str());
-    match evaluated.into_iter().find(|subject| seen.contains(subject)) {
-        None => integer_candidate(&model.name, &parsed, recordings),
+    let mut evaluated = recordings.iter().map(|own| own.subject.as_str());
+    match evaluated.find(|subject| seen.contains(subject)) {
+        None => integer_candidate(&model.name[..], &parsed, recordings),
         Some(subject) => Err(EvaluationError::Seen {
             model: model.name.clone(),
             subject: subject.to_owned(),
@@ -158,6 +139,6 @@ mod tests {
         };
         assert!(models(&["", "a", "b"]));
         assert!(!models(&["a", "b", "a"]));
-        assert!(!models(&["a", ENERGY]));
+        assert!(!models(&["a", "energy detector"]));
     }
 }

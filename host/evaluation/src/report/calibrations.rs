@@ -2,15 +2,16 @@
 
 use super::Table;
 use super::cell::{difference, estimate, none};
-use crate::model_evaluation::{CALIBRATED, CalibratedSubject, ModelResults};
-use crate::{ALL, Difference, Measure, Score};
+use super::row::Row;
+use crate::model_evaluation::{CalibratedSubject, ModelResults};
+use crate::{ALL, Difference, Measure, System};
 use recordings::statistics::MeanSd;
 
 /// Loss of balanced accuracy beyond which a person is counted.
 const LOSS: f64 = 0.02;
 
 /// Table with a row for each calibrated model and set; `None` if no calibration was asked for.
-pub(super) fn calibrations(results: &ModelResults) -> Option<Table> {
+pub(super) fn calibrations(results: &ModelResults, rows: &[Row<'_>]) -> Option<Table> {
     if results.calibrations.is_empty() {
         return None;
     }
@@ -31,23 +32,24 @@ pub(super) fn calibrations(results: &ModelResults) -> Option<Table> {
     let caption = "Calibration: balanced accuracy as emitted; people whose new head is used, and who lose more than 0.02; activations a \
         minute of the daily life of others with each person's head";
     let mut table = Table::new(caption, header);
-    for after in &results.scores {
-        let Some(model) = after.model.strip_suffix(CALIBRATED) else {
+    for after in rows {
+        let System::Calibrated(model) = &after.model else {
             continue;
         };
-        let mut scores = results.scores.iter();
-        if let Some(before) = scores.find(|own| own.model == model && own.same_people(after)) {
-            table.push(row(results, before, after));
+        let is_before = |own: &&Row<'_>| own.model == System::Model(model.clone());
+        let mut before = rows.iter().filter(is_before);
+        if let Some(before) = before.find(|own| own.same_people(after)) {
+            table.push(row(results, model, before, after));
         }
     }
     Some(table)
 }
 
-fn row(results: &ModelResults, before: &Score, after: &Score) -> [String; 12] {
+fn row(results: &ModelResults, model: &str, before: &Row<'_>, after: &Row<'_>) -> [String; 12] {
     const BALANCED: Measure = Measure::BalancedAccuracyEmitted;
     let set = format!("{}/", after.data_set);
     let own = results.calibrations.iter().filter(|own| {
-        own.model == before.model && (after.data_set == ALL || own.subject.starts_with(&set))
+        own.model == model && (after.data_set == ALL || own.subject.starts_with(&set))
     });
     let own: Vec<&CalibratedSubject> = own.collect();
     let [old, new] = [before, after].map(|score| BALANCED.values(score));
@@ -65,7 +67,7 @@ fn row(results: &ModelResults, before: &Score, after: &Score) -> [String; 12] {
         MeanSd::of(&rates).map_or_else(none, |rate| format!("{:.1}", rate.mean))
     };
     [
-        after.model.clone(),
+        after.name.clone(),
         after.data_set.clone(),
         new.len().to_string(),
         own.iter().filter(|own| own.kept).count().to_string(),

@@ -8,10 +8,8 @@ use shared::units::SAMPLE_RATE_HZ;
 use super::Fact;
 use super::pictures::charts::Panel;
 use super::pictures::timeline::Timeline;
-use crate::{
-    ALL, Candidate, ENERGY, EvaluatedRecording, EvaluationError, Group, LookAhead, Measure, Score,
-    smooth,
-};
+use super::row::{Row, over_all};
+use crate::{Candidate, EvaluatedRecording, EvaluationError, LookAhead, Measure, System, smooth};
 
 /// Samples of a recording in a picture: 20 s.
 pub(super) const SHOWN: usize = 4000;
@@ -23,11 +21,11 @@ pub(super) struct Entry<'a> {
     /// Facts about it, in the order to be shown.
     pub facts: Vec<Fact>,
     /// Rows under lag-compensated labels, one for each data set.
-    pub scores: Vec<Score>,
+    pub scores: Vec<Row<'a>>,
     /// Rows of other models of the same run.
-    pub beside: Vec<Score>,
+    pub beside: Vec<Row<'a>>,
     /// Rows of the floors, over the same people.
-    pub floors: Vec<Score>,
+    pub floors: Vec<Row<'a>>,
     /// The recordings.
     pub recordings: &'a [EvaluatedRecording],
     /// Logits over the recordings.
@@ -42,15 +40,15 @@ pub(super) struct Entry<'a> {
     pub bytes: Option<&'a [u8]>,
 }
 
-impl Entry<'_> {
+impl<'a> Entry<'a> {
     /// Rows over all recordings: of the people who have all classes, of those with fewer.
-    pub(super) fn everybody(&self) -> Vec<&Score> {
+    pub(super) fn everybody(&self) -> Vec<&Row<'a>> {
         over_all(&self.scores).collect()
     }
 
     /// Rows of the energy detector over all recordings.
-    pub(super) fn energy(&self) -> impl Iterator<Item = &Score> {
-        over_all(&self.floors).filter(|floor| floor.model.starts_with(ENERGY))
+    pub(super) fn energy(&self) -> impl Iterator<Item = &Row<'a>> {
+        over_all(&self.floors).filter(|floor| floor.model == System::Energy)
     }
 
     /// The busiest recordings of the `worst` people with the lowest balanced accuracy, the worst first, and of the best
@@ -110,16 +108,6 @@ impl Entry<'_> {
             emitted: within(&labels.emitted, &part).to_vec(),
         })
     }
-}
-
-/// The rows over all recordings, or those of the only data set: people with all classes first.
-pub(super) fn over_all(scores: &[Score]) -> impl Iterator<Item = &Score> {
-    let several = scores.iter().any(|score| score.data_set == ALL);
-    let of = move |people| {
-        let rows = scores.iter().filter(move |score| score.people == people);
-        rows.filter(move |score| !several || score.data_set == ALL)
-    };
-    Group::ALL.into_iter().flat_map(of)
 }
 
 /// The 20 s of a recording with the most movement, the first ones on ties.

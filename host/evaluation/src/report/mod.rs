@@ -12,6 +12,7 @@ mod page;
 mod people;
 mod pictures;
 pub mod recognition;
+mod row;
 pub mod run_report;
 pub mod scores;
 pub mod several;

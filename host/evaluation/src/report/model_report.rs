@@ -4,17 +4,19 @@ use std::path::Path;
 
 use super::calibrations::calibrations;
 use super::cell::number_of;
-use super::entry::{Entry, over_all};
+use super::entry::Entry;
 use super::page::Page;
 use super::people::{COLUMNS, people_of, people_table};
+use super::row::{Row, over_all, sort};
 use super::run_report::PEOPLE;
-use super::scores::{differences, emitted, is_floor, narrow, sort, table};
+use super::scores::{differences, emitted, narrow, table};
 use super::{Fact, Table, labels};
 use crate::model_evaluation::{
-    ALIGNED, AlignedSubject, CALIBRATED, EvaluatedModel, EvaluatedSubject, ModelEvaluation,
-    ModelResults, NamedModel, SEEN, Turn, Worn,
+    AlignedSubject, EvaluatedModel, EvaluatedSubject, ModelEvaluation, ModelResults, NamedModel,
+    SEEN, Turn, Worn,
 };
-use crate::{EvaluationError, Score};
+use crate::{EvaluationError, Score, System};
+use shared::uart_line::alignment::AlignmentState;
 
 /// Writes the report to `page`. `data` names the recordings; `models` are those that were evaluated.
 ///
@@ -26,16 +28,13 @@ pub fn write(
     data: &str,
     page: &Path,
 ) -> Result<(), EvaluationError> {
-    let results = &marked(&evaluation.results);
+    let results = &evaluation.results;
     let entries = entries(evaluation, models);
-    let Some(first) = entries.first() else {
-        return Ok(());
-    };
     let names: Vec<&str> = entries.iter().map(|entry| &entry.name[..]).collect();
     let mut provenance = vec![(String::new(), facts(results))];
     let of_entry = |entry: &Entry<'_>| (entry.name.clone(), entry.facts.clone());
     provenance.extend(entries.iter().map(of_entry));
-    let people = people_table(&first.everybody(), &|subject| remark(results, subject));
+    let rows = rows(results);
     let report = Page {
         title: format!("Evaluation of {}", names.join(", ")),
         summary: format!(
@@ -44,8 +43,8 @@ pub fn write(
         ),
         entries: &entries[..entries.len().min(super::MOST_ENTRIES)],
         provenance,
-        tables: tables_of_models(results, true),
-        people_tables: people.into_iter().collect(),
+        tables: tables_of_models(results, &rows, true),
+        people_tables: people(results, &rows).into_iter().collect(),
         notes: notes(),
         ..Page::default()
     };
@@ -72,23 +71,20 @@ pub(super) fn entries<'a>(
     evaluation: &'a ModelEvaluation,
     models: &'a [NamedModel],
 ) -> Vec<Entry<'a>> {
-    let results = marked(&evaluation.results);
-    let with = |wanted: &dyn Fn(&Score) -> bool| -> Vec<Score> {
-        let scores = results.scores.iter();
-        scores.filter(|own| wanted(own)).cloned().collect()
+    let results = &evaluation.results;
+    let rows = rows(results);
+    let with = |wanted: &dyn Fn(&System) -> bool| -> Vec<Row<'a>> {
+        let rows = rows.iter().filter(|own| wanted(&own.model));
+        rows.cloned().collect()
     };
-    let is_model = |own: &Score| results.models.iter().any(|model| model.name == own.model);
     let numbered = results.models.iter().enumerate();
     numbered
         .map(|(at, model)| Entry {
-            name: model.name.clone(),
-            facts: model_facts(
-                model,
-                &seen_by(&evaluation.results, &evaluation.results.models[at].name),
-            ),
-            scores: with(&|own| own.model == model.name),
-            beside: with(&|own| at == 0 && !is_model(own) && !is_floor(own)),
-            floors: with(&is_floor),
+            name: shown_name(results, &model.name),
+            facts: model_facts(model, &seen_by(results, &model.name)),
+            scores: with(&|own| *own == System::Model(model.name.clone())),
+            beside: with(&|own| at == 0 && !own.is_floor() && !matches!(own, System::Model(_))),
+            floors: with(&System::is_floor),
             recordings: &evaluation.recordings,
             candidate: &evaluation.candidates[at],
             vocabulary: evaluation.vocabulary,
@@ -103,28 +99,28 @@ pub(super) fn entries<'a>(
 /// people, the worst first.
 #[must_use]
 pub fn tables(results: &ModelResults, wide: bool) -> Vec<Table> {
-    let results = &marked(results);
-    let mut tables = tables_of_models(results, wide);
-    let first: Vec<Score> = of_first(results).cloned().collect();
-    let everybody: Vec<&Score> = over_all(&first).collect();
-    tables.extend(people_table(&everybody, &|subject| {
-        remark(results, subject)
-    }));
+    let rows = rows(results);
+    let mut tables = tables_of_models(results, &rows, wide);
+    tables.extend(people(results, &rows));
     tables
+}
+
+/// Table of the people of the first model.
+fn people(results: &ModelResults, rows: &[Row<'_>]) -> Option<Table> {
+    let of_first: Vec<&Row<'_>> = over_all(rows)
+        .filter(|row| is_first(results, row))
+        .collect();
+    people_table(&of_first, &|subject| remark(results, subject))
 }
 
 /// Tables of the labels of any program and of the floors: scores; people, the worst first.
 #[must_use]
 pub fn label_tables(scores: &[Score]) -> Vec<Table> {
-    let mut rows: Vec<&Score> = scores.iter().collect();
+    let mut rows: Vec<Row<'_>> = scores.iter().map(Row::new).collect();
     sort(&mut rows);
     let caption = "Lag-compensated labels; mean over subjects, with its 95 % interval from six on";
-    let own: Vec<Score> = scores
-        .iter()
-        .filter(|score| !is_floor(score))
-        .cloned()
-        .collect();
-    let people = people_table(&over_all(&own).collect::<Vec<_>>(), &|_| String::new());
+    let own = over_all(&rows).filter(|row| !row.model.is_floor());
+    let people = people_table(&own.collect::<Vec<_>>(), &|_| String::new());
     [narrow(caption, &rows)].into_iter().chain(people).collect()
 }
 
@@ -132,37 +128,34 @@ pub fn label_tables(scores: &[Score]) -> Vec<Table> {
 pub(super) const SCORES: &str = "Lag-compensated labels, each model with its own look-ahead; mean over subjects, with its 95 % interval from six on";
 
 /// Tables: scores of all models and floors; the first model against the others and the floors; alignments.
-fn tables_of_models(results: &ModelResults, wide: bool) -> Vec<Table> {
-    let mut scores: Vec<&Score> = results.scores.iter().collect();
-    sort(&mut scores);
-    if !wide {
-        let scores = [narrow(SCORES, &scores)].into_iter();
-        return scores
-            .chain(alignments(results))
-            .chain(calibrations(results))
-            .collect();
-    }
-    let pairs = of_first(results).flat_map(|own| {
-        let others = results.scores.iter().filter(|other| other.same_people(own));
-        let others = others.filter(|other| other.model != own.model);
-        others.map(move |other| (own, other))
-    });
-    let caption = "Differences, paired over subjects; mean [95 % interval] over n subjects";
-    let mut tables = vec![
-        table(SCORES, &scores),
-        differences(caption, false, pairs),
-        emitted(&scores),
-    ];
+fn tables_of_models(results: &ModelResults, rows: &[Row<'_>], wide: bool) -> Vec<Table> {
+    let mut sorted = rows.to_vec();
+    sort(&mut sorted);
+    let mut tables = if wide {
+        let of_first = rows.iter().filter(|row| is_first(results, row));
+        let pairs = of_first.flat_map(|own| {
+            let others = rows.iter().filter(|other| other.same_people(own));
+            let others = others.filter(|other| other.model != own.model);
+            others.map(move |other| (own, other))
+        });
+        let caption = "Differences, paired over subjects; mean [95 % interval] over n subjects";
+        vec![
+            table(SCORES, &sorted),
+            differences(caption, false, pairs),
+            emitted(&sorted),
+        ]
+    } else {
+        vec![narrow(SCORES, &sorted)]
+    };
     tables.extend(alignments(results));
-    tables.extend(calibrations(results));
+    tables.extend(calibrations(results, rows));
     tables
 }
 
-/// Rows of the first model.
-fn of_first(results: &ModelResults) -> impl Iterator<Item = &Score> {
-    let first = results.models.first().map(|model| model.name.as_str());
-    let scores = results.scores.iter();
-    scores.filter(move |score| Some(score.model.as_str()) == first)
+/// Whether a row is the first model's.
+fn is_first(results: &ModelResults, row: &Row<'_>) -> bool {
+    let first = results.models.first();
+    first.is_some_and(|model| row.model == System::Model(model.name.clone()))
 }
 
 /// Remarks on a person: who has seen it, and whether it is a test person.
@@ -185,14 +178,11 @@ pub fn people_rows(results: &ModelResults) -> Table {
     let start = ["subject", "model"].into_iter();
     let names = start.chain(COLUMNS.map(|(name, _)| name));
     let mut table = Table::new("", names.chain(["remark"]));
-    let mut models: Vec<&str> = Vec::new();
-    for score in &results.scores {
-        if !models.contains(&&score.model[..]) {
-            models.push(&score.model);
-        }
-    }
+    let rows: Vec<Row<'_>> = results.scores.iter().map(Row::new).collect();
+    let mut models: Vec<&str> = rows.iter().map(|row| &row.name[..]).collect();
+    models.dedup();
     for model in models {
-        for person in people_of(over_all(&results.scores).filter(|score| score.model == model)) {
+        for person in people_of(over_all(&rows).filter(|row| row.name == model)) {
             let start = [person.subject.to_owned(), model.to_owned()].into_iter();
             let cells = COLUMNS.map(|(_, cell)| cell(&person));
             table.push(start.chain(cells).chain([remark(results, person.subject)]));
@@ -286,52 +276,50 @@ fn alignments(results: &ModelResults) -> Option<Table> {
             own.filter(wanted).count().to_string()
         };
         table.push([
-            model.name.clone(),
+            shown_name(results, &model.name),
             count(|_| true),
             count(|own| own.places_off == Some(0)),
             count(|own| own.places_off == Some(1)),
             count(|own| own.places_off.is_some_and(|places| places > 1)),
             count(|own| own.wrong_arm),
-            count(|own| own.outcome == "poor-distance"),
-            count(|own| own.outcome == "poor-margin"),
-            count(|own| own.outcome == "timeout"),
+            count(|own| own.outcome == AlignmentState::PoorDistance),
+            count(|own| own.outcome == AlignmentState::PoorMargin),
+            count(|own| own.outcome == AlignmentState::Timeout),
         ]);
     }
     Some(table)
 }
 
-/// Results with each model named as on a page: the name says if the model has seen some of the people.
-pub(super) fn marked(results: &ModelResults) -> ModelResults {
-    let mut marked = results.clone();
-    for (at, model) in results.models.iter().enumerate() {
-        let mark = mark(seen_by(results, &model.name).len(), results.subjects.len());
-        marked.models[at].name += &mark;
-        let scores = marked.scores.iter_mut().map(|score| &mut score.model);
-        let alignments = marked.alignments.iter_mut().map(|own| &mut own.model);
-        let calibrations = marked.calibrations.iter_mut().map(|own| &mut own.model);
-        for name in scores.chain(alignments).chain(calibrations) {
-            // The model itself, and the same model aligned or calibrated.
-            let rest = name.strip_prefix(&model.name);
-            if rest.is_some_and(|rest| rest.is_empty() || [ALIGNED, CALIBRATED].contains(&rest)) {
-                name.insert_str(model.name.len(), &mark);
-            }
-        }
-    }
-    marked
+/// Rows of results, each named as on a page: the name says if the model has seen some of the people.
+fn rows<'a>(results: &'a ModelResults) -> Vec<Row<'a>> {
+    let row = |score: &'a Score| {
+        let remark = score.model.model().map(|model| mark(results, model));
+        let name = score
+            .model
+            .remarked(&remark.unwrap_or_default())
+            .into_owned();
+        Row { name, score }
+    };
+    results.scores.iter().map(row).collect()
+}
+
+/// Name of a model on a page.
+pub(super) fn shown_name(results: &ModelResults, model: &str) -> String {
+    model.to_owned() + &mark(results, model)
 }
 
 /// The evaluated people whom a model has seen.
-pub(super) fn seen_by<'a>(results: &'a ModelResults, model: &str) -> Vec<&'a str> {
+fn seen_by<'a>(results: &'a ModelResults, model: &str) -> Vec<&'a str> {
     let saw = |own: &&EvaluatedSubject| own.seen_by.iter().any(|name| name == model);
     let seen = results.subjects.iter().filter(saw);
     seen.map(|own| &own.subject[..]).collect()
 }
 
-/// Suffix of a model's name about the people whom it has seen; empty if it has seen nobody.
-fn mark(seen: usize, people: usize) -> String {
-    match seen {
-        0 => String::new(),
-        _ if seen == people => format!("{SEEN}them)"),
-        _ => format!("{SEEN}{seen} of {people})"),
+/// Text behind a model's name about the people whom it has seen; empty if it has seen nobody.
+fn mark(results: &ModelResults, model: &str) -> String {
+    match (seen_by(results, model).len(), results.subjects.len()) {
+        (0, _) => String::new(),
+        (seen, people) if seen == people => format!("{SEEN}them)"),
+        (seen, people) => format!("{SEEN}{seen} of {people})"),
     }
 }

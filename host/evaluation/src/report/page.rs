@@ -8,10 +8,11 @@ use recordings::statistics::{FEWEST, MeanSd};
 
 use super::cell::{median, none, rate};
 use super::device;
-use super::entry::{Entry, over_all};
+use super::entry::Entry;
 use super::pictures::{
     INK, MUTED, STYLE, charts, confusion, entry_colour, overview, people, timeline,
 };
+use super::row::{Row, over_all};
 use super::scores::estimated;
 use super::table::Table;
 use super::{Fact, recognition};
@@ -94,7 +95,7 @@ impl<'s> Page<'s> {
         let rows = overview_rows(entries);
         let named = |entry: &'s Entry<'s>| (&entry.name[..], entry.everybody());
         let scores: Vec<_> = entries.iter().map(named).collect();
-        let floors: Vec<&Score> = entries.iter().flat_map(Entry::energy).collect();
+        let floors: Vec<_> = entries.iter().flat_map(Entry::energy).collect();
         let panels: Vec<_> = entries.iter().flat_map(|entry| &entry.panels).collect();
         let file = |entry: &'s Entry<'s>| Some((&entry.name[..], entry.bytes?));
         let devices = device::table(entries.iter().filter_map(file));
@@ -145,12 +146,12 @@ impl<'s> Page<'s> {
 }
 
 /// Sentence about the picture at the top: whose scores it shows, and whether it has intervals.
-fn whose(rows: &[(&str, &Score)]) -> String {
+fn whose(rows: &[(&str, &Row<'_>)]) -> String {
     let people = rows.iter().map(|(_, score)| score.widest().subjects.len());
     let means = "Means over people who have all classes of the model, and of the others in rows of their own (fewer)";
     let n = "n: people of a number, where the row has more.";
     match people.max().unwrap_or(0) {
-        1 if all_of_one_person(rows.iter().map(|(_, score)| *score)) => {
+        1 if all_of_one_person(rows.iter().map(|(_, row)| row.score)) => {
             "One person: no intervals.".to_owned()
         }
         0..FEWEST => format!("{means}. Fewer than six people: no intervals. {n}"),
@@ -211,7 +212,7 @@ fn recordings(entries: &[Entry<'_>]) -> Result<Markup, EvaluationError> {
                  after them."
             }
             h3 {
-                @if all_of_one_person(entries.iter().flat_map(Entry::everybody)) { "The person's recording with the most gestures" }
+                @if all_of_one_person(entries.iter().flat_map(Entry::everybody).map(|row| row.score)) { "The person's recording with the most gestures" }
                 @else if several { "The person with the lowest balanced accuracy of each model, then its best one" (AMONG) }
                 @else { "The people with the lowest balanced accuracy, the worst first, then the best one" (AMONG) }
             }
@@ -221,7 +222,7 @@ fn recordings(entries: &[Entry<'_>]) -> Result<Markup, EvaluationError> {
 }
 
 /// Rows of the picture at the top, with their colours: entries, other models of their runs, then floors.
-fn overview_rows<'a>(entries: &'a [Entry<'_>]) -> Vec<(&'static str, &'a Score)> {
+fn overview_rows<'a>(entries: &'a [Entry<'_>]) -> Vec<(&'static str, &'a Row<'a>)> {
     let numbered = entries.iter().enumerate();
     let own = numbered.map(|(at, entry)| (entry_colour(at), &entry.scores));
     let beside = entries.iter().map(|entry| (INK, &entry.beside));

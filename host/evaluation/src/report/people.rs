@@ -1,10 +1,10 @@
 //! Scores of each person as tables.
 
 use super::cell::{median, p90};
-use super::entry::{Entry, over_all};
+use super::entry::Entry;
+use super::row::{Row, over_all};
 use super::scores::COMPARED;
 use super::table::Table;
-use crate::Score;
 use crate::metric::event::activation::Rate;
 use crate::metric::event::latency::LatencySummary;
 use crate::metric::event::summary::SubjectEvents;
@@ -19,8 +19,11 @@ pub(super) struct Person<'a> {
 }
 
 /// The people of one model's rows, the lowest balanced accuracy first, those without one last.
-pub(super) fn people_of<'a>(scores: impl IntoIterator<Item = &'a Score>) -> Vec<Person<'a>> {
-    let of = |score: &'a Score| {
+pub(super) fn people_of<'r, 'a: 'r>(
+    rows: impl IntoIterator<Item = &'r Row<'a>>,
+) -> Vec<Person<'a>> {
+    let of = |row: &'r Row<'a>| {
+        let score = row.score;
         let events = |subject: &str| {
             let mut all = score.events.subjects.iter();
             all.find(|events| events.subject == subject)
@@ -31,7 +34,7 @@ pub(super) fn people_of<'a>(scores: impl IntoIterator<Item = &'a Score>) -> Vec<
             events: events(&own.subject),
         })
     };
-    let mut people: Vec<Person<'a>> = scores.into_iter().flat_map(of).collect();
+    let mut people: Vec<Person<'a>> = rows.into_iter().flat_map(of).collect();
     let key = |person: &Person<'_>| person.score.balanced_accuracy.unwrap_or(f64::INFINITY);
     people.sort_by(|a, b| key(a).total_cmp(&key(b)));
     people
@@ -85,9 +88,9 @@ fn shown<T>(value: Option<T>, show: impl Fn(T) -> String) -> String {
 }
 
 /// Table of the people of a model's rows, the lowest balanced accuracy first, each with a remark; none without a row.
-pub(super) fn people_table(scores: &[&Score], remark: &dyn Fn(&str) -> String) -> Option<Table> {
-    let people = people_of(scores.iter().copied());
-    let model = &scores.first()?.model;
+pub(super) fn people_table(rows: &[&Row<'_>], remark: &dyn Fn(&str) -> String) -> Option<Table> {
+    let people = people_of(rows.iter().copied());
+    let model = &rows.first()?.name;
     let caption = match people.len() {
         1 => format!("Person, under {model}"),
         _ => format!("People, the lowest balanced accuracy of {model} first"),

@@ -3,9 +3,10 @@
 use recordings::statistics::MeanSd;
 
 use super::MOST_ENTRIES;
-use super::entry::{Entry, over_all};
+use super::entry::Entry;
 use super::pictures::charts::{self, Panel};
 use super::pictures::stand_alone;
+use super::row::over_all;
 use crate::{ENERGY, Score};
 
 /// Time after the onset up to which recognition is drawn, in ms, and the time between two points.

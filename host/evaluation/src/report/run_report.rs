@@ -10,9 +10,10 @@ use super::page::Page;
 use super::people::people_table;
 use super::pictures::charts::Panel;
 use super::pictures::{stand_alone, timeline};
-use super::scores::{is_floor, tables};
-use crate::results::{Evaluation, INTEGER, Results};
-use crate::{Candidate, EvaluatedRecording, EvaluationError, LookAhead, Score, Truth};
+use super::row::Row;
+use super::scores::tables;
+use crate::results::{Evaluation, Results};
+use crate::{Candidate, EvaluatedRecording, EvaluationError, LookAhead, Score, System, Truth};
 use execution::run_folder::{EpochMetrics, RunError, RunFolder, write_whole};
 use presets::config::ResolvedConfig;
 
@@ -31,7 +32,7 @@ pub fn write(
     page: &Path,
 ) -> Result<(), EvaluationError> {
     let mut candidates = evaluation.candidates.iter();
-    let integer = candidates.find(|candidate| candidate.name == INTEGER);
+    let integer = candidates.find(|candidate| candidate.model == System::Integer);
     let Some(candidate) = integer.or(evaluation.candidates.first()) else {
         return Ok(());
     };
@@ -78,7 +79,7 @@ pub(super) fn contents<'a>(
 pub(super) fn entry<'a>(
     folder: &RunFolder,
     config: &ResolvedConfig,
-    results: &Results,
+    results: &'a Results,
     candidate: &'a Candidate,
     recordings: &'a [EvaluatedRecording],
     bytes: Option<&'a [u8]>,
@@ -90,7 +91,7 @@ pub(super) fn entry<'a>(
     };
     let rows = |wanted: &dyn Fn(&Score) -> bool| {
         let rows = compensated().filter(|score| wanted(score));
-        rows.cloned().collect()
+        rows.map(Row::new).collect()
     };
     // The same model without look-ahead is in the tables, and would only double the rows of the picture.
     let with_look_ahead = |score: &Score| {
@@ -99,13 +100,13 @@ pub(super) fn entry<'a>(
             || score.look_ahead == LookAhead::None && same.all(|own| own.look_ahead != look_ahead)
     };
     Ok(Entry {
-        name: candidate.name.clone(),
+        name: candidate.model.to_string(),
         facts: provenance(config, results),
-        scores: rows(&|score| score.model == candidate.name && score.look_ahead == look_ahead),
+        scores: rows(&|score| score.model == candidate.model && score.look_ahead == look_ahead),
         beside: rows(&|score| {
-            !is_floor(score) && score.model != candidate.name && with_look_ahead(score)
+            !score.model.is_floor() && score.model != candidate.model && with_look_ahead(score)
         }),
-        floors: rows(&is_floor),
+        floors: rows(&|score| score.model.is_floor()),
         recordings,
         candidate,
         vocabulary: config.preset.vocabulary(),

@@ -3,10 +3,11 @@
 use super::cell::{
     difference, estimate, latency, median, narrow_estimate, none, of_people, one_ms, rate, share,
 };
+use super::row::{Row, sort};
 use super::table::Table;
 use crate::metric::offset::OffsetSummary;
-use crate::results::{INTEGER, Results};
-use crate::{ALL, CONSTANT, Difference, ENERGY, LookAhead, Measure, Score, Truth};
+use crate::results::Results;
+use crate::{ALL, Difference, LookAhead, Measure, Score, System, Truth};
 use recordings::statistics::MeanSd;
 
 /// Measures whose differences are shown.
@@ -28,11 +29,11 @@ const TUNED: [(Measure, usize); 7] = [
 ];
 
 /// Column of a table of scores: its name, and its cell in the row of a score.
-type Column = (&'static str, fn(&Score) -> String);
+type Column = (&'static str, fn(&Row<'_>) -> String);
 
 const RECORDINGS: Column = ("recordings", |own| own.data_set.clone());
-const CLASSES: Column = ("classes", Score::people_name);
-const MODEL: Column = ("model", |own| own.model.clone());
+const CLASSES: Column = ("classes", |own| own.people_name());
+const MODEL: Column = ("model", |own| own.name.clone());
 const LOOK_AHEAD: Column = ("look-ahead", |own| own.look_ahead.name().to_owned());
 const OTHER: Column = ("other/min", |own| {
     mean(own, Measure::OtherActivations, rate)
@@ -213,8 +214,8 @@ fn offset(score: &Score, of: fn(OffsetSummary) -> f64) -> String {
 pub fn tables(results: &Results, wide: bool) -> Vec<Table> {
     let compensated = shown(&results.published, Truth::LagCompensated, results);
     if !wide {
-        let own = |score: &&Score| is_floor(score) || score.look_ahead == results.aggregation;
-        let own: Vec<&Score> = compensated.into_iter().filter(own).collect();
+        let own = |row: &Row<'_>| row.model.is_floor() || row.look_ahead == results.aggregation;
+        let own: Vec<Row<'_>> = compensated.into_iter().filter(own).collect();
         let caption =
             "Lag-compensated labels: moved to the onset of muscle activity; with look-ahead";
         return vec![narrow(caption, &own)];
@@ -248,43 +249,32 @@ pub fn tables(results: &Results, wide: bool) -> Vec<Table> {
 }
 
 /// Rows without look-ahead, and with that of the model file; people with all classes first, data set by data set.
-fn shown<'a>(scores: &'a [Score], truth: Truth, results: &Results) -> Vec<&'a Score> {
+fn shown<'a>(scores: &'a [Score], truth: Truth, results: &Results) -> Vec<Row<'a>> {
     let look_aheads = [LookAhead::None, results.aggregation];
     let wanted = |score: &&Score| score.truth == truth && look_aheads.contains(&score.look_ahead);
-    let mut shown: Vec<&Score> = scores.iter().filter(wanted).collect();
+    let mut shown: Vec<Row<'a>> = scores.iter().filter(wanted).map(Row::new).collect();
     sort(&mut shown);
     shown
 }
 
-/// Sorts rows: people with all classes, then those with fewer; data set by data set.
-pub(super) fn sort(scores: &mut [&Score]) {
-    scores.sort_by_key(|score| (score.people, score.data_set.clone()));
-}
-
-/// Whether a row is a floor's, which needs no model.
-pub(super) fn is_floor(score: &Score) -> bool {
-    [CONSTANT, ENERGY].contains(&score.model.as_str())
-}
-
-/// The scores of one model in 100 columns, a row a data set and group of people, and of the floors over all data sets:
+/// The scores of the integer student in 100 columns, a row a data set and group of people, and of the floors over all data sets:
 /// lag-compensated labels, the model file's aggregation mode.
 #[must_use]
-pub fn summary(results: &Results, model: &str) -> Table {
-    let compensated = || {
-        results
-            .published
-            .iter()
-            .filter(|score| score.truth == Truth::LagCompensated)
+pub fn summary(results: &Results) -> Table {
+    let of = |model: System| {
+        let scores = results.published.iter();
+        let own =
+            scores.filter(move |own| own.model == model && own.truth == Truth::LagCompensated);
+        own.map(Row::new)
     };
-    let own = compensated()
-        .filter(|score| score.model == model && score.look_ahead == results.aggregation);
-    let mut rows: Vec<&Score> = own.collect();
+    let own = of(System::Integer).filter(|row| row.look_ahead == results.aggregation);
+    let mut rows: Vec<Row<'_>> = own.collect();
     // The last rows are over all recordings.
-    rows.sort_by_key(|score| score.data_set == ALL);
-    let last = rows.last().map_or(ALL, |score| score.data_set.as_str());
-    let mut names: Vec<String> = rows.iter().map(|score| score.data_set.clone()).collect();
-    for (floor, name) in [(CONSTANT, "relax"), (ENERGY, "energy")] {
-        rows.extend(compensated().filter(|score| score.model == floor && score.data_set == last));
+    rows.sort_by_key(|row| row.data_set == ALL);
+    let last = rows.last().map_or(ALL, |row| &row.score.data_set);
+    let mut names: Vec<String> = rows.iter().map(|row| row.data_set.clone()).collect();
+    for (floor, name) in [(System::Constant, "relax"), (System::Energy, "energy")] {
+        rows.extend(of(floor).filter(|row| row.data_set == last));
         names.resize(rows.len(), format!("{last}: {name}"));
     }
     let mut table = of_columns("", &rows, &SUMMARY);
@@ -295,47 +285,47 @@ pub fn summary(results: &Results, model: &str) -> Table {
 }
 
 /// Table with a row for each score.
-pub(super) fn table(caption: &str, scores: &[&Score]) -> Table {
+pub(super) fn table(caption: &str, rows: &[Row<'_>]) -> Table {
     // Few data sets mark movements outside the vocabulary, or are daily life.
-    let has = |measure: Measure| scores.iter().any(|own| measure.mean(own).is_some());
+    let has = |measure: Measure| rows.iter().any(|own| measure.mean(own).is_some());
     let mut columns = SCORES.to_vec();
     columns.retain(|(name, _)| match *name {
         name if name == OTHER.0 => has(Measure::OtherActivations),
         name if name == DAILY.0 => has(Measure::DailyActivations),
         _ => true,
     });
-    of_columns(caption, scores, &columns)
+    of_columns(caption, rows, &columns)
 }
 
 /// Table with a row for each score and what matters most, for a terminal.
-pub(super) fn narrow(caption: &str, scores: &[&Score]) -> Table {
-    of_columns(caption, scores, &NARROW)
+pub(super) fn narrow(caption: &str, rows: &[Row<'_>]) -> Table {
+    of_columns(caption, rows, &NARROW)
 }
 
 /// Table of labels at the times when they are emitted, with the shares of gestures that are recognised so soon.
-pub(super) fn emitted(scores: &[&Score]) -> Table {
+pub(super) fn emitted(rows: &[Row<'_>]) -> Table {
     let caption = "Labels at the times when they are emitted, and shares of gestures recognised within so many ms of their onset; \
                    lag-compensated labels";
-    of_columns(caption, scores, &EMITTED)
+    of_columns(caption, rows, &EMITTED)
 }
 
-fn of_columns(caption: &str, scores: &[&Score], columns: &[Column]) -> Table {
+fn of_columns(caption: &str, rows: &[Row<'_>], columns: &[Column]) -> Table {
     let mut table = Table::new(caption, columns.iter().map(|(name, _)| *name));
-    for score in scores {
-        table.push(columns.iter().map(|(_, cell)| cell(score)));
+    for row in rows {
+        table.push(columns.iter().map(|(_, cell)| cell(row)));
     }
     table
 }
 
 /// Table of the model file against the floors, person by person; of a run without one, every model.
-fn floor_differences(scores: &[&Score]) -> Table {
-    let device = scores.iter().any(|score| score.model == INTEGER);
-    let (floors, mut models): (Vec<&Score>, Vec<&Score>) =
-        scores.iter().partition(|own| is_floor(own));
-    models.retain(|score| score.model == INTEGER || !device);
-    let pairs = models.into_iter().flat_map(|score| {
-        let floors = floors.iter().filter(|floor| floor.same_people(score));
-        floors.map(move |floor| (score, *floor))
+fn floor_differences(rows: &[Row<'_>]) -> Table {
+    let device = rows.iter().any(|row| row.model == System::Integer);
+    let models = rows.iter().filter(|row| !row.model.is_floor());
+    let models = models.filter(|row| row.model == System::Integer || !device);
+    let pairs = models.flat_map(|own| {
+        let floors = rows.iter().filter(|row| row.model.is_floor());
+        let floors = floors.filter(|floor| floor.same_people(own));
+        floors.map(move |floor| (own, floor))
     });
     let caption =
         "Differences to the floors, paired over subjects; mean [95 % interval] over n subjects";
@@ -346,7 +336,7 @@ fn floor_differences(scores: &[&Score]) -> Table {
 pub(super) fn differences<'s>(
     caption: &str,
     look_ahead: bool,
-    pairs: impl IntoIterator<Item = (&'s Score, &'s Score)>,
+    pairs: impl IntoIterator<Item = (&'s Row<'s>, &'s Row<'s>)>,
 ) -> Table {
     let mut header = vec!["recordings", "classes", "difference"];
     header.extend(look_ahead.then_some("look-ahead"));
@@ -355,7 +345,7 @@ pub(super) fn differences<'s>(
         header.into_iter().chain(COMPARED.map(Measure::name)),
     );
     for (own, other) in pairs {
-        let pair = format!("{} - {}", own.model, other.model);
+        let pair = format!("{} - {}", own.name, other.name);
         let mut cells = vec![own.data_set.clone(), own.people_name(), pair];
         cells.extend(look_ahead.then(|| LOOK_AHEAD.1(own)));
         cells.extend(COMPARED.map(|measure| difference(Difference::of(measure, own, other))));
@@ -376,7 +366,7 @@ pub fn tuned(caption: &str, scores: &[Score]) -> Table {
             let mean = measure.mean(score);
             mean.map_or_else(String::new, |own| format!("{:.decimals$}", own.mean))
         };
-        let start = [score.model.clone(), score.events.gestures.to_string()];
+        let start = [score.model.to_string(), score.events.gestures.to_string()];
         table.push(start.into_iter().chain(TUNED.map(value)));
     }
     table

@@ -5,14 +5,15 @@ use std::path::Path;
 use shared::intent::Vocabulary;
 
 use super::cell::number_of;
-use super::entry::{Entry, over_all};
-use super::model_report::{self, SCORES, marked};
+use super::entry::Entry;
+use super::model_report::{self, SCORES};
 use super::page::Page;
-use super::scores::{differences, narrow, sort, table};
+use super::row::{Row, over_all, sort};
+use super::scores::{differences, narrow, table};
 use super::{MOST_ENTRIES, Table, people, run_report};
+use crate::EvaluationError;
 use crate::model_evaluation::{ModelEvaluation, NamedModel};
 use crate::results::{Evaluation, Results};
-use crate::{EvaluationError, Score};
 use execution::run_folder::RunFolder;
 use presets::config::ResolvedConfig;
 
@@ -62,7 +63,7 @@ impl Reported {
     fn shown_name(&self) -> String {
         match self {
             Self::Run(run) => run.name.clone(),
-            Self::Model(own) => marked(&own.evaluation.results).models[0].name.clone(),
+            Self::Model(own) => model_report::shown_name(&own.evaluation.results, &own.model.name),
         }
     }
 
@@ -138,8 +139,8 @@ fn entries(reported: &[Reported]) -> Result<Vec<Entry<'_>>, EvaluationError> {
         let mut entry = own.entry()?;
         if reported.len() > 1 {
             entry.name = own.shown_name();
-            for score in &mut entry.scores {
-                score.model.clone_from(&entry.name);
+            for row in &mut entry.scores {
+                row.name.clone_from(&entry.name);
             }
             for panel in &mut entry.panels {
                 panel.title += &format!(", {}", own.name());
@@ -157,10 +158,10 @@ fn name_floors(entries: &mut [Entry<'_>]) {
     for at in 1..entries.len() {
         let (before, from) = entries.split_at_mut(at);
         let own = &mut from[0];
-        let same = |floor: &Score| before.iter().all(|first| first.floors.contains(floor));
+        let same = |floor: &Row<'_>| before.iter().all(|first| first.floors.contains(floor));
         if !own.floors.iter().all(same) {
             for floor in &mut own.floors {
-                floor.model += &format!(" ({})", own.name);
+                floor.name += &format!(" ({})", own.name);
             }
         }
     }
@@ -217,20 +218,21 @@ fn several<'a>(reported: &[Reported], entries: &'a [Entry<'a>], data: &str) -> P
 /// Tables of scores, differences and people. Differences: of every later entry to every earlier one, data set by data
 /// set, and of each to its floors over all recordings.
 fn side_by_side(entries: &[Entry<'_>], wide: bool) -> Vec<Table> {
-    let mut scores: Vec<&Score> = entries.iter().flat_map(|own| &own.scores).collect();
+    let scores = entries.iter().flat_map(|own| &own.scores);
+    let mut scores: Vec<Row<'_>> = scores.cloned().collect();
     for floor in entries.iter().flat_map(|own| &own.floors) {
-        if !scores.contains(&floor) {
-            scores.push(floor);
+        if !scores.contains(floor) {
+            scores.push(floor.clone());
         }
     }
     sort(&mut scores);
     if !wide {
         return vec![narrow(SCORES, &scores), people::side_by_side(entries)];
     }
-    let mut pairs: Vec<(&Score, &Score)> = Vec::new();
+    let mut pairs: Vec<(&Row<'_>, &Row<'_>)> = Vec::new();
     for (at, later) in entries.iter().enumerate() {
         for earlier in &entries[..at] {
-            let other = |own: &Score| earlier.scores.iter().find(|other| other.same_people(own));
+            let other = |own: &Row<'_>| earlier.scores.iter().find(|other| other.same_people(own));
             let own = later.scores.iter();
             pairs.extend(own.filter_map(|own| Some((own, other(own)?))));
         }

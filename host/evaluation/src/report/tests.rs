@@ -14,14 +14,17 @@ use super::page::Page;
 use super::pictures::charts::Panel;
 use super::pictures::stand_alone;
 use super::pictures::timeline::{Timeline, svg};
-use super::scores::{is_floor, summary, tables};
-use crate::results::{INTEGER, Results};
+use super::row::Row;
+use super::scores::{summary, tables};
+use crate::results::Results;
 use crate::{
-    CONSTANT, Candidate, ENERGY, EnergyDetector, EvaluatedRecording, LookAhead, Truth, constant,
-    score_all,
+    CONSTANT, Candidate, ENERGY, EnergyDetector, EvaluatedRecording, LookAhead, System, Truth,
+    constant, score_all,
 };
 
 /// Recordings, a model that sees each change of their labels after 100 ms, and the results of the model and the floors.
+const INTEGER: &str = "integer student";
+
 struct Evaluated {
     recordings: Vec<EvaluatedRecording>,
     model: Candidate,
@@ -41,7 +44,7 @@ impl Evaluated {
             };
             (0..recording.emg.len() / 10).map(rows).collect()
         });
-        let model = Candidate::without_margins(INTEGER, true, logits.collect());
+        let model = Candidate::without_margins(System::Integer, true, logits.collect());
         let detector = EnergyDetector::fit(&recordings)
             .unwrap()
             .candidate(&recordings);
@@ -66,8 +69,8 @@ impl Evaluated {
     /// The model on a page.
     fn entry(&self) -> Entry<'_> {
         let look_ahead = LookAhead::SameInstant;
-        let own = self.results.spliced.iter();
-        let (floors, scores): (Vec<_>, Vec<_>) = own.cloned().partition(is_floor);
+        let own = self.results.spliced.iter().map(Row::new);
+        let (floors, scores): (Vec<_>, Vec<_>) = own.partition(|own| own.model.is_floor());
         let points = |end: f64| {
             (0..60)
                 .map(|at| (f64::from(at), end + (-f64::from(at) / 12.0).exp()))
@@ -233,7 +236,7 @@ fn text_is_escaped_on_the_page_and_in_pictures() -> Result<(), Box<dyn Error>> {
     let entry = || {
         let mut entry = evaluated.entry();
         entry.name = hostile.into();
-        entry.scores[0].model = hostile.into();
+        entry.scores[0].name = hostile.into();
         entry.panels[0].title = hostile.into();
         entry.panels[0].curves[0].0 = hostile.into();
         entry
@@ -330,7 +333,7 @@ fn every_column_has_its_own_number_of_people_and_two_class_people_stand_apart() 
             }
         }
     }
-    let table = summary(&four_people().results, INTEGER);
+    let table = summary(&four_people().results);
     let rows = table.rows.iter().filter(|row| row[0] == "synthetic");
     let rows: Vec<&Vec<String>> = rows.collect();
     assert_eq!([&rows[0][1], &rows[1][1]], ["all 3", "fewer"]);
@@ -373,7 +376,7 @@ fn every_table_of_scores_has_its_floors_and_the_differences_to_them() {
 
 #[test]
 fn the_summary_ends_with_the_floors() {
-    let table = summary(&two_people().results, INTEGER);
+    let table = summary(&two_people().results);
     let names: Vec<&str> = table.rows.iter().map(|row| row[0].as_str()).collect();
     assert_eq!(
         names,

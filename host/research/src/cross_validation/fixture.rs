@@ -38,7 +38,7 @@ pub(crate) fn fold(model: &str, people: &[(&str, f64, &[i32], usize)]) -> Vec<Fo
     let events = EventSummary::of_subjects(subjects.iter().map(events).collect());
     let reference = Summary::of_subjects(subjects);
     let score = |look_ahead| Score {
-        model: model.to_owned(),
+        model: model.into(),
         data_set: ALL.to_owned(),
         classes: 3,
         people: Group::AllClasses,

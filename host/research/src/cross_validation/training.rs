@@ -40,7 +40,7 @@ impl CrossValidation<'_> {
             Kind::Teacher(teacher) => {
                 train_teacher(context)?;
                 let recordings = recordings();
-                let mut candidate = teacher_candidate(context, teacher.name(), &recordings)?;
+                let mut candidate = teacher_candidate(context, teacher.name().into(), &recordings)?;
                 // As in the paper, the teacher has no gate and knows no movement outside the vocabulary.
                 candidate.entry_margins = [0.0; MAX_CLASSES];
                 candidate.other_margin = None;

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::{DataArguments, log_labels, resume_run};
+use evaluation::System;
 use evaluation::report::run_report::{self, REPORT};
 use evaluation::report::scores::{summary, tables};
 use execution::interrupt::Interrupt;
@@ -16,7 +17,7 @@ use presets::Preset;
 use presets::config::ResolvedConfig;
 use training::backend::BackendArguments;
 use training::run::context::RunContext;
-use training::run::evaluate::{INTEGER, Results, evaluate, no_more};
+use training::run::evaluate::{Results, evaluate, no_more};
 use training::run::quantize::{MODEL, ModelFile, quantize};
 use training::run::train::{Extra, train};
 
@@ -116,14 +117,15 @@ fn recordings_used(context: &RunContext) -> String {
 fn last_screen(results: &Results, recordings: &str, model: &Path, page: &Path) -> String {
     let (model, page) = (model.display(), page.display());
     format!(
-        "{INTEGER}, held-out subjects, lag-compensated labels: mean (95 % interval)\n\
+        "{}, held-out subjects, lag-compensated labels: mean (95 % interval)\n\
         {}\n\
         recordings: {recordings}\n\
         held out:   {}\n\
         model file: {model}\n\
         report:     {page}\n\
         next:       myointent replay {model} RECORDING    # the UART lines of the device\n",
-        summary(results, INTEGER).plain(),
+        System::Integer,
+        summary(results).plain(),
         by_data_set(&results.held_out),
     )
 }
@@ -188,10 +190,10 @@ mod tests {
     use evaluation::metric::event::{EventRule, RecordingEvents};
     use evaluation::metric::offset;
     use evaluation::metric::summary::SubjectScore;
-    use evaluation::{ALL, CONSTANT, ENERGY, LookAhead, Score};
+    use evaluation::{ALL, LookAhead, Score};
     use shared::intent::Intent;
 
-    fn score(model: &str, look_ahead: LookAhead, data_set: &str) -> Score {
+    fn score(model: System, look_ahead: LookAhead, data_set: &str) -> Score {
         let subject = |subject: &str, balanced| SubjectScore {
             subject: subject.to_owned(),
             recordings: 3,
@@ -209,7 +211,7 @@ mod tests {
         let events = RecordingEvents::new(&truth, &emitted, &[], &EventRule::default()).unwrap();
         let events = ["1", "2"].map(|subject| SubjectEvents::new(subject, [&events]));
         Score {
-            model: model.to_owned(),
+            model,
             data_set: data_set.to_owned(),
             look_ahead,
             ..Score::of_people(subjects, events.to_vec())
@@ -230,9 +232,10 @@ mod tests {
             ALL,
         ];
         let mut published = sets
-            .map(|set| score(INTEGER, LookAhead::SameInstant, set))
+            .map(|set| score(System::Integer, LookAhead::SameInstant, set))
             .to_vec();
-        published.extend([CONSTANT, ENERGY].map(|floor| score(floor, LookAhead::None, ALL)));
+        let floors = [System::Constant, System::Energy];
+        published.extend(floors.map(|floor| score(floor, LookAhead::None, ALL)));
         let results = Results {
             held_out: vec![
                 "ss-stm/sub3".into(),

@@ -7,23 +7,23 @@ use shared::units::CleanSample;
 use super::context::RunContext;
 use crate::inference::{student_logits, teacher_logits};
 use crate::student::model::Student;
-use evaluation::{Candidate, EvaluatedRecording};
+use evaluation::{Candidate, EvaluatedRecording, System};
 use execution::progress;
 use execution::run_folder::RunError;
 
-/// Computes the teacher's logits over all recordings; `name` is its name in tables.
+/// Computes the teacher's logits over all recordings; `system` names it in tables.
 ///
 /// # Errors
 /// When the teacher is missing, not this run's, or of another shape, or the user interrupts.
 pub fn teacher_candidate(
     context: &RunContext,
-    name: &str,
+    system: System,
     recordings: &[EvaluatedRecording],
 ) -> Result<Candidate, RunError> {
     let model = context.teacher()?;
     let shape = context.config.preset.teacher.window_shape();
     let device = context.inference_device();
-    candidate(context, name, recordings, |emg| {
+    candidate(context, system, recordings, |emg| {
         teacher_logits(&model, shape, emg, &device)
     })
 }
@@ -31,12 +31,12 @@ pub fn teacher_candidate(
 /// Computes a float student's logits over all recordings.
 pub(super) fn student_candidate(
     context: &RunContext,
-    name: &str,
+    system: System,
     student: &Student,
     recordings: &[EvaluatedRecording],
 ) -> Result<Candidate, RunError> {
     let device = context.inference_device();
-    candidate(context, name, recordings, |emg| {
+    candidate(context, system, recordings, |emg| {
         student_logits(student, emg, &device)
     })
 }
@@ -44,13 +44,13 @@ pub(super) fn student_candidate(
 /// Computes a model's logits over all recordings, on all cores.
 fn candidate(
     context: &RunContext,
-    name: &str,
+    system: System,
     recordings: &[EvaluatedRecording],
     logits: impl Fn(&[CleanSample]) -> Vec<LookBackLogits> + Sync,
 ) -> Result<Candidate, RunError> {
     let preprocessing = context.config.preset.preprocessing();
     let logits = progress::map(
-        name,
+        &system.name(),
         recordings,
         &context.folder,
         &context.interrupt,
@@ -61,5 +61,5 @@ fn candidate(
         .config
         .preset
         .smoother_defaults(AggregationMode::AllRowsFrom);
-    Ok(Candidate::new(name, logits, &smoother))
+    Ok(Candidate::new(system, logits, &smoother))
 }

@@ -9,8 +9,8 @@ use super::error::StepError;
 use super::quantize::{Figure, ModelFile, model_bytes, save_figures};
 use evaluation::integer_candidate;
 use evaluation::{
-    Candidate, EnergyDetector, EvaluatedRecording, Group, LookAhead, Measure, Truth, constant,
-    cued, score_all,
+    Candidate, EnergyDetector, EvaluatedRecording, Group, LookAhead, Measure, System, Truth,
+    constant, cued, score_all,
 };
 use execution::progress;
 use execution::run_folder::RunError;
@@ -18,9 +18,7 @@ use presets::config::ResolvedConfig;
 use presets::distillation;
 use recordings::Library;
 
-pub use evaluation::results::{
-    Evaluation, INTEGER, INTEGER_LABELS_ONLY, LABELS_ONLY, RESULTS, Results, STUDENT, TEACHER,
-};
+pub use evaluation::results::{Evaluation, RESULTS, Results};
 
 /// Function that computes the logits of further models, to be evaluated beside the run's own.
 pub type MoreCandidates<'a> =
@@ -89,7 +87,6 @@ pub fn evaluate(
         Evaluation {
             recordings,
             candidates: published,
-            aggregation,
             is_kept,
             model: model.map(|model| model.bytes.clone()),
         },
@@ -109,11 +106,10 @@ pub fn kept(context: &RunContext) -> Result<(Results, Evaluation), StepError> {
     if recordings.is_empty() {
         return Err(StepError::NoRecordings);
     }
-    let candidate = integer_candidate(INTEGER, &Model::parse(&model.bytes)?, &recordings)?;
+    let candidate = integer_candidate(System::Integer, &Model::parse(&model.bytes)?, &recordings)?;
     let evaluation = Evaluation {
         recordings,
         candidates: vec![candidate],
-        aggregation: results.aggregation,
         is_kept: true,
         model: Some(model.bytes),
     };
@@ -140,16 +136,25 @@ fn candidates(
 ) -> Result<Vec<Candidate>, StepError> {
     let mut candidates = Vec::new();
     if context.has(presets::teacher::NAME) {
-        candidates.extend(if_own(teacher_candidate(context, TEACHER, recordings))?);
+        candidates.extend(if_own(teacher_candidate(
+            context,
+            System::Teacher,
+            recordings,
+        ))?);
     }
     candidates.extend(more(recordings)?);
     if context.has(distillation::NAME) {
         let student = context.student(distillation::NAME)?;
-        candidates.push(student_candidate(context, STUDENT, &student, recordings)?);
+        candidates.push(student_candidate(
+            context,
+            System::Student,
+            &student,
+            recordings,
+        )?);
     }
     if let Some(bytes) = model {
         candidates.push(integer_candidate(
-            INTEGER,
+            System::Integer,
             &Model::parse(bytes)?,
             recordings,
         )?);
@@ -159,13 +164,13 @@ fn candidates(
     {
         candidates.push(student_candidate(
             context,
-            LABELS_ONLY,
+            System::LabelsOnly,
             &student,
             recordings,
         )?);
         let bytes = model_bytes(context, &student, LookAhead::AllRows, Vec::new())?;
         candidates.push(integer_candidate(
-            INTEGER_LABELS_ONLY,
+            System::IntegerLabelsOnly,
             &Model::parse(&bytes)?,
             recordings,
         )?);
@@ -192,7 +197,7 @@ pub fn if_own<T>(model: Result<T, RunError>) -> Result<Option<T>, RunError> {
 fn figures(results: &Results) -> Vec<Figure> {
     let mut figures = Vec::new();
     let chosen = results.published.iter().filter(|score| {
-        score.model == INTEGER
+        score.model == System::Integer
             && score.look_ahead == results.aggregation
             && score.truth == Truth::LagCompensated
     });

@@ -5,7 +5,8 @@ use recordings::statistics::{Interval, MeanSd};
 
 use super::{INK, ShareAxis, circle, line, picture, shortened, text};
 use crate::report::cell;
-use crate::{Group, Measure, Score};
+use crate::report::row::Row;
+use crate::{Group, Measure};
 
 /// Measures that are drawn: shares of 1, of which more is better.
 const DRAWN: [(Measure, &str); 3] = [
@@ -27,7 +28,7 @@ const FOOT: f64 = 22.0;
 const LETTERS: usize = 27;
 
 /// Picture with a row for each score, in its colour: a point for each mean, and a line over its 95 % interval.
-pub(in crate::report) fn overview(rows: &[(&str, &Score)]) -> Markup {
+pub(in crate::report) fn overview(rows: &[(&str, &Row<'_>)]) -> Markup {
     let told = rows.iter().map(|(_, score)| {
         let mean = DRAWN[0].0.mean(score).map_or_else(cell::none, number);
         format!("{} {mean}", name(score))
@@ -61,10 +62,10 @@ pub(in crate::report) fn overview(rows: &[(&str, &Score)]) -> Markup {
     picture(size, "Scores at a glance", &description, &body)
 }
 
-fn name(score: &Score) -> String {
-    match score.people {
-        Group::AllClasses => score.model.clone(),
-        Group::FewerClasses => format!("{}, fewer", score.model),
+fn name(row: &Row<'_>) -> String {
+    match row.people {
+        Group::AllClasses => row.name.clone(),
+        Group::FewerClasses => format!("{}, fewer", row.name),
     }
 }
 

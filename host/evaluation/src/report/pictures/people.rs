@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use maud::{Markup, html};
 
 use super::{INK, MUTED, ShareAxis, entry_colour, line, picture, rect, shortened, text};
-use crate::{Measure, Score};
+use crate::Measure;
+use crate::report::row::Row;
 
 const WIDTH: f64 = 1100.0;
 /// Width for a person's name; `NUMBER` is that for the number right of a bar.
@@ -34,8 +35,8 @@ struct Person<'a> {
 /// An entry is its name and its rows over all recordings. People with the lowest value of the first entry come first,
 /// those without one last.
 pub(in crate::report) fn bars(
-    entries: &[(&str, Vec<&Score>)],
-    floors: &[&Score],
+    entries: &[(&str, Vec<&Row<'_>>)],
+    floors: &[&Row<'_>],
 ) -> Option<Markup> {
     let people = people(entries, floors);
     let (lowest, count) = (people.first()?.subject, people.len());
@@ -74,7 +75,7 @@ const fn columns(people: usize) -> usize {
     }
 }
 
-fn people<'a>(entries: &[(&str, Vec<&'a Score>)], floors: &[&'a Score]) -> Vec<Person<'a>> {
+fn people<'a>(entries: &'a [(&str, Vec<&Row<'_>>)], floors: &'a [&Row<'_>]) -> Vec<Person<'a>> {
     let measure = Measure::BalancedAccuracy;
     let mut people: BTreeMap<&str, Person<'_>> = BTreeMap::new();
     for (at, (_, scores)) in entries.iter().enumerate() {
@@ -96,7 +97,7 @@ fn people<'a>(entries: &[(&str, Vec<&'a Score>)], floors: &[&'a Score]) -> Vec<P
     people
 }
 
-fn legend(entries: &[(&str, Vec<&Score>)], floors: &[&Score]) -> Markup {
+fn legend(entries: &[(&str, Vec<&Row<'_>>)], floors: &[&Row<'_>]) -> Markup {
     let y = 12.0;
     let mut x = 10.0;
     let mut places = Vec::new();
@@ -113,7 +114,7 @@ fn legend(entries: &[(&str, Vec<&Score>)], floors: &[&Score]) -> Markup {
         }
         @if let Some(floor) = floors.first() {
             (line((x, y - 7.0), (x, y + 7.0), INK, 2.0))
-            (text("start", (x + 8.0, y), 12.0, INK, &floor.model))
+            (text("start", (x + 8.0, y), 12.0, INK, &floor.name))
         }
     }
 }
@@ -142,6 +143,7 @@ fn bars_of(axis: ShareAxis, top: f64, person: &Person<'_>) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Score;
     use crate::metric::summary::SubjectScore;
 
     /// Score with these balanced accuracies of people `x/1`, `x/2`...
@@ -165,6 +167,7 @@ mod tests {
     fn everybody_has_a_bar_for_each_entry_that_evaluates_them() {
         let (a, b) = (score(&[Some(0.75), Some(0.25)]), score(&[Some(1.0), None]));
         let floor = score(&[Some(0.5), Some(0.5)]);
+        let [a, b, floor] = [&a, &b, &floor].map(Row::new);
         let svg = bars(&[("a", vec![&a]), ("b", vec![&b])], &[&floor])
             .unwrap()
             .0;
@@ -176,6 +179,7 @@ mod tests {
     #[test]
     fn many_people_stand_in_columns() {
         let score = score(&[Some(0.5); 100]);
+        let score = Row::new(&score);
         assert_eq!(columns(100), 3);
         let svg = bars(&[("a", vec![&score])], &[]).unwrap().0;
         assert_eq!(svg.matches("<rect").count(), 101);
