@@ -25,7 +25,7 @@ type Shape = (usize, usize, usize, usize, bool);
 /// Counted by `cargo xtask count --model FILE` on the emulated Cortex-M4F; docs/budgets.md. The first is the committed
 /// count.
 const COUNTED: [(Shape, u32); 3] = [
-    ((64, 2, 27, 3, true), 125_525),
+    ((64, 2, 27, 3, true), 125_522),
     ((64, 2, 27, 5, false), 125_094),
     ((64, 2, 27, 6, false), 125_301),
 ];
