@@ -1,11 +1,14 @@
 //! Arguments that several subcommands share.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::bail;
+use clap::Args;
 use shared::stream::alignment::Arm;
 use shared::uart_line::flag;
 
+use super::output::refuse_existing;
+use super::read_model;
 use execution::progress;
 use recordings::{Library, LoadError, LoadOptions, load_all};
 
@@ -13,6 +16,41 @@ use recordings::{Library, LoadError, LoadOptions, load_all};
 pub(in crate::cli) fn mirrored(text: &str) -> Result<Arm, String> {
     let mirrored = flag(text).ok_or("0 or 1")?;
     Ok(Arm::Known { mirrored })
+}
+
+/// A model file, and one person's labelled recordings that another one is made by.
+#[derive(Debug, Args)]
+pub(in crate::cli) struct OwnModel {
+    /// Model file to start from.
+    #[arg(long, value_name = "FILE.intent")]
+    pub(in crate::cli) model: PathBuf,
+    /// Folder of the person's labelled recordings.
+    #[arg(long, value_name = "DIR")]
+    data: PathBuf,
+    /// Model file to write; there must be none of this name.
+    #[arg(long, value_name = "FILE.intent")]
+    pub(in crate::cli) out: PathBuf,
+    /// Person whom the new file is for, as data-set/subject or subject alone; needed if the folder has recordings of several people.
+    #[arg(long, value_name = "NAME")]
+    pub(in crate::cli) subject: Option<String>,
+    /// Refuse damaged files instead of leaving them out.
+    #[arg(long)]
+    strict: bool,
+    #[arg(hide_short_help = true, long, help = AS_RECORDED)]
+    as_recorded: bool,
+}
+
+impl OwnModel {
+    /// Reads the model file and the recordings.
+    ///
+    /// # Errors
+    /// When the file to write exists, or the model or the recordings are refused.
+    pub(in crate::cli) fn read(&self) -> anyhow::Result<(Vec<u8>, Library)> {
+        refuse_existing(&self.out)?;
+        let bytes = read_model(&self.model)?;
+        let library = recordings_of(&[&self.data], self.strict, self.as_recorded)?;
+        Ok((bytes, library))
+    }
 }
 
 /// Help of `--as-recorded`.

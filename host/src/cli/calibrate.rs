@@ -7,9 +7,7 @@ use anyhow::bail;
 use clap::Args;
 use thiserror::Error;
 
-use crate::cli::arguments::{AS_RECORDED, recordings_of};
-use crate::cli::output::refuse_existing;
-use crate::cli::read_model;
+use crate::cli::arguments::OwnModel;
 use evaluation::calibration::calibrate_file;
 use execution::run_folder::write_whole;
 
@@ -23,23 +21,8 @@ use execution::run_folder::write_whole;
     Example:\n  myointent calibrate --model models/three-class.intent --data MINE --out mine.intent"
 )]
 pub struct Arguments {
-    /// Model file to start from.
-    #[arg(long, value_name = "FILE.intent")]
-    model: PathBuf,
-    /// Folder of the person's labelled recordings.
-    #[arg(long, value_name = "DIR")]
-    data: PathBuf,
-    /// Model file to write; there must be none of this name.
-    #[arg(long, value_name = "FILE.intent")]
-    out: PathBuf,
-    /// Person to calibrate for, as data-set/subject or subject alone; needed if the folder has recordings of several people.
-    #[arg(long, value_name = "NAME")]
-    subject: Option<String>,
-    /// Refuse damaged files instead of leaving them out.
-    #[arg(long)]
-    strict: bool,
-    #[arg(hide_short_help = true, long, help = AS_RECORDED)]
-    as_recorded: bool,
+    #[command(flatten)]
+    own: OwnModel,
 }
 
 /// Error: the new head is worse, and the old model is kept.
@@ -58,11 +41,14 @@ pub(super) struct Kept {
 /// # Errors
 /// When the model or the recordings are refused, there is a file already, or the new head is worse.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let (model, out) = (&arguments.model, &arguments.out);
-    refuse_existing(out)?;
-    let bytes = read_model(model)?;
-    let library = recordings_of(&[&arguments.data], arguments.strict, arguments.as_recorded)?;
-    let done = calibrate_file(&bytes, &library, arguments.subject.as_deref())?;
+    let OwnModel {
+        model,
+        out,
+        subject,
+        ..
+    } = &arguments.own;
+    let (bytes, library) = arguments.own.read()?;
+    let done = calibrate_file(&bytes, &library, subject.as_deref())?;
     if let Some(refusal) = done.calibration.refusal {
         bail!("{}: {refusal}", done.subject);
     }

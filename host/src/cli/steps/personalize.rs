@@ -6,9 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use thiserror::Error;
 
-use crate::cli::arguments::{AS_RECORDED, recordings_of};
-use crate::cli::output::refuse_existing;
-use crate::cli::read_model;
+use crate::cli::arguments::OwnModel;
 use evaluation::report::scores::tuned;
 use execution::interrupt::Interrupt;
 use execution::progress;
@@ -29,18 +27,8 @@ use training::run::personalize::{TuningSettings, Worse, personalize};
     Example:\n  myointent personalize --model models/three-class.intent --data MINE --out mine.intent"
 )]
 pub struct Arguments {
-    /// Model file to start from.
-    #[arg(long, value_name = "FILE.intent")]
-    model: PathBuf,
-    /// Folder of the person's labelled recordings.
-    #[arg(long, value_name = "DIR")]
-    data: PathBuf,
-    /// Model file to write; there must be none of this name.
-    #[arg(long, value_name = "FILE.intent")]
-    out: PathBuf,
-    /// Person to tune for, as data-set/subject or subject alone; needed if the folder has recordings of several people.
-    #[arg(long, value_name = "NAME")]
-    subject: Option<String>,
+    #[command(flatten)]
+    own: OwnModel,
     /// Labels that other movement may raise a minute: the margin over it is raised until half of that held back has no more.
     ///
     /// The other half judges. It is every second movement of a kind, or the later half of one that is alone.
@@ -49,11 +37,6 @@ pub struct Arguments {
     /// Seed of all draws: the same one gives the same file.
     #[arg(long, default_value_t = TuningSettings::default().seed)]
     seed: u64,
-    /// Refuse damaged files instead of leaving them out.
-    #[arg(long)]
-    strict: bool,
-    #[arg(hide_short_help = true, long, help = AS_RECORDED)]
-    as_recorded: bool,
     #[command(flatten)]
     backend: BackendArguments,
 }
@@ -87,11 +70,14 @@ pub(super) enum NotWritten {
 /// # Errors
 /// When the model or the recordings are refused, there is a file already, the new model is worse or the user interrupts.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let (path, out) = (&arguments.model, &arguments.out);
-    refuse_existing(out)?;
-    let bytes = read_model(path)?;
+    let OwnModel {
+        model: path,
+        out,
+        subject,
+        ..
+    } = &arguments.own;
+    let (bytes, library) = arguments.own.read()?;
     let device = arguments.backend.device()?;
-    let library = recordings_of(&[&arguments.data], arguments.strict, arguments.as_recorded)?;
     let settings = TuningSettings {
         seed: arguments.seed,
         other_per_minute: arguments.other_per_minute,
@@ -100,7 +86,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let done = personalize(
         &bytes,
         &library,
-        arguments.subject.as_deref(),
+        subject.as_deref(),
         &settings,
         &device,
         &Interrupt::listen(),
