@@ -26,15 +26,12 @@ pub mod statistics;
 pub mod synthetic;
 
 pub use corpus::splice;
-pub use examiner::copies::Repeat;
-pub use examiner::finding;
-pub use examiner::finding::{Finding, Scale, Severity};
+pub use examiner::finding::{Group, Severity, grouped};
 pub use execution::printable::printable;
 pub use labels::runs::{Run, runs};
-pub use library::{Ignored, Library, LoadOptions, load, load_all};
-pub use readers::error::{Damage, Fault, LoadError, Place, in_one_line};
+pub use library::{Library, LoadOptions, load, load_all};
+pub use readers::error::{LoadError, in_one_line};
 pub use readers::npy;
-pub use readers::open::SkipReason;
 pub use recording::by_data_set;
 pub use recording::daily_life::{self, DailyKind};
 pub use recording::movement;

@@ -10,10 +10,9 @@ use shared::units::SAMPLE_PERIOD_MS;
 use crate::record::quality::FindingText;
 use crate::record::{PersonQuality, quality_by_person};
 use evaluation::report::Table;
-use recordings::Library;
-use recordings::finding::Group;
 pub use recordings::library::inspection::{Files, Inspection, SetInspection};
 pub use recordings::printable;
+use recordings::{Group, Library};
 
 /// Greatest number of files listed with the same finding; `--json` lists all.
 const SHOWN: usize = 4;

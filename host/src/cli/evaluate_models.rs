@@ -17,10 +17,9 @@ use evaluation::report::labels;
 use evaluation::report::model_report::{self, people_rows, tables};
 use execution::progress;
 use execution::run_folder::write_whole;
-use recordings::Library;
-use recordings::finding::{Group, grouped};
 use recordings::labels::lag::LabelLag;
 use recordings::synthetic::losses::MOST_PERCENT;
+use recordings::{Group, Library, grouped};
 
 /// Recordings below `--data` that a model file is evaluated on.
 #[derive(Debug, Args)]

@@ -17,11 +17,8 @@ pub enum Problem {
     /// A field that has no meaning without another.
     #[error("`{field}` needs {needs}, found none: {advice}")]
     Needs {
-        /// The field.
         field: &'static str,
-        /// The missing part.
         needs: &'static str,
-        /// Advice.
         advice: &'static str,
     },
     /// A field of a path that cannot be filled in.

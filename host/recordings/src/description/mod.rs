@@ -19,7 +19,7 @@ use serde::Deserialize;
 use shared::units::SAMPLE_PERIOD_MS;
 
 use crate::readers::error::LoadError;
-pub use error::{DescriptionError, Problem};
+pub(crate) use error::{DescriptionError, Problem};
 use execution::bounded_read;
 use pattern::{Field, Fields, Pattern};
 use values::{Arm, Channels, Column, CueLag, LabelTiming, Mark, Rate, Rectified, Rotation, Scale};

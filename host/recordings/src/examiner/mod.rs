@@ -12,14 +12,14 @@
 //! | `hum` | is there mains hum? |
 //! | `copies` | are the samples those of another recording? |
 //!
-//! A recording without meaning is refused, with a [`Finding`] as the error. A doubt is a finding beside the recording.
+//! A recording without meaning is refused, with a finding as the error. A doubt is a finding beside the recording.
 //! Thresholds were set on 8 790 public recordings, of which none is refused.
 
 pub(crate) mod bands;
 pub(crate) mod clock;
 pub(crate) mod copies;
 pub mod electrodes;
-pub mod finding;
+pub(crate) mod finding;
 mod hum;
 pub(crate) mod repeats;
 pub(crate) mod rows;

@@ -221,7 +221,7 @@ fn array(bytes: &[u8]) -> Result<Vec<Motion>, Damage> {
 /// Motion of a class number, 0 to 5, of -1 for unknown, or of -2 for other movement.
 ///
 /// # Errors
-/// [`Fault::Label`] for another number.
+/// Another number.
 pub fn from_number(value: f64) -> Result<Motion, Fault> {
     let whole = (value.fract() == 0.0).then_some(value as i64);
     let motion = whole.and_then(Motion::from_number);
@@ -234,7 +234,7 @@ pub fn from_number(value: f64) -> Result<Motion, Fault> {
 /// Motion of a name ([`Motion::from_name`]) or a number.
 ///
 /// # Errors
-/// [`Fault::Label`] for another text.
+/// Another text.
 pub fn from_text(text: &str) -> Result<Motion, Fault> {
     if let Some(motion) = Motion::from_name(text) {
         return Ok(motion);

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 pub use archive::Unpacked;
 pub use checksum::Checksum;
-pub use error::FetchError;
+use error::FetchError;
 pub use plan::{Download, Plan, Servers, plan};
 
 use super::catalogue::Source;
@@ -124,7 +124,7 @@ fn must_hold(folder: &Path, data_set: DataSet) -> Result<(), FetchError> {
 /// Refuses a folder that is there already.
 ///
 /// # Errors
-/// [`FetchError::Exists`].
+/// When the folder exists.
 pub fn free(folder: &Path) -> Result<(), FetchError> {
     if folder.exists() {
         return Err(FetchError::Exists {

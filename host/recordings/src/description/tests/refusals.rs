@@ -155,7 +155,10 @@ fn what_is_named_otherwise_is_not_read_and_told() {
         "{skipped}"
     );
     assert_eq!(library.ignored.len(), 1);
-    assert_eq!(library.ignored[0].reason, crate::SkipReason::Pattern);
+    assert_eq!(
+        library.ignored[0].reason,
+        crate::readers::open::SkipReason::Pattern
+    );
     assert!(
         library
             .people

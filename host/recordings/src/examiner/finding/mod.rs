@@ -39,9 +39,7 @@ impl Severity {
 pub enum Scale {
     /// Whole multiples of the value of one count.
     Step {
-        /// The value of one count.
         step: f64,
-        /// Name of the scale, if it is a known one.
         known: Option<&'static str>,
     },
     /// Bytes without a sign, 0 to 255: those above 127 are negative counts.
@@ -88,29 +86,16 @@ pub enum Finding {
     Known(String),
     /// Fewer samples than a window.
     #[error("{samples} samples: a label needs {WINDOW} and the model's look-ahead")]
-    Short {
-        /// Samples of the recording.
-        samples: usize,
-    },
+    Short { samples: usize },
     /// Values that are no counts.
     #[error(
         "expected the armband's counts, whole numbers from -128 to 127; found values from {least} to {most}: {}",
         scale.words()
     )]
-    Scale {
-        /// Scale of the values.
-        scale: Scale,
-        /// Least value.
-        least: f64,
-        /// Largest value.
-        most: f64,
-    },
+    Scale { scale: Scale, least: f64, most: f64 },
     /// All samples are the same.
     #[error("expected samples that change, found {sample:?} throughout")]
-    Constant {
-        /// The constant sample.
-        sample: Sample,
-    },
+    Constant { sample: Sample },
     /// All values are on one side of zero.
     #[error(
         "expected EMG around zero, found values on one side only: rectified, or its envelope (EMG mode 1)"
@@ -118,173 +103,101 @@ pub enum Finding {
     OneSided,
     /// A channel is a counter.
     #[error("expected EMG in each channel, found a column that counts in channel {channel}")]
-    Counter {
-        /// The channel.
-        channel: usize,
-    },
+    Counter { channel: usize },
     /// Most values at the ends of the range.
     #[error("expected EMG, found {percent:.0} % of all values at -128 or 127")]
-    Clipped {
-        /// Share of the values, in percent.
-        percent: f64,
-    },
+    Clipped { percent: f64 },
     /// Too few channels have a signal of their own.
     #[error("expected {CHANNELS} channels, found {own} with a signal of their own")]
-    FewChannels {
-        /// Channels that are neither silent nor copies.
-        own: usize,
-    },
+    FewChannels { own: usize },
     /// Channels are silent.
     #[error("{} silent", are(channels))]
-    Dead {
-        /// The channels.
-        channels: Vec<usize>,
-    },
+    Dead { channels: Vec<usize> },
     /// Channels are copies of others.
     #[error("channels say the same as others: {}", pairs.iter().map(|(own, of)| format!("{own} as {of}")).collect::<Vec<_>>().join(", "))]
-    SameChannel {
-        /// Each channel that is a copy, and the channel that it equals.
-        pairs: Vec<(usize, usize)>,
-    },
+    SameChannel { pairs: Vec<(usize, usize)> },
     /// Channels are at the ends of their range.
     #[error("{} saturated in up to {percent:.0} % of the samples", are(channels))]
-    Saturated {
-        /// The channels.
-        channels: Vec<usize>,
-        /// Largest share of a channel's samples, in percent.
-        percent: f64,
-    },
+    Saturated { channels: Vec<usize>, percent: f64 },
     /// Mains hum is in the signal.
     #[error(
         "mains hum: up to {percent:.0} % of a channel's power is at {hz} Hz, in {} of {CHANNELS} channels",
         channels.len()
     )]
     Hum {
-        /// Frequency of the mains.
         hz: usize,
-        /// Channels with hum, from 0.
         channels: Vec<usize>,
-        /// Share of the worst channel's power, in percent.
         percent: f64,
     },
     /// The clock gives another rate.
     #[error("expected {SAMPLE_RATE_HZ} rows a second, found {hz:.0} by column \"{column}\"")]
-    Rate {
-        /// The clock's column.
-        column: String,
-        /// Rows a second.
-        hz: f64,
-    },
+    Rate { column: String, hz: f64 },
     /// The clock has gaps, or goes back.
     #[error(
         "column \"{column}\" leaps {gaps} times, by {seconds:.2} s at row {row}: read as {pieces} recordings"
     )]
     Gap {
-        /// The clock's column.
         column: String,
-        /// Number of leaps.
         gaps: usize,
-        /// Row after the largest leap.
         row: usize,
-        /// Largest leap in seconds; negative if the times go back.
         seconds: f64,
-        /// Number of recordings that the rows are read as.
         pieces: usize,
     },
     /// The clock is not understood.
     #[error(
         "column \"{column}\" is not used: its values are no times, do not rise, or have no known unit"
     )]
-    ClockUnclear {
-        /// The clock's column.
-        column: String,
-    },
+    ClockUnclear { column: String },
     /// Repeats of an even polling were left out.
     #[error(
         "each sample is there {times:.2} times, evenly: polled faster than {SAMPLE_RATE_HZ} Hz; {dropped} repeats are left out"
     )]
-    Polled {
-        /// Mean rows per sample.
-        times: f64,
-        /// Rows left out.
-        dropped: usize,
-    },
+    Polled { times: f64, dropped: usize },
     /// Repeats are even, but the samples are not at 200 Hz.
     #[error(
         "each row is there {times:.2} times, and what is left without repeats is not at {SAMPLE_RATE_HZ} Hz: samples are missing"
     )]
-    Held {
-        /// Mean rows per sample.
-        times: f64,
-    },
+    Held { times: f64 },
     /// Repeats have no pattern.
     #[error(
         "{percent:.0} % of the rows repeat the one before in no pattern: as many samples may be lost"
     )]
-    Repeats {
-        /// Share of the rows that repeat, in percent.
-        percent: f64,
-    },
+    Repeats { percent: f64 },
     /// The samples do not change for a long time.
     #[error("the samples stand still for {seconds:.1} s from row {row} on")]
-    Standstill {
-        /// First row of the standstill.
-        row: usize,
-        /// Duration in seconds.
-        seconds: f64,
-    },
+    Standstill { row: usize, seconds: f64 },
     /// Neighbours are not 5 ms apart.
     #[error(
         "samples hardly correlate with the next ({correlation:.2}; -0.2 to -0.4 at {SAMPLE_RATE_HZ} Hz): every second one may be missing"
     )]
-    Unrelated {
-        /// Mean correlation of neighbours.
-        correlation: f64,
-    },
+    Unrelated { correlation: f64 },
     /// Neighbours are less than 5 ms apart, or smoothed.
     #[error(
         "samples resemble the next (correlation {correlation:.2}; -0.2 to -0.4 at {SAMPLE_RATE_HZ} Hz): sampled faster than \
          {SAMPLE_RATE_HZ} Hz, filtered, or of another device"
     )]
-    Resembling {
-        /// Mean correlation of neighbours.
-        correlation: f64,
-    },
+    Resembling { correlation: f64 },
     /// Rows of several armbands.
     #[error("expected the rows of one armband, found those of {} in column \"{column}\": {}", devices.len(), devices.join(", "))]
     Devices {
-        /// Name of the column.
         column: String,
-        /// Values of the column.
         devices: Vec<String>,
     },
     /// Columns of several armbands.
     #[error("expected {CHANNELS} columns of EMG, found those of {} armbands: {}", armbands.len(), armbands.join("; "))]
-    ManyColumns {
-        /// First and last column of each armband.
-        armbands: Vec<String>,
-    },
+    ManyColumns { armbands: Vec<String> },
     /// Rows without names have the columns of two armbands.
     #[error("expected {CHANNELS} channels, found {columns} columns: those of two armbands")]
-    ManyChannels {
-        /// Number of columns.
-        columns: usize,
-    },
+    ManyChannels { columns: usize },
     /// Rows have several samples.
     #[error(
         "expected a sample of {CHANNELS} channels a row, found {values} values: {} samples a row",
         values / CHANNELS
     )]
-    Windows {
-        /// Values of a row, without a label.
-        values: usize,
-    },
+    Windows { values: usize },
     /// Rows of two armbands alternate.
     #[error("expected the samples of one armband, found two in turn, {rows} of each")]
-    InTurn {
-        /// Rows of one armband before the other's.
-        rows: usize,
-    },
+    InTurn { rows: usize },
     /// The samples are also in another recording.
     #[error(
         "the same samples as in {}{}{}, left out",
@@ -293,21 +206,13 @@ pub enum Finding {
         if *person { ", under another person's name" } else { "" }
     )]
     Copy {
-        /// The recording that is kept.
         of: PathBuf,
-        /// Whether the labels differ.
         labels: bool,
-        /// Whether the persons differ.
         person: bool,
     },
     /// Some of the samples are also in another recording.
     #[error("{seconds:.0} s of its samples are also in {}", of.display())]
-    Overlap {
-        /// File of the other recording.
-        of: PathBuf,
-        /// Duration of the common samples, in seconds.
-        seconds: f64,
-    },
+    Overlap { of: PathBuf, seconds: f64 },
 }
 
 /// Channels in words: `channels 2, 4 to 6 and 8 are`.

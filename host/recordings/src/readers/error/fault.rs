@@ -10,52 +10,28 @@ use execution::file_kind::FileKind;
 pub enum Fault {
     /// A row with another number of fields.
     #[error("expected {expected} values as in the rows before, found {found}")]
-    Fields {
-        /// Values that this layout has in a row.
-        expected: usize,
-        /// Values in the row.
-        found: usize,
-    },
+    Fields { expected: usize, found: usize },
     /// A field that is no number.
     #[error("expected a number in field {field}, found \"{}\"", excerpt(text))]
-    Number {
-        /// Field of the row, 1 first.
-        field: usize,
-        /// Content of the field.
-        text: String,
-    },
+    Number { field: usize, text: String },
     /// A sample outside the armband's range.
     #[error(
         "expected a count of the armband in field {field}, a whole number from -128 to 127, found {value}"
     )]
-    Range {
-        /// Field of the row, 1 first.
-        field: usize,
-        /// The value, in counts of the armband.
-        value: f64,
-    },
+    Range { field: usize, value: f64 },
     /// A label that the data set does not have.
     #[error("expected a label of {expected}, found \"{}\"", excerpt(found))]
     Label {
-        /// The labels of the set.
         expected: &'static str,
-        /// The label found.
         found: String,
     },
     /// A placement of the armband that does not exist.
     #[error("expected a turn of 0..=7 and mirrored 0 or 1, found {turn} and {mirrored}")]
-    Placement {
-        /// Places by which it is turned.
-        turn: f64,
-        /// Value that is 1 if it is on the other arm.
-        mirrored: f64,
-    },
+    Placement { turn: f64, mirrored: f64 },
     /// An array of another shape or element type.
     #[error("expected an array of {expected}, found {}", excerpt(found))]
     Array {
-        /// Shape and type that this layout has.
         expected: &'static str,
-        /// Shape and type of the file.
         found: String,
     },
     /// Bytes that are no npy file.
@@ -63,37 +39,23 @@ pub enum Fault {
     Npy(String),
     /// Another number of bytes than the layout or the header requires.
     #[error("expected {expected} bytes, found {found}: the file is cut short or damaged")]
-    Length {
-        /// Bytes that should be there.
-        expected: u64,
-        /// Bytes that are there.
-        found: u64,
-    },
+    Length { expected: u64, found: u64 },
     /// Labels and samples of different number.
     #[error("expected one label per sample, found {labels} labels for {samples} samples")]
-    LabelCount {
-        /// Number of samples.
-        samples: usize,
-        /// Number of labels.
-        labels: usize,
-    },
+    LabelCount { samples: usize, labels: usize },
     /// The other file of a pair is not there.
     #[error("expected {} beside it, found no such file", excerpt(_0))]
     Partner(String),
     /// A path that does not name person and gesture as the set does.
     #[error("expected the folders and names of {set} as published, such as {example}")]
     Path {
-        /// The data set.
         set: &'static str,
-        /// Example of a path of the set.
         example: &'static str,
     },
     /// A file of another kind.
     #[error("expected {expected}, found {found}")]
     Kind {
-        /// Kinds that are accepted.
         expected: &'static str,
-        /// Kind of the file.
         found: FileKind,
     },
     /// Bytes that are no UTF-8.
@@ -106,11 +68,8 @@ pub enum Fault {
         excerpt(header)
     )]
     Channels {
-        /// The header.
         header: String,
-        /// Separator of its names.
         separator: Separator,
-        /// Description of the columns that there are instead.
         found: String,
     },
     /// Rows of another number of columns than eight, without a header.
@@ -119,30 +78,22 @@ pub enum Fault {
          what they are: write one as first line, such as gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7"
     )]
     Headerless {
-        /// Columns of most rows.
         columns: usize,
-        /// Separator of the columns.
         separator: Separator,
     },
     /// Lines in front of the header.
     #[error(
         "expected the header in the first line, found it in line {line}: remove the lines before it, or begin each with #"
     )]
-    Title {
-        /// Line of the header.
-        line: usize,
-    },
+    Title { line: usize },
     /// Rows of several kinds.
     #[error(
         "expected rows of one kind, found {found} values here and {other} in line {line}: keep the rows of the EMG, with \
          one header, in a file of their own"
     )]
     Kinds {
-        /// Fields of the first row.
         found: usize,
-        /// Fields of another row.
         other: usize,
-        /// Line of that row.
         line: usize,
     },
     /// Rows that hold lists.
@@ -162,23 +113,13 @@ pub enum Fault {
         "expected a header with one of the columns {expected}, found \"{}\"",
         excerpt(found)
     )]
-    Column {
-        /// Names that are accepted.
-        expected: String,
-        /// The first line.
-        found: String,
-    },
+    Column { expected: String, found: String },
     /// A column of the description that a file does not have.
     #[error(
         "expected column {column} of the description, found {}",
         excerpt(found)
     )]
-    DescribedColumn {
-        /// The column.
-        column: String,
-        /// Columns of the file.
-        found: String,
-    },
+    DescribedColumn { column: String, found: String },
     /// A label that the description does not explain.
     #[error(
         "expected a label that is listed in `labels` of the description, found \"{}\": add it to one of the lists, such as \
@@ -203,38 +144,18 @@ pub enum Fault {
     Objects,
     /// Another number of labelled stretches than the layout has.
     #[error("expected {expected} gestures marked, found {found}")]
-    Gestures {
-        /// Gestures that this layout has in a file.
-        expected: usize,
-        /// Gestures in the file.
-        found: usize,
-    },
+    Gestures { expected: usize, found: usize },
     /// Samples without meaning.
     #[error("{finding}; {}", finding.advice())]
-    Refused {
-        /// Finding, with advice.
-        finding: Finding,
-    },
+    Refused { finding: Finding },
     /// Times that last too long.
     #[error("expected a recording of at most {most} s, found one of {seconds:.0} s")]
-    Duration {
-        /// Longest recording that is accepted, in seconds.
-        most: f64,
-        /// Seconds from the first row to this one.
-        seconds: f64,
-    },
+    Duration { most: f64, seconds: f64 },
     /// Times that go back or leave a gap.
     #[error(
         "expected times that rise by at most {most} ms from row to row, found {from} and then {to}"
     )]
-    Times {
-        /// Largest gap, in ms.
-        most: f64,
-        /// Time of the row before.
-        from: f64,
-        /// Time of the row.
-        to: f64,
-    },
+    Times { most: f64, from: f64, to: f64 },
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Errors of reading recordings, and the place of a fault.
 
-pub mod excerpt;
+pub(crate) mod excerpt;
 mod fault;
 
 use std::fmt;
