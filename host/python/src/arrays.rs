@@ -1,9 +1,10 @@
 //! Samples and labels from and to numpy arrays.
 
+use std::fmt::Display;
+
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArrayDyn};
 use numpy::{PyUntypedArrayMethods as _, get_array_module};
 use pyo3::prelude::*;
-use recordings::Fault;
 use recordings::labels::motion::Motion;
 use recordings::raw_samples::raw_samples;
 use recordings::readers::label_file::{from_number, from_text};
@@ -63,9 +64,9 @@ pub fn motions(labels: &Bound<'_, PyAny>) -> PyResult<Vec<Motion>> {
 }
 
 /// Motion of each label, by its number or name.
-fn each<T>(
+fn each<T, E: Display>(
     labels: impl IntoIterator<Item = T>,
-    motion: impl Fn(T) -> Result<Motion, Fault>,
+    motion: impl Fn(T) -> Result<Motion, E>,
 ) -> PyResult<Vec<Motion>> {
     let labels = labels.into_iter().enumerate();
     let motion = |(row, label)| {
