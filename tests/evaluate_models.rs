@@ -7,8 +7,6 @@ mod small;
 #[path = "live/browser.rs"]
 #[expect(dead_code, reason = "a page without keys")]
 mod browser;
-#[path = "evaluate_models/described.rs"]
-mod described;
 #[path = "evaluate_models/frame.rs"]
 mod frame;
 #[path = "evaluate_models/labels.rs"]

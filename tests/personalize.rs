@@ -11,7 +11,6 @@ use std::process::ExitCode;
 use clap::Parser as _;
 use evaluation::Measure;
 use myointent::cli::Cli;
-use myointent_tests::data;
 use recordings::synthetic::{self, SynthOptions};
 use recordings::{LoadOptions, load};
 use shared::model::file::Model;
@@ -26,9 +25,9 @@ fn shipped() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/three-class.intent")
 }
 
-fn personalize(model: &Path, data: &Path, out: &Path, more: &[&str]) -> ExitCode {
+fn personalize(model: &Path, data: &Path, out: &Path) -> ExitCode {
     let [model, data, out] = [model, data, out].map(|path| path.to_str().unwrap());
-    let mut line = vec![
+    let line = [
         "myointent",
         "personalize",
         "--model",
@@ -38,7 +37,6 @@ fn personalize(model: &Path, data: &Path, out: &Path, more: &[&str]) -> ExitCode
         "--out",
         out,
     ];
-    line.extend(more);
     Cli::try_parse_from(line).unwrap().run()
 }
 
@@ -90,20 +88,6 @@ fn exchange(path: &Path, [one, other]: [&'static str; 2]) {
     });
 }
 
-/// Changes each value of the channels, by the number of its sample.
-fn remeasure(path: &Path, change: impl Fn(usize, f64) -> f64) {
-    let text = fs::read_to_string(path).unwrap();
-    let value = |(at, line): (usize, &str)| {
-        let mut fields: Vec<String> = line.split(',').map(str::to_owned).collect();
-        for field in fields[1..=CHANNELS].iter_mut().filter(|_| at > 0) {
-            *field = change(at, field.parse().unwrap()).to_string();
-        }
-        fields.join(",")
-    };
-    let lines: Vec<String> = text.lines().enumerate().map(value).collect();
-    fs::write(path, lines.join("\n")).unwrap();
-}
-
 /// Returns the balanced accuracy of a model on the part of a person's recordings that `personalize` holds back.
 fn on_the_part_held_back(model: &Path, recordings: &Path) -> f64 {
     let bytes = fs::read(model).unwrap();
@@ -121,7 +105,7 @@ fn who_is_unlike_the_people_of_the_training_gets_a_better_model() {
     let recordings = folder.join("recordings");
     person(&recordings).iter().for_each(|path| turn(path));
     let out = folder.join("new.intent");
-    let code = personalize(&shipped(), &recordings, &out, &[]);
+    let code = personalize(&shipped(), &recordings, &out);
     assert_eq!(code, ExitCode::SUCCESS);
     let [before, after] = [&shipped(), &out].map(|file| on_the_part_held_back(file, &recordings));
     assert!(after > before + 0.02, "{before} {after}");
@@ -130,7 +114,7 @@ fn who_is_unlike_the_people_of_the_training_gets_a_better_model() {
     assert_eq!(seen(&out), expected);
 
     // A file is not replaced, whatever its content.
-    let again = personalize(&shipped(), &recordings, &out, &[]);
+    let again = personalize(&shipped(), &recordings, &out);
     assert_eq!(again, ExitCode::FAILURE);
     assert_eq!(seen(&out), expected);
 }
@@ -146,7 +130,7 @@ fn the_old_model_is_kept_if_the_new_one_is_worse() {
         exchange(path, ["1", "2"]);
     }
     let out = folder.join("new.intent");
-    let code = personalize(&shipped(), &recordings, &out, &[]);
+    let code = personalize(&shipped(), &recordings, &out);
     assert_eq!(code, ExitCode::from(KEPT));
     let names = fs::read_dir(&folder)
         .unwrap()
@@ -159,89 +143,12 @@ fn the_old_model_is_kept_if_the_new_one_is_worse() {
 }
 
 #[test]
-fn a_model_that_never_leaves_rest_is_not_written() {
-    let folder = folder("personalize-constant");
-    // The changes are: a whole count for a hundredth of the armband's value, mains hum above all gestures, and silence
-    // on all channels.
-    let hum = |at: usize| (60.0 * (at as f64 * std::f64::consts::FRAC_PI_2).cos()).round();
-    type Change = Box<dyn Fn(usize, f64) -> f64>;
-    let kinds: [(&str, Change); 3] = [
-        ("scale", Box::new(|_, value| (value / 128.0).round())),
-        (
-            "hum",
-            Box::new(move |at, value| (value / 8.0 + hum(at)).round().clamp(-128.0, 127.0)),
-        ),
-        ("nothing", Box::new(|_, _| 0.0)),
-    ];
-    for (kind, change) in kinds {
-        let recordings = folder.join(kind);
-        person(&recordings)
-            .iter()
-            .for_each(|path| remeasure(path, &change));
-        let out = folder.join("new.intent");
-        let code = personalize(&shipped(), &recordings, &out, &[]);
-        assert!(!out.exists(), "{kind}");
-        assert_ne!(code, ExitCode::SUCCESS, "{kind}");
-    }
-}
-
-#[test]
 fn exchanged_labels_are_not_tuned_on() {
     let folder = folder("personalize-exchanged");
-    for pair in [["1", "2"], ["0", "1"], ["0", "2"]] {
-        let recordings = folder.join(pair.concat());
-        person(&recordings)
-            .iter()
-            .for_each(|path| exchange(path, pair));
-        let out = folder.join("new.intent");
-        let code = personalize(&shipped(), &recordings, &out, &[]);
-        assert!(!out.exists(), "{pair:?}");
-        // Rest that is labelled as a gesture may leave too few gestures to divide, which is refused before the model is
-        // judged.
-        let refusals = [ExitCode::from(KEPT), ExitCode::FAILURE];
-        let expected = &refusals[..if pair == ["1", "2"] { 1 } else { 2 }];
-        assert!(expected.contains(&code), "{pair:?}: {code:?}");
-    }
-}
-
-#[test]
-fn what_is_no_model_or_nobodys_recordings_is_refused() {
-    let folder = folder("personalize-refused");
     let recordings = folder.join("recordings");
     let files = person(&recordings);
+    files.iter().for_each(|path| exchange(path, ["1", "2"]));
     let out = folder.join("new.intent");
-    let refused = |model: &Path, data: &Path, more: &[&str]| {
-        assert_eq!(personalize(model, data, &out, more), ExitCode::FAILURE);
-        assert!(!out.exists());
-    };
-    refused(&files[0], &recordings, &[]);
-    refused(&shipped(), &folder.join("nowhere"), &[]);
-    refused(&shipped(), &recordings, &["--subject", "s2"]);
-    let other_format = folder.join("other.intent");
-    let mut bytes = fs::read(shipped()).unwrap();
-    bytes[8] -= 1;
-    fs::write(&other_format, bytes).unwrap();
-    refused(&other_format, &recordings, &[]);
-    let empty = folder.join("empty");
-    fs::create_dir(&empty).unwrap();
-    refused(&shipped(), &empty, &[]);
-}
-
-#[test]
-fn real_recordings_are_tuned_on_and_the_file_says_so() {
-    let Some(data) = data("real_recordings_are_tuned_on_and_the_file_says_so") else {
-        return;
-    };
-    let folder = folder("personalize-real");
-    let out = folder.join("new.intent");
-    // This person of the development group was not seen by the shipped model.
-    let (data, person) = (data.join("wang-myo"), "wang-myo/S8");
-    assert!(!seen(&shipped()).iter().any(|seen| seen == person));
-    let code = personalize(&shipped(), &data, &out, &["--subject", "S8"]);
-    if code == ExitCode::SUCCESS {
-        assert_eq!(seen(&out).last().map(String::as_str), Some(person));
-    } else {
-        assert_eq!(code, ExitCode::from(KEPT));
-        assert!(!out.exists());
-    }
+    let code = personalize(&shipped(), &recordings, &out);
+    assert_eq!((code, out.exists()), (ExitCode::from(KEPT), false));
 }

@@ -9,7 +9,6 @@ use std::path::{Path, PathBuf};
 use evaluation::inference::{input, integer_logits};
 use myointent::cli::replay;
 use shared::model::file::Model;
-use shared::uart_line::{Kind, Report};
 use small::{folder, myointent, recordings, small_preset};
 
 fn quickstart(folder: &Path, run: &str) -> PathBuf {
@@ -127,53 +126,4 @@ fn an_integer_student_is_deterministic_and_near_the_float_student() {
         worst < 0.05 * largest + 0.02,
         "off by {worst}, logits up to {largest}"
     );
-}
-
-#[test]
-fn replay_prints_the_lines_of_a_device_from_three_seconds_on() {
-    let folder = folder("replay");
-    let run = quickstart(&folder, "run");
-    let (_, file) = recordings(&folder);
-    let bytes = fs::read(run.join("student.intent")).unwrap();
-    let recording = replay::one_recording(&file, None).unwrap();
-    let lines = replay::lines(&bytes, &recording.samples).unwrap();
-    let reports: Vec<Report> = lines
-        .lines()
-        .map(|line| Report::parse(format!("{line}\r\n").as_bytes()).unwrap())
-        .collect();
-    assert!(
-        reports
-            .windows(2)
-            .all(|pair| pair[1].sequence == pair[0].sequence + 1)
-    );
-    assert!(!reports[0].status.valid());
-    let labels: Vec<&Report> = reports
-        .iter()
-        .filter(|report| report.kind == Kind::Label)
-        .collect();
-    // 30 s remain, less the 3 s of the first window and 0.25 s of look-ahead, with a label every 0.1 s.
-    assert!(
-        (260..=268).contains(&labels.len()),
-        "{} labels",
-        labels.len()
-    );
-    for label in labels {
-        assert!(label.emitted.0 >= 600);
-        // Labels lag by the look-ahead and the one sample of the median.
-        assert_eq!(label.emitted.since(label.instant), 51);
-    }
-}
-
-#[test]
-fn a_damaged_model_file_is_refused_with_its_reason() {
-    let folder = folder("damage");
-    let run = quickstart(&folder, "run");
-    let (_, file) = recordings(&folder);
-    let mut bytes = fs::read(run.join("student.intent")).unwrap();
-    let middle = bytes.len() / 2;
-    bytes[middle] ^= 1;
-    let recording = replay::one_recording(&file, None).unwrap();
-    let error = replay::lines(&bytes, &recording.samples).unwrap_err();
-    let error = format!("{error:#}");
-    assert!(error.contains("checksum"), "{error}");
 }

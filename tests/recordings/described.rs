@@ -196,46 +196,6 @@ fn a_description_reads_what_the_sets_reader_reads() {
 }
 
 #[test]
-fn other_rates_are_refused_with_the_reason() {
-    let test = "other_rates_are_refused_with_the_reason";
-    if let Some(folder) = folder(test, "eating") {
-        let (_, path, _own) = mended(&folder, &["rate = 103"]);
-        let error = load(&path, &LoadOptions::default()).unwrap_err();
-        let error = error.to_string();
-        let expected = "expected 200 rows a second, found 103";
-        assert!(error.contains(expected), "{error}");
-        assert!(error.contains("mine.toml, line "), "{error}");
-    }
-    if let Some(folder) = case(test, "rate/half") {
-        let (_, path, _own) = mended(&folder, &[]);
-        let library = load(&path, &LoadOptions::default()).unwrap();
-        let left_out = library.skipped[0].line();
-        let expected = "expected 200 rows a second, found 100";
-        assert!(left_out.contains(expected), "{left_out}");
-    }
-}
-
-#[test]
-fn what_the_examiner_refuses_stays_refused() {
-    let test = "what_the_examiner_refuses_stays_refused";
-    for (name, words) in [
-        ("two-bands/interleaved", "left, right"),
-        ("all-damaged", "expected a number in field 2, found \"x\""),
-    ] {
-        let Some(folder) = case(test, name) else {
-            return;
-        };
-        let (_, path, _own) = mended(&folder, &[]);
-        let library = load(&path, &LoadOptions::default()).unwrap();
-        let skipped = library.skipped[0].line();
-        assert!(
-            library.recordings.is_empty() && skipped.contains(words),
-            "{name}: {skipped}"
-        );
-    }
-}
-
-#[test]
 fn an_existing_description_is_never_replaced() {
     let own = tempfile::tempdir().unwrap();
     let rows = (0..300).map(|row: usize| {

@@ -3,8 +3,7 @@
 use recordings::labels::lag::{self, LabelLag};
 use recordings::labels::set_lag::Lag;
 use recordings::split::predefined;
-use recordings::{Library, LoadOptions, Recording, Timing, load};
-use shared::intent::Intent;
+use recordings::{Recording, Timing};
 
 use super::read;
 
@@ -71,39 +70,6 @@ fn the_recordings_decide_how_their_labels_are_compensated() {
             "{set}: {lag}"
         );
     }
-}
-
-#[test]
-fn roshambo_as_own_csv_has_the_labels_of_its_reader() {
-    let Some(library) = read(
-        "roshambo_as_own_csv_has_the_labels_of_its_reader",
-        "roshambo",
-    ) else {
-        return;
-    };
-    let folder = tempfile::tempdir().unwrap();
-    for own in &library.recordings {
-        let person = own.subject.replace("roshambo/", "p");
-        let mut text = "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n".to_owned();
-        for (sample, label) in own.samples.iter().zip(&own.labels) {
-            let class = label.map_or(-1, |intent| intent.class() as i8);
-            let values = sample.map(|value| value.to_string());
-            text += &format!("{class},{}\n", values.join(","));
-        }
-        let path = folder.path().join(&person);
-        std::fs::create_dir_all(&path).unwrap();
-        std::fs::write(path.join(format!("{person}_{}.csv", own.name)), text).unwrap();
-    }
-    let copy = load(folder.path(), &LoadOptions::default()).unwrap();
-    let labels = |library: &Library| -> Vec<Vec<Option<Intent>>> {
-        let all: Vec<&Recording> = library.recordings.iter().collect();
-        let how = LabelLag::default();
-        let lag = Lag::of(all[0].data_set, &all, how, &predefined::is_training);
-        let compensated = |own: &Recording| own.compensated(lag.of_recording(own)).labels;
-        library.recordings.iter().map(compensated).collect()
-    };
-    assert_eq!(copy.recordings.len(), library.recordings.len());
-    assert!(labels(&copy) == labels(library));
 }
 
 #[test]

@@ -113,25 +113,6 @@ fn power_that_fails_at_any_operation_leaves_the_old_model_or_none_and_the_file_i
 }
 
 #[test]
-fn power_that_fails_every_70_operations_installs_it_all_the_same() {
-    let (old, new) = (file(1), file(2));
-    let mut flash = Flash::of(&old);
-    let mut starts = 0;
-    let board = loop {
-        flash.left = 70;
-        let mut board = Board::start(flash, &[&old, &new]);
-        starts += 1;
-        assert!(starts < 30, "no progress");
-        if board.in_use == Some(2) || send(&mut board, &new).is_ok() {
-            break board;
-        }
-        flash = board.flash;
-    };
-    assert_eq!(board.in_use, Some(2));
-    assert!(starts > 5);
-}
-
-#[test]
 fn another_file_begins_from_the_start_and_the_same_one_goes_on() {
     let (old, new, other) = (file(1), file(2), file(3));
     let mut board = Board::start(Flash::of(&old), &[&old, &new, &other]);

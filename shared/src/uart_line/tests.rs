@@ -2,12 +2,15 @@
 
 use super::alignment::{AlignmentReport, AlignmentState};
 use super::answer::{Accepted, Answer, Binding, Charge, Identity, Refusal};
+use super::command::CommandReader;
 use super::emg::EmgReport;
 use super::line::{Line, MAX_LINE_BYTES};
+use super::lock::Locking;
 use super::*;
 use crate::installation::Progress;
 use crate::myo::{Address, AddressKind, FirmwareVersion, Following};
 use crate::stream::alignment::Alignment;
+use crate::stream::lock::LockTimes;
 use crate::stream::smoother::{Gate, Reaction};
 use crate::units::Sample;
 use alloc::{
@@ -113,6 +116,19 @@ prop_compose! {
     }
 }
 
+const REFUSALS: [Refusal; 10] = [
+    Refusal::TooLong,
+    Refusal::Frame,
+    Refusal::Unknown,
+    Refusal::Arguments,
+    Refusal::NoModel,
+    Refusal::NoStream,
+    Refusal::BuiltIn,
+    Refusal::Busy,
+    Refusal::Length,
+    Refusal::Flash,
+];
+
 fn any_answer() -> impl Strategy<Value = Line<'static>> {
     let following = prop_oneof![
         any_address().prop_map(Following::Pinned),
@@ -151,8 +167,16 @@ fn any_answer() -> impl Strategy<Value = Line<'static>> {
         Just(Answer::Align(Accepted::Cancel)),
         Just(Answer::Align(Accepted::Set)),
         any::<u8>().prop_map(|sum| Answer::Refused(Refusal::Checksum(sum))),
-        Just(Answer::Refused(Refusal::TooLong)),
-        Just(Answer::Refused(Refusal::Flash)),
+        prop::sample::select(&REFUSALS[..]).prop_map(Answer::Refused),
+        any::<Option<(bool, [u16; 2])>>().prop_map(|lock| Answer::Lock(lock.map(
+            |(locked, [sign, rest])| Locking {
+                times: LockTimes {
+                    sign: 100 + u32::from(sign) % 1901,
+                    rest: 200 + u32::from(rest),
+                },
+                locked,
+            }
+        ))),
     ];
     answer.prop_map(Line::Answer)
 }
@@ -205,6 +229,10 @@ proptest! {
         let most = if matches!(written, Line::Report(_)) { MAX_LINE } else { MAX_LINE_BYTES };
         prop_assert!(line.is_ascii() && line.len() <= most);
         prop_assert_eq!(Line::parse(line.as_bytes()), Ok(written));
+        prop_assert_eq!(line.matches(['\r', '\n', '$', '*']).count(), 4);
+        // A receiver at its own transmitter does not answer itself.
+        let mut reader = CommandReader::new();
+        prop_assert_eq!(line.bytes().find_map(|byte| reader.push(byte)), None);
     }
 
     #[test]

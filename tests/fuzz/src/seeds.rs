@@ -60,7 +60,6 @@ fn all() -> Vec<(&'static str, Vec<Vec<u8>>)> {
             ],
         ),
         ("report", reports()),
-        ("answer", (0..6).map(|kind| vec![kind; 70]).collect()),
         ("model", models()),
         ("template", vec![template()]),
         ("npy", arrays()),

@@ -1,6 +1,5 @@
 //! Targets of fuzzing. A new target needs its function, its line in [`ALL`] and its seeds in [`crate::seeds`].
 
-mod answer;
 mod armband;
 mod command;
 mod description;
@@ -30,7 +29,7 @@ const fn target(name: &'static str, longest: usize, run: fn(&[u8])) -> Target {
 }
 
 /// All targets, from the radio to the PC.
-pub const ALL: [Target; 18] = [
+pub const ALL: [Target; 17] = [
     target("advertisement", 256, armband::advertisement),
     target("discovery", 4096, armband::discovery),
     target("notification", 1024, armband::notification),
@@ -40,7 +39,6 @@ pub const ALL: [Target; 18] = [
     target("command", 512, command::run),
     target("installation", 1024, installation::run),
     target("report", 1024, report::run),
-    target("answer", 128, answer::run),
     target("model", 2048, model::run),
     target("template", 128, model::template),
     target("npy", 1024, npy::run),

@@ -61,7 +61,7 @@ fn check(line: &[u8]) {
 }
 
 /// Checks that a receiver connected to its own transmitter does not answer itself.
-pub fn is_not_answered(line: &str) {
+fn is_not_answered(line: &str) {
     let mut reader = CommandReader::new();
     let answer = line.bytes().find_map(|byte| reader.push(byte));
     assert_eq!(answer, None, "the device answers its own line {line:?}");
