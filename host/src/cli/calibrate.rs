@@ -127,8 +127,8 @@ mod tests {
         let written = fs::read(&first).unwrap();
         assert_eq!(calibrate(&data, &first), ExitCode::FAILURE);
         assert_eq!(fs::read(&first).unwrap(), written);
-        let last = files.last().unwrap();
-        fs::write(last, exchanged(&fs::read_to_string(last).unwrap())).unwrap();
+        let taught = files.first().unwrap();
+        fs::write(taught, exchanged(&fs::read_to_string(taught).unwrap())).unwrap();
         assert_eq!(calibrate(&data, &second), ExitCode::from(KEPT));
         assert!(!second.exists());
     }
