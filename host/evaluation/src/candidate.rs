@@ -7,8 +7,9 @@ use rayon::iter::IntoParallelRefIterator;
 use rayon::iter::ParallelIterator;
 use shared::intent::MAX_CLASSES;
 use shared::model::LookBackLogits;
-use shared::model::file::{Model, SmootherDefaults};
+use shared::model::file::{Model, ModelError, SmootherDefaults};
 use shared::stream::smoother::{Early, Settings};
+use shared::units::CleanSample;
 
 use super::condition::LookAhead;
 use super::system::System;
@@ -34,7 +35,6 @@ pub struct Candidate {
 
 impl Candidate {
     /// A model with logits of past patches and the margins of its file.
-    #[must_use]
     pub fn new(
         model: impl Into<System>,
         logits: Vec<Vec<LookBackLogits>>,
@@ -49,7 +49,6 @@ impl Candidate {
     }
 
     /// A model without confidence gate, whose labels wait for their look-ahead.
-    #[must_use]
     pub fn without_margins(
         model: impl Into<System>,
         looks_back: bool,
@@ -73,7 +72,6 @@ impl Candidate {
     }
 
     /// The smoother's settings under a condition.
-    #[must_use]
     pub(crate) fn settings(&self, look_ahead: LookAhead) -> Settings {
         Settings {
             entry_margins: self.entry_margins,
@@ -84,7 +82,6 @@ impl Candidate {
     }
 
     /// The condition `wanted`, or no look-ahead for a model that supports no other.
-    #[must_use]
     pub(crate) fn condition(&self, wanted: LookAhead) -> LookAhead {
         if self.looks_back {
             wanted
@@ -100,11 +97,20 @@ pub fn integer_candidate(
     model: &Model<'_>,
     recordings: &[EvaluatedRecording],
 ) -> Result<Candidate, EvaluationError> {
-    let logits = recordings
-        .par_iter()
-        .map(|recording| integer_logits(model, &recording.input(model.header.preprocessing)))
-        .collect::<Result<_, _>>()?;
-    Ok(Candidate::new(name, logits, &model.header.smoother))
+    candidate(name, model, recordings, |_, emg| integer_logits(model, emg))
+}
+
+/// A model file's candidate; `logits` gives those of a recording, by the model's input.
+pub(crate) fn candidate(
+    system: impl Into<System>,
+    model: &Model<'_>,
+    recordings: &[EvaluatedRecording],
+    logits: impl Fn(&EvaluatedRecording, &[CleanSample]) -> Result<Vec<LookBackLogits>, ModelError>
+    + Sync,
+) -> Result<Candidate, EvaluationError> {
+    let of = |own: &EvaluatedRecording| logits(own, &own.input(model.header.preprocessing));
+    let logits = recordings.par_iter().map(of).collect::<Result<_, _>>()?;
+    Ok(Candidate::new(system, logits, &model.header.smoother))
 }
 
 #[cfg(test)]

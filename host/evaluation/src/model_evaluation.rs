@@ -165,29 +165,23 @@ pub fn evaluate_models(
     let mut aligned = Aligned::default();
     if selection.align {
         let people = openings_of(&recordings);
-        (subjects, left_out_openings) = subjects
-            .into_iter()
-            .partition(|own| people.contains_key(&own.subject));
+        left_out_openings = leave_out(&mut subjects, &people);
         if subjects.is_empty() {
             return Err(EvaluationError::NobodyOpens {
                 people: left_out_openings.len(),
             });
         }
         aligned = align(&named, &people, &worn, selection.arm_told)?;
-        gestures = cued(
-            recordings
-                .iter()
-                .filter(|own| people.contains_key(&own.subject)),
-        );
+        let is_left = |own: &EvaluatedRecording| people.contains_key(&own.subject);
+        gestures = cued(recordings.iter().filter(|own| is_left(own)));
         leave_out_openings(&mut recordings, &people, &aligned.taken);
-        recordings.retain(|recording| people.contains_key(&recording.subject));
+        recordings.retain(is_left);
     }
     let mut left_out_holds = Vec::new();
     let mut calibrations = Vec::new();
     if let Some(lesson) = selection.calibrate {
         let people = people_of(&recordings, vocabulary);
-        let is_left = |own: &EvaluatedSubject| people.contains_key(&own.subject);
-        (subjects, left_out_holds) = subjects.into_iter().partition(is_left);
+        left_out_holds = leave_out(&mut subjects, &people);
         if subjects.is_empty() {
             return Err(EvaluationError::NobodyHolds {
                 people: left_out_holds.len(),
@@ -236,11 +230,8 @@ pub fn evaluate_models(
             subjects,
             left_out_seen: left_out.seen,
             left_out_test: left_out.test,
-            left_out_openings: left_out_openings
-                .into_iter()
-                .map(|own| own.subject)
-                .collect(),
-            left_out_holds: left_out_holds.into_iter().map(|own| own.subject).collect(),
+            left_out_openings,
+            left_out_holds,
             calibrations,
             worn: selection.worn,
             alignments: aligned.results,
@@ -257,7 +248,6 @@ pub fn evaluate_models(
 
 /// The labelled recordings of some people (`data-set/subject`) of a library that is as recorded, as [`evaluate_models`]
 /// evaluates them: in the common frame. A constant lag is estimated on the training people that are given.
-#[must_use]
 pub fn recordings_of(
     library: &Library,
     vocabulary: Vocabulary,
@@ -301,6 +291,13 @@ pub(crate) fn evaluated_recordings<A: Fn(&mut Vec<Sample>)>(
             ))
         })
         .collect()
+}
+
+/// Leaves out the subjects who are not among these people, and returns their names.
+fn leave_out<P>(subjects: &mut Vec<EvaluatedSubject>, people: &BTreeMap<String, P>) -> Vec<String> {
+    let is_out = |own: &mut EvaluatedSubject| !people.contains_key(&own.subject);
+    let out = subjects.extract_if(.., is_out);
+    out.map(|own| own.subject).collect()
 }
 
 fn evaluated_model(model: &NamedModel, parsed: &Model<'_>) -> EvaluatedModel {

@@ -15,6 +15,7 @@ use shared::units::{CHANNELS, Sample};
 
 use super::named_model::NamedModel;
 use crate::EvaluationError;
+use crate::candidate::candidate;
 use crate::inference::{Stream, integer_logits};
 use crate::{Candidate, EvaluatedRecording, System};
 use recordings::alignment::{Openings, openings};
@@ -219,21 +220,11 @@ pub(super) fn aligned_candidate(
     recordings: &[EvaluatedRecording],
     alignments: &BTreeMap<String, Alignment>,
 ) -> Result<Candidate, EvaluationError> {
-    let logits = recordings
-        .par_iter()
-        .map(|recording| {
-            let alignment = alignments
-                .get(&recording.subject)
-                .copied()
-                .unwrap_or_default();
-            let emg: Vec<_> = recording
-                .input(model.header.preprocessing)
-                .iter()
-                .map(|&sample| alignment.apply(sample))
-                .collect();
-            integer_logits(model, &emg)
-        })
-        .collect::<Result<_, _>>()?;
     let aligned = System::Aligned(name.to_owned());
-    Ok(Candidate::new(aligned, logits, &model.header.smoother))
+    candidate(aligned, model, recordings, |recording, emg| {
+        let alignment = alignments.get(&recording.subject);
+        let alignment = alignment.copied().unwrap_or_default();
+        let emg: Vec<_> = emg.iter().map(|&own| alignment.apply(own)).collect();
+        integer_logits(model, &emg)
+    })
 }

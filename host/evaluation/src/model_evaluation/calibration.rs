@@ -13,6 +13,7 @@ use shared::model::head::Head;
 use super::look_ahead;
 use super::named_model::NamedModel;
 use crate::calibration::{Calibration, Part, calibrate, parts, rounds_of};
+use crate::candidate::candidate;
 use crate::inference::logits_with;
 use crate::{Candidate, EvaluatedRecording, EvaluationError, Measure, System, Truth, score};
 
@@ -120,8 +121,7 @@ fn daily_per_minute(
     head: Option<&Head>,
     daily: &[EvaluatedRecording],
 ) -> Result<Option<f64>, EvaluationError> {
-    let own = System::Model(String::new());
-    let candidate = candidate(own, model, daily, |_| head)?;
+    let candidate = candidate("", model, daily, |_, emg| logits_with(model, head, emg))?;
     let vocabulary = model.header.dimensions.vocabulary;
     let smoother = &model.header.smoother;
     let truth = Truth::LagCompensated;
@@ -168,23 +168,7 @@ pub(super) fn calibrated_candidate(
         .filter_map(|own| Some((&own.subject[..], own.calibration.head.as_ref()?)))
         .collect();
     let calibrated = System::Calibrated(name.to_owned());
-    candidate(calibrated, model, recordings, |subject| {
-        heads.get(subject).copied()
+    candidate(calibrated, model, recordings, |own, emg| {
+        logits_with(model, heads.get(&own.subject[..]).copied(), emg)
     })
-}
-
-fn candidate<'h>(
-    system: System,
-    model: &Model<'_>,
-    recordings: &[EvaluatedRecording],
-    head: impl Fn(&str) -> Option<&'h Head> + Sync,
-) -> Result<Candidate, EvaluationError> {
-    let logits = recordings
-        .par_iter()
-        .map(|recording| {
-            let input = recording.input(model.header.preprocessing);
-            Ok(logits_with(model, head(&recording.subject), &input)?)
-        })
-        .collect::<Result<_, EvaluationError>>()?;
-    Ok(Candidate::new(system, logits, &model.header.smoother))
 }

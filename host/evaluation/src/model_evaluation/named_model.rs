@@ -21,7 +21,6 @@ pub struct NamedModel {
 
 impl NamedModel {
     /// A model of a name in tables. A name that [another row may have](is_taken) gets the ending of model files.
-    #[must_use]
     pub fn new(name: &str, bytes: Vec<u8>) -> Self {
         let ending = if is_taken(name) { ".intent" } else { "" };
         Self {
@@ -48,7 +47,6 @@ impl NamedModel {
 
 /// Whether rows that are no model file's may have a name: those of other [systems](System), and of models that have seen
 /// people.
-#[must_use]
 pub fn is_taken(name: &str) -> bool {
     !matches!(System::from(name), System::Model(_)) || name.contains(SEEN)
 }
