@@ -30,7 +30,6 @@ impl LookAhead {
     pub const ALL: [Self; 3] = [Self::None, Self::AllRows, Self::SameInstant];
 
     /// Name in tables.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::None => "0",
@@ -40,7 +39,6 @@ impl LookAhead {
     }
 
     /// The smoother's settings; each label is held for 0.1 s in all of them.
-    #[must_use]
     pub(crate) const fn settings(self) -> Settings {
         let paper = Settings::PAPER_IN_PATCHES;
         match self {

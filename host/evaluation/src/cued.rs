@@ -23,14 +23,12 @@ pub struct Cued {
 
 impl Cued {
     /// Gestures that are not scored.
-    #[must_use]
     pub const fn left_out(self) -> usize {
         self.cued.saturating_sub(self.scored)
     }
 }
 
 /// Numbers of gestures, by data set.
-#[must_use]
 pub fn cued<'t>(
     recordings: impl IntoIterator<Item = &'t EvaluatedRecording>,
 ) -> BTreeMap<DataSet, Cued> {

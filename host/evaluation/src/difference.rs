@@ -20,13 +20,11 @@ pub struct Difference {
 
 impl Difference {
     /// Difference `score - other` of a measure; none if nobody has a value under both.
-    #[must_use]
     pub fn of(measure: Measure, score: &Score, other: &Score) -> Option<Self> {
         Self::paired(&measure.values(score), &measure.values(other))
     }
 
     /// Differences of the people who have a value in both lists, each list with a person once.
-    #[must_use]
     pub fn paired(values: &[(&str, f64)], others: &[(&str, f64)]) -> Option<Self> {
         let differences: Vec<f64> = values
             .iter()
@@ -43,7 +41,6 @@ impl Difference {
     }
 
     /// Whether there is an interval, and it excludes zero.
-    #[must_use]
     pub fn is_shown(&self) -> bool {
         self.interval
             .is_some_and(|interval| !interval.contains(0.0))

@@ -61,7 +61,6 @@ impl EvaluatedRecording {
     }
 
     /// The input of a model.
-    #[must_use]
     pub fn input(&self, preprocessing: Preprocessing) -> Vec<CleanSample> {
         let samples = if preprocessing.normalized {
             &self.normalized
@@ -125,7 +124,6 @@ impl EvaluatedRecording {
 #[cfg(any(test, feature = "testing"))]
 impl EvaluatedRecording {
     /// A synthetic recording of a person for tests: 2 s of each class in turn.
-    #[must_use]
     pub fn made_up(subject: &str, classes: &[usize]) -> Self {
         let labels = classes
             .iter()

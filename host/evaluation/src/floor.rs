@@ -14,7 +14,6 @@ const SPAN: usize = 40;
 const THRESHOLDS: i32 = 56;
 
 /// Candidate that always says relax.
-#[must_use]
 pub fn constant(recordings: &[EvaluatedRecording]) -> Candidate {
     candidate(System::Constant, recordings, |_| Intent::Relax)
 }
@@ -46,7 +45,6 @@ impl EnergyDetector {
     /// Fits the detector to training people, with their lag-compensated labels: the threshold with the best mean over
     /// people of (recall of relax + recall of active) / 2, the lowest on ties, and the active class that is the
     /// most frequent, the lowest on ties. None without a person who has both relax and a gesture.
-    #[must_use]
     pub fn fit(training: &[EvaluatedRecording]) -> Option<Self> {
         let mut classes = [0_usize; MAX_CLASSES];
         // For each person, patches of relax and of gestures by the number of thresholds that they reach.
@@ -106,7 +104,6 @@ impl EnergyDetector {
     }
 
     /// The detector as a candidate, under the device's smoother and without look-ahead.
-    #[must_use]
     pub fn candidate(&self, recordings: &[EvaluatedRecording]) -> Candidate {
         candidate(System::Energy, recordings, |energy| {
             if energy >= self.threshold {

@@ -21,7 +21,6 @@ impl Group {
     pub const ALL: [Self; 2] = [Self::AllClasses, Self::FewerClasses];
 
     /// Name in tables, under a model of `of_model` classes: `all 3`, `fewer`.
-    #[must_use]
     pub fn name(self, of_model: usize) -> String {
         match self {
             Self::AllClasses => format!("all {of_model}"),
@@ -30,7 +29,6 @@ impl Group {
     }
 
     /// Name in words, under a model of `of_model` classes.
-    #[must_use]
     pub(crate) fn told(self, of_model: usize) -> String {
         match self {
             Self::AllClasses => format!("with all {of_model} classes"),

@@ -23,7 +23,6 @@ pub use self::stream::Stream;
 
 /// Input of a model from the samples of a stream, from its beginning: preprocessed as in training, and as a board does
 /// it.
-#[must_use]
 pub fn input(samples: &[Sample], preprocessing: Preprocessing) -> Vec<CleanSample> {
     let mut wearer = preprocessing.normalized.then(Normalizer::new);
     let samples = samples.iter().map(|&sample| match &mut wearer {

@@ -49,7 +49,6 @@ pub enum Measure {
 
 impl Measure {
     /// Name in tables.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::BalancedAccuracy => "balanced",
@@ -74,7 +73,6 @@ impl Measure {
     }
 
     /// The value of each person who has one, in alphabetical order.
-    #[must_use]
     pub fn values<'a>(self, score: &'a Score) -> Vec<(&'a str, f64)> {
         let of_scores = |of: &'a Summary, value: fn(&SubjectScore) -> Option<f64>| {
             let subjects = of.subjects.iter();
@@ -111,13 +109,11 @@ impl Measure {
     }
 
     /// Mean and deviation over people; none if nobody has a value.
-    #[must_use]
     pub fn mean(self, score: &Score) -> Option<MeanSd> {
         MeanSd::of(&self.numbers(score))
     }
 
     /// 95 % interval of the mean, over people; none with fewer than [`FEWEST`](recordings::statistics::FEWEST).
-    #[must_use]
     pub fn interval(self, score: &Score) -> Option<Interval> {
         Interval::of_mean(&self.numbers(score))
     }

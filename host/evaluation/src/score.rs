@@ -52,14 +52,12 @@ pub struct Score {
 
 impl Score {
     /// The paper's score: the widest buffer, each label at its reference time.
-    #[must_use]
     pub const fn widest(&self) -> &Summary {
         &self.reference[BUFFERS.len() - 1]
     }
 
     /// Share of gestures recognised within so many milliseconds after their onset, of each person who makes gestures, in
     /// alphabetical order.
-    #[must_use]
     pub fn recognised_within(&self, ms: u32) -> Vec<(&str, f64)> {
         let people = self.events.subjects.iter();
         people
@@ -68,13 +66,11 @@ impl Score {
     }
 
     /// Name of the row's people in tables.
-    #[must_use]
     pub(crate) fn people_name(&self) -> String {
         self.people.name(self.classes)
     }
 
     /// Whether two rows are of the same people, as far as data set and group tell.
-    #[must_use]
     pub(crate) fn same_people(&self, other: &Self) -> bool {
         (&self.data_set, self.people) == (&other.data_set, other.people)
     }
@@ -320,7 +316,6 @@ pub fn confusion(
 impl Score {
     /// Score of a three-class model `m` over people of data set `x` with all classes, for tests of code that reads
     /// scores.
-    #[must_use]
     pub fn of_people(
         subjects: Vec<crate::metric::summary::SubjectScore>,
         events: Vec<SubjectEvents>,

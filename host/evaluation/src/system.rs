@@ -52,13 +52,11 @@ const CALIBRATED: &str = ", calibrated";
 
 impl System {
     /// Whether it is a floor, which needs no model.
-    #[must_use]
     pub const fn is_floor(&self) -> bool {
         matches!(self, Self::Constant | Self::Energy)
     }
 
     /// Name in tables.
-    #[must_use]
     pub fn name(&self) -> Cow<'_, str> {
         self.remarked("")
     }

@@ -44,7 +44,6 @@ const EXAMINED: usize = 4096;
 
 impl FileKind {
     /// Kind of a file with these bytes.
-    #[must_use]
     pub fn of(bytes: &[u8]) -> Self {
         let starts = |magic: &[u8]| bytes.starts_with(magic);
         match bytes {
@@ -96,7 +95,6 @@ impl FileKind {
     }
 
     /// Advice for such a file; empty if there is none.
-    #[must_use]
     pub const fn advice(self) -> &'static str {
         match self {
             Self::Empty => "copy or download it again",

@@ -17,7 +17,6 @@ pub struct Fingerprint(u64);
 
 impl Fingerprint {
     /// Fingerprint of bytes.
-    #[must_use]
     pub fn of_bytes(bytes: &[u8]) -> Self {
         Self(CRC.checksum(bytes))
     }
@@ -26,14 +25,12 @@ impl Fingerprint {
     ///
     /// # Panics
     /// When the value cannot be written as JSON: it has a map whose keys are no strings.
-    #[must_use]
     pub fn of(value: &impl Serialize) -> Self {
         let text = serde_json::to_vec(value).expect("a value with a JSON text");
         Self::of_bytes(&text)
     }
 
     /// Fingerprint of bytes that come in parts.
-    #[must_use]
     pub fn of_parts(parts: impl FnOnce(&mut dyn FnMut(&[u8]))) -> Self {
         let mut digest = CRC.digest();
         parts(&mut |bytes| digest.update(bytes));

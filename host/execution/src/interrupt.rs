@@ -11,7 +11,6 @@ pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
     /// Installs a handler for Ctrl-C and termination signals.
-    #[must_use]
     pub fn listen() -> Self {
         let interrupt = Self::default();
         let requested = interrupt.0.clone();
@@ -38,7 +37,6 @@ impl Interrupt {
     }
 
     /// Whether a stop was requested.
-    #[must_use]
     pub fn requested(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }

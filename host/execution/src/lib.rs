@@ -25,7 +25,6 @@ pub mod revision {
 
     /// Git revision of the source that this program was compiled from, `-dirty` at its end if that had changes; none if it
     /// was compiled outside its repository.
-    #[must_use]
     pub fn revision() -> Option<&'static str> {
         *REVISION.get()?
     }

@@ -1,7 +1,6 @@
 //! Text from files for a terminal: without characters that a terminal obeys.
 
 /// A text with control and formatting characters escaped (`\u{1b}`), everything else as it is.
-#[must_use]
 pub fn printable(text: &str) -> String {
     let escaped = |c: char| match c {
         '"' | '\'' | '\\' => vec![c],
@@ -11,7 +10,6 @@ pub fn printable(text: &str) -> String {
 }
 
 /// The lines of a text, each [`printable`].
-#[must_use]
 pub fn printable_lines(text: &str) -> String {
     let lines: Vec<String> = text.lines().map(printable).collect();
     lines.join("\n")

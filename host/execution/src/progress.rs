@@ -16,7 +16,6 @@ use crate::run_folder::{RunError, RunFolder};
 ///
 /// # Panics
 /// Never: its template is a constant.
-#[must_use]
 pub fn bar(length: usize, what: &str) -> ProgressBar {
     let bar =
         ProgressBar::with_draw_target(Some(length as u64), ProgressDrawTarget::stderr_with_hz(4));
@@ -34,7 +33,6 @@ pub fn bar(length: usize, what: &str) -> ProgressBar {
 ///
 /// # Panics
 /// Never: its templates are constants.
-#[must_use]
 pub fn bytes(length: Option<u64>, what: &str) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(length, ProgressDrawTarget::stderr_with_hz(4));
     let template = match length {
@@ -51,7 +49,6 @@ pub fn bytes(length: Option<u64>, what: &str) -> ProgressBar {
 }
 
 /// Message of an error and of its causes, each once: some messages quote their cause, because a page shows them alone.
-#[must_use]
 pub fn with_causes(error: &(dyn Error + 'static)) -> String {
     let causes = iter::successors(error.source(), |&cause| cause.source());
     causes.fold(error.to_string(), |said, cause| {

@@ -48,7 +48,6 @@ pub struct RunFolder {
 }
 
 /// File name of the weights of a model called `name`.
-#[must_use]
 pub fn weights_file(name: &str) -> String {
     format!("{name}.bpk")
 }
@@ -115,19 +114,16 @@ impl RunFolder {
     }
 
     /// The folder's path.
-    #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
     /// Path of a file in the folder.
-    #[must_use]
     pub fn file(&self, name: &str) -> PathBuf {
         self.path.join(name)
     }
 
     /// The error that an interrupted run returns.
-    #[must_use]
     pub fn interrupted(&self) -> RunError {
         RunError::Interrupted {
             path: self.path.clone(),
@@ -161,19 +157,16 @@ impl RunFolder {
     }
 
     /// Path of the checkpoint of a training.
-    #[must_use]
     pub fn checkpoint_path(&self, name: &str) -> PathBuf {
         self.file(&format!("{name}{CHECKPOINT}"))
     }
 
     /// Path of a training's metrics, a line of JSON an epoch.
-    #[must_use]
     pub fn metrics_path(&self, name: &str) -> PathBuf {
         self.file(&format!("{name}{METRICS}"))
     }
 
     /// Path of the weights called `name`.
-    #[must_use]
     pub fn weights_path(&self, name: &str) -> PathBuf {
         self.file(&weights_file(name))
     }

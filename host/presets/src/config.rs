@@ -87,14 +87,12 @@ impl ResolvedConfig {
     }
 
     /// Lag compensation of a recording's labels.
-    #[must_use]
     pub fn compensation(&self, recording: &Recording) -> Compensation {
         let lag = self.lags.get(&recording.data_set);
         lag.map_or(Compensation::NONE, |lag| lag.of_recording(recording))
     }
 
     /// The alignment template of the run's models.
-    #[must_use]
     pub fn alignment_template(&self) -> Option<Template> {
         let numbers = self.template.as_deref()?;
         let bytes: Vec<u8> = numbers
@@ -106,7 +104,6 @@ impl ResolvedConfig {
 
     /// Samples of a recording as the preset says: normalized to the wearer, electrodes rotated to the common
     /// orientation.
-    #[must_use]
     pub fn samples(&self, recording: &Recording) -> Vec<Sample> {
         let mut samples = if self.preset.data.normalize {
             recording.normalized_samples()
@@ -125,7 +122,6 @@ impl ResolvedConfig {
     }
 
     /// Configuration without normalization to the wearer, which the baselines do not have, and with the paper's median.
-    #[must_use]
     pub fn without_normalization(&self) -> Self {
         let mut config = self.clone();
         config.preset.data.normalize = false;
@@ -136,13 +132,11 @@ impl ResolvedConfig {
 
 impl ResolvedConfig {
     /// The streams of the training subjects.
-    #[must_use]
     pub fn training(&self, library: &Library) -> Corpus {
         self.corpus(library, Role::Training)
     }
 
     /// The streams of the validation subjects, which select the checkpoint.
-    #[must_use]
     pub fn validation(&self, library: &Library) -> Corpus {
         self.corpus(library, Role::Validation)
     }

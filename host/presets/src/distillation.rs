@@ -43,7 +43,6 @@ const fn yes() -> bool {
 
 impl StudentConfig {
     /// Number of patches that influence an output of the encoder.
-    #[must_use]
     pub(crate) fn receptive_field(&self) -> usize {
         // A preset may hold any integers.
         let before = self.layers.saturating_mul(self.span.saturating_sub(1));
@@ -103,19 +102,16 @@ pub struct EnsembleConfig {
 
 impl Distillation {
     /// Whether the student learns from the run's teacher.
-    #[must_use]
     pub fn needs_teacher(&self) -> bool {
         self.teacher_share > 0.0 && self.ensemble.is_none()
     }
 
     /// The ensemble that the student learns from, if there is one.
-    #[must_use]
     pub fn teaching_ensemble(&self) -> Option<EnsembleConfig> {
         self.ensemble.filter(|_| self.teacher_share > 0.0)
     }
 
     /// Settings for a student that learns from the labels alone.
-    #[must_use]
     pub(crate) fn on_labels(&self) -> Self {
         Self {
             teacher_share: 0.0,
@@ -125,7 +121,6 @@ impl Distillation {
     }
 
     /// Weights of a window's rows, newest first, with a mean of 1.
-    #[must_use]
     pub fn row_weights(&self) -> [f32; LOOK_BACK] {
         let weights = self.row_weights.unwrap_or([1.0; LOOK_BACK]);
         let sum: f32 = weights.iter().sum();

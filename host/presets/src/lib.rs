@@ -91,7 +91,6 @@ pub enum EntryMargins {
 
 impl EntryMargins {
     /// The margin of each class.
-    #[must_use]
     pub fn of_classes(&self) -> [f32; MAX_CLASSES] {
         std::array::from_fn(|class| match self {
             Self::Same(_) if class == Intent::Relax.class() => 0.0,
@@ -113,13 +112,11 @@ pub enum Aggregation {
 
 impl Smoothing {
     /// Margins of early labels.
-    #[must_use]
     pub(crate) fn early(&self) -> Option<Early> {
         self.reaction.map(Reaction::early)
     }
 
     /// Margin of each class.
-    #[must_use]
     pub(crate) fn entry_margins(&self) -> [f32; MAX_CLASSES] {
         let reaction = self.reaction.map_or(0.0, Reaction::entry);
         let margins = self.entry_margins.as_ref();
@@ -222,7 +219,6 @@ impl Preset {
     }
 
     /// Preprocessing between the armband and a model's input.
-    #[must_use]
     pub const fn preprocessing(&self) -> Preprocessing {
         Preprocessing {
             normalized: self.data.normalize,
@@ -231,13 +227,11 @@ impl Preset {
     }
 
     /// Whether movement outside the vocabulary is a class of its own for the student.
-    #[must_use]
     pub fn other(&self) -> bool {
         self.data.other_movement == OtherMovement::Class
     }
 
     /// Smoother of the preset's model files. There is a margin over movement outside the vocabulary if the student knows it.
-    #[must_use]
     pub fn smoother_defaults(&self, aggregation: AggregationMode) -> SmootherDefaults {
         let default = self.smoother.reaction.map_or(0.0, Reaction::other);
         let other_margin = self.smoother.other_margin.unwrap_or(default);
@@ -252,7 +246,6 @@ impl Preset {
     }
 
     /// The classes that labels are taken from.
-    #[must_use]
     pub fn vocabulary(&self) -> Vocabulary {
         Vocabulary::with_classes(self.classes).unwrap_or(Vocabulary::Three)
     }

@@ -69,7 +69,6 @@ struct ResultInputs<'a> {
 
 impl ResolvedConfig {
     /// Fingerprint of what results are made from: the whole configuration.
-    #[must_use]
     pub fn fingerprint(&self) -> Fingerprint {
         Fingerprint::of(&ResultInputs {
             variant: &self.variant,
@@ -82,7 +81,6 @@ impl ResolvedConfig {
     }
 
     /// Fingerprint of what a model that is neither teacher nor student is made from: the streams.
-    #[must_use]
     pub fn streams_lineage(&self) -> Fingerprint {
         Fingerprint::of(&self.streams())
     }
@@ -133,7 +131,6 @@ impl ResolvedConfig {
     }
 
     /// Fingerprint of what the teacher is made from.
-    #[must_use]
     pub fn teacher_lineage(&self) -> Fingerprint {
         Fingerprint::of(&self.teacher_inputs())
     }

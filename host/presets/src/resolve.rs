@@ -163,7 +163,6 @@ impl ResolvedConfig {
     }
 
     /// People whom this run's models, or any model that they started from, were trained on or validated with.
-    #[must_use]
     pub fn subjects_seen(&self) -> Vec<String> {
         let split = &self.split;
         let mut seen: Vec<String> =
@@ -200,13 +199,11 @@ impl ResolvedConfig {
 
 /// The people whom each fold holds out, over all data sets: for the data sets of the preset the same as in
 /// [`ResolvedConfig::new`] with a fold of [`Protocol::LeaveGroupsOut`] or [`Protocol::LeaveSetsOut`].
-#[must_use]
 pub fn fold_people(preset: &Preset, library: &Library, protocol: Protocol) -> Vec<Vec<String>> {
     protocol.groups(developers(&with_labels(preset, library)), preset.seed)
 }
 
 /// The test people who have labels of the preset's classes, over all data sets: in no fold, and in no training.
-#[must_use]
 pub fn test_people(preset: &Preset, library: &Library) -> Vec<String> {
     let labelled = with_labels(preset, library).into_iter();
     let people = labelled.map(|recording| recording.subject.clone());

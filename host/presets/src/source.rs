@@ -99,7 +99,6 @@ impl Preset {
     }
 
     /// The preset as TOML, for the run folder.
-    #[must_use]
     pub fn to_toml(&self) -> String {
         toml::to_string_pretty(self).unwrap_or_default()
     }

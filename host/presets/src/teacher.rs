@@ -52,7 +52,6 @@ pub struct LoraConfig {
 
 impl TeacherConfig {
     /// Samples of a window, and how they are grouped into tokens.
-    #[must_use]
     pub const fn window_shape(&self) -> WindowShape {
         WindowShape {
             window: self.window,
@@ -72,7 +71,6 @@ pub struct WindowShape {
 
 impl WindowShape {
     /// Tokens of one modality.
-    #[must_use]
     pub const fn tokens(self) -> usize {
         self.window / self.patch
     }

@@ -57,7 +57,6 @@ impl LearningRate {
     }
 
     /// Rate at a step, counted from 0.
-    #[must_use]
     pub fn rate(&self, step: usize) -> f64 {
         let Some((warm_up, total)) = self.ramp else {
             return self.peak;

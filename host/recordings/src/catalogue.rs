@@ -164,7 +164,6 @@ pub const SOURCES: [Source; 20] = [
 ];
 
 /// The source of a set by its name; none if there is no such set, or it is not published.
-#[must_use]
 pub fn source(name: &str) -> Option<&'static Source> {
     SOURCES.iter().find(|own| own.data_set.name() == name)
 }

@@ -20,7 +20,6 @@ pub struct MeanSd {
 
 impl MeanSd {
     /// Mean and deviation of the values; none without a value.
-    #[must_use]
     pub fn of(values: &[f64]) -> Option<Self> {
         if values.is_empty() {
             return None;
@@ -59,7 +58,6 @@ impl Interval {
     /// ten it is too narrow.
     ///
     /// Source: Efron, Tibshirani, *An Introduction to the Bootstrap*, 1993, section 13.3.
-    #[must_use]
     pub fn of_mean(values: &[f64]) -> Option<Self> {
         if values.len() < FEWEST {
             return None;
@@ -79,14 +77,12 @@ impl Interval {
     }
 
     /// Whether a value lies in it, its ends included.
-    #[must_use]
     pub fn contains(&self, value: f64) -> bool {
         (self.low..=self.high).contains(&value)
     }
 }
 
 /// The median: the middle value, or the mean of the two middle ones; none without a value.
-#[must_use]
 pub fn median(values: &[f64]) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);

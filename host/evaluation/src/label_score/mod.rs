@@ -41,7 +41,6 @@ pub enum Emission {
 
 impl Emission {
     /// Label of each sample when it is emitted, of labels at the times that they are for.
-    #[must_use]
     pub fn labels(self, reference: &[Option<Intent>]) -> Vec<Option<Intent>> {
         match self {
             Self::Labels(emitted) => emitted,
@@ -82,13 +81,11 @@ impl LabelScore {
     }
 
     /// Scores as JSON.
-    #[must_use]
     pub fn json(&self) -> serde_json::Value {
         words::json(self)
     }
 
     /// Scores as text for a terminal, with a row for each change and gesture.
-    #[must_use]
     pub fn tables(&self) -> String {
         words::tables(self)
     }

@@ -5,19 +5,16 @@ use crate::metric::event::latency::{Latency, LatencySummary};
 use recordings::statistics::{Interval, MeanSd};
 
 /// Cell of a missing number.
-#[must_use]
 pub fn none() -> String {
     "-".to_owned()
 }
 
 /// A number with its noun: `1 subject`, `2 subjects`.
-#[must_use]
 pub fn number_of(count: usize, noun: &str) -> String {
     format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
 /// Adds the number of people where the row has another one: `0.912 [0.88, 0.94] n 29`.
-#[must_use]
 pub fn of_people(cell: String, people: usize, of_row: usize) -> String {
     if people == of_row || cell == none() {
         return cell;
@@ -26,7 +23,6 @@ pub fn of_people(cell: String, people: usize, of_row: usize) -> String {
 }
 
 /// A share of 1 over subjects: mean with three digits, deviation with two.
-#[must_use]
 pub fn share(value: Option<MeanSd>) -> String {
     spread(value, |mean| format!("{mean:.3}"), |sd| format!("{sd:.2}"))
 }
@@ -37,31 +33,26 @@ fn milliseconds(value: f64) -> String {
 }
 
 /// One number, such as a median, in signed milliseconds.
-#[must_use]
 pub fn one_ms(value: Option<f64>) -> String {
     value.map_or_else(none, milliseconds)
 }
 
 /// Signed milliseconds over transitions, mean and deviation.
-#[must_use]
 pub fn signed_ms(value: Option<MeanSd>) -> String {
     spread(value, milliseconds, whole)
 }
 
 /// Absolute milliseconds over transitions, mean and deviation.
-#[must_use]
 pub fn absolute_ms(value: Option<MeanSd>) -> String {
     spread(value, whole, whole)
 }
 
 /// Number of subjects and of transitions behind a score: `subjects / transitions`.
-#[must_use]
 pub fn support(subjects: usize, transitions: usize) -> String {
     format!("{subjects} / {transitions}")
 }
 
 /// A share of 1 over subjects: mean with three digits, 95 % interval of the mean with two.
-#[must_use]
 pub fn estimate(mean: Option<MeanSd>, interval: Option<Interval>) -> String {
     let Some(value) = mean else { return none() };
     let interval = interval.map(|ends| format!(" [{:.2}, {:.2}]", ends.low, ends.high));
@@ -69,7 +60,6 @@ pub fn estimate(mean: Option<MeanSd>, interval: Option<Interval>) -> String {
 }
 
 /// A share in 14 columns, with its 95 % interval: `0.76 (.70-.81)`.
-#[must_use]
 pub(crate) fn narrow_estimate(mean: Option<MeanSd>, interval: Option<Interval>) -> String {
     let Some(value) = mean else { return none() };
     let end = |value: f64| match format!("{value:.2}").strip_prefix('0') {
@@ -81,14 +71,12 @@ pub(crate) fn narrow_estimate(mean: Option<MeanSd>, interval: Option<Interval>) 
 }
 
 /// Events a minute, mean over subjects.
-#[must_use]
 pub(crate) fn rate(value: Option<MeanSd>) -> String {
     spread(value, |mean| format!("{mean:.1}"), |sd| format!("{sd:.1}"))
 }
 
 /// Median and 90th percentile of a latency in ms, `285 / 610`. Where one falls on a missed gesture, the share that is
 /// missed at least: `285 / >10 % missed`, `>50 % missed`.
-#[must_use]
 pub fn latency(value: Option<LatencySummary>) -> String {
     match value {
         None => none(),
@@ -127,7 +115,6 @@ pub(crate) fn latency_in_words(LatencySummary { median, p90 }: LatencySummary) -
 }
 
 /// A difference of shares: `+0.120 [+0.030, +0.210] n 8`, and in words if no difference is shown.
-#[must_use]
 pub fn difference(value: Option<Difference>) -> String {
     let Some(value) = value else { return none() };
     let signed = |value: f64| format!("{:+.3}", unsigned_zero(value, 1000.0));

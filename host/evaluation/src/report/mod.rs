@@ -35,7 +35,6 @@ pub const MOST_ENTRIES: usize = pictures::LINES.len();
 pub type Fact = (String, String);
 
 /// Tables for a terminal of 100 columns, and facts below them.
-#[must_use]
 pub fn text(tables: &[Table], facts: &[Fact]) -> String {
     let tables = tables.iter().map(|table| table.text(false) + "\n");
     let facts = facts.iter().map(|(what, how)| format!("{what}: {how}\n"));
@@ -43,7 +42,6 @@ pub fn text(tables: &[Table], facts: &[Fact]) -> String {
 }
 
 /// Facts on the labels, one for each data set: their lag compensation, and the gestures left out.
-#[must_use]
 pub fn labels(lags: &BTreeMap<DataSet, Lag>, gestures: &BTreeMap<DataSet, Cued>) -> Vec<Fact> {
     let fact = |(data_set, lag): (&DataSet, &Lag)| {
         let mut how = lag.to_string();

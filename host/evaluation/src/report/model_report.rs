@@ -97,7 +97,6 @@ pub(super) fn entries<'a>(
 
 /// Tables: scores of all models and floors; if `wide`, differences of the first model to all others, and labels as emitted;
 /// people, the worst first.
-#[must_use]
 pub fn tables(results: &ModelResults, wide: bool) -> Vec<Table> {
     let rows = rows(results);
     let mut tables = tables_of_models(results, &rows, wide);
@@ -114,7 +113,6 @@ fn people(results: &ModelResults, rows: &[Row<'_>]) -> Option<Table> {
 }
 
 /// Tables of the labels of any program and of the floors: scores; people, the worst first.
-#[must_use]
 pub fn label_tables(scores: &[Score]) -> Vec<Table> {
     let mut rows: Vec<Row<'_>> = scores.iter().map(Row::new).collect();
     sort(&mut rows);
@@ -173,7 +171,6 @@ fn remark(results: &ModelResults, subject: &str) -> String {
 }
 
 /// Table with a row for each person and model, of all data sets together.
-#[must_use]
 pub fn people_rows(results: &ModelResults) -> Table {
     let start = ["subject", "model"].into_iter();
     let names = start.chain(COLUMNS.map(|(name, _)| name));

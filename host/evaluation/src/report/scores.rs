@@ -210,7 +210,6 @@ fn offset(score: &Score, of: fn(OffsetSummary) -> f64) -> String {
 
 /// Tables of an evaluation: lag-compensated labels; if `wide`, also the differences to the floors, labels as published,
 /// spliced recordings and the paper's measures.
-#[must_use]
 pub fn tables(results: &Results, wide: bool) -> Vec<Table> {
     let compensated = shown(&results.published, Truth::LagCompensated, results);
     if !wide {
@@ -259,7 +258,6 @@ fn shown<'a>(scores: &'a [Score], truth: Truth, results: &Results) -> Vec<Row<'a
 
 /// The scores of the integer student in 100 columns, a row a data set and group of people, and of the floors over all data sets:
 /// lag-compensated labels, the model file's aggregation mode.
-#[must_use]
 pub fn summary(results: &Results) -> Table {
     let of = |model: System| {
         let scores = results.published.iter();
@@ -355,7 +353,6 @@ pub(super) fn differences<'s>(
 }
 
 /// Table with a row for each model, before and after tuning on a person: the measures of the part held back.
-#[must_use]
 pub fn tuned(caption: &str, scores: &[Score]) -> Table {
     let header = ["model", "gestures"]
         .into_iter()

@@ -51,7 +51,6 @@ pub struct ReportedModel {
 
 impl Reported {
     /// Name on the page.
-    #[must_use]
     pub fn name(&self) -> &str {
         match self {
             Self::Run(run) => &run.name,
@@ -68,7 +67,6 @@ impl Reported {
     }
 
     /// Classes of the model.
-    #[must_use]
     pub fn vocabulary(&self) -> Vocabulary {
         match self {
             Self::Run(run) => run.config.preset.vocabulary(),

@@ -22,7 +22,6 @@ pub struct Table {
 
 impl Table {
     /// An empty table with these columns.
-    #[must_use]
     pub fn new<S: Into<String>>(
         caption: impl Into<String>,
         header: impl IntoIterator<Item = S>,
@@ -40,7 +39,6 @@ impl Table {
     }
 
     /// Text with aligned columns for a terminal: numbers to the right, the rest to the left.
-    #[must_use]
     pub fn plain(&self) -> String {
         let rule = |column: &Column| "-".repeat(column.width);
         let lines = self.lines("|", rule, |cells| cells.join("  ").trim_end().to_owned());
@@ -49,7 +47,6 @@ impl Table {
 
     /// [`plain`](Self::plain), or unless it is `wide`, for a terminal of 100 columns: the last columns are left out that do
     /// not fit, and named.
-    #[must_use]
     pub fn text(&self, wide: bool) -> String {
         if wide {
             return self.plain();
@@ -75,7 +72,6 @@ impl Table {
     }
 
     /// A table of GitHub's Markdown, aligned in the source too.
-    #[must_use]
     pub fn markdown(&self) -> String {
         let rule = |column: &Column| {
             let end = if column.numeric { ":" } else { "-" };

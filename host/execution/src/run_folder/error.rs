@@ -107,7 +107,6 @@ pub enum RunError {
 
 impl RunError {
     /// Error of reading or writing a file.
-    #[must_use]
     pub fn io(path: &Path, source: std::io::Error) -> Self {
         Self::Io {
             path: path.to_owned(),
@@ -116,7 +115,6 @@ impl RunError {
     }
 
     /// Error of a file whose content is not as expected.
-    #[must_use]
     pub fn content(path: &Path, reason: impl ToString) -> Self {
         Self::Content {
             path: path.to_owned(),
@@ -125,7 +123,6 @@ impl RunError {
     }
 
     /// Whether the user interrupted.
-    #[must_use]
     pub const fn is_interrupt(&self) -> bool {
         matches!(self, Self::Interrupted { .. })
     }

@@ -10,7 +10,6 @@ use crate::Preset;
 use crate::config::ResolvedConfig;
 
 /// Recordings of people p1, p2, p3... of a data set, one labelled recording each.
-#[must_use]
 pub(crate) fn people(data_set: DataSet, count: usize) -> Vec<Recording> {
     (1..=count)
         .map(|person| Recording {
@@ -30,7 +29,6 @@ pub(crate) fn people(data_set: DataSet, count: usize) -> Vec<Recording> {
 }
 
 /// Library with two data sets of the user's own.
-#[must_use]
 pub(crate) fn library() -> Library {
     Library {
         recordings: [people(DataSet::ReactEmg, 5), people(DataSet::Synthetic, 4)].concat(),
@@ -42,7 +40,6 @@ pub(crate) fn library() -> Library {
 ///
 /// # Panics
 /// If the preset is not built in.
-#[must_use]
 pub(crate) fn preset(held_out: &[&str], validation: &[&str]) -> Preset {
     let mut preset = Preset::find("quickstart").unwrap();
     preset.data.data_sets.clear();

@@ -16,7 +16,6 @@ const SHORTEST: usize = 60;
 /// In each run of the label, the patches count whose activity is at least half of the run's own 80 % quantile: labels
 /// of cues extend beyond the muscle's activity. Every run has the same weight. The profile is the device's
 /// ([`Profile`]).
-#[must_use]
 pub fn open_hand<'r>(
     recordings: impl IntoIterator<Item = (&'r [Sample], &'r [Option<Intent>])>,
 ) -> Option<[f64; CHANNELS]> {

@@ -31,7 +31,6 @@ pub struct Openings {
 
 /// The first openings of one person, by lag-compensated labels; none if the recordings hold fewer than two, or no
 /// second of rest.
-#[must_use]
 pub fn openings(recordings: &[(&[Sample], &[Option<Intent>])]) -> Option<Openings> {
     let labelled = |wanted: Intent, shortest: usize| {
         recordings
@@ -67,7 +66,6 @@ pub fn openings(recordings: &[(&[Sample], &[Option<Intent>])]) -> Option<Opening
 impl Openings {
     /// The samples that the armband would send: rest, each gesture with rest behind it, and rest until the last one is
     /// decided.
-    #[must_use]
     pub fn stream(&self) -> Vec<Sample> {
         let mut stream = self.rest.clone();
         for gesture in &self.gestures {
@@ -79,7 +77,6 @@ impl Openings {
     }
 
     /// Number of openings that begin within the first `samples` of the stream.
-    #[must_use]
     pub fn within(&self, samples: usize) -> usize {
         let mut begins = self.rest.len();
         let begun = self.gestures.iter().take_while(|gesture| {
@@ -92,7 +89,6 @@ impl Openings {
 
     /// Outcome of these openings with a template and no model: where both arms fit nearly equally well, the nearest fit
     /// is taken. A timeout if there are too few openings.
-    #[must_use]
     pub fn outcome(&self, template: &Template) -> Outcome {
         let emg: Vec<_> = clean(self.stream(), Median::Three).collect();
         let mut aligner = Aligner::new(Arm::Unknown);

@@ -89,7 +89,6 @@ impl DataSet {
 
 impl Library {
     /// Sentences on the sets whose own frame is another than the common one: how their channels come into it.
-    #[must_use]
     pub fn frames(&self) -> Vec<String> {
         let sets = by_data_set(&self.recordings);
         let told = sets.keys().filter_map(|set| {

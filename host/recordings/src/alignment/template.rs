@@ -24,7 +24,6 @@ struct Density {
 ///
 /// The covariance is shrunk to a multiple of the identity. Rotating people until they agree would make a sharper
 /// template, but would turn the model's input away from its training: measured in docs/alignment.md.
-#[must_use]
 pub fn template(people: &[[f64; CHANNELS]]) -> Option<Template> {
     quantized(&density(people)?)
 }

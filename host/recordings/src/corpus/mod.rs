@@ -29,7 +29,6 @@ pub struct Stream {
 
 impl Stream {
     /// Stream of samples, cleaned with the paper's median, with one label each and no movement outside the vocabulary.
-    #[must_use]
     pub fn new(raw: Vec<Sample>, labels: Vec<Option<Intent>>) -> Self {
         Self {
             emg: clean(raw.iter().copied(), Median::Three).collect(),
@@ -42,7 +41,6 @@ impl Stream {
 
     /// Stream of one person's daily life, all recordings joined, and its samples as a model takes them: relax where the
     /// muscles are quiet, otherwise movement outside the vocabulary.
-    #[must_use]
     pub fn of_daily_life(recordings: &[&Recording], samples: Vec<Sample>) -> Self {
         let recorded = recordings.iter().flat_map(|recording| &recording.samples);
         let quiet = quiet(&recorded.copied().collect::<Vec<_>>());
@@ -55,7 +53,6 @@ impl Stream {
     }
 
     /// Whether most of each patch is movement outside the vocabulary; a partial last patch is left out.
-    #[must_use]
     pub fn other_movement_patches(&self) -> Vec<bool> {
         let mut samples = vec![false; self.labels.len()];
         for range in &self.other_movement {
@@ -104,7 +101,6 @@ impl Corpus {
     }
 
     /// Duration of all streams, in seconds.
-    #[must_use]
     pub fn seconds(&self) -> f64 {
         self.streams
             .iter()
@@ -134,7 +130,6 @@ fn patch_label(labels: &[Option<Intent>]) -> Option<Intent> {
 }
 
 /// The label of each patch; a partial last patch is left out.
-#[must_use]
 pub fn patch_labels(labels: &[Option<Intent>]) -> Vec<Option<Intent>> {
     labels.chunks_exact(PATCH).map(patch_label).collect()
 }
@@ -144,13 +139,11 @@ pub fn patch_labels(labels: &[Option<Intent>]) -> Vec<Option<Intent>> {
 /// Every model then has an output for every sample of a short recording. The lead-in is the first patch, which every
 /// output of a model knows, so no output depends on samples after its own patch. docs/decisions.md has what was
 /// measured.
-#[must_use]
 pub fn padded(emg: &[CleanSample]) -> Vec<CleanSample> {
     lead_in(emg, WINDOW)
 }
 
 /// Stream of any kind with `length` samples in front: its first patch, repeated.
-#[must_use]
 pub fn lead_in<T: Copy>(samples: &[T], length: usize) -> Vec<T> {
     let lead = &samples[..samples.len().min(PATCH)];
     lead.iter()

@@ -32,7 +32,6 @@ impl Recording {
     ///
     /// Other movement that the muscle does not show is kept, moved by the set's usual lag: a label that it raises is
     /// wrong too.
-    #[must_use]
     pub fn compensated(&self, compensation: Compensation) -> Self {
         let GroundTruth {
             labels,

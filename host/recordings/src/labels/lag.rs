@@ -38,7 +38,6 @@ impl DataSet {
     /// transition. Sets of steady holds have no transition that could be late, and neither have the labels
     /// of `myoup` and `uci-gestures`, which lie inside the activity; EMG-EPN-612 and ROAM-EMG were segmented by
     /// their authors and count as 0. Labels from muscle activity are not late by definition.
-    #[must_use]
     pub const fn label_lag(self) -> usize {
         match self {
             Self::Roshambo => 59,
@@ -90,7 +89,6 @@ pub struct LagEstimate {
 ///
 /// The result is none if no change between rest and a gesture has a crossing, or if the labels are muscle onsets
 /// themselves, which must not be moved by noise.
-#[must_use]
 pub fn estimate(recordings: &[&Recording]) -> Option<LagEstimate> {
     let cued = |recording: &&&Recording| recording.timing != Timing::Muscle;
     let changes: Vec<(bool, f64)> = recordings
@@ -118,7 +116,6 @@ pub fn estimate(recordings: &[&Recording]) -> Option<LagEstimate> {
 ///
 /// The first `lag_samples` had their label before the recording began: relax if the first label
 /// is relax (rest goes on), else none, because the start of that gesture is unknown.
-#[must_use]
 pub(crate) fn compensated(labels: &[Option<Intent>], lag_samples: usize) -> Vec<Option<Intent>> {
     let lag = lag_samples.min(labels.len());
     let start = labels
@@ -132,7 +129,6 @@ pub(crate) fn compensated(labels: &[Option<Intent>], lag_samples: usize) -> Vec<
 }
 
 /// A range of samples of a recording of `length` samples, moved `lag_samples` later.
-#[must_use]
 pub(crate) fn compensated_range(
     range: &Range<usize>,
     lag_samples: usize,

@@ -32,7 +32,6 @@ impl Motion {
 
     /// Motion of a label in a file: the name of an intent, `other`, the name of another movement (`point`), `unknown`, or none for any
     /// other word.
-    #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         match name {
             "" | "none" | "unknown" => Some(Self::Unknown),
@@ -44,7 +43,6 @@ impl Motion {
 
     /// Motion of a gesture as data sets and LibEMG call it (`Hand_Open`, `waveIn`, `rock`); none for a name that says
     /// nothing for certain.
-    #[must_use]
     pub fn of_gesture(name: &str) -> Option<Self> {
         use MovementKind as Kind;
         let name = name.to_lowercase().replace([' ', '-'], "_");
@@ -75,7 +73,6 @@ impl Motion {
     }
 
     /// Name of the motion as a file has it.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Intent(intent) => intent.name(),
@@ -85,7 +82,6 @@ impl Motion {
     }
 
     /// Motion of a number in a file: the class of an intent, -1 if it is unknown, -2 for other movement.
-    #[must_use]
     pub fn from_number(number: i64) -> Option<Self> {
         match number {
             -1 => Some(Self::Unknown),
@@ -98,7 +94,6 @@ impl Motion {
     }
 
     /// Number of the motion in a file, as [`Self::from_number`] reads it.
-    #[must_use]
     pub const fn number(self) -> i8 {
         match self {
             Self::Intent(intent) => intent.class() as i8,
@@ -123,7 +118,6 @@ impl From<Intent> for Motion {
 }
 
 /// Motion of each sample by labels and other movement; unknown where there is neither.
-#[must_use]
 pub fn motions(labels: &[Option<Intent>], other_movement: &[Movement]) -> Vec<Motion> {
     let labels = labels.iter();
     let mut motions: Vec<Motion> = labels

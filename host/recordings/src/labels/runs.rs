@@ -15,20 +15,17 @@ pub struct Run<L = Option<Intent>> {
 
 impl<L> Run<L> {
     /// Number of samples, at least 1.
-    #[must_use]
     pub const fn samples(&self) -> usize {
         self.end - self.start
     }
 
     /// Middle sample.
-    #[must_use]
     pub(crate) const fn middle(&self) -> usize {
         usize::midpoint(self.start, self.end)
     }
 }
 
 /// The runs of a label sequence, in order and without gaps.
-#[must_use]
 pub fn runs<L: Copy + PartialEq>(labels: &[L]) -> Vec<Run<L>> {
     let mut start = 0;
     labels

@@ -59,7 +59,6 @@ pub struct Lag {
 impl Lag {
     /// Lag compensation of a data set's labels. A constant is estimated on training people alone. Where there are none,
     /// a published set has its nominal one, and another set that of everybody at hand.
-    #[must_use]
     pub fn of(
         data_set: DataSet,
         recordings: &[&Recording],
@@ -101,7 +100,6 @@ impl Lag {
     }
 
     /// Compensation of one recording of the set.
-    #[must_use]
     pub const fn of_recording(&self, recording: &Recording) -> Compensation {
         match (recording.timing, self.compensation) {
             (Timing::Muscle, _) => Compensation::NONE,
@@ -111,7 +109,6 @@ impl Lag {
     }
 
     /// Constant lag in samples, of labels that are not moved cue by cue.
-    #[must_use]
     pub const fn constant(&self) -> usize {
         match self.compensation {
             Compensation::Constant(samples) => samples,

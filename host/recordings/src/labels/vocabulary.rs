@@ -10,7 +10,6 @@ impl Recording {
     /// The labels in a vocabulary: intents outside it become none, never a wrong label.
     ///
     /// Where the end of a set's gestures is unknown, the rest after such an intent becomes none too.
-    #[must_use]
     pub fn labels_in(&self, vocabulary: Vocabulary) -> Vec<Option<Intent>> {
         let mut labels = self.labels.clone();
         let mut may_still_hold = false;
@@ -25,21 +24,18 @@ impl Recording {
     }
 
     /// Whether any sample has a label of a vocabulary.
-    #[must_use]
     pub fn has_labels_in(&self, vocabulary: Vocabulary) -> bool {
         self.labels_in(vocabulary).iter().any(Option::is_some)
     }
 
     /// Whether models can be evaluated on the recording: it has labels of a vocabulary, or movement that is none of the
     /// six intents.
-    #[must_use]
     pub fn can_be_evaluated(&self, vocabulary: Vocabulary) -> bool {
         !self.other_movement.is_empty() || self.has_labels_in(vocabulary)
     }
 
     /// Movement that is no intent of a vocabulary, in order and as late as the labels: other movement, and intents
     /// outside the vocabulary.
-    #[must_use]
     pub fn movement_outside(&self, vocabulary: Vocabulary) -> Vec<Movement> {
         let mut movements = self.other_movement.clone();
         movements.extend(runs(&self.labels).into_iter().filter_map(|run| {

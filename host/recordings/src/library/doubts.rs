@@ -24,7 +24,6 @@ impl Library {
     }
 
     /// Sentences on the files that were left out and on the doubts about the recordings, equal findings in one.
-    #[must_use]
     pub fn doubts(&self) -> Vec<String> {
         let left_out = self.skipped.first().map(|first| {
             let count = self.skipped.len();

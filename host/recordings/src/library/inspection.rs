@@ -82,7 +82,6 @@ pub struct Inspection {
 
 impl Inspection {
     /// Counts and findings of a library.
-    #[must_use]
     pub fn new(library: &Library) -> Self {
         Self {
             sets: by_data_set(&library.recordings)

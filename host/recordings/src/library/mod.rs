@@ -183,7 +183,6 @@ fn read(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
 
 impl Library {
     /// Subjects, each once, in alphabetical order.
-    #[must_use]
     pub fn subjects(&self) -> Vec<String> {
         let mut subjects: Vec<_> = self.recordings.iter().map(|r| r.subject.clone()).collect();
         subjects.sort_unstable();

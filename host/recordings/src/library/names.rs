@@ -9,7 +9,6 @@ use crate::recording::Recording;
 
 impl Library {
     /// The first two recordings whose names are one file's. Only those of several paths have such.
-    #[must_use]
     pub fn named_alike(&self) -> Option<[&Recording; 2]> {
         let mut named = HashMap::new();
         let mut recordings = self.recordings.iter();

@@ -13,7 +13,6 @@ pub(crate) fn folder(path: &Path, levels: usize) -> Option<&str> {
 }
 
 /// Ending of a path in small letters: some systems and recorders write `.CSV`.
-#[must_use]
 pub fn ending(path: &Path) -> Option<String> {
     let ending = path.extension()?.to_str()?;
     Some(ending.to_ascii_lowercase())
@@ -25,7 +24,6 @@ pub(crate) fn with_small_ending(path: &Path) -> PathBuf {
 }
 
 /// The file of a path, whatever letters its ending has; none if there is no such file.
-#[must_use]
 pub fn existing(path: PathBuf) -> Option<PathBuf> {
     if path.exists() {
         return Some(path);

@@ -38,7 +38,6 @@ impl DailyKind {
     ];
 
     /// Name in tables and descriptions.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Typing => "typing",
@@ -54,13 +53,11 @@ impl DailyKind {
 
 impl Recording {
     /// Whether a training can learn from the recording: it has labels of a vocabulary, or is daily life.
-    #[must_use]
     pub fn teaches(&self, vocabulary: Vocabulary) -> bool {
         self.is_daily_life() || self.has_labels_in(vocabulary)
     }
 
     /// Whether any part of the recording is daily life.
-    #[must_use]
     pub fn is_daily_life(&self) -> bool {
         let mut movements = self.other_movement.iter();
         movements.any(|own| own.kind.is_daily())
@@ -70,7 +67,6 @@ impl Recording {
 /// Flags of the samples that are quiet: a label of relax is certain there, whatever the person does.
 ///
 /// Nothing is quiet where the muscles are always, or never, active.
-#[must_use]
 pub fn quiet(samples: &[Sample]) -> Vec<bool> {
     activity(samples).map_or_else(
         || vec![false; samples.len()],

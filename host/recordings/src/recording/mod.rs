@@ -91,7 +91,6 @@ impl DataSet {
     ];
 
     /// Name in subjects (`roshambo/03`), tables and presets.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Roshambo => "roshambo",
@@ -122,7 +121,6 @@ impl DataSet {
     ///
     /// `uci-gestures` shows which muscles are active, but not what a sample looks like. Nothing was gained by learning
     /// from the five sets of other groups (docs/results.md): they show what a model does where nobody taught it.
-    #[must_use]
     pub const fn trained_by_default(self) -> bool {
         !matches!(
             self,
@@ -138,13 +136,11 @@ impl DataSet {
 
 impl DataSet {
     /// Whether the set is daily life: nobody in it means a gesture.
-    #[must_use]
     pub const fn is_daily_life(self) -> bool {
         matches!(self, Self::Adl | Self::Psl | Self::Libras)
     }
 
     /// Whether the set only teaches: its recordings are too short to be judged, so nobody of it is held out.
-    #[must_use]
     pub const fn only_teaches(self) -> bool {
         matches!(self, Self::Psl | Self::Libras)
     }
@@ -223,7 +219,6 @@ pub struct Recording {
 
 impl Recording {
     /// Samples of a person with a label each; without name, path, other movement and notes.
-    #[must_use]
     pub fn new(
         data_set: DataSet,
         subject: impl Into<String>,
@@ -246,13 +241,11 @@ impl Recording {
     }
 
     /// Subject and name in one, as `myointent` prints it and takes it: `roshambo/03/session01`.
-    #[must_use]
     pub fn full_name(&self) -> String {
         format!("{}/{}", self.subject, self.name)
     }
 
     /// The samples normalized to the wearer.
-    #[must_use]
     pub fn normalized_samples(&self) -> Vec<Sample> {
         let mut wearer = self.wearer;
         let samples = self.samples.iter();
@@ -260,13 +253,11 @@ impl Recording {
     }
 
     /// Whether any sample has a label.
-    #[must_use]
     pub fn has_labels(&self) -> bool {
         self.labels.iter().any(Option::is_some)
     }
 
     /// Duration in seconds.
-    #[must_use]
     pub fn seconds(&self) -> f64 {
         self.samples.len() as f64 / f64::from(SAMPLE_RATE_HZ)
     }

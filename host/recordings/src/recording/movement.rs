@@ -54,7 +54,6 @@ impl MovementKind {
     ];
 
     /// Kind of a name in tables; none for an intent or an unknown name.
-    #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         let daily = DailyKind::ALL.map(Self::Daily);
         let mut kinds = Self::NO_INTENT.into_iter().chain(daily);
@@ -62,13 +61,11 @@ impl MovementKind {
     }
 
     /// Whether the movement is daily life.
-    #[must_use]
     pub const fn is_daily(self) -> bool {
         matches!(self, Self::Daily(_))
     }
 
     /// Name in tables.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Intent(intent) => intent.name(),
@@ -117,14 +114,12 @@ pub struct Movement {
 
 impl Movement {
     /// A movement of these samples.
-    #[must_use]
     pub const fn new(kind: MovementKind, samples: Range<usize>) -> Self {
         Self { kind, samples }
     }
 }
 
 /// Flags, as many as there are samples, of those that are in one of the movements.
-#[must_use]
 pub fn mask(movements: &[Movement], samples: usize) -> Vec<bool> {
     let mut mask = vec![false; samples];
     for movement in movements {
@@ -134,7 +129,6 @@ pub fn mask(movements: &[Movement], samples: usize) -> Vec<bool> {
 }
 
 /// Parts of movements within a range of samples, counted from its start.
-#[must_use]
 pub fn within(movements: &[Movement], range: &Range<usize>) -> Vec<Movement> {
     let part = |movement: &Movement| {
         let Range { start, end } = movement.samples;

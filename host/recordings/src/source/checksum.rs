@@ -28,7 +28,6 @@ impl fmt::Display for Checksum {
 
 impl Checksum {
     /// The checksum that a text states, such as `md5:0cc1…`; none of another kind.
-    #[must_use]
     pub fn parse(text: &str) -> Option<Self> {
         let (kind, digits) = text.split_once(':')?;
         let digits = digits.to_ascii_lowercase();

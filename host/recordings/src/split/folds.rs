@@ -27,7 +27,6 @@ impl Protocol {
     /// The subjects that each fold holds out, in alphabetical order. The seed
     /// assigns the subjects of [`LeaveGroupsOut`](Self::LeaveGroupsOut) and
     /// [`LeaveOneSubjectOut`](Self::LeaveOneSubjectOut), those of a data set independently of the other sets.
-    #[must_use]
     pub fn groups<'a>(
         self,
         recordings: impl IntoIterator<Item = &'a Recording>,
@@ -115,7 +114,6 @@ fn dealt(sets: BTreeMap<DataSet, Vec<&str>>, folds: usize, seed: u64) -> Vec<Vec
 }
 
 /// The subjects of each data set, in alphabetical order.
-#[must_use]
 pub fn subjects<'a>(
     recordings: impl IntoIterator<Item = &'a Recording>,
 ) -> BTreeMap<DataSet, Vec<&'a str>> {

@@ -39,7 +39,6 @@ pub struct Split {
 
 impl Split {
     /// The role of a subject, if it has one.
-    #[must_use]
     pub fn role(&self, subject: &str) -> Option<Role> {
         [
             (&self.training, Role::Training),
@@ -53,7 +52,6 @@ impl Split {
     }
 
     /// The recordings of one role, in their order.
-    #[must_use]
     pub fn select<'a>(&self, recordings: &'a [Recording], role: Role) -> Vec<&'a Recording> {
         recordings
             .iter()

@@ -28,20 +28,17 @@ static COMMITTED: LazyLock<BTreeMap<String, PredefinedSplit>> = LazyLock::new(||
 
 impl PredefinedSplit {
     /// Development and test people of a data set; none for sets that the file does not name.
-    #[must_use]
     pub(crate) fn of(data_set: DataSet) -> Option<&'static Self> {
         COMMITTED.get(data_set.name())
     }
 
     /// Development and test people of all data sets, by the sets' names.
-    #[must_use]
     pub fn all() -> &'static BTreeMap<String, Self> {
         &COMMITTED
     }
 }
 
 /// Whether a subject (`data-set/subject`) is a test person.
-#[must_use]
 pub fn is_test(subject: &str) -> bool {
     let (set, _) = subject.split_once('/').unwrap_or_default();
     COMMITTED
@@ -50,7 +47,6 @@ pub fn is_test(subject: &str) -> bool {
 }
 
 /// Whether a subject (`data-set/subject`) is a training person: in none of the lists of a set that the file names.
-#[must_use]
 pub fn is_training(subject: &str) -> bool {
     let (set, _) = subject.split_once('/').unwrap_or_default();
     COMMITTED.get(set).is_some_and(|predefined| {

@@ -35,7 +35,6 @@ impl std::fmt::Debug for Follower {
 
 impl Follower {
     /// The person of a name, with hand and arm at rest.
-    #[must_use]
     pub fn new(name: &str) -> Self {
         let options = SynthOptions::default();
         let mut random = generator(options.seed, name);

@@ -57,13 +57,11 @@ impl Default for SynthOptions {
 }
 
 /// Generates the recordings in memory, ordered by person.
-#[must_use]
 pub fn generate(options: &SynthOptions) -> Vec<Recording> {
     timed(simulate(options))
 }
 
 /// Generates the recordings of one person in memory, as [`generate`] does; `number` is 1 for `s1`.
-#[must_use]
 pub fn generate_person(options: &SynthOptions, number: usize) -> Vec<Recording> {
     timed(simulate_person(*options, number))
 }

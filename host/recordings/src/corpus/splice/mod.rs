@@ -44,7 +44,6 @@ pub struct SpliceOptions {
 /// Returns `count` recordings, `spliced-0` and on, for each subject with at least one usable
 /// transition or two different steady holds, in alphabetical order of subjects. Their path is
 /// empty: they come from no file.
-#[must_use]
 pub fn splice(recordings: &[&Recording], options: &SpliceOptions) -> Vec<Recording> {
     let mut by_subject: BTreeMap<&str, Vec<&Recording>> = BTreeMap::new();
     let is_used = |recording: &Recording| {

@@ -6,7 +6,6 @@ use super::{Finding, Severity};
 
 impl Finding {
     /// Severity of the finding if the recording is kept.
-    #[must_use]
     pub fn severity(&self) -> Severity {
         match self {
             Self::Known(_) => Severity::Note,
@@ -19,7 +18,6 @@ impl Finding {
     }
 
     /// Name of the kind, by which findings are grouped.
-    #[must_use]
     pub const fn kind(&self) -> &'static str {
         match self {
             Self::Known(_) => "known",
@@ -54,7 +52,6 @@ impl Finding {
     }
 
     /// Advice on what to do; empty if there is nothing to do.
-    #[must_use]
     pub fn advice(&self) -> String {
         match self {
             Self::Known(_) => "",

@@ -24,7 +24,6 @@ pub enum Severity {
 
 impl Severity {
     /// Name in tables.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Note => "note",

@@ -11,7 +11,6 @@ use crate::recording::DataSet;
 
 impl DataSet {
     /// Properties that a file is recognised by as one of the set.
-    #[must_use]
     pub const fn recognised_by(self) -> &'static str {
         match self {
             Self::Roshambo => {

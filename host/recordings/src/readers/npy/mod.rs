@@ -65,13 +65,11 @@ impl Values {
 
 impl Array {
     /// Byte of the file at which a row (along the first axis) starts.
-    #[must_use]
     pub const fn byte_of_row(&self, row: usize) -> u64 {
         self.layout.start + (row * self.layout.row_bytes) as u64
     }
 
     /// Shape and type for a message: `(8990, 8) of <i8`.
-    #[must_use]
     pub fn describe(&self) -> String {
         let axes: Vec<_> = self.shape.iter().map(ToString::to_string).collect();
         format!("({}) of {}", axes.join(", "), self.descr)
