@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use recordings::{Damage, Fault, Finding, LoadError, LoadOptions, Place, Recording, load};
+use recordings::{LoadOptions, Recording, load};
 
 use super::{folder, read};
 
@@ -26,26 +26,11 @@ fn myo_readings_leaves_out_its_four_broken_files_and_says_where() {
     // All files are of one sitting of 32 people; the labels of four people drift, which leaves 16 files unmarked.
     let marked = outside.iter().filter(|r| !r.other_movement.is_empty());
     assert_eq!(marked.count(), 127 - 16);
-    let found: Vec<_> = library
-        .skipped
-        .iter()
-        .map(|error| match error {
-            LoadError::Damaged {
-                damage:
-                    Damage {
-                        place: Place::Line(line),
-                        fault,
-                        as_published: true,
-                    },
-                ..
-            } => {
-                assert!(matches!(fault, Fault::Fields { .. } | Fault::Number { .. }));
-                *line
-            }
-            other => panic!("{other}"),
-        })
-        .collect();
-    assert_eq!(found, [12322, 1032, 1996, 1347]);
+    let found: Vec<_> = library.skipped.iter().map(ToString::to_string).collect();
+    assert_eq!(found.len(), 4);
+    for (error, line) in found.iter().zip([12322, 1032, 1996, 1347]) {
+        assert!(error.contains(&format!("line {line}")), "{error}");
+    }
     let Some(folder) = folder(test, "myo-readings") else {
         return;
     };
@@ -65,11 +50,7 @@ fn myo_readings_drops_doubled_rows_and_labels_that_drift() {
     let polled: BTreeSet<_> = library
         .recordings
         .iter()
-        .filter(|r| {
-            r.findings
-                .iter()
-                .any(|f| matches!(f, Finding::Polled { .. }))
-        })
+        .filter(|r| r.findings.iter().any(|finding| finding.kind() == "polled"))
         .map(|r| r.subject.as_str())
         .collect();
     assert_eq!(polled, BTreeSet::from(["myo-readings/69069"]));
