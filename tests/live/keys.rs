@@ -80,7 +80,7 @@ fn a_paused_page_shows_the_label_and_cue_of_where_it_is() {
         )
     };
     let mut labels = vec![shown(&mut browser)];
-    for _ in 0..10 {
+    for _ in 0..5 {
         browser.press("ArrowLeft");
         labels.push(shown(&mut browser));
     }
@@ -92,7 +92,7 @@ fn a_paused_page_shows_the_label_and_cue_of_where_it_is() {
         labels.iter().any(|(_, cue)| cue != &labels[0].1),
         "{labels:?}"
     );
-    let back: Vec<_> = (0..10)
+    let back: Vec<_> = (0..5)
         .map(|_| {
             browser.press("ArrowRight");
             shown(&mut browser)
