@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::candidates::{student_candidate, teacher_candidate};
 use super::context::RunContext;
 use super::error::StepError;
-use evaluation::{EvaluatedRecording, LookAhead, System, Truth, score};
+use evaluation::{EvaluatedRecording, LookAhead, Truth, score};
 use execution::fingerprint::Fingerprint;
 use presets::Aggregation;
 use presets::distillation;
@@ -25,6 +25,7 @@ struct Chosen {
 /// # Errors
 /// When a model is damaged, labels cannot be compared or the folder cannot be written.
 pub(super) fn aggregation(context: &RunContext) -> Result<LookAhead, StepError> {
+    const NAME: &str = "choosing the aggregation mode";
     let (folder, config) = (&context.folder, &context.config);
     match config.preset.smoother.aggregation {
         Some(Aggregation::AllRows) => return Ok(LookAhead::AllRows),
@@ -47,9 +48,9 @@ pub(super) fn aggregation(context: &RunContext) -> Result<LookAhead, StepError> 
     let recordings = EvaluatedRecording::validation(&context.config, &context.library);
     let candidate = if context.has(distillation::NAME) {
         let student = context.student(distillation::NAME)?;
-        student_candidate(context, System::Student, &student, &recordings)?
+        student_candidate(context, NAME.into(), &student, &recordings)?
     } else {
-        teacher_candidate(context, System::Teacher, &recordings)?
+        teacher_candidate(context, NAME.into(), &recordings)?
     };
     let correct = |look_ahead| -> Result<usize, StepError> {
         let scores = score(

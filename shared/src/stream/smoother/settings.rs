@@ -101,7 +101,7 @@ names! {
         Balanced = "balanced",
         /// The fewest labels that nobody meant.
         Steady = "steady",
-        /// As late as labels that wait for the look-ahead: for models of more classes, which are seldom sure before.
+        /// Labels as late as those that wait for the look-ahead, for models of more classes, which are seldom sure before.
         Late = "late",
     }
 }
