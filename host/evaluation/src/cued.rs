@@ -65,7 +65,7 @@ mod tests {
             .flat_map(|&(label, count)| vec![label; count])
             .collect();
         let mut recording = EvaluatedRecording {
-            data_set: DataSet::SsStm,
+            data_set: DataSet::named("ss-stm"),
             subject: "ss-stm/sub1".to_owned(),
             name: "M8T1".to_owned(),
             raw: Vec::new(),
@@ -75,10 +75,10 @@ mod tests {
             published: Some(published),
             other_movement: Vec::new(),
         };
-        let both = cued([&recording])[&DataSet::SsStm];
+        let both = cued([&recording])[&DataSet::named("ss-stm")];
         assert_eq!((both, both.left_out()), (Cued { cued: 2, scored: 2 }, 0));
         recording.lag_compensated[400..900].fill(None);
-        let one = cued([&recording])[&DataSet::SsStm];
+        let one = cued([&recording])[&DataSet::named("ss-stm")];
         assert_eq!((one, one.left_out()), (Cued { cued: 2, scored: 1 }, 1));
         // Nobody was asked for spliced recordings.
         recording.published = None;

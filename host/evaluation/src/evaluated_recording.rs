@@ -131,7 +131,7 @@ impl EvaluatedRecording {
         let truth: Vec<Option<Intent>> = labels.collect();
         let emg = |label: &Option<Intent>| [if *label == Some(Intent::Relax) { 1 } else { 20 }; 8];
         Self {
-            data_set: DataSet::Synthetic,
+            data_set: DataSet::SYNTHETIC,
             subject: subject.to_owned(),
             name: "r".to_owned(),
             raw: Vec::new(),

@@ -162,7 +162,7 @@ mod tests {
         let samples = |value: u8| std::iter::repeat_n([value; CHANNELS], PATCH);
         let labels = |label: Option<Intent>| std::iter::repeat_n(label, PATCH);
         EvaluatedRecording {
-            data_set: DataSet::Synthetic,
+            data_set: DataSet::SYNTHETIC,
             subject: subject.to_owned(),
             name: "r".to_owned(),
             raw: Vec::new(),

@@ -1,171 +1,205 @@
-//! Addresses and licences of the published data sets, as far as known (docs/recordings.md, docs/licences.md).
+//! Sets of recordings, as `published.toml` lists them: published ones (docs/recordings.md, docs/licences.md), the
+//! wearer's own, and synthetic ones.
 
-use crate::DataSet;
+use std::cmp::Ordering;
+use std::sync::LazyLock;
+
+use serde::de::{Error as _, IgnoredAny};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use crate::alignment::rotation::Frame;
+
+/// A set of recordings, by its name.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub struct DataSet(&'static str);
 
 /// Address from which a data set is obtained.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Address {
     /// A record of Zenodo, by its number: it states its files, their checksums and its licence.
     Zenodo(u32),
     /// A repository of GitHub (`owner/name`), as an archive of its default branch, which is made on demand: it has no
     /// checksum and cannot be resumed.
-    GitHub(&'static str),
+    GitHub(String),
     /// An archive, by its path on UCI's server.
-    Uci(&'static str),
+    Uci(String),
     /// No download for a program; what to do instead.
-    ByHand(&'static str),
+    #[serde(rename = "by-hand")]
+    ByHand(String),
 }
 
 /// A published data set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Source {
-    /// The set.
-    pub data_set: DataSet,
-    /// Page for people.
-    pub page: &'static str,
+    /// Name of the set.
+    pub name: String,
+    /// Page for people; empty for a set that is not published.
+    #[serde(default)]
+    pub page: String,
     /// Address for programs.
+    #[serde(default = "repacked")]
     pub address: Address,
     /// Licence, and where that is stated.
-    pub licence: &'static str,
+    #[serde(default = "none_stated")]
+    pub licence: String,
+    recognised_by: String,
+    #[serde(default)]
+    label_lag: usize,
+    #[serde(default)]
+    frame: Frame,
+    #[serde(default = "yes")]
+    trained: bool,
+    #[serde(default)]
+    daily_life: bool,
+    #[serde(default)]
+    only_teaches: bool,
+    /// Read by `description/published.rs`.
+    #[serde(default, rename = "layout")]
+    _layouts: IgnoredAny,
 }
 
 /// Licence of sets for which nobody states one.
-const NONE_STATED: &str = "none stated in the copy that was read: without a licence there is no permission to redistribute; read the page before use";
+fn none_stated() -> String {
+    "none stated in the copy that was read: without a licence there is no permission to redistribute; read the page before use".to_owned()
+}
 
-/// Sets of which only repacked copies were read.
-const REPACKED: Address = Address::ByHand(
-    "save each recording as an int8 npy array, named as docs/recordings.md says in the row of the set",
-);
+/// Address of a set of which only repacked copies were read.
+fn repacked() -> Address {
+    let advice = "save each recording as an int8 npy array, named as docs/recordings.md says in the row of the set";
+    Address::ByHand(advice.to_owned())
+}
 
-/// Every published set, in the order of [`DataSet::ALL`].
-pub const SOURCES: [Source; 20] = [
-    Source {
-        data_set: DataSet::Roshambo,
-        page: "https://doi.org/10.5281/zenodo.3194792",
-        address: Address::Zenodo(3_194_792),
-        licence: "none stated in the copy that was read; the record on Zenodo states one",
-    },
-    Source {
-        data_set: DataSet::SsStm,
-        page: "https://github.com/Suguru55/SS-STM_for_MyoDatasets",
-        address: Address::GitHub("Suguru55/SS-STM_for_MyoDatasets"),
-        licence: "Apache-2.0 (LICENSE in the data set): use and redistribution with notice",
-    },
-    Source {
-        data_set: DataSet::CoteAllard,
-        page: "https://github.com/UlysseCoteAllard/MyoArmbandDataset",
-        address: Address::GitHub("UlysseCoteAllard/MyoArmbandDataset"),
-        licence: "GPL-3.0 (LICENSE in the data set): redistribution, changed or not, under GPL-3.0",
-    },
-    Source {
-        data_set: DataSet::MyoReadings,
-        page: "https://github.com/aljazfrancic/myo-readings-dataset",
-        address: Address::GitHub("aljazfrancic/myo-readings-dataset"),
-        licence: "MIT (LICENSE in the data set): use and redistribution with notice",
-    },
-    Source {
-        data_set: DataSet::OneSubjectMyo,
-        page: "https://github.com/LibEMG/OneSubjectMyoDataset",
-        address: Address::GitHub("LibEMG/OneSubjectMyoDataset"),
-        licence: NONE_STATED,
-    },
-    Source {
-        data_set: DataSet::WangMyo,
-        page: "https://github.com/ZheWang98/Open-access-dataset-of-sEMG",
-        address: Address::GitHub("ZheWang98/Open-access-dataset-of-sEMG"),
-        licence: NONE_STATED,
-    },
-    Source {
-        data_set: DataSet::MyoRps,
-        page: "https://github.com/michidk/myo-dataset",
-        address: Address::GitHub("michidk/myo-dataset"),
-        licence: NONE_STATED,
-    },
-    Source {
-        data_set: DataSet::Myoup,
-        page: "https://github.com/tsagkas/MyoUP_dataset",
-        address: Address::GitHub("tsagkas/MyoUP_dataset"),
-        licence: NONE_STATED,
-    },
-    Source {
-        data_set: DataSet::Epn,
-        page: "https://github.com/laboratorioAI/HGR_AMR_ROB_QLEARNING",
-        address: Address::ByHand(
-            "its labels are MATLAB objects: save each recording as userN/training/001_fist.npy (docs/recordings.md, epn)",
-        ),
-        licence: NONE_STATED,
-    },
-    Source {
-        data_set: DataSet::UciGestures,
-        page: "https://archive.ics.uci.edu/dataset/481/emg+data+for+gestures",
-        address: Address::Uci("static/public/481/emg+data+for+gestures.zip"),
-        licence: "none stated in the copy that was read; UCI lists its sets under CC BY 4.0, which was not checked",
-    },
-    Source {
-        data_set: DataSet::Ciil,
-        page: "https://github.com/LibEMG/CIILData",
-        address: REPACKED,
-        licence: NONE_STATED,
-    },
-    Source {
-        data_set: DataSet::Epn10,
-        page: "https://github.com/laboratorioAI/HandRobotic",
-        address: REPACKED,
-        licence: "GPL-3.0 (of the repository): redistribution, changed or not, under GPL-3.0",
-    },
-    Source {
-        data_set: DataSet::DutraMoves,
-        page: "https://github.com/brunoodutra/My_Thesis",
-        address: REPACKED,
-        licence: NONE_STATED,
-    },
-    Source {
-        data_set: DataSet::Pangestu,
-        page: "https://github.com/fpangestu/myo-project",
-        address: REPACKED,
-        licence: NONE_STATED,
-    },
-    Source {
-        data_set: DataSet::Dideakay,
-        page: "https://github.com/dideakay/emg-classification-myo",
-        address: REPACKED,
-        licence: NONE_STATED,
-    },
-    Source {
-        data_set: DataSet::Adl,
-        page: "https://github.com/eeddy/DiscreteMCI",
-        address: REPACKED,
-        licence: NONE_STATED,
-    },
-    Source {
-        data_set: DataSet::Psl,
-        page: "https://github.com/noemiko/myo-sign-language",
-        address: REPACKED,
-        licence: "MIT",
-    },
-    Source {
-        data_set: DataSet::Libras,
-        page: "https://github.com/pernambucano/myo_libras",
-        address: REPACKED,
-        licence: "MIT",
-    },
-    Source {
-        data_set: DataSet::EmgEpn612,
-        page: "https://doi.org/10.5281/zenodo.4421500",
-        address: Address::Zenodo(4_421_500),
-        licence: "not read; the record on Zenodo states one",
-    },
-    Source {
-        data_set: DataSet::ReactEmg,
-        page: "https://github.com/roamlab/reactemg",
-        address: Address::ByHand("the page has the links"),
-        licence: "not read: read the terms of each part before use",
-    },
-];
+const fn yes() -> bool {
+    true
+}
 
-/// The source of a set by its name; none if there is no such set, or it is not published.
+#[derive(Deserialize)]
+struct File {
+    set: Vec<Source>,
+}
+
+static SETS: LazyLock<Vec<Source>> = LazyLock::new(|| {
+    let file: File = toml::from_str(LIST).expect("a test reads the file");
+    file.set
+});
+
+/// Text of the list.
+pub(crate) const LIST: &str = include_str!("../published.toml");
+
+/// Every published set, in the order of lists.
+pub fn sources() -> impl Iterator<Item = &'static Source> {
+    SETS.iter().filter(|own| !own.page.is_empty())
+}
+
+/// The source of a set by its name; `None` if there is no such set, or it is not published.
 pub fn source(name: &str) -> Option<&'static Source> {
-    SOURCES.iter().find(|own| own.data_set.name() == name)
+    sources().find(|own| own.name == name)
+}
+
+impl Source {
+    /// The set.
+    pub fn data_set(&'static self) -> DataSet {
+        DataSet(&self.name)
+    }
+}
+
+impl DataSet {
+    /// The wearer's own recordings, and ReactEMG's.
+    pub const OWN: Self = Self("react-emg");
+    /// Recordings generated by [`synthetic`](crate::synthetic).
+    pub const SYNTHETIC: Self = Self("synthetic");
+
+    /// The set of a name; one that is not in the list has no properties.
+    pub const fn named(name: &'static str) -> Self {
+        Self(name)
+    }
+
+    /// Every set, in the order of lists.
+    pub fn all() -> impl Iterator<Item = Self> {
+        SETS.iter().map(Source::data_set)
+    }
+
+    /// Name in subjects (`roshambo/03`), tables and presets.
+    pub const fn name(self) -> &'static str {
+        self.0
+    }
+
+    fn entry(self) -> Option<&'static Source> {
+        SETS.iter().find(|own| own.name == self.0)
+    }
+
+    /// Properties that a file is recognised by as one of the set.
+    pub fn recognised_by(self) -> &'static str {
+        self.entry().map_or("", |own| &own.recognised_by)
+    }
+
+    /// Nominal label lag in samples: [`estimate`](crate::labels::lag::estimate) over the training people
+    /// (`host/recordings/people.toml`) of the published recordings.
+    ///
+    /// A run estimates it on its own training people; this is the fallback when none of them is there or has a
+    /// transition. Sets of steady holds have no transition that could be late, and neither have the labels
+    /// of `myoup` and `uci-gestures`, which lie inside the activity; EMG-EPN-612 and ROAM-EMG were segmented by
+    /// their authors and count as 0. Labels from muscle activity are not late by definition.
+    pub fn label_lag(self) -> usize {
+        self.entry().map_or(0, |own| own.label_lag)
+    }
+
+    /// Order of the channels on the arm.
+    pub(crate) fn electrode_frame(self) -> Frame {
+        self.entry().map(|own| own.frame).unwrap_or_default()
+    }
+
+    /// Whether training uses the set by default.
+    ///
+    /// `uci-gestures` shows which muscles are active, but not what a sample looks like. Nothing was gained by learning
+    /// from the five sets of other groups (docs/results.md): they show what a model does where nobody taught it.
+    pub fn trained_by_default(self) -> bool {
+        self.entry().is_none_or(|own| own.trained)
+    }
+
+    /// Whether the set is daily life: nobody in it means a gesture.
+    pub fn is_daily_life(self) -> bool {
+        self.entry().is_some_and(|own| own.daily_life)
+    }
+
+    /// Whether the set only teaches: its recordings are too short to be judged, so nobody of it is held out.
+    pub fn only_teaches(self) -> bool {
+        self.entry().is_some_and(|own| own.only_teaches)
+    }
+}
+
+impl Ord for DataSet {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let place = |set: &Self| (Self::all().position(|own| own == *set), set.0);
+        place(self).cmp(&place(other))
+    }
+}
+
+impl PartialOrd for DataSet {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Serialize for DataSet {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.0)
+    }
+}
+
+impl<'de> Deserialize<'de> for DataSet {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        Self::all().find(|own| own.0 == name).ok_or_else(|| {
+            let names: Vec<&str> = Self::all().map(Self::name).collect();
+            D::Error::custom(format!(
+                "unknown data set `{name}`, expected one of {}",
+                names.join(", ")
+            ))
+        })
+    }
 }
 
 #[cfg(test)]
@@ -174,22 +208,17 @@ mod tests {
 
     #[test]
     fn every_published_set_has_a_source_and_the_page_of_recordings_has_its_address() {
-        let published = DataSet::ALL
-            .into_iter()
-            .filter(|set| *set != DataSet::Synthetic);
-        assert_eq!(
-            published.collect::<Vec<_>>(),
-            SOURCES.map(|own| own.data_set)
-        );
+        let unpublished = DataSet::all().filter(|set| source(set.name()).is_none());
+        assert_eq!(unpublished.collect::<Vec<_>>(), [DataSet::SYNTHETIC]);
+        assert!(DataSet::all().any(|set| set == DataSet::OWN));
         let page = include_str!("../../../docs/recordings.md");
         let licences = include_str!("../../../docs/licences.md");
-        for own in SOURCES {
-            let row = page.lines().find(|line| {
-                let name = own.data_set.name();
-                line.starts_with(&format!("| `{name}` |"))
-            });
-            let row = row.unwrap_or_else(|| panic!("no row of {}", own.data_set.name()));
-            assert!(row.contains(own.page), "{row} has no {}", own.page);
+        for own in sources() {
+            let row = page
+                .lines()
+                .find(|line| line.starts_with(&format!("| `{}` |", own.name)));
+            let row = row.unwrap_or_else(|| panic!("no row of {}", own.name));
+            assert!(row.contains(&own.page), "{row} has no {}", own.page);
             // Licences by name are those that the page of licences has read in the copies.
             let first = own.licence.split(' ').next().unwrap();
             if ["Apache-2.0", "GPL-3.0", "MIT"].contains(&first) {

@@ -25,6 +25,7 @@ pub mod split;
 pub mod statistics;
 pub mod synthetic;
 
+pub use catalogue::DataSet;
 pub use corpus::splice;
 pub use examiner::finding::{Group, Severity, grouped};
 pub use execution::printable::printable;
@@ -36,5 +37,5 @@ pub use recording::by_data_set;
 pub use recording::daily_life::{self, DailyKind};
 pub use recording::movement;
 pub use recording::movement::{Movement, MovementKind};
-pub use recording::{DataSet, Recording, Timing};
+pub use recording::{Recording, Timing};
 pub use split::folds;

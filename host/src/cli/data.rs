@@ -48,8 +48,7 @@ pub struct InspectArguments {
 }
 
 fn inspect_help() -> String {
-    let readers: String = DataSet::ALL
-        .iter()
+    let readers: String = DataSet::all()
         .map(|set| format!("  {:16} {}\n", set.name(), set.recognised_by()))
         .collect();
     format!(

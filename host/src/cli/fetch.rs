@@ -9,7 +9,7 @@ use clap::Args;
 use super::contents::{Recordings, tables};
 use evaluation::report::Table;
 use execution::progress;
-use recordings::catalogue::{Address, SOURCES, Source, source};
+use recordings::catalogue::{Address, Source, source, sources};
 pub use recordings::printable;
 use recordings::source::{Download, Plan, Received, Servers, download, free, plan, put_in_place};
 use recordings::{LoadOptions, load};
@@ -51,7 +51,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         return Ok(std::io::stdout().write_all(published().plain().as_bytes())?);
     };
     let Some(own) = source(name) else {
-        let names = SOURCES.map(|own| own.data_set.name());
+        let names: Vec<&str> = sources().map(|own| &own.name[..]).collect();
         bail!(
             "no data set is named {}: expected one of {}",
             printable(name),
@@ -65,7 +65,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         put(own, &arguments.archive, &place)?;
         return Ok(());
     }
-    if let Address::ByHand(why) = own.address {
+    if let Address::ByHand(why) = &own.address {
         bail!(
             "{name} cannot be downloaded by a program: {why}\n{}",
             by_hand(own, &[])
@@ -89,7 +89,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 
 /// Shows the licence and waits for a yes.
 fn agree(own: &Source, stated: Option<&str>, accepted: bool) -> anyhow::Result<()> {
-    let name = own.data_set.name();
+    let name = &own.name;
     progress::log(&format!("{name}: {}", own.page));
     progress::log(&format!("licence: {}", own.licence));
     if let Some(stated) = stated {
@@ -118,10 +118,10 @@ fn agree(own: &Source, stated: Option<&str>, accepted: bool) -> anyhow::Result<(
 
 /// Instructions for a download by hand.
 fn by_hand(own: &Source, downloads: &[Download]) -> String {
-    let name = own.data_set.name();
+    let name = &own.name;
     let addresses: Vec<&str> = downloads.iter().map(|of| &of.url[..]).collect();
     let from = if addresses.is_empty() {
-        own.page.to_owned()
+        own.page.clone()
     } else {
         format!("{} (page: {})", addresses.join(", "), own.page)
     };
@@ -149,8 +149,8 @@ fn report(planned: &Plan, received: &[Received]) -> std::io::Result<()> {
 }
 
 /// Puts archives in place and prints what was recognised.
-fn put(own: &Source, files: &[PathBuf], place: &Path) -> anyhow::Result<()> {
-    let done = put_in_place(files, place, own.data_set)?;
+fn put(own: &'static Source, files: &[PathBuf], place: &Path) -> anyhow::Result<()> {
+    let done = put_in_place(files, place, own.data_set())?;
     let mut out = std::io::stdout().lock();
     let left_out = match done.left_out {
         0 => String::new(),
@@ -173,14 +173,14 @@ fn published() -> Table {
     let caption =
         "myointent data fetch NAME downloads one; docs/recordings.md says what is in them.";
     let mut table = Table::new(caption, ["name", "page", "how", "licence"]);
-    for own in SOURCES {
-        let how = match own.address {
+    for own in sources() {
+        let how = match &own.address {
             Address::ByHand(_) => "by hand",
             Address::Zenodo(_) => "download, checksum",
             Address::GitHub(_) | Address::Uci(_) => "download",
         };
         let licence = own.licence.split([':', ';']).next().unwrap_or_default();
-        table.push([own.data_set.name(), own.page, how, licence]);
+        table.push([&own.name, &own.page, how, licence]);
     }
     table
 }

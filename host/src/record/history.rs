@@ -115,7 +115,7 @@ fn by_session(library: &mut Library) -> BTreeMap<String, SessionRecord> {
         let session = sessions.entry(recording.subject.clone()).or_default();
         session.began = began;
         session.protocol = protocol;
-        session.is_synthetic |= recording.data_set == DataSet::Synthetic;
+        session.is_synthetic |= recording.data_set == DataSet::SYNTHETIC;
         session.seconds += recording.samples.len() as f64 / f64::from(SAMPLE_RATE_HZ);
         true
     });

@@ -28,9 +28,8 @@ pub(crate) struct PersonQuality {
 pub(crate) fn quality_by_person(library: &Library) -> Vec<PersonQuality> {
     let mut people: BTreeMap<&str, Assembly> = BTreeMap::new();
     // Files of this layout are read as these sets: no other file is opened again.
-    let is_own = |recording: &&Recording| {
-        matches!(recording.data_set, DataSet::ReactEmg | DataSet::Synthetic)
-    };
+    let is_own =
+        |recording: &&Recording| matches!(recording.data_set, DataSet::OWN | DataSet::SYNTHETIC);
     for recording in library.recordings.iter().filter(is_own) {
         let Some(part) = part(recording) else {
             continue;

@@ -37,7 +37,7 @@ fn recording(
         .flat_map(|&(label, halves)| vec![label; 100 * halves])
         .collect();
     EvaluatedRecording {
-        data_set: DataSet::Synthetic,
+        data_set: DataSet::SYNTHETIC,
         subject: "synthetic/a".to_owned(),
         name: "r".to_owned(),
         raw: vec![[0; 8]; labels.len()],

@@ -87,8 +87,9 @@ mod tests {
 
     /// Evaluated people of a selection, and test people left out: roshambo/03, and roshambo/06, who is a test person.
     fn selected(names: &[&str], test: bool) -> (Vec<String>, Vec<String>) {
-        let recordings = ["roshambo/03", "roshambo/06"]
-            .map(|subject| Recording::new(DataSet::Roshambo, subject, Vec::new(), Vec::new()));
+        let recordings = ["roshambo/03", "roshambo/06"].map(|subject| {
+            Recording::new(DataSet::named("roshambo"), subject, Vec::new(), Vec::new())
+        });
         let selection = Selection {
             subjects: names.iter().map(|&name| name.to_owned()).collect(),
             test,

@@ -20,7 +20,7 @@ fn followed(changes_after: &[usize]) -> (EvaluatedRecording, Candidate) {
         }
     }
     let recording = EvaluatedRecording {
-        data_set: DataSet::Synthetic,
+        data_set: DataSet::SYNTHETIC,
         subject: "synthetic/1".to_owned(),
         name: "r".to_owned(),
         raw: vec![[0; 8]; truth.len()],

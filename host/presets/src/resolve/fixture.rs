@@ -31,7 +31,7 @@ pub(crate) fn people(data_set: DataSet, count: usize) -> Vec<Recording> {
 /// Library with two data sets of the user's own.
 pub(crate) fn library() -> Library {
     Library {
-        recordings: [people(DataSet::ReactEmg, 5), people(DataSet::Synthetic, 4)].concat(),
+        recordings: [people(DataSet::OWN, 5), people(DataSet::SYNTHETIC, 4)].concat(),
         ..Library::default()
     }
 }

@@ -36,8 +36,8 @@ fn a_whole_data_set_may_be_held_out() {
 fn a_set_that_is_not_trained_on_by_default_is_used_where_it_is_named() {
     let library = Library {
         recordings: [
-            people(DataSet::ReactEmg, 5),
-            people(DataSet::UciGestures, 4),
+            people(DataSet::OWN, 5),
+            people(DataSet::named("uci-gestures"), 4),
         ]
         .concat(),
         ..Library::default()
@@ -55,7 +55,7 @@ fn a_set_that_is_not_trained_on_by_default_is_used_where_it_is_named() {
     assert_eq!(resolved(preset(&[], &[])), [0, 0]);
     assert_eq!(resolved(preset(&["uci-gestures"], &[])), [0, 4]);
     let mut named = preset(&[], &[]);
-    named.data.data_sets = vec![DataSet::ReactEmg, DataSet::UciGestures];
+    named.data.data_sets = vec![DataSet::OWN, DataSet::named("uci-gestures")];
     assert!(resolved(named)[0] > 0);
 }
 

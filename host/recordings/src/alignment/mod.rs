@@ -5,7 +5,7 @@
 mod matrix;
 mod open_hand;
 mod openings;
-mod rotation;
+pub(crate) mod rotation;
 mod template;
 
 pub use open_hand::open_hand;

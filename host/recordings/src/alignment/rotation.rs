@@ -1,35 +1,29 @@
 //! Electrode rotation: which electrode lies on top of the arm differs between the sets.
+//!
+//! In the common frame wrist extension is strongest on the third channel, as in `ss-stm` and `myo-readings`.
+//! `cote-allard` has it on the second, `one-subject-myo` on the fourth. `roshambo` records no extension; its pattern of
+//! open against close correlates best with that of `cote-allard` rotated by this one electrode (mean over pairs of people
+//! 0.35, as recorded 0.12). The others are fitted on the mean patterns of the gestures that two sets share
+//! (tests/recordings.rs).
 
+use serde::Deserialize;
 use shared::units::{CHANNELS, Sample};
 
+use crate::catalogue::DataSet;
 use crate::library::Library;
-use crate::recording::{DataSet, by_data_set};
+use crate::recording::by_data_set;
 
 /// Order of a set's channels on the arm: channel c of the common frame is channel `c - rotation` of the set's, or
 /// `rotation - c` where the ring runs the other way round (modulo 8).
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-struct Frame {
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Frame {
+    #[serde(default)]
     reversed: bool,
     rotation: usize,
 }
 
 impl Frame {
-    const COMMON: Self = Self::rotated(0);
-
-    const fn rotated(rotation: usize) -> Self {
-        Self {
-            reversed: false,
-            rotation,
-        }
-    }
-
-    const fn reversed(rotation: usize) -> Self {
-        Self {
-            reversed: true,
-            rotation,
-        }
-    }
-
     /// A sample in the common frame.
     fn align(self, sample: Sample) -> Sample {
         std::array::from_fn(|channel| {
@@ -53,26 +47,6 @@ impl Frame {
             (false, _) => Some(format!("turned by {places}")),
             (true, 0) => Some("mirrored".to_owned()),
             (true, _) => Some(format!("mirrored and turned by {places}")),
-        }
-    }
-}
-
-impl DataSet {
-    /// The set's frame; in the common frame wrist extension is strongest on the third channel, as in `ss-stm`
-    /// and `myo-readings`.
-    ///
-    /// `cote-allard` has it on the second, `one-subject-myo` on the fourth. `roshambo` records no
-    /// extension; its pattern of open against close correlates best with that of `cote-allard`
-    /// rotated by this one electrode (mean over pairs of people 0.35, as recorded 0.12). The others
-    /// are fitted on the mean patterns of the gestures that two sets share (tests/recordings.rs).
-    const fn electrode_frame(self) -> Frame {
-        match self {
-            Self::CoteAllard => Frame::rotated(1),
-            Self::OneSubjectMyo => Frame::rotated(CHANNELS - 1),
-            Self::WangMyo => Frame::rotated(2),
-            Self::Myoup => Frame::rotated(CHANNELS - 2),
-            Self::UciGestures => Frame::reversed(6),
-            _ => Frame::COMMON,
         }
     }
 }
@@ -132,11 +106,11 @@ mod tests {
     #[test]
     fn each_set_with_a_frame_of_its_own_is_told_and_no_other() {
         let sets = [
-            DataSet::Roshambo,
-            DataSet::CoteAllard,
-            DataSet::OneSubjectMyo,
-            DataSet::UciGestures,
-            DataSet::ReactEmg,
+            DataSet::named("roshambo"),
+            DataSet::named("cote-allard"),
+            DataSet::named("one-subject-myo"),
+            DataSet::named("uci-gestures"),
+            DataSet::OWN,
         ];
         let recordings = sets.map(|set| Recording::new(set, "", vec![[0; CHANNELS]], vec![None]));
         let library = Library {
@@ -156,12 +130,12 @@ mod tests {
     #[test]
     fn wrist_extension_comes_to_lie_on_the_third_channel() {
         for (data_set, extension) in [
-            (DataSet::SsStm, 2),
-            (DataSet::CoteAllard, 1),
-            (DataSet::OneSubjectMyo, 3),
-            (DataSet::Epn, 2),
-            (DataSet::Myoup, 4),
-            (DataSet::UciGestures, 4),
+            (DataSet::named("ss-stm"), 2),
+            (DataSet::named("cote-allard"), 1),
+            (DataSet::named("one-subject-myo"), 3),
+            (DataSet::named("epn"), 2),
+            (DataSet::named("myoup"), 4),
+            (DataSet::named("uci-gestures"), 4),
         ] {
             let mut sample = [0; CHANNELS];
             sample[extension] = 50;
@@ -172,23 +146,23 @@ mod tests {
     #[test]
     fn frames_are_those_that_were_measured() {
         // Channel c of the common frame, in the numbering of each set, modulo 8.
-        let own = |data_set, c: usize| match data_set {
-            DataSet::CoteAllard => c + 7,
-            DataSet::WangMyo => c + 6,
-            DataSet::Myoup => c + 2,
-            DataSet::UciGestures => 14 - c,
+        let own = |data_set: DataSet, c: usize| match data_set.name() {
+            "cote-allard" => c + 7,
+            "wang-myo" => c + 6,
+            "myoup" => c + 2,
+            "uci-gestures" => 14 - c,
             _ => c,
         };
         let numbers = [0, 1, 2, 3, 4, 5, 6, 7];
         for data_set in [
-            DataSet::Roshambo,
-            DataSet::MyoRps,
-            DataSet::Epn,
-            DataSet::MyoReadings,
-            DataSet::CoteAllard,
-            DataSet::WangMyo,
-            DataSet::Myoup,
-            DataSet::UciGestures,
+            DataSet::named("roshambo"),
+            DataSet::named("myo-rps"),
+            DataSet::named("epn"),
+            DataSet::named("myo-readings"),
+            DataSet::named("cote-allard"),
+            DataSet::named("wang-myo"),
+            DataSet::named("myoup"),
+            DataSet::named("uci-gestures"),
         ] {
             let expected: Vec<i8> = (0..CHANNELS)
                 .map(|c| (own(data_set, c) % 8) as i8)

@@ -157,7 +157,7 @@ pub fn lead_in<T: Copy>(samples: &[T], length: usize) -> Vec<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recording::DataSet;
+    use crate::catalogue::DataSet;
 
     #[test]
     fn daily_life_is_relax_where_the_muscles_are_quiet_and_other_movement_elsewhere() {
@@ -173,7 +173,12 @@ mod tests {
         let labels = vec![None; samples.len()];
         let [first, second] = [0..1000, 1000..2000].map(|part| {
             let labels = labels[part.clone()].to_vec();
-            Recording::new(DataSet::Adl, "adl/p01", samples[part].to_vec(), labels)
+            Recording::new(
+                DataSet::named("adl"),
+                "adl/p01",
+                samples[part].to_vec(),
+                labels,
+            )
         });
         let stream = Stream::of_daily_life(&[&first, &second], samples);
         let [active] = &stream.other_movement[..] else {

@@ -13,6 +13,7 @@ use super::reader::{motions, timed};
 use super::rows::{At, Labels, Rows};
 use super::values::Scale;
 use super::words::Words;
+use crate::catalogue::{DataSet, LIST};
 use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::{Damage, Fault, LoadError};
 use crate::readers::mat::{self, Matrix};
@@ -21,7 +22,7 @@ use crate::readers::table::auxiliary::AuxiliaryColumns;
 use crate::readers::table::separator::Separator;
 use crate::readers::table::shape::Shape;
 use crate::readers::table::{matrix, sample};
-use crate::recording::{DataSet, Recording};
+use crate::recording::Recording;
 use execution::file_kind::FileKind;
 
 const ROW_BYTES: usize = 2 * CHANNELS;
@@ -30,6 +31,8 @@ const ROW_BYTES: usize = 2 * CHANNELS;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Layout {
+    /// The set; known by where the layout stands.
+    #[serde(skip, default = "own")]
     pub set: DataSet,
     description: Description,
     person: Pattern,
@@ -61,15 +64,34 @@ struct Pulses {
     count: usize,
 }
 
+const fn own() -> DataSet {
+    DataSet::OWN
+}
+
+/// A set of the list, for its layouts alone.
 #[derive(Deserialize)]
-struct File {
+struct Set {
+    name: String,
+    #[serde(default)]
     layout: Vec<Layout>,
 }
 
+#[derive(Deserialize)]
+struct File {
+    set: Vec<Set>,
+}
+
 static LAYOUTS: LazyLock<Vec<Layout>> = LazyLock::new(|| {
-    let file: File =
-        toml::from_str(include_str!("../../published.toml")).expect("a test reads the file");
-    let all = file.layout.into_iter().flat_map(|layout| {
+    let file: File = toml::from_str(LIST).expect("a test reads the file");
+    let of_set = |own: Set| {
+        let mut known = DataSet::all();
+        let set = known.find(|known| known.name() == own.name);
+        let set = set.unwrap_or(DataSet::OWN);
+        own.layout
+            .into_iter()
+            .map(move |layout| Layout { set, ..layout })
+    };
+    let all = file.set.into_iter().flat_map(of_set).flat_map(|layout| {
         let more = layout.more.clone().into_iter().map({
             let layout = layout.clone();
             move |files| {

@@ -9,13 +9,14 @@ use super::rows::{Labels, Rows, labels};
 use super::values::LabelTiming;
 use super::words::Words;
 use super::{Described, Description};
+use crate::catalogue::DataSet;
 use crate::labels::activity::labelled;
 use crate::labels::compensation::Compensation;
 use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::{Damage, Fault, LoadError};
 use crate::readers::open::{Found, Request, SkipReason, open};
 use crate::readers::path::{existing, left_arm};
-use crate::recording::{DataSet, Recording, Timing};
+use crate::recording::{Recording, Timing};
 use execution::bounded_read;
 
 /// Note of a recording that is named after the left arm.
@@ -41,7 +42,7 @@ impl Described {
                 Ok(Found::Nothing(SkipReason::Pattern))
             };
         };
-        if !(request.wants)(DataSet::ReactEmg) {
+        if !(request.wants)(DataSet::OWN) {
             return Ok(Found::Nothing(SkipReason::NotWanted));
         }
         let rows = self.rows(path, &fields)?;
@@ -70,7 +71,7 @@ impl Described {
             .unwrap_or(&whole);
         let names: Vec<_> = own.iter().map(|name| name.to_string_lossy()).collect();
         let subject = person.map_or(recording.subject, |person| {
-            format!("{}/{}{person}", DataSet::ReactEmg.name(), self.above)
+            format!("{}/{}{person}", DataSet::OWN.name(), self.above)
         });
         Recording {
             subject,
@@ -127,11 +128,11 @@ impl Rows {
             .samples
             .into_iter()
             .map(|sample| placement.apply(sample));
-        let subject = format!("{}/unknown", DataSet::ReactEmg.name());
+        let subject = format!("{}/unknown", DataSet::OWN.name());
         let mut recording = Recording {
             path: path.to_owned(),
             other_movement: truth.other_movement,
-            ..Recording::new(DataSet::ReactEmg, subject, samples.collect(), truth.labels)
+            ..Recording::new(DataSet::OWN, subject, samples.collect(), truth.labels)
         };
         if description.arm.is_none() && left_arm(path) {
             recording.notes.push(LEFT.to_owned());
@@ -180,7 +181,7 @@ pub(super) fn timed(
         (LabelTiming::Muscle, _) => muscle(recording),
         // Rest has no activity to find.
         (LabelTiming::FromActivity, Some(motion)) if motion != Motion::Intent(Intent::Relax) => {
-            let found = labelled(DataSet::ReactEmg, "", recording.samples.clone(), motion);
+            let found = labelled(DataSet::OWN, "", recording.samples.clone(), motion);
             muscle(Recording {
                 labels: found.labels,
                 other_movement: found.other_movement,

@@ -30,7 +30,8 @@ pub(crate) mod wide;
 use shared::units::WINDOW;
 
 use self::finding::Finding;
-use super::recording::{DataSet, Recording};
+use super::catalogue::DataSet;
+use super::recording::Recording;
 use signal::Signal;
 
 /// Samples below which a recording is not judged: one second.
@@ -55,7 +56,7 @@ pub(crate) fn examine(recording: &Recording) -> Result<Vec<Finding>, Finding> {
     let hum = hum::find(samples);
     findings.extend(electrodes::examine(&signal, hum.as_ref())?);
     // Half of that set's samples were filled in, so its neighbours cannot be judged.
-    if recording.data_set != DataSet::UciGestures && hum.is_none() {
+    if recording.data_set != DataSet::named("uci-gestures") && hum.is_none() {
         bands::in_turn(&signal)?;
         findings.extend(rows::neighbours(&signal));
     }

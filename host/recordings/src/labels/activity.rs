@@ -22,7 +22,8 @@ use shared::units::Sample;
 
 use super::envelope::Envelope;
 use super::motion::{GroundTruth, Motion};
-use crate::recording::{DataSet, Recording, Timing};
+use crate::catalogue::DataSet;
+use crate::recording::{Recording, Timing};
 use crate::statistics::median;
 
 /// Samples of the moving average that finds bursts: 200 ms.

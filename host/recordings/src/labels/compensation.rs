@@ -114,7 +114,7 @@ mod tests {
     use shared::intent::Intent;
 
     use super::*;
-    use crate::recording::DataSet;
+    use crate::catalogue::DataSet;
     use crate::recording::movement::MovementKind;
 
     const R: Option<Intent> = Some(Intent::Relax);
@@ -147,7 +147,8 @@ mod tests {
                 [(); 8].map(|()| random.random_range(-most..=most))
             })
             .collect();
-        let mut recording = Recording::new(DataSet::Roshambo, "roshambo/01", samples, labels);
+        let mut recording =
+            Recording::new(DataSet::named("roshambo"), "roshambo/01", samples, labels);
         recording.other_movement = vec![Movement::new(MovementKind::TwoFingers, 1400..1800)];
         recording
     }
@@ -180,7 +181,7 @@ mod tests {
             recording(std::slice::from_ref(&(2290..2700))).compensated(Compensation::EachCue);
         assert!(!found.labels.contains(&O) && found.labels[2500] == C);
         assert!(found.labels[600..1000].iter().all(Option::is_none));
-        let late = DataSet::Roshambo.label_lag();
+        let late = DataSet::named("roshambo").label_lag();
         let scissors = Movement::new(MovementKind::TwoFingers, 1400 + late..1800 + late);
         assert_eq!(found.other_movement, [scissors]);
     }

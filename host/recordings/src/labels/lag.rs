@@ -16,7 +16,7 @@ use shared::units::SAMPLE_PERIOD_MS;
 
 use super::envelope::Envelope;
 use super::runs::{Run, runs};
-use crate::recording::{DataSet, Recording, Timing};
+use crate::recording::{Recording, Timing};
 use crate::statistics::median;
 
 /// Samples of the moving average, and for which the envelope stays beyond the half-way level: 50 ms.
@@ -29,25 +29,6 @@ const LATEST: usize = 400;
 /// Minimum difference of the levels (natural logarithm: a factor of 1.35); below it, noise decides
 /// where the crossing is.
 const LEAST_CONTRAST: f64 = 0.3;
-
-impl DataSet {
-    /// Nominal label lag in samples: [`estimate`] over the training people (`host/recordings/people.toml`) of the
-    /// published recordings.
-    ///
-    /// A run estimates it on its own training people; this is the fallback when none of them is there or has a
-    /// transition. Sets of steady holds have no transition that could be late, and neither have the labels
-    /// of `myoup` and `uci-gestures`, which lie inside the activity; EMG-EPN-612 and ROAM-EMG were segmented by
-    /// their authors and count as 0. Labels from muscle activity are not late by definition.
-    pub const fn label_lag(self) -> usize {
-        match self {
-            Self::Roshambo => 59,
-            Self::SsStm => 146,
-            Self::MyoReadings => 53,
-            Self::Synthetic => 50,
-            _ => 0,
-        }
-    }
-}
 
 /// Lag compensation of labels, which are cues: muscle activity follows them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -199,7 +180,7 @@ mod tests {
                 [sign * if active && !weak { 40 } else { 3 }; CHANNELS]
             })
             .collect();
-        Recording::new(DataSet::Synthetic, "s", samples, labels)
+        Recording::new(DataSet::SYNTHETIC, "s", samples, labels)
     }
 
     #[test]

@@ -11,7 +11,8 @@ use shared::units::SAMPLE_PERIOD_MS;
 
 use super::compensation::Compensation;
 use super::lag::{LabelLag, LagEstimate, estimate};
-use crate::recording::{DataSet, Recording, Timing};
+use crate::catalogue::DataSet;
+use crate::recording::{Recording, Timing};
 use crate::split::predefined::PredefinedSplit;
 
 /// People on whose recordings a constant lag was estimated.
@@ -249,8 +250,8 @@ mod tests {
     #[test]
     fn a_constant_is_estimated_on_training_people_alone() {
         let people = [("01", 40), ("06", 100), ("03", 100)];
-        let recordings =
-            people.map(|(who, late)| recording(DataSet::Roshambo, who, late, Timing::Cues));
+        let recordings = people
+            .map(|(who, late)| recording(DataSet::named("roshambo"), who, late, Timing::Cues));
         let is_training = |subject: &str| subject == "roshambo/01";
         let found = lag(&recordings, LabelLag::Estimated, &is_training);
         assert!(found.constant().abs_diff(40) <= 5, "{found:?}");
@@ -263,18 +264,18 @@ mod tests {
         );
         // Without training people: the nominal lag of the published set.
         let nobody = lag(&recordings[1..], LabelLag::Estimated, &is_training);
-        assert_eq!(nobody.constant(), DataSet::Roshambo.label_lag());
+        assert_eq!(nobody.constant(), DataSet::named("roshambo").label_lag());
         assert_eq!((nobody.basis, nobody.estimate), (Basis::Published, None));
     }
 
     #[test]
     fn own_recordings_without_training_people_are_estimated_on_who_is_there_and_say_so() {
-        let recordings = [recording(DataSet::ReactEmg, "anna", 40, Timing::Cues)];
+        let recordings = [recording(DataSet::OWN, "anna", 40, Timing::Cues)];
         let found = lag(&recordings, LabelLag::EachCue, &|_| false);
         assert_eq!(found.basis, Basis::PeopleAtHand(1));
         assert!(found.to_string().contains("1 person at hand"), "{found}");
         // In a run, held-out people do not enter the estimate.
-        let late = recording(DataSet::ReactEmg, "ben", 100, Timing::Cues);
+        let late = recording(DataSet::OWN, "ben", 100, Timing::Cues);
         let both = [recordings[0].clone(), late];
         let run = lag(&both, LabelLag::EachCue, &|subject| {
             subject == "react-emg/anna"
@@ -288,7 +289,7 @@ mod tests {
     #[test]
     fn every_recording_is_compensated_as_its_labels_ask_for() {
         let recordings = [Timing::RestAroundCues, Timing::Cues, Timing::Muscle]
-            .map(|timing| recording(DataSet::ReactEmg, "anna", 40, timing));
+            .map(|timing| recording(DataSet::OWN, "anna", 40, timing));
         let found = lag(&recordings, LabelLag::EachCue, &|_| false);
         let [rested, cues, muscle] = recordings.each_ref().map(|own| found.of_recording(own));
         assert_eq!(

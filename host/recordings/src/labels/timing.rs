@@ -88,7 +88,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     use super::*;
-    use crate::recording::DataSet;
+    use crate::catalogue::DataSet;
 
     const R: Option<Intent> = Some(Intent::Relax);
     const O: Option<Intent> = Some(Intent::Open);
@@ -113,7 +113,7 @@ mod tests {
                 labels.push(label);
             }
         }
-        Recording::new(DataSet::ReactEmg, person, samples, labels)
+        Recording::new(DataSet::OWN, person, samples, labels)
     }
 
     fn timing(sequence: &[(Option<Intent>, usize)], at_once: bool) -> Timing {

@@ -3,8 +3,9 @@
 use shared::intent::{Intent, Vocabulary};
 
 use super::runs::runs;
+use crate::catalogue::DataSet;
+use crate::recording::Recording;
 use crate::recording::movement::{Movement, MovementKind};
-use crate::recording::{DataSet, Recording};
 
 impl Recording {
     /// The labels in a vocabulary: intents outside it become none, never a wrong label.
@@ -52,8 +53,8 @@ impl DataSet {
     /// Whether rest that follows a gesture may still hold the gesture until its end.
     ///
     /// `ss-stm` has nominal times only and its gestures are released up to 1.5 s late.
-    const fn releases_at_unknown_times(self) -> bool {
-        matches!(self, Self::SsStm)
+    fn releases_at_unknown_times(self) -> bool {
+        self == Self::named("ss-stm")
     }
 }
 
@@ -81,7 +82,7 @@ mod tests {
 
     #[test]
     fn intents_outside_the_vocabulary_become_none() {
-        let recording = recording(DataSet::MyoReadings);
+        let recording = recording(DataSet::named("myo-readings"));
         assert_eq!(recording.labels_in(Vocabulary::Six), recording.labels);
         let three = recording.labels_in(Vocabulary::Three);
         assert_eq!(three, [R, None, R, C, R]);
@@ -89,7 +90,7 @@ mod tests {
 
     #[test]
     fn movement_outside_is_other_movement_and_other_intents() {
-        let mut recording = recording(DataSet::MyoReadings);
+        let mut recording = recording(DataSet::named("myo-readings"));
         recording.labels.extend([None; 3]);
         let wave_in = Movement::new(MovementKind::Intent(Intent::WaveIn), 1..2);
         let point = Movement::new(MovementKind::Point, 6..8);
@@ -101,7 +102,7 @@ mod tests {
 
     #[test]
     fn rest_after_a_gesture_of_unknown_end_becomes_none_too() {
-        let three = recording(DataSet::SsStm).labels_in(Vocabulary::Three);
+        let three = recording(DataSet::named("ss-stm")).labels_in(Vocabulary::Three);
         assert_eq!(three, [R, None, None, C, R]);
     }
 

@@ -7,6 +7,7 @@ use shared::intent::Intent;
 use shared::units::SAMPLE_RATE_HZ;
 
 use super::Library;
+use crate::catalogue::DataSet;
 use crate::examiner::electrodes::saturation;
 use crate::examiner::finding::{Finding, Group, grouped};
 use crate::labels::lag::{self, LabelLag, LagEstimate};
@@ -14,7 +15,7 @@ use crate::labels::runs::{Run, runs};
 use crate::labels::set_lag::Lag;
 use crate::readers::error::LoadError;
 use crate::readers::open::SkipReason;
-use crate::recording::{DataSet, Recording, by_data_set};
+use crate::recording::{Recording, by_data_set};
 use crate::split::predefined;
 
 /// Contents of one data set.
@@ -227,7 +228,7 @@ mod tests {
         };
         Library {
             recordings: vec![Recording {
-                data_set: DataSet::ReactEmg,
+                data_set: DataSet::OWN,
                 subject: "react-emg/s1".into(),
                 name: "a".into(),
                 path: PathBuf::new(),

@@ -13,6 +13,7 @@ use rayon::prelude::*;
 
 use shared::stream::normalizer::Normalizer;
 
+use super::catalogue::DataSet;
 use super::description::{Described, FILE_NAME};
 use super::examiner::copies::{self, Repeat};
 use super::examiner::examine;
@@ -21,7 +22,7 @@ use super::readers::error::excerpt::excerpt;
 use super::readers::error::{Damage, LoadError};
 use super::readers::open::{Found, Request, SkipReason, open};
 use super::readers::path::{ending, left_arm};
-use super::recording::{DataSet, Recording};
+use super::recording::Recording;
 use crate::examiner::finding::Finding;
 
 /// Options of [`load`].

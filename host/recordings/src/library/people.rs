@@ -10,8 +10,9 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use super::session::{Session, session};
+use crate::catalogue::DataSet;
 use crate::readers::path::{is_number, stem};
-use crate::recording::{DataSet, Recording};
+use crate::recording::Recording;
 
 /// Maximum number of names in one sentence.
 const SHOWN: usize = 6;
@@ -71,8 +72,8 @@ pub(super) fn by_folder(
 }
 
 /// Whether no publication names the people of a set's recordings.
-const fn is_own(set: DataSet) -> bool {
-    matches!(set, DataSet::ReactEmg | DataSet::Synthetic)
+fn is_own(set: DataSet) -> bool {
+    matches!(set, DataSet::OWN | DataSet::SYNTHETIC)
 }
 
 fn above(path: &Path) -> &Path {

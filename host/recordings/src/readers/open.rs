@@ -12,9 +12,10 @@ use super::formats::react_emg;
 use super::npy::{self, Values};
 use super::path::{ending, with_small_ending};
 use super::table;
+use crate::catalogue::DataSet;
 use crate::description::published::Layout;
 use crate::examiner::wide;
-use crate::recording::{DataSet, Recording};
+use crate::recording::Recording;
 use execution::bounded_read;
 use execution::file_kind::FileKind;
 
@@ -132,9 +133,10 @@ pub fn of_bytes(
     }
     match ending.as_str() {
         _ if kind == FileKind::Npy => array(path, bytes, request),
-        _ if with_small_ending(path).ends_with("userData.mat") => request.one(DataSet::Epn, || {
-            Err(damage(Damage::of_file(Fault::Objects)))
-        }),
+        _ if with_small_ending(path).ends_with("userData.mat") => request
+            .one(DataSet::named("epn"), || {
+                Err(damage(Damage::of_file(Fault::Objects)))
+            }),
         _ if kind == FileKind::Mat => request.nothing(path, kind),
         "npy" => Err(damage(Damage::of_file(Fault::Kind {
             expected: "an npy array",
@@ -196,7 +198,7 @@ impl<W: Fn(DataSet) -> bool> Request<W> {
         read: impl FnOnce() -> Result<Vec<Recording>, LoadError>,
     ) -> Result<Found, LoadError> {
         if self.alone {
-            self.several(DataSet::ReactEmg, read)
+            self.several(DataSet::OWN, read)
         } else {
             Ok(Found::Nothing(SkipReason::UnknownSet))
         }
@@ -216,7 +218,7 @@ fn array(
         return Ok(Found::Part);
     }
     if react_emg::is_recording(path, &array) {
-        return request.several(DataSet::ReactEmg, || {
+        return request.several(DataSet::OWN, || {
             react_emg::read_npy(path, &array).map_err(damage)
         });
     }

@@ -15,10 +15,9 @@ pub use checksum::Checksum;
 use error::FetchError;
 pub use plan::{Download, Plan, Servers, plan};
 
-use super::catalogue::Source;
+use super::catalogue::{DataSet, Source};
 use super::library::{LoadOptions, load};
 use super::readers::error::LoadError;
-use super::recording::DataSet;
 use execution::bounded_read::regular;
 use execution::progress;
 
@@ -45,7 +44,7 @@ pub fn download(plan: &Plan, source: &Source, folder: &Path) -> Result<Vec<Recei
 
 fn one(of: &Download, source: &Source, folder: &Path) -> Result<Received, FetchError> {
     let bar = progress::bytes(of.size, &of.file);
-    let path = transfer::Transfer::new(of, source.page, folder, &bar).run()?;
+    let path = transfer::Transfer::new(of, &source.page, folder, &bar).run()?;
     bar.finish_and_clear();
     let io = |error| FetchError::io(&path, error);
     if let Some(expected) = &of.checksum {

@@ -69,9 +69,9 @@ pub fn plan(source: &Source, servers: &Servers) -> Result<Plan, FetchError> {
             checksum: None,
         }],
     };
-    let name = source.data_set.name();
-    match source.address {
-        Address::Zenodo(number) => zenodo(&servers.zenodo, number, source.page),
+    let name = &source.name;
+    match &source.address {
+        Address::Zenodo(number) => zenodo(&servers.zenodo, *number, &source.page),
         Address::GitHub(repository) => Ok(alone(
             format!("{}/{repository}/archive/HEAD.zip", servers.github),
             format!("{name}.zip"),

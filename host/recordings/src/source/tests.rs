@@ -320,18 +320,27 @@ fn an_archive_is_put_in_place_whole_or_not_at_all_and_its_recordings_are_read() 
     writer.write_all(rows.as_bytes()).unwrap();
     writer.finish().unwrap();
     let place = folder.path().join("myo-readings");
-    let done = put_in_place(std::slice::from_ref(&archive), &place, DataSet::MyoReadings).unwrap();
+    let done = put_in_place(
+        std::slice::from_ref(&archive),
+        &place,
+        DataSet::named("myo-readings"),
+    )
+    .unwrap();
     assert_eq!((done.files, done.bytes), (1, rows.len() as u64));
     let library = load(&place, &LoadOptions::default()).unwrap();
     assert_eq!(library.subjects(), ["myo-readings/12345"]);
-    let again =
-        put_in_place(std::slice::from_ref(&archive), &place, DataSet::MyoReadings).unwrap_err();
+    let again = put_in_place(
+        std::slice::from_ref(&archive),
+        &place,
+        DataSet::named("myo-readings"),
+    )
+    .unwrap_err();
     assert!(matches!(again, FetchError::Exists { .. }), "{again}");
 
     let whole = fs::read(&archive).unwrap();
     fs::write(&archive, &whole[..whole.len() - 30]).unwrap();
     let other = folder.path().join("other");
-    put_in_place(&[archive], &other, DataSet::MyoReadings).unwrap_err();
+    put_in_place(&[archive], &other, DataSet::named("myo-readings")).unwrap_err();
     let left: Vec<_> = fs::read_dir(folder.path()).unwrap().collect();
     assert_eq!(left.len(), 2, "{left:?}");
 }

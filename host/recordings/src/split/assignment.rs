@@ -6,7 +6,8 @@ use rand::seq::SliceRandom;
 
 use super::predefined::{PredefinedSplit, is_listed, is_test};
 use super::{Split, folds};
-use crate::recording::{DataSet, Recording};
+use crate::catalogue::DataSet;
+use crate::recording::Recording;
 use crate::seed;
 
 /// Settings of an assignment of roles.

@@ -6,7 +6,8 @@ use std::str::FromStr;
 
 use rand::seq::SliceRandom;
 
-use crate::recording::{DataSet, Recording};
+use crate::catalogue::DataSet;
+use crate::recording::Recording;
 use crate::seed;
 
 /// A cross-validation protocol: every subject is held out in one of its folds, except those of sets that
@@ -155,8 +156,8 @@ mod tests {
                 wearer: shared::stream::normalizer::Normalizer::new(),
             })
         };
-        of(DataSet::Roshambo, roshambo)
-            .chain(of(DataSet::SsStm, ss_stm))
+        of(DataSet::named("roshambo"), roshambo)
+            .chain(of(DataSet::named("ss-stm"), ss_stm))
             .collect()
     }
 
@@ -220,10 +221,10 @@ mod tests {
     fn a_fold_of_sets_holds_out_a_whole_set() {
         let mut all = recordings(1, 2);
         let unseen = [
-            DataSet::UciGestures,
-            DataSet::Ciil,
-            DataSet::Adl,
-            DataSet::Psl,
+            DataSet::named("uci-gestures"),
+            DataSet::named("ciil"),
+            DataSet::named("adl"),
+            DataSet::named("psl"),
         ];
         all.extend(unseen.map(|set| Recording {
             data_set: set,

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 
 use serde::Deserialize;
 
-use crate::recording::DataSet;
+use crate::catalogue::DataSet;
 
 /// The people of one data set outside training, as the data set names them.
 #[derive(Clone, PartialEq, Eq, Debug, Default, Deserialize)]

@@ -19,9 +19,10 @@ use shared::units::{CHANNELS, SAMPLE_PERIOD_MS, SAMPLE_RATE_HZ};
 
 pub use self::follower::Follower;
 use self::wearer::Wearer;
+use super::catalogue::DataSet;
 use super::labels::timing;
 use super::readers::formats::react_emg::MUSCLE_COLUMN;
-use super::recording::{DataSet, Recording, Timing};
+use super::recording::{Recording, Timing};
 use super::seed::generator;
 use execution::run_folder::{RunError, write_whole};
 
@@ -50,7 +51,7 @@ impl Default for SynthOptions {
             recordings: 4,
             seconds: 60,
             vocabulary: Vocabulary::Three,
-            label_lag_ms: DataSet::Synthetic.label_lag() as u32 * SAMPLE_PERIOD_MS,
+            label_lag_ms: DataSet::SYNTHETIC.label_lag() as u32 * SAMPLE_PERIOD_MS,
             seed: 42,
         }
     }
@@ -115,8 +116,8 @@ fn simulate_person(
         let cues = cues(options.vocabulary, samples, &mut random);
         let (samples, muscle) = wearer.perform(&cues, &mut random);
         let recording = Recording {
-            data_set: DataSet::Synthetic,
-            subject: format!("{}/{person}", DataSet::Synthetic.name()),
+            data_set: DataSet::SYNTHETIC,
+            subject: format!("{}/{person}", DataSet::SYNTHETIC.name()),
             path: PathBuf::new(),
             labels: cues.into_iter().map(Some).collect(),
             samples,
@@ -254,7 +255,7 @@ mod tests {
             (generated.len(), generated.len())
         );
         for (read, expected) in library.recordings.iter().zip(&generated) {
-            assert_eq!(read.data_set, DataSet::Synthetic);
+            assert_eq!(read.data_set, DataSet::SYNTHETIC);
             assert_eq!(
                 (&read.subject, &read.name),
                 (&expected.subject, &expected.name)

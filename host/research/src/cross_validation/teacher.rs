@@ -5,7 +5,7 @@ use presets::config::ResolvedConfig;
 use recordings::{DataSet, Library};
 
 /// Data set on which pre-training on all others is evaluated.
-pub(crate) const TARGET: DataSet = DataSet::Roshambo;
+pub(crate) const TARGET: DataSet = DataSet::named("roshambo");
 
 /// Teacher of the paper's tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,7 +77,7 @@ impl PaperTeacher {
                 let is_wanted = |set: &DataSet| {
                     wanted.contains(set) || wanted.is_empty() && set.trained_by_default()
                 };
-                let others = DataSet::ALL.into_iter().filter(|set| *set != TARGET);
+                let others = DataSet::all().filter(|set| *set != TARGET);
                 preset.data.data_sets = others.filter(is_wanted).collect();
             }
             Self::FineTuned | Self::Lora => {
@@ -123,10 +123,10 @@ mod tests {
         let (base, _) = find_preset("comparison").unwrap();
         let sets = PaperTeacher::PreTrained.preset(&base).data.data_sets;
         assert!(sets.len() > 5 && !sets.contains(&TARGET));
-        assert!(!sets.contains(&DataSet::UciGestures));
+        assert!(!sets.contains(&DataSet::named("uci-gestures")));
         let mut two = base;
-        two.data.data_sets = vec![TARGET, DataSet::SsStm];
+        two.data.data_sets = vec![TARGET, DataSet::named("ss-stm")];
         let sets = PaperTeacher::PreTrained.preset(&two).data.data_sets;
-        assert_eq!(sets, [DataSet::SsStm]);
+        assert_eq!(sets, [DataSet::named("ss-stm")]);
     }
 }

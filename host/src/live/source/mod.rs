@@ -58,7 +58,7 @@ impl Source {
             Self::Demo => ("demo".to_owned(), true),
             Self::Replay(recording) => (
                 format!("replay of {}", recording.full_name()),
-                recording.data_set == DataSet::Synthetic,
+                recording.data_set == DataSet::SYNTHETIC,
             ),
             Self::Port(path) => (format!("port {}", path.display()), false),
             Self::Bluetooth(None) => ("any armband over Bluetooth".to_owned(), false),

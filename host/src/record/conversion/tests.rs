@@ -200,7 +200,7 @@ fn samples_of_nobody_are_read_as_synthetic() {
     record(&journal, true, 20);
     let conversion = convert(&journal).unwrap();
     let library = load(&conversion.files[0], &LoadOptions::default()).unwrap();
-    assert_eq!(library.recordings[0].data_set, DataSet::Synthetic);
+    assert_eq!(library.recordings[0].data_set, DataSet::SYNTHETIC);
 }
 
 #[test]

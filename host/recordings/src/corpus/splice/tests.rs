@@ -7,10 +7,11 @@ use shared::intent::Intent;
 
 use super::holds::HOLD;
 use super::{SpliceOptions, splice};
+use crate::catalogue::DataSet;
 use crate::labels::compensation::Compensation;
 use crate::labels::runs::{Run, runs};
+use crate::recording::Recording;
 use crate::recording::movement::{Movement, MovementKind, mask};
-use crate::recording::{DataSet, Recording};
 
 const R: Option<Intent> = Some(Intent::Relax);
 const O: Option<Intent> = Some(Intent::Open);
@@ -23,7 +24,7 @@ fn recording(subject: &str, sequence: &[(Option<Intent>, usize)]) -> Recording {
         .flat_map(|&(label, count)| vec![label; count])
         .collect();
     Recording {
-        data_set: DataSet::Synthetic,
+        data_set: DataSet::SYNTHETIC,
         subject: subject.into(),
         name: "r".into(),
         path: PathBuf::new(),

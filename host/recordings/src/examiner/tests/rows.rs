@@ -1,10 +1,11 @@
 //! Clocks, gaps and repeated rows.
 
 use super::*;
+use crate::catalogue::DataSet;
 use crate::examiner::clock::Clock;
 use crate::examiner::rows::Rows;
+use crate::recording::Recording;
 use crate::recording::movement::{Movement, MovementKind};
-use crate::recording::{DataSet, Recording};
 
 #[test]
 fn rows_at_another_rate_are_refused_in_every_unit_of_time() {
@@ -303,6 +304,6 @@ fn a_recording_is_cut_into_very_many_pieces() {
     }
     let found = Rows::of(&samples, Some(&clock), true).unwrap();
     let labels = vec![None; rows];
-    let recording = Recording::new(DataSet::ReactEmg, "anna", samples, labels);
+    let recording = Recording::new(DataSet::OWN, "anna", samples, labels);
     assert_eq!(found.apply(recording).len(), torn + 1);
 }

@@ -6,7 +6,7 @@ fn who(paths: &[&str]) -> (Vec<String>, Vec<String>) {
         .iter()
         .map(|path| Recording {
             path: Path::new("/d").join(path),
-            ..Recording::new(DataSet::ReactEmg, "", vec![[1; 8]], vec![None])
+            ..Recording::new(DataSet::OWN, "", vec![[1; 8]], vec![None])
         })
         .collect();
     let told = by_folder(Path::new("/d"), &mut recordings, &|_| false);
@@ -90,7 +90,7 @@ fn a_folder_whose_sessions_are_named_after_it_is_a_person_whatever_its_name() {
     // The folder of one person alone.
     let mut recordings = [Recording {
         path: Path::new("/d").join(&test),
-        ..Recording::new(DataSet::ReactEmg, "", vec![[1; 8]], vec![None])
+        ..Recording::new(DataSet::OWN, "", vec![[1; 8]], vec![None])
     }];
     by_folder(Path::new("/d/test"), &mut recordings, &|_| false);
     assert_eq!(recordings[0].subject, "react-emg/test");
@@ -132,7 +132,7 @@ fn the_same_name_in_two_spellings_is_told() {
 #[test]
 fn published_people_keep_their_names() {
     let mut recordings = vec![Recording::new(
-        DataSet::Roshambo,
+        DataSet::named("roshambo"),
         "roshambo/01",
         vec![[1; 8]],
         vec![None],

@@ -14,10 +14,11 @@ use shared::intent::Intent;
 use shared::stream::normalizer::Normalizer;
 use shared::units::{CHANNELS, Sample};
 
+use crate::catalogue::DataSet;
 use crate::readers::error::{Damage, Fault};
 use crate::readers::path::stem;
 use crate::readers::table;
-use crate::recording::{DataSet, Recording, Timing};
+use crate::recording::{Recording, Timing};
 
 #[derive(Deserialize)]
 struct User {
@@ -46,7 +47,7 @@ pub(crate) fn looks_like(text: &str) -> bool {
 pub(crate) fn read(path: &Path, text: &str) -> Result<Vec<Recording>, Damage> {
     let misplaced = || {
         Damage::of_file(Fault::Path {
-            set: DataSet::EmgEpn612.name(),
+            set: DataSet::named("emg-epn-612").name(),
             example: "trainingJSON/user7/user7.json",
         })
     };
@@ -67,7 +68,7 @@ pub(crate) fn read(path: &Path, text: &str) -> Result<Vec<Recording>, Damage> {
             let samples = samples(&repetition).map_err(damage)?;
             let (labels, note) = labels(&repetition, samples.len()).map_err(damage)?;
             recordings.push(Recording {
-                data_set: DataSet::EmgEpn612,
+                data_set: DataSet::named("emg-epn-612"),
                 subject: subject.clone(),
                 path: path.to_owned(),
                 samples,

@@ -7,10 +7,11 @@ use serde_json::Value;
 use shared::units::Sample;
 
 use super::react_emg::own;
+use crate::catalogue::DataSet;
 use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::Damage;
 use crate::readers::path::{existing, with_small_ending};
-use crate::recording::{DataSet, Recording};
+use crate::recording::Recording;
 use execution::bounded_read;
 
 /// Key in LibEMG's metadata for each file.
@@ -72,7 +73,7 @@ pub(crate) fn read(path: &Path, samples: Vec<Sample>, metadata: &str) -> Result<
                 .unwrap_or(Motion::Unknown)
         })
         .collect();
-    let mut recording = own(path, DataSet::ReactEmg, samples, truth)?;
+    let mut recording = own(path, DataSet::OWN, samples, truth)?;
     match motion {
         Some((class, None)) => recording.notes.push(format!(
             "no labels: the class {class} of its metadata is none that is known"
@@ -148,7 +149,7 @@ mod tests {
             let recording = read(file);
             assert!(!recording.has_labels());
             assert!(recording.notes[0].contains(note), "{:?}", recording.notes);
-            assert_eq!(recording.data_set, DataSet::ReactEmg);
+            assert_eq!(recording.data_set, DataSet::OWN);
         }
     }
 }

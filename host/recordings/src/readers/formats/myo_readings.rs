@@ -11,6 +11,7 @@ use shared::stream::alignment::Alignment;
 use shared::stream::normalizer::Normalizer;
 use shared::units::Sample;
 
+use crate::catalogue::DataSet;
 use crate::examiner::finding::Finding;
 use crate::examiner::repeats::first_of_each;
 use crate::labels::motion::{GroundTruth, Motion};
@@ -18,7 +19,7 @@ use crate::readers::error::{Damage, Fault};
 use crate::readers::path::{folder, is_number, left_arm, stem};
 use crate::readers::table;
 use crate::recording::movement::MovementKind;
-use crate::recording::{DataSet, Recording, Timing};
+use crate::recording::{Recording, Timing};
 
 /// People whose labels do not mark when the gesture happens, and why.
 const UNUSABLE: [(&str, &str); 4] = [
@@ -81,7 +82,7 @@ pub(crate) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
 fn recording(path: &Path, text: &str) -> Result<Recording, Damage> {
     let misplaced = || {
         Damage::of_file(Fault::Path {
-            set: DataSet::MyoReadings.name(),
+            set: DataSet::named("myo-readings").name(),
             example: "12345-1/7.txt",
         })
     };
@@ -138,7 +139,7 @@ fn recording(path: &Path, text: &str) -> Result<Recording, Damage> {
         other_movement,
     } = motions.into_iter().collect();
     Ok(Recording {
-        data_set: DataSet::MyoReadings,
+        data_set: DataSet::named("myo-readings"),
         subject: format!("myo-readings/{person}"),
         name: format!("{}{sitting}/{name}", if is_left { "left/" } else { "" }),
         path: path.to_owned(),

@@ -9,10 +9,11 @@ use shared::stream::normalizer::Normalizer;
 use shared::units::Sample;
 
 use super::libemg::class_name;
+use crate::catalogue::DataSet;
 use crate::labels::motion::Motion;
 use crate::readers::error::{Damage, Fault};
 use crate::readers::path::{folder, stem};
-use crate::recording::{DataSet, Recording, Timing};
+use crate::recording::{Recording, Timing};
 
 /// A file whose hold starts late, and the sample at which it does.
 const LATE_HOLD: (&str, usize) = ("trial_1/R_1_C_3.csv", 60);
@@ -51,7 +52,7 @@ pub(crate) fn read(
         notes.push("the hold starts 0.3 s late; unlabelled until then".to_owned());
     }
     Ok(Recording {
-        data_set: DataSet::OneSubjectMyo,
+        data_set: DataSet::named("one-subject-myo"),
         subject: "one-subject-myo/1".to_owned(),
         name: format!("{session}/{}", stem(path).unwrap_or_default()),
         path: path.to_owned(),

@@ -14,6 +14,7 @@ use shared::stream::alignment::Alignment;
 use shared::stream::normalizer::Normalizer;
 use shared::units::{CHANNELS, Sample};
 
+use crate::catalogue::DataSet;
 use crate::examiner::finding::Finding;
 use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::excerpt::excerpt;
@@ -25,7 +26,7 @@ use crate::readers::table::auxiliary::AuxiliaryColumns;
 use crate::readers::table::columns::Columns;
 use crate::readers::table::one_hot::{self, OneHot};
 use crate::readers::table::{self, Samples};
-use crate::recording::{DataSet, Recording, Timing};
+use crate::recording::{Recording, Timing};
 
 /// Further column of synthetic recordings: class number of the intent that the muscle follows.
 pub const MUSCLE_COLUMN: &str = "synthetic_muscle";
@@ -101,9 +102,9 @@ pub(crate) fn read_csv(
         labels.clone_from(found);
     }
     let data_set = if columns.position(MUSCLE_COLUMN).is_some() {
-        DataSet::Synthetic
+        DataSet::SYNTHETIC
     } else {
-        DataSet::ReactEmg
+        DataSet::OWN
     };
     let placed = samples.finish()?.into_iter().zip(placed);
     let samples = placed.map(|(sample, placement)| placement.apply(sample));
@@ -186,7 +187,7 @@ pub(crate) fn read_npy(path: &Path, array: &Array) -> Result<Vec<Recording>, Dam
     }
     let recording = own(
         path,
-        DataSet::ReactEmg,
+        DataSet::OWN,
         samples.finish()?,
         labels.into_iter().collect(),
     )?;
@@ -196,7 +197,7 @@ pub(crate) fn read_npy(path: &Path, array: &Array) -> Result<Vec<Recording>, Dam
 /// Samples without labels, of a file that is asked for by its name.
 pub(crate) fn unlabelled(path: &Path, samples: Vec<Sample>) -> Result<Vec<Recording>, Damage> {
     let truth = samples.iter().map(|_| Motion::Unknown).collect();
-    let recording = own(path, DataSet::ReactEmg, samples, truth)?;
+    let recording = own(path, DataSet::OWN, samples, truth)?;
     divided(recording, &AuxiliaryColumns::default())
 }
 
@@ -212,10 +213,10 @@ pub(crate) fn own(
     }
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     let mut notes = Vec::new();
-    if data_set == DataSet::ReactEmg && name.contains("movement") {
+    if data_set == DataSet::OWN && name.contains("movement") {
         notes.push("a movement trial: the reference trains on it but does not score it".to_owned());
     }
-    if data_set == DataSet::ReactEmg && left_arm(path) {
+    if data_set == DataSet::OWN && left_arm(path) {
         notes.push(LEFT.to_owned());
     }
     Ok(Recording {

@@ -9,12 +9,13 @@ use std::path::Path;
 use shared::intent::Intent;
 use shared::units::{CHANNELS, SAMPLE_PERIOD_MS, Sample};
 
+use crate::catalogue::DataSet;
 use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::{Damage, Fault};
 use crate::readers::path::{folder, is_number, stem};
 use crate::readers::table;
+use crate::recording::Recording;
 use crate::recording::movement::MovementKind;
-use crate::recording::{DataSet, Recording};
 
 /// Largest gap between two rows, in ms: 175 in the published files.
 const GAP: f64 = 1000.0;
@@ -53,7 +54,7 @@ fn series_and_person(path: &Path) -> Option<(&str, &str)> {
 pub(crate) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
     let misplaced = || {
         Damage::of_file(Fault::Path {
-            set: DataSet::UciGestures.name(),
+            set: DataSet::named("uci-gestures").name(),
             example: "01/1_raw_data_13-12_22.03.16.txt",
         })
     };
@@ -76,7 +77,7 @@ pub(crate) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
         notes: vec![
             "half of the samples were lost before publication: stretched to 200 Hz".to_owned(),
         ],
-        ..Recording::new(DataSet::UciGestures, subject, samples, labels)
+        ..Recording::new(DataSet::named("uci-gestures"), subject, samples, labels)
     })
 }
 
@@ -212,7 +213,7 @@ mod tests {
         assert_eq!(found, [(1.0, -128, 0), (3.0, 127, 2), (9.0, 5, 5)]);
         let recording = read(Path::new("/d/07/2_raw_data_13.txt"), &text).unwrap();
         assert_eq!(recording.full_name(), "uci-gestures/07/2");
-        assert!(!DataSet::UciGestures.trained_by_default());
+        assert!(!DataSet::named("uci-gestures").trained_by_default());
     }
 
     #[test]

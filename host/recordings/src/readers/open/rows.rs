@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::{Found, KINDS, Request};
+use crate::catalogue::DataSet;
 use crate::examiner::wide;
 use crate::readers::error::{Damage, Fault, LoadError};
 use crate::readers::formats::{
@@ -12,7 +13,7 @@ use crate::readers::open::SkipReason;
 use crate::readers::table::columns::Columns;
 use crate::readers::table::separator::Separator;
 use crate::readers::table::shape::Shape;
-use crate::recording::{DataSet, Recording};
+use crate::recording::Recording;
 use execution::file_kind::FileKind;
 
 /// Reads text, of any encoding.
@@ -32,7 +33,7 @@ pub(super) fn open(
         return of_text(path, text, request);
     }
     if emg_epn::looks_like(text) {
-        return request.several(DataSet::EmgEpn612, || {
+        return request.several(DataSet::named("emg-epn-612"), || {
             emg_epn::read(path, text).map_err(damage)
         });
     }
@@ -103,7 +104,7 @@ pub(super) fn of_text(
 ) -> Result<Found, LoadError> {
     let damage = |damage: Damage| damage.in_file(path);
     if uci_gestures::is_recording(path, text) {
-        return request.one(DataSet::UciGestures, || {
+        return request.one(DataSet::named("uci-gestures"), || {
             uci_gestures::read(path, text).map_err(damage)
         });
     }
@@ -112,17 +113,17 @@ pub(super) fn of_text(
     if shape.is_some_and(|shape| (shape.separator, shape.columns, shape.numbers) == nine)
         && myo_readings::is_named(path)
     {
-        return request.one(DataSet::MyoReadings, || {
+        return request.one(DataSet::named("myo-readings"), || {
             myo_readings::read(path, text).map_err(damage)
         });
     }
     wide::in_table(text).map_err(|finding| damage(Damage::refused(finding)))?;
     match Columns::of(text) {
         Ok(columns) if columns.names.is_empty() => bare(path, text, &columns, request),
-        Ok(columns) => request.several(DataSet::ReactEmg, || {
+        Ok(columns) => request.several(DataSet::OWN, || {
             react_emg::read_csv(path, text, &columns).map_err(damage)
         }),
-        Err(_) if !(request.wants)(DataSet::ReactEmg) => Ok(Found::Nothing(SkipReason::NotWanted)),
+        Err(_) if !(request.wants)(DataSet::OWN) => Ok(Found::Nothing(SkipReason::NotWanted)),
         Err(error) if request.alone || error.is_meant => {
             Err(damage(Damage::at_line(error.line, error.fault)))
         }
@@ -145,13 +146,13 @@ fn bare(
     };
     let metadata = libemg::metadata(path);
     if samples.is_some_and(one_subject_myo::is_published) {
-        return request.one(DataSet::OneSubjectMyo, || {
+        return request.one(DataSet::named("one-subject-myo"), || {
             let samples = recording.map_err(damage)?.remove(0).samples;
             one_subject_myo::read(path, samples, metadata.as_deref()).map_err(damage)
         });
     }
     if let Some(metadata) = metadata {
-        return request.one(DataSet::ReactEmg, || {
+        return request.one(DataSet::OWN, || {
             let recording = recording.map_err(damage)?.remove(0);
             let found = libemg::read(path, recording.samples, &metadata).map_err(damage)?;
             Ok(Recording {

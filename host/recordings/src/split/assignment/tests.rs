@@ -39,7 +39,7 @@ fn shares(seed: u64) -> Assignment<'static> {
 
 #[test]
 fn the_predefined_split_decides_for_the_sets_that_it_names() {
-    let all = people(DataSet::Roshambo, &ROSHAMBO);
+    let all = people(DataSet::named("roshambo"), &ROSHAMBO);
     let split = assign(&all, &shares(1)).unwrap();
     assert_eq!(split.test, ["roshambo/06"]);
     assert_eq!(split.held_out, ["roshambo/03"]);
@@ -51,7 +51,7 @@ fn the_predefined_split_decides_for_the_sets_that_it_names() {
 
 #[test]
 fn other_sets_draw_by_the_seed_and_do_not_depend_on_one_another() {
-    let own = people(DataSet::ReactEmg, &OWN);
+    let own = people(DataSet::OWN, &OWN);
     let with = |seed| assign(&own, &shares(seed)).unwrap();
     let split = with(1);
     assert_eq!(
@@ -60,7 +60,7 @@ fn other_sets_draw_by_the_seed_and_do_not_depend_on_one_another() {
     );
     let draws: BTreeSet<_> = (0..20).map(|seed| with(seed).held_out).collect();
     assert!(draws.len() > 5);
-    let both = [own.clone(), people(DataSet::Synthetic, &OWN)].concat();
+    let both = [own.clone(), people(DataSet::SYNTHETIC, &OWN)].concat();
     let both = assign(&both, &shares(1)).unwrap();
     assert!(
         split
@@ -72,7 +72,7 @@ fn other_sets_draw_by_the_seed_and_do_not_depend_on_one_another() {
 
 #[test]
 fn lists_come_before_the_predefined_split_and_draws() {
-    let all = people(DataSet::Roshambo, &ROSHAMBO);
+    let all = people(DataSet::named("roshambo"), &ROSHAMBO);
     let [held_out, validation] = ["roshambo/01", "roshambo/03"].map(|name| vec![name.to_owned()]);
     let listed = Assignment {
         held_out: &held_out,
@@ -94,7 +94,7 @@ fn lists_come_before_the_predefined_split_and_draws() {
 
 #[test]
 fn a_test_person_is_evaluated_where_listed_and_never_validates() {
-    let all = people(DataSet::Roshambo, &ROSHAMBO);
+    let all = people(DataSet::named("roshambo"), &ROSHAMBO);
     let test = ["roshambo/06".to_owned()];
     let release = Assignment {
         held_out: &test,
@@ -112,7 +112,7 @@ fn a_test_person_is_evaluated_where_listed_and_never_validates() {
 
 #[test]
 fn a_fold_replaces_the_predefined_development_people_but_not_the_test_people() {
-    let all = people(DataSet::Roshambo, &ROSHAMBO);
+    let all = people(DataSet::named("roshambo"), &ROSHAMBO);
     let fold = ["roshambo/01".to_owned(), "roshambo/08".to_owned()];
     let split = assign(
         &all,
@@ -130,7 +130,7 @@ fn a_fold_replaces_the_predefined_development_people_but_not_the_test_people() {
 
 #[test]
 fn nobody_to_train_on_is_refused() {
-    let own = people(DataSet::ReactEmg, &OWN);
+    let own = people(DataSet::OWN, &OWN);
     let everybody = ["react-emg".to_owned()];
     let all_out = Assignment {
         held_out: &everybody,
@@ -142,9 +142,9 @@ fn nobody_to_train_on_is_refused() {
 #[test]
 fn every_subject_has_exactly_one_role() {
     let all = [
-        people(DataSet::Roshambo, &ROSHAMBO),
-        people(DataSet::ReactEmg, &OWN),
-        people(DataSet::Synthetic, &["1", "2"]),
+        people(DataSet::named("roshambo"), &ROSHAMBO),
+        people(DataSet::OWN, &OWN),
+        people(DataSet::SYNTHETIC, &["1", "2"]),
     ]
     .concat();
     for seed in 0..10 {
@@ -161,8 +161,8 @@ fn every_subject_has_exactly_one_role() {
 #[test]
 fn a_data_set_named_as_a_whole_does_not_name_its_test_people() {
     let all = [
-        people(DataSet::Roshambo, &ROSHAMBO),
-        people(DataSet::ReactEmg, &OWN),
+        people(DataSet::named("roshambo"), &ROSHAMBO),
+        people(DataSet::OWN, &OWN),
     ]
     .concat();
     let set = ["roshambo".to_owned()];

@@ -46,7 +46,7 @@ fn recording(runs: &[(Option<Intent>, usize)]) -> Recording {
         [if at % 2 == 0 { gain } else { -gain }; 8]
     };
     let samples = labels.iter().enumerate().map(sample).collect();
-    Recording::new(DataSet::WangMyo, "wang-myo/p", samples, labels)
+    Recording::new(DataSet::named("wang-myo"), "wang-myo/p", samples, labels)
 }
 
 fn library(recordings: impl IntoIterator<Item = Recording>) -> Library {
