@@ -163,6 +163,7 @@ mod tests {
     use shared::units::CHANNELS;
 
     use super::*;
+    use crate::catalogue::DataSet;
 
     const R: Option<Intent> = Some(Intent::Relax);
     const C: Option<Intent> = Some(Intent::Close);
