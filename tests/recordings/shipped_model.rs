@@ -88,11 +88,21 @@ fn the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_mad
         (0, 0.0)
     );
     assert!(constant.events.gestures > 30 * people.len());
+    let decided = |score: &Score| {
+        let [decided, kept] = [Measure::Decided, Measure::RestKept];
+        [decided, kept].map(|measure| measure.mean(score).unwrap().mean)
+    };
+    assert_eq!(decided(constant), [0.0, 1.0]);
     for look_ahead in LookAhead::ALL {
         let score = of("model".into(), look_ahead);
         assert!(balanced(score) > balanced(energy) && balanced(energy) > balanced(constant));
         let difference = Difference::of(Measure::Recognition, score, constant).unwrap();
         assert!(difference.mean.mean > 0.3, "{difference:?}");
+        // One decision asks for less than recognition, and for more than one class for everything.
+        let recognised = Measure::Recognition.mean(score).unwrap().mean;
+        let [own, kept] = decided(score);
+        println!("{look_ahead:?}: recognised {recognised}, decided {own}, rest kept {kept}");
+        assert!(own > recognised && own > decided(energy)[0] && kept > 0.9);
         // Three people show no difference, however clear their numbers.
         assert_eq!((difference.people, difference.is_shown()), (3, false));
         // The hand moves 50 ms or more before a label of the newest patch, and 0.25 s before one with look-ahead.

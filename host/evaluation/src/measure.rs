@@ -23,6 +23,10 @@ pub enum Measure {
     TransitionAccuracyEmitted,
     /// Share of gestures recognised.
     Recognition,
+    /// Share of gestures whose one decision is right, balanced over labels.
+    Decided,
+    /// Share of rest spans that stay at rest.
+    RestKept,
     /// Share of gestures recognised within 100 ms of their onset.
     Within100,
     /// Share of gestures recognised within 150 ms of their onset.
@@ -58,6 +62,8 @@ impl Measure {
             Self::TransitionAccuracyNarrow => "TA (60)",
             Self::TransitionAccuracyEmitted => "TA emitted",
             Self::Recognition => "recognised",
+            Self::Decided => "decided",
+            Self::RestKept => "rest kept",
             Self::Within100 => "in 100 ms",
             Self::Within150 => "in 150 ms",
             Self::Within200 => "in 200 ms",
@@ -95,6 +101,8 @@ impl Measure {
             Self::TransitionAccuracyEmitted => of_scores(&score.emission, transitions),
             Self::RawAccuracy => of_scores(score.widest(), |own| own.raw_accuracy),
             Self::Recognition => of_events(|own| own.recognition),
+            Self::Decided => of_events(SubjectEvents::decided),
+            Self::RestKept => of_events(SubjectEvents::rest_kept),
             Self::Within100 => score.recognised_within(100),
             Self::Within150 => score.recognised_within(150),
             Self::Within200 => score.recognised_within(200),

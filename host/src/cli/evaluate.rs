@@ -15,6 +15,7 @@ use crate::cli::output::Width;
     after_help = "Examples:\n  myointent evaluate --run runs/mine\n  myointent evaluate --model models/three-class.intent --data DIR",
     after_long_help = "balanced: mean recall of the classes present. TA: transition accuracy, share of label changes that are followed within\n\
     half a second either way and held. recognised: share of gestures whose label is emitted and held, and no other.\n\
+    decided: share of gestures whose most frequent emitted label is right, balanced over labels. rest kept: rest spans that stay at rest.\n\
     latency: median / 90th percentile from muscle onset to the emitted label, look-ahead included, misses counted as\n\
     misses. release, off: the same from the muscle's end to the change away from the gesture, if recognised. false/min: false activations a minute of rest. flicker/min: label changes a minute beyond the true\n\
     ones. raw: share of samples. [a, b]: 95 % interval of the mean, from six subjects on. n: subjects of a number, where its\n\

@@ -24,7 +24,7 @@ pub use recordings::readers::label_file::{self, Purpose};
         data-set/person/name.csv (or .npy, .txt), by the names that `data inspect --json` prints.\n\n\
         Otherwise: scores one recording's predicted labels against the true ones: balanced and raw accuracy, \
         transition accuracy with the reason of every failure, signed offsets, and events: gestures recognised with \
-        their latency and release latency, false activations, flicker. docs/metrics.md has the definitions.\n\n\
+        their latency and release latency, one decision a gesture, rest kept, false activations, flicker. docs/metrics.md has the definitions.\n\n\
         Files: npy (one axis of class numbers or names, or ReactEMG's n x 9), or text with one \
         label per line, or csv with a header. Of a csv, --truth reads the column gt, truth or label, and --prediction \
         reads prediction, predicted or label, the first of them that there is. Labels \

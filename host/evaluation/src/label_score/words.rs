@@ -10,6 +10,7 @@ use super::LabelScore;
 use crate::metric::confusion::Confusion;
 use crate::metric::event::EventRule;
 use crate::metric::event::activation::Rate;
+use crate::metric::event::decision::Decisions;
 use crate::metric::event::gesture::Gesture;
 use crate::metric::event::summary::{Raised, SubjectEvents};
 use crate::metric::offset;
@@ -41,6 +42,9 @@ pub(super) fn json(scores: &LabelScore) -> Value {
         "recalls": recalls,
         "gestures_recognised": own.recognised,
         "recognition": own.recognition,
+        "decided": own.decided(),
+        "rest_kept": own.rest_kept(),
+        "decisions": own.decisions,
         "latency": own.latency,
         "release": own.release,
         "recognised_within_ms": SOON_MS.map(|ms| (ms.to_string(), own.recognised_within(ms))).into_iter().collect::<BTreeMap<_, _>>(),
@@ -102,6 +106,17 @@ pub(super) fn tables(scores: &LabelScore) -> String {
         own.recognised,
         own.gestures
     );
+    let decided =
+        |own: (&String, &Decisions)| format!("{} {} of {}", own.0, own.1.right, own.1.all);
+    if !own.decisions.is_empty() {
+        let labels: Vec<String> = own.decisions.iter().map(decided).collect();
+        text += &format!(
+            "one decision         {}; rest kept {} ({})\n",
+            share(own.decided()),
+            share(own.rest_kept()),
+            labels.join(", ")
+        );
+    }
     for (name, latency, from) in [
         ("latency", own.latency, "onset"),
         ("release", own.release, "end"),
@@ -181,6 +196,7 @@ fn gestures(gestures: &[Gesture]) -> Table {
         "at s",
         "gesture",
         "verdict",
+        "decision",
         "latency ms",
         "release ms",
     ];
@@ -197,6 +213,7 @@ fn gestures(gestures: &[Gesture]) -> Table {
             format!("{:.2}", onset as f64 / f64::from(SAMPLE_RATE_HZ)),
             gesture.label.name().to_owned(),
             gesture.verdict.reason().to_owned(),
+            gesture.decision.map_or("", Intent::name).to_owned(),
             ms(gesture.latency),
             ms(gesture.release),
         ]);

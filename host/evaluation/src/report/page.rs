@@ -264,6 +264,7 @@ fn headline(entry: &Entry<'_>) -> Markup {
             (share("balanced accuracy", Measure::BalancedAccuracy, "nobody here has two classes"))
             (share("transition accuracy", Measure::TransitionAccuracy, "no label changes here"))
             (share("gestures recognised", Measure::Recognition, "no gesture begins here"))
+            (share("one decision a gesture", Measure::Decided, "no gesture begins here"))
             (of_both("median latency, ms", |of| of.latency.map_or_else(none, median), "from the muscle's onset", "no gesture begins here"))
             (of_both("median release, ms", |of| of.release.map_or_else(none, median), "from the muscle's end", "no gesture is let go here"))
             (of_both("false activations", |of| mean_rate(of.false_activations), "a minute of rest", "there is no rest here"))

@@ -5,6 +5,7 @@ use super::entry::Entry;
 use super::row::{Row, over_all};
 use super::scores::COMPARED;
 use super::table::Table;
+use crate::Measure;
 use crate::metric::event::activation::Rate;
 use crate::metric::event::latency::LatencySummary;
 use crate::metric::event::summary::SubjectEvents;
@@ -44,11 +45,14 @@ pub(super) fn people_of<'r, 'a: 'r>(
 pub(super) type Column = (&'static str, fn(&Person<'_>) -> String);
 
 /// Columns of a person's scores, and their cells; empty where the person has no value.
-pub(super) const COLUMNS: [Column; 13] = [
+pub(super) const COLUMNS: [Column; 15] = [
     ("balanced", |own| share(own.score.balanced_accuracy)),
     ("TA", |own| share(own.score.transition_accuracy)),
     ("recognised", |own| {
         share(own.events.and_then(|events| events.recognition))
+    }),
+    (Measure::Decided.name(), |own| {
+        share(own.events.and_then(SubjectEvents::decided))
     }),
     ("gestures", |own| {
         shown(own.events, |events| events.gestures.to_string())
@@ -58,6 +62,9 @@ pub(super) const COLUMNS: [Column; 13] = [
     ("release ms", |own| quantile(own, |of| of.release, median)),
     ("release p90", |own| quantile(own, |of| of.release, p90)),
     ("false/min", |own| rate(own, |events| events.rest)),
+    (Measure::RestKept.name(), |own| {
+        share(own.events.and_then(SubjectEvents::rest_kept))
+    }),
     ("other/min", |own| rate(own, |events| events.other_movement)),
     ("flicker/min", |own| rate(own, |events| events.flicker)),
     ("raw", |own| share(own.score.raw_accuracy)),

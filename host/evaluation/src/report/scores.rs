@@ -1,7 +1,8 @@
 //! Tables of scores and of differences.
 
 use super::cell::{
-    difference, estimate, latency, median, narrow_estimate, none, of_people, one_ms, rate, share,
+    difference, estimate, latency, median, narrow_estimate, narrow_median, none, of_people, one_ms,
+    rate, share,
 };
 use super::row::{Row, sort};
 use super::table::Table;
@@ -50,7 +51,7 @@ const SUBJECTS: Column = ("subjects", |own| people(own).to_string());
 const TRANSITIONS: Column = ("transitions", |own| own.widest().events.to_string());
 
 /// Columns of a table of scores.
-const SCORES: [Column; 17] = [
+const SCORES: [Column; 19] = [
     RECORDINGS,
     CLASSES,
     MODEL,
@@ -58,10 +59,16 @@ const SCORES: [Column; 17] = [
     ("balanced", |own| estimated(own, Measure::BalancedAccuracy)),
     ("TA", |own| estimated(own, Measure::TransitionAccuracy)),
     ("recognised", |own| estimated(own, Measure::Recognition)),
+    (Measure::Decided.name(), |own| {
+        estimated(own, Measure::Decided)
+    }),
     LATENCY,
     RELEASE,
     ("false/min", |own| {
         mean(own, Measure::FalseActivations, rate)
+    }),
+    (Measure::RestKept.name(), |own| {
+        mean(own, Measure::RestKept, share)
     }),
     OTHER,
     DAILY,
@@ -153,17 +160,23 @@ const SUMMARY: [Column; 8] = [
 ];
 
 /// Columns of several models, 100 letters together.
-const NARROW: [Column; 10] = [
+const NARROW: [Column; 11] = [
     RECORDINGS,
     CLASSES,
     MODEL,
     PEOPLE,
     BALANCED,
+    EVENTS,
+    (Measure::Decided.name(), |own| {
+        mean(own, Measure::Decided, narrow_share)
+    }),
+    ("lat. ms", |own| {
+        let shown = own.events.latency.map_or_else(none, narrow_median);
+        counted(shown, own, Measure::Recognition)
+    }),
     ("TA", |own| {
         mean(own, Measure::TransitionAccuracy, narrow_share)
     }),
-    EVENTS,
-    MEDIAN,
     FALSE,
     ("off ms", |own| own.events.release.map_or_else(none, median)),
 ];

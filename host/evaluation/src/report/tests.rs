@@ -322,7 +322,7 @@ fn every_column_has_its_own_number_of_people_and_two_class_people_stand_apart() 
             let fewer = rows.iter().find(|row| row[classes] == "fewer").unwrap();
             let people = column("subjects").unwrap();
             assert_eq!([&all[people], &fewer[people]], ["3", "1"], "{table:?}");
-            for name in ["TA", "TA 200", "recognised", "latency ms"] {
+            for name in ["TA", "TA 200", "recognised", "decided", "latency ms"] {
                 if let Some(at) = column(name) {
                     assert!(all[at].ends_with("n 2"), "{name}: {all:?}");
                     assert!(!fewer[at].contains("n 1"), "{name}: {fewer:?}");
@@ -368,8 +368,8 @@ fn every_table_of_scores_has_its_floors_and_the_differences_to_them() {
     // Relax and close: the recall of relax is 1.
     assert_eq!(floor[0], "0.500");
     let rates = ["0.0 (0.0)", "0.0 (0.0)"];
-    assert_eq!(floor[3..7], [">50 % missed", "-", rates[0], rates[1]]);
-    assert_eq!(floor[2], "0.000");
+    assert_eq!(floor[2..6], ["0.000", "0.000", ">50 % missed", "-"]);
+    assert_eq!(floor[6..9], [rates[0], "1.000 (0.00)", rates[1]]);
     assert_eq!(cells(0, 1)[2], "1.000");
     assert_eq!(cells(1, 2)[2], "+1.000 n 2, no difference shown");
 }

@@ -64,6 +64,7 @@ fn events(score: &SubjectScore) -> SubjectEvents {
         gestures: score.events,
         recognised: score.correct,
         recognition: score.transition_accuracy,
+        decisions: BTreeMap::new(),
         latency: latency::summary(&latencies, score.events),
         latencies,
         releases: Vec::new(),

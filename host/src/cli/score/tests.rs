@@ -29,7 +29,8 @@ fn a_failed_transition_is_shown_with_its_reason() {
         "latency half within 50 ms, nine in ten within 50 ms of the onset",
         // The last 50 samples have no prediction: they are no rest either.
         "false activations 0.0 a minute (0 in 2.2 s) of rest",
-        "300 1.50 open recognised +50 +1250",
+        "one decision 1.000; rest kept 0.500 (open 1 of 1, relax 1 of 2)",
+        "300 1.50 open recognised open +50 +1250",
         "release half within 1250 ms, nine in ten within 1250 ms of the end",
         "mean +50 ms",
         "the last 50 samples",

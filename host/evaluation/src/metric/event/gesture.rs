@@ -23,6 +23,7 @@ use std::ops::Range;
 
 use shared::intent::Intent;
 
+use super::decision::decision;
 use super::{EventRule, active, runs};
 use crate::metric::stretches;
 
@@ -34,6 +35,9 @@ pub struct Gesture {
     pub label: Intent,
     /// Samples from its onset to its end.
     pub span: Range<usize>,
+    /// The one decision about it: the label emitted at most of its samples, if any.
+    #[serde(serialize_with = "by_name_if_any")]
+    pub decision: Option<Intent>,
     /// Whether it is recognised, or why not.
     pub verdict: Verdict,
     /// Emission of its label minus onset, in samples, if it is recognised.
@@ -124,11 +128,19 @@ pub fn gestures(
     owners(truth, rule)
         .into_iter()
         .filter(|owner| owner.counted)
-        .map(|owner| judge(owner, &emitted_runs, rule))
+        .map(|owner| {
+            let decision = decision(&emitted[owner.samples.clone()]);
+            judge(owner, decision, &emitted_runs, rule)
+        })
         .collect()
 }
 
-fn judge(owner: Owner, emitted: &[(Intent, Range<usize>)], rule: &EventRule) -> Gesture {
+fn judge(
+    owner: Owner,
+    decision: Option<Intent>,
+    emitted: &[(Intent, Range<usize>)],
+    rule: &EventRule,
+) -> Gesture {
     let Owner {
         label,
         span,
@@ -165,6 +177,7 @@ fn judge(owner: Owner, emitted: &[(Intent, Range<usize>)], rule: &EventRule) -> 
     Gesture {
         label,
         span,
+        decision,
         verdict,
         latency,
         release: release.filter(|&samples| samples >= -(rule.tolerance as i32)),
@@ -173,4 +186,11 @@ fn judge(owner: Owner, emitted: &[(Intent, Range<usize>)], rule: &EventRule) -> 
 
 fn by_name<S: serde::Serializer>(intent: &Intent, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(intent.name())
+}
+
+fn by_name_if_any<S: serde::Serializer>(
+    intent: &Option<Intent>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serde::Serialize::serialize(&intent.map(Intent::name), serializer)
 }

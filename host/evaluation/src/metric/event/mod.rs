@@ -5,6 +5,7 @@
 //! look-ahead included. A file per metric; docs/metrics.md has them side by side.
 
 pub mod activation;
+pub mod decision;
 pub mod flicker;
 pub mod gesture;
 pub mod latency;
@@ -14,6 +15,7 @@ use shared::intent::Intent;
 
 use crate::EvaluationError;
 use activation::{DailyUse, Rate};
+use decision::Decisions;
 use gesture::{Gesture, Verdict};
 use recordings::DailyKind;
 use recordings::movement::{Movement, MovementKind, mask};
@@ -40,6 +42,8 @@ pub struct RecordingEvents {
     pub gestures: Vec<Gesture>,
     /// False activations in rest.
     pub rest: Rate,
+    /// Rest spans, and those that stay at rest.
+    pub rests: Decisions,
     /// Activations in movements outside the vocabulary.
     pub other_movement: Rate,
     /// Kind of each of these movements, and whether it raises a label.
@@ -72,9 +76,11 @@ impl RecordingEvents {
                 others.push(movement.clone());
             }
         }
+        let rest = activation::rest(truth, rule);
         Ok(Self {
             gestures: gesture::gestures(truth, emitted, rule),
-            rest: activation::activations(emitted, &activation::rest(truth, rule)),
+            rests: decision::rests(emitted, &rest, rule),
+            rest: activation::activations(emitted, &rest),
             raised,
             daily,
             other_movement: activation::activations(emitted, &mask(&others, truth.len())),

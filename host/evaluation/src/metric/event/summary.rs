@@ -7,8 +7,10 @@ use std::collections::BTreeMap;
 
 use super::RecordingEvents;
 use super::activation::{DailyUse, Rate};
+use super::decision::Decisions;
 use super::latency::{self, LatencySummary};
 use recordings::statistics::MeanSd;
+use shared::intent::Intent;
 use shared::units::SAMPLE_PERIOD_MS;
 
 /// Numbers of movements outside the vocabulary.
@@ -48,6 +50,10 @@ pub struct SubjectEvents {
     pub recognised: usize,
     /// `recognised / gestures`; none without a gesture.
     pub recognition: Option<f64>,
+    /// Decisions about gestures, by the name of their label, and about rest spans, by `relax`; empty in scores of earlier
+    /// versions.
+    #[serde(default)]
+    pub decisions: BTreeMap<String, Decisions>,
     /// Latency of each gesture that is recognised, in samples.
     pub latencies: Vec<i32>,
     /// Quantiles of the latency, misses included.
@@ -85,6 +91,7 @@ impl SubjectEvents {
             gestures: 0,
             recognised: 0,
             recognition: None,
+            decisions: BTreeMap::new(),
             latencies: Vec::new(),
             latency: None,
             releases: Vec::new(),
@@ -102,6 +109,13 @@ impl SubjectEvents {
             own.latencies.extend(latencies);
             let releases = recording.gestures.iter().filter_map(|g| g.release);
             own.releases.extend(releases);
+            let gestures = recording.gestures.iter();
+            let decided = gestures.map(|g| (g.label, Decisions::one(g.decision == Some(g.label))));
+            let rests = Some((Intent::Relax, recording.rests)).filter(|(_, own)| own.all > 0);
+            for (label, decisions) in decided.chain(rests) {
+                let all = own.decisions.entry(label.name().to_owned()).or_default();
+                *all = all.plus(decisions);
+            }
             own.rest = own.rest.plus(recording.rest);
             own.other_movement = own.other_movement.plus(recording.other_movement);
             own.flicker = own.flicker.plus(recording.flicker);
@@ -129,6 +143,21 @@ impl SubjectEvents {
         (self.gestures > 0).then(|| soon.count() as f64 / self.gestures as f64)
     }
 
+    /// Share of gestures whose one decision is right, mean over their labels; none without a gesture.
+    #[must_use]
+    pub fn decided(&self) -> Option<f64> {
+        let labels = self.decisions.iter();
+        let labels = labels.filter(|(name, _)| *name != Intent::Relax.name());
+        let shares: Vec<f64> = labels.filter_map(|(_, own)| own.share()).collect();
+        MeanSd::of(&shares).map(|of| of.mean)
+    }
+
+    /// Share of rest spans that stay at rest; none without any.
+    #[must_use]
+    pub fn rest_kept(&self) -> Option<f64> {
+        self.decisions.get(Intent::Relax.name())?.share()
+    }
+
     /// All daily life together; none without any.
     #[must_use]
     pub fn daily_life(&self) -> Option<DailyUse> {
@@ -154,6 +183,13 @@ pub struct EventSummary {
     pub recognised: usize,
     /// Share of gestures recognised, mean over subjects that have gestures.
     pub recognition: Option<MeanSd>,
+    /// Share of gestures whose one decision is right, balanced over labels, mean over subjects that have gestures; none in
+    /// scores of earlier versions.
+    #[serde(default)]
+    pub decided: Option<MeanSd>,
+    /// Share of rest spans that stay at rest, mean over subjects that have such; none in scores of earlier versions.
+    #[serde(default)]
+    pub rest_kept: Option<MeanSd>,
     /// Quantiles of the latency over all gestures, misses included.
     pub latency: Option<LatencySummary>,
     /// Quantiles of the release latency over all gestures whose release is known; none in scores of earlier versions.
@@ -185,6 +221,8 @@ impl EventSummary {
             gestures,
             recognised: subjects.iter().map(|s| s.recognised).sum(),
             recognition: mean(&|s| s.recognition),
+            decided: mean(&SubjectEvents::decided),
+            rest_kept: mean(&SubjectEvents::rest_kept),
             latency: latency::summary(&latencies, gestures),
             release: latency::summary(&releases, releases.len()),
             false_activations: mean(&|s| s.rest.per_minute()),

@@ -77,6 +77,66 @@ fn each_missed_gesture_has_its_reason() {
 }
 
 #[test]
+fn the_one_decision_is_the_active_label_of_most_samples_that_the_gesture_owns() {
+    let decision = |emitted: &[(Label, usize)]| events(&TRUTH, emitted).gestures[0].decision;
+    assert_eq!(decision(&[(R, 849), (C, 1), (R, 350)]), C);
+    assert_eq!(decision(&[(R, 850), (C, 350)]), N);
+    assert_eq!(decision(&[(C, 350), (R, 850)]), N);
+    assert_eq!(decision(&[(N, 1200)]), N);
+    // What was there before counts, and what is not held; an earlier label does not weigh more.
+    assert_eq!(decision(&[(C, 351), (R, 849)]), C);
+    let in_pieces = [(R, 440), (C, 30), (O, 50), (C, 30), (R, 650)];
+    assert_eq!(decision(&in_pieces), C);
+    let both = |open, close| decision(&[(R, 440), (C, close), (O, open), (R, 760 - open - close)]);
+    assert_eq!([both(101, 100), both(100, 101), both(100, 100)], [O, C, O]);
+}
+
+#[test]
+fn decisions_are_balanced_over_the_labels_of_a_person() {
+    let closes = events(&TRUTH, &[(R, 440), (C, 390), (R, 370)]);
+    let open = events(
+        &[(R, 400), (O, 400), (R, 400)],
+        &[(R, 440), (C, 390), (R, 370)],
+    );
+    let own = SubjectEvents::new("a", [&closes, &closes, &closes, &open]);
+    let of = |label: &str| (own.decisions[label].right, own.decisions[label].all);
+    assert_eq!(
+        [of("close"), of("open"), of("relax")],
+        [(3, 3), (0, 1), (8, 8)]
+    );
+    assert_eq!((own.decided(), own.rest_kept()), (Some(0.5), Some(1.0)));
+    // A wrong label for a moment is no decision, but the gesture is not recognised.
+    let other_first = events(&TRUTH, &[(R, 440), (O, 20), (C, 360), (R, 380)]);
+    let other = SubjectEvents::new("b", [&other_first]);
+    assert_eq!((other.decided(), other.recognition), (Some(1.0), Some(0.0)));
+    let nothing = SubjectEvents::new("c", []);
+    assert_eq!((nothing.decided(), nothing.rest_kept()), (None, None));
+    let everybody = EventSummary::of_subjects(vec![own, other, nothing]);
+    let [decided, rest] = [everybody.decided, everybody.rest_kept].map(Option::unwrap);
+    assert_eq!((decided.mean, decided.n, rest.n), (0.75, 2, 2));
+}
+
+#[test]
+fn a_rest_span_is_kept_if_no_label_begins_in_it_or_outlasts_it() {
+    let rests = |emitted: &[(Label, usize)]| {
+        let rests = events(&TRUTH, emitted).rests;
+        (rests.right, rests.all)
+    };
+    assert_eq!(rests(&[(R, 1200)]), (2, 2));
+    assert_eq!(rests(&[(R, 100), (O, 20), (R, 1080)]), (1, 2));
+    // Within the tolerance around the gesture; let go late; never let go; there from the start.
+    assert_eq!(
+        rests(&[(R, 350), (C, 20), (R, 479), (O, 1), (R, 350)]),
+        (2, 2)
+    );
+    assert_eq!(rests(&[(R, 440), (C, 759), (R, 1)]), (2, 2));
+    assert_eq!(rests(&[(R, 440), (C, 760)]), (1, 2));
+    assert_eq!(rests(&[(C, 1200)]), (0, 2));
+    let short = events(&[(R, 249), (C, 400), (R, 250)], &[(C, 899)]).rests;
+    assert_eq!((short.right, short.all), (0, 1));
+}
+
+#[test]
 fn a_gesture_is_released_when_its_label_changes_after_the_muscle() {
     let release = |truth: &[(Label, usize)], emitted: &[(Label, usize)]| {
         let found = events(truth, emitted).gestures;

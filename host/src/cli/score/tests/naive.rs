@@ -24,10 +24,20 @@ pub(super) struct Expected {
     changes: Vec<(i64, bool, Option<i64>)>,
     /// Gestures: onset, latency if it is recognised, and release latency if that is known.
     gestures: Vec<(i64, Option<i64>, Option<i64>)>,
+    /// Decisions about the gestures of each label, and about rest spans: how many, and how many are right.
+    decisions: BTreeMap<&'static str, (u64, u64)>,
     false_activations: usize,
     rest: usize,
     flicker: usize,
     labelled: usize,
+}
+
+impl Expected {
+    fn decide(&mut self, label: &'static str, is_right: bool) {
+        let (all, right) = self.decisions.entry(label).or_default();
+        *all += 1;
+        *right += u64::from(is_right);
+    }
 }
 
 /// Scores of a prediction; none if the truth is refused.
@@ -51,11 +61,19 @@ pub(super) fn score(
     let mut owned = vec![false; scored];
     for stretch in stretches(t) {
         changes(t, p, &stretch, rule, &mut expected.changes)?;
-        gestures(t, &emitted, &stretch, &mut owned, &mut expected.gestures);
+        gestures(t, &emitted, &stretch, &mut owned, &mut expected);
         expected.flicker += flicker(t, &emitted, &stretch);
     }
+    let at_rest = |at: usize| t[at] == RELAX && !owned[at];
     for at in 0..scored {
-        if t[at] == RELAX && !owned[at] {
+        if at_rest(at) && (at == 0 || !at_rest(at - 1)) {
+            let end = (at..scored).find(|&to| !at_rest(to)).unwrap_or(scored);
+            let raised = (at..end).any(|at| is_active(emitted[at]) && begins(&emitted, at));
+            if end - at >= 200 {
+                expected.decide("relax", !raised && !is_active(emitted[end - 1]));
+            }
+        }
+        if at_rest(at) {
             expected.rest += 1;
             expected.false_activations +=
                 usize::from(is_active(emitted[at]) && begins(&emitted, at));
@@ -180,7 +198,7 @@ fn gestures(
     emitted: &[Label],
     stretch: &Range<usize>,
     owned: &mut [bool],
-    found: &mut Vec<(i64, Option<i64>, Option<i64>)>,
+    expected: &mut Expected,
 ) {
     let (s, e) = (stretch.start as i64, stretch.end as i64);
     let onset =
@@ -215,7 +233,20 @@ fn gestures(
         let latency = latency.filter(|_| !other);
         let is_followed = index + 1 < onsets.len() || e - end >= 4 * T;
         let release = release.filter(|&late| latency.is_some() && is_followed && late >= -T);
-        found.push((onset, latency, release));
+        expected.gestures.push((onset, latency, release));
+        let samples = |intent: Intent| {
+            let own = own
+                .clone()
+                .filter(|&at| emitted[at as usize] == Some(intent));
+            own.count()
+        };
+        // The first of those with most samples: `max_by_key` takes the last.
+        let most = Intent::ALL[1..]
+            .iter()
+            .rev()
+            .max_by_key(|&&own| samples(own));
+        let decision = most.copied().filter(|&own| samples(own) > 0);
+        expected.decide(label.map_or("", Intent::name), decision == label);
     }
 }
 
@@ -343,6 +374,22 @@ pub(super) fn compare(found: &Value, expected: &Expected, round: usize) {
             number(&found["release"][name]["ms"], release, "release");
         }
     }
+    let told = found["decisions"].as_object().unwrap().iter();
+    let told = told.map(|(name, own)| {
+        let [all, right] = ["all", "right"].map(|part| own[part].as_u64().unwrap());
+        (&name[..], (all, right))
+    });
+    assert_eq!(
+        told.collect::<BTreeMap<_, _>>(),
+        expected.decisions,
+        "{round}"
+    );
+    let ratio = |own: &(u64, u64)| own.1 as f64 / own.0 as f64;
+    let labels = expected.decisions.iter().filter(|own| *own.0 != "relax");
+    let labels: Vec<f64> = labels.map(|(_, own)| ratio(own)).collect();
+    number(&found["decided"], mean(&labels), "one decision");
+    let kept = expected.decisions.get("relax").map(ratio);
+    number(&found["rest_kept"], kept, "rest kept");
     for (name, count, samples) in [
         (
             "false_activations",

@@ -1,0 +1,78 @@
+//! One decision a gesture = gestures whose decision is their label / gestures, mean over the labels.
+//!
+//! The decision is the active label that is emitted at most of the samples that the gesture owns
+//! ([`gesture`](super::gesture)); of equal ones, that of the lower class number. There is none if no active label is
+//! emitted. When the label comes, how long it stays and what else is emitted there does not count.
+//!
+//! This is the rule *classification* of EMG-EPN-612 (Barona López et al., Sensors 20(21) 6327, 2020). Its rule
+//! *recognition* also asks for a single run of the label, which overlaps with the gesture.
+//!
+//! Rest kept = rest spans that stay at rest / rest spans. A span is a run of at least four times the tolerance of rest
+//! ([`activation`]). It stays at rest if no active label begins in it and none is emitted at its end: a label that is
+//! let go late may reach into it.
+
+use shared::intent::{Intent, MAX_CLASSES};
+
+use super::{EventRule, activation, active};
+
+/// Number of decisions, and of those that are right.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Serialize, serde::Deserialize)]
+pub struct Decisions {
+    /// Gestures of a label, or rest spans.
+    pub all: usize,
+    /// Those whose decision is right.
+    pub right: usize,
+}
+
+impl Decisions {
+    /// Sum of both.
+    #[must_use]
+    pub const fn plus(self, other: Self) -> Self {
+        Self {
+            all: self.all + other.all,
+            right: self.right + other.right,
+        }
+    }
+
+    /// One decision.
+    #[must_use]
+    pub const fn one(is_right: bool) -> Self {
+        Self {
+            all: 1,
+            right: is_right as usize,
+        }
+    }
+
+    /// Share of right decisions; none without any.
+    #[must_use]
+    pub fn share(self) -> Option<f64> {
+        (self.all > 0).then(|| self.right as f64 / self.all as f64)
+    }
+}
+
+/// The decision over these samples; none without an active label.
+pub(super) fn decision(emitted: &[Option<Intent>]) -> Option<Intent> {
+    let mut samples = [0_usize; MAX_CLASSES];
+    for label in emitted.iter().filter_map(|&label| active(label)) {
+        samples[label.class()] += 1;
+    }
+    let most = samples.into_iter().max().filter(|&most| most > 0)?;
+    let class = samples.iter().position(|&own| own == most)?;
+    Intent::from_class(class)
+}
+
+/// Rest spans, and those that stay at rest. `rest` flags the samples at rest.
+pub(super) fn rests(emitted: &[Option<Intent>], rest: &[bool], rule: &EventRule) -> Decisions {
+    let mut start = 0;
+    let spans = rest.chunk_by(|a, b| a == b).map(|run| {
+        let span = start..start + run.len();
+        start = span.end;
+        (run[0], span)
+    });
+    let long = spans.filter(|(is_rest, span)| *is_rest && span.len() >= 4 * rule.tolerance);
+    let decided = long.map(|(_, span)| {
+        let stays = active(emitted[span.end - 1]).is_none() && !activation::raises(emitted, span);
+        Decisions::one(stays)
+    });
+    decided.fold(Decisions::default(), Decisions::plus)
+}
