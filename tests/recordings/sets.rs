@@ -88,8 +88,8 @@ fn cote_allard_is_steady_holds_of_seven_classes() {
 }
 
 #[test]
-fn one_subject_myo_takes_its_classes_from_the_metadata() {
-    let test = "one_subject_myo_takes_its_classes_from_the_metadata";
+fn one_subject_myo_has_labels_but_for_its_stream() {
+    let test = "one_subject_myo_has_labels_but_for_its_stream";
     let Some(library) = read(test, "one-subject-myo") else {
         return;
     };

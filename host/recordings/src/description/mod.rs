@@ -10,12 +10,14 @@ mod pattern;
 pub(crate) mod published;
 mod reader;
 mod rows;
+mod stretched;
 mod values;
 mod words;
 
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
+use shared::stream::alignment::Alignment;
 use shared::units::SAMPLE_PERIOD_MS;
 
 use crate::readers::error::LoadError;
@@ -153,6 +155,11 @@ impl Description {
             );
         }
         None
+    }
+
+    /// Order of the channels.
+    const fn placement(&self) -> Alignment {
+        self.rotation.placement(self.arm)
     }
 
     /// Lag of the muscle after the cues, in samples; none if it is to be estimated.

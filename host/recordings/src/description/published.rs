@@ -1,19 +1,21 @@
 //! Published sets that are read by description: `published.toml`, which says what each field means.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use serde::Deserialize;
-use shared::units::CHANNELS;
+use shared::units::{CHANNELS, Sample};
 
 use super::Description;
 use super::pattern::{Field, Fields, Pattern};
 use super::reader::{motions, timed};
 use super::rows::{At, Labels, Rows};
+use super::stretched;
 use super::values::Scale;
 use super::words::Words;
 use crate::catalogue::{DataSet, LIST};
+use crate::examiner::rows::Rows as Judged;
 use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::{Damage, Fault, LoadError};
 use crate::readers::mat::{self, Matrix};
@@ -45,7 +47,21 @@ pub(crate) struct Layout {
     any_person: bool,
     #[serde(default)]
     notes: Vec<[String; 2]>,
+    note: Option<String>,
     short: Option<(usize, String)>,
+    #[serde(default)]
+    unlabelled: Vec<String>,
+    begins: Option<(String, usize)>,
+    #[serde(default)]
+    others_alone: bool,
+    #[serde(default)]
+    polled: bool,
+    #[serde(default)]
+    stretched: bool,
+    #[serde(default)]
+    damaged: Vec<PathBuf>,
+    #[serde(default)]
+    checksums: Vec<String>,
     span: Option<[usize; 2]>,
     apart: Option<usize>,
     #[serde(default)]
@@ -135,22 +151,30 @@ impl Layout {
     fn fits(&self, path: &Path, bytes: &[u8]) -> bool {
         match (ending(path).as_deref(), FileKind::of(bytes)) {
             (Some("npy"), FileKind::Npy) | (Some("mat"), FileKind::Mat) | (Some("dat"), _) => true,
-            (Some("csv"), FileKind::Table | FileKind::Text) => {
+            (Some("csv" | "txt"), FileKind::Table | FileKind::Text) => {
                 let Ok(text) = str::from_utf8(bytes) else {
                     return false;
                 };
                 if self.description.header == Some(true) {
                     return self.description.columns(text).is_ok();
                 }
+                let columns = CHANNELS + usize::from(self.description.label.is_some());
                 let shape = Shape::of(text);
-                shape.is_some_and(|shape| {
+                let is_alike = shape.is_some_and(|shape| {
                     (shape.separator, shape.columns, shape.numbers)
-                        == (Separator::Comma, CHANNELS, CHANNELS)
+                        == (Separator::Comma, columns, columns)
                         && shape.is_decimal == (self.description.scale != Scale::default())
-                })
+                });
+                is_alike && (self.checksums.is_empty() || self.has_checksum(bytes))
             }
             _ => false,
         }
+    }
+
+    /// Whether the samples of a file are published ones.
+    fn has_checksum(&self, bytes: &[u8]) -> bool {
+        let rows = self.description.rows(bytes);
+        rows.is_ok_and(|rows| self.checksums.contains(&checksum(&rows.samples)))
     }
 
     /// Whether a file is a copy of another person's.
@@ -171,13 +195,25 @@ impl Layout {
     ) -> Result<Recording, LoadError> {
         let description = &self.description;
         let folder = description.files.folder_of(path);
-        let rows = self.rows(path, bytes);
-        let rows = rows.map_err(|damage| damage.in_file(path))?;
+        let damage = |damage: Damage| {
+            let as_published = self.damaged.iter().any(|name| path.ends_with(name));
+            Damage {
+                as_published,
+                ..damage
+            }
+            .in_file(path)
+        };
+        let rows = self.rows(path, bytes).map_err(damage)?;
         let rows = description.with_labels(rows, folder, path, fields)?;
         let count = rows.samples.len();
         let motions = motions(description, rows.labels, count);
         let labels_file = rows.labels_file.as_deref().unwrap_or(path);
         let mut motions = motions.map_err(|damage| damage.in_file(labels_file))?;
+        let is_other = |motion: &Motion| matches!(motion, Motion::Other(_));
+        if self.others_alone && motions.iter().any(is_other) {
+            let rest = motions.iter_mut().filter(|own| **own == Motion::RELAX);
+            rest.for_each(|own| *own = Motion::Unknown);
+        }
         let gesture = fields.get(Field::Gesture);
         let motion = gesture.and_then(|word| description.labels.motion(word));
         if let (Some([start, end]), Some(motion)) = (self.span, motion) {
@@ -191,7 +227,6 @@ impl Layout {
         if let Some(least) = self.apart {
             keep_apart(&mut motions, least);
         }
-        let truth: GroundTruth = motions.into_iter().collect();
         let person = self.person.path_of(fields);
         let name = match (&self.name, gesture.and_then(|own| self.names.get(own))) {
             (_, Some(name)) => name.into(),
@@ -202,6 +237,14 @@ impl Layout {
             }
         };
         let (person, name) = (person.to_string_lossy(), name.to_string_lossy());
+        let own = format!("{person}/{name}");
+        if self.unlabelled.iter().any(|of| own.starts_with(of)) {
+            motions.fill(Motion::Unknown);
+        }
+        if let Some((_, begin)) = self.begins.as_ref().filter(|(of, _)| own.starts_with(of)) {
+            motions[..*begin.min(&count)].fill(Motion::Unknown);
+        }
+        let truth: GroundTruth = motions.into_iter().collect();
         let subject = format!("{}/{person}", self.set.name());
         let recording = Recording {
             name: name.clone().into_owned(),
@@ -210,7 +253,12 @@ impl Layout {
             ..Recording::new(self.set, subject, rows.samples, truth.labels)
         };
         let mut recording = timed(description, motion, recording);
-        let own = format!("{person}/{name}");
+        if self.polled {
+            recording = Judged::polled(&recording.samples)
+                .apply(recording)
+                .remove(0);
+        }
+        recording.notes.extend(self.note.clone());
         let note = self.notes.iter().find(|[of, _]| own.starts_with(of));
         recording.notes.extend(note.map(|[_, note]| note.clone()));
         if let Some((_, note)) = self.short.as_ref().filter(|(whole, _)| count < *whole) {
@@ -229,7 +277,15 @@ impl Layout {
         } else if ending(path).as_deref() == Some("dat") {
             (int16(bytes)?, None)
         } else {
-            return self.description.rows(bytes);
+            let mut rows = self.description.rows(bytes)?;
+            if self.stretched {
+                stretched::stretch(&mut rows)?;
+            }
+            let placement = self.description.placement();
+            for sample in &mut rows.samples {
+                *sample = placement.apply(*sample);
+            }
+            return Ok(rows);
         };
         Ok(Rows {
             samples,
@@ -275,7 +331,7 @@ fn named<'m>(matrices: &'m [Matrix], names: &[String]) -> Result<&'m Matrix, Dam
 }
 
 /// Samples of interleaved little-endian numbers of two bytes.
-fn int16(bytes: &[u8]) -> Result<Vec<[i8; CHANNELS]>, Damage> {
+fn int16(bytes: &[u8]) -> Result<Vec<Sample>, Damage> {
     let whole = bytes.len() / ROW_BYTES * ROW_BYTES;
     if whole != bytes.len() {
         let fault = Fault::Length {
@@ -291,6 +347,15 @@ fn int16(bytes: &[u8]) -> Result<Vec<[i8; CHANNELS]>, Damage> {
         sample(&counts, 1).map_err(|fault| Damage::at_byte((row * ROW_BYTES) as u64, fault))
     })
     .collect()
+}
+
+/// FNV-1a of samples, 64 bits, in hexadecimal digits.
+fn checksum(samples: &[Sample]) -> String {
+    let values = samples.iter().flatten();
+    let hash = values.fold(0xcbf2_9ce4_8422_2325_u64, |hash, &value| {
+        (hash ^ u64::from(value.cast_unsigned())).wrapping_mul(0x0100_0000_01b3)
+    });
+    format!("{hash:016x}")
 }
 
 /// Makes rest unknown that is nearer than so many samples to another label; not at either end of the recording.

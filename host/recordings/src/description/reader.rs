@@ -123,7 +123,7 @@ impl Rows {
         let motions = motions(description, self.labels, self.samples.len());
         let motions = motions.map_err(|damage| damage.in_file(labels_file))?;
         let truth: GroundTruth = motions.into_iter().collect();
-        let placement = description.rotation.placement(description.arm);
+        let placement = description.placement();
         let samples = self
             .samples
             .into_iter()

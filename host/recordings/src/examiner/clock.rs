@@ -47,7 +47,7 @@ pub(crate) struct Clock {
     /// The column's name.
     pub name: String,
     /// Values of the column; dates and times of day in seconds.
-    times: Vec<f64>,
+    pub times: Vec<f64>,
     /// Whether its name or a description says that it is a clock.
     is_meant: bool,
     /// Rows that go back, while it may be a clock.

@@ -103,6 +103,25 @@ impl Rows {
         })
     }
 
+    /// Rows of a set of which some recordings are known to have been polled faster than the armband sends: where more
+    /// repeat than a board fills in, repeats are dropped. At rest, neighbours do not show the rate.
+    pub fn polled(samples: &[Sample]) -> Self {
+        let mut keep = first_of_each(samples);
+        let dropped = keep.iter().filter(|keep| !**keep).count();
+        let mut findings = Vec::new();
+        if dropped as f64 >= REPEATED * samples.len() as f64 && dropped > 0 {
+            let times = samples.len() as f64 / (samples.len() - dropped) as f64;
+            findings.push(Finding::Polled { times, dropped });
+        } else {
+            keep.fill(true);
+        }
+        Self {
+            pieces: Vec::new(),
+            keep,
+            findings,
+        }
+    }
+
     /// Removes the rows that are no samples, and splits the recording into pieces without a gap.
     pub fn apply(self, mut recording: Recording) -> Vec<Recording> {
         let mut rows = self.keep.iter().copied();

@@ -7,11 +7,6 @@ pub(crate) fn stem(path: &Path) -> Option<&str> {
     path.file_stem()?.to_str()
 }
 
-/// Name of the folder `levels` above the file: 1 is the folder it lies in.
-pub(crate) fn folder(path: &Path, levels: usize) -> Option<&str> {
-    path.ancestors().nth(levels)?.file_name()?.to_str()
-}
-
 /// Ending of a path in small letters: some systems and recorders write `.CSV`.
 pub fn ending(path: &Path) -> Option<String> {
     let ending = path.extension()?.to_str()?;

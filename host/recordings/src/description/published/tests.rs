@@ -8,7 +8,8 @@ use crate::recording::movement::{Movement, MovementKind};
 
 const RELAX: Option<Intent> = Some(Intent::Relax);
 
-fn read(path: &str, bytes: &[u8]) -> Result<Recording, LoadError> {
+fn read(path: &str, bytes: impl AsRef<[u8]>) -> Result<Recording, LoadError> {
+    let bytes = bytes.as_ref();
     let path = Path::new(path);
     let (layout, fields) = Layout::of(path, bytes).expect("a path of a published set");
     layout.read(path, bytes, &fields)
@@ -228,4 +229,143 @@ fn rest_keeps_a_second_away_from_a_pulse_and_pulses_are_counted() {
     assert!(Layout::is_of_labels(Path::new("/d/s3/e2_ann.npy")));
     let (copy, fields) = Layout::of(Path::new("/d/E2/s2e2.mat"), &file(&pulse)).unwrap();
     assert!(copy.is_copy(&fields));
+}
+
+#[test]
+fn lines_of_myo_readings_end_and_are_spaced_either_way() {
+    let text = "-3, 1, -2, 4, 0, 2, 0, -2, 0\r\n1,2,3,4,5,6,7,-128,7";
+    let right = read("/d/12345-2/7.txt", text).unwrap();
+    let samples = [[-3, 1, -2, 4, 0, 2, 0, -2], [1, 2, 3, 4, 5, 6, 7, -128]];
+    assert_eq!(right.samples, samples);
+    assert_eq!(right.labels, [RELAX, Some(Intent::Close)]);
+    assert_eq!(right.full_name(), "myo-readings/12345/2/7");
+    let left = read("/d/_readings_left_hand/12345-2/7.txt", text).unwrap();
+    assert_eq!(left.samples[1], [7, 6, 5, 4, 3, 2, 1, -128]);
+    assert_eq!(left.full_name(), "myo-readings/12345/left/2/7");
+}
+
+#[test]
+fn a_lost_newline_of_myo_readings_names_its_line() {
+    let text = "0,0,0,0,0,0,0,0,0\n4,2,1,0,-1,0,0,0,00,3,2,0,1,1,-1,0,0\n0,0,0,0,0,0,0,0,0\n";
+    let error = |path| read(path, text).unwrap_err().to_string();
+    let own = error("/d/19999-2/12.txt");
+    assert!(
+        own.ends_with("line 2: expected 9 values as in the rows before, found 17"),
+        "{own}"
+    );
+    assert!(error("/d/19999-2/2.txt").ends_with("(damaged as published)"));
+}
+
+#[test]
+fn beside_a_motion_outside_the_six_classes_rest_of_myo_readings_has_no_label() {
+    let text = "0,0,0,0,0,0,0,0,0\n0,1,0,0,0,0,0,0,4\n";
+    let recording = read("/d/12345-1/4.txt", text).unwrap();
+    assert!(!recording.has_labels());
+    let ulnar = Movement::new(MovementKind::UlnarDeviation, 1..2);
+    assert_eq!(recording.other_movement, [ulnar]);
+    let error = read("/d/12345-1/7.txt", "0,0,0,0,0,0,0,0,0\n0,1,0,0,0,0,0,0,8\n").unwrap_err();
+    assert!(error.to_string().contains("line 2: "), "{error}");
+}
+
+#[test]
+fn rows_of_myo_readings_doubled_by_fast_polling_are_dropped_with_their_labels() {
+    let samples = crate::examiner::fixture::emg(4001, 1);
+    let row = |at: usize| {
+        let counts = samples[at - at / 5].map(|count| count.to_string() + ",");
+        counts.concat() + if at < 2500 { "0\n" } else { "1\n" }
+    };
+    let text: String = (0..5000).map(row).collect();
+    let recording = read("/d/69069-1/1.txt", text).unwrap();
+    assert_eq!(recording.samples, samples);
+    assert_eq!(recording.labels[2000..2002], [RELAX, Some(Intent::WaveIn)]);
+    assert_eq!(recording.findings[0].kind(), "polled");
+}
+
+#[test]
+fn labels_known_to_drift_are_left_out_but_not_those_of_pure_rest() {
+    let text = |label| format!("0,0,0,0,0,0,0,0,0\n0,1,0,0,0,0,0,0,{label}");
+    let gesture = read("/d/35622-1/1.txt", text(1)).unwrap();
+    assert!(!gesture.has_labels());
+    assert_eq!(gesture.notes.len(), 1);
+    assert!(read("/d/35622-1/0.txt", text(0)).unwrap().has_labels());
+}
+
+#[test]
+fn holds_of_one_subject_myo_are_known_by_their_samples() {
+    let rows = b"1,2,3,4,5,6,7,-8\r\n".repeat(100);
+    let path = Path::new("/d/trial_1/R_1_C_3.csv");
+    assert!(Layout::of(path, &rows).is_none());
+    // "foobarfo", by the reference implementation's rule.
+    let naive = b"foobarfo"
+        .iter()
+        .fold(0xcbf2_9ce4_8422_2325_u64, |hash, &byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+        });
+    let samples = [b"foobarfo".map(|byte| byte as i8)];
+    assert_eq!(checksum(&samples), format!("{naive:016x}"));
+    assert_eq!(checksum(&[]), "cbf29ce484222325");
+    let read = |path: &str| {
+        let own = LAYOUTS
+            .iter()
+            .find(|own| !own.checksums.is_empty())
+            .unwrap();
+        let path = Path::new(path);
+        let fields = own.fields_of(&own.description.files, path).unwrap();
+        own.read(path, &rows, &fields).unwrap()
+    };
+    assert_eq!(
+        read("/d/trial_2/R_1_C_3.csv").labels,
+        [Some(Intent::WaveOut); 100]
+    );
+    let late = read("/d/trial_1/R_1_C_3.csv");
+    assert_eq!(late.labels[59..61], [None, Some(Intent::WaveOut)]);
+    assert_eq!(late.full_name(), "one-subject-myo/1/trial_1/R_1_C_3");
+}
+
+/// A file of `uci-gestures` of rows of a time, a count in all channels and a class.
+fn uci(rows: impl IntoIterator<Item = (usize, i32, u8)>) -> String {
+    let names: String = (1..=8)
+        .map(|channel| format!("channel{channel}\t"))
+        .collect();
+    let row =
+        |(time, count, class)| format!("{time}{}\t{class}\n", format!("\t{count}e-05").repeat(8));
+    format!("time\t{names}class\n") + &rows.into_iter().map(row).collect::<String>()
+}
+
+#[test]
+fn values_of_uci_gestures_are_counts_and_repeats_are_no_samples() {
+    let text = uci([
+        (1, -128, 0),
+        (2, -128, 0),
+        (6, 127, 2),
+        (7, 127, 2),
+        (11, 5, 5),
+    ]);
+    assert!(Layout::of(Path::new("/d/own.txt"), text.as_bytes()).is_none());
+    let recording = read("/d/07/2_raw_data_13.txt", text).unwrap();
+    assert_eq!(recording.samples, [[-128; 8], [5; 8], [5; 8]]);
+    assert_eq!(recording.labels, [None, Some(Intent::Close), None]);
+    assert_eq!(recording.full_name(), "uci-gestures/07/2");
+    assert!(!recording.data_set.trained_by_default());
+}
+
+#[test]
+fn times_of_uci_gestures_that_go_back_leap_or_last_too_long_are_refused() {
+    let hours = (0..3602).map(|second| (1000 * second, (second % 2) as i32, 0));
+    for (text, words) in [
+        (
+            uci([(5, 1, 0), (4, 2, 0)]),
+            "line 3: expected times that rise",
+        ),
+        (
+            uci([(5, 1, 0), (2000, 2, 0)]),
+            "line 3: expected times that rise",
+        ),
+        (uci(hours), "at most 3600 s"),
+    ] {
+        let error = read("/d/07/2_raw_data_13.txt", text)
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains(words), "{error}");
+    }
 }

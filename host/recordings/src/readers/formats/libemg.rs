@@ -1,5 +1,5 @@
 //! Recordings that LibEMG's screen-guided training makes: csv of eight counts, no header, one class a file, which
-//! `metadata.json` beside it names, or `collection_details.json` by the number in `C_0_R_1_emg.csv`. The published ones of `one-subject-myo` have a reader of their own.
+//! `metadata.json` beside it names, or `collection_details.json` by the number in `C_0_R_1_emg.csv`.
 
 use std::path::Path;
 

@@ -2,7 +2,4 @@
 
 pub(crate) mod emg_epn;
 pub(crate) mod libemg;
-pub(crate) mod myo_readings;
-pub(crate) mod one_subject_myo;
 pub mod react_emg;
-pub(crate) mod uci_gestures;

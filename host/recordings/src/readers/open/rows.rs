@@ -6,13 +6,9 @@ use super::{Found, KINDS, Request};
 use crate::catalogue::DataSet;
 use crate::examiner::wide;
 use crate::readers::error::{Damage, Fault, LoadError};
-use crate::readers::formats::{
-    emg_epn, libemg, myo_readings, one_subject_myo, react_emg, uci_gestures,
-};
+use crate::readers::formats::{emg_epn, libemg, react_emg};
 use crate::readers::open::SkipReason;
 use crate::readers::table::columns::Columns;
-use crate::readers::table::separator::Separator;
-use crate::readers::table::shape::Shape;
 use crate::recording::Recording;
 use execution::file_kind::FileKind;
 
@@ -103,20 +99,6 @@ pub(super) fn of_text(
     request: &Request<impl Fn(DataSet) -> bool>,
 ) -> Result<Found, LoadError> {
     let damage = |damage: Damage| damage.in_file(path);
-    if uci_gestures::is_recording(path, text) {
-        return request.one(DataSet::named("uci-gestures"), || {
-            uci_gestures::read(path, text).map_err(damage)
-        });
-    }
-    let shape = Shape::of(text);
-    let nine = (Separator::Comma, 9, 9);
-    if shape.is_some_and(|shape| (shape.separator, shape.columns, shape.numbers) == nine)
-        && myo_readings::is_named(path)
-    {
-        return request.one(DataSet::named("myo-readings"), || {
-            myo_readings::read(path, text).map_err(damage)
-        });
-    }
     wide::in_table(text).map_err(|finding| damage(Damage::refused(finding)))?;
     match Columns::of(text) {
         Ok(columns) if columns.names.is_empty() => bare(path, text, &columns, request),
@@ -131,7 +113,7 @@ pub(super) fn of_text(
     }
 }
 
-/// Reads eight channels without a header: published, LibEMG's, or a user's own.
+/// Reads eight channels without a header: LibEMG's, or a user's own.
 fn bare(
     path: &Path,
     text: &str,
@@ -140,18 +122,7 @@ fn bare(
 ) -> Result<Found, LoadError> {
     let damage = |damage: Damage| damage.in_file(path);
     let recording = react_emg::read_csv(path, text, columns);
-    let samples = match recording.as_deref() {
-        Ok([recording]) => Some(&recording.samples[..]),
-        _ => None,
-    };
-    let metadata = libemg::metadata(path);
-    if samples.is_some_and(one_subject_myo::is_published) {
-        return request.one(DataSet::named("one-subject-myo"), || {
-            let samples = recording.map_err(damage)?.remove(0).samples;
-            one_subject_myo::read(path, samples, metadata.as_deref()).map_err(damage)
-        });
-    }
-    if let Some(metadata) = metadata {
+    if let Some(metadata) = libemg::metadata(path) {
         return request.one(DataSet::OWN, || {
             let recording = recording.map_err(damage)?.remove(0);
             let found = libemg::read(path, recording.samples, &metadata).map_err(damage)?;

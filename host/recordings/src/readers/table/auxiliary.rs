@@ -69,6 +69,11 @@ impl AuxiliaryColumns {
         ranked.min_by_key(|(rank, _)| *rank).map(|(_, clock)| clock)
     }
 
+    /// Times of the rows; empty without a clock.
+    pub fn times(&self) -> &[f64] {
+        self.clocks.first().map_or(&[], |(_, clock)| &clock.times)
+    }
+
     /// Adds the values of a row of an array.
     pub fn push_values(&mut self, values: &[f64]) {
         for (at, clock) in &mut self.clocks {

@@ -37,31 +37,6 @@ pub(crate) fn is_note(row: &str) -> bool {
     row.starts_with('#') || row.to_lowercase().starts_with("sep=")
 }
 
-/// One row of comma-separated numbers; it has exactly `N`.
-pub(crate) fn numbers<const N: usize>(line: usize, row: &str) -> Result<[f64; N], Damage> {
-    fields(line, row.split(','))
-}
-
-/// The fields of a row as numbers; it has exactly `N`.
-pub(crate) fn fields<'r, const N: usize>(
-    line: usize,
-    fields: impl Iterator<Item = &'r str>,
-) -> Result<[f64; N], Damage> {
-    let mut values = [0.0; N];
-    let mut found = 0;
-    for (index, text) in fields.map(str::trim).enumerate() {
-        found = index + 1;
-        if let Some(value) = values.get_mut(index) {
-            *value = number(line, found, text)?;
-        }
-    }
-    if found == N {
-        Ok(values)
-    } else {
-        Err(Damage::at_line(line, Fault::Fields { expected: N, found }))
-    }
-}
-
 /// One field as a finite number; whole numbers first, which parse faster: files have millions of them.
 pub(crate) fn number(line: usize, field: usize, text: &str) -> Result<f64, Damage> {
     if let Ok(whole) = text.parse::<i32>() {
