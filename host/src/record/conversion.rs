@@ -19,10 +19,10 @@ use super::assembly::{Assembly, Part, assemble};
 use super::journal::{ENDING, SECOND, open};
 use super::quality::{Finding, Quality, judge};
 use execution::run_folder::write_whole;
-use recordings::labels::motion::{GroundTruth, Motion};
-use recordings::readers::formats::react_emg::{
+use recordings::description::own::{
     MIRRORED_COLUMN, MOVEMENT_COLUMN, MUSCLE_COLUMN, RECORDER_COLUMNS, TURN_COLUMN,
 };
+use recordings::labels::motion::{GroundTruth, Motion};
 use recordings::{LoadOptions, load};
 
 /// File extension of a journal that the disk has damaged.

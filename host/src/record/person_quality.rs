@@ -6,9 +6,9 @@ use shared::units::{CHANNELS, Sample};
 
 use super::assembly::{Assembly, Part};
 use super::quality::{Quality, judge};
+use recordings::description::own::{MOVEMENT_COLUMN, RECORDER_COLUMNS};
 use recordings::labels::cued::follow;
 use recordings::labels::motion::{Motion, motions};
-use recordings::readers::formats::react_emg::{MOVEMENT_COLUMN, RECORDER_COLUMNS};
 use recordings::{DataSet, Library, Recording};
 
 /// Guided recordings of a person.

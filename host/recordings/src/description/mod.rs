@@ -6,6 +6,7 @@
 
 pub mod draft;
 mod error;
+pub mod own;
 mod pattern;
 pub(crate) mod published;
 mod reader;

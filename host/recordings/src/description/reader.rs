@@ -61,7 +61,10 @@ impl Described {
 
     /// A recording with the names that its path gives.
     fn named(&self, recording: Recording, below: &Path, fields: &Fields) -> Recording {
-        let piece = recording.name;
+        let (piece, mut notes) = (recording.name, recording.notes);
+        if self.description.arm.is_none() && left_arm(&recording.path) {
+            notes.insert(0, LEFT.to_owned());
+        }
         let person = fields.get(Field::Person);
         let whole = below.with_extension("");
         // The person's own folder is no part of the name.
@@ -76,6 +79,7 @@ impl Described {
         Recording {
             subject,
             name: names.join("/") + &piece,
+            notes,
             ..recording
         }
     }
@@ -112,7 +116,7 @@ fn read(path: &Path) -> Result<Vec<u8>, LoadError> {
 
 impl Rows {
     /// Recordings of the rows: one, or its pieces where the clock leaps.
-    fn recordings(
+    pub(super) fn recordings(
         self,
         description: &Description,
         path: &Path,
@@ -129,14 +133,11 @@ impl Rows {
             .into_iter()
             .map(|sample| placement.apply(sample));
         let subject = format!("{}/unknown", DataSet::OWN.name());
-        let mut recording = Recording {
+        let recording = Recording {
             path: path.to_owned(),
             other_movement: truth.other_movement,
             ..Recording::new(DataSet::OWN, subject, samples.collect(), truth.labels)
         };
-        if description.arm.is_none() && left_arm(path) {
-            recording.notes.push(LEFT.to_owned());
-        }
         let rows = self.auxiliary.rows(&recording.samples);
         let pieces = rows
             .map_err(|finding| damage(Damage::refused(finding)))?
@@ -160,9 +161,8 @@ pub(super) fn motions(
     };
     let mut motions = Vec::new();
     for (word, row) in words.distinct() {
-        let motion = description.labels.motion(word);
-        let unknown = || Damage::at(labels.at.place(*row), Fault::Word(word.clone()));
-        motions.push(motion.ok_or_else(unknown)?);
+        let motion = description.labels.meaning(word);
+        motions.push(motion.map_err(|fault| Damage::at(labels.at.place(*row), fault))?);
     }
     Ok(words.at.iter().map(|&word| motions[word]).collect())
 }

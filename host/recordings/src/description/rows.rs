@@ -77,15 +77,26 @@ impl Description {
         }
     }
 
-    fn table(&self, text: &str) -> Result<Rows, Damage> {
+    fn table<'t>(&self, text: &'t str) -> Result<Rows, Damage> {
         wide::windows(text).map_err(Damage::refused)?;
         let columns = self.columns(text)?;
+        let word = |fields: &[&'t str]| columns.label.map_or("", |at| fields[at]);
+        self.rows_of(text, &columns, |_, fields| Ok(word(fields)))
+    }
+
+    /// Rows of a table of these columns; `word` gives the word of a row's label.
+    pub(super) fn rows_of<'t>(
+        &self,
+        text: &'t str,
+        columns: &Columns,
+        mut word: impl FnMut(usize, &[&'t str]) -> Result<&'t str, Damage>,
+    ) -> Result<Rows, Damage> {
         let time = self
             .time
             .as_ref()
             .map(|time| position(time, &columns.names, columns.count, columns.first_line));
         let time = time.transpose()?;
-        let mut auxiliary = AuxiliaryColumns::find(&columns).clocked(time, &columns.names);
+        let mut auxiliary = AuxiliaryColumns::find(columns).clocked(time, &columns.names);
         let (mut samples, mut words) =
             (Samples::default(), columns.label.map(|_| Words::default()));
         let mut lines = Vec::new();
@@ -100,8 +111,9 @@ impl Description {
             samples.push(&counts, columns.channels[0] + 1, at_line);
             auxiliary.push(columns.separator, &fields);
             lines.push(line);
-            if let Some((words, at)) = words.as_mut().zip(columns.label) {
-                words.push(fields[at]);
+            let word = word(line, &fields)?;
+            if let Some(words) = &mut words {
+                words.push(word);
             }
         }
         Ok(Rows {
@@ -150,7 +162,7 @@ impl Description {
         Ok(columns)
     }
 
-    fn array(&self, array: &Array) -> Result<Rows, Damage> {
+    pub(super) fn array(&self, array: &Array) -> Result<Rows, Damage> {
         let Values::Numbers(values) = &array.values else {
             return Err(wrong_array(array));
         };

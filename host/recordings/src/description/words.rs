@@ -5,6 +5,8 @@ use std::collections::{BTreeMap, HashMap};
 use serde::Deserialize;
 
 use crate::labels::motion::Motion;
+use crate::readers::error::Fault;
+use crate::readers::label_file::from_text;
 
 /// A word or number of a label, or the name or number of a column.
 #[derive(Clone, PartialEq, Debug, Deserialize)]
@@ -97,6 +99,18 @@ impl Labels {
     /// Whether a word is in a list.
     pub fn has(&self, word: &str) -> bool {
         self.0.contains_key(&plain(word))
+    }
+
+    /// Meaning of a word; without lists, that of a label's name or number.
+    ///
+    /// # Errors
+    /// A word in no list, or one that is no label.
+    pub fn meaning(&self, word: &str) -> Result<Motion, Fault> {
+        if self.is_empty() {
+            return from_text(word);
+        }
+        self.motion(word)
+            .ok_or_else(|| Fault::Word(word.to_owned()))
     }
 
     /// Meaning of a word; none if it is in no list and there is none for all others.

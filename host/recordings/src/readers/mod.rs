@@ -1,7 +1,7 @@
 //! Files of recordings: the published formats, and what their readers share.
 
 pub(crate) mod error;
-pub mod formats;
+pub(crate) mod formats;
 pub mod label_file;
 pub mod mat;
 pub mod npy;

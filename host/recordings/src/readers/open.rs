@@ -8,11 +8,10 @@ use std::fmt;
 use std::path::Path;
 
 use super::error::{Damage, Fault, LoadError};
-use super::formats::react_emg;
 use super::npy::{self, Values};
 use super::path::{ending, with_small_ending};
-use super::table;
 use crate::catalogue::DataSet;
+use crate::description::own;
 use crate::description::published::Layout;
 use crate::examiner::wide;
 use crate::recording::Recording;
@@ -217,10 +216,8 @@ fn array(
     if is_text || Layout::is_of_labels(path) {
         return Ok(Found::Part);
     }
-    if react_emg::is_recording(path, &array) {
-        return request.several(DataSet::OWN, || {
-            react_emg::read_npy(path, &array).map_err(damage)
-        });
+    if own::is_recording(path, &array) {
+        return request.several(DataSet::OWN, || own::array(path, &array));
     }
     if let ([_, .., _], Values::Numbers(values)) = (&array.shape[..], &array.values) {
         let columns = array.shape[1..]
@@ -232,10 +229,7 @@ fn array(
             .map_err(|finding| damage(Damage::refused(finding)))?;
     }
     match (&array.shape[..], &array.values) {
-        ([_, 8], Values::Numbers(_)) => request.unknown(|| {
-            let samples = table::samples(&array).map_err(damage)?;
-            react_emg::unlabelled(path, samples).map_err(damage)
-        }),
+        ([_, 8], Values::Numbers(_)) => request.unknown(|| own::array(path, &array)),
         (shape, _) if request.alone || matches!(shape, [_, 9] | [8, _]) => {
             Err(damage(Damage::of_file(Fault::Array {
                 expected: "eight channels of numbers, (n, 8); where a label or times are beside them, a csv with a \

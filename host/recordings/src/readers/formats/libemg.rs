@@ -4,12 +4,8 @@
 use std::path::Path;
 
 use serde_json::Value;
-use shared::units::Sample;
 
-use super::react_emg::own;
-use crate::catalogue::DataSet;
 use crate::labels::motion::{GroundTruth, Motion};
-use crate::readers::error::Damage;
 use crate::readers::path::{existing, with_small_ending};
 use crate::recording::Recording;
 use execution::bounded_read;
@@ -60,37 +56,35 @@ pub(crate) fn class_name(metadata: &str, path: &Path) -> Option<String> {
 }
 
 /// A user's own recording, with the class that the metadata name.
-pub(crate) fn read(path: &Path, samples: Vec<Sample>, metadata: &str) -> Result<Recording, Damage> {
-    let class = class_name(metadata, path);
-    let motion = class
-        .as_deref()
-        .map(|class| (class, Motion::of_gesture(class)));
-    let truth: GroundTruth = samples
-        .iter()
-        .map(|_| {
-            motion
-                .and_then(|(_, motion)| motion)
-                .unwrap_or(Motion::Unknown)
-        })
-        .collect();
-    let mut recording = own(path, DataSet::OWN, samples, truth)?;
-    match motion {
-        Some((class, None)) => recording.notes.push(format!(
+pub(crate) fn labelled(mut recording: Recording, metadata: &str) -> Recording {
+    let class = class_name(metadata, &recording.path);
+    let motion = class.as_deref().and_then(Motion::of_gesture);
+    let labels = recording.samples.iter();
+    let truth: GroundTruth = labels.map(|_| motion.unwrap_or(Motion::Unknown)).collect();
+    match (class, motion) {
+        (Some(class), None) => recording.notes.push(format!(
             "no labels: the class {class} of its metadata is none that is known"
         )),
-        None => recording
-            .notes
-            .push("no labels: its metadata does not name its class".to_owned()),
-        Some(_) => {}
+        (None, _) => {
+            let note = "no labels: its metadata does not name its class";
+            recording.notes.push(note.to_owned());
+        }
+        _ => {}
     }
-    Ok(recording)
+    Recording {
+        labels: truth.labels,
+        other_movement: truth.other_movement,
+        ..recording
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use shared::intent::Intent;
+    use shared::units::Sample;
 
     use super::*;
+    use crate::catalogue::DataSet;
 
     const METADATA: &str = r#"{"continuous": false,
         "data/alice/R_0_C_1.csv": {"class_idx": 1, "class_name": "Hand_Open"},
@@ -138,7 +132,9 @@ mod tests {
     fn the_class_comes_from_the_metadata() {
         let read = |file: &str| {
             let path = Path::new("/d/alice").join(file);
-            read(&path, vec![[1, 2, 3, 4, 5, 6, 7, -8]; 3], METADATA).unwrap()
+            let (samples, labels) = (vec![[1, 2, 3, 4, 5, 6, 7, -8]; 3], vec![None; 3]);
+            let own = Recording::new(DataSet::OWN, "", samples, labels);
+            labelled(Recording { path, ..own }, METADATA)
         };
         assert_eq!(read("R_0_C_1.csv").labels, [Some(Intent::Open); 3]);
         assert_eq!(read("R_0_C_2.csv").labels, [Some(Intent::Relax); 3]);
@@ -149,7 +145,6 @@ mod tests {
             let recording = read(file);
             assert!(!recording.has_labels());
             assert!(recording.notes[0].contains(note), "{:?}", recording.notes);
-            assert_eq!(recording.data_set, DataSet::OWN);
         }
     }
 }

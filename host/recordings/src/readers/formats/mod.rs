@@ -2,4 +2,3 @@
 
 pub(crate) mod emg_epn;
 pub(crate) mod libemg;
-pub mod react_emg;

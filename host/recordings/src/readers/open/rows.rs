@@ -4,12 +4,12 @@ use std::path::Path;
 
 use super::{Found, KINDS, Request};
 use crate::catalogue::DataSet;
+use crate::description::own;
 use crate::examiner::wide;
 use crate::readers::error::{Damage, Fault, LoadError};
-use crate::readers::formats::{emg_epn, libemg, react_emg};
+use crate::readers::formats::{emg_epn, libemg};
 use crate::readers::open::SkipReason;
 use crate::readers::table::columns::Columns;
-use crate::recording::Recording;
 use execution::file_kind::FileKind;
 
 /// Reads text, of any encoding.
@@ -102,9 +102,7 @@ pub(super) fn of_text(
     wide::in_table(text).map_err(|finding| damage(Damage::refused(finding)))?;
     match Columns::of(text) {
         Ok(columns) if columns.names.is_empty() => bare(path, text, &columns, request),
-        Ok(columns) => request.several(DataSet::OWN, || {
-            react_emg::read_csv(path, text, &columns).map_err(damage)
-        }),
+        Ok(columns) => request.several(DataSet::OWN, || own::table(path, text, &columns)),
         Err(_) if !(request.wants)(DataSet::OWN) => Ok(Found::Nothing(SkipReason::NotWanted)),
         Err(error) if request.alone || error.is_meant => {
             Err(damage(Damage::at_line(error.line, error.fault)))
@@ -120,19 +118,13 @@ fn bare(
     columns: &Columns,
     request: &Request<impl Fn(DataSet) -> bool>,
 ) -> Result<Found, LoadError> {
-    let damage = |damage: Damage| damage.in_file(path);
-    let recording = react_emg::read_csv(path, text, columns);
-    if let Some(metadata) = libemg::metadata(path) {
-        return request.one(DataSet::OWN, || {
-            let recording = recording.map_err(damage)?.remove(0);
-            let found = libemg::read(path, recording.samples, &metadata).map_err(damage)?;
-            Ok(Recording {
-                findings: recording.findings,
-                ..found
-            })
-        });
-    }
-    request.unknown(|| recording.map_err(damage))
+    let Some(metadata) = libemg::metadata(path) else {
+        return request.unknown(|| own::table(path, text, columns));
+    };
+    request.several(DataSet::OWN, || {
+        let pieces = own::table(path, text, columns)?.into_iter();
+        Ok(pieces.map(|own| libemg::labelled(own, &metadata)).collect())
+    })
 }
 
 #[cfg(test)]

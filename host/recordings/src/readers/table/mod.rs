@@ -12,7 +12,6 @@ use shared::units::{CHANNELS, Sample};
 use crate::examiner::scale::ScaleDetector;
 use crate::readers::error::{Damage, Fault};
 use crate::readers::mat::Matrix;
-use crate::readers::npy::{Array, Values};
 
 /// The rows of a text, each with its line number. Empty lines are no rows, nor are separators alone, as spreadsheets
 /// write them.
@@ -106,23 +105,6 @@ impl Samples {
             None => Ok(self.samples),
         }
     }
-}
-
-/// An array (n, 8) of counts as samples.
-pub(crate) fn samples(array: &Array) -> Result<Vec<Sample>, Damage> {
-    let (&[_, CHANNELS], Values::Numbers(values)) = (&array.shape[..], &array.values) else {
-        return Err(Damage::of_file(Fault::Array {
-            expected: "numbers, (n, 8)",
-            found: array.describe(),
-        }));
-    };
-    let mut samples = Samples::default();
-    for (row, counts) in values.chunks_exact(CHANNELS).enumerate() {
-        samples.push(counts, 1, |fault| {
-            Damage::at_byte(array.byte_of_row(row), fault)
-        });
-    }
-    samples.finish()
 }
 
 /// A matrix n x 8 of counts over `divisor` as samples.

@@ -1,6 +1,6 @@
-//! Recordings of the user's own, and ReactEMG's (ROAM-EMG and what the reference converts): a table whose columns are
-//! known by their names, `gt` and `emg_0`..`emg_7` in ReactEMG's, or npy with the label first, then eight channels,
-//! under ReactEMG's names of files.
+//! Recordings of the wearer's own that need no description, and ReactEMG's (ROAM-EMG and what the reference converts): a
+//! table whose columns are known by their names, `gt` and `emg_0`..`emg_7` in ReactEMG's, or npy with the label first,
+//! then eight channels, under ReactEMG's names of files.
 //!
 //! The folder names the person, once all files are known (`library/people.rs`). Values are the armband's counts. Label
 //! -1 is unlabelled, -2 other movement. Columns besides channels and label are ignored, with four exceptions. [`MUSCLE_COLUMN`] marks
@@ -8,24 +8,26 @@
 //! movement. By [`TURN_COLUMN`] and [`MIRRORED_COLUMN`] the channels are turned as by an aligned board.
 
 use std::path::Path;
+use std::sync::LazyLock;
 
 use execution::printable::printable;
 use shared::stream::alignment::Alignment;
-use shared::stream::normalizer::Normalizer;
-use shared::units::{CHANNELS, Sample};
+use shared::units::CHANNELS;
 
+use super::Description;
+use super::rows::Rows;
+use super::words::Words;
 use crate::catalogue::DataSet;
 use crate::examiner::finding::Finding;
-use crate::labels::motion::{GroundTruth, Motion};
+use crate::labels::motion::Motion;
 use crate::readers::error::excerpt::excerpt;
-use crate::readers::error::{Damage, Fault};
+use crate::readers::error::{Damage, Fault, LoadError};
 use crate::readers::label_file::{from_number, from_text};
 use crate::readers::npy::{Array, Values};
 use crate::readers::path::{is_number, left_arm, stem};
-use crate::readers::table::auxiliary::AuxiliaryColumns;
+use crate::readers::table;
 use crate::readers::table::columns::Columns;
 use crate::readers::table::one_hot::{self, OneHot};
-use crate::readers::table::{self, Samples};
 use crate::recording::{Recording, Timing};
 
 /// Further column of synthetic recordings: class number of the intent that the muscle follows.
@@ -46,98 +48,113 @@ pub const RECORDER_COLUMNS: [&str; 5] = ["sample", "cue", "trial", "used", "brid
 /// Note of a recording in a folder or file that is named after the left arm.
 const LEFT: &str = "named after the left arm, read as it is: if the armband was on the left arm, add columns turn (6) and mirrored (1)";
 
+/// Description of a table whose columns are known by their names, and of an array of eight channels.
+static TABLE: LazyLock<Description> = LazyLock::new(|| parsed(""));
+
+/// Description of an array of a label and eight channels.
+static ARRAY: LazyLock<Description> =
+    LazyLock::new(|| parsed("label = 1\nchannels = [2, 3, 4, 5, 6, 7, 8, 9]"));
+
+fn parsed(columns: &str) -> Description {
+    let text = format!("files = \"{{any}}\"\nrate = 200\n{columns}");
+    toml::from_str(&text).expect("a test reads it")
+}
+
 /// Reads a table of these columns, sample by sample.
-pub(crate) fn read_csv(
+pub(crate) fn table(
     path: &Path,
     text: &str,
     columns: &Columns,
-) -> Result<Vec<Recording>, Damage> {
-    let placements = columns
-        .position(TURN_COLUMN)
-        .zip(columns.position(MIRRORED_COLUMN));
+) -> Result<Vec<Recording>, LoadError> {
     let has = |name: &&str| columns.position(name).is_some();
     let is_recorded = RECORDER_COLUMNS.iter().all(has);
     let movement = columns.position(MOVEMENT_COLUMN).filter(|_| is_recorded);
-    let (mut samples, mut labels, mut has_numbers) = (Samples::default(), Vec::new(), false);
-    let (mut placed, mut auxiliary) = (Vec::new(), AuxiliaryColumns::find(columns));
-    let mut one_hot = OneHot::find(columns);
-    for row in columns.rows(text) {
-        let (line, fields) = row?;
-        let at_line = |fault| Damage::at_line(line, fault);
-        let number = |column: usize| {
-            table::number(line, column + 1, &columns.separator.number(fields[column]))
-        };
-        let mut counts = [0.0; CHANNELS];
-        for (count, &column) in counts.iter_mut().zip(&columns.channels) {
-            *count = number(column)?;
+    let placements = columns
+        .position(TURN_COLUMN)
+        .zip(columns.position(MIRRORED_COLUMN));
+    let (mut placed, mut one_hot) = (Vec::new(), OneHot::find(columns));
+    let rows = TABLE.rows_of(text, columns, |line, fields| {
+        one_hot.push(fields);
+        if let Some((turn, mirrored)) = placements {
+            let number = |column: usize| {
+                table::number(line, column + 1, &columns.separator.number(fields[column]))
+            };
+            let (turn, mirrored) = (number(turn)?, number(mirrored)?);
+            let found = placement(turn, mirrored);
+            placed.push(found.ok_or(Damage::at_line(line, Fault::Placement { turn, mirrored }))?);
         }
-        samples.push(&counts, columns.channels[0] + 1, at_line);
-        auxiliary.push(columns.separator, &fields);
-        one_hot.push(&fields);
-        let placement = match placements {
-            None => Alignment::NONE,
-            Some((turn, mirrored)) => {
-                let (turn, mirrored) = (number(turn)?, number(mirrored)?);
-                placement(turn, mirrored)
-                    .ok_or_else(|| at_line(Fault::Placement { turn, mirrored }))?
-            }
-        };
-        placed.push(placement);
-        labels.push(match columns.label {
-            None => Motion::Unknown,
-            Some(column) => {
-                has_numbers |= fields[column].parse::<f64>().is_ok();
-                let motion = from_text(fields[column]).map_err(at_line)?;
-                let name = movement.map_or("", |column| fields[column]);
-                if motion == Motion::OTHER && !name.is_empty() {
-                    from_text(name).map_err(at_line)?
-                } else {
-                    motion
-                }
-            }
-        });
+        let word = columns.label.map_or("", |column| fields[column]);
+        let name = movement.map_or("", |column| fields[column]);
+        let is_named = !name.is_empty() && from_text(word) == Ok(Motion::OTHER);
+        Ok(if is_named { name } else { word })
+    });
+    let mut rows = rows.map_err(|damage| damage.in_file(path))?;
+    for (sample, placement) in rows.samples.iter_mut().zip(placed) {
+        *sample = placement.apply(*sample);
     }
-    let one_hot = one_hot.finish();
-    if let Some(one_hot::Found::Labels(found, _)) = &one_hot {
-        labels.clone_from(found);
-    }
-    let data_set = if columns.position(MUSCLE_COLUMN).is_some() {
-        DataSet::SYNTHETIC
-    } else {
-        DataSet::OWN
-    };
-    let placed = samples.finish()?.into_iter().zip(placed);
-    let samples = placed.map(|(sample, placement)| placement.apply(sample));
-    let mut recording = own(
-        path,
-        data_set,
-        samples.collect(),
-        labels.into_iter().collect(),
-    )?;
-    if is_recorded {
-        recording.timing = Timing::Muscle;
-    }
-    match one_hot {
-        Some(one_hot::Found::Labels(_, note)) => recording.notes.push(printable(&note)),
-        Some(one_hot::Found::Unread(why)) => recording.findings.push(Finding::Known(why)),
+    let (mut notes, mut unread) = (Vec::new(), None);
+    match one_hot.finish() {
+        Some(one_hot::Found::Labels(motions, note)) => {
+            let mut words = Words::default();
+            motions.iter().for_each(|motion| words.push(motion.name()));
+            rows.labels.words = Some(words);
+            notes.push(printable(&note));
+        }
+        Some(one_hot::Found::Unread(why)) => unread = Some(Finding::Known(why)),
         None => {}
     }
     let label = columns.label.and_then(|column| columns.names.get(column));
+    let is_number = |(word, _): &(String, usize)| word.parse::<f64>().is_ok();
+    let mut words = rows.labels.words.iter().flat_map(Words::distinct);
+    let has_numbers = words.any(is_number);
     if let Some(label) = label.filter(|label| has_numbers && *label != "gt") {
-        recording.notes.push(format!(
+        notes.push(format!(
             "numbers in column {} are read as 0 relax, 1 open, 2 close, 3 wave-in, 4 wave-out, 5 pinch, -1 unknown, -2 other",
             excerpt(label)
         ));
     }
-    divided(recording, &auxiliary)
+    let data_set = if has(&MUSCLE_COLUMN) {
+        DataSet::SYNTHETIC
+    } else {
+        DataSet::OWN
+    };
+    let mut pieces = named(data_set, path, rows, &TABLE)?;
+    if let (Some(first), Some(unread)) = (pieces.first_mut(), unread) {
+        first.findings.insert(0, unread);
+    }
+    for piece in &mut pieces {
+        piece.notes.extend_from_slice(&notes);
+        if is_recorded {
+            piece.timing = Timing::Muscle;
+        }
+    }
+    Ok(pieces)
 }
 
-/// The recording, or its pieces where its clock leaps.
-fn divided(recording: Recording, auxiliary: &AuxiliaryColumns) -> Result<Vec<Recording>, Damage> {
-    let rows = auxiliary
-        .rows(&recording.samples)
-        .map_err(Damage::refused)?;
-    Ok(rows.apply(recording))
+/// Recordings of the rows, of a person whom the file alone does not name.
+fn named(
+    data_set: DataSet,
+    path: &Path,
+    rows: Rows,
+    description: &Description,
+) -> Result<Vec<Recording>, LoadError> {
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    let mut notes = Vec::new();
+    if data_set == DataSet::OWN && name.contains("movement") {
+        notes.push("a movement trial: the reference trains on it but does not score it".to_owned());
+    }
+    if data_set == DataSet::OWN && left_arm(path) {
+        notes.push(LEFT.to_owned());
+    }
+    let pieces = rows.recordings(description, path, None)?.into_iter();
+    let whole = |piece: Recording| Recording {
+        data_set,
+        subject: format!("{}/unknown", data_set.name()),
+        name: format!("{name}{}", piece.name),
+        notes: notes.clone(),
+        ..piece
+    };
+    Ok(pieces.map(whole).collect())
 }
 
 /// Placement by the two columns; none if it is not one of the 16.
@@ -170,68 +187,16 @@ pub(crate) fn is_recording(path: &Path, array: &Array) -> bool {
 /// Columns of an array: label and channels.
 const COLUMNS: usize = CHANNELS + 1;
 
-/// Reads (n, 9): label and channels.
-pub(crate) fn read_npy(path: &Path, array: &Array) -> Result<Vec<Recording>, Damage> {
-    let (Values::Numbers(values), &[_, COLUMNS]) = (&array.values, &array.shape[..]) else {
-        return Err(Damage::of_file(Fault::Array {
-            expected: "numbers, (n, 9)",
-            found: array.describe(),
-        }));
+/// Reads an array: label and channels under ReactEMG's names, or eight channels of a file that is asked for by its name.
+pub(crate) fn array(path: &Path, array: &Array) -> Result<Vec<Recording>, LoadError> {
+    let description = if is_recording(path, array) {
+        &ARRAY
+    } else {
+        &TABLE
     };
-    let (mut samples, mut labels) = (Samples::default(), Vec::new());
-    for (row, values) in values.chunks_exact(COLUMNS).enumerate() {
-        let byte = array.byte_of_row(row);
-        let in_row = |fault| Damage::at_byte(byte, fault);
-        labels.push(from_number(values[0]).map_err(in_row)?);
-        samples.push(&values[1..], 2, in_row);
-    }
-    let recording = own(
-        path,
-        DataSet::OWN,
-        samples.finish()?,
-        labels.into_iter().collect(),
-    )?;
-    divided(recording, &AuxiliaryColumns::default())
-}
-
-/// Samples without labels, of a file that is asked for by its name.
-pub(crate) fn unlabelled(path: &Path, samples: Vec<Sample>) -> Result<Vec<Recording>, Damage> {
-    let truth = samples.iter().map(|_| Motion::Unknown).collect();
-    let recording = own(path, DataSet::OWN, samples, truth)?;
-    divided(recording, &AuxiliaryColumns::default())
-}
-
-/// Recording of a person whom the file alone does not name.
-pub(crate) fn own(
-    path: &Path,
-    data_set: DataSet,
-    samples: Vec<Sample>,
-    truth: GroundTruth,
-) -> Result<Recording, Damage> {
-    if samples.is_empty() {
-        return Err(Damage::of_file(Fault::Empty));
-    }
-    let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    let mut notes = Vec::new();
-    if data_set == DataSet::OWN && name.contains("movement") {
-        notes.push("a movement trial: the reference trains on it but does not score it".to_owned());
-    }
-    if data_set == DataSet::OWN && left_arm(path) {
-        notes.push(LEFT.to_owned());
-    }
-    Ok(Recording {
-        data_set,
-        subject: format!("{}/unknown", data_set.name()),
-        name: name.into_owned(),
-        path: path.to_owned(),
-        samples,
-        labels: truth.labels,
-        notes,
-        other_movement: truth.other_movement,
-        timing: Timing::Cues,
-        findings: Vec::new(),
-        wearer: Normalizer::new(),
-    })
+    let rows = description.array(array);
+    let rows = rows.map_err(|damage| damage.in_file(path))?;
+    named(DataSet::OWN, path, rows, description)
 }
 
 #[cfg(test)]
@@ -246,7 +211,11 @@ mod tests {
     fn read_csv(path: &Path, text: &str) -> Result<Recording, Damage> {
         let columns =
             Columns::of(text).map_err(|error| Damage::at_line(error.line, error.fault))?;
-        Ok(super::read_csv(path, text, &columns)?.remove(0))
+        match table(path, text, &columns) {
+            Ok(mut pieces) => Ok(pieces.remove(0)),
+            Err(LoadError::Damaged { damage, .. }) => Err(damage),
+            Err(error) => panic!("{error}"),
+        }
     }
 
     #[test]
@@ -358,7 +327,7 @@ mod tests {
             ..array.clone()
         };
         assert!(!is_recording(path, &times));
-        let recording = &read_npy(path, &array).unwrap()[0];
+        let recording = &super::array(path, &array).unwrap()[0];
         assert_eq!(recording.labels, [Some(Intent::Open)]);
         assert_eq!(recording.samples, [[0, 1, 2, 3, 4, 5, 6, -7]]);
     }
