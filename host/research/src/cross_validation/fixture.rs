@@ -1,7 +1,5 @@
 //! Scores of folds for tests.
 
-use std::collections::BTreeMap;
-
 use evaluation::metric::event::activation::Rate;
 use evaluation::metric::event::latency;
 use evaluation::metric::event::summary::{EventSummary, SubjectEvents};
@@ -64,15 +62,10 @@ fn events(score: &SubjectScore) -> SubjectEvents {
         gestures: score.events,
         recognised: score.correct,
         recognition: score.transition_accuracy,
-        decisions: BTreeMap::new(),
         latency: latency::summary(&latencies, score.events),
         latencies,
-        releases: Vec::new(),
-        release: None,
         rest: rate(1, 30.0),
-        other_movement: rate(0, 0.0),
-        raised: BTreeMap::new(),
-        daily: BTreeMap::new(),
         flicker: rate(3, 60.0),
+        ..SubjectEvents::default()
     }
 }

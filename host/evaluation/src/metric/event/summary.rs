@@ -40,7 +40,7 @@ impl Raised {
 }
 
 /// The events of one subject.
-#[derive(Clone, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, PartialEq, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct SubjectEvents {
     /// Subject.
     pub subject: String,
@@ -88,19 +88,7 @@ impl SubjectEvents {
     ) -> Self {
         let mut own = Self {
             subject: subject.to_owned(),
-            gestures: 0,
-            recognised: 0,
-            recognition: None,
-            decisions: BTreeMap::new(),
-            latencies: Vec::new(),
-            latency: None,
-            releases: Vec::new(),
-            release: None,
-            rest: Rate::default(),
-            other_movement: Rate::default(),
-            raised: BTreeMap::new(),
-            daily: BTreeMap::new(),
-            flicker: Rate::default(),
+            ..Self::default()
         };
         for recording in recordings {
             own.gestures += recording.gestures.len();
