@@ -3,6 +3,7 @@
 import contextlib
 import importlib
 import io
+import json
 import socket
 import sys
 import tempfile
@@ -10,10 +11,11 @@ import time
 import unittest
 import warnings
 from multiprocessing import Lock
+from pathlib import Path
 
 import libemg_alone
 import numpy as np
-from support import EXAMPLES, MODEL, skip, synthetic
+from support import EXAMPLES, MODEL, program, skip, synthetic
 
 import myointent
 
@@ -42,6 +44,27 @@ def labels_at_patches(emg):
             label = model.classes.index(event.label)
         labels.append(label)
     return labels
+
+
+def network():
+    """Names and shapes of the public network's arrays."""
+    yield from {
+        f"conv_layers.{layer}.{name}": shape
+        for layer, inputs, width in [(0, 8, 16), (5, 16, 32), (10, 32, 64)]
+        for name, shape in [("weight", (width, inputs, 3)), ("bias", width)]
+    }.items()
+    for layer, width in [(1, 16), (6, 32), (11, 64)]:
+        for name in ["weight", "bias", "running_mean", "running_var"]:
+            yield f"conv_layers.{layer}.{name}", width
+    for layer, inputs in enumerate([64, 128, 128]):
+        for name, width in [("ih", inputs), ("hh", 128)]:
+            yield f"temporal.weight_{name}_l{layer}", (384, width)
+            yield f"temporal.bias_{name}_l{layer}", 384
+    for name, inputs, width in [("initial_layer", 128, 128), ("layer1", 128, 64), ("layer2", 64, 32)]:
+        yield f"{name}.weight", (width, inputs)
+        yield f"{name}.bias", width
+    yield "output_layer.weight", (6, 32)
+    yield "output_layer.bias", 6
 
 
 class ExamplesTest(unittest.TestCase):
@@ -108,6 +131,22 @@ class ExamplesTest(unittest.TestCase):
         for line in lines:
             self.assertGreater(float(line.split("balanced accuracy ")[1].split(",")[0]), 0.5, line)
             self.assertRegex(line, r"median latency: (-?\d+ ms|more than half missed)$")
+
+    def test_a_public_network_votes_and_its_labels_are_scored(self):
+        own = example(self.id(), "gru_612")
+        every = np.full((100, len(own.STEPS)), 4, np.int8)
+        # Five windows after the first 29, and anew from the next window on.
+        self.assertEqual(list(own.decisions(every)), [(32, 4), (65, 4), (98, 4)])
+        # After two votes for a gesture, rest has the majority.
+        every[:, 2:] = 0
+        self.assertEqual(list(own.decisions(every)), [])
+        random = np.random.default_rng(7)
+        with tempfile.TemporaryDirectory() as folder:
+            weights, out = Path(folder) / "weights.npz", Path(folder) / "labels"
+            np.savez(weights, **{name: random.random(shape) / 9 for name, shape in network()})
+            own.main([str(weights), self.folder, str(out)])
+            results = json.loads(program("score", "--truth", self.folder, "--prediction", out, "--json"))
+        self.assertEqual(results["scores"][0]["events"]["decided"]["n"], 3)
 
     def test_lab_streaming_layer_receives_samples_and_labels(self):
         own = example(self.id(), "lab_streaming_layer")
