@@ -44,7 +44,7 @@ class RecordingsTest(unittest.TestCase):
         made = described(self.folder)
         with warnings.catch_warnings(record=True):
             read = myointent.read(self.folder)
-        self.assertEqual([own.person for own in read], [f"react-emg/P0{at}" for at in range(3)])
+        self.assertEqual([own.person for own in read], [f"own/P0{at}" for at in range(3)])
         for own, expected in zip(read, made):
             np.testing.assert_array_equal(own.emg, expected.emg)
             np.testing.assert_array_equal(own.labels, expected.labels)
@@ -64,7 +64,7 @@ class RecordingsTest(unittest.TestCase):
         self.addCleanup(os.chdir, before)
         with contextlib.redirect_stdout(printed), warnings.catch_warnings(record=True):
             exec(lines, {})
-        for part in ["take_1: 30.0 s> 0.", "balanced", "all 3    three-class ", "react-emg/P02 "]:
+        for part in ["take_1: 30.0 s> 0.", "balanced", "all 3    three-class ", "own/P02 "]:
             self.assertIn(part, printed.getvalue())
 
     def test_other_movement_is_a_label_of_its_own(self):

@@ -27,7 +27,7 @@ const LOCKED: &str = ",locked";
     after_help = "The device's clock starts with the first sample; samples arrive two at a time, every 10 ms.\n\
     Lines are the device's, byte for byte; docs/uart.md explains them.\n\n\
     Examples:\n  myointent replay models/three-class.intent recordings/s1/s1_grasp.csv\n  \
-    myointent replay models/three-class.intent recordings --name react-emg/s1/s1_grasp --speed\n  \
+    myointent replay models/three-class.intent recordings --name own/s1/s1_grasp --speed\n  \
     myointent replay models/three-class.intent recordings/s1/s1_grasp.csv --align\n  \
     myointent replay models/three-class.intent recordings/s1/s1_dinner.csv --lock"
 )]
@@ -321,6 +321,6 @@ mod tests {
         let found = one_recording(folder.path(), Some(printed)).unwrap();
         assert_eq!(found.name, "s1_b");
         let error = one_recording(folder.path(), None).unwrap_err().to_string();
-        assert!(error.contains("--name react-emg/s1/s1_a"), "{error}");
+        assert!(error.contains("--name own/s1/s1_a"), "{error}");
     }
 }

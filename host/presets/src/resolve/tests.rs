@@ -7,11 +7,11 @@ use recordings::DataSet;
 
 #[test]
 fn a_misspelt_name_is_refused_with_the_nearest_known_one() {
-    let error = resolve(&["react-emg/p55"], &[]).unwrap_err().to_string();
-    assert!(error.contains("\"react-emg/p55\""), "{error}");
-    assert!(error.contains("react-emg/p5"), "{error}");
+    let error = resolve(&["own/p55"], &[]).unwrap_err().to_string();
+    assert!(error.contains("\"own/p55\""), "{error}");
+    assert!(error.contains("own/p5"), "{error}");
     let error = resolve(&[], &["react_emg/p1"]).unwrap_err().to_string();
-    assert!(error.contains("react-emg/p1"), "{error}");
+    assert!(error.contains("own/p1"), "{error}");
 }
 
 #[test]
@@ -28,7 +28,7 @@ fn a_whole_data_set_may_be_held_out() {
             .split
             .validation
             .iter()
-            .all(|name| name.starts_with("react-emg/"))
+            .all(|name| name.starts_with("own/"))
     );
 }
 
@@ -76,10 +76,7 @@ fn openers() -> Library {
 
 #[test]
 fn people_who_open_the_hand_make_a_template_and_others_none() {
-    let preset = preset(
-        &["synthetic/p1", "react-emg/p4"],
-        &["synthetic/p2", "react-emg/p5"],
-    );
+    let preset = preset(&["synthetic/p1", "own/p4"], &["synthetic/p2", "own/p5"]);
     let config = ResolvedConfig::new(preset, &openers(), None, false, None).unwrap();
     let template = config.alignment_template().unwrap();
     let open = [70, 54, 35, 25, 14, 12, 8, 6].map(|mean| 64 * mean);

@@ -75,7 +75,7 @@ fn channels_come_in_any_order_with_time_and_words() {
     let own = &library.recordings[0];
     assert_eq!(
         (own.full_name().as_str(), own.samples.len()),
-        ("react-emg/anna/anna", 600)
+        ("own/anna/anna", 600)
     );
     let expected: Vec<i8> = (0..8).rev().map(|c| count(1, 300, c, &HOLD)).collect();
     assert_eq!(own.samples[300].to_vec(), expected);
@@ -133,11 +133,11 @@ fn a_file_of_one_gesture_is_labelled_by_its_name_or_by_the_muscle() {
         )
     };
     let library = described(&text(""), &files).unwrap();
-    assert_eq!(library.subjects(), ["react-emg/anna", "react-emg/ben"]);
+    assert_eq!(library.subjects(), ["own/anna", "own/ben"]);
     let first = &library.recordings[0];
     assert_eq!(
         (first.full_name().as_str(), first.timing),
-        ("react-emg/anna/fist_1", Timing::Cues)
+        ("own/anna/fist_1", Timing::Cues)
     );
     assert_eq!(first.labels, vec![C; 1000]);
     assert_eq!(library.recordings[1].labels, vec![R; 700]);
@@ -223,7 +223,7 @@ fn the_examiner_judges_what_a_description_reads() {
         .iter()
         .map(crate::Recording::full_name)
         .collect();
-    assert_eq!(names, ["react-emg/anna/anna.1", "react-emg/anna/anna.2"]);
+    assert_eq!(names, ["own/anna/anna.1", "own/anna/anna.2"]);
 }
 
 #[test]
@@ -244,23 +244,17 @@ fn a_description_governs_its_folder_and_no_other() {
     ];
     let folder = folder(&files);
     let subjects = |path: &Path| load(path, &LoadOptions::default()).unwrap().subjects();
-    assert_eq!(
-        subjects(folder.path()),
-        ["react-emg/anna", "react-emg/lab/anna"]
-    );
-    assert_eq!(subjects(&folder.path().join("lab")), ["react-emg/anna"]);
+    assert_eq!(subjects(folder.path()), ["own/anna", "own/lab/anna"]);
+    assert_eq!(subjects(&folder.path().join("lab")), ["own/anna"]);
     // A single file, and the description itself, are read alike; so is a description elsewhere.
-    assert_eq!(
-        subjects(&folder.path().join("lab/anna.npy")),
-        ["react-emg/anna"]
-    );
+    assert_eq!(subjects(&folder.path().join("lab/anna.npy")), ["own/anna"]);
     assert_eq!(
         subjects(&folder.path().join("lab/recordings.toml")),
-        ["react-emg/anna"]
+        ["own/anna"]
     );
     let elsewhere = folder.path().join("home/mine.toml");
     std::fs::write(&elsewhere, [b"folder = \"../lab\"\n", &text[..]].concat()).unwrap();
-    assert_eq!(subjects(&elsewhere), ["react-emg/anna"]);
+    assert_eq!(subjects(&elsewhere), ["own/anna"]);
 }
 
 #[test]
@@ -294,7 +288,7 @@ fn without_a_person_in_the_pattern_the_folder_is_the_person() {
         .iter()
         .map(crate::Recording::full_name)
         .collect();
-    assert_eq!(names, ["react-emg/anna/day1/1", "react-emg/ben/day1/1"]);
+    assert_eq!(names, ["own/anna/day1/1", "own/ben/day1/1"]);
 }
 
 #[test]
@@ -307,7 +301,7 @@ fn a_single_file_that_is_named_otherwise_is_read_as_without_a_description() {
         ("anna/1.npy", array(1, 700)),
     ]);
     let library = load(&folder.path().join("anna/1.npy"), &LoadOptions::default()).unwrap();
-    assert_eq!(library.subjects(), ["react-emg/anna"]);
+    assert_eq!(library.subjects(), ["own/anna"]);
     assert!(matches!(
         load(folder.path(), &LoadOptions::default()),
         Err(LoadError::NoRecordings { .. })

@@ -277,9 +277,7 @@ mod tests {
         // In a run, held-out people do not enter the estimate.
         let late = recording(DataSet::OWN, "ben", 100, Timing::Cues);
         let both = [recordings[0].clone(), late];
-        let run = lag(&both, LabelLag::EachCue, &|subject| {
-            subject == "react-emg/anna"
-        });
+        let run = lag(&both, LabelLag::EachCue, &|subject| subject == "own/anna");
         assert_eq!(
             (run.basis, run.constant()),
             (Basis::TrainingPeople(1), found.constant())

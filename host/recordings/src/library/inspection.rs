@@ -229,7 +229,7 @@ mod tests {
         Library {
             recordings: vec![Recording {
                 data_set: DataSet::OWN,
-                subject: "react-emg/s1".into(),
+                subject: "own/s1".into(),
                 name: "a".into(),
                 path: PathBuf::new(),
                 samples: (0..800).map(sample).collect(),
@@ -287,7 +287,7 @@ mod tests {
             .map(|f| (f.what.as_str(), f.which.len()))
             .collect();
         assert_eq!(told, [("channel 3 is silent", 2), ("known", 2)]);
-        assert_eq!(findings[0].which, ["react-emg/s1/a", "react-emg/s1/b"]);
+        assert_eq!(findings[0].which, ["own/s1/a", "own/s1/b"]);
     }
 
     #[test]
@@ -298,7 +298,7 @@ mod tests {
             files.iter().map(told).collect()
         };
         let taken = told(&inspection.taken);
-        assert_eq!(taken, [("react-emg".to_owned(), 1, PathBuf::new())]);
+        assert_eq!(taken, [("own".to_owned(), 1, PathBuf::new())]);
         assert!(inspection.taken[0].recognised_by.contains("gt"));
         let expected = [
             (SkipReason::Ending.to_string(), 2, "LICENSE".into()),

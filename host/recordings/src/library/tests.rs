@@ -84,7 +84,7 @@ fn a_single_array_of_the_users_own_is_read() {
     let person = folder.path().file_name().unwrap().to_str().unwrap();
     assert_eq!(
         library.recordings[0].full_name(),
-        format!("react-emg/{person}/113_waveIn")
+        format!("own/{person}/113_waveIn")
     );
 }
 
@@ -96,7 +96,7 @@ fn rows_of_no_known_set_are_no_people() {
         let error = load(folder.path(), &LoadOptions::default()).unwrap_err();
         assert!(matches!(error, LoadError::NoRecordings { .. }), "{error}");
         let one = load(&folder.path().join("a/1.csv"), &LoadOptions::default()).unwrap();
-        assert_eq!(one.subjects(), ["react-emg/a"]);
+        assert_eq!(one.subjects(), ["own/a"]);
         assert_eq!(one.recordings[0].samples[99], [1, 2, 3, 4, 5, 6, 7, 8]);
         assert!(!one.recordings[0].has_labels());
     }
@@ -116,10 +116,10 @@ fn one_person_is_the_same_whichever_folder_is_asked_for() {
         ("study/bob/session_1/1.csv", own(3)),
     ]);
     for (below, people) in [
-        ("", &["react-emg/anna", "react-emg/bob"][..]),
-        ("study/anna", &["react-emg/anna"]),
-        ("study/anna/monday", &["react-emg/anna"]),
-        ("study/anna/monday/1.csv", &["react-emg/anna"]),
+        ("", &["own/anna", "own/bob"][..]),
+        ("study/anna", &["own/anna"]),
+        ("study/anna/monday", &["own/anna"]),
+        ("study/anna/monday/1.csv", &["own/anna"]),
     ] {
         let library = load(&folder.path().join(below), &LoadOptions::default()).unwrap();
         assert_eq!(library.subjects(), people, "{below}");
@@ -220,7 +220,7 @@ fn numbers_of_files_are_not_people() {
         ("anna/anna_grasp.csv", text.as_bytes()),
     ]);
     let library = load(folder.path(), &LoadOptions::default()).unwrap();
-    let expected = ["react-emg/anna", "react-emg/lab", "react-emg/s4"];
+    let expected = ["own/anna", "own/lab", "own/s4"];
     assert_eq!(library.subjects(), expected);
 }
 
@@ -253,7 +253,7 @@ fn a_byte_order_mark_is_no_part_of_the_header() {
     let text = format!("\u{feff}{HEADER}0,1,2,3,4,5,6,7,8\n");
     let folder = folder(&[("s1/s1_a.csv", text.as_bytes())]);
     let library = load(folder.path(), &LoadOptions::default()).unwrap();
-    assert_eq!(library.subjects(), ["react-emg/s1"]);
+    assert_eq!(library.subjects(), ["own/s1"]);
 }
 
 #[test]
@@ -400,10 +400,7 @@ fn no_two_recordings_have_names_that_are_one_file_s() {
     ] {
         let description = description.map(described);
         let names = names_of(files, description.as_deref());
-        let expected: Vec<String> = expected
-            .iter()
-            .map(|name| format!("react-emg/{name}"))
-            .collect();
+        let expected: Vec<String> = expected.iter().map(|name| format!("own/{name}")).collect();
         assert_eq!(names, expected, "{files:?}");
     }
 }

@@ -102,7 +102,7 @@ mod tests {
             "roshambo/03",
             "roshambo/06",
             "roshambo/08",
-            "react-emg/anna",
+            "own/anna",
             "01",
         ] {
             assert!(!is_training(other), "{other}");

@@ -147,7 +147,7 @@ mod tests {
         let samples = (0..labels.len()).map(|at| [(at % 100) as i8; 8]).collect();
         Recording {
             other_movement,
-            ..Recording::new(DataSet::OWN, "react-emg/a".to_owned(), samples, labels)
+            ..Recording::new(DataSet::OWN, "own/a".to_owned(), samples, labels)
         }
     }
 

@@ -225,7 +225,7 @@ mod tests {
             "emg-epn-612",
             "myo-readings",
             "one-subject-myo",
-            "react-emg",
+            "own",
             "roshambo",
             "ss-stm",
             "synthetic",

@@ -92,7 +92,7 @@ fn a_session_becomes_a_recording_a_round_that_readers_take_sample_for_sample() {
         ]
     );
     let library = load(&person, &LoadOptions::default()).unwrap();
-    assert_eq!(library.subjects(), ["react-emg/anna"]);
+    assert_eq!(library.subjects(), ["own/anna"]);
     let read: Vec<Sample> = library
         .recordings
         .iter()
@@ -166,7 +166,7 @@ fn sessions_are_judged_again_from_their_files_all_together() {
     };
     let at_its_end = session("1");
     let once = judged();
-    assert_eq!((once.person.as_str(), once.files), ("react-emg/anna", 2));
+    assert_eq!((once.person.as_str(), once.files), ("own/anna", 2));
     assert_eq!(once.quality, at_its_end);
     assert!(!once.quality.is_good_enough());
     // A session has two openings, and six of each gesture are needed.

@@ -44,31 +44,31 @@ mod tests {
 
     #[test]
     fn everybody_that_an_ancestor_saw_is_remembered() {
-        let first = resolve(&["react-emg/p1", "react-emg/p2"], &["react-emg/p3"]).unwrap();
+        let first = resolve(&["own/p1", "own/p2"], &["own/p3"]).unwrap();
         let a = run_folder(&first);
         // The first run trained on p4; the second one neither trains on nor validates with it.
-        let mut second = resolve(&["react-emg/p1", "react-emg/p2"], &["react-emg/p3"]).unwrap();
-        second.split.training.retain(|name| name != "react-emg/p4");
+        let mut second = resolve(&["own/p1", "own/p2"], &["own/p3"]).unwrap();
+        second.split.training.retain(|name| name != "own/p4");
         start_from(&mut second, a.path()).unwrap();
         let b = run_folder(&second);
-        let mut third = resolve(&["react-emg/p1", "react-emg/p4"], &["react-emg/p3"]).unwrap();
+        let mut third = resolve(&["own/p1", "own/p4"], &["own/p3"]).unwrap();
         let error = start_from(&mut third, b.path()).unwrap_err().to_string();
-        assert!(error.contains("react-emg/p4"), "{error}");
-        assert!(!error.contains("react-emg/p1"), "{error}");
+        assert!(error.contains("own/p4"), "{error}");
+        assert!(!error.contains("own/p1"), "{error}");
     }
 
     #[test]
     fn an_exported_teacher_remembers_whom_it_saw() {
-        let config = resolve(&["react-emg/p1"], &["react-emg/p3"]).unwrap();
+        let config = resolve(&["own/p1"], &["own/p3"]).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("teacher.safetensors");
         let teacher = Teacher::new(&config.preset.teacher, 3, &burn::tensor::Device::default());
         checkpoint::save(&file, &teacher, &config.subjects_seen()).unwrap();
-        let mut other = resolve(&["react-emg/p2"], &["react-emg/p3"]).unwrap();
+        let mut other = resolve(&["own/p2"], &["own/p3"]).unwrap();
         let error = start_from(&mut other, &file).unwrap_err().to_string();
-        assert!(error.contains("react-emg/p2"), "{error}");
-        let mut same = resolve(&["react-emg/p1"], &["react-emg/p3"]).unwrap();
+        assert!(error.contains("own/p2"), "{error}");
+        let mut same = resolve(&["own/p1"], &["own/p3"]).unwrap();
         start_from(&mut same, &file).unwrap();
-        assert!(same.seen_before.contains(&"react-emg/p2".to_owned()));
+        assert!(same.seen_before.contains(&"own/p2".to_owned()));
     }
 }

@@ -132,8 +132,8 @@ fn nothing_is_joined_across_a_gap() {
         .map(|r| (r.full_name(), r.samples.len()))
         .collect();
     let expected = [
-        ("react-emg/anna/anna_1.1".to_owned(), 2500),
-        ("react-emg/anna/anna_1.2".to_owned(), 3500),
+        ("own/anna/anna_1.1".to_owned(), 2500),
+        ("own/anna/anna_1.2".to_owned(), 3500),
     ];
     assert_eq!(pieces, expected);
     assert_eq!(library.recordings[1].samples, samples[2500..]);

@@ -17,7 +17,7 @@ fn who(paths: &[&str]) -> (Vec<String>, Vec<String>) {
 #[test]
 fn copies_and_groups_are_different_people_and_told() {
     let (named, told) = who(&["backup/anna/1.csv", "backup/zbackup/anna/1.csv"]);
-    assert_eq!(named, ["react-emg/anna/1", "react-emg/zbackup/anna/1"]);
+    assert_eq!(named, ["own/anna/1", "own/zbackup/anna/1"]);
     assert_eq!(told[0], "people: 2, by folder: anna, zbackup/anna");
     assert!(told[1].contains("one name: anna, zbackup/anna"), "{told:?}");
     let (_, told) = who(&["lab/anna/1.csv", "lab/bob/1.csv", "home/eva/1.csv"]);
@@ -32,11 +32,7 @@ fn sessions_belong_to_the_folder_above_wherever_they_stand() {
     let (named, told) = who(&["anna/1/a.csv", "anna/2/a.csv", "bob/monday/trial_1/a.csv"]);
     assert_eq!(
         named,
-        [
-            "react-emg/anna/1/a",
-            "react-emg/anna/2/a",
-            "react-emg/bob/monday/trial_1/a"
-        ]
+        ["own/anna/1/a", "own/anna/2/a", "own/bob/monday/trial_1/a"]
     );
     assert_eq!(
         told[1],
@@ -48,34 +44,24 @@ fn sessions_belong_to_the_folder_above_wherever_they_stand() {
         "tuesday/bob/a.csv",
     ]);
     let expected = [
-        "react-emg/anna/monday/a",
-        "react-emg/anna/tuesday/a",
-        "react-emg/bob/tuesday/a",
+        "own/anna/monday/a",
+        "own/anna/tuesday/a",
+        "own/bob/tuesday/a",
     ];
     assert_eq!(named, expected);
     // Numbers below the requested folder are people, as in published sets.
-    assert_eq!(
-        who(&["01/a.csv", "02/a.csv"]).0,
-        ["react-emg/01/a", "react-emg/02/a"]
-    );
+    assert_eq!(who(&["01/a.csv", "02/a.csv"]).0, ["own/01/a", "own/02/a"]);
     // People of test and training are numbered apart in published sets.
     assert_eq!(
         who(&["train/p1/a.csv", "test/p1/a.csv"]).0,
-        ["react-emg/train/p1/a", "react-emg/test/p1/a"]
+        ["own/train/p1/a", "own/test/p1/a"]
     );
 }
 
 #[test]
 fn what_lies_below_a_persons_recordings_is_theirs() {
     let (named, _) = who(&["anna/1.csv", "anna/kitchen/1.csv", "bob/1.csv"]);
-    assert_eq!(
-        named,
-        [
-            "react-emg/anna/1",
-            "react-emg/anna/kitchen/1",
-            "react-emg/bob/1"
-        ]
-    );
+    assert_eq!(named, ["own/anna/1", "own/anna/kitchen/1", "own/bob/1"]);
 }
 
 #[test]
@@ -85,7 +71,7 @@ fn a_folder_whose_sessions_are_named_after_it_is_a_person_whatever_its_name() {
     let (named, _) = who(&[&test, &anna]);
     assert_eq!(
         named,
-        [&test, &anna].map(|path| format!("react-emg/{}", path.trim_end_matches(".csv")))
+        [&test, &anna].map(|path| format!("own/{}", path.trim_end_matches(".csv")))
     );
     // The folder of one person alone.
     let mut recordings = [Recording {
@@ -93,34 +79,25 @@ fn a_folder_whose_sessions_are_named_after_it_is_a_person_whatever_its_name() {
         ..Recording::new(DataSet::OWN, "", vec![[1; 8]], vec![None])
     }];
     by_folder(Path::new("/d/test"), &mut recordings, &|_| false);
-    assert_eq!(recordings[0].subject, "react-emg/test");
+    assert_eq!(recordings[0].subject, "own/test");
 }
 
 #[test]
 fn loose_files_are_of_the_folders_name_which_is_nobody_elses() {
-    assert_eq!(
-        who(&["1.csv", "anna/1.csv"]).0,
-        ["react-emg/d/1", "react-emg/anna/1"]
-    );
-    assert_eq!(
-        who(&["1.csv", "d/1.csv"]).0,
-        ["react-emg/d/./1", "react-emg/d/1"]
-    );
+    assert_eq!(who(&["1.csv", "anna/1.csv"]).0, ["own/d/1", "own/anna/1"]);
+    assert_eq!(who(&["1.csv", "d/1.csv"]).0, ["own/d/./1", "own/d/1"]);
     assert_eq!(
         who(&["s1_a.csv", "s2_a.csv"]).0,
-        ["react-emg/s1/s1_a", "react-emg/s2/s2_a"]
+        ["own/s1/s1_a", "own/s2/s2_a"]
     );
     assert_eq!(
         who(&["s1_a.csv", "notes_a.csv"]).0,
-        ["react-emg/d/s1_a", "react-emg/d/notes_a"]
+        ["own/d/s1_a", "own/d/notes_a"]
     );
     let (named, _) = who(&["monday/1.csv", "tuesday/1.csv"]);
-    assert_eq!(named, ["react-emg/d/monday/1", "react-emg/d/tuesday/1"]);
+    assert_eq!(named, ["own/d/monday/1", "own/d/tuesday/1"]);
     let (named, _) = who(&["anna/monday/1.csv", "anna/tuesday/1.csv"]);
-    assert_eq!(
-        named,
-        ["react-emg/anna/monday/1", "react-emg/anna/tuesday/1"]
-    );
+    assert_eq!(named, ["own/anna/monday/1", "own/anna/tuesday/1"]);
 }
 
 #[test]

@@ -106,10 +106,7 @@ mod tests {
             std::fs::write(folder.path().join("anna").join(name), text).unwrap();
         }
         let library = crate::load(folder.path(), &crate::LoadOptions::default()).unwrap();
-        assert_eq!(
-            library.recordings[0].full_name(),
-            "react-emg/anna/C_0_R_0_emg"
-        );
+        assert_eq!(library.recordings[0].full_name(), "own/anna/C_0_R_0_emg");
         assert_eq!(library.recordings[0].labels, vec![Some(Intent::Close); 700]);
         assert!(library.ignored.is_empty(), "{:?}", library.ignored);
     }

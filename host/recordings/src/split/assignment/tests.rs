@@ -131,7 +131,7 @@ fn a_fold_replaces_the_predefined_development_people_but_not_the_test_people() {
 #[test]
 fn nobody_to_train_on_is_refused() {
     let own = people(DataSet::OWN, &OWN);
-    let everybody = ["react-emg".to_owned()];
+    let everybody = ["own".to_owned()];
     let all_out = Assignment {
         held_out: &everybody,
         ..shares(1)
