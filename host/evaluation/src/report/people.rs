@@ -45,7 +45,7 @@ pub(super) fn people_of<'r, 'a: 'r>(
 pub(super) type Column = (&'static str, fn(&Person<'_>) -> String);
 
 /// Columns of a person's scores, and their cells; empty where the person has no value.
-pub(super) const COLUMNS: [Column; 15] = [
+pub(super) const COLUMNS: [Column; 16] = [
     ("balanced", |own| share(own.score.balanced_accuracy)),
     ("TA", |own| share(own.score.transition_accuracy)),
     ("recognised", |own| {
@@ -66,6 +66,9 @@ pub(super) const COLUMNS: [Column; 15] = [
         share(own.events.and_then(SubjectEvents::rest_kept))
     }),
     ("other/min", |own| rate(own, |events| events.other_movement)),
+    (Measure::Raised.name(), |own| {
+        share(own.events.and_then(SubjectEvents::raised_share))
+    }),
     ("flicker/min", |own| rate(own, |events| events.flicker)),
     ("raw", |own| share(own.score.raw_accuracy)),
     ("classes", |own| own.score.classes.to_string()),

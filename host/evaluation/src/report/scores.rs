@@ -42,6 +42,9 @@ const OTHER: Column = ("other/min", |own| {
 const DAILY: Column = (Measure::DailyActivations.name(), |own| {
     mean(own, Measure::DailyActivations, rate)
 });
+const RAISED: Column = (Measure::Raised.name(), |own| {
+    mean(own, Measure::Raised, share)
+});
 const LATENCY: Column = ("latency ms", |own| {
     counted(latency(own.events.latency), own, Measure::Recognition)
 });
@@ -51,7 +54,7 @@ const SUBJECTS: Column = ("subjects", |own| people(own).to_string());
 const TRANSITIONS: Column = ("transitions", |own| own.widest().events.to_string());
 
 /// Columns of a table of scores.
-const SCORES: [Column; 19] = [
+const SCORES: [Column; 20] = [
     RECORDINGS,
     CLASSES,
     MODEL,
@@ -71,6 +74,7 @@ const SCORES: [Column; 19] = [
         mean(own, Measure::RestKept, share)
     }),
     OTHER,
+    RAISED,
     DAILY,
     ("flicker/min", |own| mean(own, Measure::Flicker, rate)),
     RAW,
@@ -301,7 +305,7 @@ pub(super) fn table(caption: &str, rows: &[Row<'_>]) -> Table {
     let has = |measure: Measure| rows.iter().any(|own| measure.mean(own).is_some());
     let mut columns = SCORES.to_vec();
     columns.retain(|(name, _)| match *name {
-        name if name == OTHER.0 => has(Measure::OtherActivations),
+        name if name == OTHER.0 || name == RAISED.0 => has(Measure::OtherActivations),
         name if name == DAILY.0 => has(Measure::DailyActivations),
         _ => true,
     });
