@@ -11,10 +11,11 @@ use recordings::statistics::{Interval, MeanSd};
 use super::merged::{Merged, Section};
 
 /// Measures whose intervals are shown.
-const SHARES: [Measure; 3] = [
+const SHARES: [Measure; 4] = [
     Measure::BalancedAccuracy,
     Measure::TransitionAccuracy,
     Measure::Recognition,
+    Measure::Decided,
 ];
 /// Measures given per minute.
 const RATES: [Measure; 4] = [
