@@ -10,6 +10,7 @@ pub mod own;
 mod pattern;
 pub(crate) mod published;
 mod reader;
+pub(crate) mod repetitions;
 mod rows;
 mod stretched;
 mod values;
@@ -25,8 +26,10 @@ use crate::readers::error::LoadError;
 pub(crate) use error::{DescriptionError, Problem};
 use execution::bounded_read;
 use pattern::{Field, Fields, Pattern};
+pub(crate) use rows::labels;
 use values::{Arm, Channels, Column, CueLag, LabelTiming, Mark, Rate, Rectified, Rotation, Scale};
 use words::Labels;
+pub(crate) use words::Labels as Meanings;
 
 /// Name of a description in the folder that it describes.
 pub const FILE_NAME: &str = "recordings.toml";

@@ -10,7 +10,8 @@ use shared::units::{CHANNELS, Sample};
 use super::Description;
 use super::pattern::{Field, Fields, Pattern};
 use super::reader::{motions, timed};
-use super::rows::{At, Labels, Rows};
+use super::repetitions;
+use super::rows::Rows;
 use super::stretched;
 use super::values::Scale;
 use super::words::Words;
@@ -20,7 +21,6 @@ use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::{Damage, Fault, LoadError};
 use crate::readers::mat::{self, Matrix};
 use crate::readers::path::{ending, is_number};
-use crate::readers::table::auxiliary::AuxiliaryColumns;
 use crate::readers::table::separator::Separator;
 use crate::readers::table::shape::Shape;
 use crate::readers::table::{matrix, sample};
@@ -58,6 +58,8 @@ pub(crate) struct Layout {
     polled: bool,
     #[serde(default)]
     stretched: bool,
+    #[serde(default)]
+    repetitions: bool,
     #[serde(default)]
     damaged: Vec<PathBuf>,
     #[serde(default)]
@@ -151,6 +153,9 @@ impl Layout {
     fn fits(&self, path: &Path, bytes: &[u8]) -> bool {
         match (ending(path).as_deref(), FileKind::of(bytes)) {
             (Some("npy"), FileKind::Npy) | (Some("mat"), FileKind::Mat) | (Some("dat"), _) => true,
+            (Some("json"), FileKind::Json) => {
+                self.repetitions && str::from_utf8(bytes).is_ok_and(repetitions::looks_like)
+            }
             (Some("csv" | "txt"), FileKind::Table | FileKind::Text) => {
                 let Ok(text) = str::from_utf8(bytes) else {
                     return false;
@@ -192,7 +197,7 @@ impl Layout {
         path: &Path,
         bytes: &[u8],
         fields: &Fields,
-    ) -> Result<Recording, LoadError> {
+    ) -> Result<Vec<Recording>, LoadError> {
         let description = &self.description;
         let folder = description.files.folder_of(path);
         let damage = |damage: Damage| {
@@ -203,10 +208,28 @@ impl Layout {
             }
             .in_file(path)
         };
+        if self.repetitions {
+            let text = str::from_utf8(bytes).unwrap_or_default();
+            let all = repetitions::of(text, &description.labels).map_err(damage)?;
+            let read = |(name, rows, note): repetitions::Named| {
+                let mut own = self.recording(path, fields, rows)?;
+                own.name = name;
+                own.notes.extend(note.map(str::to_owned));
+                Ok(own)
+            };
+            return all.into_iter().map(read).collect();
+        }
         let rows = self.rows(path, bytes).map_err(damage)?;
         let rows = description.with_labels(rows, folder, path, fields)?;
+        Ok(vec![self.recording(path, fields, rows)?])
+    }
+
+    /// Recording of the rows of a file.
+    fn recording(&self, path: &Path, fields: &Fields, rows: Rows) -> Result<Recording, LoadError> {
+        let description = &self.description;
+        let folder = description.files.folder_of(path);
         let count = rows.samples.len();
-        let motions = motions(description, rows.labels, count);
+        let motions = motions(description, &rows.labels, count);
         let labels_file = rows.labels_file.as_deref().unwrap_or(path);
         let mut motions = motions.map_err(|damage| damage.in_file(labels_file))?;
         let is_other = |motion: &Motion| matches!(motion, Motion::Other(_));
@@ -287,15 +310,7 @@ impl Layout {
             }
             return Ok(rows);
         };
-        Ok(Rows {
-            samples,
-            labels: Labels {
-                words,
-                at: At::File,
-            },
-            labels_file: None,
-            auxiliary: AuxiliaryColumns::default(),
-        })
+        Ok(Rows::of_words(samples, words))
     }
 }
 

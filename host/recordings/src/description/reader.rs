@@ -14,6 +14,7 @@ use crate::labels::activity::labelled;
 use crate::labels::compensation::Compensation;
 use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::{Damage, Fault, LoadError};
+use crate::readers::label_file::Purpose;
 use crate::readers::open::{Found, Request, SkipReason, open};
 use crate::readers::path::{existing, left_arm};
 use crate::recording::{Recording, Timing};
@@ -99,7 +100,8 @@ impl Description {
             let name = file.file_name().unwrap_or_default().to_string_lossy();
             let missing = Damage::of_file(Fault::Partner(name.into_owned()));
             let file = existing(file).ok_or_else(|| missing.in_file(path))?;
-            let labels = labels(&read(&file)?, rows.samples.len());
+            let labels = labels(&read(&file)?, Purpose::Truth);
+            let labels = labels.and_then(|labels| labels.of_each(rows.samples.len()));
             rows.labels = labels.map_err(|damage| damage.in_file(&file))?;
             rows.labels_file = Some(file);
         } else if let (None, Some(word)) = (&self.label, fields.get(Field::Gesture)) {
@@ -124,7 +126,7 @@ impl Rows {
     ) -> Result<Vec<Recording>, LoadError> {
         let damage = |damage: Damage| damage.in_file(path);
         let labels_file = self.labels_file.as_deref().unwrap_or(path);
-        let motions = motions(description, self.labels, self.samples.len());
+        let motions = motions(description, &self.labels, self.samples.len());
         let motions = motions.map_err(|damage| damage.in_file(labels_file))?;
         let truth: GroundTruth = motions.into_iter().collect();
         let placement = description.placement();
@@ -153,18 +155,11 @@ impl Rows {
 /// Motion of each row.
 pub(super) fn motions(
     description: &Description,
-    labels: Labels,
+    labels: &Labels,
     samples: usize,
 ) -> Result<Vec<Motion>, Damage> {
-    let Some(words) = labels.words else {
-        return Ok(vec![Motion::Unknown; samples]);
-    };
-    let mut motions = Vec::new();
-    for (word, row) in words.distinct() {
-        let motion = description.labels.meaning(word);
-        motions.push(motion.map_err(|fault| Damage::at(labels.at.place(*row), fault))?);
-    }
-    Ok(words.at.iter().map(|&word| motions[word]).collect())
+    let motions = labels.motions(&description.labels)?;
+    Ok(motions.unwrap_or_else(|| vec![Motion::Unknown; samples]))
 }
 
 /// A recording with labels at the times that the description says.

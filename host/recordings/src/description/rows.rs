@@ -6,8 +6,9 @@ use shared::units::{CHANNELS, Sample};
 
 use super::Description;
 use super::values::Column;
-use super::words::Words;
+use super::words::{Labels as Meanings, Words};
 use crate::examiner::wide;
+use crate::labels::motion::Motion;
 use crate::readers::error::{Damage, Fault, Place};
 use crate::readers::label_file::{self, Purpose};
 use crate::readers::npy::{self, Array, Values};
@@ -19,14 +20,14 @@ use execution::file_kind::FileKind;
 
 /// Labels of the rows, and where they stand.
 #[derive(Default)]
-pub(super) struct Labels {
-    pub words: Option<Words>,
-    pub at: At,
+pub(crate) struct Labels {
+    pub(super) words: Option<Words>,
+    pub(super) at: At,
 }
 
 /// Places of rows in their file.
 #[derive(Clone, Default)]
-pub(super) enum At {
+pub(crate) enum At {
     /// A name.
     #[default]
     File,
@@ -58,6 +59,21 @@ pub(super) struct Rows {
     /// File of the labels, if it is another.
     pub labels_file: Option<PathBuf>,
     pub auxiliary: AuxiliaryColumns,
+}
+
+impl Rows {
+    /// Samples with words of labels, without a place in their file.
+    pub fn of_words(samples: Vec<Sample>, words: Option<Words>) -> Self {
+        Self {
+            samples,
+            labels: Labels {
+                words,
+                at: At::File,
+            },
+            labels_file: None,
+            auxiliary: AuxiliaryColumns::default(),
+        }
+    }
 }
 
 impl Description {
@@ -236,41 +252,66 @@ fn position(column: &Column, names: &[String], count: usize, line: usize) -> Res
     })
 }
 
-/// Labels of a file with one a sample.
-pub(super) fn labels(bytes: &[u8], samples: usize) -> Result<Labels, Damage> {
+/// Words of a file with a label a sample: an npy array, whose first column is read, or text.
+///
+/// # Errors
+/// An array of another shape, text that is no UTF-8, or a row without the column of labels.
+pub(crate) fn labels(bytes: &[u8], purpose: Purpose) -> Result<Labels, Damage> {
     let mut words = Words::default();
     let at = if FileKind::of(bytes) == FileKind::Npy {
         let array = npy::parse(bytes)?;
-        match (&array.shape[..], &array.values) {
-            ([_] | [_, 1], Values::Numbers(values)) => {
-                values
-                    .iter()
-                    .for_each(|value| words.push(&value.to_string()));
-            }
-            ([_] | [_, 1], Values::Text(texts)) => texts.iter().for_each(|text| words.push(text)),
+        let columns = match array.shape[..] {
+            [_] => 1,
+            [_, columns @ (1 | 9)] => columns,
             _ => {
-                return Err(Damage::of_file(Fault::Array {
-                    expected: "one label a sample, (n)",
-                    found: array.describe(),
-                }));
+                let expected = "labels, (n) or (n, 9)";
+                let found = array.describe();
+                return Err(Damage::of_file(Fault::Array { expected, found }));
+            }
+        };
+        match &array.values {
+            Values::Numbers(values) => {
+                let values = values.iter().step_by(columns);
+                values.for_each(|value| words.push(&value.to_string()));
+            }
+            Values::Text(texts) => {
+                let texts = texts.iter().step_by(columns);
+                texts.for_each(|text| words.push(text));
             }
         }
         At::of(&array)
     } else {
-        let text = str::from_utf8(bytes);
-        let text =
-            text.map_err(|error| Damage::at_byte(error.valid_up_to() as u64, Fault::Text))?;
-        let named = label_file::named(text, Purpose::Truth)?;
-        let rows = named.unwrap_or_else(|| label_file::plain(text));
+        let rows = label_file::rows(bytes, purpose)?;
         rows.iter().for_each(|(_, word)| words.push(word));
         At::Lines(rows.into_iter().map(|(line, _)| line).collect())
     };
-    if words.at.len() != samples {
-        let labels = words.at.len();
-        return Err(Damage::of_file(Fault::LabelCount { samples, labels }));
+    let words = Some(words);
+    Ok(Labels { words, at })
+}
+
+impl Labels {
+    /// The labels if there is one for each sample.
+    pub(super) fn of_each(self, samples: usize) -> Result<Self, Damage> {
+        let labels = self.words.as_ref().map_or(0, |words| words.at.len());
+        if labels == samples {
+            return Ok(self);
+        }
+        Err(Damage::of_file(Fault::LabelCount { samples, labels }))
     }
-    Ok(Labels {
-        words: Some(words),
-        at,
-    })
+
+    /// Motion of each word.
+    ///
+    /// # Errors
+    /// A word without a meaning, at its place.
+    pub fn motions(&self, meanings: &Meanings) -> Result<Option<Vec<Motion>>, Damage> {
+        let Some(words) = &self.words else {
+            return Ok(None);
+        };
+        let mut motions = Vec::new();
+        for (word, row) in words.distinct() {
+            let motion = meanings.meaning(word);
+            motions.push(motion.map_err(|fault| Damage::at(self.at.place(*row), fault))?);
+        }
+        Ok(Some(words.at.iter().map(|&word| motions[word]).collect()))
+    }
 }

@@ -8,12 +8,11 @@
 use std::path::Path;
 
 use super::error::{Damage, Fault, LoadError};
-use super::npy::{self, Values};
 use super::table;
 use super::table::separator::{Separator, unquoted};
+use crate::description::{Meanings, labels};
 use crate::labels::motion::Motion;
 use execution::bounded_read;
-use execution::file_kind::FileKind;
 
 /// Role of a file's labels.
 ///
@@ -122,39 +121,32 @@ fn contents(path: &Path) -> Result<Vec<u8>, LoadError> {
 
 /// Parses the bytes of a file of labels.
 pub fn parse(bytes: &[u8], purpose: Purpose) -> Result<Vec<Motion>, Damage> {
-    if FileKind::of(bytes) == FileKind::Npy {
-        return not_empty(array(bytes)?);
+    let text = str::from_utf8(bytes).unwrap_or_default();
+    let header = Header::of(text);
+    let mut purposes = Purpose::ALL.into_iter();
+    if header.column(purpose).is_none()
+        && (header.fields.len() > 1 || purposes.any(|other| header.column(other).is_some()))
+    {
+        let (_, found) = table::lines(text).next().unwrap_or_default();
+        let fault = Fault::Column {
+            expected: purpose.columns().join(", "),
+            found: found.to_owned(),
+        };
+        return Err(Damage::at_line(1, fault));
     }
-    let text = std::str::from_utf8(bytes)
-        .map_err(|error| Damage::at_byte(error.valid_up_to() as u64, Fault::Text))?;
-    let rows = match named(text, purpose)? {
-        Some(rows) => rows,
-        None => {
-            let header = Header::of(text);
-            let mut purposes = Purpose::ALL.into_iter();
-            if header.fields.len() > 1 || purposes.any(|other| header.column(other).is_some()) {
-                let (_, found) = table::lines(text).next().unwrap_or_default();
-                let fault = Fault::Column {
-                    expected: purpose.columns().join(", "),
-                    found: found.to_owned(),
-                };
-                return Err(Damage::at_line(1, fault));
-            }
-            plain(text)
-        }
-    };
-    let labels = rows.into_iter().map(|(line, field)| {
-        let motion = from_text(field);
-        motion.map_err(|fault| Damage::at_line(line, fault))
-    });
-    not_empty(labels.collect::<Result<_, _>>()?)
+    let motions = labels(bytes, purpose)?.motions(&Meanings::default())?;
+    let motions = motions.filter(|motions| !motions.is_empty());
+    motions.ok_or(Damage::of_file(Fault::Empty))
 }
 
-/// Fields of the column that a header names, each with its line; none without such a header.
-pub(crate) fn named(text: &str, purpose: Purpose) -> Result<Option<Vec<(usize, &str)>>, Damage> {
+/// Rows of a text of labels, each with its line: the column that a header names, else the whole of each.
+pub(crate) fn rows(bytes: &[u8], purpose: Purpose) -> Result<Vec<(usize, &str)>, Damage> {
+    let text = str::from_utf8(bytes);
+    let text = text.map_err(|error| Damage::at_byte(error.valid_up_to() as u64, Fault::Text))?;
     let header = Header::of(text);
     let Some(column) = header.column(purpose) else {
-        return Ok(None);
+        let rows = table::lines(text).map(|(line, row)| (line, unquoted(row)));
+        return Ok(rows.collect());
     };
     let field = |(line, row)| {
         let mut fields = header.separator.fields(row);
@@ -169,53 +161,7 @@ pub(crate) fn named(text: &str, purpose: Purpose) -> Result<Option<Vec<(usize, &
         Ok((line, fields[column]))
     };
     let rows = table::lines(text).skip(1).map(field);
-    rows.collect::<Result<_, _>>().map(Some)
-}
-
-/// Rows of one field each, with their lines.
-pub(crate) fn plain(text: &str) -> Vec<(usize, &str)> {
-    let rows = table::lines(text);
-    rows.map(|(line, row)| (line, unquoted(row))).collect()
-}
-
-fn not_empty(labels: Vec<Motion>) -> Result<Vec<Motion>, Damage> {
-    if labels.is_empty() {
-        return Err(Damage::of_file(Fault::Empty));
-    }
-    Ok(labels)
-}
-
-fn array(bytes: &[u8]) -> Result<Vec<Motion>, Damage> {
-    let array = npy::parse(bytes)?;
-    let columns = match array.shape[..] {
-        [_] => 1,
-        [_, columns @ (1 | 9)] => columns,
-        _ => {
-            let expected = "labels, (n) or (n, 9)";
-            return Err(Damage::of_file(Fault::Array {
-                expected,
-                found: array.describe(),
-            }));
-        }
-    };
-    let damage = |row: usize| {
-        let byte = array.byte_of_row(row);
-        move |fault| Damage::at_byte(byte, fault)
-    };
-    match &array.values {
-        Values::Numbers(values) => values
-            .iter()
-            .step_by(columns)
-            .enumerate()
-            .map(|(row, &value)| from_number(value).map_err(damage(row)))
-            .collect(),
-        Values::Text(names) => names
-            .iter()
-            .step_by(columns)
-            .enumerate()
-            .map(|(row, name)| from_text(name).map_err(damage(row)))
-            .collect(),
-    }
+    rows.collect()
 }
 
 /// Motion of a class number, 0 to 5, of -1 for unknown, or of -2 for other movement.
@@ -252,6 +198,7 @@ mod tests {
 
     use super::*;
     use crate::readers::error::Place;
+    use crate::readers::npy;
     use crate::recording::movement::MovementKind;
 
     const R: Motion = Motion::RELAX;

@@ -1,8 +1,8 @@
 //! Files of recordings: the published formats, and what their readers share.
 
 pub(crate) mod error;
-pub(crate) mod formats;
 pub mod label_file;
+pub(crate) mod libemg;
 pub mod mat;
 pub mod npy;
 pub mod open;

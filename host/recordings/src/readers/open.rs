@@ -128,12 +128,12 @@ pub fn of_bytes(
         if layout.is_copy(&fields) {
             return Ok(Found::Nothing(SkipReason::Copy));
         }
-        return request.one(layout.set, || layout.read(path, bytes, &fields));
+        return request.several(layout.set, || layout.read(path, bytes, &fields));
     }
     match ending.as_str() {
         _ if kind == FileKind::Npy => array(path, bytes, request),
         _ if with_small_ending(path).ends_with("userData.mat") => request
-            .one(DataSet::named("epn"), || {
+            .several(DataSet::named("epn"), || {
                 Err(damage(Damage::of_file(Fault::Objects)))
             }),
         _ if kind == FileKind::Mat => request.nothing(path, kind),
@@ -168,14 +168,6 @@ impl<W: Fn(DataSet) -> bool> Request<W> {
             None => Ok(Found::Recordings(recordings)),
             Some(empty) => Err(Damage::of_file(Fault::Empty).in_file(&empty.path)),
         }
-    }
-
-    fn one(
-        &self,
-        data_set: DataSet,
-        read: impl FnOnce() -> Result<Recording, LoadError>,
-    ) -> Result<Found, LoadError> {
-        self.several(data_set, || Ok(vec![read()?]))
     }
 
     /// Passes over a file that is no recording; refuses it if it is the one that was asked for.

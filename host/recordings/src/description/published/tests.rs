@@ -12,7 +12,7 @@ fn read(path: &str, bytes: impl AsRef<[u8]>) -> Result<Recording, LoadError> {
     let bytes = bytes.as_ref();
     let path = Path::new(path);
     let (layout, fields) = Layout::of(path, bytes).expect("a path of a published set");
-    layout.read(path, bytes, &fields)
+    Ok(layout.read(path, bytes, &fields)?.remove(0))
 }
 
 /// Count of a row: loud in the hold.
@@ -311,7 +311,7 @@ fn holds_of_one_subject_myo_are_known_by_their_samples() {
             .unwrap();
         let path = Path::new(path);
         let fields = own.fields_of(&own.description.files, path).unwrap();
-        own.read(path, &rows, &fields).unwrap()
+        own.read(path, &rows, &fields).unwrap().remove(0)
     };
     assert_eq!(
         read("/d/trial_2/R_1_C_3.csv").labels,

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use super::{Found, KINDS, Request};
 use crate::catalogue::DataSet;
-use crate::description::own;
+use crate::description::{own, repetitions};
 use crate::examiner::wide;
 use crate::readers::error::{Damage, Fault, LoadError};
-use crate::readers::formats::{emg_epn, libemg};
+use crate::readers::libemg;
 use crate::readers::open::SkipReason;
 use crate::readers::table::columns::Columns;
 use execution::file_kind::FileKind;
@@ -18,7 +18,6 @@ pub(super) fn open(
     bytes: &[u8],
     request: &Request<impl Fn(DataSet) -> bool>,
 ) -> Result<Found, LoadError> {
-    let damage = |damage: Damage| damage.in_file(path);
     let text = match std::str::from_utf8(bytes) {
         Ok(text) if FileKind::of(bytes) != FileKind::Utf16 => {
             text.strip_prefix('\u{feff}').unwrap_or(text)
@@ -28,10 +27,8 @@ pub(super) fn open(
     if FileKind::of(bytes) != FileKind::Json {
         return of_text(path, text, request);
     }
-    if emg_epn::looks_like(text) {
-        return request.several(DataSet::named("emg-epn-612"), || {
-            emg_epn::read(path, text).map_err(damage)
-        });
+    if repetitions::looks_like(text) {
+        return Err(repetitions::misplaced().in_file(path));
     }
     if libemg::is_metadata(path, text) {
         return Ok(Found::Part);

@@ -7,18 +7,18 @@
 //! The same user number in the training and the testing part is two people.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use serde::Deserialize;
-use shared::intent::Intent;
-use shared::stream::normalizer::Normalizer;
 use shared::units::{CHANNELS, Sample};
 
-use crate::catalogue::DataSet;
+use super::rows::Rows;
+use super::words::{Labels, Words};
+use crate::labels::motion::Motion;
 use crate::readers::error::{Damage, Fault};
-use crate::readers::path::stem;
 use crate::readers::table;
-use crate::recording::{Recording, Timing};
+
+/// Word of rest.
+const REST: &str = "noGesture";
 
 #[derive(Deserialize)]
 struct User {
@@ -44,21 +44,26 @@ pub(crate) fn looks_like(text: &str) -> bool {
     text.contains("\"trainingSamples\"") || text.contains("\"testingSamples\"")
 }
 
-pub(crate) fn read(path: &Path, text: &str) -> Result<Vec<Recording>, Damage> {
-    let misplaced = || {
-        Damage::of_file(Fault::Path {
-            set: DataSet::named("emg-epn-612").name(),
-            example: "trainingJSON/user7/user7.json",
-        })
-    };
-    let subject = subject(path).ok_or_else(misplaced)?;
+/// Damage of a user's file in folders that do not say which part it is of.
+pub(crate) const fn misplaced() -> Damage {
+    Damage::of_file(Fault::Path {
+        set: "emg-epn-612",
+        example: "trainingJSON/user7/user7.json",
+    })
+}
+
+/// A repetition: its name, its rows, and a note where it is unlabelled.
+pub(super) type Named = (String, Rows, Option<&'static str>);
+
+/// Repetitions of a user, in the order of recording.
+pub(super) fn of(text: &str, labels: &Labels) -> Result<Vec<Named>, Damage> {
     let user: User = serde_json::from_str(text)
         .map_err(|error| Damage::at_line(error.line(), Fault::Json(error.to_string())))?;
     let parts = [
         ("trainingSamples", user.training),
         ("testingSamples", user.testing),
     ];
-    let mut recordings = Vec::new();
+    let mut all = Vec::new();
     for (part, repetitions) in parts {
         let mut repetitions: Vec<_> = repetitions.into_iter().collect();
         repetitions.sort_by_key(|(key, _)| index(key));
@@ -66,38 +71,12 @@ pub(crate) fn read(path: &Path, text: &str) -> Result<Vec<Recording>, Damage> {
             let name = format!("{part}/{key}");
             let damage = |fault: Fault| Damage::of_file(Fault::Json(format!("{name}: {fault}")));
             let samples = samples(&repetition).map_err(damage)?;
-            let (labels, note) = labels(&repetition, samples.len()).map_err(damage)?;
-            recordings.push(Recording {
-                data_set: DataSet::named("emg-epn-612"),
-                subject: subject.clone(),
-                path: path.to_owned(),
-                samples,
-                labels,
-                notes: note.map(str::to_owned).into_iter().collect(),
-                other_movement: Vec::new(),
-                name,
-                timing: Timing::Cues,
-                findings: Vec::new(),
-                wearer: Normalizer::new(),
-            });
+            let words = words(&repetition, samples.len(), labels).map_err(damage)?;
+            let note = words.as_ref().err().copied();
+            all.push((name, Rows::of_words(samples, words.ok()), note));
         }
     }
-    Ok(recordings)
-}
-
-/// Subject from the file's name and the part among its folders: `emg-epn-612/training-user7`.
-fn subject(path: &Path) -> Option<String> {
-    let user = stem(path)?;
-    let part = path
-        .ancestors()
-        .skip(1)
-        .filter_map(|folder| folder.file_name()?.to_str())
-        .find_map(|folder| {
-            ["training", "testing"]
-                .into_iter()
-                .find(|part| folder.starts_with(part))
-        })?;
-    Some(format!("emg-epn-612/{part}-{user}"))
+    Ok(all)
 }
 
 /// Number `N` of a key `idx_N`, by which repetitions keep the order of recording.
@@ -131,52 +110,35 @@ fn samples(repetition: &Repetition) -> Result<Vec<Sample>, Fault> {
         .collect()
 }
 
-type Labels = (Vec<Option<Intent>>, Option<&'static str>);
-
-fn labels(repetition: &Repetition, samples: usize) -> Result<Labels, Fault> {
+/// Words of the samples, or why they have none.
+fn words(
+    repetition: &Repetition,
+    samples: usize,
+    labels: &Labels,
+) -> Result<Result<Words, &'static str>, Fault> {
     let Some(gesture) = &repetition.gesture else {
-        return Ok((vec![None; samples], Some("no gesture name: unlabelled")));
+        return Ok(Err("no gesture name: unlabelled"));
     };
-    let intent = match gesture.as_str() {
-        "noGesture" => return Ok((vec![Some(Intent::Relax); samples], None)),
-        "open" => Intent::Open,
-        "fist" => Intent::Close,
-        "waveIn" => Intent::WaveIn,
-        "waveOut" => Intent::WaveOut,
-        "pinch" => Intent::Pinch,
-        other => {
-            let expected = "noGesture, fist, waveIn, waveOut, open, pinch";
-            return Err(Fault::Label {
-                expected,
-                found: other.to_owned(),
-            });
-        }
-    };
-    let label = |active| Some(if active { intent } else { Intent::Relax });
-    if let Some(active) = repetition.active.as_ref().and_then(numbers) {
-        if active.len() != samples {
-            return Err(Fault::LabelCount {
-                samples,
-                labels: active.len(),
-            });
-        }
-        return Ok((
-            active
-                .into_iter()
-                .map(|value| label(value != 0.0))
-                .collect(),
-            None,
-        ));
-    }
-    if let Some(&[first, last]) = repetition.bounds.as_ref().and_then(numbers).as_deref() {
+    let active: Vec<bool> = if labels.meaning(gesture)? == Motion::RELAX {
+        vec![false; samples]
+    } else if let Some(active) = repetition.active.as_ref().and_then(numbers) {
+        active.into_iter().map(|value| value != 0.0).collect()
+    } else if let Some(&[first, last]) = repetition.bounds.as_ref().and_then(numbers).as_deref() {
         // The set was made in MATLAB: positions count from 1 and the last belongs to the gesture.
-        let active = |at: usize| (first..=last).contains(&(at as f64 + 1.0));
-        return Ok(((0..samples).map(|at| label(active(at))).collect(), None));
+        let is_active = |at: usize| (first..=last).contains(&(at as f64 + 1.0));
+        (0..samples).map(is_active).collect()
+    } else {
+        return Ok(Err("start and end of the gesture are missing: unlabelled"));
+    };
+    if active.len() != samples {
+        let labels = active.len();
+        return Err(Fault::LabelCount { samples, labels });
     }
-    Ok((
-        vec![None; samples],
-        Some("start and end of the gesture are missing: unlabelled"),
-    ))
+    let mut words = Words::default();
+    for active in active {
+        words.push(if active { gesture } else { REST });
+    }
+    Ok(Ok(words))
 }
 
 fn numbers(value: &serde_json::Value) -> Option<Vec<f64>> {
@@ -189,8 +151,19 @@ fn numbers(value: &serde_json::Value) -> Option<Vec<f64>> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::readers::error::Place;
+    use std::path::Path;
+
+    use shared::intent::Intent;
+
+    use crate::description::published::Layout;
+    use crate::readers::error::LoadError;
+    use crate::recording::Recording;
+
+    fn read(path: &str, text: &str) -> Result<Vec<Recording>, LoadError> {
+        let (path, bytes) = (Path::new(path), text.as_bytes());
+        let (layout, fields) = Layout::of(path, bytes).expect("a path of the set");
+        layout.read(path, bytes, &fields)
+    }
 
     fn repetition(fields: &str) -> String {
         let channels: Vec<_> = (1..=8)
@@ -222,7 +195,7 @@ mod tests {
             repetition("\"gestureName\": \"open\","),
             repetition(""),
         ]);
-        let recordings = read(Path::new(PATH), &text).unwrap();
+        let recordings = read(PATH, &text).unwrap();
         let classes = |index: usize| -> Vec<i8> {
             let label = |l: &Option<Intent>| l.map_or(-1, |intent| intent.class() as i8);
             recordings[index].labels.iter().map(label).collect()
@@ -240,7 +213,7 @@ mod tests {
         let repetitions: Vec<_> = (0..11)
             .map(|_| repetition("\"gestureName\": \"noGesture\","))
             .collect();
-        let recordings = read(Path::new(PATH), &user(&repetitions)).unwrap();
+        let recordings = read(PATH, &user(&repetitions)).unwrap();
         assert_eq!(recordings[9].name, "trainingSamples/idx_10");
     }
 
@@ -249,15 +222,12 @@ mod tests {
         let wrong = user(&[repetition(
             "\"gestureName\": \"fist\", \"groundTruth\": [0, 1],",
         )]);
-        let damage = read(Path::new(PATH), &wrong).unwrap_err();
-        assert!(
-            damage.fault.to_string().contains("trainingSamples/idx_1"),
-            "{damage:?}"
-        );
+        let error = read(PATH, &wrong).unwrap_err().to_string();
+        assert!(error.contains("trainingSamples/idx_1"), "{error}");
         let cut = user(&[repetition("")]);
-        let damage = read(Path::new(PATH), &cut[..cut.len() - 4]).unwrap_err();
-        assert_eq!(damage.place, Place::Line(2));
+        let error = read(PATH, &cut[..cut.len() - 4]).unwrap_err().to_string();
+        assert!(error.contains("line 2"), "{error}");
         let unknown = user(&[repetition("\"gestureName\": \"wink\",")]);
-        assert!(read(Path::new(PATH), &unknown).is_err());
+        assert!(read(PATH, &unknown).is_err());
     }
 }
