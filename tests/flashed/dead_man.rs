@@ -1,4 +1,4 @@
-//! The dead-man timer clears every label's pin, on every board.
+//! Pins when the core hangs: the dead-man timer clears every label's pin, on every board.
 
 use nrf52::time::{HZ, ms};
 use shared::intent::Intent;

@@ -1,4 +1,4 @@
-//! Why a command is not carried out.
+//! Refusals of commands, and their texts.
 
 /// Why a command is not carried out. `Display` is for people.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, thiserror::Error)]
