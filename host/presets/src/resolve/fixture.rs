@@ -1,7 +1,5 @@
 //! Configurations of made-up people, for tests.
 
-use std::path::PathBuf;
-
 use recordings::{DataSet, Library, Recording};
 use shared::intent::Intent;
 
@@ -12,18 +10,10 @@ use crate::config::ResolvedConfig;
 /// Recordings of people p1, p2, p3... of a data set, one labelled recording each.
 pub(crate) fn people(data_set: DataSet, count: usize) -> Vec<Recording> {
     (1..=count)
-        .map(|person| Recording {
-            data_set,
-            subject: format!("{}/p{person}", data_set.name()),
-            name: "r".into(),
-            path: PathBuf::new(),
-            samples: vec![[0; 8]; 20],
-            labels: vec![Some(Intent::Relax); 20],
-            other_movement: Vec::new(),
-            notes: Vec::new(),
-            timing: recordings::Timing::Cues,
-            findings: Vec::new(),
-            wearer: shared::stream::normalizer::Normalizer::new(),
+        .map(|person| {
+            let subject = format!("{}/p{person}", data_set.name());
+            let labels = vec![Some(Intent::Relax); 20];
+            Recording::new(data_set, subject, vec![[0; 8]; 20], labels)
         })
         .collect()
 }

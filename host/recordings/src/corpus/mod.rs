@@ -110,7 +110,7 @@ impl Corpus {
     }
 }
 
-/// The label of most of a patch's samples; none if most have none.
+/// The label of most of a patch's samples; `None` if most are unlabelled.
 #[must_use]
 fn patch_label(labels: &[Option<Intent>]) -> Option<Intent> {
     Intent::ALL

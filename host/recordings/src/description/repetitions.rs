@@ -110,7 +110,7 @@ fn samples(repetition: &Repetition) -> Result<Vec<Sample>, Fault> {
         .collect()
 }
 
-/// Words of the samples, or why they have none.
+/// Words of the samples, or the reason why the repetition is unlabelled.
 fn words(
     repetition: &Repetition,
     samples: usize,

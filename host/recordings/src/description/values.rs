@@ -33,7 +33,7 @@ pub(super) enum ValueError {
     /// A separator that does not exist.
     #[error("expected \",\", \";\", \"\\t\" or \" \", found {0:?}")]
     Separator(String),
-    /// Column 0, or a number that is none.
+    /// Column 0, or a fraction or negative number.
     #[error("expected a column's name, or its number from 1 on, found {0}")]
     Column(f64),
     /// Another number of channels than eight, or one of them twice.
@@ -41,7 +41,7 @@ pub(super) enum ValueError {
         "expected eight different columns, in the order of the armband's channels, all by name or all by number, found {0}"
     )]
     Channels(String),
-    /// A lag that is none.
+    /// A lag out of range.
     #[error("expected 0 to 2000 ms, found {0}")]
     Lag(i64),
 }

@@ -113,7 +113,7 @@ impl Labels {
             .ok_or_else(|| Fault::Word(word.to_owned()))
     }
 
-    /// Meaning of a word; none if it is in no list and there is none for all others.
+    /// Meaning of a word; `None` if no list has it and no list is for all others.
     pub fn motion(&self, word: &str) -> Option<Motion> {
         let own = self.0.get(&plain(word));
         own.or_else(|| self.0.get(ALL_OTHERS)).copied()

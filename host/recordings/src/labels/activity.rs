@@ -79,7 +79,7 @@ pub(crate) fn labelled(
 
 /// Labels samples of one motion: relax where the muscle is quiet, `motion` where it is active.
 ///
-/// The result is none if the contrast is too weak.
+/// The result is `None` if the contrast is too weak.
 fn label(samples: &[Sample], motion: Motion) -> Option<GroundTruth> {
     let motions = activity(samples)?
         .into_iter()

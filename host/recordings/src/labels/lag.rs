@@ -68,7 +68,7 @@ pub struct LagEstimate {
 
 /// Estimates the lag over recordings of one data set; pass training subjects only.
 ///
-/// The result is none if no change between rest and a gesture has a crossing, or if the labels are muscle onsets
+/// The result is `None` if no change between rest and a gesture has a crossing, or if the labels are muscle onsets
 /// themselves, which must not be moved by noise.
 pub fn estimate(recordings: &[&Recording]) -> Option<LagEstimate> {
     let cued = |recording: &&&Recording| recording.timing != Timing::Muscle;

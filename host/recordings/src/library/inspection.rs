@@ -226,19 +226,14 @@ mod tests {
             sample[5] = if at.is_multiple_of(10) { 127 } else { 1 };
             sample
         };
+        let samples = (0..800).map(sample).collect();
+        let labels = (0..800).map(label).collect();
         Library {
             recordings: vec![Recording {
-                data_set: DataSet::OWN,
-                subject: "own/s1".into(),
                 name: "a".into(),
-                path: PathBuf::new(),
-                samples: (0..800).map(sample).collect(),
-                labels: (0..800).map(label).collect(),
                 notes: vec!["known".into()],
                 other_movement: vec![Movement::new(MovementKind::Point, 700..750)],
-                timing: crate::Timing::Cues,
-                findings: Vec::new(),
-                wearer: shared::stream::normalizer::Normalizer::new(),
+                ..Recording::new(DataSet::OWN, "own/s1", samples, labels)
             }],
             ignored: ["LICENSE", "notes.txt", "README"]
                 .map(|name| Ignored {

@@ -253,7 +253,7 @@ fn told(people: &BTreeSet<&str>, places: &[Folders], prefixes: bool) -> Vec<Stri
     told
 }
 
-/// Sentence on the recordings that a description describes; none if there are none.
+/// Sentence on the recordings that a description describes; `None` without such recordings.
 pub(super) fn described<'r>(
     file: &Path,
     recordings: impl Iterator<Item = &'r Recording>,

@@ -63,7 +63,7 @@ pub(crate) fn labelled(mut recording: Recording, metadata: &str) -> Recording {
     let truth: GroundTruth = labels.map(|_| motion.unwrap_or(Motion::Unknown)).collect();
     match (class, motion) {
         (Some(class), None) => recording.notes.push(format!(
-            "no labels: the class {class} of its metadata is none that is known"
+            "no labels: the class {class} of its metadata is unknown"
         )),
         (None, _) => {
             let note = "no labels: its metadata does not name its class";

@@ -134,26 +134,15 @@ pub fn subjects<'a>(
 
 #[cfg(test)]
 mod tests {
-    use std::path::PathBuf;
-
     use proptest::prelude::*;
 
     use super::*;
 
     fn recordings(roshambo: usize, ss_stm: usize) -> Vec<Recording> {
         let of = |data_set: DataSet, people| {
-            (0..2 * people).map(move |at| Recording {
-                data_set,
-                subject: format!("{}/{}", data_set.name(), at / 2),
-                name: at.to_string(),
-                path: PathBuf::new(),
-                samples: Vec::new(),
-                labels: Vec::new(),
-                notes: Vec::new(),
-                other_movement: Vec::new(),
-                timing: crate::Timing::Cues,
-                findings: Vec::new(),
-                wearer: shared::stream::normalizer::Normalizer::new(),
+            (0..2 * people).map(move |at| {
+                let subject = format!("{}/{}", data_set.name(), at / 2);
+                Recording::new(data_set, subject, Vec::new(), Vec::new())
             })
         };
         of(DataSet::named("roshambo"), roshambo)

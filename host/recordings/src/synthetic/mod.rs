@@ -14,7 +14,6 @@ use std::path::{Path, PathBuf};
 
 use rand::{Rng, RngExt as _};
 use shared::intent::{Intent, Vocabulary};
-use shared::stream::normalizer::Normalizer;
 use shared::units::{CHANNELS, SAMPLE_PERIOD_MS, SAMPLE_RATE_HZ};
 
 pub use self::follower::Follower;
@@ -22,7 +21,7 @@ use self::wearer::Wearer;
 use super::catalogue::DataSet;
 use super::description::own::MUSCLE_COLUMN;
 use super::labels::timing;
-use super::recording::{Recording, Timing};
+use super::recording::Recording;
 use super::seed::generator;
 use execution::run_folder::{RunError, write_whole};
 
@@ -115,18 +114,11 @@ fn simulate_person(
         let mut random = generator(options.seed, &name);
         let cues = cues(options.vocabulary, samples, &mut random);
         let (samples, muscle) = wearer.perform(&cues, &mut random);
+        let subject = format!("{}/{person}", DataSet::SYNTHETIC.name());
+        let labels = cues.into_iter().map(Some).collect();
         let recording = Recording {
-            data_set: DataSet::SYNTHETIC,
-            subject: format!("{}/{person}", DataSet::SYNTHETIC.name()),
-            path: PathBuf::new(),
-            labels: cues.into_iter().map(Some).collect(),
-            samples,
-            notes: Vec::new(),
-            other_movement: Vec::new(),
             name,
-            timing: Timing::Cues,
-            findings: Vec::new(),
-            wearer: Normalizer::new(),
+            ..Recording::new(DataSet::SYNTHETIC, subject, samples, labels)
         };
         (recording, muscle)
     })

@@ -13,9 +13,7 @@ mod source;
 mod tests;
 mod transitions;
 
-use shared::stream::normalizer::Normalizer;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 
 use rand_chacha::ChaCha8Rng;
 
@@ -74,17 +72,11 @@ pub fn splice(recordings: &[&Recording], options: &SpliceOptions) -> Vec<Recordi
                 continue;
             };
             spliced.push(Recording {
-                data_set: recordings[0].data_set,
-                subject: subject.to_owned(),
                 name: format!("spliced-{index}"),
-                path: PathBuf::new(),
-                samples,
-                labels,
                 timing: recordings[0].timing,
                 notes: vec![format!("spliced from {} recordings", recordings.len())],
                 other_movement: other,
-                findings: Vec::new(),
-                wearer: Normalizer::new(),
+                ..Recording::new(recordings[0].data_set, subject, samples, labels)
             });
         }
     }

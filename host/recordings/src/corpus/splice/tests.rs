@@ -1,7 +1,6 @@
 //! Spliced recordings of a few hand-written ones.
 
 use std::collections::BTreeSet;
-use std::path::PathBuf;
 
 use shared::intent::Intent;
 
@@ -23,19 +22,8 @@ fn recording(subject: &str, sequence: &[(Option<Intent>, usize)]) -> Recording {
         .iter()
         .flat_map(|&(label, count)| vec![label; count])
         .collect();
-    Recording {
-        data_set: DataSet::SYNTHETIC,
-        subject: subject.into(),
-        name: "r".into(),
-        path: PathBuf::new(),
-        samples: labels.iter().map(|&label| [mark(label); 8]).collect(),
-        labels,
-        notes: Vec::new(),
-        other_movement: Vec::new(),
-        timing: crate::Timing::Cues,
-        findings: Vec::new(),
-        wearer: shared::stream::normalizer::Normalizer::new(),
-    }
+    let samples = labels.iter().map(|&label| [mark(label); 8]).collect();
+    Recording::new(DataSet::SYNTHETIC, subject, samples, labels)
 }
 
 fn mark(label: Option<Intent>) -> i8 {

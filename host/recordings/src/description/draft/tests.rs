@@ -147,7 +147,7 @@ fn a_dangling_link_stops_nothing() {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
-    /// Whatever the files hold, a draft is a description, or an error says why there is none.
+    /// Whatever the files hold, a draft is a description, or an error gives the reason.
     #[test]
     fn any_files_are_described_or_an_error(
         files in prop::collection::vec(("[a-c]{1}(/[a-c1-3_.-]{1,6}){0,2}", prop::collection::vec("(-?[0-9.]{1,4}[,;\t ]){7,9}[0-9ax]{0,2}|\\PC{0,9}", 0..30)), 0..4),

@@ -83,7 +83,7 @@ fn roshambo(annotations: &[u8], count: usize) -> Result<Recording, LoadError> {
     let data: Vec<u8> = (0..4i64).flat_map(|n| n.to_le_bytes().repeat(8)).collect();
     let partner = folder.path().join("subject07_session03_ann.npy");
     std::fs::write(partner, npy::encode("|S7", &[count], annotations)).unwrap();
-    read(path.to_str().unwrap(), &npy::encode("<i8", &[4, 8], &data))
+    read(path.to_str().unwrap(), npy::encode("<i8", &[4, 8], &data))
 }
 
 #[test]
@@ -114,22 +114,22 @@ fn the_gesture_of_a_name_is_where_the_muscle_is_active() {
         let rows: String = (0..400).map(row).collect();
         format!("index,timestamp,0,1,2,3,4,5,6,7\r\n{rows}").into_bytes()
     };
-    let rock = read("/d/s2_l_1/s2_l_1-rock-7-emg.csv", &rps(100..300)).unwrap();
+    let rock = read("/d/s2_l_1/s2_l_1-rock-7-emg.csv", rps(100..300)).unwrap();
     assert_eq!(rock.full_name(), "myo-rps/s2/l_1-rock-7");
     assert_eq!(
         [rock.labels[200], rock.labels[20]],
         [Some(Intent::Close), RELAX]
     );
     assert_eq!((rock.samples[201], rock.timing), ([-40; 8], Timing::Muscle));
-    let scissors = read("/d/s2_l_1-scissors-7-emg.csv", &rps(100..300)).unwrap();
+    let scissors = read("/d/s2_l_1-scissors-7-emg.csv", rps(100..300)).unwrap();
     assert!(scissors.other_movement[0].samples.contains(&200));
-    let weak = read("/d/s5_l_1-rock-7-emg.csv", &rps(0..0)).unwrap();
+    let weak = read("/d/s5_l_1-rock-7-emg.csv", rps(0..0)).unwrap();
     assert!(
         !weak.has_labels() && weak.notes.len() == 2,
         "{:?}",
         weak.notes
     );
-    let rest = read("/d/user10/testing/001_noGesture.npy", &array(900)).unwrap();
+    let rest = read("/d/user10/testing/001_noGesture.npy", array(900)).unwrap();
     assert_eq!((rest.labels, rest.timing), (vec![RELAX; 900], Timing::Cues));
     assert!(rest.notes[0].contains("some were lost"));
 }
@@ -163,7 +163,7 @@ fn nothing_is_labelled_after_a_motion_outside_the_six() {
 #[test]
 fn a_deviation_is_other_movement_and_a_cut_row_names_its_byte() {
     let path = "/d/PreTrainingDataset/Male3/training0/classe_15.dat";
-    let radial = read(path, &[255; 32]).unwrap();
+    let radial = read(path, [255; 32]).unwrap();
     assert_eq!(radial.samples, [[-1; 8]; 2]);
     assert_eq!(
         radial.other_movement,
@@ -192,7 +192,7 @@ fn rest_keeps_a_second_away_from_a_pulse_and_pulses_are_counted() {
         fixture::file(&[fixture::compressed(&samples), pulse])
     };
     let path = "/d/MyoUP/E2/s3e2.mat";
-    let recording = read(path, &file(&pulse)).unwrap();
+    let recording = read(path, file(&pulse)).unwrap();
     assert_eq!(recording.full_name(), "myoup/s3/e2");
     let labels = &recording.labels;
     let expected = [
@@ -217,12 +217,12 @@ fn rest_keeps_a_second_away_from_a_pulse_and_pulses_are_counted() {
     );
     assert_eq!(first.iter().flatten().count(), 4);
     assert_eq!(recording.other_movement.len(), 30);
-    let error = read(path, &file(&pulse[1500..])).unwrap_err().to_string();
+    let error = read(path, file(&pulse[1500..])).unwrap_err().to_string();
     assert!(
         error.contains("expected 60 gestures marked, found 59"),
         "{error}"
     );
-    let repacked = read("/d/s3/e2_emg.npy", &array(900))
+    let repacked = read("/d/s3/e2_emg.npy", array(900))
         .unwrap_err()
         .to_string();
     assert!(repacked.contains("e2_ann.npy beside it"), "{repacked}");

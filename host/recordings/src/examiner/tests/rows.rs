@@ -94,7 +94,7 @@ fn a_clock_is_known_by_its_values_whatever_its_name() {
         let slow = refusal(&at(10.0, 0.0));
         assert!(slow.contains("200 rows a second"), "{name}: {slow}");
     }
-    // What does not rise evenly is none, whatever it means.
+    // A column that does not rise evenly is no clock, whatever it means.
     for value in [
         |row: usize| row / 600,
         |row| row * row,

@@ -22,7 +22,7 @@ impl Separator {
     /// Separators other than spaces, which names and decimals may hold, in order of precedence.
     const MARKS: [Self; 3] = [Self::Tab, Self::Semicolon, Self::Comma];
 
-    /// The separator of a row: the mark that gives it eight fields, else most; spaces if it has none.
+    /// The separator of a row: the mark that gives it eight fields, else most; spaces for a row without a mark.
     pub fn of(row: &str) -> Self {
         let count = |separator: &Self| separator.fields(row).len();
         let eight = Self::MARKS.into_iter().find(|mark| count(mark) >= CHANNELS);

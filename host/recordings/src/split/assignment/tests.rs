@@ -1,27 +1,14 @@
-use std::path::PathBuf;
-
 use super::*;
 use crate::split::Role;
 
 /// People `names` of a data set, two recordings each.
 fn people(data_set: DataSet, names: &[&str]) -> Vec<Recording> {
-    let recording = |name: &str, at: usize| Recording {
-        data_set,
-        subject: format!("{}/{name}", data_set.name()),
-        name: at.to_string(),
-        path: PathBuf::new(),
-        samples: Vec::new(),
-        labels: Vec::new(),
-        other_movement: Vec::new(),
-        notes: Vec::new(),
-        timing: crate::Timing::Cues,
-        findings: Vec::new(),
-        wearer: shared::stream::normalizer::Normalizer::new(),
+    let recording = |name: &&str| {
+        let subject = format!("{}/{name}", data_set.name());
+        Recording::new(data_set, subject, Vec::new(), Vec::new())
     };
-    names
-        .iter()
-        .flat_map(|name| [recording(name, 0), recording(name, 1)])
-        .collect()
+    let two = |name| [recording(name), recording(name)];
+    names.iter().flat_map(two).collect()
 }
 
 const ROSHAMBO: [&str; 8] = ["01", "02", "03", "04", "05", "06", "07", "08"];
