@@ -92,7 +92,7 @@ fn parse(words: &[String]) -> Result<(), String> {
     error.map_or(Ok(()), Err)
 }
 
-/// Checks that the steps of `xtask` and the names of packages, tests and features are those of the repository.
+/// Checks that the repository has the steps of `xtask` and the packages, tests and features that are named.
 fn cargo(words: &[String]) -> Result<(), String> {
     let read = |path: &str| fs::read_to_string(repository().join(path)).unwrap();
     let (step, rest) = words.split_first().ok_or("cargo: no command")?;

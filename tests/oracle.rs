@@ -14,7 +14,7 @@ use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample};
 pub enum Input<'s> {
     /// Samples, one after the other.
     Samples(&'s [Sample]),
-    /// So many samples are missing.
+    /// This number of samples is missing.
     Gap(u32),
     /// The connection has ended.
     Disconnected,

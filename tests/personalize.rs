@@ -72,7 +72,7 @@ fn rewrite(path: &Path, change: impl Fn(&mut [&str])) {
     fs::write(path, rewritten.join("\n")).unwrap();
 }
 
-/// Turns the armband by three places: gestures are then unlike those of most people of the training.
+/// Turns the armband by three places: gestures are then unlike those of most training people.
 fn turn(path: &Path) {
     rewrite(path, |fields| fields[1..=CHANNELS].rotate_left(3));
 }

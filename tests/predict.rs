@@ -30,7 +30,7 @@ fn model(folder: &Path) -> PathBuf {
     path
 }
 
-/// Writes a recording of so many samples, with labels, as a person's own csv.
+/// Writes a recording of `samples` samples, with labels, as a person's own csv.
 fn recording(folder: &Path, samples: usize) -> PathBuf {
     let mut text = "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n".to_owned();
     for at in 0..samples {

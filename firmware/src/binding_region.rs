@@ -17,7 +17,7 @@ pub fn load() -> Option<Address> {
 
 /// Keeps an armband, or none; gives whether the page holds that now. Does nothing if it does already.
 ///
-/// A loss of power in between leaves no whole record: then none is bound.
+/// A loss of power in between leaves no whole record: then no armband is bound.
 pub async fn keep(flash: &mut impl Flash, armband: Option<Address>) -> bool {
     if load() != armband {
         let page = Region::Binding.address(0);

@@ -66,7 +66,7 @@ mod kept {
     )]
     // SAFETY: memory.x places sections `.kept.*` in RAM, as NOLOAD, and the start-up code does not
     // write them, so the initial value never arrives: every one of the 2^32 values that memory may hold
-    // is a valid `AtomicU32`, and `previous_end` treats those that are none of the constants below as unknown.
+    // is a valid `AtomicU32`, and `previous_end` treats values other than the constants below as unknown.
     #[unsafe(link_section = ".kept.LAST_RUN")]
     static LAST_RUN: AtomicU32 = AtomicU32::new(0);
     const RUNNING: u32 = 0x5255_4e21;

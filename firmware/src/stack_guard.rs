@@ -6,7 +6,7 @@
 //! subject to it, so the handler can run in the guard until it takes a fresh stack. The SoftDevices protect their
 //! own memory by another unit (MWU) and leave this one to the program; their interrupts use this stack too.
 //!
-//! A frame larger than the guard that writes to none of it would jump over: none is known.
+//! A frame larger than the guard that never writes to it would jump over it. No such frame is known.
 
 use core::ops::Range;
 

@@ -138,7 +138,7 @@ pub(crate) fn round_to_even(x: f32) -> i32 {
     (x + ROUNDING).to_bits() as i32 - ROUNDING.to_bits() as i32
 }
 
-/// The largest magnitude, 0 of nothing; NaN if any value is NaN.
+/// The largest magnitude; 0 without values, NaN if any value is NaN.
 ///
 /// Magnitudes of floats are ordered as their bit patterns, and the integer maximum is faster on x86-64
 /// and on a Cortex-M4F.

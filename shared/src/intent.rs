@@ -5,7 +5,7 @@ use crate::names::names;
 /// Most classes of a model.
 pub const MAX_CLASSES: usize = 6;
 
-/// Most logits of a model for one instant: the classes, and movement that is none of them.
+/// Most logits of a model for one instant: the classes, and movement outside the vocabulary.
 pub const MAX_LOGITS: usize = MAX_CLASSES + 1;
 
 names! {

@@ -192,7 +192,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         }
     }
 
-    /// Lock of the labels; none if they have none.
+    /// Lock of the labels, if they have one.
     #[must_use]
     pub const fn lock(&self) -> Option<Lock> {
         self.lock

@@ -38,7 +38,7 @@ pub const MODEL_REGION: Range<u32> = 0x5_8000..0x8_0000;
 /// Reason why a file is refused.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum Uf2Error {
-    /// The file is none, or is damaged.
+    /// The file is not a UF2 file, or is damaged.
     #[error(
         "block {block} is none of a UF2 file for an nRF52840 with Adafruit's boot loader: build or download the file again"
     )]
@@ -72,7 +72,7 @@ impl Uf2 {
     /// Reads a file.
     ///
     /// # Errors
-    /// The file is none of this family, is damaged, or is not whole.
+    /// The file is of another family, is damaged, or is not whole.
     pub fn parse(file: &[u8]) -> Result<Self, Uf2Error> {
         let (blocks, rest) = file.as_chunks::<BLOCK>();
         let mut all = BTreeMap::new();
@@ -284,7 +284,7 @@ mod tests {
                 assert_eq!(found, Ok(all.clone()), "{flags:#x} at {at}");
             }
         }
-        // It is still a block; and one of a file for a file system is none for flash.
+        // It is still a block; a block for a file system is not for flash.
         let torn = with_block(&file, 1, |block| (block[8], block[508]) = (1, 0));
         assert_eq!(Uf2::parse(&torn), Err(Uf2Error::Block { block: 1 }));
         for flags in [0x3000_u32, 0x3001] {

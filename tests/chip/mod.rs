@@ -30,7 +30,7 @@ const PROGRAM: u32 = 0x1000;
 /// Adafruit_nRF52_Bootloader).
 pub const BOOT_LOADER_RAM: std::ops::Range<u32> = 0x2000_7f7c..0x2004_0000;
 
-/// Pins of a board by their names on it, as its maker's documents have them: those of the second port follow at 32.
+/// Pins of a board by their names on it, as its maker's documents have them: the second port's follow at 32.
 #[derive(Clone, Copy, Debug)]
 pub struct Pins {
     /// One for each intent, in class order.
@@ -201,7 +201,7 @@ impl Board {
     /// at 0 are not the program's, and none but reset's leads anywhere; and a full battery.
     ///
     /// # Panics
-    /// If the constant address is none.
+    /// If the constant address is not an address.
     #[must_use]
     pub fn new(built: Built, image: Image, setting: Setting) -> Self {
         let (model, pins, kind) = match built {
@@ -263,7 +263,7 @@ impl Board {
         self.text_from(0)
     }
 
-    /// Returns the text that the UART has sent behind so many bytes.
+    /// Returns the text that the UART has sent after its first `bytes` bytes.
     #[must_use]
     pub fn text_from(&self, bytes: usize) -> String {
         let chip = self.machine.chip();
@@ -315,7 +315,7 @@ impl Board {
         self.machine.run(ms(count))
     }
 
-    /// Runs until the UART has sent this, at most so many milliseconds.
+    /// Runs until the UART has sent the text, at most the milliseconds given.
     ///
     /// # Errors
     /// When the program does what is refused, or the text does not come.

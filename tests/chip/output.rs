@@ -9,7 +9,7 @@ use shared::intent::Intent;
 use super::Board;
 use crate::output::{LEVELS, LINES};
 
-/// Levels that change within so many ticks change together: one pin after the other.
+/// Ticks within which levels change together: one pin after the other.
 const TOGETHER: u64 = us(50);
 
 impl Board {

@@ -1,7 +1,7 @@
 //! Alignment of a turned armband: after a press of the button and two openings of the hand the board has turned its
 //! electrodes.
 //!
-//! The lines are compared with those of the shared pipeline, whose alignment begins at the sample at which it began on the
+//! The lines are compared with the shared pipeline's, whose alignment begins at the same sample as on the
 //! board.
 
 use myointent::cli::replay::one_recording;

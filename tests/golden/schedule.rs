@@ -22,7 +22,7 @@ const SHAPE: WindowShape = WindowShape {
     patch: 1,
 };
 
-/// Builds a corpus of so many windows, one sample apart.
+/// Builds a corpus of `windows` windows, one sample apart.
 fn corpus(windows: usize) -> Corpus {
     let samples = WINDOW + windows - 1;
     Corpus {

@@ -156,7 +156,7 @@ impl Browser {
         }
     }
 
-    /// Waits until the page has drawn so many frames.
+    /// Waits until the page has drawn `count` frames.
     pub fn frames(&mut self, count: u32) {
         self.value(&format!(
             "new Promise(done => {{ let left = {count}; \

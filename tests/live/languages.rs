@@ -173,7 +173,7 @@ fn without_names(text: &str) -> String {
     kept + rest
 }
 
-/// Strings of a file's code: without comments, reasons of lints, and unit tests; of errors without those of protocols, which
+/// Strings of a file's code: without comments, reasons of lints, and unit tests; of errors without the protocols' errors, which
 /// end the program before it has a page.
 fn strings(path: &str) -> Vec<String> {
     let whole =

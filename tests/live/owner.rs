@@ -44,7 +44,7 @@ const PAIR: Duration = Duration::from_millis(10);
 /// Longest wait on a machine that is busy with other work.
 const PATIENCE: Duration = Duration::from_secs(240);
 
-/// Waits for so many seconds of the board's time.
+/// Waits for `seconds` of the board's time.
 fn wait(seconds: f64) {
     std::thread::sleep(Duration::from_secs_f64(seconds * f64::from(SLOWED)));
 }

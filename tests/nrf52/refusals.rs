@@ -215,7 +215,7 @@ fn a_core_that_locks_up() {
     assert_eq!(refusal.what, What::LockedUp);
 }
 
-/// Sends a byte while the clock is off by so many thousandths; returns what a receiver whose clock is right reads.
+/// Sends a byte while the clock is off by `thousandths`; returns what a receiver whose clock is right reads.
 fn read_on_the_line(thousandths: i64) -> Vec<u8> {
     let program = Program::default()
         .store(0x2000_4000, 0x41)

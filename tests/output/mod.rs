@@ -46,7 +46,7 @@ impl Line {
     /// Parses a line.
     ///
     /// # Errors
-    /// Fails when it is none.
+    /// Fails when the line is not one of the board's.
     pub fn parse(line: &str) -> anyhow::Result<Self> {
         let bytes = line.as_bytes();
         let parsed = if line.starts_with("$ALIGN,") {

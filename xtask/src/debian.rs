@@ -4,7 +4,7 @@ use std::process::Command;
 
 use anyhow::{Context as _, Result, ensure};
 
-/// Those packages that are not installed.
+/// Packages that are not installed.
 pub fn missing<'p>(packages: &[&'p str]) -> Vec<&'p str> {
     let installed = |package: &&&str| {
         let status = Command::new("dpkg-query")

@@ -182,7 +182,7 @@ impl Part {
     /// Content of an Intel hex.
     ///
     /// # Errors
-    /// When it is none.
+    /// When the text is not Intel hex.
     pub fn hex(name: &'static str, text: &str) -> Result<Self> {
         let mut segments: Vec<(u32, Vec<u8>)> = Vec::new();
         let mut base = 0;

@@ -114,7 +114,7 @@ impl Depths {
         depths
     }
 
-    /// Follows a function through those of its circle that are no callers of it, and out of the circle.
+    /// Follows a function through its circle, but for its callers, and out of the circle.
     fn follow(
         &self,
         functions: &BTreeMap<u64, Function>,
@@ -293,7 +293,7 @@ fn branch_of_wide(first: u32, second: u32) -> Option<i64> {
     })
 }
 
-/// A number of so many bits with a sign.
+/// A signed number of `count` bits.
 const fn signed(bits: u32, count: u32) -> i64 {
     ((bits << (32 - count)) as i32 >> (32 - count)) as i64
 }

@@ -149,7 +149,7 @@ mod tests {
         };
     }
 
-    /// The request that waits; none if there is none.
+    /// The request that waits, if any.
     fn taken<Q, A>(requests: &Requests<Q, A>) -> Option<(Ticket, Q)> {
         let mut receiving = pin!(requests.receive());
         match now!(receiving) {

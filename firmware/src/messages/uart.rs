@@ -39,7 +39,7 @@ pub enum UartMessage {
     Following(Following),
     /// No armband was heard in a pairing.
     PairingFailed,
-    /// The bound armband, or that there is none, was not kept: a restart forgets it.
+    /// The binding, or its removal, was not kept: a restart forgets it.
     NotKept,
     /// An armband streams.
     Armband(Armband),
@@ -123,9 +123,9 @@ impl Next {
     }
 }
 
-/// Waits for the next line: the oldest message; an answer while there is none; samples while there is neither.
+/// Waits for the next line: the oldest message; without one, an answer; without either, samples.
 pub async fn receive() -> Next {
-    // Those that are dropped lose nothing: an entry stays in its queue until it is taken.
+    // The dropped futures lose nothing: an entry stays in its queue until it is taken.
     match select3(MESSAGES.receive(), ANSWERS.receive(), raw::receive()).await {
         Either3::First(message) => Next::Message(message),
         Either3::Second(answer) => Next::Answer(answer),

@@ -32,7 +32,7 @@ use crate::flash::{Flash, SharedFlash};
 
 /// Bytes of a notification that are kept, as the `mtu` feature of the packet pool sets them.
 const NOTIFICATION_BYTES: usize = trouble_host::config::GATT_CLIENT_NOTIFICATION_MTU;
-/// Services that the client keeps: none is looked for.
+/// Services that the client keeps: it looks for no service.
 const MAX_SERVICES: usize = 1;
 
 /// Window of a scan.
@@ -49,7 +49,7 @@ const LINK: RequestedConnParams = RequestedConnParams {
 };
 const OURS: ConnectionParameters = ConnectionParameters::OURS;
 
-/// A connection interval of so many units of 1.25 ms.
+/// A connection interval, from units of 1.25 ms.
 const fn interval(units: u16) -> Duration {
     Duration::from_micros(units as u64 * 1_250)
 }
@@ -198,7 +198,7 @@ impl<C: CentralController> Radio for TroubleRadio<'_, '_, C> {
                 Poll::Ready(())
             }
         });
-        // Nothing is lost with the one that is dropped: a flag, or an attempt whose connection has ended.
+        // The dropped future loses nothing: a flag, or an attempt whose connection has ended.
         let connection = match select(self.central.connect(&config), missed).await {
             Either::First(connection) => connection.map_err(|_| ConnectFailed)?,
             Either::Second(()) => return Err(ConnectFailed),

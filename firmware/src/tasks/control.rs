@@ -37,7 +37,7 @@ pub async fn run(mut port: CommandPort, mut button: Button) -> ! {
     let mut bytes = [0; AT_ONCE];
     let mut reminded: Option<Millis> = None;
     loop {
-        // Nothing is lost with the one that is dropped: the ticker knows its next time, bytes stay where they were received.
+        // The dropped future loses nothing: the ticker knows its next time, bytes stay where they were received.
         match select(ticker.next(), port.read(&mut bytes)).await {
             Either::First(()) => match contact.look(now(), button.is_down()) {
                 // Refused without a stream: there is nothing to align.

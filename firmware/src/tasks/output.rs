@@ -26,7 +26,7 @@ async fn write_messages(port: &mut LabelPort) {
             dropped = PACKETS.dropped();
             Ok(Next::Message(UartMessage::PacketsDropped(dropped)))
         };
-        // Evidence: the UART took a line, or there is none for it.
+        // Evidence: the UART took a line, or no line waits for it.
         match next {
             Ok(next) => {
                 port.send(next.line().as_bytes()).await;

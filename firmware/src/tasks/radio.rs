@@ -59,7 +59,7 @@ struct Reporter {
 }
 
 impl Reporter {
-    /// Says which armband is followed when that changes, and what to do while none is: a terminal may be connected late.
+    /// Says which armband is followed when that changes, and without one what to do: a terminal may be connected late.
     fn report_following(&self, session: &MyoSession) {
         let following = session.following();
         let before = self.following.replace(Some(following));

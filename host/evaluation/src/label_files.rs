@@ -29,8 +29,8 @@ pub struct LabelResults {
     pub scores: Vec<Score>,
 }
 
-/// Evaluates labels as [`evaluate_models`](crate::model_evaluation::evaluate_models) evaluates those of a model. `name`
-/// is the program's, `labels` are those of the recordings that it has any for, by
+/// Evaluates labels as [`evaluate_models`](crate::model_evaluation::evaluate_models) evaluates a model's. `name`
+/// is the program's, `labels` has the program's labels by the recording's
 /// [full name](recordings::Recording::full_name). Its classes are the smallest vocabulary of its labels.
 ///
 /// # Errors

@@ -43,7 +43,7 @@ pub struct Score {
     /// Scores with each buffer of [`BUFFERS`], each label at its reference time; JSON has the `buffer` beside each.
     #[serde(serialize_with = "with_buffers")]
     pub reference: [Summary; BUFFERS.len()],
-    /// Scores with the widest buffer, each label at its emission time; of nobody in results of earlier versions.
+    /// Scores with the widest buffer, each label at its emission time; without people in results of earlier versions.
     #[serde(default)]
     pub emission: Summary,
     /// Events, each label at its emission time.
@@ -56,7 +56,7 @@ impl Score {
         &self.reference[BUFFERS.len() - 1]
     }
 
-    /// Share of gestures recognised within so many milliseconds after their onset, of each person who makes gestures, in
+    /// Share of gestures recognised within `ms` milliseconds after their onset, of each person who makes gestures, in
     /// alphabetical order.
     pub fn recognised_within(&self, ms: u32) -> Vec<(&str, f64)> {
         let people = self.events.subjects.iter();
@@ -146,7 +146,7 @@ pub fn score(
     )
 }
 
-/// Scores the labels of a model or of any program, in the order of the recordings: rows as those of [`score`].
+/// Scores the labels of a model or of any program, in the order of the recordings: rows as of [`score`].
 ///
 /// # Errors
 /// When labels cannot be compared.
@@ -188,7 +188,7 @@ pub fn score_labels(
             .filter(|(recording, _)| set == ALL || recording.data_set.name() == set)
             .filter(|(recording, _)| groups[&recording.subject[..]] == people)
             .collect();
-        // Only a result without any people has a row of nobody.
+        // Only a result without any people has a row without people.
         if own.is_empty() && !(scored.is_empty() && people == Group::AllClasses) {
             return None;
         }

@@ -17,7 +17,7 @@ pub struct SmoothedLabels {
     pub emitted: Vec<Option<Intent>>,
 }
 
-/// Samples that the median needs after the one that it cleans.
+/// Samples that the median needs after the sample that it cleans.
 const MEDIAN_LAG: usize = 1;
 
 /// Smooths the logits of a recording's patches to the labels of its samples.

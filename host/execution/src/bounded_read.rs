@@ -52,7 +52,7 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
         return Err(large());
     }
     let mut bytes = Vec::with_capacity(usize::try_from(metadata.len()).unwrap_or(0));
-    // Reading is bounded again, because a file may grow, and those of /proc have no length.
+    // Reading is bounded again, because a file may grow, and files of /proc have no length.
     file.take(most + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most {
         return Err(large());
@@ -69,7 +69,7 @@ pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
     String::from_utf8(read(path, most)?).map_err(invalid)
 }
 
-/// Reads a model file, which is refused by its kind if its first bytes are those of another.
+/// Reads a model file, which is refused by its kind if its first bytes mark another kind.
 ///
 /// # Errors
 /// As [`read`]; with `Refusal::NoModel` inside for a file of another kind.

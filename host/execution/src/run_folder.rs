@@ -53,7 +53,7 @@ pub fn weights_file(name: &str) -> String {
 }
 
 impl RunFolder {
-    /// Opens the folder to write into it, and creates it if there is none. Until the last clone is dropped, no other
+    /// Opens the folder to write into it, and creates it if it is missing. Until the last clone is dropped, no other
     /// process can do so.
     ///
     /// # Errors
@@ -93,7 +93,7 @@ impl RunFolder {
     /// time.
     ///
     /// # Errors
-    /// When there is none.
+    /// When the folder does not exist.
     pub fn existing(path: impl Into<PathBuf>) -> Result<Self, RunError> {
         let path = path.into();
         fs::metadata(&path).map_err(|source| RunError::io(&path, source))?;

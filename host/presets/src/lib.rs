@@ -62,10 +62,10 @@ pub struct Preset {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Smoothing {
-    /// Rows that are summed; none: those that follow more transitions of the validation subjects.
+    /// Rows that are summed; `None`: the mode that follows more transitions of the validation subjects.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub aggregation: Option<Aggregation>,
-    /// Operating point; none: every label waits for the look-ahead.
+    /// Operating point; `None`: every label waits for the look-ahead.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reaction: Option<Reaction>,
     /// Confidence gate ([`Settings::entry_margins`](shared::stream::smoother::Settings::entry_margins)); that of the

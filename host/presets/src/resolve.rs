@@ -133,7 +133,7 @@ impl ResolvedConfig {
     /// preset names it, or one of its subjects to hold out.
     ///
     /// # Errors
-    /// When there are none.
+    /// When no recording has such labels.
     pub fn labelled<'l>(
         preset: &Preset,
         library: &'l Library,

@@ -46,7 +46,7 @@ pub fn with_samples<R>(
 /// Motion of each sample from class numbers or names.
 ///
 /// # Errors
-/// When the array has several axes, or at the first label that is none.
+/// When the array has several axes, or at the first element that is not a label.
 pub fn motions(labels: &Bound<'_, PyAny>) -> PyResult<Vec<Motion>> {
     if let Ok(array) = labels.extract::<PyReadonlyArray1<'_, i8>>() {
         return each(array.as_array().iter(), |&number| {
@@ -75,7 +75,7 @@ fn each<T, E: Display>(
     labels.map(motion).collect()
 }
 
-/// Class numbers of labels, -1 where there is none.
+/// Class numbers of labels, -1 for a sample without a label.
 pub fn classes<'py>(py: Python<'py>, labels: &[Option<Intent>]) -> Bound<'py, PyArray1<i8>> {
     let number = |label: &Option<Intent>| label.map_or(Motion::Unknown, Motion::Intent).number();
     PyArray1::from_vec(py, labels.iter().map(number).collect())

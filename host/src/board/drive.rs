@@ -31,7 +31,7 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// The drive at a folder; none if the folder is none.
+    /// The drive at a folder; `None` if the folder is not a board's drive.
     #[must_use]
     pub fn at(path: &Path) -> Option<Self> {
         let read = |name: &str| bounded_read::read(&path.join(name), INFO_BYTES).ok();
@@ -75,7 +75,7 @@ impl Drive {
         }
     }
 
-    /// The only drive among folders, or the only one of a board that is asked for; none if there is none.
+    /// The only drive among folders, or the only one of a board that is asked for, if any.
     ///
     /// # Errors
     /// [`FlashError::Drives`].

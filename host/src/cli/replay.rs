@@ -194,7 +194,7 @@ fn replay(
 /// Loads the recording at a path, by name if there are several.
 ///
 /// # Errors
-/// When there is none, or several without a name.
+/// When the path has no recording, or several and no name is given.
 pub fn one_recording(path: &Path, name: Option<&str>) -> anyhow::Result<Recording> {
     recording_of(path, name, false)
 }

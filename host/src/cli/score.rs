@@ -128,7 +128,7 @@ impl Arguments {
     }
 }
 
-/// Labels of predicted motions. Other movement raises no label: predicted, it is none.
+/// Labels of predicted motions. Predicted other movement is not a label.
 fn labels(motions: Vec<Motion>) -> Vec<Option<Intent>> {
     motions.into_iter().map(Motion::label).collect()
 }

@@ -13,7 +13,7 @@ pub(super) const TRIANGLE: usize = COLUMNS * (COLUMNS + 1) / 2;
 pub enum Shown {
     /// An intent of the model.
     Intent(Intent),
-    /// Movement that is none of the intents.
+    /// Movement outside the vocabulary.
     Other,
 }
 

@@ -39,7 +39,7 @@ fn hidden(width: usize, class: usize, noise: &mut Noise) -> Vec<f32> {
         .collect()
 }
 
-/// Hidden vectors with what they show: so many of each class in turn.
+/// Hidden vectors with what they show: `patches` of each class in turn.
 fn shown(width: usize, patches: [usize; 4]) -> Vec<(Vec<f32>, Shown)> {
     let mut noise = Noise(9);
     let mut all = Vec::new();

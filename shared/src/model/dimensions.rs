@@ -33,13 +33,13 @@ pub struct Dimensions {
     pub span: usize,
     /// The classes.
     pub vocabulary: Vocabulary,
-    /// Whether the look-back head has an output more for each row, after those of the classes: movement that is none of
-    /// the intents.
+    /// Whether each row of the look-back head has one more output after the classes: movement outside
+    /// the vocabulary.
     pub other: bool,
 }
 
 impl Dimensions {
-    /// Outputs of the look-back head for each row: the classes, and movement that is none of them.
+    /// Outputs of the look-back head for each row: the classes, and movement outside the vocabulary.
     #[must_use]
     pub const fn row_outputs(&self) -> usize {
         self.vocabulary.classes() + self.other as usize

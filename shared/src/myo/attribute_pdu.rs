@@ -20,7 +20,7 @@ const MTU_BYTES: usize = 3;
 
 /// Whether the host takes a packet, of which these are the bytes up to the first fragment's end.
 ///
-/// A server's opcodes are odd, a client's even. A fragment that ends within the fields that must be there is none of a
+/// A server's opcodes are odd, a client's even. A fragment that ends within the mandatory fields is not from a
 /// server that sends PDUs of 23 bytes: those fit one packet.
 #[must_use]
 pub fn may_be_taken(first: &[u8]) -> bool {
@@ -77,7 +77,7 @@ mod tests {
             }
         }
         assert!(!may_be_taken(&packet(4, &[])));
-        // Its fields say that it has none, whatever follows.
+        // Its fields say that it has no bytes, whatever follows.
         assert!(!may_be_taken(&[0, 0, 4, 0, 0x0b]));
     }
 

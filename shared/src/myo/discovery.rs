@@ -213,7 +213,7 @@ mod tests {
             }
         }
         assert_eq!(run(&table).0, expected);
-        // The description is refused in its place: the one that can be read counts.
+        // The description is refused in its place: the readable one counts.
         let mut found = run(&described).0;
         found.reverse();
         let mut named = Vec::new();

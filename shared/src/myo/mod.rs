@@ -10,7 +10,7 @@
 //!                               +-----Action----> pipeline  Deliver, Gap, StreamEnded
 //! ```
 //!
-//! The session follows one armband: the one of its settings, or the one that was bound. [`binding`] keeps it over restarts.
+//! The session follows one armband: its settings' or the bound one. [`binding`] keeps it over restarts.
 //!
 //! `advertisement` recognises the armband, `characteristic` and `uuid` identify its GATT attributes,
 //! `command` encodes commands, `packet` parses values, and `sequence` merges the notifications of four

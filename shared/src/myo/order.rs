@@ -88,7 +88,7 @@ impl Order {
             }
             Held::Swapped { early, late } => {
                 if arrival.lane == early.lane.next() {
-                    // Both get the time of the one that decided: if it is a loss of four, all
+                    // Both get the time of the arrival that decided: if it is a loss of four, all
                     // three must have the same lag.
                     for arrived in [late, early, arrival] {
                         let at = arrival.at;

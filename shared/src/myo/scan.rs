@@ -50,7 +50,7 @@ impl Strongest {
     }
 }
 
-/// The strongest armband of a scan, or the one that is looked for.
+/// The strongest armband of a scan, or the wanted one.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Scan {
     wanted: Option<Address>,

@@ -24,7 +24,7 @@ pub struct Settings {
     pub pinned: Option<Address>,
     /// The armband that is bound at first: the only one to connect to.
     pub bound: Option<Address>,
-    /// Whether, without either, the armband with the strongest signal is followed, whoever wears it. Otherwise none is.
+    /// Whether, without either, the armband with the strongest signal is followed, whoever wears it. Otherwise no armband is.
     pub follow_strongest: bool,
     /// The mode that the model was trained with. `Filtered` by default: the vendor recommends it, and
     /// the recordings were made with it.

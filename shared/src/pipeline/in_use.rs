@@ -99,7 +99,7 @@ impl<E: Encode> Pipeline<'_, E> {
         self.behind = self.ring.complete();
     }
 
-    /// Margins in place of those of the model's confidence gate; none without a model.
+    /// Margins in place of the model's confidence gate; empty without a model.
     #[must_use]
     pub fn gate(&self) -> Gate {
         let model = self.model.as_ref();

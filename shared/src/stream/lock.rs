@@ -1,4 +1,4 @@
-//! Lock of the labels: none is shown until a deliberate sign, and none after a long rest.
+//! Lock of the labels: no label is shown until a deliberate sign, nor after a long rest.
 //!
 //! The sign is an open hand that is held: in daily life the label `open` is rare, and lasts for seconds more rarely still
 //! (docs/decisions.md). The label of the sign itself is shown as relax, so that the hand does not follow it.
@@ -74,7 +74,7 @@ impl Lock {
         matches!(self.state, State::Locked)
     }
 
-    /// Takes a label, and gives the one that is shown; none while locked. Instants do not run backwards.
+    /// Takes a label, and gives the shown one; `None` while locked. Instants do not run backwards.
     pub fn push(&mut self, instant: SampleIndex, intent: Intent) -> Option<Intent> {
         let start = match self.run {
             Some((same, start)) if same == intent => start,

@@ -103,7 +103,7 @@ pub enum Event {
     Locked,
     /// The model file was refused.
     ModelRefused,
-    /// Another model is being installed: there is none until it is.
+    /// Another model is being installed: until then there is no model.
     Installation,
     /// The installed model is in use.
     Installed,

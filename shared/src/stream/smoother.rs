@@ -68,7 +68,7 @@ pub struct Smoother<const CLASSES: usize, const ROWS: usize> {
     current: usize,
     /// Windows since the label changed, at most `hold`.
     held: usize,
-    /// Rows from the instant that the label changed at to the newest one: so many instants may change it again.
+    /// Rows from the instant at which the label changed to the newest: the instants that may change it again.
     since: usize,
     /// Moving average (EMA) over rows without a label: share in which movement outside the vocabulary has the largest logit.
     otherwise: f32,
@@ -302,8 +302,8 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         reaction.or(self.settings.early)
     }
 
-    /// The margins of a class's mean over those of the other classes and over that of movement outside the vocabulary; relax
-    /// has none.
+    /// The margins of a class's mean over the other classes and over movement outside the vocabulary; 0 for
+    /// relax.
     fn margins(&self, class: usize) -> [f32; 2] {
         if class == RELAX {
             return [0.0; 2];

@@ -104,7 +104,7 @@ pub struct Charge {
 pub struct Binding {
     /// The armband, and why it is followed.
     pub following: Following,
-    /// Whether the bound armband, or that there is none, will outlast a restart.
+    /// Whether the binding, or its absence, will outlast a restart.
     pub is_kept: bool,
 }
 
@@ -113,7 +113,7 @@ names! {
     pub enum Accepted {
         /// An alignment has begun.
         Begin = "begin",
-        /// None is in progress any more.
+        /// No alignment is in progress any more.
         Cancel = "cancel",
         /// The alignment is set.
         Set = "set",

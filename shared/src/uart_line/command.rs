@@ -207,7 +207,7 @@ impl CommandReader {
         }
     }
 
-    /// Takes a byte; gives the command, or why it is none, of a line that ends with it.
+    /// Takes a byte; if it ends a line, gives the command or why the line is refused.
     pub fn push(&mut self, byte: u8) -> Option<Result<Command, Refusal>> {
         match byte {
             b'$' => self.length = 0,

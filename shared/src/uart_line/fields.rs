@@ -1,7 +1,7 @@
 //! Tables of fields, from which lines are both written and read.
 //!
-//! [`Fields`] is a codec of one or more fields. `field!` makes one from a pair of functions, `fields!` one for a struct from
-//! those of its parts. `rows!` makes a line's: a row is its first words, its fields in order, and their value, which is a
+//! [`Fields`] is a codec of one or more fields. `field!` makes it from a pair of functions, `fields!` for a struct from
+//! its parts' codecs. `rows!` makes a line's: a row is its first words, its fields in order, and their value, which is a
 //! pattern when the line is written and an expression when it is read.
 //!
 //! Functions that each field calls are not inlined: the optimiser would make a board's image 3.6 KiB longer.
@@ -101,7 +101,7 @@ impl<'a> Reader<'a> {
 /// Finds the row of a body.
 pub(super) struct Rows<'a> {
     body: &'a str,
-    /// Error if there is none: `kind` while no row begins with the body's first field, then `command` or `why`, then the
+    /// Error if no row fits: `kind` while no row begins with the body's first field, then `command` or `why`, then the
     /// number of fields that the first row with all its words expects.
     pub(super) error: ParseError,
 }

@@ -28,7 +28,7 @@ pub(super) fn checksum(body: &str) -> u8 {
     body.bytes().fold(0, |sum, byte| sum ^ byte)
 }
 
-/// The number of so many hexadecimal digits, whose letters begin with `a` or `A`.
+/// The number that `digits` hexadecimal digits say, whose letters begin with `a` or `A`.
 pub(super) fn hexadecimal(text: &[u8], digits: usize, a: u8) -> Option<u32> {
     if text.len() != digits {
         return None;

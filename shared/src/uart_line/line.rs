@@ -98,7 +98,7 @@ impl LineReader {
         }
     }
 
-    /// Takes a byte; gives the line, or why it is none, that ends with it.
+    /// Takes a byte; if it ends a line, gives the line or why it is damaged.
     ///
     /// # Errors
     /// Errors of [`Line::parse`], once for each damaged line.
@@ -168,7 +168,7 @@ mod tests {
         "# follows no armband: none is bound. Wear yours, or send $BIND,begin*4A\r\n",
     ];
 
-    /// Each line written again, or `!` in place of one that is none.
+    /// Each line written again, or `!` in place of a damaged one.
     fn read(bytes: &[u8]) -> Vec<String> {
         let mut reader = LineReader::new();
         let mut lines = Vec::new();

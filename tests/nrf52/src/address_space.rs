@@ -33,7 +33,7 @@ pub struct Shared {
     pub now: AtomicU64,
     /// True if something has changed that the core has to know.
     pub attention: AtomicBool,
-    /// Address of the stacked registers that a supervisor call wrote, 0 if there is none.
+    /// Address of the stacked registers that a supervisor call wrote, or 0.
     pub call: AtomicU64,
     /// True if a hard fault has begun.
     pub hard_fault: AtomicBool,

@@ -30,7 +30,7 @@ impl Image {
     /// Reads an ELF file.
     ///
     /// # Errors
-    /// When it is none, or has nothing to flash.
+    /// When the file is not an ELF image, or has nothing to flash.
     pub fn parse(elf: &[u8]) -> Result<Self, ImageError> {
         let file = object::read::elf::ElfFile32::<object::Endianness>::parse(elf)?;
         let mut segments = Vec::new();

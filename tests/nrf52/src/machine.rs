@@ -125,7 +125,7 @@ impl Machine {
         self.now
     }
 
-    /// Runs for so many ticks.
+    /// Runs for `ticks`.
     ///
     /// # Errors
     /// When the program does what is refused.

@@ -37,7 +37,7 @@ pub enum What {
     Reserved {
         /// Value that was written.
         value: u32,
-        /// Those of its bits that are reserved.
+        /// Its reserved bits.
         reserved: u32,
     },
     /// A value that the register does not know.

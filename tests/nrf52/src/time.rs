@@ -3,12 +3,12 @@
 /// Ticks in a second.
 pub const HZ: u64 = 64_000_000;
 
-/// Ticks of so many microseconds.
+/// Ticks in `count` microseconds.
 pub const fn us(count: u64) -> u64 {
     count * (HZ / 1_000_000)
 }
 
-/// Ticks of so many milliseconds.
+/// Ticks in `count` milliseconds.
 pub const fn ms(count: u64) -> u64 {
     us(count * 1000)
 }

@@ -67,11 +67,11 @@ pub struct Models<'m> {
 enum Reached {
     /// Notifications from the first to before the second number.
     Sent(usize, usize),
-    /// Loss of so many notifications.
+    /// Number of lost notifications.
     Lost(usize),
     /// End of the connection.
     Disconnected,
-    /// Silence of so many milliseconds.
+    /// Milliseconds of silence.
     SilenceMs(u32),
     /// Alignment that is set: places, mirrored.
     Align(u8, bool),

@@ -259,7 +259,7 @@ fn read(path: PathBuf) -> anyhow::Result<File> {
     })
 }
 
-/// Writes out a step with `times` and `every` as so many steps.
+/// Repeats a step that has `times` and `every`.
 fn written_out(step: Value) -> Vec<Value> {
     let Value::Table(mut step) = step else {
         return vec![step];

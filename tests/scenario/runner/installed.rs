@@ -15,7 +15,7 @@ const LABELS: usize = 50;
 /// Checks the labels after the last installation, if that is asked for.
 ///
 /// # Errors
-/// Fails when they are not those of the new model.
+/// Fails when the labels are not the new model's.
 pub fn check(
     wanted: bool,
     models: Models<'_>,

@@ -58,7 +58,7 @@ struct Connection {
 }
 
 impl Armband {
-    /// Creates an armband that is nobody's and has no faults.
+    /// Creates an armband without a wearer and without faults.
     pub fn new(address: Address, rssi: i8, samples: Vec<Sample>) -> Self {
         Self {
             address,

@@ -16,7 +16,7 @@ pub fn change(now: u64, before: u64) -> f64 {
 pub struct Comparison<'a> {
     /// Table of the new counts.
     pub table: &'a Table,
-    /// Committed table that the new one is compared with; none if there is none to compare with.
+    /// Committed table to compare the new one with, if any.
     pub committed: Option<&'a Table>,
 }
 

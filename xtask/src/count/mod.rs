@@ -84,7 +84,7 @@ pub fn print(arguments: &Arguments) -> Result<()> {
 /// The counts of the last commit.
 ///
 /// # Errors
-/// When there are none.
+/// When no counts are committed.
 pub fn committed() -> Result<Table> {
     let committed = fs::read_to_string(COMMITTED)
         .with_context(|| format!("{COMMITTED}: none; `cargo xtask count --accept` writes it"))?;

@@ -29,7 +29,7 @@ pub const ALIGNMENT: [&str; 6] = [
     "align-arm",
 ];
 
-/// Milliseconds of so many instructions at 64 MHz, by the cycles an instruction of the encoder's largest parts.
+/// Milliseconds of `instructions` at 64 MHz, by the cycles an instruction of the encoder's largest parts.
 pub fn milliseconds(instructions: u64) -> f64 {
     instructions as f64 * 1.54 / 64e3
 }

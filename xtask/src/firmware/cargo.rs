@@ -56,7 +56,7 @@ pub fn build_simulation() -> Result<PathBuf> {
 /// A cargo command for an image.
 ///
 /// # Errors
-/// When the image needs libclang, and there is none.
+/// When the image needs libclang, and it is not installed.
 pub fn command(
     toolchain: &Toolchain,
     subcommand: &str,

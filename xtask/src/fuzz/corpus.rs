@@ -25,7 +25,7 @@ pub(super) fn learned(target: &str) -> Result<PathBuf> {
     Ok(learned)
 }
 
-/// Those of the repository, in a folder.
+/// Folder with the repository's inputs for a target.
 pub(super) fn kept(target: &str) -> Result<PathBuf> {
     let inputs = folder().join("kept").join(target);
     if inputs.exists() {

@@ -194,7 +194,7 @@ impl CommandPort {
     pub async fn read(&mut self, buffer: &mut [u8]) -> (usize, Result<usize, BytesLost>) {
         let mut received = [0; 32];
         let by_usb = super::usb::RECEIVED.read(&mut received);
-        // Nothing is lost with the one that is dropped: its bytes stay in their buffer until they are copied at its end.
+        // The dropped future loses nothing: its bytes stay in their buffer until they are copied at its end.
         match select(self.receive(buffer), by_usb).await {
             Either::First(count) => (0, count),
             Either::Second(count) => {
@@ -262,7 +262,7 @@ impl CommandPort {
         Ok(count)
     }
 
-    /// Goes on behind so many bytes.
+    /// Skips `count` bytes.
     fn pass(&mut self, count: usize) {
         self.taken = self.taken.wrapping_add(count as u32);
         self.place = (self.place + count) % RING_BYTES;

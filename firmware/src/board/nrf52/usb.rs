@@ -78,7 +78,7 @@ pub fn start(spawner: Spawner, driver: UsbDriver) {
 }
 
 /// The cable. The driver waits in a loop for a packet that it gives to a controller that is switched off, until the watchdog
-/// restarts the board: so none is given once the cable is pulled.
+/// restarts the board: so it gets no packet once the cable is pulled.
 struct Cable;
 
 impl Handler for Cable {
@@ -117,7 +117,7 @@ async fn receive(mut receiver: Receiver<'static, UsbDriver>, control: ControlCha
             receiver.wait_connection().await;
             receiver.read_packet(&mut packet).await
         };
-        // Nothing is lost with the one that is dropped: a packet stays in the endpoint until it is read, a change is a flag.
+        // The dropped future loses nothing: a packet stays in the endpoint until it is read, a change is a flag.
         match select(reading, control.control_changed()).await {
             Either::First(Ok(count)) => {
                 let bytes = packet.get(..count).unwrap_or_default();

@@ -20,7 +20,7 @@ const PAUSE: Duration = Duration::from_micros(200);
 /// Longest time of one turn that follows the PC: whatever else a busy PC does delays the board's time as well.
 const MOST_US: u64 = 1000;
 
-/// Lets time pass with every turn of the executor, and the person act in it. With `slowed` it passes so many times slower
+/// Lets time pass with every turn of the executor, and the person act in it. With `slowed` it passes by this factor slower
 /// than the PC's, and the person sends what the program reads from its standard input.
 #[embassy_executor::task]
 pub async fn run(mut person: Person, slowed: Option<u32>) -> ! {

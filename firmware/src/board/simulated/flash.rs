@@ -39,7 +39,7 @@ impl Flash for Files {
     }
 }
 
-/// Does an operation on so many bytes, and keeps what came of it. Where power fails, a part of it is done.
+/// Does an operation on `length` bytes, and keeps its result. Where power fails, a part of it is done.
 fn operate(address: u32, length: u32, act: impl FnOnce(u32)) -> Result<(), FlashFailed> {
     static DONE: AtomicU32 = AtomicU32::new(0);
     let arguments = surroundings().arguments;

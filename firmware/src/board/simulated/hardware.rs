@@ -161,7 +161,7 @@ pub fn acknowledge_dead_man() {
 /// Notifications of the wearer's armband, over all connections and all starts of the board.
 static SENT: AtomicUsize = AtomicUsize::new(0);
 
-/// The wearer's armband has sent so many notifications.
+/// Notes how many notifications the wearer's armband has sent.
 pub fn sent(count: usize) {
     SENT.store(count, Ordering::Relaxed);
 }

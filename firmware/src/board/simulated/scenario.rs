@@ -36,7 +36,7 @@ pub struct Scenario {
     /// Whether the page of the bound armband refuses to be written.
     #[serde(default)]
     pub page_fails: bool,
-    /// Power fails in the middle of an operation of flash and comes back at once: after each start so many operations, from 1 on.
+    /// Operations of flash, counted from 1 at each start, in the middle of which power fails; it comes back at once.
     #[serde(default)]
     pub power_fails_at: Vec<u32>,
     /// Part of each that is done, in percent; 50 by default.
@@ -110,7 +110,7 @@ pub enum Act {
     Install {
         /// Notifications before.
         at: usize,
-        /// The line is pulled after so many blocks, for each number once.
+        /// Numbers of blocks after which the line is pulled, once for each.
         #[serde(default)]
         pulled_after: Vec<u32>,
         /// Bytes of the block after them that have passed by then, 40 by default; if it is all of them, its answer is

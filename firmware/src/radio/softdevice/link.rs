@@ -122,7 +122,7 @@ impl Link for SoftdeviceLink<'_> {
         let run = gatt_client::run(&self.connection, &Listener, |value: Value| {
             on_notification(value.handle, &value.bytes[..value.length]);
         });
-        // The end of the connection drops the one that asks for parameters of it.
+        // The end of the connection drops the future that asks for its parameters.
         select(run, self.hold_parameters()).await;
         self.listening.set(false);
         Disconnected

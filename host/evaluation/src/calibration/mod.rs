@@ -21,7 +21,7 @@ pub use self::parts::{Part, parts, rounds_of};
 use crate::inference::logits_with;
 use crate::{EvaluatedRecording, EvaluationError, smooth};
 
-/// Recall that the judged head may lose: the one that is used learns from all rounds, and is better.
+/// Recall that the judged head may lose: the head in use learns from all rounds, and is better.
 const MOST_LOST: f64 = 0.05;
 
 /// Result of a calibration.
@@ -31,7 +31,7 @@ pub struct Calibration {
     #[serde(skip)]
     pub head: Option<Head>,
     /// Mean recall of the classes in the rounds that judge, of the model's own head and of the new one; `None` if a single
-    /// round teaches: none is left to judge.
+    /// round teaches: no round is left to judge.
     pub judged: Option<[f64; 2]>,
     /// Reason why nothing was learnt; `None` if a head was.
     pub refusal: Option<String>,

@@ -27,7 +27,7 @@ fn library(subjects: usize) -> Library {
     }
 }
 
-/// A recording with these labels, half a second each so many times, and other movements of these kinds.
+/// A recording with these labels, each for its number of half seconds, and other movements of these kinds.
 fn recording(
     labels: &[(Option<Intent>, usize)],
     others: &[(MovementKind, Range<usize>)],

@@ -45,7 +45,7 @@ impl NamedModel {
     }
 }
 
-/// Whether rows that are no model file's may have a name: those of other [systems](System), and of models that have seen
+/// Whether other rows than a model file's may have a name: rows of other [systems](System), and of models that have seen
 /// people.
 pub fn is_taken(name: &str) -> bool {
     !matches!(System::from(name), System::Model(_)) || name.contains(SEEN)

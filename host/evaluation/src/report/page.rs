@@ -280,7 +280,7 @@ fn mean_rate(value: Option<MeanSd>) -> String {
     rate(value.map(|of| MeanSd { sd: None, ..of }))
 }
 
-/// A number with its interval or unit, or why there is none, and the number of the energy detector.
+/// A number with its interval or unit, or why it is missing, and the number of the energy detector.
 fn tile(name: &str, value: &str, with: &str, why: &str, floor: Option<String>) -> Markup {
     let is_missing = value == none();
     html! {

@@ -16,7 +16,7 @@ const STEP_MS: usize = 10;
 /// Name of a system and the points of its curve: milliseconds, and the share of gestures recognised within them.
 pub type Curve = (String, Vec<(f64, f64)>);
 
-/// Curve of a system, from its share of gestures recognised within so many milliseconds; none without a share.
+/// Curve of a system, from its share of gestures recognised within a number of milliseconds; `None` without a share.
 pub fn curve(name: impl Into<String>, share: impl Fn(u32) -> Option<f64>) -> Option<Curve> {
     let at = |ms: u32| Some((f64::from(ms), share(ms)?));
     let points: Vec<_> = (0..=SOON_MS).step_by(STEP_MS).filter_map(at).collect();

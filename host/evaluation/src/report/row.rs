@@ -29,7 +29,7 @@ impl Deref for Row<'_> {
     }
 }
 
-/// The rows over all recordings, or those of the only data set: people with all classes first.
+/// The rows over all recordings, or over the only data set: people with all classes first.
 pub(super) fn over_all<'r, 'a>(rows: &'r [Row<'a>]) -> impl Iterator<Item = &'r Row<'a>> {
     let several = rows.iter().any(|row| row.data_set == ALL);
     let of = move |people| {

@@ -103,7 +103,7 @@ impl Reported {
     }
 }
 
-/// The tables that the terminal shows: those of the page if `wide`, else what matters in them.
+/// The tables that the terminal shows: the page's if `wide`, else what matters in them.
 ///
 /// # Errors
 /// When the metrics of a run cannot be read.
@@ -130,7 +130,7 @@ pub fn write(reported: &[Reported], data: &str, page: &Path) -> Result<(), Evalu
     report.write(page)
 }
 
-/// Entries of the page; those of several are named as they are on the page.
+/// Entries of the page; several are named as they are on the page.
 fn entries(reported: &[Reported]) -> Result<Vec<Entry<'_>>, EvaluationError> {
     let mut entries = Vec::new();
     for own in reported.iter().take(MOST_ENTRIES) {

@@ -76,7 +76,7 @@ impl Artefact {
     /// Takes a part out.
     ///
     /// # Errors
-    /// When there is none of this name.
+    /// When no part has this name.
     pub fn take(&mut self, name: &str) -> Result<Vec<u8>, String> {
         let at = self.parts.iter().position(|(known, _)| known == name);
         let at = at.ok_or_else(|| format!("it has no part {name}"))?;

@@ -116,7 +116,7 @@ impl<'a> Merged<'a> {
         values.map(|(_, value)| value).collect()
     }
 
-    /// Share of gestures recognised within so many milliseconds after their onset: the mean over a section's people; none
+    /// Share of gestures recognised within `ms` milliseconds after their onset: the mean over a section's people; `None`
     /// if nobody makes gestures.
     pub(crate) fn recognised_within(&self, ms: u32, section: Section<'_>) -> Option<f64> {
         let shares = self.means(section, |score| score.recognised_within(ms));

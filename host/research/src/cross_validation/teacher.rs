@@ -27,7 +27,7 @@ pub(crate) enum PaperTeacher {
 }
 
 impl PaperTeacher {
-    /// All teachers, each after the one that it starts from.
+    /// All teachers, each after the teacher that it starts from.
     pub(crate) const ALL: [Self; 7] = [
         Self::Whole,
         Self::Window100,

@@ -193,7 +193,7 @@ fn outcome(done: Personalized, out: &Path, next: Vec<String>, installs: bool) ->
     }
 }
 
-/// Sentences about what is meant and what is not, each before and after; none where the recordings have none.
+/// Sentences about what is meant and what is not, before and after, as far as the recordings have either.
 fn halves(recognised: Option<(f64, f64)>, raised: Option<(f64, f64)>) -> Vec<String> {
     let recognised = recognised.map(|(before, after)| {
         let percent = |share: f64| 100.0 * share;

@@ -5,7 +5,7 @@ use crate::cli::WITHOUT_TRAINING;
 use crate::live::event::Event;
 use crate::live::outcome::TuningState;
 
-/// Message from the tuning thread; there is none.
+/// Message from the tuning thread; this build has no such thread.
 #[derive(Debug)]
 pub(super) enum TuningProgress {}
 

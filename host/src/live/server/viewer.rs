@@ -183,7 +183,7 @@ impl Viewer {
         }
     }
 
-    /// Whether this viewer may send a request. If the request needs a leader and there is none, this viewer becomes it.
+    /// Whether this viewer may send a request. If the request needs a leader and nobody leads, this viewer does.
     ///
     /// # Errors
     /// The reason, in words.

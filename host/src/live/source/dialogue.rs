@@ -92,7 +92,7 @@ impl Dialogue {
         self.state.last_line.is_some()
     }
 
-    /// Returns the next command that is due; to be called until there is none.
+    /// Returns the next command that is due; to be called until no command is.
     pub(super) fn command(&mut self, now: Millis) -> Option<Command> {
         self.state.schedule.command(now, self.state.last_samples)
     }

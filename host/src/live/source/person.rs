@@ -29,7 +29,7 @@ pub(crate) enum Cues {
 pub(crate) struct Person {
     follower: Follower,
     cues: Cues,
-    /// Samples since an alignment began; none while none is in progress.
+    /// Samples since the alignment in progress began.
     aligning: Option<usize>,
 }
 

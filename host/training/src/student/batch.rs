@@ -11,7 +11,7 @@ use super::sequence::{Excerpt, Sequence};
 pub struct Batch {
     /// Input, `[b, patches, 80]`.
     pub(super) emg: Tensor<3>,
-    /// Output that the label asks for, 0 where there is none, `[b, patches, 6, 1]`.
+    /// Output that the label asks for, 0 without a label, `[b, patches, 6, 1]`.
     pub(super) targets: Tensor<4, Int>,
     /// Weight of each output in the label loss, 0 where there is no label, `[b, patches, 6]`.
     pub(super) label_mask: Tensor<3>,

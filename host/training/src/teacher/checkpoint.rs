@@ -94,7 +94,7 @@ const SUBJECTS_SEEN: &str = "myointent.subjects_seen";
 /// file does not say so, like those of the reference.
 ///
 /// # Errors
-/// When the file cannot be read, or is named as safetensors and is none.
+/// When the file cannot be read, or is named as safetensors and has another format.
 pub(crate) fn subjects_seen(path: &Path) -> Result<Option<Vec<String>>, CheckpointError> {
     if path
         .extension()

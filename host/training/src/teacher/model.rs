@@ -120,7 +120,7 @@ pub struct TeacherInput {
     pub emg_mask: Tensor<3>,
     /// Fraction of the token's samples in each class, MASK last, `[b, tokens, classes + 1]`.
     pub intent: Tensor<3>,
-    /// Mask with 1 for windows without attention between EMG and intents (self-supervised), `[b]`; none if there are none.
+    /// Mask with 1 for windows without attention between EMG and intents (self-supervised), `[b]`; `None` without such windows.
     pub blocked: Option<Tensor<1>>,
 }
 

@@ -182,7 +182,7 @@ impl<'m, const WIDTH: usize, const SLOTS: usize> Encoder<'m, WIDTH, SLOTS> {
         &state.token[0].normalised[..self.dimensions.width]
     }
 
-    /// Takes `T` consecutive patches, the oldest first, as so many steps would.
+    /// Takes `T` consecutive patches, the oldest first, as `T` steps would.
     #[inline]
     fn tile<const T: usize>(
         &self,

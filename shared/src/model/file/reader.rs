@@ -225,7 +225,7 @@ impl<'m> Tensors<'m> {
     }
 }
 
-/// The first row with a scale of zero and a weight that is none; the quantizer writes such a scale for rows of zeros alone.
+/// The first row with a scale of zero and a weight other than zero; the quantizer gives that scale to rows of zeros alone.
 fn silenced(weights: &[i8], scales: &[f32], inputs: usize) -> Option<usize> {
     let tiles = weights.chunks_exact(TILE_ROWS * inputs);
     let mut rows = tiles

@@ -27,7 +27,7 @@ impl Model<'_> {
     }
 
     /// The file with another operating point: a reaction, then the margin of every class but relax, and that over movement
-    /// outside the vocabulary, which only a model that knows such movement has. What is none stays as it was.
+    /// outside the vocabulary, which only a model that knows such movement has. `None` leaves a value as it was.
     ///
     /// # Errors
     ///

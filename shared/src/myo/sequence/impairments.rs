@@ -29,7 +29,7 @@ enum Impairment {
     Duplicate,
     /// The next two are swapped.
     Swap,
-    /// The radio delays everything for so many milliseconds.
+    /// The radio delays everything for these milliseconds.
     Stall(u32),
 }
 use Impairment::{Clean, Duplicate, Lose, Stall, Swap};

@@ -15,9 +15,9 @@ pub enum Following {
     Pinned(Address),
     /// The bound armband.
     Bound(Address),
-    /// The armband with the strongest signal: none is bound, and the settings allow it.
+    /// The armband with the strongest signal: no armband is bound, and the settings allow it.
     Strongest,
-    /// No armband: none is bound.
+    /// No armband, since no armband is bound.
     Nobody,
     /// No armband yet: a pairing looks for the one to bind.
     Pairing,

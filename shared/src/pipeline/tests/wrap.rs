@@ -20,7 +20,7 @@ fn before_the_first_sample_the_newest_is_0() {
     let report = pipeline.take_alignment_report().unwrap();
     assert_eq!(report.state, AlignmentState::Unavailable);
     assert_eq!(report.emitted, SampleIndex(0));
-    // Nor does a loss of nothing change it.
+    // Nor does a gap of 0 samples change it.
     pipeline.gap(Millis(0), 0);
     assert_eq!(pipeline.state_report().emitted, SampleIndex(0));
 }

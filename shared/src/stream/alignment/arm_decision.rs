@@ -55,7 +55,7 @@ pub struct ArmDecision {
 pub struct Next {
     /// Arrangement of the electrodes, seen from the alignment in force.
     pub alignment: Alignment,
-    /// The patch that is so many older than the newest complete one.
+    /// Patches from the newest complete one back to this one.
     pub back: usize,
     /// Whether the state is to be made fresh before.
     pub is_first: bool,

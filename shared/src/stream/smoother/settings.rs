@@ -30,9 +30,9 @@ pub struct Settings {
     /// become this class; to keep the label, and to become relax, the largest is enough. By class; 0: no gate.
     pub entry_margins: [f32; MAX_CLASSES],
     /// Least difference of a class's mean logit to that of movement outside the vocabulary for the label to become
-    /// this class; such movement ends no label. None: rows have no such column, after those of the classes.
+    /// this class; such movement ends no label. `None`: rows have no such column behind the classes.
     pub other_margin: Option<f32>,
-    /// Margins of labels that are emitted before their look-ahead is over; none: no label is.
+    /// Margins of labels that are emitted before their look-ahead is over; `None`: every label waits.
     pub early: Option<Early>,
 }
 
@@ -59,7 +59,7 @@ pub struct Early {
     pub other: f32,
     /// Margin of relax over the classes.
     pub relax: f32,
-    /// Margin of relax over the classes at any look-ahead: it has none in the settings.
+    /// Margin of relax over the classes at any look-ahead: the settings have no margin of relax.
     pub leave: f32,
     /// Margin of a class over movement outside the vocabulary at any look-ahead, times the share of such movement in the last
     /// 20 s.
@@ -161,7 +161,7 @@ pub enum SettingsError {
         /// Rows asked for.
         found: usize,
     },
-    /// A hold of nothing.
+    /// A hold of 0 rows.
     #[error("hold of 0 rows, at least 1 expected: use 1 for a label per window")]
     Hold,
     /// No classes, or too many; movement outside the vocabulary counts as one.

@@ -61,7 +61,7 @@ impl Link {
 }
 
 impl Air {
-    /// Ends the link; false if there is none, or it ends already.
+    /// Ends the link; false without a link, or if it ends already.
     pub fn disconnect(&mut self, now: u64) -> bool {
         let link = self.link.as_mut().filter(|link| link.ends.is_none());
         link.is_some_and(|link| link.ends.replace((now, reason::LOCAL_ENDED)).is_none())

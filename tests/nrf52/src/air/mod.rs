@@ -43,7 +43,7 @@ pub enum Event {
     Updated(Parameters),
     /// The armband asks for other parameters, with this identifier.
     Asked(u8),
-    /// The armband was sent so many packets.
+    /// The armband was sent this number of packets.
     Sent(u16),
     /// The longest unit that the armband takes, in bytes.
     Mtu(u16),

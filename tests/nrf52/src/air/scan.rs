@@ -100,7 +100,7 @@ impl Air {
         });
     }
 
-    /// A scan that waits goes on; false if there is none.
+    /// Continues a scan that waits; false if no scan waits.
     pub fn resume_scan(&mut self, now: u64) -> bool {
         let Some(scan) = self.scan.as_mut().filter(|scan| scan.is_paused) else {
             return false;
@@ -110,7 +110,7 @@ impl Air {
         true
     }
 
-    /// Ends the scan; false if there is none.
+    /// Ends the scan; false if no scan runs.
     pub fn stop_scan(&mut self, now: u64) -> bool {
         let scan = self.scan.take();
         self.scanned += scan.as_ref().map_or(0, |scan| scan.receiver_on(now));
@@ -139,7 +139,7 @@ impl Air {
         });
     }
 
-    /// Ends the attempt to connect; false if there is none.
+    /// Ends the attempt to connect; false without an attempt.
     pub fn cancel_connect(&mut self) -> bool {
         self.attempt.take().is_some()
     }

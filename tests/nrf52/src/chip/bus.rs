@@ -102,7 +102,7 @@ impl Bus {
         }
     }
 
-    /// Halts the core for so many ticks.
+    /// Halts the core for `ticks`.
     pub fn halt(&mut self, ticks: u64) {
         self.attention = true;
         self.halt += ticks;

@@ -121,7 +121,7 @@ impl Nvmc {
         fails
     }
 
-    /// Erases a page for so many ticks; it is erased once they are enough in all (4.3.4).
+    /// Erases a page for `ticks`; it is erased once their sum suffices (4.3.4).
     fn erase(&mut self, page: u32, ticks: u64, bus: &mut Bus) {
         bus.halt(ticks);
         let old = bus.memory.read(page, PAGE).unwrap_or_default();

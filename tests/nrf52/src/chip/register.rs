@@ -61,12 +61,12 @@ impl Register {
         }
     }
 
-    /// So many of it.
+    /// Sets the number of such registers.
     pub const fn times(self, count: u32) -> Self {
         Self { count, ..self }
     }
 
-    /// The next one so many bytes away.
+    /// Sets the bytes from one such register to the next.
     pub const fn every(self, stride: u32) -> Self {
         Self { stride, ..self }
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Names of the libraries' functions; those of their own are `sym_` and a checksum.
+/// Beginnings of the names of the libraries' functions; internal ones are `sym_` and a checksum.
 const PREFIXES: [&str; 4] = ["sdc_", "mpsl_", "MPSL_IRQ_", "sym_"];
 
 /// The libraries of an image: the controller, and MPSL, the scheduler below it.
@@ -16,7 +16,7 @@ pub struct Library {
 }
 
 impl Library {
-    /// Finds it among an image's functions, each with address, size and name; none where the image has none.
+    /// Finds the libraries among an image's functions, each with address, size and name; `None` in an image without them.
     ///
     /// # Panics
     /// If the linker put another function in between: nothing would tell their instructions apart.

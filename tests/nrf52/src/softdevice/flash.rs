@@ -24,9 +24,9 @@ pub enum Fate {
     Success,
     /// No time is found beside the radio: the event of an error, and flash as it was.
     TimeOut,
-    /// Power fails after so many percent of it.
+    /// Power fails in the middle of the operation.
     PowerCut {
-        /// 0 to 100.
+        /// Part that is done by then, 0 to 100.
         percent: u32,
     },
 }

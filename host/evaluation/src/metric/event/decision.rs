@@ -1,8 +1,8 @@
 //! One decision a gesture = gestures whose decision is their label / gestures, mean over the labels.
 //!
 //! The decision is the active label that is emitted at most of the samples that the gesture owns
-//! ([`gesture`](super::gesture)); of equal ones, that of the lower class number. There is none if no active label is
-//! emitted. When the label comes, how long it stays and what else is emitted there does not count.
+//! ([`gesture`](super::gesture)); of equal ones, the lower class number. A gesture without an active label has no decision.
+//! When the label comes, how long it stays and what else is emitted there does not count.
 //!
 //! This is the rule *classification* of EMG-EPN-612 (Barona López et al., Sensors 20(21) 6327, 2020). Its rule
 //! *recognition* also asks for a single run of the label, which overlaps with the gesture.
@@ -20,7 +20,7 @@ use super::{EventRule, activation, active};
 pub struct Decisions {
     /// Gestures of a label, or rest spans.
     pub all: usize,
-    /// Those whose decision is right.
+    /// Gestures or spans whose decision is right.
     pub right: usize,
 }
 

@@ -55,7 +55,7 @@ impl Chart {
         )
     }
 
-    /// Both axes with at most so many numbers, the name of the horizontal one, and a grid of horizontal lines.
+    /// Both axes with at most `columns` and `rows` numbers, the horizontal one's name, and a grid of horizontal lines.
     fn axes(&self, name: &str, columns: f64, rows: f64) -> Markup {
         let bottom = self.bottom();
         html! {

@@ -66,7 +66,7 @@ pub(in crate::report) fn svg(timeline: &Timeline<'_>) -> Markup {
     picture((WIDTH, HEIGHT), &title, &description, &body)
 }
 
-/// Time axis of so many samples, at least 1.
+/// Time axis over at least one sample.
 struct Axis {
     samples: usize,
 }

@@ -64,7 +64,7 @@ pub(super) struct Compared<'a> {
 /// Contenders: the students of the presets, the teachers, the baselines, then the floors.
 ///
 /// # Errors
-/// When two have the same folder, or `only` is none of them.
+/// When two have the same folder, or `only` names no contender.
 pub(super) fn contenders(
     compared: &Compared<'_>,
     only: Option<&str>,

@@ -88,7 +88,7 @@ fn picture(merged: &[Merged<'_>]) -> Option<String> {
 }
 
 /// Merges the scores of every contender under each confidence gate and look-ahead, on some of the people. Without
-/// look-ahead, only contenders that have none are included, unless `all` is set.
+/// look-ahead, only contenders without one are included, unless `all` is set.
 pub(super) fn merged<'a, G: Iterator<Item = Option<Gate>>>(
     contenders: &'a [Contender],
     results: &'a [Vec<(Origin, JobScores)>],

@@ -130,7 +130,7 @@ fn a_folder_that_is_no_drive_of_a_board_is_said_so_by_its_name() {
         let said = refusal(folder.path(), |_| ());
         assert!(said.contains(word), "{text}: {said}");
     }
-    // A known board is none of another kind, whatever is said.
+    // A known board is not taken for another kind, whatever is said.
     fs::write(&info, "Board-ID: nRF52840-SeeedXiao-v1").unwrap();
     let said = refusal(folder.path(), |arguments| {
         arguments.pins_of = Some("nice-nano".to_owned())
@@ -189,7 +189,7 @@ fn a_pairing_that_binds_nobody_is_no_success() {
     ] {
         assert!(error.contains(word), "{word}: {error}");
     }
-    // The one that is bound stays, and that is no success either.
+    // The bound armband stays, and that is no success either.
     for (hears, succeeds) in [(None, false), (Some(ARMBAND), true)] {
         let following = Following::Bound(ARMBAND);
         let fake = Fake::with(

@@ -271,7 +271,7 @@ fn flicker(t: &[Label], emitted: &[Label], stretch: &Range<usize>) -> usize {
     count
 }
 
-/// Quantile of the latencies of so many gestures, in ms; none if it falls on a missed gesture.
+/// Quantile of the latencies of `of` gestures, in ms; `None` if it falls on a missed gesture.
 fn quantile(latencies: impl Iterator<Item = i64>, of: usize, percent: usize) -> Option<i64> {
     let mut latencies: Vec<i64> = latencies.collect();
     latencies.sort_unstable();

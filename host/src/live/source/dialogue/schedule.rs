@@ -26,7 +26,7 @@ pub(super) struct CommandSchedule {
 }
 
 impl CommandSchedule {
-    /// Returns the next command that is due; to be called until there is none. `samples` is the time of the last ones.
+    /// Returns the next command that is due; to be called until no command is. `samples` is the time of the last samples.
     pub(super) fn command(&mut self, now: Millis, samples: Option<Millis>) -> Option<Command> {
         let due = |last: Option<Millis>, period| {
             last.is_none_or(|last| now.elapsed_since(last) >= period)

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Entries with so many lost lines in place of those from one on.
+/// Entries with `lines` lost lines in place of the lines from `from` on.
 fn without(entries: &[Entry], from: usize, lines: usize) -> Vec<Entry> {
     let damage = Entry::Damage {
         lines: lines as u32,
@@ -155,7 +155,7 @@ fn a_damaged_first_line_leaves_the_session_whose_it_is() {
     let placements = contents.entries.iter();
     let placements = placements.filter(|own| matches!(own, Entry::Placement { .. }));
     assert_eq!(placements.count(), 2);
-    // What no line is whole of, is nobody's, and stays.
+    // A file without one whole line belongs to no session, and stays.
     for bytes in [&b"\0\0\0\0"[..], b"{}\n{}\n", b"no journal"] {
         std::fs::write(&path, bytes).unwrap();
         let error = open(&path).unwrap_err();

@@ -24,7 +24,7 @@ pub(super) struct Own {
 /// is, with labels compensated for their lag.
 ///
 /// The lag is that of `evaluate --model`: each cue's own, or one constant. It is estimated on training people whom the model has
-/// seen. If the set has none, it is estimated on all of the person's own recordings, held-back ones included, and reported so.
+/// seen. If the set has no such people, it is estimated on all of the person's own recordings, held-back ones included, and reported so.
 pub struct Person {
     subject: String,
     pub(super) vocabulary: Vocabulary,

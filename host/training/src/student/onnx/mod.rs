@@ -175,7 +175,7 @@ fn norm(graph: &mut Graph, norm: &LayerNorm, x: &str) -> String {
     graph.node("LayerNormalization", &[x, &gain, &bias], &epsilon)
 }
 
-/// A vector of parameters; zeros where there is none.
+/// A vector of parameters; zeros without any.
 fn vector(graph: &mut Graph, parameter: Option<&Param<Tensor<1>>>, length: usize) -> String {
     let values =
         parameter.map_or_else(|| vec![0.0; length], |parameter| read_back(parameter.val()));

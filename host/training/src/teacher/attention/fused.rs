@@ -22,7 +22,7 @@ use crate::optimization::kernels::softmax::RowStatistics;
 pub struct Settings {
     /// Number of heads.
     pub heads: usize,
-    /// Whether the second half of a window's tokens is blocked, for each window; empty if none is.
+    /// Whether the second half of a window's tokens is blocked, for each window; empty if no window's is.
     pub blocked: Vec<bool>,
     /// Dropout of the attention weights.
     pub mask: Option<Mask>,

@@ -80,7 +80,7 @@ fn a_scale_of_zero_is_refused_unless_its_row_is_zero() {
     parts.layers[0].qkv.scales[7] = 0.0;
     parts.layers[0].qkv.weights[7 * columns..][..columns].fill(0);
     assert!(parts.to_bytes().is_ok());
-    // One weight that is none, in the row's last column.
+    // One weight other than zero, in the row's last column.
     parts.layers[0].qkv.weights[8 * columns - 1] = 1;
     assert!(parts.to_bytes().is_err());
 }

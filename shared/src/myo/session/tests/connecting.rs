@@ -28,7 +28,7 @@ fn a_pinned_armband_is_taken_at_once_and_no_other() {
     assert_eq!(driver.handle(0, Event::Tick), [Action::Scan]);
     assert_eq!(driver.advertise(0, FAR, -20), []);
     assert_eq!(driver.handle(2_000, Event::Tick), []);
-    // With the address kind of the report, not the one that was assumed.
+    // With the address kind of the report, not the assumed one.
     let kind = AddressKind::Random;
     let reported = Address { kind, ..NEAR };
     let connect = [Action::StopScan, Action::Connect(reported)];

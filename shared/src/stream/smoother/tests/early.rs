@@ -291,7 +291,7 @@ fn a_class_is_asked_for_more_after_other_movement_and_for_less_after_rest() {
         early: Some(Early::new([0.0, 0.0, 0.0, 0.0, 8.0])),
         ..PLAIN
     };
-    // The label of a class that other movement exceeds by 1, after so many patches of that movement and of rest.
+    // The label of a class that other movement exceeds by 1, after `other` patches of it and `rest` of rest.
     let class = |other: usize, rest: usize| {
         let mut smoother = Smoother::<CLASSES, ROWS>::new(settings, USED).unwrap();
         let mut rows = Rows::default();
