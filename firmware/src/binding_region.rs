@@ -15,7 +15,7 @@ pub fn load() -> Option<Address> {
     from_record(&Region::Binding.read(0))
 }
 
-/// Keeps an armband, or none; gives whether the page holds that now. Does nothing if it does already.
+/// Keeps an armband, or removes it; gives whether the page then agrees. Does nothing if the page agrees already.
 ///
 /// A loss of power in between leaves no whole record: then no armband is bound.
 pub async fn keep(flash: &mut impl Flash, armband: Option<Address>) -> bool {

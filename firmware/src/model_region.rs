@@ -14,7 +14,7 @@ use crate::flash::Region;
 /// Why the region's content cannot be run.
 #[derive(Clone, Copy, Debug, thiserror::Error)]
 pub enum ModelRefused {
-    /// The file is no model, damaged, or too large for the device.
+    /// The file is not a model, is damaged, or is too large for the device.
     #[error("model refused: {0}")]
     Model(#[from] ModelError),
     /// The header has smoother settings that are out of range.

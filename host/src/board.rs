@@ -97,13 +97,13 @@ pub enum BoardError {
     OtherModel {
         /// CRC-32 of the file.
         expected: u32,
-        /// CRC-32 of the board's model; none if it runs none.
+        /// CRC-32 of the board's model; `None` if it runs no model.
         found: Option<u32>,
     },
     /// The caller stopped the installation.
     #[error("stopped before the board had all of it")]
     Stopped,
-    /// The file is no model file, or no board has room for the model.
+    /// The file is not a model file, or no board has room for the model.
     #[error("no board can run this file, and nothing was sent: {0}")]
     Unfit(#[from] ModelError),
     /// The file is longer than a board's flash region.

@@ -45,7 +45,7 @@ pub struct Pipeline<'s, E: Encode> {
     ring: SampleRing,
     /// Complete patches in the ring that the encoder has yet to take, the newest ones.
     behind: usize,
-    /// Model in use; none while none may be read: it was refused, or another one is being installed.
+    /// Model in use; `None` if it was refused, or while another model is being installed.
     model: Option<InUse<E>>,
     /// Borrowed: it is too large to be moved over a device's stack.
     state: &'s mut E::State,

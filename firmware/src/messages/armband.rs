@@ -1,4 +1,4 @@
-//! State of the armband, from the radio. Only the newest counts, so it is no queue.
+//! State of the armband, from the radio. Only the newest counts, so it is not a queue.
 
 use core::cell::Cell;
 

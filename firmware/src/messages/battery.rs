@@ -1,4 +1,4 @@
-//! Charge of the board's own battery, a lithium cell. Only the newest counts, so it is no queue.
+//! Charge of the board's own battery, a lithium cell. Only the newest counts, so it is not a queue.
 
 #[cfg(feature = "uf2")]
 pub use newest::{current, set};
@@ -14,7 +14,7 @@ const CURVE: [(u32, u32); 7] = [
     (4000, 85),
     (4150, 100),
 ];
-/// Percent from which it is low, and those from which it is no longer: load moves the voltage.
+/// Percent from which it is low, and percent from which it no longer is: load moves the voltage.
 const LOW: u8 = 10;
 const NO_LONGER_LOW: u8 = 20;
 

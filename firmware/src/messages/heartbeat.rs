@@ -11,9 +11,9 @@ pub const PERIOD: Duration = Duration::from_millis(WATCHDOG_MS as u64 / 4);
 
 /// Beats while the session shows [progress](shared::myo::Progress).
 pub static RADIO: Heartbeat = Heartbeat::new();
-/// Beats while packets pass the pipeline, or none wait.
+/// Beats while packets pass the pipeline, or no packet waits.
 pub static INFERENCE: Heartbeat = Heartbeat::new();
-/// Beats while the UART takes lines, or none wait.
+/// Beats while the UART takes lines, or no line waits.
 pub static OUTPUT: Heartbeat = Heartbeat::new();
 
 /// Evidence that one task makes progress.

@@ -22,7 +22,7 @@ pub fn set(checksum: Option<u32>) {
     CHANGED.signal(());
 }
 
-/// Waits until there is a model, or none. To be called by one task alone.
+/// Waits until a model is in use (`is_there`), or no model is. To be called by one task alone.
 pub async fn until(is_there: bool) {
     while current().is_some() != is_there {
         CHANGED.wait().await;

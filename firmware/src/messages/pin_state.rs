@@ -1,4 +1,4 @@
-//! The state that pins and LEDs show. Only the newest counts, so it is no queue.
+//! The state that pins and LEDs show. Only the newest counts, so it is not a queue.
 
 use core::cell::Cell;
 

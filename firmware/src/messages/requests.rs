@@ -106,7 +106,7 @@ impl<Q, A> Requests<Q, A> {
         if is_answered(&self.answered, own).await {
             return self.answer.try_take().unwrap_or(Err(Refusal::Busy));
         }
-        // Or it would be carried out when nobody waits for it any more.
+        // Or it would be carried out after its caller has gone.
         self.asked.reset();
         Err(Refusal::Busy)
     }

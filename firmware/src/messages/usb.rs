@@ -174,7 +174,7 @@ mod tests {
     #[test]
     fn nothing_waits_for_a_host_that_is_unplugged_and_the_next_one_hears_new_lines() {
         let lines = Lines::new();
-        // Neither of one that opened its port, nor of one that never did.
+        // Neither of a PC that opened its port, nor of one that never did.
         for is_open in [true, false] {
             lines.set_plugged(true);
             if is_open {

@@ -30,7 +30,7 @@ use crate::messages::{
 use request::Request;
 
 const TICK: Duration = Duration::from_millis(50);
-/// Milliseconds after which a scan that has found nobody receives seldom.
+/// Milliseconds after which a scan that has found no armband receives seldom.
 const SOUGHT_MS: u32 = 60_000;
 
 /// Use of the radio that the session wants.

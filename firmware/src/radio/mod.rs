@@ -66,7 +66,7 @@ pub enum Scanned<'a> {
     Advertisement(&'a Advertisement),
 }
 
-/// Seconds after which a scan is begun again, so that the stack answers where nobody advertises.
+/// Seconds after which a scan is begun again, so that the stack answers where no device advertises.
 pub const SCAN_SECONDS: u16 = 10;
 
 /// Share of the time for which a scan receives.
@@ -115,7 +115,7 @@ pub trait ConnectionHandler {
 
 /// A connection to an armband. Attributes are addressed by their handles.
 pub trait Link {
-    /// Reads a value; returns its length. Whatever else the stack receives meanwhile is no answer.
+    /// Reads a value; returns its length. Other data that the stack receives meanwhile is not an answer.
     async fn read(&self, handle: u16, value: &mut [u8]) -> Result<usize, OperationFailed>;
 
     /// Writes a value, with response.

@@ -1,4 +1,4 @@
-//! Numbers of gestures that were asked for, and of those that are scored.
+//! Numbers of gestures: asked for, and scored.
 //!
 //! Labels at each cue's own lag leave out a gesture if the muscle does not show when its cue was followed, weak ones
 //! among them. Such a gesture is not scored, so their number is part of a result.
@@ -80,7 +80,7 @@ mod tests {
         recording.lag_compensated[400..900].fill(None);
         let one = cued([&recording])[&DataSet::named("ss-stm")];
         assert_eq!((one, one.left_out()), (Cued { cued: 2, scored: 1 }, 1));
-        // Nobody was asked for spliced recordings.
+        // Spliced recordings have no cues that a person was asked for.
         recording.published = None;
         assert!(cued([&recording]).is_empty());
     }

@@ -12,7 +12,7 @@ use super::metric::summary::SubjectScore;
 pub enum Group {
     /// People whose recordings have all classes of the model.
     AllClasses,
-    /// People whose recordings have fewer classes: their scores cannot be compared with those of the others.
+    /// People whose recordings have fewer classes: their scores cannot be compared with the others' scores.
     FewerClasses,
 }
 

@@ -23,7 +23,7 @@ pub struct LabelResults {
     pub missing: Vec<String>,
     /// Lag compensation of the true labels, by data set.
     pub lags: BTreeMap<DataSet, Lag>,
-    /// Numbers of gestures that people were asked for and of those that are scored, by data set.
+    /// Numbers of gestures, asked for and scored, by data set.
     pub gestures: BTreeMap<DataSet, Cued>,
     /// Scores: a row for the program and each floor, for each data set and over all of them.
     pub scores: Vec<Score>,

@@ -100,7 +100,7 @@ pub struct ModelResults {
     pub lost_percent: u8,
     /// Lag compensation of the labels, by data set.
     pub lags: BTreeMap<DataSet, Lag>,
-    /// Numbers of gestures that the evaluated people were asked for and of those that are scored, by data set.
+    /// Numbers of gestures of the evaluated people, asked for and scored, by data set.
     pub gestures: BTreeMap<DataSet, Cued>,
     /// Scores: a row for each model and floor, for each data set and over all of them.
     pub scores: Vec<Score>,

@@ -20,7 +20,7 @@ pub struct Results {
     pub held_out: Vec<String>,
     /// The model file's aggregation mode.
     pub aggregation: LookAhead,
-    /// Numbers of gestures that the held-out subjects were asked for and of those that are scored, by data set; empty
+    /// Numbers of gestures of the held-out subjects, asked for and scored, by data set; empty
     /// in results of earlier versions.
     #[serde(default)]
     pub gestures: BTreeMap<DataSet, Cued>,

@@ -240,7 +240,7 @@ fn score_recording(
 ) -> Result<RecordingScores, EvaluationError> {
     let SmoothedLabels { reference, emitted } = labels;
     let with_buffer = |labels: &[Option<Intent>], buffer| {
-        // Samples before the first label are not scored, as the reference does with those after the last one.
+        // Samples before the first label are not scored, nor, as in the reference, samples after the last one.
         let first = labels.iter().position(Option::is_some).unwrap_or(0);
         let rule = Rule {
             buffer,

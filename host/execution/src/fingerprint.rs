@@ -24,7 +24,7 @@ impl Fingerprint {
     /// Fingerprint of the JSON text of a value, whose fields have a fixed order.
     ///
     /// # Panics
-    /// When the value cannot be written as JSON: it has a map whose keys are no strings.
+    /// When the value cannot be written as JSON: it has a map whose keys are not strings.
     pub fn of(value: &impl Serialize) -> Self {
         let text = serde_json::to_vec(value).expect("a value with a JSON text");
         Self::of_bytes(&text)

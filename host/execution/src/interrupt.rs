@@ -42,7 +42,7 @@ impl Interrupt {
     }
 }
 
-/// Makes a write beyond the limit on the size of files an error, in this thread and those that it starts: without this, the
+/// Makes a write beyond the limit on the size of files an error, in this thread and its children: without this, the
 /// signal of the limit ends the program in the middle of a session.
 pub fn outlive_file_limit() {
     #[cfg(unix)]

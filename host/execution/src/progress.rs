@@ -12,7 +12,7 @@ use crate::interrupt::Interrupt;
 use crate::printable::{printable, printable_lines};
 use crate::run_folder::{RunError, RunFolder};
 
-/// A progress bar of `length` steps, hidden when standard error is no terminal.
+/// A progress bar of `length` steps, hidden when standard error is not a terminal.
 ///
 /// # Panics
 /// Never: its template is a constant.
@@ -29,7 +29,7 @@ pub fn bar(length: usize, what: &str) -> ProgressBar {
     bar
 }
 
-/// A progress bar of bytes, of which there may be an unknown number; hidden when standard error is no terminal.
+/// A progress bar of bytes, of a number that may be unknown; hidden when standard error is not a terminal.
 ///
 /// # Panics
 /// Never: its templates are constants.

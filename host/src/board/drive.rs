@@ -22,7 +22,7 @@ const INFO_BYTES: u64 = 4096;
 pub struct Drive {
     /// Folder at which it is mounted.
     pub path: PathBuf,
-    /// Board; none of those that there is firmware for if absent.
+    /// Board; `None` if there is no firmware for it.
     pub board: Option<UsbBoard>,
     /// `Board-ID` of the boot loader.
     pub id: String,

@@ -75,7 +75,7 @@ pub enum FlashError {
          the pins for a hand"
     )]
     NoBoard,
-    /// A folder that is given is no drive of a boot loader.
+    /// A given folder is not a boot loader's drive.
     #[error(
         "{path}: expected the drive of a boot loader, with a Board-ID in its INFO_UF2.TXT, found none: press reset twice, quickly, \
          mount the drive, and give its folder"
@@ -111,7 +111,7 @@ pub enum FlashError {
         /// Version that the boot loader says.
         version: String,
     },
-    /// The file is no UF2 file.
+    /// The file is not a UF2 file.
     #[error("{path}")]
     File {
         /// The file.
@@ -265,7 +265,7 @@ impl Content {
     /// Firmware from a file of a release with the model in it, a model in its place, or a model alone.
     ///
     /// # Errors
-    /// The file is no UF2 file or holds another program, or a model is damaged or too large for a board.
+    /// The file is not a UF2 file or holds another program, or a model is damaged or too large for a board.
     pub fn new(image: Option<(&Path, &[u8])>, model: Option<&[u8]>) -> Result<Self, FlashError> {
         let (mut file, mut firmware) = (Uf2::default(), None);
         let path = image.map(|(path, _)| path.to_owned()).unwrap_or_default();

@@ -27,7 +27,7 @@ pub(in crate::cli) struct OwnModel {
     /// Folder of the person's labelled recordings.
     #[arg(long, value_name = "DIR")]
     data: PathBuf,
-    /// Model file to write; there must be none of this name.
+    /// Model file to write; it must not exist.
     #[arg(long, value_name = "FILE.intent")]
     pub(in crate::cli) out: PathBuf,
     /// Person whom the new file is for, as data-set/subject or subject alone; needed if the folder has recordings of several people.

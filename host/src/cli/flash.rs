@@ -50,7 +50,7 @@ pub struct Arguments {
     /// Serial port of the board: starts its boot loader if there is no drive, and is where the firmware is waited for.
     #[arg(long, value_name = "PATH")]
     port: Option<PathBuf>,
-    /// UF2 file to write, in place of a board; there must be none of this name.
+    /// UF2 file to write, in place of a board; it must not exist.
     #[arg(long, value_name = "FILE.uf2", conflicts_with_all = ["drive", "port", "board", "pins_of"])]
     out: Option<PathBuf>,
 }

@@ -34,7 +34,7 @@ pub struct Arguments {
     /// By how much it has to exceed that of movement outside the vocabulary, -50 to 50.
     #[arg(long, value_name = "MARGIN", allow_negative_numbers = true)]
     other: Option<f32>,
-    /// File to write; there must be none of this name.
+    /// File to write; it must not exist.
     ///
     /// The model file itself if not given.
     #[arg(long, value_name = "FILE")]

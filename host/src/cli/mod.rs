@@ -225,7 +225,7 @@ fn is_wrong_argument(error: &anyhow::Error) -> bool {
         || matches!(error.downcast_ref(), Some(ConfigError::Fold { .. }))
 }
 
-/// Whether the reader has closed the output: `myointent replay ... | head` is no failure.
+/// Whether the reader has closed the output: `myointent replay ... | head` is not a failure.
 #[must_use]
 pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
     error

@@ -25,7 +25,7 @@ impl Width {
     /// Prints tables.
     ///
     /// # Errors
-    /// When nobody reads them.
+    /// When the reader has closed the output.
     pub(super) fn print(&self, tables: &[Table], out: &mut impl Write) -> io::Result<()> {
         for table in tables {
             writeln!(out, "{}", table.text(self.wide))?;
@@ -82,7 +82,7 @@ pub(super) fn refuse_existing(path: &Path) -> Result<(), OutputError> {
     Ok(())
 }
 
-/// Refuses the name of a table or a page if a file of another kind has it: one that does not begin with `start`.
+/// Refuses the name of a table or a page if it is a file of another kind, which does not begin with `start`.
 ///
 /// # Errors
 /// [`OutputError::Unlike`], or [`OutputError::Unreadable`].

@@ -34,7 +34,7 @@ pub struct Arguments {
     /// Folder of the recordings that the model was trained on.
     #[arg(long, value_name = "DIR")]
     data: PathBuf,
-    /// File to write; there must be none of this name.
+    /// File to write; it must not exist.
     ///
     /// The model file itself if not given.
     #[arg(long, value_name = "FILE")]

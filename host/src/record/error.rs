@@ -137,7 +137,7 @@ pub enum RecordError {
         /// Error of the read.
         error: String,
     },
-    /// The text of a protocol is no TOML, or has unknown keys.
+    /// The text of a protocol is not TOML, or has unknown keys.
     #[error("{name}: {error}")]
     Toml {
         /// The file.
@@ -189,7 +189,7 @@ pub enum RecordError {
         /// The file.
         name: String,
     },
-    /// A class follows itself: nobody could tell the two cues apart.
+    /// A class follows itself: the two cues could not be told apart.
     #[error("{name}: {class} follows itself: ask for it once, for longer")]
     Twice {
         /// The file.

@@ -35,7 +35,7 @@ pub const MOST_PATCHES: usize = 60;
 /// Reason why a calibration learns nothing.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum Refusal {
-    /// The model is wider than those that a device runs.
+    /// The model is wider than a device runs.
     #[error(
         "the model has width {found}, at most {MAX_HEAD_WIDTH} can be calibrated: take a smaller model"
     )]
@@ -62,7 +62,7 @@ pub enum Refusal {
     /// The sums are of another model.
     #[error("the hidden vectors are not of this model: show everything again")]
     WrongModel,
-    /// The solution is no head that a model file may hold: a number is NaN or too large.
+    /// A model file may not hold the solution: a number is NaN or too large.
     #[error("what was shown gives no usable weights: show everything again")]
     NotFinite,
 }

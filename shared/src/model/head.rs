@@ -83,7 +83,7 @@ impl Head {
         row::put(self.tiles_mut(), output, bytes);
     }
 
-    /// Completes a head whose outputs are all put. Returns whether every number is one that a model file may hold.
+    /// Completes a head whose outputs are all put. Returns whether a model file may hold every number.
     pub(crate) fn complete(&mut self) -> bool {
         self.code_limit = code_limit(self.tiles(), self.width);
         let scales = &self.scales[..self.outputs];

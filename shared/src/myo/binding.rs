@@ -39,7 +39,7 @@ pub fn to_record(armband: Address) -> [u8; RECORD_BYTES] {
     record
 }
 
-/// The armband of a record; none if it is no whole one.
+/// The armband of a record; `None` if the record is not whole.
 #[must_use]
 pub fn from_record(record: &[u8; RECORD_BYTES]) -> Option<Address> {
     let [m, y, o, b, version, kind, address @ .., _, _, _, _] = *record;

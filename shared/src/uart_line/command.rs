@@ -112,7 +112,7 @@ pub enum AlignCommand {
 }
 
 impl Command {
-    /// Reads a line without its end; none if it is one that the device itself writes.
+    /// Reads a line without its end; `None` for a line that the device itself writes.
     ///
     /// # Errors
     /// The first thing that is wrong: frame, checksum, name, arguments.

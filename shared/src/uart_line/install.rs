@@ -46,7 +46,7 @@ impl Fields<'_> for Block {
     }
 }
 
-/// A block's bytes from its characters; none if it would not be written so.
+/// A block's bytes from its characters; `None` unless they would be written so.
 // Written here, and not with a library's code: that is three times as long on a board.
 #[inline(never)]
 fn decoded(content: &[u8]) -> Option<Block> {

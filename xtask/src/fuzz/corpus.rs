@@ -85,7 +85,7 @@ fn pack(inputs: &[Vec<u8>]) -> Result<Vec<u8>> {
     Ok(packed)
 }
 
-/// The inputs of a file; none if it ends within one.
+/// The inputs of a file; `None` if it ends within an input.
 fn unpack(mut packed: &[u8]) -> Option<Vec<&[u8]>> {
     let mut inputs = Vec::new();
     while !packed.is_empty() {

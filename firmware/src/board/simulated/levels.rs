@@ -1,4 +1,4 @@
-//! The levels of all outputs as a line of text, where nobody can measure them.
+//! The levels of all outputs as a line of text, for outputs that cannot be measured.
 
 use core::fmt;
 

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use virtual_armband::{Behaviour, End, Step};
 
-/// A scenario, as `tests/scenario/README.md` describes its file. Other keys are for the test that checks what comes of it.
+/// A scenario, as `tests/scenario/README.md` describes its file. Other keys are for the test that checks the outcome.
 #[derive(Deserialize)]
 pub struct Scenario {
     /// Seconds that are simulated.

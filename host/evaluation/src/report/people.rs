@@ -19,7 +19,7 @@ pub(super) struct Person<'a> {
     events: Option<&'a SubjectEvents>,
 }
 
-/// The people of one model's rows, the lowest balanced accuracy first, those without one last.
+/// The people of one model's rows, the lowest balanced accuracy first, missing ones last.
 pub(super) fn people_of<'r, 'a: 'r>(
     rows: impl IntoIterator<Item = &'r Row<'a>>,
 ) -> Vec<Person<'a>> {

@@ -332,7 +332,7 @@ fn of_columns(caption: &str, rows: &[Row<'_>], columns: &[Column]) -> Table {
     table
 }
 
-/// Table of the model file against the floors, person by person; of a run without one, every model.
+/// Table of the model file against the floors, person by person; without a model file, of every model.
 fn floor_differences(rows: &[Row<'_>]) -> Table {
     let device = rows.iter().any(|row| row.model == System::Integer);
     let models = rows.iter().filter(|row| !row.model.is_floor());

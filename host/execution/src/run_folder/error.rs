@@ -57,7 +57,7 @@ pub enum RunError {
         /// The first difference.
         difference: String,
     },
-    /// The recordings are not those that the run began with.
+    /// The recordings differ from when the run began.
     #[error(
         "the recordings found are not those that the run {path} began with: restore them, or begin a new run"
     )]

@@ -84,7 +84,7 @@ fn people_who_open_the_hand_make_a_template_and_others_none() {
         template.fit(Profile::new(open)).nearest.alignment,
         Alignment::NONE
     );
-    // Nobody of the plain library opens the hand.
+    // No person of the plain library opens the hand.
     let without = resolve(&["synthetic/p1"], &["synthetic/p2"]).unwrap();
     assert_eq!(without.alignment_template(), None);
 }

@@ -36,7 +36,7 @@ impl Search {
     /// Finds the drive. Without one, starts the boot loader of the board on a port, which `starts` is told, and waits.
     ///
     /// # Errors
-    /// There is no board, there are several drives, none comes, or the port cannot be opened.
+    /// There is no board, there are several drives or no drive comes, or the port cannot be opened.
     pub fn drive(&self, starts: impl FnOnce(&Path)) -> Result<Drive, FlashError> {
         match self.port.as_deref().map(Board::open) {
             // The board may be in its boot loader. What else is wrong with the port stays so.
@@ -161,7 +161,7 @@ impl Running {
     }
 }
 
-/// Asks the board on a port; none if none answers.
+/// Asks the board on a port; `None` without an answer.
 ///
 /// # Errors
 /// The port is there, and this user may not open it, or another program has it.

@@ -278,7 +278,7 @@ fn firmware_without_a_model_needs_one_on_the_board() {
     assert!(refused.contains("--model"), "{refused}");
 }
 
-/// Port that nobody may open: the system checks who writes there.
+/// Port that no user may open: the system checks who writes there.
 pub(crate) const CLOSED: &str = "/proc/sys/kernel/ostype";
 
 #[test]

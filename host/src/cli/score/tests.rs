@@ -27,7 +27,7 @@ fn a_failed_transition_is_shown_with_its_reason() {
         "so soon 1.000 in 100 ms, 1.000 in 150 ms",
         "gestures recognised 1.000 (1 of 1)",
         "latency half within 50 ms, nine in ten within 50 ms of the onset",
-        // The last 50 samples have no prediction: they are no rest either.
+        // The last 50 samples have no prediction: they are not rest either.
         "false activations 0.0 a minute (0 in 2.2 s) of rest",
         "one decision 1.000; rest kept 0.500 (open 1 of 1, relax 1 of 2)",
         "300 1.50 open recognised open +50 +1250",

@@ -35,7 +35,7 @@ pub struct Arguments {
     /// Model file whose student is written, with the weights that its integers mean, instead of the run's.
     #[arg(long, value_name = "FILE.intent", requires_all = ["onnx", "out"], conflicts_with = "run")]
     model: Option<PathBuf>,
-    /// File to write; there must be none of this name.
+    /// File to write; it must not exist.
     ///
     /// `teacher.safetensors` in the run folder if not given, or `student.onnx`.
     #[arg(long, value_name = "FILE")]

@@ -16,7 +16,7 @@ pub struct Arguments {
     /// Run folder of `myointent train`.
     #[arg(long, value_name = "DIR", default_value = "runs/latest")]
     run: PathBuf,
-    /// Model file to write; there must be none of this name.
+    /// Model file to write; it must not exist.
     ///
     /// `student.intent` in the run folder if not given.
     #[arg(long, value_name = "FILE")]

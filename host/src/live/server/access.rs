@@ -159,7 +159,7 @@ impl Access {
             None => path,
             Some(token) => {
                 let (found, path) = path.split_once('/').ok_or(Denied::Token)?;
-                // The length of a token is no secret.
+                // The length of a token is not secret.
                 let same: bool = found.as_bytes().ct_eq(token.as_bytes()).into();
                 if !same {
                     return Err(Denied::Token);

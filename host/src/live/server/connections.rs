@@ -1,4 +1,4 @@
-//! Limits on connections: their number, in all and of one address, and the time of one that is not a viewer's.
+//! Limits on connections: their number, in all and of one address, and their time without a viewer.
 //!
 //! A connection needs no token before its first request, so anybody who reaches the port can open some. These must not use
 //! up the program's descriptors or keep a viewer out for long.

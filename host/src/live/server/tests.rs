@@ -1,4 +1,4 @@
-//! A viewer that does not read, beside one that does.
+//! A viewer that does not read, beside a viewer that reads.
 
 use std::net::TcpStream;
 use std::sync::mpsc::sync_channel;

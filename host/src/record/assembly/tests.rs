@@ -228,7 +228,7 @@ fn lost_lines_end_a_recording_and_the_trial_in_progress_alone_is_not_used() {
     let lengths: Vec<usize> = assembly.parts.iter().map(|own| own.samples.len()).collect();
     assert_eq!(lengths, [200, 200]);
     assert_eq!(assembly.parts[1].index[0], 220);
-    // What was asked for last, of which nobody knows that it was still asked for.
+    // The last cue, of which no later line shows that it still held.
     assert_eq!(assembly.parts[1].cues[0], O);
     // In the rest at its beginning, the person may have rejected the trial before it.
     let rejected: Vec<u32> = assembly.rejected.keys().copied().collect();

@@ -184,7 +184,7 @@ fn sessions_are_judged_again_from_their_files_all_together() {
     let library = load(&ended, &LoadOptions::default()).unwrap();
     assert!(!quality_by_person(&library)[0].quality.is_good_enough());
     fs::remove_dir_all(&ended).unwrap();
-    // A file that is no guided recording is not judged.
+    // A file that is not a guided recording is not judged.
     fs::write(
         person.join("anna_4.csv"),
         "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n0,1,1,1,1,1,1,1,1\n",
@@ -340,7 +340,7 @@ fn a_journal_that_is_being_begun_is_not_taken_by_another_start() {
     std::thread::scope(|scope| {
         scope.spawn(|| {
             while recovering.load(std::sync::atomic::Ordering::Relaxed) {
-                // A complete journal is taken; one that is being written is not.
+                // A complete journal is taken; an open journal is not.
                 let _ = recover(&person);
             }
         });

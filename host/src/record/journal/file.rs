@@ -177,7 +177,7 @@ impl Journal {
         let wanted = folder.join(self.path.file_name().unwrap_or_default());
         let path = free_name(&wanted);
         let (unnamed, mut file) = create_unnamed(&path)?;
-        // Nobody else knows this file yet.
+        // No other process knows this file yet.
         let _ = file.try_lock();
         let mut old = self.writer.get_ref();
         let copied = old.rewind().and_then(|()| io::copy(&mut old, &mut file));
@@ -197,7 +197,7 @@ impl Journal {
 /// Opens and locks a journal that no session is writing.
 ///
 /// # Errors
-/// When it cannot be read, is being written, or is no journal of this format.
+/// When it cannot be read, is being written, or is not a journal of this format.
 pub(crate) fn open(path: &Path) -> Result<(File, Header, Contents), RecordError> {
     let failed = RecordError::io(path);
     let file = File::open(path).map_err(failed)?;

@@ -60,7 +60,7 @@ impl RunContext {
     /// Continues the run in a folder.
     ///
     /// # Errors
-    /// When the recordings are not those of the run.
+    /// When the recordings are not the run's.
     pub fn continue_run(
         folder: RunFolder,
         config: ResolvedConfig,

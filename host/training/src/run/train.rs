@@ -13,7 +13,7 @@ use crate::weights::Weights as _;
 use execution::progress;
 use presets::{distillation, lineage};
 
-/// Models to train beyond those that the preset's student needs.
+/// Models to train besides those for the preset's student.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Extra {
     /// The teacher, even if the student does not learn from it.

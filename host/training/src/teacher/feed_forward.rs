@@ -203,7 +203,7 @@ mod tests {
     #[test]
     fn the_fused_operation_gives_the_same_as_burns_operations() {
         let device = Device::flex().autodiff();
-        // More rows than a thread takes at a time, and a width that is no multiple of a vector.
+        // More rows than a thread takes at a time, and a width that is not a multiple of a vector.
         let dims = [2, 300, 37];
         let values = Tensor::random(dims, Distribution::Normal(0.0, 2.0), &device);
         let weights = Tensor::<3>::random(dims, Distribution::Default, &device);

@@ -116,7 +116,7 @@ pub(super) fn quantize_special<K: Kernels>(values: [f32; 8]) -> Result<usize, Mi
     Ok(1)
 }
 
-/// Compares codes and scale with those of the portable kernel.
+/// Compares codes and scale with the portable kernel's.
 fn quantize_as_portable<K: Kernels>(
     values: &[f32],
     limit: i16,

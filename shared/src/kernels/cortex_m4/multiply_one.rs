@@ -58,7 +58,7 @@ macro_rules! two_groups {
 ///
 /// Registers: r0 weights, r1 input, r2, r3, r12 and lr eight inputs, r4 to r7 the tile's sums, r8 to r11 a group's
 /// weights by row. What is needed once per tile is on the stack. The loop is unrolled eight times; if the number of
-/// pairs of groups is no multiple of eight, a tile enters the first pass at a later pair.
+/// pairs of groups is not a multiple of eight, a tile enters the first pass at a later pair.
 ///
 /// # Safety
 /// `columns` inputs are readable, a multiple of [`COLUMNS`], not 0. The sums up to `sums_end` are writable, a

@@ -234,7 +234,7 @@ fn append_floats(file: &mut Vec<u8>, floats: &[f32]) {
     append_tensor(file, &bytes);
 }
 
-/// Appends the bytes behind as many zeros as align them to four bytes.
+/// Appends zeros up to a multiple of four bytes, then the bytes.
 pub(super) fn append_tensor(file: &mut Vec<u8>, bytes: &[u8]) {
     // The length that comes first includes the zeros. They never make it a byte longer: tensors are whole
     // words, and the largest lengths of one and two bytes, 127 and 16 383, are a multiple of four plus 3.

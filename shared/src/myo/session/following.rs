@@ -85,7 +85,7 @@ impl MyoSession {
         }
     }
 
-    /// Binds an armband, or none; ends a pairing.
+    /// Binds an armband, or forgets it; ends a pairing.
     pub(super) fn bind(
         &mut self,
         now: Millis,

@@ -107,7 +107,7 @@ impl DailyUse {
     }
 }
 
-/// Whether an active label begins within these samples; one that began before does not count.
+/// Whether an active label begins within these samples; an earlier beginning does not count.
 #[must_use]
 pub(crate) fn raises(emitted: &[Option<Intent>], mut samples: Range<usize>) -> bool {
     samples.any(|at| begins(emitted, at))

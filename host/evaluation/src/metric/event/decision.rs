@@ -15,7 +15,7 @@ use shared::intent::{Intent, MAX_CLASSES};
 
 use super::{EventRule, activation, active};
 
-/// Number of decisions, and of those that are right.
+/// Numbers of decisions, and of right ones.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Decisions {
     /// Gestures of a label, or rest spans.
@@ -61,7 +61,7 @@ pub(super) fn decision(emitted: &[Option<Intent>]) -> Option<Intent> {
     Intent::from_class(class)
 }
 
-/// Rest spans, and those that stay at rest. `rest` flags the samples at rest.
+/// Rest spans, all and kept. `rest` flags the samples at rest.
 pub(super) fn rests(emitted: &[Option<Intent>], rest: &[bool], rule: &EventRule) -> Decisions {
     let mut start = 0;
     let spans = rest.chunk_by(|a, b| a == b).map(|run| {

@@ -4,7 +4,7 @@
 //! the emitted label, for the true change that it begins with; every further one is counted. A change that comes in
 //! another part than its true one is therefore counted, and a missed change does not make up for one too many
 //! elsewhere. The first part of a recording may contain none; the first one after unlabelled samples may contain
-//! one. The first label of a recording is no change.
+//! one. The first label of a recording is not a change.
 
 use shared::intent::Intent;
 

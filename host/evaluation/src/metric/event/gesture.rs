@@ -10,14 +10,14 @@
 //!   gesture's own samples, at least half as many samples as the gesture lasts; and
 //! * no run of another active label begins.
 //!
-//! A label that was there before and stays is no recognition: the user sees no reaction to the gesture.
+//! A label that was there before and stays does not count: the user sees no reaction to the gesture.
 //! Nor is a label that comes by chance somewhere in a long gesture.
 //! Latency = first sample of the run that is held - onset; negative within the tolerance before the onset.
 //!
 //! Release latency = end of the last run of A that begins among its samples - end of the gesture. It is known of a
 //! recognised gesture that another one follows in the labelled stretch, or at least four times the tolerance of labels.
 //! A label that is still there at the end of the stretch counts as let go there. One that falls more than the tolerance
-//! before the end of the gesture is no release.
+//! before the end of the gesture does not count.
 
 use std::ops::Range;
 

@@ -1,6 +1,6 @@
 //! Latency = first sample with the emitted label of a gesture - onset of the gesture, in ms.
 //!
-//! The label is the one that a user gets, so the look-ahead is included. A gesture that is not recognised counts as
+//! The label is what a user gets, so the look-ahead is included. A gesture that is not recognised counts as
 //! infinitely late: with n gestures, the q-quantile is the ceil(q n)-th smallest latency (nearest rank), which is
 //! *missed* where it falls on a gesture that is not recognised. Nothing is left out, so a model cannot look
 //! fast by missing the gestures that it would be slow at.
@@ -26,8 +26,8 @@ pub struct LatencySummary {
     pub p90: Latency,
 }
 
-/// Median and 90th percentile over `gestures` gestures, of which those that are recognised have a latency in samples;
-/// none without a gesture.
+/// Median and 90th percentile over `gestures` gestures. The recognised ones have a latency in samples. `None`
+/// without a gesture.
 #[must_use]
 pub fn summary(latencies: &[i32], gestures: usize) -> Option<LatencySummary> {
     let mut sorted = latencies.to_vec();

@@ -42,13 +42,13 @@ pub struct RecordingEvents {
     pub gestures: Vec<Gesture>,
     /// False activations in rest.
     pub rest: Rate,
-    /// Rest spans, and those that stay at rest.
+    /// Rest spans, all and kept.
     pub rests: Decisions,
     /// Activations in movements outside the vocabulary.
     pub other_movement: Rate,
     /// Kind of each of these movements, and whether it raises a label.
     pub raised: Vec<(MovementKind, bool)>,
-    /// Parts of daily life, which are no other movements.
+    /// Parts of daily life. They do not count as other movements.
     pub daily: Vec<(DailyKind, DailyUse)>,
     /// Label changes beyond the true ones.
     pub flicker: Rate,

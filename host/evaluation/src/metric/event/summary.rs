@@ -68,7 +68,7 @@ pub struct SubjectEvents {
     pub rest: Rate,
     /// Activations in movements outside the vocabulary.
     pub other_movement: Rate,
-    /// Numbers of these movements and of those that raise a label, by the name of their kind; empty in scores of
+    /// Numbers of these movements, all and raising a label, by the name of their kind; empty in scores of
     /// earlier versions.
     #[serde(default)]
     pub raised: BTreeMap<String, Raised>,

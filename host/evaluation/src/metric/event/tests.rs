@@ -105,7 +105,7 @@ fn decisions_are_balanced_over_the_labels_of_a_person() {
         [(3, 3), (0, 1), (8, 8)]
     );
     assert_eq!((own.decided(), own.rest_kept()), (Some(0.5), Some(1.0)));
-    // A wrong label for a moment is no decision, but the gesture is not recognised.
+    // A wrong label for a moment does not decide, but the gesture is not recognised.
     let other_first = events(&TRUTH, &[(R, 440), (O, 20), (C, 360), (R, 380)]);
     let other = SubjectEvents::new("b", [&other_first]);
     assert_eq!((other.decided(), other.recognition), (Some(1.0), Some(0.0)));

@@ -52,7 +52,7 @@ fn the_worst_people_are_among_those_with_all_classes_and_are_drawn_while_they_mo
         let moves = |label: &Option<Intent>| label.is_some_and(|own| own != Intent::Relax);
         assert!(own.truth.iter().any(moves), "{}", own.subject);
     }
-    // Where nobody has all classes, those who have the most.
+    // If no person has all classes, the people who have the most.
     let nobody = Evaluated::new(vec![made_up("synthetic/two", &[0, 2])]);
     assert_eq!(nobody.entry().drawn(9, false).unwrap().len(), 1);
 }

@@ -54,12 +54,12 @@ pub(crate) struct Fake {
 }
 
 impl Fake {
-    /// Starts a new one that says `runs` of its firmware once a file has come.
+    /// Starts a new board that says `runs` of its firmware once a file has come.
     pub(crate) fn start(runs: &'static str) -> Self {
         Self::with(runs, NEW)
     }
 
-    /// Starts one that has something already.
+    /// Starts a board that has firmware already.
     pub(crate) fn with(runs: &'static str, kept: Kept) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let (mut master, slave) = SerialPort::pair().unwrap();

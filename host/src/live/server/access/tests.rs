@@ -1,4 +1,4 @@
-//! Names and origins that are answered, and those that are not.
+//! Names and origins that are answered, and refused ones.
 
 use super::*;
 

@@ -175,7 +175,7 @@ impl Adapter {
     async fn disconnect(&mut self) {
         self.notifications = None;
         if let Some(link) = self.link.take() {
-            // A link that has ended already is no failure.
+            // A link that has ended already is not a failure.
             let _ = link.peripheral.disconnect().await;
         }
     }

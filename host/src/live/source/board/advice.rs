@@ -10,13 +10,13 @@ pub(super) struct Advice {
     pub(super) steps: Vec<String>,
 }
 
-/// Error number of a path that is no serial port on Linux and macOS (`ENOTTY`).
+/// Error number of a path that is not a serial port on Linux and macOS (`ENOTTY`).
 const NO_TERMINAL: i32 = 25;
 /// Error numbers of a port whose device is gone there (`EIO`, `ENXIO`, `ENODEV`).
 const GONE: [i32; 3] = [5, 6, 19];
 
 impl Advice {
-    /// Advice for an error of opening or reading a port; `ports` are those that exist.
+    /// Advice for an error of opening or reading a port; `ports` are the existing ones.
     pub(super) fn of(error: &Error, path: &Path, ports: &[PathBuf]) -> Self {
         let path = path.display();
         let is_busy = cfg!(windows) && error.kind() == ErrorKind::PermissionDenied

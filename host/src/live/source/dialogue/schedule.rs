@@ -9,7 +9,7 @@ const COUNTERS_MS: u32 = 2_000;
 /// Period of the questions for identity, binding and alignment: the battery changes slowly, and a line may have been
 /// lost.
 pub(super) const IDENTIFY_MS: u32 = 10_000;
-/// Period of the questions for the binding while the board follows nobody.
+/// Period of the questions for the binding while the board follows no armband.
 const UNBOUND_MS: u32 = 1_000;
 /// Time without samples after which the raw stream is asked for again: the board may have restarted.
 const RAW_MS: u32 = 1_000;
