@@ -10,7 +10,7 @@ use super::values::LabelTiming;
 use super::words::Words;
 use super::{Described, Description};
 use crate::catalogue::DataSet;
-use crate::labels::activity::labelled;
+use crate::labels::activity::{WEAK, label};
 use crate::labels::compensation::Compensation;
 use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::{Damage, Fault, LoadError};
@@ -25,11 +25,7 @@ const LEFT: &str = "named after the left arm, read as it is: if the armband was 
 
 impl Described {
     /// Reads a file of the folder if its path is one of the description's.
-    pub fn open(
-        &self,
-        path: &Path,
-        request: &Request<impl Fn(DataSet) -> bool>,
-    ) -> Result<Found, LoadError> {
+    pub fn open(&self, path: &Path, request: &Request<'_>) -> Result<Found, LoadError> {
         let description = &self.description;
         let below = path.strip_prefix(&self.folder).unwrap_or(path);
         let of_labels = |labels: &Pattern| labels.fields_of(below, |_| true).is_some();
@@ -43,7 +39,7 @@ impl Described {
                 Ok(Found::Nothing(SkipReason::Pattern))
             };
         };
-        if !(request.wants)(DataSet::OWN) {
+        if !request.wants(DataSet::OWN) {
             return Ok(Found::Nothing(SkipReason::NotWanted));
         }
         let rows = self.rows(path, &fields)?;
@@ -176,13 +172,17 @@ pub(super) fn timed(
         (LabelTiming::Muscle, _) => muscle(recording),
         // Rest has no activity to find.
         (LabelTiming::FromActivity, Some(motion)) if motion != Motion::Intent(Intent::Relax) => {
-            let found = labelled(DataSet::OWN, "", recording.samples.clone(), motion);
-            muscle(Recording {
-                labels: found.labels,
-                other_movement: found.other_movement,
-                notes: [recording.notes.clone(), found.notes].concat(),
-                ..recording
-            })
+            let mut recording = muscle(recording);
+            let truth = label(&recording.samples, motion);
+            let weak = truth.is_none().then(|| WEAK.to_owned());
+            recording.notes.extend(weak);
+            recording.labels = vec![None; recording.samples.len()];
+            recording.other_movement.clear();
+            if let Some(truth) = truth {
+                recording.labels = truth.labels;
+                recording.other_movement = truth.other_movement;
+            }
+            recording
         }
         (LabelTiming::FromActivity, _) => recording,
         (LabelTiming::Cues, _) => match description.lag_samples() {

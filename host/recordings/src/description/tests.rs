@@ -143,12 +143,8 @@ fn a_file_of_one_gesture_is_labelled_by_its_name_or_by_the_muscle() {
     assert_eq!(library.recordings[1].labels, vec![R; 700]);
     let library = described(&text("timing = \"from-activity\""), &files).unwrap();
     let first = &library.recordings[0];
-    let found = activity::labelled(
-        first.data_set,
-        "",
-        first.samples.clone(),
-        crate::labels::motion::Motion::Intent(Intent::Close),
-    );
+    let motion = crate::labels::motion::Motion::Intent(Intent::Close);
+    let found = activity::label(&first.samples, motion).unwrap();
     assert_eq!(
         (&first.labels, first.timing),
         (&found.labels, Timing::Muscle)

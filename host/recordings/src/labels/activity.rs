@@ -22,8 +22,6 @@ use shared::units::Sample;
 
 use super::envelope::Envelope;
 use super::motion::{GroundTruth, Motion};
-use crate::catalogue::DataSet;
-use crate::recording::{Recording, Timing};
 use crate::statistics::median;
 
 /// Samples of the moving average that finds bursts: 200 ms.
@@ -45,7 +43,7 @@ const BURST: usize = 80;
 const EDGE: usize = 100;
 
 /// Note of a recording that cannot be labelled.
-const WEAK: &str = "unlabelled: the muscle hardly rises above rest";
+pub(crate) const WEAK: &str = "unlabelled: the muscle hardly rises above rest";
 
 /// Activity of the muscle at one sample.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -55,32 +53,10 @@ pub(crate) enum Activity {
     Uncertain,
 }
 
-/// A recording of one motion, labelled from its muscle activity; without name and path.
-pub(crate) fn labelled(
-    data_set: DataSet,
-    person: &str,
-    samples: Vec<Sample>,
-    motion: Motion,
-) -> Recording {
-    let subject = format!("{}/{person}", data_set.name());
-    let truth = label(&samples, motion);
-    let notes = truth.is_none().then(|| WEAK.to_owned());
-    let truth = truth.unwrap_or_else(|| GroundTruth {
-        labels: vec![None; samples.len()],
-        ..GroundTruth::default()
-    });
-    Recording {
-        other_movement: truth.other_movement,
-        notes: notes.into_iter().collect(),
-        timing: Timing::Muscle,
-        ..Recording::new(data_set, subject, samples, truth.labels)
-    }
-}
-
 /// Labels samples of one motion: relax where the muscle is quiet, `motion` where it is active.
 ///
 /// The result is `None` if the contrast is too weak.
-fn label(samples: &[Sample], motion: Motion) -> Option<GroundTruth> {
+pub(crate) fn label(samples: &[Sample], motion: Motion) -> Option<GroundTruth> {
     let motions = activity(samples)?
         .into_iter()
         .map(|activity| match activity {

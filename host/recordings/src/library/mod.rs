@@ -37,12 +37,6 @@ pub struct LoadOptions {
     pub as_recorded: bool,
 }
 
-impl LoadOptions {
-    fn wants(&self, data_set: DataSet) -> bool {
-        self.data_sets.is_empty() || self.data_sets.contains(&data_set)
-    }
-}
-
 /// Recordings below one path, and what was found beside them.
 #[derive(Debug, Default)]
 pub struct Library {
@@ -129,7 +123,7 @@ fn read(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
     let described = Described::of_files(given, &root, &files)?;
     let alone = !root.is_dir();
     let request = Request {
-        wants: |data_set| options.wants(data_set),
+        data_sets: &options.data_sets,
         alone,
     };
     let found: Vec<Result<_, LoadError>> = files

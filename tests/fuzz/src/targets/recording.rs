@@ -9,7 +9,7 @@ use crate::input::Input;
 use recordings::readers::label_file::{Purpose, parse};
 use recordings::readers::npy;
 pub use recordings::readers::open::{Found, Request, of_bytes};
-use recordings::{DataSet, Recording};
+use recordings::Recording;
 
 /// Paths, one of each layout. No such folder exists: a file that would be read beside another is missing, unless it is
 /// one of [`PAIRS`].
@@ -17,7 +17,7 @@ use recordings::{DataSet, Recording};
 pub const PATHS: [&str; 19] = [
     "/nowhere/s3/s3_grasp_1.csv", "/nowhere/s1_r_1/s1_r_1-rock-0-emg.csv",
     "/nowhere/01/1_raw_data_13-12_22.03.16.txt", "/nowhere/12345-1/7.txt", "/nowhere/sub1/M2T1.csv",
-    "/nowhere/stream/raw_emg.csv", "/nowhere/EvaluationDataset/Male3/training0/classe_12.dat", "/nowhere/user3.json",
+    "/nowhere/stream/raw_emg.csv", "/nowhere/EvaluationDataset/Male3/training0/classe_12.dat", "/nowhere/trainingJSON/user3/user3.json",
     "/nowhere/EMG_S1/1_fist.npy", "/nowhere/user10/training/001_fist.npy", "/nowhere/own.npy",
     "/nowhere/subject03_session01_emg.npy", "/nowhere/s3/e2_emg.npy", "/nowhere/EMG_S1/fist_1_x.mat",
     "/nowhere/MyoUP/E2/s1e2.mat", "/nowhere/12345-1/3.txt", "subject03_session01_emg.npy", "s3/e2_emg.npy",
@@ -60,7 +60,7 @@ pub fn run(data: &[u8]) {
 
 fn read(path: &Path, bytes: &[u8]) {
     let request = Request {
-        wants: |_: DataSet| true,
+        data_sets: &[],
         alone: true,
     };
     let found = of_bytes(path, bytes, &request);
@@ -97,7 +97,7 @@ fn read_again(recording: &Recording) {
         .collect();
     let bytes = npy::encode("|i1", &[recording.samples.len(), 9], &data);
     let request = Request {
-        wants: |_: DataSet| true,
+        data_sets: &[],
         alone: true,
     };
     let Ok(Found::Recordings(again)) = of_bytes(Path::new("/nowhere/s1_x.npy"), &bytes, &request)

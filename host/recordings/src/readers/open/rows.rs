@@ -13,11 +13,7 @@ use crate::readers::table::columns::Columns;
 use execution::file_kind::FileKind;
 
 /// Reads text, of any encoding.
-pub(super) fn open(
-    path: &Path,
-    bytes: &[u8],
-    request: &Request<impl Fn(DataSet) -> bool>,
-) -> Result<Found, LoadError> {
+pub(super) fn open(path: &Path, bytes: &[u8], request: &Request<'_>) -> Result<Found, LoadError> {
     let text = match std::str::from_utf8(bytes) {
         Ok(text) if FileKind::of(bytes) != FileKind::Utf16 => {
             text.strip_prefix('\u{feff}').unwrap_or(text)
@@ -37,11 +33,7 @@ pub(super) fn open(
 }
 
 /// Refuses text in another encoding if it would be a recording in UTF-8.
-fn encoded(
-    path: &Path,
-    bytes: &[u8],
-    request: &Request<impl Fn(DataSet) -> bool>,
-) -> Result<Found, LoadError> {
+fn encoded(path: &Path, bytes: &[u8], request: &Request<'_>) -> Result<Found, LoadError> {
     let kind = FileKind::of(bytes);
     let (text, fault) = match (kind, std::str::from_utf8(bytes)) {
         (FileKind::Utf16, _) | (_, Ok(_)) => {
@@ -90,17 +82,13 @@ fn beginning_of_utf8(bytes: &[u8]) -> String {
 }
 
 /// Reads rows of numbers.
-pub(super) fn of_text(
-    path: &Path,
-    text: &str,
-    request: &Request<impl Fn(DataSet) -> bool>,
-) -> Result<Found, LoadError> {
+pub(super) fn of_text(path: &Path, text: &str, request: &Request<'_>) -> Result<Found, LoadError> {
     let damage = |damage: Damage| damage.in_file(path);
     wide::in_table(text).map_err(|finding| damage(Damage::refused(finding)))?;
     match Columns::of(text) {
         Ok(columns) if columns.names.is_empty() => bare(path, text, &columns, request),
         Ok(columns) => request.several(DataSet::OWN, || own::table(path, text, &columns)),
-        Err(_) if !(request.wants)(DataSet::OWN) => Ok(Found::Nothing(SkipReason::NotWanted)),
+        Err(_) if !request.wants(DataSet::OWN) => Ok(Found::Nothing(SkipReason::NotWanted)),
         Err(error) if request.alone || error.is_meant => {
             Err(damage(Damage::at_line(error.line, error.fault)))
         }
@@ -113,7 +101,7 @@ fn bare(
     path: &Path,
     text: &str,
     columns: &Columns,
-    request: &Request<impl Fn(DataSet) -> bool>,
+    request: &Request<'_>,
 ) -> Result<Found, LoadError> {
     let Some(metadata) = libemg::metadata(path) else {
         return request.unknown(|| own::table(path, text, columns));
