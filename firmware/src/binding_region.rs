@@ -15,7 +15,7 @@ pub fn load() -> Option<Address> {
     from_record(&Region::Binding.read(0))
 }
 
-/// Keeps an armband, or removes it; gives whether the page then agrees. Does nothing if the page agrees already.
+/// Keeps an armband, or removes it; returns whether the page then agrees. Does nothing if the page agrees already.
 ///
 /// A loss of power in between leaves no whole record: then no armband is bound.
 pub async fn keep(flash: &mut impl Flash, armband: Option<Address>) -> bool {

@@ -86,7 +86,7 @@ mod tests {
     use super::*;
     use alloc::{string::String, vec::Vec};
 
-    /// Looks at a contact every 10 ms; gives the milliseconds at which something happened.
+    /// Looks at a contact every 10 ms; returns the milliseconds at which something happened.
     fn presses(button: &mut Button, from: u32, contact: &str) -> Vec<(u32, Press)> {
         let looks = (from..).step_by(10).zip(contact.chars());
         let pressed =

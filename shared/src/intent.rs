@@ -9,7 +9,7 @@ pub const MAX_CLASSES: usize = 6;
 pub const MAX_LOGITS: usize = MAX_CLASSES + 1;
 
 names! {
-    /// Intended movement. The class numbers are those of the paper's data sets, the same in all vocabularies.
+    /// Intended movement. The class numbers are the paper's, the same in all vocabularies.
     #[derive(PartialOrd, Ord)]
     #[repr(u8)]
     pub enum Intent {

@@ -94,7 +94,7 @@ fn a_link_that_is_refused_and_lost_comes_back_and_no_stranger_is_followed() -> a
     run.check()
 }
 
-/// Streams with such a packet in the place of every 27th notification: each leaves a gap that is bridged.
+/// Streams with such a packet in place of every 27th notification: each leaves a gap that is bridged.
 fn play_with(test: &str, kind: &str) -> anyhow::Result<Option<Run>> {
     const PACKETS: u32 = 28;
     let script: Vec<_> = (0..PACKETS)

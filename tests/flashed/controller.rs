@@ -20,7 +20,7 @@ fn board(test: &str) -> anyhow::Result<Option<Board>> {
     Ok(Some(board))
 }
 
-/// Lets a board run these instructions, with registers 0 and 1; gives why that is refused.
+/// Lets a board run these instructions, with registers 0 and 1; returns why that is refused.
 fn refused(board: &mut Board, registers: [u32; 2], code: &[u16]) -> Refusal {
     let bytes: Vec<u8> = code.iter().flat_map(|half| half.to_le_bytes()).collect();
     board.machine.chip().bus.memory.program(CODE, &bytes);

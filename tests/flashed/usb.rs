@@ -28,7 +28,7 @@ pub fn started(test: &str, built: Image) -> Option<Board> {
     Some(Board::new(built, image, setting))
 }
 
-/// Makes a control transfer; gives the bytes that the device sent.
+/// Makes a control transfer; returns the bytes that the device sent.
 fn control(board: &mut Board, setup: [u8; 8], data: &[u8]) -> anyhow::Result<Vec<u8>> {
     board.machine.chip().begin_control(setup, data);
     let end = board.machine.now() + ms(100);

@@ -65,7 +65,7 @@ impl Files {
         Ok((read(&elf)?, read(&self.model)?))
     }
 
-    /// Writes the file; gives its path, by default with this extension.
+    /// Writes the file; returns its path, by default with this extension.
     ///
     /// # Errors
     /// When it cannot be written.

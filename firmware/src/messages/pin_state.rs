@@ -11,7 +11,7 @@ use shared::stream::safe_state::{Cause, Status};
 /// State of pins and LEDs.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct PinState {
-    /// Label and `valid`. Exactly one intent's pin is high, in the safe state that of relax.
+    /// Label and `valid`. Exactly one intent's pin is high: relax in the safe state.
     pub status: Status,
     /// Whether an armband streams.
     pub armband: bool,

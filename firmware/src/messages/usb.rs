@@ -59,7 +59,7 @@ impl Lines {
         }
     }
 
-    /// Waits for bytes and takes some; gives their number.
+    /// Waits for bytes and takes some; returns their number.
     pub async fn take(&self, packet: &mut [u8]) -> usize {
         self.bytes.read(packet).await
     }

@@ -12,13 +12,13 @@ use shared::myo::{attribute_pdu, signaling};
 /// The controller itself, but for what it receives.
 pub struct Guarded<C>(pub C);
 
-/// Buffer of the controller, and one for a packet that the host gets in the place of a received one.
+/// Buffer of the controller, and one for a packet that the host gets in place of a received one.
 pub struct Buffer<B> {
     received: B,
     refused: [u8; signaling::MOST_BYTES],
 }
 
-/// Packet that the host gets. In the place of a signal it gets one that it refuses; in the place of another that it may not be
+/// Packet that the host gets. In place of a signal it gets a signal that it refuses; in place of another that it may not be
 /// given an empty one of a kind that it counts and ignores: the host owes the controller an account of every packet.
 fn taken<'a>(packet: AclPacket<'a>, refused: &'a mut [u8; signaling::MOST_BYTES]) -> AclPacket<'a> {
     let boundary = packet.boundary_flag();

@@ -103,7 +103,7 @@ pub struct Installation {
     transfer: Option<Transfer>,
     /// Blocks that are not missing, in the order in which they are asked for.
     taken: u32,
-    /// Pages that the journal says are written, from the second on; none if the journal is not that of the transfer.
+    /// Pages that the journal says are written, from the second on; `None` if the journal is of another transfer.
     marked: Option<u32>,
     /// The steps that are left for the newest block.
     pending: u16,
@@ -136,7 +136,7 @@ impl Installation {
         }
     }
 
-    /// Begins a transfer, or goes on with it. `journal` is what the journal says; none while a model is in use, for then it
+    /// Begins a transfer, or continues it. `journal` is what the journal says; none while a model is in use, for then it
     /// means nothing. Asks for nothing to be done.
     ///
     /// # Errors

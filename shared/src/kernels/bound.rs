@@ -2,7 +2,7 @@
 
 use super::{GROUP, TILE_ROWS, weights_of};
 
-/// The largest magnitude of codes with which no sum of the matrix leaves 32 bits: at most that of an `i16`.
+/// The largest magnitude of codes with which no sum of the matrix leaves 32 bits: at most an `i16`'s.
 ///
 /// A row's sum is at most the sum of its weights' magnitudes times the largest code. For the weights of a trained
 /// matrix of 64 columns it is some 4000, and 1023 if all of them are extreme. The tiles are those of

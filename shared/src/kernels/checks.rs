@@ -325,7 +325,7 @@ impl Noise {
         self.bits() as usize % most
     }
 
-    /// A value; `range` is that of noise and of alternation, `extremes` are those of minima and maxima.
+    /// A value; `range` is for noise and alternation, `extremes` are for minima and maxima.
     fn value(&mut self, fill: Fill, index: usize, range: [i32; 2], extremes: [i32; 2]) -> i32 {
         match fill {
             Fill::Zeros => 0,

@@ -96,7 +96,7 @@ fn multiply(mut weights: &[Words], codes: &[[i16; GROUP]], sums: &mut [i32]) {
     }
 }
 
-/// Takes `N` tiles off the weights, and gives the sums of their rows.
+/// Takes `N` tiles off the weights, and returns the sums of their rows.
 #[inline]
 #[target_feature(enable = "sse2")]
 fn tiles<const N: usize>(weights: &mut &[Words], codes: &[[i16; GROUP]]) -> [[i32; TILE_ROWS]; N] {

@@ -6,7 +6,7 @@ use crate::intent::MAX_LOGITS;
 use crate::kernels::{Aligned, TILE_ROWS, code_limit, row};
 use crate::units::LOOK_BACK;
 
-/// Largest width of a model whose head can be replaced: that of a device's models.
+/// Largest width of a model whose head can be replaced: the largest of a device.
 pub const MAX_HEAD_WIDTH: usize = 64;
 /// Most outputs of a head.
 pub(crate) const MAX_OUTPUTS: usize = LOOK_BACK * MAX_LOGITS;

@@ -18,7 +18,7 @@ const RESERVED: u8 = 0x00;
 /// Bytes of the longest packet that is given to the host.
 pub const MOST_BYTES: usize = 16;
 
-/// The packet that the host refuses in the place of one, of which these are the bytes up to the first fragment's end; none where
+/// The packet that the host refuses in place of one, of which these are the bytes up to the first fragment's end; none where
 /// nothing is to be answered: another channel, a response, a packet without an identifier.
 ///
 /// A request for connection parameters becomes one for parameters that no link can have, which the host refuses as such; any

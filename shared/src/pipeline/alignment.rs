@@ -1,4 +1,4 @@
-//! Alignment as a part of the pipeline: which electrode is which, while the stream goes on.
+//! Alignment as a part of the pipeline: which electrode is which, while the stream continues.
 
 mod arm;
 
@@ -172,7 +172,7 @@ impl<E: Encode> Pipeline<'_, E> {
         self.realign(alignment);
     }
 
-    /// Ends an alignment in progress without a word; gives the gestures found so far if there was one.
+    /// Ends an alignment in progress, if any, without a report; returns the gestures found so far.
     fn end_alignment(&mut self) -> Option<u8> {
         let stage = core::mem::take(&mut self.placement.stage);
         if matches!(stage, Stage::Arm(_)) {

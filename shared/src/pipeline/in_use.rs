@@ -1,4 +1,4 @@
-//! The model of a pipeline, and another one in its place while the stream goes on.
+//! The model of a pipeline, and another one in its place while the stream continues.
 
 use super::{Pipeline, Reports};
 use crate::intent::MAX_LOGITS;
@@ -106,7 +106,7 @@ impl<E: Encode> Pipeline<'_, E> {
         model.map_or(Gate::default(), |model| model.smoother.gate())
     }
 
-    /// Puts margins in place of the model's, from the next label on; gives whether there is a model that has all of these
+    /// Puts margins in place of the model's, from the next label on; returns whether there is a model that has all of these
     /// margins.
     pub fn set_gate(&mut self, gate: Gate) -> bool {
         let fits = |smoother: &Smoother| gate.other.is_none() || smoother.knows_other();

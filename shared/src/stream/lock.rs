@@ -74,7 +74,7 @@ impl Lock {
         matches!(self.state, State::Locked)
     }
 
-    /// Takes a label, and gives the shown one; `None` while locked. Instants do not run backwards.
+    /// Takes a label, and returns the shown one; `None` while locked. Instants do not run backwards.
     pub fn push(&mut self, instant: SampleIndex, intent: Intent) -> Option<Intent> {
         let start = match self.run {
             Some((same, start)) if same == intent => start,

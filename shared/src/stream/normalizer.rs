@@ -1,4 +1,4 @@
-//! Normalization to the wearer while the stream goes on: the level of rest of each electrode is subtracted, and the strength
+//! Normalization to the wearer while the stream continues: the level of rest of each electrode is subtracted, and the strength
 //! of contractions scaled to a common one.
 //!
 //! People differ in how strong their signals are, and electrodes in how much they pick up at rest, by more than one gesture

@@ -203,7 +203,7 @@ impl SafeState {
         }
     }
 
-    /// Enters the safe state while the stream goes on.
+    /// Enters the safe state while the stream continues.
     fn enter(&mut self, cause: Cause) {
         if !self.has_no_model {
             self.status = Status::Safe(cause);

@@ -124,7 +124,7 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         self.settings.look_ahead
     }
 
-    /// Operating point in place of that of the settings.
+    /// Operating point in place of the settings'.
     #[must_use]
     pub const fn gate(&self) -> Gate {
         self.gate

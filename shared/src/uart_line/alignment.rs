@@ -23,7 +23,7 @@
 //! margin   = number | "-"      how much further the best other placement is, likewise
 //! ```
 //!
-//! `number` and `checksum` are those of the other lines.
+//! `number` and `checksum` are as in the other lines.
 //!
 //! ```text
 //! $ALIGN,3,660,waiting,0,0,0,-,-*15

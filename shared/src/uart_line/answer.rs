@@ -45,7 +45,7 @@
 //!          | "flash"                  flash was not erased or written: send it again
 //! ```
 //!
-//! `number` and `checksum` are those of the other lines. An answer has no line number and is not counted among the
+//! `number` and `checksum` are as in the other lines. An answer has no line number and is not counted among the
 //! lines with one: a program that only listens sees no jump. A line has at most 256 bytes.
 //!
 //! ```text

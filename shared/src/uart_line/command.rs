@@ -26,7 +26,7 @@
 //! turn     = "0" ... "7"                         places that the armband is turned by
 //! mirrored = "0" | "1"                           whether the electrodes run the other way round
 //! end      = CR | LF | CR LF
-//! checksum = that of the lines that the device writes
+//! checksum = as in the lines that the device writes
 //! ```
 //!
 //! Every line from `$` to its end is answered once, in order: [`answer`](super::answer). A line has at most 112 bytes without

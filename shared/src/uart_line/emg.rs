@@ -7,7 +7,7 @@
 //! sample = 16 hexadecimal digits  channels 1 to 8, a byte of two's complement each, upper case
 //! ```
 //!
-//! `number` and `checksum` are those of the other lines. Written only after the command `RAW,on`, without a line number: a
+//! `number` and `checksum` are as in the other lines. Written only after the command `RAW,on`, without a line number: a
 //! jump of `first` by more than 2 means that samples were lost on the way, or lines dropped for want of time. A line has
 //! at most 54 bytes; 100 of them a second are half of what 115200 baud carry.
 //!

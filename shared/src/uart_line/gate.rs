@@ -15,7 +15,7 @@ use super::fields::{Fields, Reader, Writer, field, fields};
 use super::frame::number;
 use crate::stream::smoother::{Gate, Reaction};
 
-/// Largest margin, in hundredths: that of the model file.
+/// Largest margin, in hundredths: the model file's.
 const MOST: u32 = 5000;
 
 /// A command about the confidence gate.

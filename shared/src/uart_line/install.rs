@@ -1,7 +1,7 @@
 //! The exchange of a model on the line: see [`installation`](crate::installation).
 //!
 //! ```text
-//! "INSTALL," length "," crc                 begins, or goes on with a file of so many bytes with this CRC-32
+//! "INSTALL," length "," crc                 begins, or continues, a file of this length and CRC-32
 //! "BLOCK," number "," crc "," content       a block of it, with a CRC-32 of its own
 //! content = the 64 bytes in Base64, 86 characters, without padding; ones behind the end of the file
 //! crc     = eight lower-case hexadecimal digits

@@ -50,7 +50,7 @@ impl Core {
         }
     }
 
-    /// Runs an instruction, or takes an exception; gives the cycles that it took.
+    /// Runs an instruction, or takes an exception; returns the cycles that it took.
     pub fn step(&mut self) -> u64 {
         if self.cpu.xpsr() & IT == 0 || !self.holds_interrupts_back {
             return self.cpu.step();

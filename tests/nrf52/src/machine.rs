@@ -175,7 +175,7 @@ impl Machine {
         Ok(())
     }
 
-    /// Answers in the place of Nordic's library, if the program has come to it.
+    /// Answers in place of Nordic's library, if the program has come to it.
     fn enter_library(&mut self) -> Result<(), Refusal> {
         let Some(controller) = &mut self.controller else {
             return Ok(());

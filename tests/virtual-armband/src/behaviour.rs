@@ -63,7 +63,7 @@ pub enum Step {
         /// Number of the notification.
         at: usize,
     },
-    /// Other bytes in the place of a notification.
+    /// Other bytes in place of a notification.
     Corrupt {
         /// Number of the notification.
         at: usize,
@@ -150,7 +150,7 @@ const fn one() -> usize {
     1
 }
 
-/// Bytes in the place of a notification.
+/// Bytes in place of a notification.
 #[derive(Deserialize, Clone, Copy, PartialEq, Eq, Debug)]
 #[serde(rename_all = "kebab-case")]
 pub enum Corruption {

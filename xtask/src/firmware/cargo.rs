@@ -11,7 +11,7 @@ use crate::{clang, cross_target, symbols, target, vectors, workspace};
 const PACKAGE: &str = "myointent-firmware";
 const PROFILE: &str = "firmware";
 
-/// Builds an image; gives its ELF file.
+/// Builds an image; returns its ELF file.
 ///
 /// # Errors
 /// When it does not build, an interrupt that it needs has no handler, or it contains a function that must not be there.
@@ -36,7 +36,7 @@ pub fn build_image(
     Ok(kept)
 }
 
-/// Builds the program for this computer, where the board is simulated; gives the program's file.
+/// Builds the program for this computer, where the board is simulated; returns the program's file.
 ///
 /// # Errors
 /// When it does not build.

@@ -183,13 +183,13 @@ impl CommandPort {
         port
     }
 
-    /// Waits for bytes and takes some; gives the line that they came by and their number.
+    /// Waits for bytes and takes some; returns the line that they came by and their number.
     #[cfg(not(feature = "uf2"))]
     pub async fn read(&mut self, buffer: &mut [u8]) -> (usize, Result<usize, BytesLost>) {
         (0, self.receive(buffer).await)
     }
 
-    /// Waits for bytes and takes some; gives the line that they came by, 1 for USB, and their number.
+    /// Waits for bytes and takes some; returns the line that they came by, 1 for USB, and their number.
     #[cfg(feature = "uf2")]
     pub async fn read(&mut self, buffer: &mut [u8]) -> (usize, Result<usize, BytesLost>) {
         let mut received = [0; 32];
@@ -206,7 +206,7 @@ impl CommandPort {
         }
     }
 
-    /// Waits for bytes of the UART and takes some; gives their number.
+    /// Waits for bytes of the UART and takes some; returns their number.
     ///
     /// # Errors
     /// If bytes were lost, because they were not taken in time, or by an error on the line.

@@ -6,7 +6,7 @@ use shared::intent::Intent;
 
 use crate::messages::pin_state::PinState;
 
-/// `PINS`, the time, that of the newest packet, then every level.
+/// `PINS`, the time, the time of the newest packet, then every level.
 pub struct Levels {
     /// Microseconds since the start.
     pub now_us: u64,

@@ -222,7 +222,7 @@ impl LabelPort {
 pub struct CommandPort(());
 
 impl CommandPort {
-    /// Waits for bytes and takes some; gives the line that they came by and their number.
+    /// Waits for bytes and takes some; returns the line that they came by and their number.
     pub async fn read(&mut self, buffer: &mut [u8]) -> (usize, Result<usize, BytesLost>) {
         let count = RECEIVED.read(buffer).await;
         let is_lost = OVERRUN.swap(false, Ordering::Relaxed);

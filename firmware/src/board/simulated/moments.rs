@@ -137,7 +137,7 @@ fn poll<F: Future>(future: Pin<&mut F>) -> Poll<F::Output> {
     future.poll(&mut Context::from_waker(Waker::noop()))
 }
 
-/// Lets time pass and events happen; gives their results.
+/// Lets time pass and events happen; returns their results.
 fn play(
     mut board: Pin<&mut impl Future<Output = ()>>,
     flash: &SharedFlash<Slow>,

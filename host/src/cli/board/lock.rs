@@ -32,7 +32,7 @@ pub(super) enum Request {
     State,
 }
 
-/// Sends the command, and gives what the board answers, in words.
+/// Sends the command, and returns what the board answers, in words.
 ///
 /// # Errors
 /// When a time is not allowed or the board does not answer.

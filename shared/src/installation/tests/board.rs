@@ -164,7 +164,7 @@ impl Board {
     }
 }
 
-/// Sends a file until it is in use or power fails; gives the number of blocks sent.
+/// Sends a file until it is in use or power fails; returns the number of blocks sent.
 pub(super) fn send(board: &mut Board, file: &[u8]) -> Result<usize, PowerFailed> {
     let mut sent = 0;
     let mut progress = board.begin(transfer(file)).unwrap();
@@ -175,7 +175,7 @@ pub(super) fn send(board: &mut Board, file: &[u8]) -> Result<usize, PowerFailed>
     Ok(sent)
 }
 
-/// Takes the first block, where one step fails; gives the failure.
+/// Takes the first block, where one step fails; returns the failure.
 pub(super) fn fail_at_first_block(board: &mut Board, file: &[u8], failing: Step) -> Refused {
     let block = Block::of(file, 0);
     board.installation.take(0, &block, |_| true).unwrap();

@@ -211,7 +211,7 @@ pub enum ModelError {
         "this model does not know movement outside the vocabulary: it has no margin over it; train one with data.other_movement = \"class\""
     )]
     NoOther,
-    /// A head that is to replace that of a model of other dimensions.
+    /// A head for a model of other dimensions.
     #[error(
         "the head is one for a model of other dimensions: take the model that it was learnt with"
     )]

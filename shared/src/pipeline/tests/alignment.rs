@@ -1,4 +1,4 @@
-//! Alignment while the stream goes on, with a real encoder.
+//! Alignment while the stream continues, with a real encoder.
 
 mod exchange;
 

@@ -44,7 +44,7 @@ fn an_early_label_keeps_its_class_where_the_samples_are_taken_again_at_once() {
     };
     let state = Box::leak(Box::new(SumModel.fresh()));
     let mut pipeline = Pipeline::new(SumModel, state, settings, Start::Boot).unwrap();
-    // The model counts on channel 0, where an exchange of the electrodes puts rest in the place of open.
+    // The model counts on channel 0, where an exchange of the electrodes puts rest in place of open.
     let open = core::array::from_fn(|channel| i8::from(channel == 0));
     let mut labels: Vec<Report> = Vec::new();
     for index in 0..900 {

@@ -110,7 +110,7 @@ impl ArmDecision {
         }
     }
 
-    /// Takes the logits of the patch of [`ArmDecision::next`], of which `outputs` columns are the model's; gives the end.
+    /// Takes the logits of the patch of [`ArmDecision::next`], of which `outputs` columns are the model's; returns the end.
     pub fn score(
         &mut self,
         rows: &[[f32; MAX_LOGITS]; LOOK_BACK],

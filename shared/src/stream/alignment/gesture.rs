@@ -71,7 +71,7 @@ impl GestureDetector {
         self.active
     }
 
-    /// Takes the next patch; gives a gesture when it has ended, or has lasted 3 s.
+    /// Takes the next patch; returns a gesture when it has ended, or has lasted 3 s.
     pub(super) fn push(&mut self, patch: &Patch) -> Option<Gesture> {
         let electrodes = sums(patch);
         let newest: u32 = electrodes.iter().sum();
@@ -121,7 +121,7 @@ impl Burst {
         }
     }
 
-    /// Adds a patch if it counts; gives whether it does.
+    /// Adds a patch if it counts; returns whether it does.
     fn add(&mut self, electrodes: &[u32; CHANNELS], is_active: bool) -> bool {
         if !is_active || self.gesture.patches >= MOST {
             return false;

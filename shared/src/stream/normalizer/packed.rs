@@ -31,7 +31,7 @@ impl Magnitudes {
         self.sizes.to_le_bytes()
     }
 
-    /// The word with other sizes in the place of these.
+    /// The word with other sizes in place of these.
     pub fn with_sizes(self, size: impl Fn(usize, u8) -> Size) -> u32 {
         let [a, b, c, d] = self.bytes();
         let sizes = [size(0, a).0, size(1, b).0, size(2, c).0, size(3, d).0];

@@ -138,7 +138,7 @@ impl Reaction {
     }
 }
 
-/// Operating point in place of that of [`Settings`]. None: as in the settings.
+/// Operating point in place of the one in [`Settings`]; `None`: as in the settings.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub struct Gate {
     /// Margin of all classes, in hundredths of a logit: see [`Settings::entry_margins`].

@@ -69,7 +69,7 @@ fn address(kind: u8, bytes: &[u8]) -> Option<Address> {
 }
 
 impl Controller {
-    /// Carries a command out, whose name follows `sdc_hci_cmd_`; gives its status.
+    /// Carries a command out, whose name follows `sdc_hci_cmd_`; returns its status.
     pub(super) fn command(
         &mut self,
         name: &str,

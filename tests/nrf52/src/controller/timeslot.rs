@@ -153,7 +153,7 @@ impl Controller {
         Ok(answer::SUCCESS)
     }
 
-    /// Finds time for a slot: after the next connection event, or in the place of some where it is urgent.
+    /// Finds time for a slot: after the next connection event, or in place of some where it is urgent.
     fn schedule(&mut self, wanted: Wanted, now: u64) {
         let Wanted {
             length,

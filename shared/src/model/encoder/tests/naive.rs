@@ -1,5 +1,5 @@
 //! The formulas of the module's first lines in f64, over all patches at once, with no
-//! quantization but that of the weights.
+//! quantization but of the weights.
 
 use super::*;
 use crate::model::dimensions::HEADS;

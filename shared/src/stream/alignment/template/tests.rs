@@ -1,4 +1,4 @@
-//! The template and what it fits.
+//! The template, and the profiles that fit it.
 
 use super::*;
 use proptest::prelude::*;
