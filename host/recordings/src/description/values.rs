@@ -148,14 +148,9 @@ impl TryFrom<String> for Mark {
     type Error = ValueError;
 
     fn try_from(text: String) -> Result<Self, ValueError> {
-        let found = match text.as_str() {
-            "," => Separator::Comma,
-            ";" => Separator::Semicolon,
-            "\t" => Separator::Tab,
-            " " => Separator::Space,
-            _ => return Err(ValueError::Separator(text)),
-        };
-        Ok(Self(found))
+        let mut known = Separator::TEXTS.into_iter();
+        let found = known.find(|(_, own)| *own == text);
+        found.map_or(Err(ValueError::Separator(text)), |(own, _)| Ok(Self(own)))
     }
 }
 

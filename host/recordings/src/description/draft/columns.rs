@@ -22,14 +22,6 @@ const EXAMINED: usize = 20_000;
 /// Maximum number of different words of a column of labels.
 const WORDS: usize = 64;
 
-/// Texts that separate columns, as a description has them.
-const SEPARATORS: [(Separator, &str); 4] = [
-    (Separator::Comma, ","),
-    (Separator::Semicolon, ";"),
-    (Separator::Tab, "\t"),
-    (Separator::Space, " "),
-];
-
 /// Kind of a file of samples.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Kind {
@@ -119,10 +111,12 @@ impl Table {
                 }
             }
         }
-        let mark = SEPARATORS.iter().find(|(own, _)| *own == head.separator);
+        let mark = Separator::TEXTS
+            .into_iter()
+            .find(|(own, _)| *own == head.separator);
         let names = head.fields.iter().filter(|_| head.is_names);
         Ok(Some(Self {
-            separator: mark.map(|(_, text)| *text),
+            separator: mark.map(|(_, text)| text),
             names: names.map(|&name| name.to_owned()).collect(),
             named,
             columns,

@@ -19,6 +19,13 @@ pub enum Separator {
 }
 
 impl Separator {
+    /// Separators, each with its text in a description.
+    pub(crate) const TEXTS: [(Self, &str); 4] = [
+        (Self::Comma, ","),
+        (Self::Semicolon, ";"),
+        (Self::Tab, "\t"),
+        (Self::Space, " "),
+    ];
     /// Separators other than spaces, which names and decimals may hold, in order of precedence.
     const MARKS: [Self; 3] = [Self::Tab, Self::Semicolon, Self::Comma];
 
