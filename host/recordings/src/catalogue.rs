@@ -212,6 +212,22 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_name_is_read_as_its_set_and_an_unknown_one_is_refused() {
+        let read = |name: &str| serde_json::from_value::<DataSet>(name.into());
+        // Those that the program names too.
+        for name in ["roshambo", "ss-stm", "epn", "uci-gestures"] {
+            assert_eq!(read(name).unwrap(), DataSet::named(name));
+        }
+        assert_eq!(read("react-emg").unwrap(), DataSet::OWN);
+        let error = read("fist").unwrap_err().to_string();
+        assert!(
+            error.contains("`fist`, expected one of roshambo, ss-stm, "),
+            "{error}"
+        );
+        assert!(DataSet::named("ss-stm") < DataSet::named("cote-allard"));
+    }
+
+    #[test]
     fn every_published_set_has_a_source_and_the_page_of_recordings_has_its_address() {
         let unpublished = DataSet::all().filter(|set| source(set.name()).is_none());
         let unpublished: Vec<DataSet> = unpublished.collect();

@@ -10,7 +10,7 @@ fn a_misspelt_name_is_refused_with_the_nearest_known_one() {
     let error = resolve(&["own/p55"], &[]).unwrap_err().to_string();
     assert!(error.contains("\"own/p55\""), "{error}");
     assert!(error.contains("own/p5"), "{error}");
-    let error = resolve(&[], &["react_emg/p1"]).unwrap_err().to_string();
+    let error = resolve(&[], &["owm/p1"]).unwrap_err().to_string();
     assert!(error.contains("own/p1"), "{error}");
 }
 
