@@ -8,6 +8,8 @@ mod air;
 mod alignment;
 #[path = "flashed/boot.rs"]
 mod boot;
+#[path = "flashed/calibration.rs"]
+mod calibration;
 #[path = "flashed/controller.rs"]
 mod controller;
 #[path = "flashed/dead_man.rs"]

@@ -1,6 +1,10 @@
-//! Times on the simulated board from the packet that a label was made of to its pin, and to the last byte of its line.
+//! Simulated board: times from the packet that a label was made of to its pin, and to the last byte of its line; a calibration.
 
-use std::path::Path;
+#[path = "simulated/calibration.rs"]
+mod calibration;
+
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use myointent_tests::simulation::{self, Inputs, Ran};
 use rand::{RngExt as _, SeedableRng as _};
@@ -10,6 +14,23 @@ use shared::myo::Address;
 use shared::myo::binding::to_record;
 use shared::uart_line::{Kind, Report};
 use xtask::firmware;
+
+/// Returns the path of the simulated board's program, built once.
+fn program() -> &'static Path {
+    static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
+    PROGRAM.get_or_init(|| firmware::build_simulation().unwrap())
+}
+
+/// Reads a model of the repository.
+fn model(name: &str) -> Vec<u8> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
+    std::fs::read(folder.join(name).with_extension("intent")).unwrap()
+}
+
+/// Returns the page of a board that the armband is bound to.
+fn page() -> Vec<u8> {
+    to_record(Address::parse("FA:12:34:56:78:9A").unwrap()).to_vec()
+}
 
 /// Milliseconds of the packet that completes a patch, with every wait state that the nRF52840 may have
 /// (docs/budgets.md). Here each packet takes as long.
@@ -53,7 +74,6 @@ fn stream(commands: &[&str]) -> Ran {
     let text = format!(
         "run_seconds = {SECONDS}\npacket_ms = {PACKET_MS}\nend = \"disconnect\"\nperson = [\n{person}]\n"
     );
-    let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/three-class.intent");
     let person = SynthOptions {
         subjects: 1,
         recordings: 1,
@@ -62,12 +82,13 @@ fn stream(commands: &[&str]) -> Ran {
     };
     let inputs = Inputs {
         scenario: &text,
-        model: &std::fs::read(model).unwrap(),
+        model: &model("three-class"),
         samples: &synthetic::generate(&person).remove(0).samples,
-        page: &to_record(Address::parse("FA:12:34:56:78:9A").unwrap()),
+        page: &page(),
+        calibration: &[],
         install: None,
     };
-    simulation::run(&firmware::build_simulation().unwrap(), &inputs).unwrap()
+    simulation::run(program(), &inputs).unwrap()
 }
 
 /// Returns the times from packet to pin, at changes of the label, and from packet to the end of the line. The first

@@ -51,6 +51,8 @@ impl<F> SharedFlash<F> {
 /// A region.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Region {
+    /// The wearer's calibration: a page.
+    Calibration,
     /// The bound armband: a page.
     Binding,
     /// The journal of an installation: a page.
@@ -83,15 +85,17 @@ impl Region {
 }
 
 #[cfg(target_os = "none")]
+pub use memory::bytes;
+#[cfg(target_os = "none")]
 use memory::{bounds, read};
 #[cfg(not(target_os = "none"))]
 use simulated::{bounds, read};
 #[cfg(not(target_os = "none"))]
-pub use simulated::{contents, erase, insert, program};
+pub use simulated::{bytes, contents, erase, insert, program};
 
 #[cfg(target_os = "none")]
 mod memory {
-    use core::ptr;
+    use core::{ptr, slice};
 
     use super::{PAGE_BYTES, Region};
 
@@ -103,6 +107,7 @@ mod memory {
     pub fn bounds(region: Region) -> (u32, u32) {
         // SAFETY: memory.x defines the symbols, as the ends of its regions. Only their addresses are used.
         unsafe extern "C" {
+            static _calibration_start: u8;
             static _binding_start: u8;
             static _journal_start: u8;
             static _model_start: u8;
@@ -111,6 +116,7 @@ mod memory {
         // The cores have 32-bit addresses.
         let page = |start: *const u8| (start.addr() as u32, start.addr() as u32 + PAGE_BYTES);
         match region {
+            Region::Calibration => page(&raw const _calibration_start),
             Region::Binding => page(&raw const _binding_start),
             Region::Journal => page(&raw const _journal_start),
             Region::Model => (
@@ -129,6 +135,21 @@ mod memory {
         // same executor; volatile, because the compiler does not see that.
         unsafe { byte.read_volatile() }
     }
+
+    /// The whole of a region that what is in use borrows from: the model's, or the calibration's.
+    #[expect(
+        unsafe_code,
+        reason = "only the linker script knows where the region lies"
+    )]
+    pub fn bytes(region: Region) -> &'static [u8] {
+        let start = ptr::with_exposed_provenance(region.address(0) as usize);
+        // SAFETY: the addresses of the region are flash that every board has and that no section of the program is placed
+        // in, so no other Rust object overlaps them. Any byte is a valid `u8`, and alignment is 1. The program writes it in
+        // one place, `installation`, and there only after the inference has given up what it borrowed and for as long as no
+        // model is in use; a slice that was given before is not read then, and a fresh one is made after. The region has at
+        // most 160 KiB, far below `isize::MAX`.
+        unsafe { slice::from_raw_parts(start, region.length() as usize) }
+    }
 }
 
 #[cfg(not(target_os = "none"))]
@@ -137,8 +158,8 @@ mod simulated {
 
     use super::{PAGE_BYTES, Region};
 
-    /// Simulated flash, from the journal to the end of the model, where `memory.x` has them.
-    const START: u32 = 0x5_6000;
+    /// Simulated flash, from the calibration to the end of the model, where `memory.x` has them.
+    const START: u32 = 0x5_5000;
     const END: u32 = 0x8_0000;
 
     static MEMORY: Mutex<Vec<u8>> = Mutex::new(Vec::new());
@@ -151,14 +172,20 @@ mod simulated {
 
     pub fn bounds(region: Region) -> (u32, u32) {
         match region {
-            Region::Journal => (START, START + PAGE_BYTES),
-            Region::Binding => (START + PAGE_BYTES, START + 2 * PAGE_BYTES),
-            Region::Model => (START + 2 * PAGE_BYTES, END),
+            Region::Calibration => (START, START + PAGE_BYTES),
+            Region::Journal => (START + PAGE_BYTES, START + 2 * PAGE_BYTES),
+            Region::Binding => (START + 2 * PAGE_BYTES, START + 3 * PAGE_BYTES),
+            Region::Model => (START + 3 * PAGE_BYTES, END),
         }
     }
 
     pub fn read(region: Region, offset: u32) -> u8 {
         lock()[(region.address(offset) - START) as usize]
+    }
+
+    /// The whole of a region, as it is now.
+    pub fn bytes(region: Region) -> &'static [u8] {
+        contents(region).leak()
     }
 
     /// Whatever a region holds.

@@ -1,13 +1,18 @@
-//! Exchanges the model in flash: carries out what [`Installation`] asks for, beside the radio.
+//! Exchanges the model in flash, or its calibration: carries out what [`Installation`] asks for, beside the radio.
 
-use embassy_futures::{select::select, yield_now};
+use embassy_futures::{
+    select::{Either, select},
+    yield_now,
+};
 use embassy_time::Timer;
 use shared::installation::{BLOCK_BYTES, Block, Installation, Progress, Refused, Step, journal};
 use shared::model::file::{Model, ModelError};
 use shared::uart_line::answer::Refusal;
+use shared::uart_line::calibration::{CalibrationReport, CalibrationState};
 
 use crate::flash::{Flash, FlashFailed, PAGE_BYTES, Region, SharedFlash};
 use crate::messages::{
+    calibration::{self, Keep},
     heartbeat, model, pin_state,
     requests::{INSTALLATION, InstallationRequest, MODEL, ModelRequest},
     uart::{self, UartMessage},
@@ -32,7 +37,15 @@ pub async fn beside<F: Flash>(flash: F, radio: impl AsyncFnOnce(&SharedFlash<F>)
 async fn serve(flash: &SharedFlash<impl Flash>) -> ! {
     let mut installation = Installation::new(Region::Model.length());
     loop {
-        let (ticket, request) = INSTALLATION.receive().await;
+        // The one that is dropped loses nothing. A record first: its model is given up already.
+        let next = select(calibration::KEEP.wait(), INSTALLATION.receive()).await;
+        let (ticket, request) = match next {
+            Either::First(wanted) => {
+                keep(flash, wanted).await;
+                continue;
+            }
+            Either::Second(asked) => asked,
+        };
         let answer = match request {
             InstallationRequest::Begin(transfer) if model::current() == Some(transfer.checksum) => {
                 Ok(Progress::Installed)
@@ -48,6 +61,43 @@ async fn serve(flash: &SharedFlash<impl Flash>) -> ! {
         };
         INSTALLATION.answer(ticket, answer.map_err(refusal));
     }
+}
+
+/// Keeps a record in the calibration's page, or none, and puts the model in use again, with it. A loss of power leaves the
+/// page as it was, as it is to be, or not whole: then the model's own head is used.
+async fn keep(flash: &SharedFlash<impl Flash>, Keep { learnt, model }: Keep) {
+    shown().await;
+    let wanted = learnt.is_some();
+    let mut learnt = learnt;
+    {
+        let _air = flash.air().await;
+        let record = learnt.as_deref_mut().map(|memory| memory.record(model));
+        // What came of it is read.
+        let _ = write_page(&mut *flash.lock().await, record.unwrap_or_default()).await;
+    }
+    if let Some(memory) = learnt {
+        calibration::RETURNED.signal(memory);
+    }
+    // Nobody asks again.
+    while MODEL.ask(ModelRequest::Resume).await == Err(Refusal::Busy) {}
+    let state = match (wanted, calibration::is_in_use()) {
+        (true, true) => CalibrationState::Done,
+        (false, false) => CalibrationState::Idle,
+        _ => CalibrationState::NotKept,
+    };
+    calibration::report(CalibrationReport {
+        state,
+        ..calibration::current()
+    });
+}
+
+async fn write_page(flash: &mut impl Flash, record: &[u8]) -> Result<(), FlashFailed> {
+    let region = Region::Calibration;
+    flash.erase(region.address(0)).await?;
+    for (block, words) in (0..).zip(record.chunks(BLOCK_BYTES)) {
+        put(flash, region, block * BLOCK_BYTES as u32, words).await?;
+    }
+    Ok(())
 }
 
 const fn refusal(refused: Refused) -> Refusal {
@@ -110,13 +160,18 @@ const fn request(step: Step) -> Option<ModelRequest> {
 /// Requests the inference's part. The pins show it then: they are safe, and nothing reads the region, once it is suspended.
 async fn inference(request: ModelRequest) -> Result<(), Refused> {
     let done = MODEL.ask(request).await;
-    while !pin_state::is_shown() {
-        yield_now().await;
-    }
+    shown().await;
     done.map_err(|refusal| match refusal {
         Refusal::Model => Refused::Model,
         _ => Refused::Busy,
     })
+}
+
+/// Waits until the pins show the newest state.
+async fn shown() {
+    while !pin_state::is_shown() {
+        yield_now().await;
+    }
 }
 
 async fn write(

@@ -9,9 +9,9 @@
 //! tasks           radio, inference, output, control, watchdog
 //! board           pins, UART, watchdog, Bluetooth controller: nRF52, or simulated on a PC
 //! radio           the Myo session on a Bluetooth stack: SoftDevice or trouble
-//! installation    the model is exchanged
+//! installation    the model is exchanged, or its calibration kept
 //! messages        what the tasks send each other
-//! model_region    the model in flash
+//! model_region    the model in flash, with its calibration
 //! binding_region  the bound armband in flash
 //! flash           both, and the journal of an installation, as they are written
 //! stack_guard     memory below the stack that nothing may access

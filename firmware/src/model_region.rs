@@ -3,13 +3,20 @@
 //! It is flashed apart from the program, so it may be erased, or hold an old model or noise; or the program exchanges it
 //! ([`installation`](crate::installation)), and power may have failed meanwhile.
 
+use shared::calibration::{RecordError, from_record};
+#[cfg(not(feature = "nrf52832"))]
+use shared::calibration::{Refusal, Sums};
 use shared::installation::journal::{self, Journal};
-use shared::model::encoder::DeviceEncoder;
+use shared::model::encoder::{DeviceEncoder, DeviceState};
 use shared::model::file::{Model, ModelError};
+#[cfg(not(feature = "nrf52832"))]
+use shared::model::head::Head;
+use shared::model::{Encode, LookBackLogits};
 use shared::pipeline::{Input, Smoother};
 use shared::stream::smoother::SettingsError;
+use shared::units::Patch;
 
-use crate::flash::Region;
+use crate::flash::{self, Region};
 
 /// Why the region's content cannot be run.
 #[derive(Clone, Copy, Debug, thiserror::Error)]
@@ -25,18 +32,79 @@ pub enum ModelRefused {
         "no model: an installation is not complete; `myointent board --port PATH install FILE` with the same file goes on with it"
     )]
     Incomplete,
+    /// The calibration is being written beside it.
+    #[error("no model while the calibration is written")]
+    Keeping,
+}
+
+/// Encoder for models of any dimensions that the device has room for.
+pub struct BoardEncoder(DeviceEncoder<'static>);
+
+impl BoardEncoder {
+    fn new(model: &Model<'static>) -> Result<Self, ModelError> {
+        DeviceEncoder::new(model).map(Self)
+    }
+
+    /// Uses the calibration that is kept.
+    fn calibrate(&mut self, model: &Model<'_>) -> Result<(), RecordError> {
+        // No calibration is made on an nRF52832.
+        if cfg!(feature = "nrf52832") {
+            return Err(RecordError::Missing);
+        }
+        let head = from_record(flash::bytes(Region::Calibration), model)?;
+        self.0.set_head(head);
+        Ok(())
+    }
+}
+
+/// On an nRF52832 without what calibrates: it has no room for that.
+impl Encode for BoardEncoder {
+    type State = DeviceState;
+
+    fn classes(&self) -> usize {
+        self.0.classes()
+    }
+
+    fn fresh(&self) -> DeviceState {
+        self.0.fresh()
+    }
+
+    fn reset(&self, state: &mut DeviceState) {
+        state.reset();
+    }
+
+    fn step(&self, state: &mut DeviceState, patch: &Patch) -> LookBackLogits {
+        self.0.step(state, patch)
+    }
+
+    #[cfg(not(feature = "nrf52832"))]
+    fn hidden<'s>(&self, state: &'s DeviceState) -> &'s [f32] {
+        self.0.hidden(state)
+    }
+
+    #[cfg(not(feature = "nrf52832"))]
+    fn logits_by(&self, head: &Head, state: &mut DeviceState) -> LookBackLogits {
+        self.0.logits_by(head, state)
+    }
+
+    #[cfg(not(feature = "nrf52832"))]
+    fn solve(&self, sums: &Sums, state: &mut DeviceState, head: &mut Head) -> Result<(), Refusal> {
+        self.0.solve(sums, state, head)
+    }
 }
 
 /// A model that can be run.
 pub struct Loaded {
     /// Encoder of the model.
-    pub encoder: DeviceEncoder<'static>,
+    pub encoder: BoardEncoder,
     /// Smoother with the model's settings.
     pub smoother: Smoother,
     /// Input that the model requires.
     pub input: Input,
     /// CRC-32 of its file.
     pub checksum: u32,
+    /// Whether the encoder has the wearer's calibration, or why not.
+    pub calibration: Result<(), RecordError>,
 }
 
 /// Reads the region and hands over what is in it, which may not be used once an installation has asked for its end.
@@ -47,11 +115,12 @@ pub struct Loaded {
 // inlined: its stack frame is released before anything else runs.
 #[inline(never)]
 pub fn load(take: &mut dyn FnMut(Loaded)) -> Result<(), ModelRefused> {
-    let bytes = bytes();
+    let bytes = flash::bytes(Region::Model);
     let model = Model::parse(bytes)?;
     // The file ends with it.
     let checksum = bytes[..model.length].last_chunk();
-    let encoder = DeviceEncoder::new(&model)?;
+    let mut encoder = BoardEncoder::new(&model)?;
+    let calibration = encoder.calibrate(&model);
     let settings = model.header.smoother.in_patches();
     take(Loaded {
         smoother: Smoother::new(settings, encoder.classes())?,
@@ -61,6 +130,7 @@ pub fn load(take: &mut dyn FnMut(Loaded)) -> Result<(), ModelRefused> {
             template: model.header.template,
         },
         checksum: checksum.map_or(0, |bytes| u32::from_le_bytes(*bytes)),
+        calibration,
     });
     Ok(())
 }
@@ -68,35 +138,4 @@ pub fn load(take: &mut dyn FnMut(Loaded)) -> Result<(), ModelRefused> {
 /// Journal of an installation that is not complete.
 pub fn journal() -> Option<Journal> {
     journal::read(&Region::Journal.read(0))
-}
-
-#[cfg(target_os = "none")]
-use flash::bytes;
-
-/// The whole region, as it is now.
-#[cfg(not(target_os = "none"))]
-fn bytes() -> &'static [u8] {
-    crate::flash::contents(Region::Model).leak()
-}
-
-#[cfg(target_os = "none")]
-mod flash {
-    use core::{ptr, slice};
-
-    use crate::flash::Region;
-
-    /// The whole region.
-    #[expect(
-        unsafe_code,
-        reason = "only the linker script knows where the region lies"
-    )]
-    pub fn bytes() -> &'static [u8] {
-        let start = ptr::with_exposed_provenance(Region::Model.address(0) as usize);
-        // SAFETY: the addresses of the region are flash that every board has and that no section of the program is placed
-        // in, so no other Rust object overlaps them. Any byte is a valid `u8`, and alignment is 1. The program writes it in
-        // one place, `installation`, and there only after the inference has given up what it borrowed and for as long as no
-        // model is in use; a slice that was given before is not read then, and a fresh one is made after. The region is
-        // 160 KiB, far below `isize::MAX`.
-        unsafe { slice::from_raw_parts(start, Region::Model.length() as usize) }
-    }
 }

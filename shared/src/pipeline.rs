@@ -15,11 +15,13 @@
 //! `myointent replay` run the same code, so both write the same UART lines.
 
 mod alignment;
+mod calibration;
 mod in_use;
 mod losses;
 
 pub use self::alignment::AlignmentPhase;
 use self::alignment::Placement;
+use self::calibration::Calibration;
 use self::in_use::InUse;
 pub use self::in_use::{Input, Smoother};
 use crate::intent::{Intent, MAX_CLASSES};
@@ -30,6 +32,7 @@ use crate::stream::preprocess::{Preprocessing, Preprocessor};
 use crate::stream::ring::{Origin, SampleRing};
 use crate::stream::safe_state::{Event, SafeState, Start, Status};
 use crate::stream::smoother::{Decision, Settings, SettingsError};
+use crate::uart_line::calibration::CalibrationState;
 use crate::uart_line::{Counters, Kind, Report};
 use crate::units::{Millis, PATCH, Sample, SampleIndex, WINDOW_PATCHES};
 
@@ -63,6 +66,7 @@ pub struct Pipeline<'s, E: Encode> {
     label: Option<(SampleIndex, Intent)>,
     /// Lock of the labels; none if they are not locked.
     lock: Option<Lock>,
+    calibration: Calibration<'s>,
     sequence: u32,
 }
 
@@ -111,6 +115,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
             last: None,
             label: None,
             lock: None,
+            calibration: Calibration::default(),
             sequence: 0,
         }
     }
@@ -128,6 +133,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         let mut reports = self.tick(now);
         self.handle(now, Event::Sample, &mut reports);
         self.watch(sample);
+        self.calibration.sample(sample);
         let sample = match &mut self.normalizer {
             Some(normalizer) => normalizer.push(sample),
             None => sample,
@@ -248,7 +254,18 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         }
         let after = (behind * PATCH) as u32;
         let window_end = SampleIndex(self.newest_end.0.wrapping_sub(after));
-        smoother.push(window_end, &rows)
+        let decision = smoother.push(window_end, &rows);
+        if !self.calibration.is_busy() {
+            return decision;
+        }
+        if behind == 0
+            && self
+                .calibration
+                .push(encoder, self.state, window_end, decision)
+        {
+            self.encode_anew();
+        }
+        None
     }
 
     /// Reports a label unless it contradicts one before.
@@ -300,6 +317,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         self.behind = 0;
         self.label = None;
         self.hold_lock(true);
+        self.calibration.end(CalibrationState::Interrupted);
         self.interrupt_alignment();
         self.restart_model();
     }

@@ -34,6 +34,7 @@
 
 pub mod alignment;
 pub mod answer;
+pub mod calibration;
 pub mod command;
 pub mod emg;
 mod fields;

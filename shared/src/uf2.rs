@@ -31,7 +31,7 @@ const JOURNAL: u32 = 0x5_6000;
 /// Bytes of a page of flash.
 const PAGE: usize = 4096;
 /// Region of the program, as in `memory.x`.
-pub const PROGRAM_REGION: Range<u32> = WINDOW.start..JOURNAL;
+pub const PROGRAM_REGION: Range<u32> = WINDOW.start..0x5_5000;
 /// Region of the model file, as in `memory.x`.
 pub const MODEL_REGION: Range<u32> = 0x5_8000..0x8_0000;
 

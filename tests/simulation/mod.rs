@@ -26,6 +26,8 @@ pub struct Inputs<'s> {
     pub samples: &'s [Sample],
     /// Content of the page of the bound armband, from its start.
     pub page: &'s [u8],
+    /// Content of the calibration's page, from its start.
+    pub calibration: &'s [u8],
     /// Model file that the person installs.
     pub install: Option<&'s [u8]>,
 }
@@ -35,6 +37,8 @@ pub struct Ran {
     output: Output,
     /// Content of the model's flash region at the end.
     pub region: Vec<u8>,
+    /// Content of the calibration's page at the end.
+    pub calibration: Vec<u8>,
     folder: TempDir,
 }
 
@@ -68,6 +72,7 @@ pub fn run(program: &Path, inputs: &Inputs<'_>) -> anyhow::Result<Ran> {
     let samples = bytemuck::cast_slice::<Sample, u8>(inputs.samples);
     fs::write(path("samples.i8"), samples)?;
     fs::write(path("page"), inputs.page)?;
+    fs::write(path("calibration"), inputs.calibration)?;
     let mut board = Command::new(program);
     if let Some(file) = inputs.install {
         fs::write(path("other.intent"), file)?;
@@ -82,6 +87,8 @@ pub fn run(program: &Path, inputs: &Inputs<'_>) -> anyhow::Result<Ran> {
         .arg(path("samples.i8"))
         .arg("--page")
         .arg(path("page"))
+        .arg("--calibration")
+        .arg(path("calibration"))
         .arg("--out")
         .arg(folder.path())
         .output()
@@ -97,6 +104,7 @@ pub fn run(program: &Path, inputs: &Inputs<'_>) -> anyhow::Result<Ran> {
     Ok(Ran {
         output,
         region: fs::read(path("model.intent"))?,
+        calibration: fs::read(path("calibration"))?,
         folder,
     })
 }

@@ -14,6 +14,7 @@
 pub mod armband;
 #[cfg(any(feature = "uf2", test))]
 pub mod battery;
+pub mod calibration;
 pub mod heartbeat;
 pub mod model;
 pub mod packets;

@@ -8,6 +8,7 @@ use shared::installation::{Block, Progress, Transfer};
 use shared::stream::alignment::Alignment;
 use shared::stream::smoother::Gate;
 use shared::uart_line::answer::{Accepted, Binding, Refusal};
+use shared::uart_line::calibration::CalibrateCommand;
 use shared::uart_line::command::{AlignCommand, BindCommand};
 use shared::uart_line::gate::GateCommand;
 use shared::uart_line::lock::{LockCommand, Locking};
@@ -24,7 +25,9 @@ pub enum InferenceRequest {
     Gate(GateCommand),
     /// The lock of the labels.
     Lock(LockCommand),
-    /// The button was pressed: unlock labels that are locked, or begin an alignment.
+    /// The calibration.
+    Calibrate(CalibrateCommand),
+    /// The button was pressed: end a calibration, unlock labels that are locked, or begin an alignment.
     Press,
 }
 
@@ -39,6 +42,8 @@ pub enum InferenceAnswer {
     Gate(Gate),
     /// This lock is in force from now on.
     Lock(Option<Locking>),
+    /// The command about the calibration is carried out.
+    Calibrated,
 }
 
 /// Requests from the installation to the inference. A channel of its own: flash is erased on the strength of its answer.

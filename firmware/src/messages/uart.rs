@@ -7,8 +7,10 @@ use core::fmt::{self, Write as _};
 
 use embassy_futures::select::{Either3, select3};
 use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, channel::Channel};
+use shared::calibration::RecordError;
 use shared::myo::{ConnectionParameters, Counters, FirmwareVersion, Following};
 use shared::uart_line::answer::{Answer, Identity};
+use shared::uart_line::calibration::{self, CalibrationReport, Recalls};
 use shared::uart_line::command::{BEGIN_PAIRING, NOBODY_HEARD};
 use shared::uart_line::emg::EmgReport;
 use shared::uart_line::{Report, alignment::AlignmentReport};
@@ -26,6 +28,10 @@ pub enum UartMessage {
     Report(Report),
     /// Progress or result of an alignment.
     Alignment(AlignmentReport),
+    /// Progress or result of a calibration.
+    Calibration(CalibrationReport),
+    /// The calibration that is kept is not used.
+    CalibrationRefused(RecordError),
     /// The program started; the CRC-32 of its model file, if it can be run.
     Started(ResetReason, Option<u32>),
     /// A panic ended the run before.
@@ -154,6 +160,8 @@ impl UartMessage {
         match self {
             Self::Report(report) => write!(line, "{report}"),
             Self::Alignment(report) => write!(line, "{report}"),
+            Self::Calibration(report) => write_calibration(line, report),
+            Self::CalibrationRefused(error) => write!(line, "# {error}\r\n"),
             Self::Started(reason, model) => {
                 line.write_str(FIRST)?;
                 match model {
@@ -201,6 +209,22 @@ fn line(write: impl FnOnce(&mut Line) -> fmt::Result) -> Line {
         let _ = line.push_str("\r\n");
     }
     line
+}
+
+fn write_calibration(line: &mut Line, report: CalibrationReport) -> fmt::Result {
+    let CalibrationReport {
+        state,
+        cue,
+        recalls,
+    } = report;
+    write!(line, "# calibration: {}", state.name())?;
+    if let Some(cue) = cue {
+        write!(line, ", {}", calibration::name(cue))?;
+    }
+    if let Some(Recalls { before, learnt }) = recalls {
+        write!(line, ", recall {before} of 1000 before, {learnt} learnt")?;
+    }
+    line.write_str("\r\n")
 }
 
 fn write_following(line: &mut Line, following: Following) -> fmt::Result {

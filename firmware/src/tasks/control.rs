@@ -7,13 +7,14 @@ use embassy_futures::{
 use embassy_time::{Duration, Ticker};
 use shared::button::{self, Press};
 use shared::uart_line::answer::{Answer, Counts, Refusal};
+use shared::uart_line::calibration::CalibrateCommand;
 use shared::uart_line::command::{AlignCommand, BindCommand, Command, CommandReader};
 use shared::units::Millis;
 
 use crate::board::{Button, CommandPort, LINES};
 use crate::clock::now;
 use crate::messages::{
-    armband, model,
+    armband, calibration, model,
     packets::PACKETS,
     raw,
     requests::{self, InferenceAnswer, InferenceRequest, InstallationRequest},
@@ -91,7 +92,10 @@ async fn carry_out(command: Command) -> Answer<'static> {
         Command::Align(AlignCommand::State) => {
             ask_inference(InferenceRequest::Align(AlignCommand::State)).await
         }
-        Command::Align(_) | Command::Bind(_) | Command::Gate(_) if model::current().is_none() => {
+        Command::Calibrate(CalibrateCommand::State) => calibration::answer(),
+        Command::Align(_) | Command::Bind(_) | Command::Gate(_) | Command::Calibrate(_)
+            if model::current().is_none() =>
+        {
             Answer::Refused(Refusal::NoModel)
         }
         Command::Bind(command) => match requests::BIND.ask(command).await {
@@ -100,6 +104,7 @@ async fn carry_out(command: Command) -> Answer<'static> {
         },
         Command::Align(command) => ask_inference(InferenceRequest::Align(command)).await,
         Command::Gate(command) => ask_inference(InferenceRequest::Gate(command)).await,
+        Command::Calibrate(command) => ask_inference(InferenceRequest::Calibrate(command)).await,
         Command::Lock(command) => ask_inference(InferenceRequest::Lock(command)).await,
         Command::Install(transfer) => install(InstallationRequest::Begin(transfer)).await,
         Command::Block(number, block) => install(InstallationRequest::Block(number, block)).await,
@@ -112,6 +117,7 @@ async fn ask_inference(request: InferenceRequest) -> Answer<'static> {
         Ok(InferenceAnswer::Alignment(alignment)) => Answer::Alignment(alignment),
         Ok(InferenceAnswer::Gate(gate)) => Answer::Gate(gate),
         Ok(InferenceAnswer::Lock(lock)) => Answer::Lock(lock),
+        Ok(InferenceAnswer::Calibrated) => calibration::answer(),
         Err(refusal) => Answer::Refused(refusal),
     }
 }

@@ -5,12 +5,14 @@ use embassy_futures::{
     yield_now,
 };
 use embassy_time::{Duration, Instant, Timer};
-use shared::model::encoder::{DeviceEncoder, DeviceState};
+use shared::calibration::Memory;
+use shared::model::encoder::DeviceState;
 use shared::pipeline::{AlignmentPhase, Pipeline, Reports};
 use shared::stream::alignment::{Arm, Trigger};
 use shared::stream::link_sequence::GapDetector;
 use shared::stream::safe_state::Start;
 use shared::uart_line::answer::{Accepted, Refusal};
+use shared::uart_line::calibration::{CalibrateCommand, CalibrationReport, CalibrationState};
 use shared::uart_line::command::AlignCommand;
 use shared::uart_line::emg::EmgReport;
 use shared::uart_line::gate::GateCommand;
@@ -21,13 +23,14 @@ use static_cell::{ConstStaticCell, StaticCell};
 use crate::board::DeadMan;
 use crate::clock::now;
 use crate::messages::{
+    calibration::{self, Keep},
     heartbeat, model,
     packets::PACKETS,
     pin_state, raw,
     requests::{INFERENCE, InferenceAnswer, InferenceRequest, MODEL, ModelRequest},
     uart::{self, UartMessage},
 };
-use crate::model_region::{self, Loaded, ModelRefused};
+use crate::model_region::{self, BoardEncoder, Loaded, ModelRefused};
 use crate::reset_reason::ResetReason;
 use crate::settings::{ALIGN_ON_CONNECTION, ARM, LOCK};
 
@@ -42,7 +45,7 @@ const REPEAT_MS: u32 = 1000;
 const BLINK_MS: u32 = 250;
 
 /// Pipeline for a model of any dimensions that the device has room for.
-pub type DevicePipeline = Pipeline<'static, DeviceEncoder<'static>>;
+pub type DevicePipeline = Pipeline<'static, BoardEncoder>;
 
 /// The pipeline before the first sample, with the model in flash in use, or why it cannot be. To be called once.
 pub fn load(reason: ResetReason) -> (&'static mut DevicePipeline, Option<ModelRefused>) {
@@ -65,6 +68,12 @@ fn fresh(reason: ResetReason) -> &'static mut DevicePipeline {
     static PIPELINE: StaticCell<DevicePipeline> = StaticCell::new();
     let pipeline = PIPELINE.init_with(|| Pipeline::without_model(STATE.take(), start(reason)));
     pipeline.set_lock(LOCK);
+    // The nRF52832 has no room for it.
+    #[cfg(not(feature = "nrf52832"))]
+    {
+        static MEMORY: ConstStaticCell<Memory> = ConstStaticCell::new(Memory::EMPTY);
+        pipeline.lend(MEMORY.take());
+    }
     pipeline
 }
 
@@ -76,7 +85,9 @@ fn resume(pipeline: &mut DevicePipeline) -> Result<(), ModelRefused> {
             smoother,
             input,
             checksum,
+            calibration,
         } = loaded;
+        calibration::set_in_use(calibration);
         pipeline.resume(now(), encoder, smoother, input);
         model::set(Some(checksum));
     })
@@ -109,6 +120,7 @@ pub async fn run(
         Some(error) => refuse(pipeline, &mut absence, error),
         None => uart::enqueue(UartMessage::Report(pipeline.state_report())),
     }
+    calibration::say_if_refused();
     loop {
         let silence = timer_until(pipeline.deadline());
         let (asked, exchange) = (INFERENCE.receive(), MODEL.receive());
@@ -118,6 +130,9 @@ pub async fn run(
         // Before anything else finds that it is late, and takes that for a silence of the armband.
         if dead_man.has_expired() {
             stalled(pipeline, now);
+        }
+        if let Some(memory) = calibration::RETURNED.try_take() {
+            pipeline.lend(memory);
         }
         match next {
             Either4::First(packet) => {
@@ -163,6 +178,12 @@ pub async fn run(
                     InferenceRequest::Align(command) => align(pipeline, command, streams),
                     InferenceRequest::Gate(command) => set_gate(pipeline, command),
                     InferenceRequest::Lock(command) => Ok(set_lock(pipeline, command)),
+                    InferenceRequest::Calibrate(command) => {
+                        calibrate(pipeline, &mut absence, command, streams)
+                    }
+                    InferenceRequest::Press if pipeline.cancel_calibration() => {
+                        Ok(InferenceAnswer::Calibrated)
+                    }
                     InferenceRequest::Press
                         if pipeline.lock().is_some_and(|lock| lock.is_locked()) =>
                     {
@@ -188,7 +209,11 @@ pub async fn run(
                         Ok(())
                     }
                     ModelRequest::Verify => model_region::load(&mut |_| ()),
-                    ModelRequest::Resume => resume(pipeline),
+                    ModelRequest::Resume => {
+                        let resumed = resume(pipeline);
+                        calibration::say_if_refused();
+                        resumed
+                    }
                 };
                 match done {
                     Ok(()) => enqueue(pipeline, Reports::default()),
@@ -204,6 +229,9 @@ pub async fn run(
         if !pipeline.has_model() && absence.is_due(now) {
             uart::enqueue(UartMessage::ModelRefused(absence.reason));
             uart::enqueue(UartMessage::Report(pipeline.state_report()));
+        }
+        if let Some(learnt) = pipeline.take_learnt() {
+            keep(pipeline, &mut absence, Some(learnt));
         }
         pin_state::set_status(pipeline.status());
         pin_state::set_alignment_led(match pipeline.alignment_phase() {
@@ -246,6 +274,43 @@ fn align(
     })
 }
 
+fn calibrate(
+    pipeline: &mut DevicePipeline,
+    absence: &mut Absence,
+    command: CalibrateCommand,
+    streams: bool,
+) -> Result<InferenceAnswer, Refusal> {
+    match command {
+        CalibrateCommand::Begin { .. } if !streams => return Err(Refusal::NoStream),
+        CalibrateCommand::Begin { others } => match pipeline.begin_calibration(now(), others) {
+            Some(reports) => enqueue(pipeline, reports),
+            None => calibration::report(CalibrationReport::of(CalibrationState::Unavailable, None)),
+        },
+        CalibrateCommand::Cancel => {
+            pipeline.cancel_calibration();
+            enqueue(pipeline, Reports::default());
+        }
+        CalibrateCommand::Forget => keep(pipeline, absence, None),
+        CalibrateCommand::State => {}
+    }
+    Ok(InferenceAnswer::Calibrated)
+}
+
+/// Gives up the model, and has its calibration written, or none; then the installation asks for the model again.
+fn keep(pipeline: &mut DevicePipeline, absence: &mut Absence, learnt: Option<&'static mut Memory>) {
+    let Some(model) = model::current() else {
+        return;
+    };
+    model::set(None);
+    let reports = pipeline.suspend(now());
+    enqueue(pipeline, reports);
+    if learnt.is_none() {
+        calibration::report(CalibrationReport::of(CalibrationState::Keeping, None));
+    }
+    absence.began(now(), ModelRefused::Keeping);
+    calibration::KEEP.signal(Keep { learnt, model });
+}
+
 fn set_gate(
     pipeline: &mut DevicePipeline,
     command: GateCommand,
@@ -266,13 +331,16 @@ fn set_lock(pipeline: &mut DevicePipeline, command: LockCommand) -> InferenceAns
     InferenceAnswer::Lock(pipeline.lock().map(Locking::from))
 }
 
-/// Queues what a call of the pipeline gave and what is new about the alignment, in the order of the lines' numbers.
+/// Queues what a call of the pipeline gave and what is new about alignment and calibration, in the order of the lines' numbers.
 fn enqueue(pipeline: &mut DevicePipeline, reports: Reports) {
     for report in reports {
         uart::enqueue(UartMessage::Report(report));
     }
     if let Some(report) = pipeline.take_alignment_report() {
         uart::enqueue(UartMessage::Alignment(report));
+    }
+    if let Some(report) = pipeline.take_calibration_report() {
+        calibration::report(report);
     }
 }
 

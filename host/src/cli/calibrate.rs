@@ -32,8 +32,8 @@ pub struct Arguments {
 )]
 pub(super) struct Kept {
     model: PathBuf,
-    old: f64,
-    new: f64,
+    old: f32,
+    new: f32,
 }
 
 /// Calibrates the model, and writes it unless it is worse.

@@ -3,6 +3,7 @@
 //! ```text
 //! hidden vector, class that the wearer was asked for -> Sums -> solve -> Head -> Encoder::with_head
 //!                                                                           record -> kept over a loss of power
+//! Session: cues, what the wearer is asked for; Judgement: whether the new head is used
 //! ```
 //!
 //! The encoder stays as it is. The hidden vector of each patch that is shown, the head's input with a 1 behind it, is
@@ -16,21 +17,53 @@
 //!
 //! Constants and what they were measured against: docs/calibration.md.
 
+mod judgement;
 mod record;
+mod session;
 mod solve;
 mod sums;
 
-pub use record::{RECORD_BYTES, RecordError, from_record, to_record};
-pub use solve::{Factor, solve};
+pub use judgement::Judgement;
+pub use record::{KeptHead, RECORD_BYTES, RecordError, from_record, to_record};
+pub use session::{Progress, Session};
+pub(crate) use solve::solve_from;
+pub use solve::{SCRATCH, solve};
 pub use sums::{Shown, Sums};
 
 use crate::intent::Intent;
-use crate::model::head::MAX_HEAD_WIDTH;
+use crate::model::head::{Head, MAX_HEAD_WIDTH};
 
 /// Fewest patches of each class, and of other movement if it is shown: those that lie whole in half a second.
 pub const FEWEST_PATCHES: u32 = 9;
 /// Most patches of a hold that a calibration learns from: 3 s.
 pub const MOST_PATCHES: usize = 60;
+
+/// Memory of a calibration on a device, all zeros at first.
+#[derive(Debug)]
+pub struct Memory {
+    pub(crate) sums: Sums,
+    pub(crate) head: Head,
+}
+
+impl Memory {
+    /// Memory before the first calibration.
+    pub const EMPTY: Self = Self {
+        sums: Sums::EMPTY,
+        head: Head::EMPTY,
+    };
+
+    /// Record of the head that was learnt, for the model with this CRC-32; from the start of a word. The sums are lost.
+    #[must_use]
+    pub fn record(&mut self, model: u32) -> &[u8] {
+        let bytes = bytemuck::cast_slice_mut(&mut self.sums.products);
+        bytes
+            .first_chunk_mut()
+            .map_or(&[], |bytes| to_record(&self.head, model, bytes))
+    }
+}
+
+// The record has room in the sums.
+const _: () = assert!(RECORD_BYTES <= 4 * SCRATCH);
 
 /// Reason why a calibration learns nothing.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]

@@ -7,8 +7,7 @@
 //! 6       outputs
 //! 7       0
 //! 8..12   CRC-32 of its model file
-//! 12..16  counter: the highest of several records is the newest
-//! 16..    tiles of weights, scales, biases: as in the model file
+//! 12..    tiles of weights, scales, biases: as in the model file
 //! end     CRC-32 of the bytes before
 //! ```
 //!
@@ -16,14 +15,17 @@
 
 use crate::checksum::crc32;
 use crate::kernels::TILE_ROWS;
-use crate::model::file::Model;
-use crate::model::head::{Head, MAX_HEAD_WIDTH, MAX_OUTPUTS};
+use crate::kernels::code_limit;
+use crate::model::dimensions::Dimensions;
+use crate::model::file::{LinearWeights, Model};
+use crate::model::head::{Head, MAX_HEAD_WIDTH, MAX_OUTPUTS, are_allowed};
+use crate::units::LOOK_BACK;
 
 const MAGIC: [u8; 4] = *b"MyoC";
 const VERSION: u8 = 1;
-const HEAD_START: usize = 16;
+const HEAD_START: usize = 12;
 const CHECKSUM_BYTES: usize = 4;
-/// Longest record: of six classes and other movement at width 64. One of three classes and other movement has 1748 bytes.
+/// Longest record: of six classes and other movement at width 64. One of three classes and other movement has 1744 bytes.
 pub const RECORD_BYTES: usize = HEAD_START
     + MAX_OUTPUTS.next_multiple_of(TILE_ROWS) * MAX_HEAD_WIDTH
     + 2 * 4 * MAX_OUTPUTS
@@ -57,18 +59,16 @@ pub enum RecordError {
     },
 }
 
-/// Writes the record of a model's head with a counter; returns its bytes.
+/// Head of a record, read where it is.
+#[derive(Clone, Copy, Debug)]
+pub struct KeptHead<'b>(pub(crate) LinearWeights<'b>);
+
+/// Writes the record of a head for the model with this CRC-32; returns its bytes, a multiple of four.
 #[must_use]
-pub fn to_record<'b>(
-    head: &Head,
-    counter: u32,
-    model: &Model<'_>,
-    bytes: &'b mut [u8; RECORD_BYTES],
-) -> &'b [u8] {
+pub fn to_record<'b>(head: &Head, model: u32, bytes: &'b mut [u8; RECORD_BYTES]) -> &'b [u8] {
     bytes[..4].copy_from_slice(&MAGIC);
     bytes[4..8].copy_from_slice(&[VERSION, head.width as u8, head.outputs as u8, 0]);
-    bytes[8..12].copy_from_slice(&model.checksum.to_le_bytes());
-    bytes[12..HEAD_START].copy_from_slice(&counter.to_le_bytes());
+    bytes[8..HEAD_START].copy_from_slice(&model.to_le_bytes());
     let tiles = bytemuck::cast_slice(head.tiles());
     bytes[HEAD_START..][..tiles.len()].copy_from_slice(tiles);
     let mut end = HEAD_START + tiles.len();
@@ -83,23 +83,21 @@ pub fn to_record<'b>(
     &bytes[..end + CHECKSUM_BYTES]
 }
 
-/// Reads the record at the start of some bytes, which may go on behind it, into `head`; returns the counter.
+/// Reads the record at the start of some bytes, which begin at a multiple of four and may go on behind it.
 ///
 /// # Errors
-/// Each [`RecordError`]; the numbers of `head` are unspecified then.
-pub fn from_record(bytes: &[u8], model: &Model<'_>, head: &mut Head) -> Result<u32, RecordError> {
+/// Each [`RecordError`].
+pub fn from_record<'b>(bytes: &'b [u8], model: &Model<'_>) -> Result<KeptHead<'b>, RecordError> {
     let (start, body) = bytes
         .split_first_chunk::<HEAD_START>()
         .ok_or(RecordError::Missing)?;
-    let [a, b, c, d, version, width, outputs, zero, ..] = *start;
+    let [a, b, c, d, version, width, outputs, zero, found @ ..] = *start;
     if [a, b, c, d] != MAGIC {
         return Err(RecordError::Missing);
     }
     if version != VERSION {
         return Err(RecordError::Version { found: version });
     }
-    let [found, counter] =
-        [8, 12].map(|place| u32::from_le_bytes([0, 1, 2, 3].map(|byte| start[place + byte])));
     let (width, outputs) = (usize::from(width), usize::from(outputs));
     let tiles = outputs.next_multiple_of(TILE_ROWS) * width;
     let end = tiles + 2 * 4 * outputs;
@@ -110,28 +108,23 @@ pub fn from_record(bytes: &[u8], model: &Model<'_>, head: &mut Head) -> Result<u
     if zero != 0 || crc32(covered).to_le_bytes() != *checksum {
         return Err(RecordError::Damaged);
     }
-    let expected = model.checksum;
+    let (expected, found) = (model.checksum, u32::from_le_bytes(found));
     if found != expected {
         return Err(RecordError::WrongModel { expected, found });
     }
-    let fits = head.shape(&model.header.dimensions);
-    if !fits || (head.width, head.outputs) != (width, outputs) {
+    let dimensions: &Dimensions = &model.header.dimensions;
+    let is_of_shape = (width, outputs) == (dimensions.width, LOOK_BACK * dimensions.row_outputs());
+    let numbers: &[f32] =
+        bytemuck::try_cast_slice(&body[tiles..end]).map_err(|_| RecordError::Damaged)?;
+    let (scales, bias) = numbers.split_at(outputs);
+    if !is_of_shape || width > MAX_HEAD_WIDTH || !are_allowed(scales, bias) {
         return Err(RecordError::Damaged);
     }
-    head.tiles_mut()
-        .copy_from_slice(bytemuck::cast_slice(&body[..tiles]));
-    let (numbers, _) = body[tiles..end].as_chunks::<4>();
-    let Head { scales, bias, .. } = &mut *head;
-    for (number, bytes) in scales[..outputs]
-        .iter_mut()
-        .chain(&mut bias[..outputs])
-        .zip(numbers)
-    {
-        *number = f32::from_le_bytes(*bytes);
-    }
-    if head.complete() {
-        Ok(counter)
-    } else {
-        Err(RecordError::Damaged)
-    }
+    let weights = bytemuck::cast_slice(&body[..tiles]);
+    Ok(KeptHead(LinearWeights {
+        weights,
+        code_limit: code_limit(weights, width),
+        scales,
+        bias,
+    }))
 }

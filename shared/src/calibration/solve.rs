@@ -1,10 +1,13 @@
 //! Closed-form solution for the head of a wearer.
+//!
+//! Functions are not inlined: the optimiser would make a board's image 5 KiB longer.
 
 use super::sums::{COLUMNS, Shown, Sums, TRIANGLE, add_products};
 use super::{FEWEST_PATCHES, Refusal};
 use crate::intent::{Intent, MAX_LOGITS};
 use crate::kernels::{WEIGHT_ONE, row};
-use crate::model::file::Model;
+use crate::model::dimensions::Dimensions;
+use crate::model::file::{LinearWeights, Model};
 use crate::model::head::{Head, MAX_HEAD_WIDTH};
 
 /// Target logit of the class that is shown.
@@ -16,14 +19,8 @@ const AT_REST: f32 = -3.0;
 /// Ridge penalty on the distance to the model's own head, in mean squares of a column.
 const PULL: f32 = 2.0;
 
-/// Scratch memory of [`solve`]: the factors of a symmetric matrix, 8.6 KB.
-#[derive(Clone, Debug)]
-pub struct Factor([f32; TRIANGLE]);
-
-impl Factor {
-    /// All zeros.
-    pub const EMPTY: Self = Self([0.0; TRIANGLE]);
-}
+/// Numbers in the scratch memory of [`solve`]: the factors of a symmetric matrix, 8.6 KB.
+pub const SCRATCH: usize = TRIANGLE;
 
 /// Writes the head of a model for the wearer whose sums these are. Cost: 0.2 million products.
 ///
@@ -34,19 +31,30 @@ impl Factor {
 pub fn solve(
     sums: &Sums,
     model: &Model<'_>,
-    factor: &mut Factor,
+    scratch: &mut [f32; SCRATCH],
     head: &mut Head,
 ) -> Result<(), Refusal> {
-    let dimensions = &model.header.dimensions;
-    if !head.copy_from(model) {
+    let own = &model.weights.head;
+    solve_from(sums, &model.header.dimensions, own, scratch, head)
+}
+
+/// As [`solve`], for a model with these dimensions and this head of its own.
+pub(crate) fn solve_from(
+    sums: &Sums,
+    dimensions: &Dimensions,
+    own: &LinearWeights<'_>,
+    scratch: &mut [f32; SCRATCH],
+    head: &mut Head,
+) -> Result<(), Refusal> {
+    if !head.copy(dimensions, own) {
         return Err(Refusal::TooWide {
             found: dimensions.width,
         });
     }
-    let classes = Classes::of(sums, model)?;
+    let classes = Classes::of(sums, dimensions)?;
     let columns = sums.columns;
-    let pull = matrix(sums, &classes, &mut factor.0);
-    if !factorize(&mut factor.0, columns) {
+    let pull = matrix(sums, &classes, scratch);
+    if !factorize(scratch, columns) {
         return Err(Refusal::NotFinite);
     }
     let outputs = dimensions.row_outputs();
@@ -69,13 +77,13 @@ pub fn solve(
                 *x += factor * sum;
             }
         }
-        substitute(&factor.0, x);
+        substitute(scratch, x);
         head.put(output, &x[..columns - 1], x[columns - 1]);
     }
     if head.complete() {
         Ok(())
     } else {
-        head.copy_from(model);
+        head.copy(dimensions, own);
         Err(Refusal::NotFinite)
     }
 }
@@ -105,8 +113,7 @@ struct Classes {
 }
 
 impl Classes {
-    fn of(sums: &Sums, model: &Model<'_>) -> Result<Self, Refusal> {
-        let dimensions = &model.header.dimensions;
+    fn of(sums: &Sums, dimensions: &Dimensions) -> Result<Self, Refusal> {
         let intents = dimensions.vocabulary.intents();
         for &class in intents {
             let found = sums.patches(Shown::Intent(class));
@@ -160,6 +167,7 @@ impl Classes {
 ///
 /// The matrix is the covariance within the classes, pooled over all patches, plus the second moments of the classes' means,
 /// each class weighed the same. One set of sums is enough for that, however unequal the holds.
+#[inline(never)]
 fn matrix(sums: &Sums, classes: &Classes, matrix: &mut [f32; TRIANGLE]) -> f32 {
     let all = 1.0 / classes.each().map(|class| class.patches).sum::<f32>();
     for (entry, product) in matrix.iter_mut().zip(&sums.products) {
@@ -190,6 +198,7 @@ const fn start(row: usize) -> usize {
 
 /// Factorizes a symmetric matrix in place into `L D L^T`: `D` on the diagonal, `L` below it. Returns whether it is
 /// positive definite.
+#[inline(never)]
 fn factorize(matrix: &mut [f32; TRIANGLE], columns: usize) -> bool {
     for row in 0..columns {
         let (above, rest) = matrix.split_at_mut(start(row));
@@ -214,6 +223,7 @@ fn factorize(matrix: &mut [f32; TRIANGLE], columns: usize) -> bool {
 }
 
 /// Solves `L D L^T x = b` in place.
+#[inline(never)]
 fn substitute(factor: &[f32; TRIANGLE], x: &mut [f32]) {
     for row in 0..x.len() {
         x[row] -= product(&factor[start(row)..][..row], &x[..row]);
@@ -230,6 +240,7 @@ fn substitute(factor: &[f32; TRIANGLE], x: &mut [f32]) {
 }
 
 /// Sum of products, from the first to the last.
+#[inline(never)]
 fn product(a: &[f32], b: &[f32]) -> f32 {
     let mut sum = 0.0;
     for (a, b) in a.iter().zip(b) {

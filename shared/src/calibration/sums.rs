@@ -49,6 +49,20 @@ impl Sums {
         patches: [0; MAX_LOGITS],
     };
 
+    /// Forgets all patches, in place: a device's stack has no room for a second one.
+    pub fn clear(&mut self) {
+        let Self {
+            columns,
+            products,
+            of_class,
+            patches,
+        } = self;
+        *columns = 0;
+        products.fill(0.0);
+        of_class.as_flattened_mut().fill(0.0);
+        patches.fill(0);
+    }
+
     /// Adds the [hidden vector](crate::model::encoder::Encoder::hidden) of a patch, `[width]`. A vector longer than
     /// [`MAX_HEAD_WIDTH`], or of another length than those before, is left out.
     pub fn add(&mut self, hidden: &[f32], shown: Shown) {

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::intent::Vocabulary;
-use crate::kernels::{WEIGHT_ONE, row};
+use crate::kernels::{Aligned, WEIGHT_ONE, row};
 use crate::model::dimensions::Dimensions;
 use crate::model::encoder::{DeviceEncoder, HostEncoder};
 use crate::model::file::Model;
@@ -60,8 +60,8 @@ fn sums(shown: &[(Vec<f32>, Shown)]) -> Sums {
 }
 
 fn solved(sums: &Sums, file: &[u8]) -> Result<Head, Refusal> {
-    let (mut factor, mut head) = (Factor::EMPTY, Head::EMPTY);
-    solve(sums, &Model::parse(file).unwrap(), &mut factor, &mut head).map(|()| head)
+    let (mut scratch, mut head) = ([0.0; SCRATCH], Head::EMPTY);
+    solve(sums, &Model::parse(file).unwrap(), &mut scratch, &mut head).map(|()| head)
 }
 
 /// The weights of an output and its bias.
@@ -207,11 +207,11 @@ fn every_machine_gives_the_same_bits() {
     }
     let head = solved(&sums, &file).unwrap();
     let mut bytes = [0; RECORD_BYTES];
-    let bytes = to_record(&head, 1, &model, &mut bytes);
+    let bytes = to_record(&head, model.checksum, &mut bytes);
     // Without its own checksum, with which any record has the same.
     assert_eq!(
         crate::checksum::crc32(&bytes[..bytes.len() - 4]),
-        2_461_024_122
+        4_225_904_359
     );
 }
 
@@ -317,31 +317,35 @@ fn a_record_is_read_again_and_refused_with_any_byte_changed_or_missing() {
     let file = file(16, true);
     let model = Model::parse(&file).unwrap();
     let head = solved(&sums(&shown(16, [20; 4])), &file).unwrap();
-    let read = |bytes: &[u8], model: &Model<'_>| {
-        let mut head = Head::EMPTY;
-        from_record(bytes, model, &mut head).map(|counter| (head, counter))
-    };
-    let mut page = [0xff; RECORD_BYTES];
-    let length = to_record(&head, 7, &model, &mut page).len();
-    assert_eq!(read(&page, &model), Ok((head, 7)));
+    let mut page = Aligned([0xff; RECORD_BYTES]);
+    let length = to_record(&head, model.checksum, &mut page.0).len();
+    let encoder = HostEncoder::new(&model).unwrap();
+    let lent = encoder.with_head(&head);
+    let mut read = encoder;
+    read.set_head(from_record(&page.0, &model).unwrap());
+    let (mut states, patch) = ([encoder.fresh(), encoder.fresh()], [[9; 8]; 10]);
+    let [a, b] = &mut states;
+    assert_eq!(lent.step(a, &patch), read.step(b, &patch));
+    let read = |bytes: &[u8], model: &Model<'_>| from_record(bytes, model).map(|_| ());
+    assert_eq!(read(&page.0[1..], &model), Err(RecordError::Missing));
     for at in 0..length {
         for change in [1, 0x80, 0xff] {
             let mut page = page;
-            page[at] ^= change;
-            let error = read(&page, &model).unwrap_err();
+            page.0[at] ^= change;
+            let error = read(&page.0, &model).unwrap_err();
             match at {
                 0..4 => assert_eq!(error, RecordError::Missing),
                 4 => assert!(matches!(error, RecordError::Version { .. })),
                 _ => assert_eq!(error, RecordError::Damaged, "{at}"),
             }
         }
-        assert!(read(&page[..at], &model).is_err());
+        assert!(read(&page.0[..at], &model).is_err());
     }
     assert_eq!(read(&[0xff; 4096], &model), Err(RecordError::Missing));
     let other = random_model(model.header.dimensions, 4).to_bytes().unwrap();
     let other = Model::parse(&other).unwrap();
     assert_eq!(
-        read(&page, &other),
+        read(&page.0, &other),
         Err(RecordError::WrongModel {
             expected: other.checksum,
             found: model.checksum

@@ -1,6 +1,8 @@
 //! The interface between a pipeline and a model.
 
+use crate::calibration::{Refusal, Sums};
 use crate::intent::MAX_LOGITS;
+use crate::model::head::Head;
 use crate::units::{LOOK_BACK, Patch};
 
 /// Logits of the six newest patches, newest first, not normalised.
@@ -27,6 +29,30 @@ pub trait Encode {
 
     /// Takes the next patch.
     fn step(&self, state: &mut Self::State, patch: &Patch) -> LookBackLogits;
+
+    /// Hidden vector at the patch of the last step, from which a calibration learns; empty for a model that cannot be
+    /// calibrated.
+    fn hidden<'s>(&self, _state: &'s Self::State) -> &'s [f32] {
+        &[]
+    }
+
+    /// Logits that another head gives at the patch of the last step.
+    fn logits_by(&self, _head: &Head, _state: &mut Self::State) -> LookBackLogits {
+        LookBackLogits::default()
+    }
+
+    /// Writes the head of a wearer; the state is scratch memory, and fresh after it.
+    ///
+    /// # Errors
+    /// Each [`Refusal`].
+    fn solve(
+        &self,
+        _sums: &Sums,
+        _state: &mut Self::State,
+        _head: &mut Head,
+    ) -> Result<(), Refusal> {
+        Err(Refusal::WrongModel)
+    }
 
     /// Takes consecutive patches. Equal to as many calls of [`Encode::step`], bit for bit; an
     /// implementation may compute several at once.

@@ -34,7 +34,8 @@ impl Head {
         weights: Aligned([[0; MAX_HEAD_WIDTH]; TILED]),
         scales: [0.0; MAX_OUTPUTS],
         bias: [0.0; MAX_OUTPUTS],
-        code_limit: i16::MAX,
+        // All bytes zero: a static one takes no flash.
+        code_limit: 0,
     };
 
     /// Copy of a model's head; `None` if the model is wider than [`MAX_HEAD_WIDTH`].
@@ -47,10 +48,14 @@ impl Head {
     /// Copies the head of a model, in place: a device's stack has no room for a second one. Returns whether the model is
     /// narrow enough; if not, nothing changes.
     pub fn copy_from(&mut self, model: &Model<'_>) -> bool {
-        if !self.shape(&model.header.dimensions) {
+        self.copy(&model.header.dimensions, &model.weights.head)
+    }
+
+    /// Copies a head for models of these dimensions, as [`Head::copy_from`] does.
+    pub(crate) fn copy(&mut self, dimensions: &Dimensions, own: &LinearWeights<'_>) -> bool {
+        if !self.shape(dimensions) {
             return false;
         }
-        let own = &model.weights.head;
         self.tiles_mut().copy_from_slice(own.weights);
         self.scales[..own.scales.len()].copy_from_slice(own.scales);
         self.bias[..own.bias.len()].copy_from_slice(own.bias);
@@ -86,10 +91,7 @@ impl Head {
     /// Completes a head whose outputs are all put. Returns whether a model file may hold every number.
     pub(crate) fn complete(&mut self) -> bool {
         self.code_limit = code_limit(self.tiles(), self.width);
-        let scales = &self.scales[..self.outputs];
-        holds(scales)
-            && scales.iter().all(|scale| *scale >= 0.0)
-            && holds(&self.bias[..self.outputs])
+        are_allowed(&self.scales[..self.outputs], &self.bias[..self.outputs])
     }
 
     pub(crate) fn tiles(&self) -> &[i8] {
@@ -111,6 +113,11 @@ impl Head {
             bias: &self.bias[..self.outputs],
         }
     }
+}
+
+/// Whether a model file may hold a head with these numbers.
+pub(crate) fn are_allowed(scales: &[f32], bias: &[f32]) -> bool {
+    holds(scales) && scales.iter().all(|scale| *scale >= 0.0) && holds(bias)
 }
 
 /// Compares shapes and tensors; the unused memory behind them does not count.

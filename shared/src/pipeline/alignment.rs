@@ -9,6 +9,7 @@ use crate::stream::alignment::{
 };
 use crate::stream::preprocess::Preprocessor;
 use crate::uart_line::alignment::{AlignmentReport, AlignmentState};
+use crate::uart_line::calibration::CalibrationState;
 use crate::units::{PATCH, Patch, Sample};
 
 /// Placement of the armband, as far as a pipeline knows it.
@@ -146,6 +147,7 @@ impl<E: Encode> Pipeline<'_, E> {
     /// arm, whatever the alignment in force says.
     pub fn begin_alignment(&mut self, arm: Arm) {
         self.end_alignment();
+        self.calibration.end(CalibrationState::Cancelled);
         let placement = &mut self.placement;
         placement.view = View::default();
         let state = if placement.template.is_some() {
@@ -268,6 +270,7 @@ impl<E: Encode> Pipeline<'_, E> {
     /// Rearranges all samples so far, and has the encoder take them again.
     pub(super) fn realign(&mut self, alignment: Alignment) {
         self.placement.is_known = true;
+        self.calibration.end(CalibrationState::Cancelled);
         let change = self.placement.current.inverse().then(alignment);
         if change == Alignment::NONE {
             return;

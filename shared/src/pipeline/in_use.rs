@@ -7,6 +7,7 @@ use crate::stream::alignment::{Alignment, Template};
 use crate::stream::preprocess::Preprocessing;
 use crate::stream::safe_state::Event;
 use crate::stream::smoother::{self, Gate};
+use crate::uart_line::calibration::CalibrationState;
 use crate::units::{LOOK_BACK, Millis};
 
 /// Smoother with the pipeline's capacities.
@@ -44,6 +45,7 @@ impl<E: Encode> Pipeline<'_, E> {
         let mut reports = self.tick(now);
         self.model = None;
         self.hold_lock(true);
+        self.calibration.end(CalibrationState::Interrupted);
         self.cancel_alignment();
         self.handle(now, event, &mut reports);
         reports

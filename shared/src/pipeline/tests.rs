@@ -361,6 +361,7 @@ proptest! {
 
 mod alignment;
 mod arm;
+mod calibration;
 mod instants;
 mod wrap;
 

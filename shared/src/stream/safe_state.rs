@@ -33,7 +33,7 @@ names! {
         Losses = "losses",
         /// The inference did not run, and hardware cleared the pins.
         Stalled = "stalled",
-        /// Another model is being installed.
+        /// Another model is being installed, or the model calibrated.
         Installation = "installation",
         /// Labels are locked until a sign.
         Locked = "locked",
@@ -105,6 +105,8 @@ pub enum Event {
     ModelRefused,
     /// Another model is being installed: until then there is no model.
     Installation,
+    /// The model is being calibrated: there is no label until that is over.
+    Calibration,
     /// The installed model is in use.
     Installed,
     /// Only time passed.
@@ -178,6 +180,7 @@ impl SafeState {
             Event::Losses => self.enter(Cause::Losses),
             Event::Stalled => self.enter(Cause::Stalled),
             Event::Locked => self.enter(Cause::Locked),
+            Event::Calibration => self.enter(Cause::Installation),
             Event::Disconnected => self.end_stream(Cause::Disconnected),
             Event::ModelRefused => self.end_model(Cause::ModelRefused),
             Event::Installation => self.end_model(Cause::Installation),

@@ -11,6 +11,7 @@
 //!          | "OK,BIND," why-this "," address "," kept
 //!          | "OK,GATE," entry "," other "," reaction     super::gate
 //!          | "OK,LOCK," ( "off" | sign "," rest "," locked )     super::lock
+//!          | "OK,CALIBRATE," state "," cue "," before "," learnt "," in-use     super::calibration
 //!          | "OK,INSTALL," ( block | "done" )     super::install: missing next; the model is in use
 //!          | "ERR," why
 //! version  = of the program, such as 0.1.0
@@ -59,6 +60,7 @@ mod matching;
 use core::fmt::{self, Write as _};
 
 use super::ParseError;
+use super::calibration::CalibrationReport;
 use super::command::{AlignCommand, Switch};
 use super::fields::{Fields, Reader, Rows, Writer, field, fields, rows, wrong};
 use super::frame::{framed, hexadecimal, number};
@@ -154,6 +156,8 @@ pub enum Answer<'a> {
     Gate(Gate),
     /// Answer to `LOCK`: the lock from now on; none if labels are not locked.
     Lock(Option<Locking>),
+    /// Answer to `CALIBRATE`: how far it is, and whether a calibration is in use.
+    Calibration(CalibrationReport, bool),
     /// Answer to `INSTALL` and `BLOCK`: the next missing block.
     Install(Progress),
     /// The command is not carried out.
@@ -184,6 +188,7 @@ rows!(Answer<'a> {
     "OK,GATE" (gate: Gate) => Self::Gate(gate),
     "OK,LOCK,off" => Self::Lock(None),
     "OK,LOCK" (lock: Locking) => Self::Lock(Some(lock)),
+    "OK,CALIBRATE" (report: CalibrationReport, in_use: bool) => Self::Calibration(report, in_use),
     "OK,INSTALL,done" => Self::Install(Progress::Installed),
     "OK,INSTALL" (block: u32) => Self::Install(Progress::Next(block)),
     "ERR,too-long" => Self::Refused(Refusal::TooLong),

@@ -20,6 +20,11 @@
 //!          | "LOCK,off"                          lock them no longer
 //!          | "LOCK,lock" | "LOCK,unlock"         lock or unlock them now
 //!          | "LOCK,state"                        change nothing
+//!          | "CALIBRATE,begin"                   learn the wearer's last layer in two rounds of cues: super::calibration
+//!          | "CALIBRATE,begin,other"             the same, with other movement in round one
+//!          | "CALIBRATE,cancel"                  end it
+//!          | "CALIBRATE,forget"                  use the model's own last layer
+//!          | "CALIBRATE,state"                   change nothing
 //!          | "INSTALL," length "," crc           begin to exchange the model: super::install
 //!          | "BLOCK," number "," crc "," content  a block of it
 //! address  = such as FA:12:34:56:78:9A
@@ -41,6 +46,7 @@
 use core::fmt::{self, Write as _};
 
 use super::ParseError;
+use super::calibration::CalibrateCommand;
 use super::fields::{Fields, Reader, Rows, Writer, field, rows};
 use super::frame::unframed;
 use super::gate::GateCommand;
@@ -79,6 +85,8 @@ pub enum Command {
     Gate(GateCommand),
     /// Lock or unlock the labels, or say whether they are locked.
     Lock(LockCommand),
+    /// Calibrate, use no calibration, or say how far one is.
+    Calibrate(CalibrateCommand),
     /// Begin to exchange the model, or go on with it.
     Install(Transfer),
     /// Take a block of it, with this number.
@@ -153,6 +161,11 @@ rows!(Command {
     "LOCK,lock" => Self::Lock(LockCommand::Hold { is_locked: true }),
     "LOCK,unlock" => Self::Lock(LockCommand::Hold { is_locked: false }),
     "LOCK,state" => Self::Lock(LockCommand::State),
+    "CALIBRATE,begin" => Self::Calibrate(CalibrateCommand::Begin { others: false }),
+    "CALIBRATE,begin,other" => Self::Calibrate(CalibrateCommand::Begin { others: true }),
+    "CALIBRATE,cancel" => Self::Calibrate(CalibrateCommand::Cancel),
+    "CALIBRATE,forget" => Self::Calibrate(CalibrateCommand::Forget),
+    "CALIBRATE,state" => Self::Calibrate(CalibrateCommand::State),
     "INSTALL" (transfer: Transfer) => Self::Install(transfer),
     "BLOCK" (number: u32, block: Block) => Self::Block(number, block),
 });

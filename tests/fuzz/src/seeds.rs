@@ -3,10 +3,12 @@
 use std::fs;
 use std::path::Path;
 
+use shared::calibration;
 use shared::installation::{Block, Transfer};
 use shared::intent::{Intent, Vocabulary};
 use shared::model::dimensions::Dimensions;
 use shared::model::file::{Model, random};
+use shared::model::head::Head;
 use shared::myo::binding::to_record;
 use shared::myo::{Address, Characteristic, Following};
 use shared::stream::alignment::{Alignment, Arm};
@@ -15,6 +17,7 @@ use shared::stream::safe_state::{Cause, Status};
 use shared::stream::smoother::{Gate, Reaction};
 use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
 use shared::uart_line::answer::{Answer, Binding, Counts, Identity, Refusal};
+use shared::uart_line::calibration::CalibrateCommand;
 use shared::uart_line::command::{AlignCommand, BindCommand, Command};
 use shared::uart_line::emg::EmgReport;
 use shared::uart_line::gate::GateCommand;
@@ -62,6 +65,7 @@ fn all() -> Vec<(&'static str, Vec<Vec<u8>>)> {
         ("report", reports()),
         ("model", models()),
         ("template", vec![template()]),
+        ("calibration", vec![record()]),
         ("npy", arrays()),
         ("mat", matrices()),
         ("recording", recordings()),
@@ -69,6 +73,22 @@ fn all() -> Vec<(&'static str, Vec<Vec<u8>>)> {
         ("preset", presets()),
         ("description", descriptions()),
     ]
+}
+
+/// The record of the smallest model's own head.
+fn record() -> Vec<u8> {
+    let dimensions = Dimensions {
+        width: 16,
+        layers: 1,
+        span: 1,
+        vocabulary: Vocabulary::Three,
+        other: true,
+    };
+    let file = random::random_model(dimensions, 17).to_bytes();
+    let file = file.expect("a model as the trainer writes it");
+    let model = Model::parse(&file).expect("a model");
+    let head = Head::of(&model).expect("a narrow model");
+    calibration::to_record(&head, model.checksum, &mut [0; calibration::RECORD_BYTES]).to_vec()
 }
 
 fn advertisements() -> Vec<Vec<u8>> {
@@ -143,6 +163,7 @@ fn commands() -> Vec<Vec<u8>> {
         Command::Align(AlignCommand::Set(Alignment::new(5, true))),
         Command::Align(AlignCommand::State),
         Command::Bind(BindCommand::Set(address(1))),
+        Command::Calibrate(CalibrateCommand::Begin { others: true }),
         Command::Bind(BindCommand::Forget),
         Command::Gate(GateCommand::Set(Gate {
             entry: Some(150),

@@ -32,6 +32,7 @@ pub fn simulate(file: &File, program: &Path) -> anyhow::Result<()> {
             model: &model,
             samples: &samples,
             page: &page(file.scenario.page),
+            calibration: &[],
             install: other.as_deref(),
         },
     )?;

@@ -102,11 +102,11 @@ impl Image {
     }
 
     /// Most bytes of static RAM, the SoftDevice's own and the stack excluded.
-    pub(super) fn ram_budget(self) -> u64 {
-        if Self::UF2.contains(&self) {
-            56 * 1024
-        } else {
-            48 * 1024
+    pub(super) const fn ram_budget(self) -> u64 {
+        match self {
+            Self::Nrf52832S132 => 48 * 1024,
+            // With memory for a calibration.
+            _ => 72 * 1024,
         }
     }
 

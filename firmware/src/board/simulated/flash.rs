@@ -43,7 +43,17 @@ impl Flash for Files {
 fn operate(address: u32, length: u32, act: impl FnOnce(u32)) -> Result<(), FlashFailed> {
     static DONE: AtomicU32 = AtomicU32::new(0);
     let arguments = surroundings().arguments;
-    let is_page = address == Region::Binding.address(0);
+    let files = [
+        (Region::Calibration, arguments.calibration.as_ref()),
+        (Region::Journal, arguments.journal.as_ref()),
+        (Region::Binding, Some(&arguments.page)),
+        (Region::Model, Some(&arguments.model)),
+    ];
+    let (region, path) = files
+        .into_iter()
+        .rfind(|(region, _)| region.address(0) <= address)
+        .ok_or(FlashFailed)?;
+    let is_page = matches!(region, Region::Binding | Region::Calibration);
     if is_page && surroundings().scenario.page_fails {
         return Err(FlashFailed);
     }
@@ -53,11 +63,6 @@ fn operate(address: u32, length: u32, act: impl FnOnce(u32)) -> Result<(), Flash
     let done = scenario.power_fails_done.get(arguments.starts);
     let done = length * done.unwrap_or(&HALF) / 100;
     act(if fails { done } else { length });
-    let (region, path) = match address {
-        _ if is_page => (Region::Binding, Some(&arguments.page)),
-        _ if address < Region::Binding.address(0) => (Region::Journal, arguments.journal.as_ref()),
-        _ => (Region::Model, Some(&arguments.model)),
-    };
     if let Some(path) = path {
         let offset = address - region.address(0);
         keep(path, region, offset, length).map_err(|_| FlashFailed)?;

@@ -107,8 +107,13 @@ fn prepare(arguments: &'static Arguments) -> anyhow::Result<Surroundings> {
     );
     crate::flash::insert(Region::Model, &read(&arguments.model)?);
     crate::flash::insert(Region::Binding, &read(&arguments.page)?);
-    if let Some(journal) = arguments.journal.as_ref().filter(|path| path.exists()) {
-        crate::flash::insert(Region::Journal, &read(journal)?);
+    for (region, path) in [
+        (Region::Journal, &arguments.journal),
+        (Region::Calibration, &arguments.calibration),
+    ] {
+        if let Some(path) = path.as_ref().filter(|path| path.exists()) {
+            crate::flash::insert(region, &read(path)?);
+        }
     }
     let file = arguments.install.as_deref().map(read).transpose()?;
     let samples = read(&arguments.samples)?;

@@ -36,6 +36,9 @@ pub struct Arguments {
     /// Content of the bound armband's page; written when it changes.
     #[arg(long, value_name = "FILE")]
     pub page: PathBuf,
+    /// Content of the calibration's page; written when it changes.
+    #[arg(long, value_name = "FILE")]
+    pub calibration: Option<PathBuf>,
     /// Folder for what is written.
     #[arg(long, value_name = "FOLDER")]
     pub out: PathBuf,

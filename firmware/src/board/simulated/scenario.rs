@@ -33,7 +33,7 @@ pub struct Scenario {
     /// Processor time that a packet of two samples takes, in milliseconds.
     #[serde(default)]
     pub packet_ms: f64,
-    /// Whether the page of the bound armband refuses to be written.
+    /// Whether the pages of armband and calibration refuse to be written.
     #[serde(default)]
     pub page_fails: bool,
     /// Operations of flash, counted from 1 at each start, in the middle of which power fails; it comes back at once.

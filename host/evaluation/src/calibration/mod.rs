@@ -1,7 +1,7 @@
 //! Calibration of a model by a person's own holds, with the code that a board runs ([`shared::calibration`]).
 //!
 //! A round is a hold of each gesture and two of rest. The first half of the rounds teaches, the other half judges the new
-//! head beside the model's own. The new one is used, learnt from all rounds, unless it loses more than 0.05 mean recall.
+//! head beside the model's own. The new one is used, learnt from all rounds, if [`Judgement`] keeps it.
 
 mod own;
 mod parts;
@@ -10,7 +10,7 @@ use std::collections::btree_map::{BTreeMap, Entry};
 
 use recordings::corpus::padded;
 use serde::Serialize;
-use shared::calibration::{Factor, MOST_PATCHES, Refusal, Shown, Sums, solve};
+use shared::calibration::{Judgement, MOST_PATCHES, Refusal, SCRATCH, Shown, Sums, solve};
 use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
 use shared::model::head::Head;
@@ -21,9 +21,6 @@ pub use self::parts::{Part, parts, rounds_of};
 use crate::inference::logits_with;
 use crate::{EvaluatedRecording, EvaluationError, smooth};
 
-/// Recall that the judged head may lose: the head in use learns from all rounds, and is better.
-const MOST_LOST: f64 = 0.05;
-
 /// Result of a calibration.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Calibration {
@@ -32,7 +29,7 @@ pub struct Calibration {
     pub head: Option<Head>,
     /// Mean recall of the classes in the rounds that judge, of the model's own head and of the new one; `None` if a single
     /// round teaches: no round is left to judge.
-    pub judged: Option<[f64; 2]>,
+    pub judged: Option<[f32; 2]>,
     /// Reason why nothing was learnt; `None` if a head was.
     pub refusal: Option<String>,
 }
@@ -70,8 +67,8 @@ pub fn calibrate(
                 sums.add(vector, part.shown);
             }
         }
-        let (mut factor, mut head) = (Factor::EMPTY, Head::EMPTY);
-        solve(&sums, model, &mut factor, &mut head).map(|()| head)
+        let (mut scratch, mut head) = ([0.0; SCRATCH], Head::EMPTY);
+        solve(&sums, model, &mut scratch, &mut head).map(|()| head)
     };
     let refused = |refusal: Refusal| Calibration {
         refusal: Some(refusal.to_string()),
@@ -93,9 +90,9 @@ pub fn calibrate(
             ..Calibration::default()
         });
     }
-    let recall = |head: Option<&Head>| recall(model, head, recordings, &judging);
-    let judged = [recall(None)?, recall(Some(&first))?];
-    if judged[1] < judged[0] - MOST_LOST {
+    let judgement = judge(model, &first, recordings, &judging)?;
+    let judged = judgement.recalls();
+    if !judgement.keeps() {
         return Ok(Calibration {
             judged: Some(judged),
             ..Calibration::default()
@@ -139,36 +136,35 @@ fn hidden_vectors(
     Ok(vectors.collect::<Vec<_>>().split_off(WINDOW_PATCHES))
 }
 
-/// Mean over the classes of the share of samples in these parts that a head labels right, as emitted.
-fn recall(
+/// Judges a learnt head beside the model's own by the samples in these parts, as emitted.
+fn judge(
     model: &Model<'_>,
-    head: Option<&Head>,
+    learnt: &Head,
     recordings: &[&EvaluatedRecording],
     parts: &[&Part],
-) -> Result<f64, EvaluationError> {
+) -> Result<Judgement, EvaluationError> {
     let classes = model.header.dimensions.vocabulary.classes();
+    let settings = model.header.smoother.in_patches();
+    let emitted = |recording: &EvaluatedRecording, head| {
+        let logits = logits_with(model, head, &recording.input(model.header.preprocessing))?;
+        Ok::<_, EvaluationError>(smooth(&logits, recording.emg.len(), classes, settings)?.emitted)
+    };
     let mut labels = BTreeMap::new();
-    let mut counts = vec![(0, 0); classes];
+    let mut judgement = Judgement::default();
     for part in parts {
-        let Shown::Intent(intent) = part.shown else {
+        let Shown::Intent(asked) = part.shown else {
             continue;
         };
         if let Entry::Vacant(entry) = labels.entry(part.recording) {
             let recording = recordings[part.recording];
-            let logits = logits_with(model, head, &recording.input(model.header.preprocessing))?;
-            let settings = model.header.smoother.in_patches();
-            entry.insert(smooth(&logits, recording.emg.len(), classes, settings)?.emitted);
+            entry.insert([emitted(recording, None)?, emitted(recording, Some(learnt))?]);
         }
-        let own = &labels[&part.recording][part.samples.clone()];
-        let (right, all) = &mut counts[intent.class()];
-        *right += own.iter().filter(|label| **label == Some(intent)).count();
-        *all += own.len();
+        let both = labels[&part.recording].each_ref();
+        for sample in part.samples.clone() {
+            judgement.add(asked, both.map(|own| own[sample]));
+        }
     }
-    let shares = counts.iter().filter(|(_, all)| *all > 0);
-    let shares: Vec<f64> = shares
-        .map(|&(right, all)| right as f64 / all as f64)
-        .collect();
-    Ok(shares.iter().sum::<f64>() / shares.len().max(1) as f64)
+    Ok(judgement)
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! `myointent board`: one command to a board on a serial port.
 
+mod calibrate;
 mod lock;
 mod words;
 
@@ -37,6 +38,7 @@ const AGAIN: Duration = Duration::from_secs(1);
     Examples:\n  myointent board --port /dev/ttyACM0 identify\n  \
     myointent board --port /dev/ttyACM0 bind begin            the strongest armband of the next 30 s\n  \
     myointent board --port /dev/ttyACM0 align begin           open the hand twice, with rest before and after\n  \
+    myointent board --port /dev/ttyACM0 calibrate begin       do what it says for half a minute\n  \
     myointent board --port COM3 gate --reaction steady        fewer false activations, until the next start\n  \
     myointent board --port /dev/ttyACM0 lock on               no label until the hand is held open for 1.5 s\n  \
     myointent board --port /dev/ttyACM0 install my.intent     a new model, 20 s; after a break, again: it goes on"
@@ -61,6 +63,9 @@ enum Request {
     /// Bind an armband, forget it, or say which one is followed.
     #[command(subcommand)]
     Bind(Bind),
+    /// Learn the wearer's last layer on the board, in half a minute, or forget it.
+    #[command(subcommand)]
+    Calibrate(calibrate::Request),
     /// Put a model on the board in place of its own, and in use. Outputs are safe meanwhile.
     Install {
         /// Model file.
@@ -167,7 +172,12 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
                 Answer::Identity(identity) => Some(Identified(identity).to_string()),
                 _ => None,
             })?;
-            said + &board.battery()?.map_or_else(String::new, charged)
+            let head = match calibrate::is_in_use(&mut board)? {
+                Some(true) => "head      calibrated by its wearer\n",
+                Some(false) => "head      the model's own\n",
+                None => "",
+            };
+            said + head + &board.battery()?.map_or_else(String::new, charged)
         }
         Request::Counters => board.ask(Command::Counters, |answer| match answer {
             Answer::Counts(counts) => Some(Counted(counts).to_string()),
@@ -176,6 +186,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         // Handled above: it opens the port itself, repeatedly.
         Request::Install { .. } => String::new(),
         Request::Align(align) => return run_align(&mut board, align),
+        Request::Calibrate(request) => return calibrate::run(&mut board, *request),
         Request::Bind(bind) => return run_bind(&mut board, bind),
         Request::Gate(change) => run_gate(&mut board, *change)?,
         Request::Lock(request) => lock::run(&mut board, *request)?,

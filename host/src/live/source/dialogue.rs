@@ -180,6 +180,7 @@ impl State {
                 | Answer::Raw(_)
                 | Answer::Gate(_)
                 | Answer::Lock(_)
+                | Answer::Calibration(..)
                 | Answer::Install(_),
             ) => return,
             Line::Comment(text) => Event::Comment {

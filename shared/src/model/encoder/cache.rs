@@ -9,9 +9,9 @@ use crate::model::dimensions::{Dimensions, HEADS};
 /// `l span`. Codes have one scale per patch and head.
 #[derive(Clone, Debug)]
 pub(super) struct KvCache<const WIDTH: usize, const SLOTS: usize> {
-    keys: Aligned<[[i16; WIDTH]; SLOTS]>,
+    /// Keys, then values.
+    codes: Aligned<[[[i16; WIDTH]; SLOTS]; 2]>,
     key_scales: [[f32; SLOTS]; HEADS],
-    values: Aligned<[[i16; WIDTH]; SLOTS]>,
     value_scales: [[f32; SLOTS]; HEADS],
     /// Slot of the next patch, the same in every layer.
     next: usize,
@@ -22,9 +22,8 @@ pub(super) struct KvCache<const WIDTH: usize, const SLOTS: usize> {
 impl<const WIDTH: usize, const SLOTS: usize> KvCache<WIDTH, SLOTS> {
     /// A cache without a slot in use.
     pub const EMPTY: Self = Self {
-        keys: Aligned([[0; WIDTH]; SLOTS]),
+        codes: Aligned([[[0; WIDTH]; SLOTS]; 2]),
         key_scales: [[0.0; SLOTS]; HEADS],
-        values: Aligned([[0; WIDTH]; SLOTS]),
         value_scales: [[0.0; SLOTS]; HEADS],
         next: 0,
         filled: 0,
@@ -34,6 +33,15 @@ impl<const WIDTH: usize, const SLOTS: usize> KvCache<WIDTH, SLOTS> {
     pub const fn reset(&mut self) {
         self.next = 0;
         self.filled = 0;
+    }
+
+    /// The codes' memory, for another use while no slot is in use; `None` if it is too small.
+    pub fn scratch<const N: usize>(&mut self) -> Option<&mut [f32; N]> {
+        self.reset();
+        let codes = self.codes.0.as_flattened_mut().as_flattened_mut();
+        bytemuck::try_cast_slice_mut(codes)
+            .ok()?
+            .first_chunk_mut::<N>()
     }
 
     /// Takes a slot for the next patch: an unused one, or else the oldest patch's.
@@ -54,10 +62,11 @@ impl<const WIDTH: usize, const SLOTS: usize> KvCache<WIDTH, SLOTS> {
         let Dimensions { width, span, .. } = *dimensions;
         let slots = layer * span..(layer + 1) * span;
         let codes = slots.start * width..slots.end * width;
+        let [keys, values] = &mut self.codes.0;
         LayerCache {
-            keys: &mut self.keys.0.as_flattened_mut()[codes.clone()],
+            keys: &mut keys.as_flattened_mut()[codes.clone()],
             key_scales: self.key_scales.each_mut().map(|s| &mut s[slots.clone()]),
-            values: &mut self.values.0.as_flattened_mut()[codes],
+            values: &mut values.as_flattened_mut()[codes],
             value_scales: self.value_scales.each_mut().map(|s| &mut s[slots.clone()]),
         }
     }

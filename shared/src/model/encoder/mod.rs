@@ -26,8 +26,9 @@ mod token;
 
 use super::{Encode, LookBackLogits};
 use crate::arithmetic::inverse_square_root;
+use crate::calibration::{KeptHead, Refusal, Sums, solve_from};
 use crate::model::dimensions::{Companding, Dimensions, HEADS, MAX_SLOTS, MAX_WIDTH};
-use crate::model::file::{Model, ModelError, Weights};
+use crate::model::file::{LinearWeights, Model, ModelError, Weights};
 use crate::model::head::Head;
 use crate::units::Patch;
 use attention::Attention;
@@ -78,6 +79,8 @@ const _: () = assert!(size_of::<DeviceState>() < 20 * 1024);
 #[derive(Clone, Copy, Debug)]
 pub struct Encoder<'m, const WIDTH: usize, const SLOTS: usize> {
     weights: Weights<'m>,
+    /// The model's own look-back head, whichever is used.
+    own_head: LinearWeights<'m>,
     dimensions: Dimensions,
     companding: Companding,
     /// See [`Attention::score_scale`].
@@ -127,6 +130,7 @@ impl<'m, const WIDTH: usize, const SLOTS: usize> Encoder<'m, WIDTH, SLOTS> {
         }
         Ok(Self {
             weights: model.weights,
+            own_head: model.weights.head,
             dimensions,
             companding: model.header.companding,
             score_scale: inverse_square_root((dimensions.width / HEADS) as f32),
@@ -140,6 +144,11 @@ impl<'m, const WIDTH: usize, const SLOTS: usize> Encoder<'m, WIDTH, SLOTS> {
             self.weights.head = head.linear();
         }
         self
+    }
+
+    /// Uses the head of a record for its model, in place: a device's stack has no room for a second encoder.
+    pub const fn set_head(&mut self, head: KeptHead<'m>) {
+        self.weights.head = head.0;
     }
 
     /// Number of classes, 3, 5 or 6.
@@ -259,6 +268,20 @@ impl<const WIDTH: usize, const SLOTS: usize> Encode for Encoder<'_, WIDTH, SLOTS
 
     fn step(&self, state: &mut Self::State, patch: &Patch) -> LookBackLogits {
         self.step(state, patch)
+    }
+
+    fn hidden<'s>(&self, state: &'s Self::State) -> &'s [f32] {
+        self.hidden(state)
+    }
+
+    fn logits_by(&self, head: &Head, state: &mut Self::State) -> LookBackLogits {
+        let [logits] = self.with_head(head).logits(&mut state.token);
+        logits
+    }
+
+    fn solve(&self, sums: &Sums, state: &mut Self::State, head: &mut Head) -> Result<(), Refusal> {
+        let scratch = state.cache.scratch().ok_or(Refusal::WrongModel)?;
+        solve_from(sums, &self.dimensions, &self.own_head, scratch, head)
     }
 
     fn steps(

@@ -2,6 +2,7 @@
 
 use super::{Accepted, Answer, Refusal};
 use crate::myo::Following;
+use crate::uart_line::calibration::CalibrateCommand;
 use crate::uart_line::command::{AlignCommand, BindCommand, Command};
 use crate::uart_line::gate::GateCommand;
 use crate::uart_line::lock::LockCommand;
@@ -21,6 +22,7 @@ impl Answer<'_> {
             | (Command::Align(AlignCommand::State), Self::Alignment(_))
             | (Command::Gate(GateCommand::State), Self::Gate(_))
             | (Command::Bind(BindCommand::State), Self::Binding(_))
+            | (Command::Calibrate(_), Self::Calibration(..))
             | (Command::Install(_) | Command::Block(..), Self::Install(_)) => true,
             (Command::Align(asked), Self::Align(accepted)) => {
                 Accepted::of(asked) == Some(*accepted)
@@ -58,9 +60,14 @@ impl Refusal {
             }
             Self::NoModel => match command {
                 Command::Align(align) => !matches!(align, AlignCommand::State),
+                Command::Calibrate(own) => !matches!(own, CalibrateCommand::State),
                 _ => matches!(command, Command::Bind(_) | Command::Gate(_)),
             },
-            Self::NoStream => matches!(command, Command::Align(AlignCommand::Begin(_))),
+            Self::NoStream => matches!(
+                command,
+                Command::Align(AlignCommand::Begin(_))
+                    | Command::Calibrate(CalibrateCommand::Begin { .. })
+            ),
             Self::BuiltIn => match command {
                 Command::Bind(bind) => !matches!(bind, BindCommand::State),
                 _ => false,

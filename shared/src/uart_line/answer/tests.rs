@@ -1,7 +1,9 @@
 //! Answers written, read and refused.
 
 use super::*;
+use crate::calibration::Shown;
 use crate::myo::{AddressKind, Counters};
+use crate::uart_line::calibration::CalibrationState;
 use crate::uart_line::tests::line;
 use alloc::string::ToString;
 
@@ -50,6 +52,8 @@ fn every_answer_has_the_body_of_its_grammar() {
         lines_dropped: 15,
         emg_dropped: u32::MAX,
     };
+    let weak = CalibrationReport::of(CalibrationState::Weak, Some(Shown::Other));
+    let done = CalibrationReport::judged(CalibrationState::Done, [0.812, 0.9344]);
     for (answer, body) in [
         (
             Answer::Identity(unknown),
@@ -83,6 +87,14 @@ fn every_answer_has_the_body_of_its_grammar() {
         (binding(Following::Nobody, false), "OK,BIND,nobody,-,0"),
         (binding(Following::Pairing, true), "OK,BIND,pairing,-,1"),
         (binding(Following::Strongest, true), "OK,BIND,strongest,-,1"),
+        (
+            Answer::Calibration(weak, false),
+            "OK,CALIBRATE,weak,other,-,-,0",
+        ),
+        (
+            Answer::Calibration(done, true),
+            "OK,CALIBRATE,done,-,812,934,1",
+        ),
         (Answer::Install(Progress::Next(1355)), "OK,INSTALL,1355"),
         (Answer::Install(Progress::Installed), "OK,INSTALL,done"),
         (Answer::Refused(Refusal::TooLong), "ERR,too-long"),
@@ -201,6 +213,10 @@ fn every_other_refusal_is_named() {
         ("OK,GATE,-1,0,-", "entry"),
         ("OK,GATE,0,5001,-", "other"),
         ("OK,GATE,0,0,slow", "reaction"),
+        ("OK,CALIBRATE,tired,-,-,-,0", "state"),
+        ("OK,CALIBRATE,weak,fist,-,-,0", "cue"),
+        ("OK,CALIBRATE,done,-,-,1,1", "before"),
+        ("OK,CALIBRATE,done,-,1,2,2", "in_use"),
         ("OK,INSTALL,-", "block"),
         ("OK,RAW", "fields"),
         ("OK,RAW,1", "raw"),

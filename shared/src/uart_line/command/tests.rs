@@ -60,6 +60,8 @@ fn what_is_wrong_is_named() {
         ("ALIGN,set,03,0", Refusal::Arguments),
         ("ALIGN,set,3,2", Refusal::Arguments),
         ("ALIGN,set,3,0,0", Refusal::Arguments),
+        ("CALIBRATE", Refusal::Arguments),
+        ("CALIBRATE,begin,others", Refusal::Arguments),
         ("LOCK", Refusal::Arguments),
         ("LOCK,set,99,2000", Refusal::Arguments),
         ("LOCK,set,500,120001", Refusal::Arguments),

@@ -29,7 +29,7 @@ const fn target(name: &'static str, longest: usize, run: fn(&[u8])) -> Target {
 }
 
 /// All targets, from the radio to the PC.
-pub const ALL: [Target; 17] = [
+pub const ALL: [Target; 18] = [
     target("advertisement", 256, armband::advertisement),
     target("discovery", 4096, armband::discovery),
     target("notification", 1024, armband::notification),
@@ -41,6 +41,7 @@ pub const ALL: [Target; 17] = [
     target("report", 1024, report::run),
     target("model", 2048, model::run),
     target("template", 128, model::template),
+    target("calibration", 1024, model::calibration),
     target("npy", 1024, npy::run),
     target("mat", 2048, mat::run),
     target("recording", 4096, recording::run),

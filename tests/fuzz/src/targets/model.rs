@@ -4,6 +4,7 @@ use std::cell::RefCell;
 use std::sync::LazyLock;
 
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
+use shared::calibration::from_record;
 use shared::intent::{MAX_LOGITS, Vocabulary};
 use shared::model::Encode;
 use shared::model::dimensions::Dimensions;
@@ -74,6 +75,40 @@ thread_local! {
 }
 
 type HostState = <HostEncoder<'static> as Encode>::State;
+
+/// Takes the record of a calibration, unchanged and with model and checksum made right: an accepted one gives only numbers.
+pub fn calibration(data: &[u8]) {
+    let model = Model::parse(&BASES[0]).expect("a model");
+    let mut words = vec![u32::MAX; 1024];
+    let page: &mut [u8] = bytemuck::cast_slice_mut(&mut words);
+    let length = data.len().min(page.len());
+    page[..length].copy_from_slice(&data[..length]);
+    check_record(page, &model);
+    page[8..12].copy_from_slice(&model.checksum.to_le_bytes());
+    let outputs = usize::from(page[6]);
+    let end = 12 + outputs.next_multiple_of(4) * usize::from(page[5]) + 8 * outputs;
+    if end + CHECKSUM <= page.len() {
+        let sum = CRC.checksum(&page[..end]);
+        page[end..][..CHECKSUM].copy_from_slice(&sum.to_le_bytes());
+        check_record(page, &model);
+    }
+}
+
+fn check_record(page: &[u8], model: &Model<'_>) {
+    let Ok(head) = from_record(page, model) else {
+        return;
+    };
+    assert!(page.starts_with(b"MyoC\x01"), "a record");
+    let mut encoder = DeviceEncoder::new(model).expect("a small model");
+    encoder.set_head(head);
+    STATES.with_borrow_mut(|(_, state)| {
+        encoder.reset(state);
+        for level in [0, 1, 128, 77] {
+            let rows = encoder.step(state, &[[level; 8]; 10]);
+            assert!(rows.as_flattened().iter().all(|logit| logit.is_finite()));
+        }
+    });
+}
 
 /// Takes a byte for the kind: a file unchanged, the bytes between prefix and checksum, or changes of a whole model.
 pub fn run(data: &[u8]) {

@@ -1,0 +1,67 @@
+//! The wearer's calibration: how far it is, and the way of a learnt head to flash.
+
+use core::cell::Cell;
+
+use embassy_sync::{
+    blocking_mutex::{Mutex, raw::CriticalSectionRawMutex},
+    signal::Signal,
+};
+use shared::calibration::{Memory, RecordError};
+use shared::uart_line::answer::Answer;
+use shared::uart_line::calibration::{CalibrationReport, CalibrationState};
+
+use super::uart::{self, UartMessage};
+
+static REPORT: Mutex<CriticalSectionRawMutex, Cell<CalibrationReport>> = Mutex::new(Cell::new(
+    CalibrationReport::of(CalibrationState::Idle, None),
+));
+
+static IN_USE: Mutex<CriticalSectionRawMutex, Cell<Result<(), RecordError>>> =
+    Mutex::new(Cell::new(Err(RecordError::Missing)));
+
+/// Record that is to be in flash: that of a learnt head, or none. The inference has given up the model.
+pub struct Keep {
+    /// The learnt head.
+    pub learnt: Option<&'static mut Memory>,
+    /// CRC-32 of its model.
+    pub model: u32,
+}
+
+/// From the inference to the installation.
+pub static KEEP: Signal<CriticalSectionRawMutex, Keep> = Signal::new();
+/// Memory on its way back to the inference.
+pub static RETURNED: Signal<CriticalSectionRawMutex, &'static mut Memory> = Signal::new();
+
+/// Notes how far a calibration is, and says it.
+pub fn report(report: CalibrationReport) {
+    REPORT.lock(|cell| cell.set(report));
+    uart::enqueue(UartMessage::Calibration(report));
+}
+
+/// How far a calibration is.
+pub fn current() -> CalibrationReport {
+    REPORT.lock(Cell::get)
+}
+
+/// Whether a calibration is in use.
+pub fn is_in_use() -> bool {
+    IN_USE.lock(Cell::get).is_ok()
+}
+
+/// Sets whether a calibration is in use from now on, or why not.
+pub fn set_in_use(in_use: Result<(), RecordError>) {
+    IN_USE.lock(|cell| cell.set(in_use));
+}
+
+/// Says why the page is not used, unless it holds nothing.
+pub fn say_if_refused() {
+    match IN_USE.lock(Cell::get) {
+        Ok(()) | Err(RecordError::Missing) => {}
+        Err(error) => uart::enqueue(UartMessage::CalibrationRefused(error)),
+    }
+}
+
+/// The answer to a command about it.
+pub fn answer() -> Answer<'static> {
+    Answer::Calibration(current(), is_in_use())
+}

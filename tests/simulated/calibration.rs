@@ -1,0 +1,274 @@
+//! Calibration on the simulated board: a wearer who follows the cues, losses, loss of power at every operation of flash.
+
+use std::fmt::Write as _;
+use std::iter::repeat_n;
+
+use myointent_tests::simulation::{self, Inputs, Ran};
+use recordings::synthetic::Follower;
+use shared::calibration::from_record;
+use shared::intent::Intent;
+use shared::model::file::Model;
+use shared::units::Sample;
+
+use super::{model, page, program};
+
+/// Notifications before the command.
+const AT: usize = 400;
+/// Samples of a cue: 1 s of reaction, 3 s that count.
+const CUE: usize = 800;
+const RUN_SECONDS: usize = 48;
+const BEGUN: &str = "OK,CALIBRATE,teaching,relax,-,-,0";
+const DONE: &str = "# calibration: done, recall ";
+
+/// Samples of a wearer who does what each cue of both rounds asks for, in a stream of a minute.
+fn samples() -> Vec<Sample> {
+    let round = [Intent::Relax, Intent::Open, Intent::Relax, Intent::Close];
+    let cues = round
+        .iter()
+        .chain(&round)
+        .flat_map(|cue| repeat_n(*cue, CUE));
+    let rest = |samples| repeat_n(Intent::Relax, samples);
+    let cues = rest(2 * AT).chain(cues).chain(rest(4400));
+    let mut person = Follower::new("s2");
+    cues.map(|cue| person.sample(cue)).collect()
+}
+
+struct Bench {
+    model: Vec<u8>,
+    samples: Vec<Sample>,
+}
+
+impl Bench {
+    fn new() -> Self {
+        Self {
+            model: model("three-class"),
+            samples: samples(),
+        }
+    }
+
+    /// Runs commands, after so many notifications each, on a board whose page holds this.
+    fn run(
+        &self,
+        page_before: &[u8],
+        keys: &str,
+        commands: &[(usize, &str)],
+    ) -> anyhow::Result<Ran> {
+        let mut text = format!("run_seconds = {RUN_SECONDS}\n{keys}\nperson = [\n");
+        for (at, command) in commands {
+            writeln!(
+                text,
+                "{{ do = \"send\", at = {at}, command = \"{command}\" }},"
+            )?;
+        }
+        text += "]\n";
+        let inputs = Inputs {
+            scenario: &text,
+            model: &self.model,
+            samples: &self.samples,
+            page: &page(),
+            calibration: page_before,
+            install: None,
+        };
+        simulation::run(program(), &inputs)
+    }
+
+    fn calibrate(&self, keys: &str) -> Ran {
+        let ran = self.run(
+            &[],
+            keys,
+            &[(AT, "CALIBRATE,begin"), (4300, "CALIBRATE,state")],
+        );
+        let ran = ran.unwrap();
+        ran.check(false).unwrap();
+        ran
+    }
+
+    /// Whether a page holds a whole record for the model.
+    fn is_kept(&self, page: &[u8]) -> bool {
+        // At a multiple of four bytes.
+        let mut words = vec![0_u32; page.len().div_ceil(4)];
+        let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut words);
+        bytes[..page.len()].copy_from_slice(page);
+        from_record(bytes, &Model::parse(&self.model).unwrap()).is_ok()
+    }
+}
+
+/// Causes of the safe state, `valid` where there is none.
+fn states(ran: &Ran) -> Vec<&'static str> {
+    let reports = ran.reports().unwrap();
+    let states = reports.iter().map(|report| report.status.cause());
+    let mut states: Vec<_> = states
+        .map(|cause| cause.map_or("valid", |cause| cause.name()))
+        .collect();
+    states.dedup();
+    states
+}
+
+fn said(ran: &Ran) -> Vec<String> {
+    let comments = ran.comments().into_iter();
+    comments
+        .filter(|comment| comment.contains("calibration"))
+        .collect()
+}
+
+#[test]
+fn who_follows_the_cues_gets_a_head_that_is_kept_and_no_label_is_valid_meanwhile() {
+    let bench = Bench::new();
+    let ran = bench.calibrate("");
+    let said = said(&ran);
+    let cues = ["relax", "open", "relax", "close"];
+    let cues = ["teaching", "judging"]
+        .map(|round| cues.map(|cue| format!("# calibration: {round}, {cue}")));
+    assert_eq!(said[..8], cues.concat());
+    assert!(
+        said[8].starts_with("# calibration: keeping, recall "),
+        "{said:#?}"
+    );
+    assert!(said[9].starts_with(DONE) && said.len() == 10, "{said:#?}");
+    let answers = ran.answers();
+    assert_eq!(answers[0], BEGUN);
+    let done = answers[1].strip_prefix("OK,CALIBRATE,done,-,").unwrap();
+    let recalls: Vec<u32> = done.split(',').map(|one| one.parse().unwrap()).collect();
+    assert!(
+        recalls[1] >= 900 && recalls[1] + 50 >= recalls[0] && recalls[2] == 1,
+        "{answers:#?}"
+    );
+    assert_eq!(states(&ran), ["boot", "valid", "installation", "valid"]);
+    assert!(bench.is_kept(&ran.calibration));
+    // Each start uses it, and forgets it when asked.
+    let asked = [
+        (AT, "CALIBRATE,state"),
+        (AT + 50, "CALIBRATE,forget"),
+        (AT + 300, "CALIBRATE,state"),
+    ];
+    let again = bench.run(&ran.calibration, "", &asked).unwrap();
+    again.check(false).unwrap();
+    let expected = ["idle,-,-,-,1", "keeping,-,-,-,1", "idle,-,-,-,0"];
+    assert_eq!(
+        again.answers(),
+        expected.map(|one| format!("OK,CALIBRATE,{one}"))
+    );
+    assert_eq!(states(&again), ["boot", "valid", "installation", "valid"]);
+    assert_eq!(again.calibration, [0xff; 4096]);
+    // Another model does not.
+    let other = Bench {
+        model: model("five-class"),
+        samples: samples(),
+    };
+    let other = other
+        .run(&ran.calibration, "", &[(AT, "CALIBRATE,state")])
+        .unwrap();
+    assert_eq!(other.answers(), ["OK,CALIBRATE,idle,-,-,-,0"]);
+    let comments = other.comments();
+    let refusals = comments
+        .iter()
+        .filter(|one| one.starts_with("# the calibration is of model "));
+    assert_eq!(refusals.count(), 1);
+}
+
+#[test]
+fn lost_packets_are_borne_and_a_gap_ends_a_calibration_without_a_change() {
+    let bench = Bench::new();
+    let drops: Vec<_> = (410..3800)
+        .step_by(90)
+        .map(|at| format!("{{ at = {at}, do = \"drop\" }}"))
+        .collect();
+    let few = bench.calibrate(&format!("armband = [{}]", drops.join(", ")));
+    assert!(
+        few.answers()[1].starts_with("OK,CALIBRATE,done,"),
+        "{:#?}",
+        few.answers()
+    );
+    let gap = bench.calibrate("armband = [{ at = 1000, do = \"drop\", count = 10 }]");
+    assert_eq!(gap.answers()[1], "OK,CALIBRATE,interrupted,open,-,-,0");
+    assert_eq!(
+        states(&gap),
+        ["boot", "valid", "installation", "gap", "valid"]
+    );
+    let away = bench.calibrate("armband = [{ at = 2000, do = \"vanish\", for_ms = 2000 }]");
+    assert!(
+        away.answers()[1].starts_with("OK,CALIBRATE,interrupted,"),
+        "{:#?}",
+        away.answers()
+    );
+    for ran in [gap, away] {
+        assert!(ran.calibration.is_empty());
+    }
+}
+
+#[test]
+fn an_armband_that_comes_late_is_waited_for_by_the_wearer_and_its_first_window_by_the_board() {
+    let bench = Bench::new();
+    // At the first notification there is no window: cues begin with it.
+    let commands = [
+        (0, "CALIBRATE,begin"),
+        (1, "CALIBRATE,begin"),
+        (299, "CALIBRATE,state"),
+        (500, "CALIBRATE,cancel"),
+    ];
+    let ran = bench.run(&[], "", &commands).unwrap();
+    ran.check(false).unwrap();
+    let expected = [
+        "ERR,no-stream",
+        BEGUN,
+        BEGUN,
+        "OK,CALIBRATE,cancelled,relax,-,-,0",
+    ];
+    assert_eq!(ran.answers(), expected);
+    assert_eq!(states(&ran), ["boot", "installation", "valid"]);
+}
+
+#[test]
+fn flash_that_refuses_the_record_leaves_the_models_own_head_in_use() {
+    let bench = Bench::new();
+    let ran = bench.calibrate("page_fails = true");
+    let answers = ran.answers();
+    assert!(
+        answers[1].starts_with("OK,CALIBRATE,not-kept,-,") && answers[1].ends_with(",0"),
+        "{answers:#?}"
+    );
+    assert_eq!(states(&ran), ["boot", "valid", "installation", "valid"]);
+}
+
+#[test]
+fn power_that_fails_at_any_operation_of_flash_leaves_the_old_record_the_new_one_or_none() {
+    let bench = Bench::new();
+    let whole = bench.calibrate("");
+    let mut before = whole.calibration.clone();
+    let length = before.iter().rposition(|byte| *byte != 0xff).unwrap() + 1;
+    before.truncate(length.next_multiple_of(4));
+    // The page is erased, and written in blocks of 64 bytes.
+    let last = 1 + length.div_ceil(64);
+    for (operation, done) in [
+        (1, 0),
+        (1, 50),
+        (1, 100),
+        (2, 50),
+        (last / 2, 100),
+        (last, 50),
+        (last, 100),
+    ] {
+        let keys = format!("power_fails_at = [{operation}]\npower_fails_done = [{done}]");
+        let commands = [(AT, "CALIBRATE,begin"), (4350, "CALIBRATE,state")];
+        let ran = bench.run(&before, &keys, &commands).unwrap();
+        ran.check(true).unwrap();
+        let tails = ran.tails();
+        assert_eq!(ran.starts().unwrap().len(), 2, "{tails}");
+        let is_kept = bench.is_kept(&ran.calibration);
+        let is_whole = matches!((operation, done), (1, 0)) || (operation, done) == (last, 100);
+        assert_eq!(is_kept, is_whole, "{tails}");
+        let answer = ran.answers().pop().unwrap();
+        assert_eq!(
+            answer,
+            format!("OK,CALIBRATE,idle,-,-,-,{}", u8::from(is_kept))
+        );
+        let is_damaged = ran.calibration.iter().any(|byte| *byte != 0xff) && !is_kept;
+        let damaged = ran
+            .comments()
+            .into_iter()
+            .filter(|one| one.contains("calibration is damaged"));
+        // Half an erasure takes the record's start.
+        assert!(damaged.count() <= usize::from(is_damaged), "{tails}");
+        assert!(states(&ran).ends_with(&["valid"]), "{tails}");
+    }
+}
