@@ -1,6 +1,4 @@
 //! Closed-form solution for the head of a wearer.
-//!
-//! Functions are not inlined: the optimiser would make a board's image 5 KiB longer.
 
 use super::sums::{COLUMNS, Shown, Sums, TRIANGLE, add_products};
 use super::{FEWEST_PATCHES, Refusal};
@@ -167,7 +165,6 @@ impl Classes {
 ///
 /// The matrix is the covariance within the classes, pooled over all patches, plus the second moments of the classes' means,
 /// each class weighed the same. One set of sums is enough for that, however unequal the holds.
-#[inline(never)]
 fn matrix(sums: &Sums, classes: &Classes, matrix: &mut [f32; TRIANGLE]) -> f32 {
     let all = 1.0 / classes.each().map(|class| class.patches).sum::<f32>();
     for (entry, product) in matrix.iter_mut().zip(&sums.products) {
@@ -198,7 +195,6 @@ const fn start(row: usize) -> usize {
 
 /// Factorizes a symmetric matrix in place into `L D L^T`: `D` on the diagonal, `L` below it. Returns whether it is
 /// positive definite.
-#[inline(never)]
 fn factorize(matrix: &mut [f32; TRIANGLE], columns: usize) -> bool {
     for row in 0..columns {
         let (above, rest) = matrix.split_at_mut(start(row));
@@ -223,7 +219,6 @@ fn factorize(matrix: &mut [f32; TRIANGLE], columns: usize) -> bool {
 }
 
 /// Solves `L D L^T x = b` in place.
-#[inline(never)]
 fn substitute(factor: &[f32; TRIANGLE], x: &mut [f32]) {
     for row in 0..x.len() {
         x[row] -= product(&factor[start(row)..][..row], &x[..row]);
@@ -240,7 +235,6 @@ fn substitute(factor: &[f32; TRIANGLE], x: &mut [f32]) {
 }
 
 /// Sum of products, from the first to the last.
-#[inline(never)]
 fn product(a: &[f32], b: &[f32]) -> f32 {
     let mut sum = 0.0;
     for (a, b) in a.iter().zip(b) {
