@@ -44,7 +44,8 @@ pub struct Rtc {
     registers: Registers,
     base: u32,
     runs: bool,
-    /// The period of the low-frequency clock in which the counter was `count`.
+    /// The period of the low-frequency clock in which the counter is `count`: the one after a task, which takes effect at the
+    /// clock's next edge (6.22.9). It ends before the counter counts.
     since: u64,
     count: u64,
     /// Periods whose events have happened.
@@ -74,7 +75,7 @@ impl Rtc {
     /// The counter in a period of the low-frequency clock.
     fn value(&self, period: u64) -> u64 {
         let counted = if self.runs {
-            (period - self.since) / self.divider()
+            period.saturating_sub(self.since) / self.divider()
         } else {
             0
         };
@@ -152,7 +153,7 @@ impl Peripheral for Rtc {
             START if self.runs => {}
             START => {
                 self.runs = true;
-                (self.since, self.seen) = (period, period);
+                (self.since, self.seen) = (period + 1, period + 1);
             }
             STOP => {
                 self.count = self.value(period);
@@ -160,11 +161,11 @@ impl Peripheral for Rtc {
             }
             CLEAR => {
                 self.count = 0;
-                (self.since, self.seen) = (period, period);
+                (self.since, self.seen) = (period + 1, period + 1);
             }
             _ => {
                 self.count = 0xff_fff0;
-                (self.since, self.seen) = (period, period);
+                (self.since, self.seen) = (period + 1, period + 1);
             }
         }
     }
@@ -193,6 +194,30 @@ impl Peripheral for Rtc {
             if self.enabled(0) {
                 self.raise(TICK, bus);
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::memory::Memory;
+
+    #[test]
+    fn a_counter_is_zero_for_a_whole_period_whenever_it_starts() {
+        let mut bus = Bus::new(Memory::new(64, 64, 0));
+        bus.low_frequency_runs = true;
+        for start in 0..of_low_frequency(2) {
+            let mut rtc = Rtc::new("RTC1", 0x4001_1000);
+            bus.now = start;
+            rtc.task(START, &mut bus);
+            let passed = [0, of_low_frequency(1) - 1, of_low_frequency(2)];
+            let values = passed.map(|ticks| {
+                bus.now = start + ticks;
+                rtc.read(COUNTER, &mut bus)
+            });
+            assert_eq!(values[..2], [Some(0); 2], "{start}");
+            assert!(values[2] > Some(0), "{start}");
         }
     }
 }
