@@ -17,6 +17,7 @@ use shared::pipeline::Pipeline;
 use shared::stream::safe_state::Start;
 use shared::stream::smoother::Gate;
 use shared::uart_line::answer::{Accepted, Answer, Binding, Counts, Identity, Refusal};
+use shared::uart_line::calibration::CalibrationReport;
 use shared::uart_line::command::{AlignCommand, BindCommand, Command, CommandReader};
 use shared::uart_line::emg::EmgReport;
 use shared::uart_line::gate::GateCommand;
@@ -250,6 +251,7 @@ fn answer(command: Result<Command, Refusal>, following: Following) -> Answer<'st
         Ok(Command::Gate(GateCommand::Set(gate))) => Answer::Gate(gate),
         Ok(Command::Gate(GateCommand::State)) => Answer::Gate(Gate::default()),
         Ok(Command::Lock(_)) => Answer::Lock(None),
+        Ok(Command::Calibrate(_)) => Answer::Calibration(CalibrationReport::default(), false),
         Ok(Command::Install(_)) => Answer::Refused(Refusal::Length),
         Ok(Command::Block(..)) => Answer::Refused(Refusal::NotBegun),
         Err(refusal) => Answer::Refused(refusal),
