@@ -1,4 +1,4 @@
-//! A push button, debounced: pressed, and held.
+//! A push button, debounced: pressed, pressed twice, and held.
 
 use crate::units::Millis;
 
@@ -9,12 +9,17 @@ pub const DEBOUNCE_MS: u32 = 30;
 /// Milliseconds that a button has to be down to count as held. Nobody holds it so long who means to press it.
 pub const HELD_MS: u32 = 3000;
 
+/// Most milliseconds from the beginning of a press to that of the next one which together are a double press.
+pub const TWICE_MS: u32 = 600;
+
 /// Action on a button.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Press {
     /// The button went down.
     Pressed,
-    /// The button has been down for [`HELD_MS`]; follows `Pressed`, once.
+    /// The button went down again within [`TWICE_MS`] after `Pressed`; in place of a second one.
+    Twice,
+    /// The button has been down for [`HELD_MS`]; follows either, once.
     Held,
 }
 
@@ -26,6 +31,8 @@ pub struct Button {
     contact: Contact,
     /// Whether this press was reported as held.
     was_held: bool,
+    /// Time of a press that another one may follow.
+    single: Option<Millis>,
 }
 
 /// A contact, debounced.
@@ -48,6 +55,7 @@ impl Button {
         Self {
             contact: Contact::Up,
             was_held: false,
+            single: None,
         }
     }
 
@@ -69,7 +77,13 @@ impl Button {
             _ => before,
         };
         match (before, self.contact) {
-            (Contact::GoingDown(_), Contact::Down(_)) => Some(Press::Pressed),
+            (Contact::GoingDown(_), Contact::Down(since)) => Some(match self.single.take() {
+                Some(single) if since.elapsed_since(single) <= TWICE_MS => Press::Twice,
+                _ => {
+                    self.single = Some(since);
+                    Press::Pressed
+                }
+            }),
             (Contact::Down(_), Contact::Down(since))
                 if !self.was_held && now.elapsed_since(since) >= HELD_MS =>
             {
@@ -100,8 +114,8 @@ mod tests {
         assert_eq!(presses(&mut button, 0, "..xxx...."), []);
         let pressed = presses(&mut button, 100, "..xxxx....");
         assert_eq!(pressed, [(150, Press::Pressed)]);
-        let pressed = presses(&mut button, 200, "xxxxxxxxxxxxxxxxxxxxxx");
-        assert_eq!(pressed, [(230, Press::Pressed)]);
+        let pressed = presses(&mut button, 1000, "xxxxxxxxxxxxxxxxxxxxxx");
+        assert_eq!(pressed, [(1030, Press::Pressed)]);
     }
 
     #[test]
@@ -109,8 +123,30 @@ mod tests {
         let mut button = Button::new();
         assert_eq!(
             presses(&mut button, 0, "x.x.xxxx.xxx..xx....x.xxxx"),
-            [(70, Press::Pressed), (250, Press::Pressed)]
+            [(70, Press::Pressed), (250, Press::Twice)]
         );
+    }
+
+    #[test]
+    fn two_presses_within_600_ms_are_a_double_press_and_a_third_one_is_single() {
+        let down_at = |starts: [usize; 3]| {
+            let is_down = |look| {
+                starts
+                    .iter()
+                    .any(|start| (*start..start + 10).contains(&look))
+            };
+            let contact: String = (0..300)
+                .map(|look| if is_down(look) { 'x' } else { '.' })
+                .collect();
+            presses(&mut Button::new(), 0, &contact)
+                .into_iter()
+                .map(|(_, press)| press)
+                .collect::<Vec<_>>()
+        };
+        use Press::{Pressed, Twice};
+        assert_eq!(down_at([0, 60, 120]), [Pressed, Twice, Pressed]);
+        assert_eq!(down_at([0, 61, 121]), [Pressed, Pressed, Twice]);
+        assert_eq!(down_at([0, 61, 122]), [Pressed; 3]);
     }
 
     #[test]

@@ -15,7 +15,7 @@ pub struct Pins {
     pub high: Vec<Intent>,
     /// Level of the LED that is lit while an armband streams.
     pub armband: bool,
-    /// Level of the LED of the alignment.
+    /// Level of the LED of alignment and calibration.
     pub alignment_led: bool,
 }
 

@@ -135,6 +135,17 @@ fn who_follows_the_cues_gets_a_head_that_is_kept_and_no_label_is_valid_meanwhile
     );
     assert_eq!(states(&ran), ["boot", "valid", "installation", "valid"]);
     assert!(bench.is_kept(&ran.calibration));
+    // The LED is dark for rest and lit for each of four gestures, 4 s each; lit for 3 s at the end, after some blinks.
+    let pins = ran.pins();
+    let lit = pins.windows(2).filter(|pins| pins[0].alignment_led);
+    let lit: Vec<_> = lit
+        .map(|pins| (pins[1].at_us - pins[0].at_us) / 100_000)
+        .collect();
+    assert_eq!(
+        (&lit[..4], lit.last()),
+        (&[40; 4][..], Some(&30)),
+        "{lit:?}"
+    );
     // Each start uses it, and forgets it when asked.
     let asked = [
         (AT, "CALIBRATE,state"),

@@ -1,4 +1,4 @@
-//! The wearer's calibration: how far it is, and the way of a learnt head to flash.
+//! The wearer's calibration: how far it is, on the line and at the LED, and the way of a learnt head to flash.
 
 use core::cell::Cell;
 
@@ -6,15 +6,24 @@ use embassy_sync::{
     blocking_mutex::{Mutex, raw::CriticalSectionRawMutex},
     signal::Signal,
 };
-use shared::calibration::{Memory, RecordError};
+use shared::calibration::{Memory, RecordError, Shown};
+use shared::intent::Intent;
 use shared::uart_line::answer::Answer;
 use shared::uart_line::calibration::{CalibrationReport, CalibrationState};
+use shared::units::Millis;
 
 use super::uart::{self, UartMessage};
+use crate::clock::now;
 
-static REPORT: Mutex<CriticalSectionRawMutex, Cell<CalibrationReport>> = Mutex::new(Cell::new(
-    CalibrationReport::of(CalibrationState::Idle, None),
-));
+/// Milliseconds for which the LED is lit once a learnt head is in use.
+const SUCCESS_MS: u32 = 3000;
+
+/// The newest report, and when it was made.
+static REPORT: Mutex<CriticalSectionRawMutex, Cell<(CalibrationReport, Millis)>> =
+    Mutex::new(Cell::new((
+        CalibrationReport::of(CalibrationState::Idle, None),
+        Millis(0),
+    )));
 
 static IN_USE: Mutex<CriticalSectionRawMutex, Cell<Result<(), RecordError>>> =
     Mutex::new(Cell::new(Err(RecordError::Missing)));
@@ -34,13 +43,29 @@ pub static RETURNED: Signal<CriticalSectionRawMutex, &'static mut Memory> = Sign
 
 /// Notes how far a calibration is, and says it.
 pub fn report(report: CalibrationReport) {
-    REPORT.lock(|cell| cell.set(report));
+    REPORT.lock(|cell| cell.set((report, now())));
     uart::enqueue(UartMessage::Calibration(report));
 }
 
 /// How far a calibration is.
 pub fn current() -> CalibrationReport {
-    REPORT.lock(Cell::get)
+    REPORT.lock(Cell::get).0
+}
+
+/// Whether the LED is lit that leads the wearer: dark for rest, lit for a gesture, as `blink` for other movement and while flash
+/// is written; then lit for a while if a learnt head is in use. `None` while there is nothing to show.
+pub fn led(blink: bool) -> Option<bool> {
+    let (report, at) = REPORT.lock(Cell::get);
+    match (report.state, report.cue) {
+        (CalibrationState::Teaching | CalibrationState::Judging, Some(Shown::Intent(cue))) => {
+            Some(cue != Intent::Relax)
+        }
+        (CalibrationState::Teaching | CalibrationState::Judging | CalibrationState::Keeping, _) => {
+            Some(blink)
+        }
+        (CalibrationState::Done, _) if now().elapsed_since(at) < SUCCESS_MS => Some(true),
+        _ => None,
+    }
 }
 
 /// Whether a calibration is in use.

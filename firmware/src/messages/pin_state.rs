@@ -15,7 +15,7 @@ pub struct PinState {
     pub status: Status,
     /// Whether an armband streams.
     pub armband: bool,
-    /// Whether the alignment's LED is lit.
+    /// Whether the LED of alignment and calibration is lit.
     pub alignment_led: bool,
 }
 
@@ -45,7 +45,7 @@ pub fn set_armband(streams: bool) {
     update(|state| state.armband = streams);
 }
 
-/// Sets whether the alignment's LED is lit.
+/// Sets whether the LED of alignment and calibration is lit.
 pub fn set_alignment_led(lit: bool) {
     update(|state| state.alignment_led = lit);
 }

@@ -45,6 +45,13 @@ pub async fn run(mut port: CommandPort, mut button: Button) -> ! {
                 Some(Press::Pressed) => {
                     let _ = requests::INFERENCE.ask(InferenceRequest::Press).await;
                 }
+                // Refused without a stream or a model.
+                Some(Press::Twice) => {
+                    let _ = carry_out(Command::Calibrate(CalibrateCommand::Begin {
+                        others: false,
+                    }))
+                    .await;
+                }
                 // An address that was given at build time stays.
                 Some(Press::Held) => drop(requests::BIND.ask(BindCommand::Begin).await),
                 None => {}

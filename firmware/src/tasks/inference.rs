@@ -41,7 +41,7 @@ static STATE: ConstStaticCell<DeviceState> = ConstStaticCell::new(DeviceState::f
 /// connected late.
 const REPEAT_MS: u32 = 1000;
 
-/// Milliseconds that the alignment's LED is lit, and then dark, while gestures are waited for.
+/// Milliseconds that the LED of alignment and calibration is lit, and then dark, when it blinks.
 const BLINK_MS: u32 = 250;
 
 /// Pipeline for a model of any dimensions that the device has room for.
@@ -234,11 +234,13 @@ pub async fn run(
             keep(pipeline, &mut absence, Some(learnt));
         }
         pin_state::set_status(pipeline.status());
-        pin_state::set_alignment_led(match pipeline.alignment_phase() {
+        let blink = (now.0 / BLINK_MS).is_multiple_of(2);
+        let alignment = || match pipeline.alignment_phase() {
             AlignmentPhase::None => false,
-            AlignmentPhase::Waiting => (now.0 / BLINK_MS).is_multiple_of(2),
+            AlignmentPhase::Waiting => blink,
             AlignmentPhase::Aligned => true,
-        });
+        };
+        pin_state::set_alignment_led(calibration::led(blink).unwrap_or_else(alignment));
         // However many packets wait: pins and lines follow each.
         yield_now().await;
     }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::table::{ALIGNMENT, PARTS, Table, milliseconds};
+use super::table::{ALIGNMENT, CALIBRATION, PARTS, Table, milliseconds};
 
 /// Instructions of a whole patch, 50 ms of EMG.
 pub const BUDGET: u64 = 130_000;
@@ -73,6 +73,18 @@ impl fmt::Display for Comparison<'_> {
                 arm.mean,
                 arm.largest,
                 milliseconds(arm.largest),
+            )?;
+        }
+        if let [Some(teach), Some(judge), Some(solve)] = CALIBRATION.map(|name| table.part(name)) {
+            writeln!(
+                f,
+                "calibration: {} a patch of round one, at most {}; {} of round two, at most {}; {} for the solve, about {:.1} ms",
+                teach.mean,
+                teach.largest,
+                judge.mean,
+                judge.largest,
+                solve.largest,
+                milliseconds(solve.largest),
             )?;
         }
         writeln!(f, "state of the encoder: {} bytes", table.state)?;

@@ -29,6 +29,9 @@ pub const ALIGNMENT: [&str; 6] = [
     "align-arm",
 ];
 
+/// Names of a calibration's counts: a patch of each round, and the sample with which the last layer is solved.
+pub const CALIBRATION: [&str; 3] = ["calibrate-teach", "calibrate-judge", "calibrate-solve"];
+
 /// Milliseconds of `instructions` at 64 MHz, by the cycles an instruction of the encoder's largest parts.
 pub fn milliseconds(instructions: u64) -> f64 {
     instructions as f64 * 1.54 / 64e3

@@ -13,11 +13,11 @@ use shared::units::{CHANNELS, Millis, PATCH, SAMPLE_PERIOD_MS, Sample};
 use crate::spans::{Clock, Spans};
 
 /// Amplitude of a gesture round the arm, in counts; a ratio of about 1.37 from one electrode to the next.
-const GESTURE: [i32; CHANNELS] = [118, 86, 62, 44, 32, 24, 16, 12];
+pub const GESTURE: [i32; CHANNELS] = [118, 86, 62, 44, 32, 24, 16, 12];
 /// Amplitude of a gesture that does not tell the arm, in counts.
 const SYMMETRICAL: [i32; CHANNELS] = [118, 68, 40, 23, 17, 23, 40, 68];
 /// Amplitude of rest.
-const REST: i32 = 4;
+pub const REST: i32 = 4;
 /// Samples of the wearer's two gestures, of a second each, after rest until the window is full.
 const GESTURES: [core::ops::Range<usize>; 2] = [1000..1200, 1400..1600];
 /// The sample before which the alignment begins; with it a patch begins, as the median lags one sample.
@@ -80,19 +80,24 @@ fn about(mean: [i16; CHANNELS]) -> Template {
 /// The stream of an armband that is turned by three places.
 fn samples(gesture: [i32; CHANNELS]) -> impl Iterator<Item = Sample> {
     let worn = Alignment::new(3, false).inverse();
-    let mut state = 1_u64;
-    let mut noise = move |amplitude: i32| {
-        // Knuth's linear congruential generator; its high bits are the random ones.
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        ((state >> 33) % (2 * amplitude as u64 + 1)) as i32 - amplitude
-    };
+    let mut noise = noise();
     (0..SAMPLES).map(move |index| {
         let is_gesture = GESTURES.iter().any(|gesture| gesture.contains(&index));
         let sample = gesture.map(|most| noise(if is_gesture { most } else { REST }) as i8);
         worn.apply(sample)
     })
+}
+
+/// Noise of an amplitude, both ends included.
+pub fn noise() -> impl FnMut(i32) -> i32 {
+    let mut state = 1_u64;
+    move |amplitude| {
+        // Knuth's linear congruential generator; its high bits are the random ones.
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        ((state >> 33) % (2 * amplitude as u64 + 1)) as i32 - amplitude
+    }
 }
 
 /// Counts one alignment.

@@ -13,22 +13,25 @@ extern crate alloc;
 #[cfg(target_os = "none")]
 mod alignment;
 #[cfg(target_os = "none")]
+mod calibration;
+#[cfg(target_os = "none")]
 mod pipeline;
 #[cfg(target_os = "none")]
 mod spans;
 
 #[cfg(target_os = "none")]
 mod image {
-    use alloc::vec::Vec;
+    use alloc::{boxed::Box, vec::Vec};
 
     use device::{arguments, files, println, timer};
+    use shared::calibration::Memory;
     use shared::model::Aligned;
     use shared::model::encoder::{DeviceEncoder, DeviceState, HostEncoder};
     use shared::model::file::Model;
     use shared::units::{CHANNELS, Sample};
 
-    use crate::alignment;
     use crate::pipeline::{self, Apart};
+    use crate::{alignment, calibration};
 
     /// The model that the project ships, aligned as in flash: at a multiple of four.
     static MODEL: &Aligned<[u8]> =
@@ -55,11 +58,13 @@ mod image {
         let model = Model::parse(file.as_deref().unwrap_or(&MODEL.0)).expect("a model");
 
         timer::start();
+        let mut memory = Box::new(Memory::EMPTY);
         // Wider models than a device holds are counted with the host's capacity.
-        let (counts, alignment, state) = match DeviceEncoder::new(&model) {
+        let (counts, alignment, calibration, state) = match DeviceEncoder::new(&model) {
             Ok(encoder) => (
                 pipeline::count(encoder, &model, &samples),
                 alignment::count(Apart(encoder), &model),
+                Some(calibration::count(encoder, &model, &mut memory)),
                 size_of::<DeviceState>(),
             ),
             Err(_) => {
@@ -67,13 +72,20 @@ mod image {
                 (
                     pipeline::count(encoder, &model, &samples),
                     alignment::count(Apart(encoder), &model),
+                    None,
                     size_of_val(&encoder.fresh()),
                 )
             }
         };
         println!("patches {}", counts.total.count());
         println!("state {state}");
-        for (part, spans) in counts.named().into_iter().chain(alignment.named()) {
+        let calibration = calibration.into_iter().flat_map(|counts| counts.named());
+        let named = counts
+            .named()
+            .into_iter()
+            .chain(alignment.named())
+            .chain(calibration);
+        for (part, spans) in named {
             println!("{part} {} {}", spans.mean(), spans.largest());
         }
     }

@@ -1,0 +1,93 @@
+//! Instructions of a calibration: a patch of either round, and the sample with which the last layer is solved.
+
+use core::hint::black_box;
+
+use shared::calibration::{Memory, Shown};
+use shared::intent::Intent;
+use shared::model::Encode;
+use shared::model::file::Model;
+use shared::pipeline::Pipeline;
+use shared::stream::safe_state::Start;
+use shared::uart_line::calibration::CalibrationState;
+use shared::units::{Millis, PATCH, SAMPLE_PERIOD_MS, WINDOW};
+
+use crate::alignment::{GESTURE, REST, noise};
+use crate::spans::{Clock, Spans};
+
+/// Samples of both rounds of a model of six classes, and more.
+const MOST: usize = 16_000;
+
+/// Instructions of a calibration.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Counts {
+    /// The whole pipeline for a patch of round one.
+    teaching: Spans,
+    /// The whole pipeline for a patch of round two.
+    judging: Spans,
+    /// The whole pipeline for the sample with which round one ends: the solve, and a patch.
+    solve: Spans,
+}
+
+impl Counts {
+    /// Returns the counts with their names.
+    pub fn named(&self) -> [(&'static str, Spans); 3] {
+        [
+            ("calibrate-teach", self.teaching),
+            ("calibrate-judge", self.judging),
+            ("calibrate-solve", self.solve),
+        ]
+    }
+}
+
+/// Counts one calibration of a wearer who does what is asked for, each gesture with other electrodes.
+///
+/// # Panics
+/// If it does not come to its end: then something else was counted.
+pub fn count<E: Encode + Copy>(encoder: E, model: &Model<'_>, memory: &mut Memory) -> Counts {
+    let settings = model.header.smoother.in_patches();
+    let mut state = encoder.fresh();
+    let mut pipeline =
+        Pipeline::new(encoder, &mut state, settings, Start::Boot).expect("good settings");
+    pipeline.preprocess(model.header.preprocessing);
+    pipeline.lend(memory);
+    let clock = Clock::new();
+    let mut counts = Counts::default();
+    let mut noise = noise();
+    let (mut state, mut cue) = (CalibrationState::Idle, None);
+    let (mut patch, mut now) = (0, Millis(0));
+    for index in 0..MOST {
+        // With the next sample a patch begins, as the median lags one.
+        if index == WINDOW + 1 {
+            let _ = pipeline.begin_calibration(now, false).expect("memory");
+        }
+        let turn = match cue {
+            Some(Shown::Intent(intent)) if intent != Intent::Relax => Some(2 * intent.class()),
+            _ => None,
+        };
+        let mut sample = GESTURE.map(|most| noise(if turn.is_some() { most } else { REST }) as i8);
+        sample.rotate_left(turn.unwrap_or(0));
+        now = now.plus(SAMPLE_PERIOD_MS);
+        let sample = black_box(sample);
+        let (_, instructions) = clock.span(|| black_box(pipeline.sample(now, sample)));
+        patch += instructions;
+        let before = state;
+        if let Some(report) = pipeline.take_calibration_report() {
+            (state, cue) = (report.state, report.cue);
+        }
+        if before == CalibrationState::Teaching && state == CalibrationState::Judging {
+            counts.solve.push(instructions);
+        } else if index % PATCH == 0 {
+            match before {
+                CalibrationState::Teaching => counts.teaching.push(patch),
+                CalibrationState::Judging => counts.judging.push(patch),
+                _ => {}
+            }
+        }
+        if index % PATCH == 0 {
+            patch = 0;
+        }
+    }
+    let ends = [CalibrationState::Keeping, CalibrationState::Worse];
+    assert!(ends.contains(&state), "{}", state.name());
+    counts
+}
