@@ -15,7 +15,7 @@ use shared::units::Millis;
 use super::uart::{self, UartMessage};
 use crate::clock::now;
 
-/// Milliseconds for which the LED is lit once a learnt head is in use.
+/// Milliseconds for which the LED blinks once a learnt head is in use.
 const SUCCESS_MS: u32 = 3000;
 
 /// The newest report, and when it was made.
@@ -52,18 +52,15 @@ pub fn current() -> CalibrationReport {
     REPORT.lock(Cell::get).0
 }
 
-/// Whether the LED is lit that leads the wearer: dark for rest, lit for a gesture, as `blink` for other movement and while flash
-/// is written; then lit for a while if a learnt head is in use. `None` while there is nothing to show.
+/// Whether the LED is lit that leads the wearer: dark for rest, lit for a gesture, as `blink` for other movement, while flash is
+/// written and for a while after that, if a learnt head is in use. `None` while there is nothing to show.
 pub fn led(blink: bool) -> Option<bool> {
+    use CalibrationState::{Done, Judging, Keeping, Teaching};
     let (report, at) = REPORT.lock(Cell::get);
     match (report.state, report.cue) {
-        (CalibrationState::Teaching | CalibrationState::Judging, Some(Shown::Intent(cue))) => {
-            Some(cue != Intent::Relax)
-        }
-        (CalibrationState::Teaching | CalibrationState::Judging | CalibrationState::Keeping, _) => {
-            Some(blink)
-        }
-        (CalibrationState::Done, _) if now().elapsed_since(at) < SUCCESS_MS => Some(true),
+        (Teaching | Judging, Some(Shown::Intent(cue))) => Some(cue != Intent::Relax),
+        (Teaching | Judging | Keeping, _) => Some(blink),
+        (Done, _) if now().elapsed_since(at) < SUCCESS_MS => Some(blink),
         _ => None,
     }
 }

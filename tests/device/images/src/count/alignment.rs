@@ -24,7 +24,7 @@ const GESTURES: [core::ops::Range<usize>; 2] = [1000..1200, 1400..1600];
 const BEGINS: usize = 801;
 const SAMPLES: usize = 2000;
 /// Samples after the end in each of which the encoder takes a patch: 60 that were there, and those that come meanwhile.
-const AGAIN: usize = 66;
+pub const AGAIN: usize = 66;
 /// Samples of a decision between the arms, in each of which the encoder takes a patch: 53 for either.
 const DECISION: usize = 106;
 

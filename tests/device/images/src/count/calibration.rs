@@ -11,7 +11,7 @@ use shared::stream::safe_state::Start;
 use shared::uart_line::calibration::CalibrationState;
 use shared::units::{Millis, PATCH, SAMPLE_PERIOD_MS, WINDOW};
 
-use crate::alignment::{GESTURE, REST, noise};
+use crate::alignment::{AGAIN, GESTURE, REST, noise};
 use crate::spans::{Clock, Spans};
 
 /// Samples of both rounds of a model of six classes, and more.
@@ -22,9 +22,9 @@ const MOST: usize = 16_000;
 pub struct Counts {
     /// The whole pipeline for a patch of round one.
     teaching: Spans,
-    /// The whole pipeline for a patch of round two.
+    /// The whole pipeline for a patch of round two, once the encoder has taken the window again.
     judging: Spans,
-    /// The whole pipeline for the sample with which round one ends: the solve, and a patch.
+    /// The whole pipeline for a sample with which a round ends: the solve, and a patch.
     solve: Spans,
 }
 
@@ -54,7 +54,7 @@ pub fn count<E: Encode + Copy>(encoder: E, model: &Model<'_>, memory: &mut Memor
     let mut counts = Counts::default();
     let mut noise = noise();
     let (mut state, mut cue) = (CalibrationState::Idle, None);
-    let (mut patch, mut now) = (0, Millis(0));
+    let (mut patch, mut solved, mut now) = (0, 0, Millis(0));
     for index in 0..MOST {
         // With the next sample a patch begins, as the median lags one.
         if index == WINDOW + 1 {
@@ -74,14 +74,17 @@ pub fn count<E: Encode + Copy>(encoder: E, model: &Model<'_>, memory: &mut Memor
         if let Some(report) = pipeline.take_calibration_report() {
             (state, cue) = (report.state, report.cue);
         }
-        if before == CalibrationState::Teaching && state == CalibrationState::Judging {
-            counts.solve.push(instructions);
-        } else if index % PATCH == 0 {
-            match before {
-                CalibrationState::Teaching => counts.teaching.push(patch),
-                CalibrationState::Judging => counts.judging.push(patch),
-                _ => {}
+        use CalibrationState::{Judging, Keeping, Teaching};
+        match (before, state) {
+            (Teaching, Judging) | (Judging, Keeping) => {
+                solved = index;
+                counts.solve.push(instructions);
             }
+            (Teaching, _) if index % PATCH == 0 => counts.teaching.push(patch),
+            (Judging, _) if index % PATCH == 0 && index > solved + AGAIN + PATCH => {
+                counts.judging.push(patch);
+            }
+            _ => {}
         }
         if index % PATCH == 0 {
             patch = 0;
