@@ -5,6 +5,8 @@
 //! Sample -> Normalizer -> Alignment -> Preprocessor -> SampleRing -> Encode -> Smoother -> Lock -> SafeState -> Report
 //!           rest,         which        median, |x|     600 samples   a patch:  look-ahead  if     valid, or    a UART line
 //!           strength      electrode    lags 1 sample   in patches    6 rows    and hold    wanted relax        each
+//!    |                                                                                                       |
+//!    +---> Strength: level above rest, as a share of the label's range --------------------------------------+
 //! ```
 //!
 //! A change of the alignment rearranges the samples of the ring, and the encoder takes them again, a patch with each
@@ -32,6 +34,7 @@ use crate::stream::preprocess::{Preprocessing, Preprocessor};
 use crate::stream::ring::{Origin, SampleRing};
 use crate::stream::safe_state::{Event, SafeState, Start, Status};
 use crate::stream::smoother::{Decision, Settings, SettingsError};
+use crate::stream::strength::Strength;
 use crate::uart_line::calibration::CalibrationState;
 use crate::uart_line::{Counters, Kind, Report};
 use crate::units::{Millis, PATCH, Sample, SampleIndex, WINDOW_PATCHES};
@@ -43,6 +46,8 @@ pub struct Pipeline<'s, E: Encode> {
     preprocessing: Preprocessing,
     /// Normalizer, for a model that was trained with it. Its state outlasts gaps and disconnections.
     normalizer: Option<Normalizer>,
+    /// Strength of the wearer. Its state outlasts gaps and disconnections too.
+    strength: Strength,
     placement: Placement,
     preprocessor: Preprocessor,
     ring: SampleRing,
@@ -101,6 +106,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         Self {
             preprocessing: Preprocessing::default(),
             normalizer: None,
+            strength: Strength::new(),
             placement: Placement::default(),
             preprocessor: Preprocessor::default(),
             ring: SampleRing::new(),
@@ -125,6 +131,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
     pub fn preprocess(&mut self, preprocessing: Preprocessing) {
         self.preprocessing = preprocessing;
         self.normalizer = preprocessing.normalized.then(Normalizer::new);
+        self.strength = Strength::new();
         self.preprocessor = Preprocessor::new(preprocessing.median);
     }
 
@@ -134,6 +141,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         self.handle(now, Event::Sample, &mut reports);
         self.watch(sample);
         self.calibration.sample(sample);
+        self.strength.push(sample);
         let sample = match &mut self.normalizer {
             Some(normalizer) => normalizer.push(sample),
             None => sample,
@@ -285,6 +293,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
             self.handle(now, Event::Locked, reports);
             return;
         };
+        self.strength.learn(intent, self.rest());
         // No other window is decided.
         let event = Event::Label {
             intent,
@@ -336,14 +345,21 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         sequence
     }
 
+    /// Level at rest, for the strength; 0 without a normalizer.
+    fn rest(&self) -> u32 {
+        self.normalizer.as_ref().map_or(0, Normalizer::rest)
+    }
+
     fn report(&mut self, kind: Kind, instant: SampleIndex, emitted: SampleIndex) -> Report {
+        let status = self.safe_state.status();
         Report {
             kind,
             sequence: self.next_sequence(),
             instant,
             emitted,
-            status: self.safe_state.status(),
+            status,
             counters: self.counters,
+            strength: Some(self.strength.of(status.label(), self.rest())),
         }
     }
 }

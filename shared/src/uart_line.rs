@@ -3,7 +3,7 @@
 //! ```text
 //! line     = "$" body "*" checksum CR LF
 //! body     = kind "," sequence "," instant "," emitted "," label "," valid "," cause ","
-//!            lost "," bridged "," resets
+//!            lost "," bridged "," resets [ "," strength ]
 //! kind     = "LABEL" | "STATE"      a label was emitted | the state changed
 //! sequence = number                 of the line, from 0; a jump means that lines were lost
 //! instant  = number                 reference time: index of the sample that the label refers to
@@ -16,11 +16,12 @@
 //! lost     = number                 samples lost since the start
 //! bridged  = number                 lost samples that were filled in since the start
 //! resets   = number                 resets of the window since the start
+//! strength = "0" ... "100"          percent of the wearer's range, 0 with valid 0; after the command STRENGTH,on
 //! number   = 0 ... 4294967295, decimal, no leading zeros
 //! checksum = two upper-case hexadecimal digits: all bytes of the body, XORed (as NMEA 0183 does)
 //! ```
 //!
-//! A line has at most 99 bytes, CR LF included. The delay of a label is `emitted - instant` samples of
+//! A line has at most 103 bytes, CR LF included. The delay of a label is `emitted - instant` samples of
 //! 5 ms. Every line that parses is written back byte for byte.
 //!
 //! While an alignment is made there are other lines between these: [`alignment`]. On the same line the device takes
@@ -30,6 +31,7 @@
 //! ```text
 //! $STATE,0,0,0,relax,0,boot,0,0,0*3F
 //! $LABEL,2,609,660,close,1,-,0,0,0*0D
+//! $LABEL,2,609,660,close,1,-,0,0,0,64*23
 //! ```
 
 pub mod alignment;
@@ -48,10 +50,11 @@ mod refusal;
 use core::fmt::{self, Write as _};
 
 use fields::{Fields, Reader, Rows, Writer, field, fields, rows, wrong};
-use frame::framed;
+use frame::{framed, number};
 
 use crate::intent::Intent;
 use crate::stream::safe_state::{Cause, Status};
+use crate::stream::strength::FULL;
 use crate::units::SampleIndex;
 
 /// USB numbers, vendor and product, of a board that has its serial port there.
@@ -95,13 +98,21 @@ pub struct Report {
     pub status: Status,
     /// Losses so far.
     pub counters: Counters,
+    /// Strength in percent of the wearer's range, 0 while not valid; none if the line does not have it.
+    pub strength: Option<u8>,
 }
 
 rows!(Report {
     "LABEL" (sequence: u32, instant: SampleIndex, emitted: SampleIndex, status: Status, counters: Counters)
-        => Self { kind: Kind::Label, sequence, instant, emitted, status, counters },
+        => Self { kind: Kind::Label, sequence, instant, emitted, status, counters, strength: None },
     "STATE" (sequence: u32, instant: SampleIndex, emitted: SampleIndex, status: Status, counters: Counters)
-        => Self { kind: Kind::State, sequence, instant, emitted, status, counters },
+        => Self { kind: Kind::State, sequence, instant, emitted, status, counters, strength: None },
+    "LABEL" (
+        sequence: u32, instant: SampleIndex, emitted: SampleIndex, status: Status, counters: Counters, strength: Percent
+    ) => Self { kind: Kind::Label, sequence, instant, emitted, status, counters, strength: Some(strength) },
+    "STATE" (
+        sequence: u32, instant: SampleIndex, emitted: SampleIndex, status: Status, counters: Counters, strength: Percent
+    ) => Self { kind: Kind::State, sequence, instant, emitted, status, counters, strength: Some(strength) },
 });
 fields!(Counters {
     lost: u32,
@@ -109,6 +120,11 @@ fields!(Counters {
     resets: u32
 });
 field!(Intent => Intent: |text, intent| text.write_str(intent.name()), Intent::from_name);
+/// Codec of a strength.
+struct Percent;
+field!(Percent => u8: |text, percent| write!(text, "{}", u32::from(*percent)), |text| {
+    number(text)?.try_into().ok().filter(|percent| *percent <= FULL)
+});
 field!(Cause => Cause: |text, cause| text.write_str(cause.name()), Cause::from_name);
 
 impl Fields<'_> for Status {
@@ -171,6 +187,15 @@ impl Report {
     /// A wrong frame, a wrong checksum, a wrong number of fields, or the first wrong field.
     pub fn parse(line: &[u8]) -> Result<Self, ParseError> {
         Self::of_body(framed(line)?)
+    }
+
+    /// The report as it is written before the command `STRENGTH,on`.
+    #[must_use]
+    pub const fn without_strength(self) -> Self {
+        Self {
+            strength: None,
+            ..self
+        }
     }
 }
 

@@ -93,6 +93,12 @@ impl Normalizer {
         }
     }
 
+    /// Level at rest, mean over the electrodes, in 1/65536 of a count; more than any level before the first 0.2 s are over.
+    #[must_use]
+    pub fn rest(&self) -> u32 {
+        self.rest.iter().map(|rest| rest / CHANNELS as u32).sum()
+    }
+
     /// Takes a sample; returns it normalized, as long and with the signs that it had.
     pub fn push(&mut self, sample: Sample) -> Sample {
         let [first, last] = words(sample).map(Magnitudes::of);

@@ -8,6 +8,7 @@
 //!          | "OK,ALIGN," ( "begin" | "cancel" | "set" )
 //!          | "OK,ALIGN,state," turn "," mirrored      as in force
 //!          | "OK,RAW," ( "on" | "off" )
+//!          | "OK,STRENGTH," ( "on" | "off" )
 //!          | "OK,BIND," why-this "," address "," kept
 //!          | "OK,GATE," entry "," other "," reaction     super::gate
 //!          | "OK,LOCK," ( "off" | sign "," rest "," locked )     super::lock
@@ -150,6 +151,8 @@ pub enum Answer<'a> {
     Alignment(Alignment),
     /// Answer to `RAW`: whether the raw stream is on from now on.
     Raw(bool),
+    /// Answer to `STRENGTH`: whether lines have the strength from now on.
+    Strength(bool),
     /// Answer to `BIND`: the binding from now on.
     Binding(Binding),
     /// Answer to `GATE`: the gate from now on.
@@ -184,6 +187,7 @@ rows!(Answer<'a> {
     "OK,ALIGN,state" (alignment: Alignment) => Self::Alignment(alignment),
     "OK,ALIGN" (align: Accepted) => Self::Align(align),
     "OK,RAW" (raw: Switch) => Self::Raw(raw),
+    "OK,STRENGTH" (strength: Switch) => Self::Strength(strength),
     "OK,BIND" (binding: Binding) => Self::Binding(binding),
     "OK,GATE" (gate: Gate) => Self::Gate(gate),
     "OK,LOCK,off" => Self::Lock(None),

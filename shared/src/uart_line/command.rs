@@ -10,6 +10,7 @@
 //!          | "ALIGN,set," turn "," mirrored      an alignment that is known already
 //!          | "ALIGN,state"                       change nothing
 //!          | "RAW,on" | "RAW,off"                the raw stream; off after a start
+//!          | "STRENGTH,on" | "STRENGTH,off"      the strength behind labels and states; off after a start
 //!          | "BIND,begin"                        pairing: bind the strongest armband of the next 30 s
 //!          | "BIND,set," address                 bind this armband
 //!          | "BIND,forget"                       bind none
@@ -79,6 +80,8 @@ pub enum Command {
     Align(AlignCommand),
     /// Write the samples too, or no longer.
     Raw(bool),
+    /// Write the strength behind labels and states too, or no longer.
+    Strength(bool),
     /// Begin a pairing, bind or forget an armband, or say which one is followed.
     Bind(BindCommand),
     /// Change the confidence gate, or say which one is in force.
@@ -150,6 +153,7 @@ rows!(Command {
     "ALIGN,set" (alignment: Alignment) => Self::Align(AlignCommand::Set(alignment)),
     "ALIGN,state" => Self::Align(AlignCommand::State),
     "RAW" (raw: Switch) => Self::Raw(raw),
+    "STRENGTH" (strength: Switch) => Self::Strength(strength),
     "BIND,begin" => Self::Bind(BindCommand::Begin),
     "BIND,set" (address: AnyCase) => Self::Bind(BindCommand::Set(address)),
     "BIND,forget" => Self::Bind(BindCommand::Forget),

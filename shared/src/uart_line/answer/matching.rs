@@ -27,7 +27,8 @@ impl Answer<'_> {
             (Command::Align(asked), Self::Align(accepted)) => {
                 Accepted::of(asked) == Some(*accepted)
             }
-            (Command::Raw(asked), Self::Raw(on)) => asked == *on,
+            (Command::Raw(asked), Self::Raw(on))
+            | (Command::Strength(asked), Self::Strength(on)) => asked == *on,
             (Command::Gate(GateCommand::Set(asked)), Self::Gate(gate)) => asked == *gate,
             (Command::Lock(asked), Self::Lock(lock)) => match asked {
                 LockCommand::Set(times) => lock.is_some_and(|lock| lock.times == times),
@@ -74,7 +75,11 @@ impl Refusal {
             },
             Self::Busy => !matches!(
                 command,
-                Command::Identify | Command::Battery | Command::Counters | Command::Raw(_)
+                Command::Identify
+                    | Command::Battery
+                    | Command::Counters
+                    | Command::Raw(_)
+                    | Command::Strength(_)
             ),
             Self::Length => matches!(command, Command::Install(_)),
             Self::Block | Self::NotBegun | Self::Model | Self::Flash => {

@@ -80,6 +80,7 @@ fn every_answer_has_the_body_of_its_grammar() {
         ),
         (Answer::Raw(true), "OK,RAW,on"),
         (Answer::Raw(false), "OK,RAW,off"),
+        (Answer::Strength(true), "OK,STRENGTH,on"),
         (
             binding(Following::Bound(IDENTITY.armband.unwrap()), true),
             "OK,BIND,bound,FA:12:34:56:78:9A,1",

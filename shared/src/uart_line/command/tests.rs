@@ -166,6 +166,7 @@ fn command() -> impl Strategy<Value = Command> {
         Just(Command::Lock(LockCommand::State)),
         block,
         any::<bool>().prop_map(Command::Raw),
+        any::<bool>().prop_map(Command::Strength),
         gate,
         Just(Command::Gate(GateCommand::State)),
         Just(Command::Bind(BindCommand::Begin)),
