@@ -7,6 +7,7 @@ use shared::pipeline::{self, Pipeline, Reports, Smoother};
 use shared::stream::alignment::{Alignment, Arm};
 use shared::stream::safe_state::Start;
 use shared::stream::smoother::Gate;
+use shared::uart_line::Report;
 use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample};
 
 /// Event that reaches the pipeline.
@@ -28,6 +29,8 @@ pub enum Input<'s> {
     SetAlignment(Alignment),
     /// A command changes the confidence gate.
     SetGate(Gate),
+    /// A command switches the strength on lines.
+    Strength(bool),
     /// An installation begins to write.
     Suspend,
     /// This model is in use.
@@ -46,7 +49,8 @@ pub fn expected_lines(model: &[u8], inputs: &[Input<'_>]) -> anyhow::Result<Vec<
     let mut pipeline = Pipeline::new(encoder, &mut state, settings, Start::Boot)?;
     pipeline.preprocess(model.header.preprocessing);
     pipeline.set_template(model.header.template);
-    let mut lines = vec![pipeline.state_report().to_string()];
+    let mut lines = Lines::default();
+    lines.write(pipeline.state_report());
     let mut now = Millis(0);
     for input in inputs {
         let reports = match *input {
@@ -54,7 +58,7 @@ pub fn expected_lines(model: &[u8], inputs: &[Input<'_>]) -> anyhow::Result<Vec<
                 for &sample in samples {
                     now = now.plus(SAMPLE_PERIOD_MS);
                     let reports = pipeline.sample(now, sample);
-                    add(&mut lines, &mut pipeline, reports);
+                    lines.add(&mut pipeline, reports);
                 }
                 continue;
             }
@@ -70,6 +74,10 @@ pub fn expected_lines(model: &[u8], inputs: &[Input<'_>]) -> anyhow::Result<Vec<
             }
             Input::SetGate(gate) => {
                 anyhow::ensure!(pipeline.set_gate(gate), "a margin that the model has not");
+                Reports::default()
+            }
+            Input::Strength(on) => {
+                lines.have_strength = on;
                 Reports::default()
             }
             Input::Suspend => pipeline.suspend(now),
@@ -94,14 +102,29 @@ pub fn expected_lines(model: &[u8], inputs: &[Input<'_>]) -> anyhow::Result<Vec<
                 Reports::default()
             }
         };
-        add(&mut lines, &mut pipeline, reports);
+        lines.add(&mut pipeline, reports);
     }
-    Ok(lines)
+    Ok(lines.written)
 }
 
-/// Adds the reports of a call, then what is new about the alignment.
-fn add<E: Encode>(lines: &mut Vec<String>, pipeline: &mut Pipeline<'_, E>, reports: Reports) {
-    lines.extend(reports.into_iter().map(|report| report.to_string()));
-    let news = pipeline.take_alignment_report();
-    lines.extend(news.map(|report| report.to_string()));
+/// Lines that are written.
+#[derive(Default)]
+struct Lines {
+    written: Vec<String>,
+    have_strength: bool,
+}
+
+impl Lines {
+    fn write(&mut self, report: Report) {
+        let plain = report.without_strength();
+        let report = if self.have_strength { report } else { plain };
+        self.written.push(report.to_string());
+    }
+
+    /// Adds the reports of a call, then what is new about the alignment.
+    fn add<E: Encode>(&mut self, pipeline: &mut Pipeline<'_, E>, reports: Reports) {
+        reports.into_iter().for_each(|report| self.write(report));
+        let news = pipeline.take_alignment_report();
+        self.written.extend(news.map(|report| report.to_string()));
+    }
 }

@@ -50,6 +50,16 @@ pub const LOCK: Option<LockTimes> = match option_env!("MYOINTENT_LOCK") {
     },
 };
 
+/// Whether lines have the strength at each start, as `MYOINTENT_STRENGTH=on` when the program is built. A command switches it.
+pub const STRENGTH: bool = match option_env!("MYOINTENT_STRENGTH") {
+    None => false,
+    Some(text) => match text.as_bytes() {
+        b"on" => true,
+        b"off" => false,
+        _ => panic!("MYOINTENT_STRENGTH is neither on nor off"),
+    },
+};
+
 /// Arm that an alignment assumes, as `MYOINTENT_MIRRORED=0` or `1` when the program is built: whether the electrodes
 /// run the other way round than in training, on the other arm. A command may tell otherwise.
 ///

@@ -150,7 +150,7 @@ fn run(mut wire: Wire, mut following: Following, stop: &AtomicBool, raw: &Atomic
     let samples = synthetic(60).samples;
     let mut reader = CommandReader::new();
     wire.write("# myointent 0.1.0 0123456789ab, image test, started by power or reset\r\n");
-    wire.write(&pipeline.state_report().to_string());
+    wire.write(&pipeline.state_report().without_strength().to_string());
     let (pairs, _) = samples.as_chunks::<2>();
     let (mut pairing, mut pairings) = (0, 0);
     let mut streamed = pairs.iter().cycle().enumerate();
@@ -202,7 +202,7 @@ fn run(mut wire: Wire, mut following: Following, stop: &AtomicBool, raw: &Atomic
         let now = Millis(10 * place as u32);
         for &sample in pair {
             for report in pipeline.sample(now, sample) {
-                wire.write(&report.to_string());
+                wire.write(&report.without_strength().to_string());
             }
             if let Some(report) = pipeline.take_alignment_report() {
                 wire.write(&report.to_string());
@@ -239,6 +239,7 @@ fn answer(command: Result<Command, Refusal>, following: Following) -> Answer<'st
             Accepted::of(command).map_or(Answer::Refused(Refusal::Busy), Answer::Align)
         }
         Ok(Command::Raw(on)) => Answer::Raw(on),
+        Ok(Command::Strength(on)) => Answer::Strength(on),
         Ok(Command::Bind(command))
             if matches!(following, Following::Pinned(_)) && command != BindCommand::State =>
         {

@@ -4,6 +4,7 @@
 //! come, they push no label out of its queue. Raw samples come last.
 
 use core::fmt::{self, Write as _};
+use core::sync::atomic::{AtomicBool, Ordering};
 
 use embassy_futures::select::{Either3, select3};
 use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, channel::Channel};
@@ -20,6 +21,7 @@ use super::queue::Queue;
 use super::raw;
 use crate::model_region::ModelRefused;
 use crate::reset_reason::{ResetReason, previous_message};
+use crate::settings;
 
 /// Message on the UART.
 #[derive(Clone, Copy)]
@@ -82,12 +84,19 @@ const FIRST: &str = concat!(
 /// Bytes of the longest line: all counters of a stream.
 const MAX_BYTES: usize = 256;
 
+/// Whether lines have the strength.
+static STRENGTH: AtomicBool = AtomicBool::new(settings::STRENGTH);
 static MESSAGES: Queue<UartMessage, 16> = Queue::new();
 static ANSWERS: Channel<CriticalSectionRawMutex, Answer<'static>, 1> = Channel::new();
 
 /// Queues a message; where the queue is full, the oldest is dropped.
 pub fn enqueue(message: UartMessage) {
     MESSAGES.push(message);
+}
+
+/// Sets whether lines have the strength from now on.
+pub fn switch_strength(on: bool) {
+    STRENGTH.store(on, Ordering::Relaxed);
 }
 
 /// Hands over an answer, once the one before was taken.
@@ -158,7 +167,12 @@ pub type Line = heapless::String<MAX_BYTES>;
 impl UartMessage {
     fn write(self, line: &mut Line) -> fmt::Result {
         match self {
-            Self::Report(report) => write!(line, "{report}"),
+            Self::Report(mut report) => {
+                if !STRENGTH.load(Ordering::Relaxed) {
+                    report.strength = None;
+                }
+                write!(line, "{report}")
+            }
             Self::Alignment(report) => write!(line, "{report}"),
             Self::Calibration(report) => write_calibration(line, report),
             Self::CalibrationRefused(error) => write!(line, "# {error}\r\n"),

@@ -96,6 +96,10 @@ async fn carry_out(command: Command) -> Answer<'static> {
             raw::switch(on);
             Answer::Raw(on)
         }
+        Command::Strength(on) => {
+            uart::switch_strength(on);
+            Answer::Strength(on)
+        }
         Command::Align(AlignCommand::State) => {
             ask_inference(InferenceRequest::Align(AlignCommand::State)).await
         }

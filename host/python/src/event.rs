@@ -19,10 +19,13 @@ impl Event {
 
 #[pymethods]
 impl Event {
-    /// The line, byte for byte, CR LF included.
+    /// The line, byte for byte, CR LF included; without the strength, which a board writes on request.
     #[getter]
     fn line(&self) -> String {
-        self.0.to_string()
+        match self.0 {
+            Line::Report(report) => report.without_strength().to_string(),
+            line => line.to_string(),
+        }
     }
 
     /// `"label"`, `"state"` or `"alignment"`.
@@ -45,6 +48,12 @@ impl Event {
     #[getter]
     fn valid(&self) -> Option<bool> {
         Some(self.report()?.status.valid())
+    }
+
+    /// Strength of the contraction in percent of the wearer's own range, 0 with relax; None for an alignment.
+    #[getter]
+    fn strength(&self) -> Option<u8> {
+        self.report()?.strength
     }
 
     /// Cause of the safe state; None while the label is valid, and for an alignment.
@@ -79,6 +88,6 @@ impl Event {
     }
 
     fn __repr__(&self) -> String {
-        format!("<Event {}>", self.0.to_string().trim_end())
+        format!("<Event {}>", self.line().trim_end())
     }
 }

@@ -88,6 +88,9 @@ class StreamTest(unittest.TestCase):
         self.assertEqual([label.instant, label.emitted], [int(fields[2]), int(fields[3])])
         self.assertEqual((label.label, label.valid, label.cause), (fields[4], True, None))
         self.assertIsNone(label.alignment)
+        self.assertEqual(start.strength, 0)
+        for event in events:
+            self.assertTrue(0 <= event.strength <= 100 and (event.strength == 0 or event.label != "relax"))
         waiting = myointent.Stream(self.model, align=True).push(emg)[1]
         self.assertEqual((waiting.kind, waiting.alignment), ("alignment", "waiting"))
 

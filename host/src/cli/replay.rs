@@ -10,6 +10,7 @@ use clap::Args;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
 use shared::stream::alignment::Arm;
+use shared::uart_line::line::Line;
 use shared::uart_line::{Kind, Report};
 use shared::units::{CHANNELS, Millis, Sample, WINDOW};
 
@@ -55,6 +56,9 @@ pub struct Arguments {
     /// Lock the labels from the first one on, as a board with a lock does: an open hand that is held unlocks them.
     #[arg(long, conflicts_with = "speed")]
     lock: bool,
+    /// Write the strength of the contraction behind each label, as a board does after STRENGTH,on.
+    #[arg(long, conflicts_with = "speed")]
+    strength: bool,
     /// Print how many times faster than real time the pipeline runs, instead of the lines.
     #[arg(long, conflicts_with = "real_time")]
     speed: bool,
@@ -95,6 +99,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         real_time: arguments.real_time.then(Instant::now),
         align: arguments.align.then_some(arm),
         lock: arguments.lock,
+        strength: arguments.strength,
     };
     let mut labels = 0_usize;
     replay(&model, &recording.samples, start, |line| {
@@ -160,6 +165,8 @@ struct Start {
     align: Option<Arm>,
     /// Whether labels are locked.
     lock: bool,
+    /// Whether lines have the strength.
+    strength: bool,
 }
 
 /// Runs the device's pipeline over samples.
@@ -181,9 +188,15 @@ fn replay(
             std::thread::sleep(due.saturating_duration_since(Instant::now()));
         }
     };
-    let written = stream.push(samples, wait, |line| match output(&line.to_string()) {
-        Ok(()) => ControlFlow::Continue(()),
-        Err(error) => ControlFlow::Break(error),
+    let written = stream.push(samples, wait, |line| {
+        let line = match line {
+            Line::Report(report) if !start.strength => Line::Report(report.without_strength()),
+            line => line,
+        };
+        match output(&line.to_string()) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(error) => ControlFlow::Break(error),
+        }
     });
     match written {
         ControlFlow::Continue(()) => Ok(()),
@@ -276,6 +289,30 @@ mod tests {
         let template = random_model(dimensions, 1).template;
         assert_eq!(begun(template), AlignmentState::Waiting);
         assert_eq!(begun(None), AlignmentState::Unavailable);
+    }
+
+    #[test]
+    fn lines_have_the_strength_on_request_and_are_else_the_same() {
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/three-class.intent");
+        let bytes = std::fs::read(file).unwrap();
+        let model = Model::parse(&bytes).unwrap();
+        let reports = |strength| {
+            let mut reports = Vec::new();
+            let start = Start {
+                strength,
+                ..Start::default()
+            };
+            replay(&model, &[[1; CHANNELS]; 900], start, |line| {
+                reports.push(Report::parse(line.as_bytes()).unwrap());
+                Ok(())
+            })
+            .unwrap();
+            reports
+        };
+        let (plain, strong) = (reports(false), reports(true));
+        assert!(strong.iter().all(|report| report.strength == Some(0)));
+        let stripped = strong.into_iter().map(Report::without_strength);
+        assert_eq!(stripped.collect::<Vec<_>>(), plain);
     }
 
     #[test]

@@ -101,6 +101,8 @@ pub(crate) enum Event {
         lost: u32,
         bridged: u32,
         resets: u32,
+        /// Percent of the wearer's range; null if a board does not write it.
+        strength: Option<u8>,
     },
     /// State of an alignment.
     Alignment {
@@ -190,6 +192,7 @@ impl Event {
             lost: report.counters.lost,
             bridged: report.counters.bridged,
             resets: report.counters.resets,
+            strength: report.strength,
         }
     }
 

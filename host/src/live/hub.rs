@@ -262,6 +262,7 @@ mod tests {
             lost: 0,
             bridged: 0,
             resets: 0,
+            strength: None,
         };
         hub.publish(&report(1));
         for first in 0..RECENT {

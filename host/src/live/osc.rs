@@ -3,6 +3,7 @@
 //! | address | arguments |
 //! | --- | --- |
 //! | `/myointent/label` | string label, int 1 if valid, int sample that it is for |
+//! | `/myointent/strength` | int percent of the wearer's range, with each label; of a board after `strength on` |
 //! | `/myointent/scores` | float probability of each class, in the model's order |
 //! | `/myointent/emg` | eight ints, the raw sample; a packet a sample |
 //! | `/myointent/connected` | int 1 if the source is connected |
@@ -96,10 +97,10 @@ fn messages(event: &Value) -> Vec<(&'static str, Vec<OscType>)> {
     match event["type"].as_str() {
         Some("report") => {
             let label = OscType::String(event["label"].as_str().unwrap_or_default().to_owned());
-            vec![(
-                "label",
-                vec![label, truth(&event["valid"]), int(&event["instant"])],
-            )]
+            let of_label = vec![label, truth(&event["valid"]), int(&event["instant"])];
+            let strength = &event["strength"];
+            let strength = strength.is_u64().then(|| ("strength", vec![int(strength)]));
+            [("label", of_label)].into_iter().chain(strength).collect()
         }
         Some("scores") => vec![("scores", items(&event["scores"], &float))],
         Some("samples") => {
@@ -129,7 +130,7 @@ mod tests {
         let port = receiver.local_addr().unwrap().port();
         let osc = Osc::to(&format!("localhost:{port}")).unwrap();
         let over = AtomicBool::new(false);
-        let kinds = ["label", "scores", "emg", "connected"];
+        let kinds = ["label", "strength", "scores", "emg", "connected"];
         let mut received: BTreeMap<String, Vec<OscType>> = BTreeMap::new();
         std::thread::scope(|scope| {
             let live = scope.spawn(|| {

@@ -159,6 +159,7 @@ fn commands() -> Vec<Vec<u8>> {
         Command::Identify,
         Command::Counters,
         Command::Raw(true),
+        Command::Strength(true),
         Command::Align(AlignCommand::Begin(Arm::Unknown)),
         Command::Align(AlignCommand::Set(Alignment::new(5, true))),
         Command::Align(AlignCommand::State),
@@ -196,6 +197,11 @@ fn reports() -> Vec<Vec<u8>> {
         emitted: SampleIndex(660),
         status: Status::Valid(Intent::Close),
         counters: Counters::default(),
+        strength: None,
+    };
+    let strong = Report {
+        strength: Some(64),
+        ..report
     };
     let safe = Report {
         kind: Kind::State,
@@ -241,6 +247,7 @@ fn reports() -> Vec<Vec<u8>> {
         Answer::Counts(Counts::default()).to_string(),
         Answer::Binding(binding).to_string(),
         Answer::Refused(Refusal::Checksum(4)).to_string(),
+        strong.to_string(),
     ];
     let bodies = lines.clone().map(|line| line[1..line.len() - 5].to_owned());
     let all = lines.into_iter().chain(bodies);

@@ -81,6 +81,8 @@ enum Reached {
         other: Option<i16>,
         reaction: Option<Reaction>,
     },
+    /// Strength on lines, or no longer.
+    Strength(bool),
     /// Begin of an installation's writing.
     Suspended,
     /// Change to the other model.
@@ -202,6 +204,7 @@ impl Expectation {
                 other,
                 reaction,
             }),
+            Reached::Strength(on) => Input::Strength(on),
             Reached::Suspended => Input::Suspend,
             Reached::Installed => Input::Resume(models.other),
         };

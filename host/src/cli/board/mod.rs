@@ -77,6 +77,12 @@ enum Request {
     /// Lock labels until the hand is held open, until the next start.
     #[command(subcommand)]
     Lock(lock::Request),
+    /// Write the strength of the contraction behind each label, 0 to 100, until the next start.
+    Strength {
+        /// on or off.
+        #[arg(value_name = "on|off", value_parser = ["on", "off"])]
+        switch: String,
+    },
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Args)]
@@ -190,6 +196,18 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Request::Bind(bind) => return run_bind(&mut board, bind),
         Request::Gate(change) => run_gate(&mut board, *change)?,
         Request::Lock(request) => lock::run(&mut board, *request)?,
+        Request::Strength { switch } => {
+            let command = Command::Strength(switch == "on");
+            board
+                .ask(command, |answer| match answer {
+                    Answer::Strength(true) => {
+                        Some("lines have the strength until the next start\n")
+                    }
+                    Answer::Strength(false) => Some("lines do not have the strength\n"),
+                    _ => None,
+                })?
+                .to_owned()
+        }
     };
     write!(std::io::stdout(), "{said}")?;
     Ok(())

@@ -178,6 +178,7 @@ impl State {
                 | Answer::Align(_)
                 | Answer::Alignment(_)
                 | Answer::Raw(_)
+                | Answer::Strength(_)
                 | Answer::Gate(_)
                 | Answer::Lock(_)
                 | Answer::Calibration(..)

@@ -18,6 +18,7 @@ fn report(sequence: u32) -> String {
         emitted: SampleIndex(0),
         status: Status::Safe(Cause::Boot),
         counters: Counters::default(),
+        strength: None,
     }
     .to_string()
 }
