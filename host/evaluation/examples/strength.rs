@@ -195,9 +195,8 @@ fn inputs(samples: &[Sample]) -> Vec<[f64; INPUTS]> {
     let mut inputs = [0.0; INPUTS];
     let patches = samples.chunks_exact(PATCH).map(|patch| {
         inputs.copy_within(..(LAGS - 1) * CHANNELS, CHANNELS);
-        for electrode in 0..CHANNELS {
-            inputs[electrode] = level(patch, electrode);
-        }
+        let levels: [f64; CHANNELS] = std::array::from_fn(|electrode| level(patch, electrode));
+        inputs[..CHANNELS].copy_from_slice(&levels);
         inputs[INPUTS - 1] = 1.0;
         inputs
     });
@@ -215,8 +214,8 @@ fn fit<'i>(rows: impl Iterator<Item = (&'i [f64; INPUTS], &'i f64)>) -> Filter {
         }
     }
     let trace: f64 = (0..INPUTS).map(|place| system[place][place]).sum();
-    for place in 0..INPUTS - 1 {
-        system[place][place] += 0.01 * trace / INPUTS as f64;
+    for (place, row) in system[..INPUTS - 1].iter_mut().enumerate() {
+        row[place] += 0.01 * trace / INPUTS as f64;
     }
     for pivot in 0..INPUTS {
         let own = system[pivot].map(|value| value / system[pivot][pivot]);
