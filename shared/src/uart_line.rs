@@ -54,7 +54,7 @@ use frame::{framed, number};
 
 use crate::intent::Intent;
 use crate::stream::safe_state::{Cause, Status};
-use crate::stream::strength::FULL;
+use crate::stream::strength::Percent;
 use crate::units::SampleIndex;
 
 /// USB numbers, vendor and product, of a board that has its serial port there.
@@ -99,7 +99,7 @@ pub struct Report {
     /// Losses so far.
     pub counters: Counters,
     /// Strength in percent of the wearer's range, 0 while not valid; none if the line does not have it.
-    pub strength: Option<u8>,
+    pub strength: Option<Percent>,
 }
 
 rows!(Report {
@@ -120,10 +120,8 @@ fields!(Counters {
     resets: u32
 });
 field!(Intent => Intent: |text, intent| text.write_str(intent.name()), Intent::from_name);
-/// Codec of a strength.
-struct Percent;
-field!(Percent => u8: |text, percent| write!(text, "{}", u32::from(*percent)), |text| {
-    number(text)?.try_into().ok().filter(|percent| *percent <= FULL)
+field!(Percent => Self: |text, percent| write!(text, "{}", u32::from(percent.get())), |text| {
+    Self::new(number(text)?.try_into().ok()?)
 });
 field!(Cause => Cause: |text, cause| text.write_str(cause.name()), Cause::from_name);
 

@@ -15,7 +15,7 @@ use shared::intent::Intent;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
 use shared::stream::normalizer::Normalizer;
-use shared::stream::strength::Strength;
+use shared::stream::strength::{Percent, Strength};
 use shared::uart_line::line::Line;
 use shared::units::{CHANNELS, HOLD, PATCH, Sample};
 
@@ -144,7 +144,7 @@ fn labels(model: &Model<'_>, samples: &[Sample]) -> Vec<f64> {
             |_| (),
             |line| {
                 if let Line::Report(report) = line {
-                    newest = f64::from(report.strength.unwrap_or(0)) / 100.0;
+                    newest = f64::from(report.strength.map_or(0, Percent::get)) / 100.0;
                 }
                 ControlFlow::Continue(())
             },
@@ -164,7 +164,7 @@ fn given(samples: &[Sample]) -> Vec<f64> {
         }
         if place % (HOLD / PATCH) == 0 {
             strength.learn(Intent::Close, normalizer.rest());
-            newest = f64::from(strength.of(Intent::Close, normalizer.rest())) / 100.0;
+            newest = f64::from(strength.of(Intent::Close, normalizer.rest()).get()) / 100.0;
         }
         newest
     };

@@ -53,7 +53,7 @@ impl Event {
     /// Strength of the contraction in percent of the wearer's own range, 0 with relax; None for an alignment.
     #[getter]
     fn strength(&self) -> Option<u8> {
-        self.report()?.strength
+        Some(self.report()?.strength?.get())
     }
 
     /// Cause of the safe state; None while the label is valid, and for an alignment.

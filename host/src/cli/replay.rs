@@ -256,6 +256,7 @@ mod tests {
     use shared::intent::Vocabulary;
     use shared::model::dimensions::Dimensions;
     use shared::model::file::random::random_model;
+    use shared::stream::strength::Percent;
     use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
 
     #[test]
@@ -310,7 +311,11 @@ mod tests {
             reports
         };
         let (plain, strong) = (reports(false), reports(true));
-        assert!(strong.iter().all(|report| report.strength == Some(0)));
+        assert!(
+            strong
+                .iter()
+                .all(|report| report.strength == Some(Percent::ZERO))
+        );
         let stripped = strong.into_iter().map(Report::without_strength);
         assert_eq!(stripped.collect::<Vec<_>>(), plain);
     }

@@ -5,6 +5,7 @@ use shared::intent::Intent;
 use shared::model::file::Model;
 use shared::stream::alignment::Alignment;
 use shared::stream::safe_state::Cause;
+use shared::stream::strength::Percent;
 use shared::uart_line::Report;
 use shared::uart_line::alignment::AlignmentReport;
 use shared::uart_line::answer::{Binding, Counts, Identity};
@@ -192,7 +193,7 @@ impl Event {
             lost: report.counters.lost,
             bridged: report.counters.bridged,
             resets: report.counters.resets,
-            strength: report.strength,
+            strength: report.strength.map(Percent::get),
         }
     }
 

@@ -11,6 +11,8 @@
 //! Integers alone: the same on every target. What it was chosen from: docs/decisions.md; r against a measured force:
 //! docs/results.md.
 
+use core::num::NonZeroU8;
+
 use super::normalizer::rectified;
 use crate::intent::{Intent, MAX_CLASSES};
 use crate::units::{CHANNELS, PATCH, Sample};
@@ -31,13 +33,38 @@ const RANGE_RISES: u32 = 4;
 const RANGE_FALLS: u32 = 12;
 /// Bend of the curve: a share q of the range is `(1 + BEND) q / (q + BEND)` of the strength.
 const BEND: u32 = 2;
-/// Strength of the whole range.
-pub const FULL: u8 = 100;
+/// Strength of the whole range, percent.
+const FULL: u8 = 100;
+
+/// Strength in percent, 0 to 100. An optional one takes a byte: reports are queued.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct Percent(NonZeroU8);
+
+impl Percent {
+    /// No strength.
+    pub const ZERO: Self = Self(NonZeroU8::MIN);
+
+    /// A strength of so many percent; none above 100.
+    #[must_use]
+    pub const fn new(percent: u8) -> Option<Self> {
+        if percent <= FULL {
+            Some(Self(NonZeroU8::MIN.saturating_add(percent)))
+        } else {
+            None
+        }
+    }
+
+    /// The percent.
+    #[must_use]
+    pub const fn get(self) -> u8 {
+        self.0.get() - 1
+    }
+}
 
 /// Level of the muscles, and ranges of a wearer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Strength {
-    /// Sum of |x| over the samples so far, of ten.
+    /// Sum of |x| over the samples so far, of ten: at most 80 * 128.
     sum: u32,
     count: u8,
     /// Level, in [`COUNT`]s.
@@ -89,16 +116,16 @@ impl Strength {
         }
     }
 
-    /// Strength in percent of the label's range, 0 to 100; 0 for relax.
+    /// Strength in the label's range; 0 for relax.
     #[must_use]
-    pub fn of(&self, label: Intent, rest: u32) -> u8 {
+    pub fn of(&self, label: Intent, rest: u32) -> Percent {
         let Some(&range) = self.ranges.get(label.class().wrapping_sub(1)) else {
-            return 0;
+            return Percent::ZERO;
         };
         let level = self.level.saturating_sub(rest).min(range);
         // At most 300 * 128 << 16, and a half of 3 * 128 << 16.
         let (part, whole) = (level * (u32::from(FULL) * (1 + BEND)), level + BEND * range);
-        ((part + whole / 2) / whole) as u8
+        Percent::new(((part + whole / 2) / whole) as u8).unwrap_or(Percent::ZERO)
     }
 }
 
@@ -120,7 +147,7 @@ mod tests {
             strength.push([sign * level; CHANNELS]);
             if sample % 20 == 19 {
                 strength.learn(label, REST);
-                last = strength.of(label, REST);
+                last = strength.of(label, REST).get();
             }
         }
         last
@@ -193,7 +220,7 @@ mod tests {
             for sample in samples {
                 strength.push(sample);
                 strength.learn(label, rest);
-                let next = strength.of(label, rest);
+                let next = strength.of(label, rest).get();
                 prop_assert!(next <= FULL && (next == 0 || label != Intent::Relax));
             }
             let mut before = 0;
@@ -202,7 +229,7 @@ mod tests {
                 for _ in 0..1000 {
                     still.push([level; CHANNELS]);
                 }
-                let now = still.of(label, rest);
+                let now = still.of(label, rest).get();
                 prop_assert!(now >= before);
                 before = now;
             }

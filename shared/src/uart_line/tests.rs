@@ -47,6 +47,7 @@ fn any_report() -> impl Strategy<Value = Line<'static>> {
     let strength = prop::option::of(0..=100_u8);
     (kind, any::<[u32; 6]>(), any_status(), strength).prop_map(
         |(kind, numbers, status, strength)| {
+            let strength = strength.and_then(Percent::new);
             let [sequence, instant, emitted, lost, bridged, resets] = numbers;
             Line::Report(Report {
                 kind,
@@ -298,7 +299,7 @@ fn lines_are_those_of_the_module_documentation() {
         ..BOOT
     };
     let strong = Report {
-        strength: Some(64),
+        strength: Percent::new(64),
         ..label
     };
     let module = include_str!("../uart_line.rs");
@@ -329,7 +330,7 @@ fn no_line_is_longer_than_its_bound() {
                 bridged: full,
                 resets: full,
             },
-            strength: Some(100),
+            strength: Percent::new(100),
         };
         longest = longest.max(report.to_string().len());
     }

@@ -15,6 +15,7 @@ use shared::stream::alignment::{Alignment, Arm};
 use shared::stream::lock::LockTimes;
 use shared::stream::safe_state::{Cause, Status};
 use shared::stream::smoother::{Gate, Reaction};
+use shared::stream::strength::Percent;
 use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
 use shared::uart_line::answer::{Answer, Binding, Counts, Identity, Refusal};
 use shared::uart_line::calibration::CalibrateCommand;
@@ -200,7 +201,7 @@ fn reports() -> Vec<Vec<u8>> {
         strength: None,
     };
     let strong = Report {
-        strength: Some(64),
+        strength: Percent::new(64),
         ..report
     };
     let safe = Report {

@@ -206,7 +206,7 @@ impl Device<'_> {
     }
 
     fn report(&mut self, report: Report) {
-        let strength = report.strength.expect("a strength");
+        let strength = report.strength.expect("a strength").get();
         let is_gesture = report.status.label() != Intent::Relax;
         assert!(strength <= 100 && (strength == 0 || is_gesture), "{report}");
         assert_eq!(report.sequence, self.sequence, "lines are counted");
