@@ -82,14 +82,19 @@ impl Twin {
         }
     }
 
-    fn push(&mut self, window: Rows) -> After {
+    /// Stores a window; follows movement outside the vocabulary while there is no label.
+    fn take(&mut self, window: Rows) {
         self.windows.push(window);
-        let newest = self.windows.len() - 1;
         if self.class == 0 {
             let is_other = (0..USED).all(|class| window[0][USED] > window[0][class]);
             let weight = f64::from(self.settings.row_samples) / 4000.0;
             self.otherwise += (f64::from(u8::from(is_other)) - self.otherwise) * weight;
         }
+    }
+
+    fn push(&mut self, window: Rows) -> After {
+        self.take(window);
+        let newest = self.windows.len() - 1;
         let Settings {
             look_ahead, hold, ..
         } = self.settings;
@@ -194,8 +199,8 @@ proptest! {
         let mut changed: Option<[usize; 2]> = None;
         let mut label = 0;
         for (number, window) in windows.iter().enumerate() {
-            twin.windows.push(*window);
             twin.class = label;
+            twin.take(*window);
             let end = SampleIndex(number as u32 * settings.row_samples);
             let Some(decision) = smoother.push(end, window) else {
                 continue;
