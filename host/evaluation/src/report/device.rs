@@ -25,9 +25,9 @@ type Shape = (usize, usize, usize, usize, bool);
 /// Counted by `cargo xtask count --model FILE` on the emulated Cortex-M4F; docs/budgets.md. The first is the committed
 /// count.
 const COUNTED: [(Shape, u32); 3] = [
-    ((64, 2, 27, 3, true), 125_522),
-    ((64, 2, 27, 5, false), 125_094),
-    ((64, 2, 27, 6, false), 125_301),
+    ((64, 2, 27, 3, true), 126_143),
+    ((64, 2, 27, 5, true), 127_342),
+    ((64, 2, 27, 6, true), 128_175),
 ];
 
 /// Column of the instructions in [`table`].

@@ -9,7 +9,7 @@ use shared::model::file::Model;
 use shared::pipeline::Pipeline;
 use shared::stream::safe_state::Start;
 use shared::uart_line::calibration::CalibrationState;
-use shared::units::{Millis, PATCH, SAMPLE_PERIOD_MS, WINDOW};
+use shared::units::{CHANNELS, Millis, PATCH, SAMPLE_PERIOD_MS, WINDOW};
 
 use crate::alignment::{AGAIN, GESTURE, REST, noise};
 use crate::spans::{Clock, Spans};
@@ -61,7 +61,9 @@ pub fn count<E: Encode + Copy>(encoder: E, model: &Model<'_>, memory: &mut Memor
             let _ = pipeline.begin_calibration(now, false).expect("memory");
         }
         let turn = match cue {
-            Some(Shown::Intent(intent)) if intent != Intent::Relax => Some(2 * intent.class()),
+            Some(Shown::Intent(intent)) if intent != Intent::Relax => {
+                Some(3 * intent.class() % CHANNELS)
+            }
             _ => None,
         };
         let mut sample = GESTURE.map(|most| noise(if turn.is_some() { most } else { REST }) as i8);
