@@ -7,6 +7,7 @@ use crate::kernels::{WEIGHT_ONE, row};
 use crate::model::dimensions::Dimensions;
 use crate::model::file::{LinearWeights, Model};
 use crate::model::head::{Head, MAX_HEAD_WIDTH};
+use crate::units::LOOK_BACK;
 
 /// Target logit of the class that is shown.
 const OWN: f32 = 4.0;
@@ -14,6 +15,8 @@ const OWN: f32 = 4.0;
 const ELSE: f32 = -2.0;
 /// Target logit of the gestures while relax is shown: models are surest there.
 const AT_REST: f32 = -3.0;
+/// By how much the wearer's gestures exceed other movement: means of logits over the patches that show them.
+const GESTURE_OVER_OTHER: f32 = 1.0;
 /// Ridge penalty on the distance to the model's own head, in mean squares of a column.
 const PULL: f32 = 2.0;
 
@@ -22,7 +25,7 @@ pub const SCRATCH: usize = TRIANGLE;
 
 /// Writes the head of a model for the wearer whose sums these are. Cost: 0.2 million products.
 ///
-/// The output for other movement stays the model's own if the wearer shows none.
+/// The weights of the output for other movement stay the model's own if the wearer shows none; its bias never does.
 ///
 /// # Errors
 /// Each [`Refusal`]; the head is the model's own then, or as it was if the model is too wide.
@@ -78,12 +81,40 @@ pub(crate) fn solve_from(
         substitute(scratch, x);
         head.put(output, &x[..columns - 1], x[columns - 1]);
     }
+    if dimensions.other {
+        place_other(sums, &classes, outputs, head);
+    }
     if head.complete() {
         Ok(())
     } else {
         head.copy(dimensions, own);
         Err(Refusal::NotFinite)
     }
+}
+
+/// Sets the bias of the output for other movement, the last one of each look-back row. How like other movement gestures look
+/// differs from person to person, and a learnt head is surer of its gestures: without this, of any movement.
+fn place_other(sums: &Sums, classes: &Classes, outputs: usize, head: &mut Head) {
+    for row in 0..LOOK_BACK {
+        let (mut over, mut gestures) = (0.0, 0.0);
+        for (place, class) in classes.gestures() {
+            let own = mean_logit(sums, class, head, row * outputs + place);
+            over += own - mean_logit(sums, class, head, (row + 1) * outputs - 1);
+            gestures += 1.0;
+        }
+        head.bias[(row + 1) * outputs - 1] += over / gestures - GESTURE_OVER_OTHER;
+    }
+}
+
+/// Mean logit of an output over the patches that show a class.
+fn mean_logit(sums: &Sums, class: Class, head: &Head, output: usize) -> f32 {
+    let mut sum = 0.0;
+    let weights = row::weights(head.tiles(), output, sums.columns - 1);
+    for (weight, hidden) in weights.zip(&sums.of_class[class.shown.index()]) {
+        sum += f32::from(weight) * hidden;
+    }
+    let scale = head.scales[output] / WEIGHT_ONE as f32;
+    sum * scale / class.patches + head.bias[output]
 }
 
 /// Target logit of an output in patches that show a class.
@@ -154,6 +185,15 @@ impl Classes {
             .copied()
             .flatten()
             .map(|own| own.shown)
+    }
+
+    /// The gestures, with their places in a row.
+    fn gestures(&self) -> impl Iterator<Item = (usize, Class)> {
+        let classes = self.classes.into_iter().enumerate();
+        let classes = classes.filter_map(|(place, class)| Some((place, class?)));
+        classes.filter(|(_, class)| {
+            !matches!(class.shown, Shown::Intent(Intent::Relax) | Shown::Other)
+        })
     }
 
     fn each(&self) -> impl Iterator<Item = Class> {
