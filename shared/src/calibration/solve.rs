@@ -107,6 +107,8 @@ fn place_other(sums: &Sums, classes: &Classes, outputs: usize, head: &mut Head) 
 }
 
 /// Mean logit of an output over the patches that show a class.
+// Not inlined, as what follows: once in flash is enough, and nobody waits for it.
+#[inline(never)]
 fn mean_logit(sums: &Sums, class: Class, head: &Head, output: usize) -> f32 {
     let mut sum = 0.0;
     let weights = row::weights(head.tiles(), output, sums.columns - 1);
@@ -259,6 +261,7 @@ fn factorize(matrix: &mut [f32; TRIANGLE], columns: usize) -> bool {
 }
 
 /// Solves `L D L^T x = b` in place.
+#[inline(never)]
 fn substitute(factor: &[f32; TRIANGLE], x: &mut [f32]) {
     for row in 0..x.len() {
         x[row] -= product(&factor[start(row)..][..row], &x[..row]);
@@ -275,6 +278,7 @@ fn substitute(factor: &[f32; TRIANGLE], x: &mut [f32]) {
 }
 
 /// Sum of products, from the first to the last.
+#[inline(never)]
 fn product(a: &[f32], b: &[f32]) -> f32 {
     let mut sum = 0.0;
     for (a, b) in a.iter().zip(b) {
