@@ -53,7 +53,7 @@ pub(crate) fn fold(model: &str, people: &[(&str, f64, &[i32], usize)]) -> Vec<Fo
 }
 
 /// Events of a person: every transition is the onset of a gesture, and labels are emitted 50 samples after their reference
-/// time. There is one false activation in half a minute of rest, and three changes too many in a minute.
+/// time, and end 40 samples after it. There is one false activation in half a minute of rest, and three changes too many in a minute.
 fn events(score: &SubjectScore) -> SubjectEvents {
     let latencies: Vec<i32> = score.offsets.iter().map(|offset| offset + 50).collect();
     let rate = |count, seconds| Rate { count, seconds };
@@ -64,6 +64,7 @@ fn events(score: &SubjectScore) -> SubjectEvents {
         recognition: score.transition_accuracy,
         latency: latency::summary(&latencies, score.events),
         latencies,
+        releases: score.offsets.iter().map(|offset| offset + 40).collect(),
         rest: rate(1, 30.0),
         flicker: rate(3, 60.0),
         ..SubjectEvents::default()

@@ -160,6 +160,24 @@ impl<'a> Merged<'a> {
         latency::summary(&latencies, gestures)
     }
 
+    /// Quantiles of the release latency over all releases of a section's people, of all jobs, and the number of people with one.
+    pub(crate) fn release(
+        &self,
+        (data_set, group): Section<'_>,
+    ) -> (Option<LatencySummary>, usize) {
+        let scores = self.of_group(group);
+        let people = scores
+            .flat_map(|score| &score.events.subjects)
+            .filter(|own| data_set.is_none_or(|set| is_of(&own.subject, set)))
+            .filter(|own| !own.releases.is_empty());
+        let (mut releases, mut names) = (Vec::new(), BTreeSet::new());
+        for own in people {
+            releases.extend_from_slice(&own.releases);
+            names.insert(&own.subject);
+        }
+        (latency::summary(&releases, releases.len()), names.len())
+    }
+
     /// Offsets of the followed transitions, in samples, and the number of all transitions, of all people of a section and
     /// all jobs.
     pub(crate) fn offsets(&self, (data_set, group): Section<'_>) -> (Vec<i32>, usize) {
@@ -262,6 +280,10 @@ mod tests {
         let expected = latency::summary(&[60, 80, 80], 4);
         assert_eq!(merged.latency((Some("x"), all)), expected);
         assert!(expected.is_some());
+        // A release comes 40 samples after each offset.
+        let expected = latency::summary(&[50, 70, 70], 3);
+        assert_eq!(merged.release((Some("x"), all)), (expected, 1));
+        assert_eq!(merged.release((None, Group::FewerClasses)), (None, 0));
         let gate = Some(Gate {
             entry: 1.0,
             other: None,

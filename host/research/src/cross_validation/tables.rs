@@ -81,7 +81,7 @@ fn scores_table(caption: &str, merged: &[Merged<'_>]) -> Table {
     let header = ["recordings", "classes", "model (look-ahead)"]
         .into_iter()
         .chain(measures)
-        .chain(["latency ms"])
+        .chain(["latency ms", "release ms"])
         .chain(RATES.map(Measure::name))
         .chain([Measure::Raised, Measure::RawAccuracy].map(Measure::name))
         .chain(["people"]);
@@ -104,13 +104,15 @@ fn scores_table(caption: &str, merged: &[Merged<'_>]) -> Table {
                 cell::of_people(cell, mean.map_or(0, |of| of.n), people)
             };
             let latency = cell::latency(own.latency(section));
+            let (release, with_releases) = own.release(section);
+            let release = cell::of_people(cell::latency(release), with_releases, people);
             let with_gestures = numbers(Measure::Recognition).len();
             table.push(
                 names(section, own)
                     .into_iter()
                     .chain([own.name()])
                     .chain(SHARES.map(share))
-                    .chain([cell::of_people(latency, with_gestures, people)])
+                    .chain([cell::of_people(latency, with_gestures, people), release])
                     .chain(RATES.map(|measure| one(measure, 1)))
                     .chain([
                         one(Measure::Raised, 2),
