@@ -34,7 +34,7 @@ pub struct Session {
     judgement: Judgement,
 }
 
-/// What follows a patch.
+/// Consequence of a patch.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Progress {
     /// The cue goes on.
@@ -65,7 +65,7 @@ impl Session {
         }
     }
 
-    /// What the wearer is asked for.
+    /// Cue of the wearer.
     #[must_use]
     pub fn cue(&self) -> Shown {
         let class = match self.step {

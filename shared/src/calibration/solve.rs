@@ -39,7 +39,7 @@ pub fn solve(
     solve_from(sums, &model.header.dimensions, own, scratch, head)
 }
 
-/// As [`solve`], for a model with these dimensions and this head of its own.
+/// Writes the head as [`solve`] does, for a model with these dimensions and this head of its own.
 pub(crate) fn solve_from(
     sums: &Sums,
     dimensions: &Dimensions,

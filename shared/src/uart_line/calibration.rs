@@ -46,7 +46,7 @@ names! {
         Worse = "worse",
         /// A hold was not stronger than rest.
         Weak = "weak",
-        /// What was shown gives no usable weights.
+        /// The holds give no usable weights.
         Unusable = "unusable",
         /// Samples were lost, or the stream or the model ended.
         Interrupted = "interrupted",
@@ -80,7 +80,7 @@ pub enum CalibrateCommand {
 pub struct CalibrationReport {
     /// State.
     pub state: CalibrationState,
-    /// What the wearer is asked for, or was when it ended.
+    /// Cue of the wearer, or the last one when it ended.
     pub cue: Option<Shown>,
     /// Recall in round two, in thousandths: of the head before, and of the learnt one.
     pub recalls: Option<Recalls>,

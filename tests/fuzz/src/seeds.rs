@@ -78,15 +78,7 @@ fn all() -> Vec<(&'static str, Vec<Vec<u8>>)> {
 
 /// The record of the smallest model's own head.
 fn record() -> Vec<u8> {
-    let dimensions = Dimensions {
-        width: 16,
-        layers: 1,
-        span: 1,
-        vocabulary: Vocabulary::Three,
-        other: true,
-    };
-    let file = random::random_model(dimensions, 17).to_bytes();
-    let file = file.expect("a model as the trainer writes it");
+    let file = smallest(17);
     let model = Model::parse(&file).expect("a model");
     let head = Head::of(&model).expect("a narrow model");
     calibration::to_record(&head, model.checksum, &mut [0; calibration::RECORD_BYTES]).to_vec()
@@ -255,7 +247,7 @@ fn reports() -> Vec<Vec<u8>> {
     all.map(String::into_bytes).collect()
 }
 
-fn smallest() -> Vec<u8> {
+fn smallest(seed: u64) -> Vec<u8> {
     let dimensions = Dimensions {
         width: 16,
         layers: 1,
@@ -263,12 +255,12 @@ fn smallest() -> Vec<u8> {
         vocabulary: Vocabulary::Three,
         other: true,
     };
-    let model = random::random_model(dimensions, 1);
+    let model = random::random_model(dimensions, seed);
     model.to_bytes().expect("a model as the trainer writes it")
 }
 
 fn models() -> Vec<Vec<u8>> {
-    let file = smallest();
+    let file = smallest(1);
     // The bytes lie behind the prefix and before the checksum: the first kilobyte, which ends within a tensor.
     let body = [&[1], &file[13..1024]].concat();
     let changes = (0..8_u8).map(|kind| vec![2, kind % 4, kind | 0x80, 10 * kind, 0, kind, kind]);
@@ -279,7 +271,7 @@ fn models() -> Vec<Vec<u8>> {
 }
 
 fn template() -> Vec<u8> {
-    let file = smallest();
+    let file = smallest(1);
     // A file in a vector begins at a multiple of four on every platform that fuzzes.
     let model = Model::parse(&file).expect("a model");
     let template = model.header.template.expect("a template");

@@ -37,7 +37,7 @@ pub enum What {
     Reserved {
         /// Value that was written.
         value: u32,
-        /// Its reserved bits.
+        /// Reserved bits of the register.
         reserved: u32,
     },
     /// A value that the register does not know.

@@ -104,7 +104,7 @@ fn ask(
     })
 }
 
-/// What a wearer has to do.
+/// Instruction to the wearer.
 fn told(cue: Shown) -> String {
     match cue {
         Shown::Intent(Intent::Relax) => "rest the arm".to_owned(),

@@ -69,7 +69,7 @@ impl Wearer {
         }
     }
 
-    /// So many samples of what is made of the cue; returns the reports.
+    /// Passes samples, each made from the cue; returns the reports.
     fn moves(&mut self, samples: u32, made: impl Fn(Shown) -> Shown) -> Vec<Report> {
         let mut reports = Vec::new();
         for _ in 0..samples {

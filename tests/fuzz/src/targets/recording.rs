@@ -6,10 +6,10 @@ use std::sync::LazyLock;
 use std::{env, fs, process};
 
 use crate::input::Input;
+use recordings::Recording;
 use recordings::readers::label_file::{Purpose, parse};
 use recordings::readers::npy;
 pub use recordings::readers::open::{Found, Request, of_bytes};
-use recordings::Recording;
 
 /// Paths, one of each layout. No such folder exists: a file that would be read beside another is missing, unless it is
 /// one of [`PAIRS`].

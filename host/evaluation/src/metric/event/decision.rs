@@ -13,7 +13,7 @@
 
 use shared::intent::{Intent, MAX_CLASSES};
 
-use super::{EventRule, activation, active};
+use super::{EventRule, activation, active, runs};
 
 /// Numbers of decisions, and of right ones.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Serialize, serde::Deserialize)]
@@ -63,13 +63,7 @@ pub(super) fn decision(emitted: &[Option<Intent>]) -> Option<Intent> {
 
 /// Rest spans, all and kept. `rest` flags the samples at rest.
 pub(super) fn rests(emitted: &[Option<Intent>], rest: &[bool], rule: &EventRule) -> Decisions {
-    let mut start = 0;
-    let spans = rest.chunk_by(|a, b| a == b).map(|run| {
-        let span = start..start + run.len();
-        start = span.end;
-        (run[0], span)
-    });
-    let long = spans.filter(|(is_rest, span)| *is_rest && span.len() >= 4 * rule.tolerance);
+    let long = runs(rest).filter(|(is_rest, span)| *is_rest && span.len() >= 4 * rule.tolerance);
     let decided = long.map(|(_, span)| {
         let stays = active(emitted[span.end - 1]).is_none() && !activation::raises(emitted, span);
         Decisions::one(stays)

@@ -98,12 +98,10 @@ impl RecordingEvents {
     }
 }
 
-/// First samples of the runs of equal labels, with their ends.
-fn runs(
-    labels: &[Option<Intent>],
-) -> impl Iterator<Item = (Option<Intent>, std::ops::Range<usize>)> {
+/// Runs of equal values, with their samples.
+fn runs<T: Copy + PartialEq>(values: &[T]) -> impl Iterator<Item = (T, std::ops::Range<usize>)> {
     let mut start = 0;
-    labels.chunk_by(|a, b| a == b).map(move |run| {
+    values.chunk_by(|a, b| a == b).map(move |run| {
         let range = start..start + run.len();
         start = range.end;
         (run[0], range)
