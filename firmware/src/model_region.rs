@@ -115,10 +115,7 @@ pub struct Loaded {
 // inlined: its stack frame is released before anything else runs.
 #[inline(never)]
 pub fn load(take: &mut dyn FnMut(Loaded)) -> Result<(), ModelRefused> {
-    let bytes = flash::bytes(Region::Model);
-    let model = Model::parse(bytes)?;
-    // The file ends with it.
-    let checksum = bytes[..model.length].last_chunk();
+    let model = Model::parse(flash::bytes(Region::Model))?;
     let mut encoder = BoardEncoder::new(&model)?;
     let calibration = encoder.calibrate(&model);
     let settings = model.header.smoother.in_patches();
@@ -129,7 +126,7 @@ pub fn load(take: &mut dyn FnMut(Loaded)) -> Result<(), ModelRefused> {
             preprocessing: model.header.preprocessing,
             template: model.header.template,
         },
-        checksum: checksum.map_or(0, |bytes| u32::from_le_bytes(*bytes)),
+        checksum: model.checksum,
         calibration,
     });
     Ok(())

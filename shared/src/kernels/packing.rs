@@ -56,7 +56,7 @@ mod tests {
     use super::*;
 
     /// Rounded bytes of a row in units of a byte.
-    fn bytes_of_row(weights: &[f64]) -> Vec<i8> {
+    fn bytes_of_row(weights: &[f32]) -> Vec<i8> {
         let mut bytes = alloc::vec![0; weights.len()];
         row::round_row(|column| weights[column], &mut bytes);
         bytes
@@ -104,12 +104,10 @@ mod tests {
     fn rounded_weights_are_within_half_a_unit() {
         let mut noise = crate::model::noise::Noise(5);
         for columns in [4, 8, 80] {
-            let row: Vec<f64> = (0..columns)
-                .map(|_| f64::from(noise.signed()) * 127.0)
-                .collect();
+            let row: Vec<f32> = (0..columns).map(|_| noise.signed() * 127.0).collect();
             let bytes = bytes_of_row(&row);
             for (weight, found) in row.iter().zip(weights_of_row(&bytes)) {
-                let distance = f64::from(found) / 256.0 - weight;
+                let distance = f32::from(found) / 256.0 - weight;
                 assert!(distance.abs() <= 0.500_01, "{weight} {found}");
             }
         }
@@ -119,7 +117,7 @@ mod tests {
             .zip(weights_of_row(&bytes_of_row(&extremes)))
         {
             assert!(
-                (f64::from(found) / 256.0 - weight).abs() <= 0.5,
+                (f32::from(found) / 256.0 - weight).abs() <= 0.5,
                 "{weight} {found}"
             );
         }

@@ -45,20 +45,22 @@ pub(crate) fn put(tiles: &mut [i8], row: usize, bytes: &[i8]) {
 #[must_use]
 pub(crate) fn quantize(weights: &[f32], bytes: &mut [i8]) -> f32 {
     let largest = absmax(weights);
-    // f64: the quotient of a tiny row must be finite.
-    let inverse = if largest > 0.0 {
-        127.0 / f64::from(largest)
-    } else {
-        0.0
+    // Not by an inverse: that of a tiny number is infinite.
+    let unit = |weight: f32| {
+        if largest > 0.0 {
+            weight / largest * 127.0
+        } else {
+            0.0
+        }
     };
-    round_row(|column| f64::from(weights[column]) * inverse, bytes);
+    round_row(|column| unit(weights[column]), bytes);
     largest / 127.0
 }
 
 /// Rounds a row of weights in units of a byte, -127 to 127, to bytes in the order of its columns.
 ///
 /// The error of the bytes, as [`weights_of`] reads them, is half a unit at most, above 127 less than one.
-pub(crate) fn round_row(weight: impl Fn(usize) -> f64, bytes: &mut [i8]) {
+pub(crate) fn round_row(weight: impl Fn(usize) -> f32, bytes: &mut [i8]) {
     for (place, four) in bytes.chunks_mut(GROUP).enumerate() {
         let mut before = 0;
         for column in GROUP_ORDER {
@@ -75,8 +77,8 @@ pub(crate) fn round_row(weight: impl Fn(usize) -> f64, bytes: &mut [i8]) {
 
 /// Byte of a weight that lies behind the byte `before` in its word. With `before` as its low byte it means the number
 /// nearest to the weight ([`weights_of`]), in units of a byte.
-fn byte_of(weight: f64, before: i8) -> i8 {
-    let low = f64::from(before.cast_unsigned()) / f64::from(WEIGHT_ONE);
+fn byte_of(weight: f32, before: i8) -> i8 {
+    let low = f32::from(before.cast_unsigned()) / WEIGHT_ONE as f32;
     // Saturates beyond -128 and 127.
-    round((weight - low) as f32).clamp(-128, 127) as i8
+    round(weight - low).clamp(-128, 127) as i8
 }

@@ -25,7 +25,7 @@ type Shape = (usize, usize, usize, usize, bool);
 /// Counted by `cargo xtask count --model FILE` on the emulated Cortex-M4F; docs/budgets.md. The first is the committed
 /// count.
 const COUNTED: [(Shape, u32); 3] = [
-    ((64, 2, 27, 3, true), 126_143),
+    ((64, 2, 27, 3, true), 126_133),
     ((64, 2, 27, 5, true), 127_342),
     ((64, 2, 27, 6, true), 128_175),
 ];

@@ -9,7 +9,7 @@ use super::{
     wire_header::WireHeader,
 };
 use crate::kernels::{GROUP, TILE_ROWS, code_limit};
-use crate::model::dimensions::HEADS;
+use crate::model::dimensions::{Dimensions, HEADS};
 use crate::units::{CHANNELS, LOOK_BACK, PATCH};
 
 /// A model that borrows its bytes.
@@ -48,14 +48,16 @@ impl<'m> Model<'m> {
             rest: tensors,
             layer: None,
         };
-        let weights = tensors.weights(&header)?;
+        let mut model = Self {
+            header,
+            weights: Weights::default(),
+            length,
+            checksum,
+        };
+        // In place: a board has little stack.
+        tensors.read(&model.header.dimensions, &mut model.weights)?;
         match tensors.rest.len() {
-            0 => Ok(Self {
-                header,
-                weights,
-                length,
-                checksum,
-            }),
+            0 => Ok(model),
             found => Err(ModelError::Trailing { found }),
         }
     }
@@ -107,13 +109,13 @@ struct Tensors<'m> {
 }
 
 impl<'m> Tensors<'m> {
-    fn weights(&mut self, header: &Header<'_>) -> Result<Weights<'m>, ModelError> {
-        let dimensions = &header.dimensions;
+    fn read(
+        &mut self,
+        dimensions: &Dimensions,
+        weights: &mut Weights<'m>,
+    ) -> Result<(), ModelError> {
         let width = dimensions.width;
-        let mut weights = Weights {
-            embed: self.linear("embed", width, PATCH * CHANNELS)?,
-            ..Weights::default()
-        };
+        weights.embed = self.linear("embed", width, PATCH * CHANNELS)?;
         for (number, layer) in weights.layers[..dimensions.layers].iter_mut().enumerate() {
             self.layer = Some(number);
             *layer = LayerWeights {
@@ -129,7 +131,7 @@ impl<'m> Tensors<'m> {
         self.layer = None;
         weights.final_norm = self.norm("final_norm", width)?;
         weights.head = self.linear("head", LOOK_BACK * dimensions.row_outputs(), width)?;
-        Ok(weights)
+        Ok(())
     }
 
     fn linear(
