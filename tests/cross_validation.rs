@@ -1,11 +1,8 @@
-//! Cross-validations, the paper's tables and fine-tuning, small, through the command lines of `myointent-research` and
+//! Cross-validations and fine-tuning, small, through the command lines of `myointent-research` and
 //! `myointent`.
 
 #[path = "small.rs"]
 mod small;
-
-#[path = "cross_validation/paper.rs"]
-mod paper;
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -26,14 +26,6 @@ pub(crate) enum JobError {
     /// A baseline cannot be trained, or the user interrupted.
     #[error(transparent)]
     Baseline(#[from] TrainingError),
-    /// The teacher that training starts from is missing.
-    #[error("{path}: no teacher to start from; give the same command with --only {only} first")]
-    NoStart {
-        /// Run folder of the missing teacher.
-        path: PathBuf,
-        /// Name of the missing teacher on the command line.
-        only: &'static str,
-    },
     /// The folder holds a run with other settings.
     #[error("{path}: made with another preset, protocol or recordings; give another --out folder")]
     OtherRun {

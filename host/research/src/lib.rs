@@ -1,4 +1,4 @@
-//! Research beside the product: the paper's five baselines, cross-validations, and the paper's tables.
+//! Research beside the product: baselines and cross-validations.
 //!
 //! Models, metrics, data sets and run folders are those of the crate `myointent`, which does not depend
 //! on this one.

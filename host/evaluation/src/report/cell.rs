@@ -23,7 +23,7 @@ pub fn of_people(cell: String, people: usize, of_row: usize) -> String {
 }
 
 /// A share of 1 over subjects: mean with three digits, deviation with two.
-pub fn share(value: Option<MeanSd>) -> String {
+pub(crate) fn share(value: Option<MeanSd>) -> String {
     spread(value, |mean| format!("{mean:.3}"), |sd| format!("{sd:.2}"))
 }
 
@@ -33,23 +33,8 @@ fn milliseconds(value: f64) -> String {
 }
 
 /// One number, such as a median, in signed milliseconds.
-pub fn one_ms(value: Option<f64>) -> String {
+pub(crate) fn one_ms(value: Option<f64>) -> String {
     value.map_or_else(none, milliseconds)
-}
-
-/// Signed milliseconds over transitions, mean and deviation.
-pub fn signed_ms(value: Option<MeanSd>) -> String {
-    spread(value, milliseconds, whole)
-}
-
-/// Absolute milliseconds over transitions, mean and deviation.
-pub fn absolute_ms(value: Option<MeanSd>) -> String {
-    spread(value, whole, whole)
-}
-
-/// Number of subjects and of transitions behind a score: `subjects / transitions`.
-pub fn support(subjects: usize, transitions: usize) -> String {
-    format!("{subjects} / {transitions}")
 }
 
 /// A share of 1 over subjects: mean with three digits, 95 % interval of the mean with two.
@@ -169,7 +154,6 @@ mod tests {
         assert_eq!(share(Some(both)), "0.912 (0.04)");
         assert_eq!(share(Some(one)), "0.912");
         assert_eq!(share(None), none());
-        assert_eq!(support(8, 357), "8 / 357");
         let interval = Some(Interval {
             low: 0.8811,
             high: 0.94,

@@ -8,12 +8,8 @@ use thiserror::Error;
 use execution::bounded_read;
 use presets::{BUILT_IN, Preset, PresetError};
 
-/// Names and texts of the research presets: preset `cpu` with settings for the baselines, and the paper's teacher at a size
-/// for two cores.
-const OWN: [(&str, &str); 2] = [
-    ("comparison", include_str!("../../presets/comparison.toml")),
-    ("paper-size", include_str!("../../presets/paper-size.toml")),
-];
+/// Name and text of the research preset: preset `cpu` with settings for the baselines.
+const OWN: (&str, &str) = ("comparison", include_str!("../../presets/comparison.toml"));
 /// Name of the table in a preset file, which the product does not know.
 const TABLE: &str = "baselines";
 
@@ -101,22 +97,18 @@ pub(crate) enum SettingsError {
     Preset(#[from] PresetError),
 }
 
-/// Finds a preset and its baseline settings: `comparison`, `paper-size`, a preset of the product, or a TOML file. Without a
+/// Finds a preset and its baseline settings: `comparison`, a preset of the product, or a TOML file. Without a
 /// table `[baselines]`, the settings are the reference's.
 ///
 /// # Errors
 /// When there is no such preset, a key is unknown or a number is out of range.
 pub(crate) fn find_preset(name: &str) -> Result<(Preset, BaselineSettings), SettingsError> {
-    let mut built_in = OWN.iter().chain(&BUILT_IN);
-    if let Some((_, text)) = built_in.find(|(known, _)| *known == name) {
+    let built_in = || std::iter::once(&OWN).chain(&BUILT_IN);
+    if let Some((_, text)) = built_in().find(|(known, _)| *known == name) {
         return parse(name, text);
     }
     if !Path::new(name).exists() {
-        let known: Vec<&str> = OWN
-            .iter()
-            .chain(&BUILT_IN)
-            .map(|(known, _)| *known)
-            .collect();
+        let known: Vec<&str> = built_in().map(|(known, _)| *known).collect();
         return Err(SettingsError::Missing {
             name: name.to_owned(),
             known: known.join(", "),
@@ -186,10 +178,7 @@ mod tests {
     #[test]
     fn an_unknown_preset_is_refused_with_the_known_names() {
         let error = find_preset("nonsense").unwrap_err().to_string();
-        assert!(
-            error.contains("comparison, paper-size, quickstart"),
-            "{error}"
-        );
+        assert!(error.contains("comparison, quickstart"), "{error}");
     }
 
     #[test]
@@ -197,7 +186,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let refused = |table: &str| {
             let path = folder.path().join("mine.toml");
-            let rest = OWN[0].1.split("[baselines]").next().unwrap();
+            let rest = OWN.1.split("[baselines]").next().unwrap();
             std::fs::write(&path, format!("{rest}\n[baselines]\n{table}\n")).unwrap();
             find_preset(path.to_str().unwrap()).unwrap_err().to_string()
         };

@@ -1,5 +1,4 @@
-//! `myointent-research cross-validate`: compares presets, baselines and floors on all people, for several seeds; or makes
-//! the paper's tables.
+//! `myointent-research cross-validate`: compares presets, baselines and floors on all people, for several seeds.
 
 mod contenders;
 mod output;
@@ -18,11 +17,11 @@ use presets::resolve::{ConfigError, fold_people, test_people};
 use recordings::folds::Protocol;
 use training::backend::BackendArguments;
 
-use self::contenders::{Compared, contenders, presets};
+use self::contenders::{contenders, presets};
 use self::output::{Tables, merged};
 use super::shell::{line, program, shared_options};
 use crate::baselines::Baseline;
-use crate::cross_validation::{Contender, CrossValidation, Gate, Job, Kind, Origin, PaperTeacher};
+use crate::cross_validation::{Contender, CrossValidation, Gate, Job, Kind, Origin};
 
 /// Arguments of `cross-validate`.
 #[derive(Debug, Args)]
@@ -39,10 +38,6 @@ use crate::cross_validation::{Contender, CrossValidation, Gate, Job, Kind, Origi
     Jobs are independent. An interrupted job continues where it stopped; a finished one is not repeated. Tables are printed\n\
     for the folds that all have, and written to the folder when these are all folds; beside them recognition.svg, the share of\n\
     gestures recognised by the time since their onset.\n\n\
-    --paper trains what the paper's tables show, once: the student of one preset; its teacher, with a window of 600, 300 and\n\
-    100 samples, and on roshambo without, before and after training on it; the five baselines; the floors. A job of\n\
-    teacher-fine-tuned or teacher-lora needs that of teacher-pre-trained of its fold. The tables (main result, offsets,\n\
-    pre-training, window, buffer, look-ahead) have mean (sample deviation) over people.\n\n\
     Examples:\n  \
     myointent-research cross-validate --preset cpu --preset mine.toml --seeds 42,7 --data recordings\n  \
     myointent-research cross-validate --preset comparison --baselines lda,mlp,lstm,ed-tcn,trahgr --data recordings\n  \
@@ -50,24 +45,16 @@ use crate::cross_validation::{Contender, CrossValidation, Gate, Job, Kind, Origi
 )]
 pub(super) struct Arguments {
     /// Presets to compare, the first one with all others: built-in ones, or TOML files. Repeat the option.
-    #[arg(long, required_unless_present = "paper")]
+    #[arg(long, required = true)]
     preset: Vec<String>,
-    /// Print the paper's tables, of one preset (comparison if none is given) and one seed.
-    #[arg(long, conflicts_with_all = ["baselines", "entry_margins", "test_people"])]
-    paper: bool,
     /// The paper's baselines to compare, separated by commas.
     #[arg(long, value_enum, value_delimiter = ',', value_name = "NAMES")]
     baselines: Vec<Baseline>,
-    /// Run the jobs of this preset, baseline or teacher only.
+    /// Run the jobs of this preset or baseline only.
     #[arg(long, value_name = "NAME")]
     only: Option<String>,
     /// Seeds, separated by commas; everything is trained with each.
-    #[arg(
-        long,
-        value_delimiter = ',',
-        default_value = "42,7",
-        default_value_if("paper", "true", "42")
-    )]
+    #[arg(long, value_delimiter = ',', default_value = "42,7")]
     seeds: Vec<u64>,
     /// Whom a fold holds out: `4-fold` (or any number) a fourth of the people of each data set, `loso` one of each, `sets`
     /// everybody of one data set.
@@ -122,23 +109,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         return Err(ConfigError::Fold { number, of }.into());
     }
     let folds = arguments.fold.map_or(1..=of, |number| number..=number);
-    let compared = Compared {
-        teachers: match arguments.paper {
-            true => PaperTeacher::possible(&presets[0], &library),
-            false => Vec::new(),
-        },
-        baselines: match arguments.paper {
-            true => Baseline::ALL.to_vec(),
-            false => arguments.baselines.clone(),
-        },
-        presets: &presets,
-    };
-    if arguments.paper && compared.teachers.len() < PaperTeacher::ALL.len() {
-        progress::log(
-            "no table of pre-training: it takes labelled recordings of roshambo and of another data set",
-        );
-    }
-    let contenders = contenders(&compared, arguments.only.as_deref())?;
+    let contenders = contenders(&presets, &arguments.baselines, arguments.only.as_deref())?;
     let mut out = std::io::stdout().lock();
     if arguments.list {
         // The floors train nothing: the command that makes the tables computes them.
@@ -155,7 +126,6 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         folder: &arguments.out,
         protocol: arguments.protocol,
         test_people: arguments.test_people,
-        without_look_ahead: arguments.paper,
         gates: gates(arguments).collect(),
         baselines: &settings,
         library,
@@ -199,16 +169,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     let merged = |people| {
         let gates = || gates(arguments);
-        merged(&contenders, &results, gates, arguments.paper, people)
+        merged(&contenders, &results, gates, people)
     };
     let (development, test) = (
         merged(|own| Some(&own.development)),
         merged(|own| own.test.as_ref()),
     );
-    let tables = match arguments.paper {
-        true => Tables::of_paper(&development, presets[0].teacher.window),
-        false => Tables::new(&development, &test),
-    };
+    let tables = Tables::new(&development, &test);
     writeln!(out, "{}", tables.plain())?;
     if left > 0 {
         progress::log(&format!(
@@ -253,9 +220,7 @@ fn command(arguments: &Arguments, contender: &Contender, seed: u64, fold: usize)
     for preset in &arguments.preset {
         option("preset", preset.clone());
     }
-    if let Kind::Baseline(_) = contender.kind
-        && !arguments.paper
-    {
+    if let Kind::Baseline(_) = contender.kind {
         option("baselines", contender.argument());
     }
     option("only", contender.argument());
@@ -271,16 +236,7 @@ fn command(arguments: &Arguments, contender: &Contender, seed: u64, fold: usize)
             .collect();
         option("entry-margins", margins.join(","));
     }
-    let flags = [
-        (arguments.paper, "--paper"),
-        (arguments.test_people, "--test-people"),
-    ];
-    words.extend(
-        flags
-            .iter()
-            .filter(|(given, _)| *given)
-            .map(|(_, name)| (*name).to_owned()),
-    );
+    words.extend(arguments.test_people.then(|| "--test-people".to_owned()));
     let mut option = |name: &str, value: String| words.extend([format!("--{name}"), value]);
     if let Some(data) = arguments.data.folder() {
         option("data", data.display().to_string());

@@ -36,7 +36,7 @@ enum Command {
     Baselines(baselines::Arguments),
     /// Evaluate the models and baselines of a run on the held-out subjects.
     Evaluate(evaluate::Arguments),
-    /// Compare presets, or print the paper's tables: every person but the test people held out once for each seed.
+    /// Compare presets and baselines: every person but the test people held out once for each seed.
     CrossValidate(cross_validate::Arguments),
     /// Measure what tuning a model on a person's own recordings gains, by their duration.
     Personalization(personalization::Arguments),
@@ -126,9 +126,8 @@ mod tests {
         for error in &errors {
             assert_eq!(code(error), format!("{:?}", ExitCode::from(130)), "{error}");
         }
-        let other = JobError::NoStart {
+        let other = JobError::OtherRun {
             path: "runs/x".into(),
-            only: "x",
         };
         assert_eq!(code(&other.into()), format!("{:?}", ExitCode::FAILURE));
     }

@@ -5,7 +5,6 @@ use clap::ValueEnum as _;
 use evaluation::{CONSTANT, ENERGY};
 use presets::Preset;
 
-use super::teacher::PaperTeacher;
 use crate::baselines::Baseline;
 
 /// Contender: a preset's integer student, or a model to compare it with.
@@ -21,8 +20,6 @@ pub(crate) struct Contender {
 pub(crate) enum Kind {
     /// Integer student of the preset.
     Student,
-    /// Teacher of the paper's tables.
-    Teacher(PaperTeacher),
     /// Baseline.
     Baseline(Baseline),
     /// Floor: the constant label relax.
@@ -36,7 +33,6 @@ impl Contender {
     pub(crate) fn name(&self) -> &str {
         match self.kind {
             Kind::Student => &self.preset.name,
-            Kind::Teacher(teacher) => teacher.name(),
             Kind::Baseline(baseline) => baseline.name(),
             Kind::Constant => CONSTANT,
             Kind::EnergyDetector => ENERGY,
@@ -47,7 +43,6 @@ impl Contender {
     pub(crate) fn argument(&self) -> String {
         match self.kind {
             Kind::Student => self.preset.name.clone(),
-            Kind::Teacher(teacher) => teacher.name().to_owned(),
             Kind::Baseline(baseline) => baseline
                 .to_possible_value()
                 .map_or_else(String::new, |value| value.get_name().to_owned()),

@@ -13,7 +13,7 @@ use evaluation::{ALL, Candidate, EvaluatedRecording, LookAhead, Truth, score};
 use execution::fingerprint::Fingerprint;
 use execution::interrupt::Interrupt;
 use execution::progress;
-use execution::run_folder::{RunFolder, weights_file};
+use execution::run_folder::RunFolder;
 use presets::EntryMargins;
 use presets::config::ResolvedConfig;
 use presets::resolve::{FoldChoice, fold_people, test_people};
@@ -27,7 +27,6 @@ use training::run::context::RunContext;
 use super::contender::{Contender, Kind};
 use super::gate::Gate;
 use super::job_scores::{FoldScore, JobScores};
-use super::teacher::TARGET;
 use crate::baselines::settings::BaselineSettings;
 use crate::job::{JobError, begun};
 
@@ -42,8 +41,6 @@ pub(crate) struct CrossValidation<'a> {
     pub(crate) protocol: Protocol,
     /// Whether the test people are evaluated too.
     pub(crate) test_people: bool,
-    /// Whether everything is also evaluated without look-ahead.
-    pub(crate) without_look_ahead: bool,
     /// Confidence gates to evaluate with; none for the contender's own.
     pub(crate) gates: Vec<Option<Gate>>,
     /// Training settings of the baselines.
@@ -85,7 +82,7 @@ impl CrossValidation<'_> {
     fn kept(&self, job: &Job, folder: &RunFolder, config: &ResolvedConfig) -> Option<JobScores> {
         let kept = folder.load_stamped::<JobScores>(SCORES, self.made_from(job, config));
         let scores = kept.ok()?.content;
-        scores.complete(self.gates(job), self.test_people, self.without_look_ahead)
+        scores.complete(self.gates(job), self.test_people)
     }
 
     /// Confidence gates that a job is evaluated with.
@@ -100,7 +97,7 @@ impl CrossValidation<'_> {
     /// Fingerprint of all that the scores of a job depend on.
     fn made_from(&self, job: &Job, config: &ResolvedConfig) -> Fingerprint {
         match job.contender.kind {
-            Kind::Student | Kind::Teacher(_) => config.fingerprint(),
+            Kind::Student => config.fingerprint(),
             Kind::Baseline(baseline) => {
                 Fingerprint::of(&(config.fingerprint(), baseline, self.baselines))
             }
@@ -158,27 +155,13 @@ impl CrossValidation<'_> {
             number: job.fold,
         };
         let preset = job.contender.preset.clone();
-        let mut config =
-            ResolvedConfig::new(preset, &self.library, self.data, self.strict, Some(choice))?;
-        if let Kind::Teacher(teacher) = job.contender.kind
-            && let Some(start) = teacher.start()
-        {
-            let kind = Kind::Teacher(start);
-            let contender = Contender {
-                kind,
-                ..job.contender.clone()
-            };
-            let path = self.path(&Job {
-                contender,
-                fold: job.fold,
-            });
-            if !path.join(weights_file(presets::teacher::NAME)).exists() {
-                let only = start.name();
-                return Err(JobError::NoStart { path, only });
-            }
-            training::run::start::start_from(&mut config, &path)?;
-        }
-        Ok(config)
+        Ok(ResolvedConfig::new(
+            preset,
+            &self.library,
+            self.data,
+            self.strict,
+            Some(choice),
+        )?)
     }
 
     /// Evaluates the fold's people of all data sets, and on request the test people.
@@ -193,9 +176,6 @@ impl CrossValidation<'_> {
             None => !fold.iter().any(|own| own == subject) && !is_test(subject),
         };
         let mut people = fold.clone();
-        if matches!(job.contender.kind, Kind::Teacher(teacher) if teacher.is_on_target()) {
-            people.retain(|person| person.starts_with(&format!("{}/", TARGET.name())));
-        }
         if self.test_people {
             people.extend(test_people(preset, &self.library));
         }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use evaluation::{LookAhead, Score};
+use evaluation::Score;
 
 use super::gate::Gate;
 
@@ -25,19 +25,12 @@ pub(crate) struct FoldScore {
 }
 
 impl JobScores {
-    /// Selects the scores with these gates, on the test people and without look-ahead as wanted; none if any are missing.
-    pub(crate) fn complete(
-        self,
-        gates: &[Option<Gate>],
-        test_people: bool,
-        without_look_ahead: bool,
-    ) -> Option<Self> {
+    /// Selects the scores with these gates, on the test people if wanted; none if any are missing.
+    pub(crate) fn complete(self, gates: &[Option<Gate>], test_people: bool) -> Option<Self> {
         let complete = |mut scores: Vec<FoldScore>| {
-            let counts =
-                |own: &FoldScore| !without_look_ahead || own.score.look_ahead == LookAhead::None;
             let has = |gate: &Option<Gate>| {
                 let mut scores = scores.iter();
-                scores.any(|own| own.gate == *gate && counts(own))
+                scores.any(|own| own.gate == *gate)
             };
             let all = gates.iter().all(has);
             scores.retain(|own| gates.contains(&own.gate));

@@ -178,21 +178,6 @@ impl<'a> Merged<'a> {
         (latency::summary(&releases, releases.len()), names.len())
     }
 
-    /// Offsets of the followed transitions, in samples, and the number of all transitions, of all people of a section and
-    /// all jobs.
-    pub(crate) fn offsets(&self, (data_set, group): Section<'_>) -> (Vec<i32>, usize) {
-        let subjects = self
-            .of_group(group)
-            .flat_map(|score| &score.widest().subjects);
-        let own = subjects.filter(|of| data_set.is_none_or(|set| is_of(&of.subject, set)));
-        let (mut offsets, mut transitions) = (Vec::new(), 0);
-        for of in own {
-            offsets.extend_from_slice(&of.offsets);
-            transitions += of.events;
-        }
-        (offsets, transitions)
-    }
-
     /// Movements outside the vocabulary, of all people and seeds, by the name of their kind.
     pub(crate) fn raised(&self) -> BTreeMap<&'a str, Raised> {
         self.by_kind(|person| &person.raised, Raised::plus)

@@ -4,8 +4,6 @@
 //! people of all data sets, so that presets with different data sets are compared on the same people. Baselines are trained
 //! on the recordings and people of the first preset. A person's value is the mean over seeds; intervals and differences are
 //! over people. People whose recordings have all classes, people with fewer, and the test people have separate rows.
-//!
-//! The paper's tables ([`paper`]) are made from the same jobs: one preset's student beside teachers and all baselines.
 
 mod contender;
 #[cfg(test)]
@@ -14,9 +12,7 @@ mod gate;
 mod job;
 mod job_scores;
 mod merged;
-mod paper;
 mod tables;
-mod teacher;
 mod training;
 
 pub(crate) use contender::{Contender, Kind};
@@ -24,8 +20,6 @@ pub(crate) use gate::Gate;
 pub(crate) use job::{CrossValidation, Job};
 pub(crate) use job_scores::{FoldScore, JobScores};
 pub(crate) use merged::{Merged, Origin};
-pub(crate) use paper::paper_tables;
 pub(crate) use tables::{
     daily_life, differences, emission, movements, over_sets, people, scores, test_scores,
 };
-pub(crate) use teacher::PaperTeacher;

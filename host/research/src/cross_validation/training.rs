@@ -2,12 +2,10 @@
 
 use evaluation::model_evaluation::{NamedModel, beside};
 use evaluation::{Candidate, EvaluatedRecording, constant};
-use shared::intent::MAX_CLASSES;
-use training::run::candidates::teacher_candidate;
 use training::run::context::RunContext;
 use training::run::evaluate::energy_detector;
 use training::run::quantize::{MODEL, quantize};
-use training::run::train::{Extra, train, train_teacher};
+use training::run::train::{Extra, train};
 
 use super::contender::Kind;
 use super::job::{CrossValidation, Job};
@@ -36,16 +34,6 @@ impl CrossValidation<'_> {
                     beside(&model, &recordings).map_err(training::run::StepError::from)?,
                     recordings,
                 ))
-            }
-            Kind::Teacher(teacher) => {
-                train_teacher(context)?;
-                let recordings = recordings();
-                let mut candidate = teacher_candidate(context, teacher.name().into(), &recordings)?;
-                // As in the paper, the teacher has no gate and knows no movement outside the vocabulary.
-                candidate.entry_margins = [0.0; MAX_CLASSES];
-                candidate.other_margin = None;
-                candidate.early = None;
-                Ok((candidate, recordings))
             }
             Kind::Baseline(baseline) => {
                 train_all(context, &[baseline], self.baselines)?;

@@ -6,27 +6,16 @@ use presets::Preset;
 use super::Arguments;
 use crate::baselines::Baseline;
 use crate::baselines::settings::{BaselineSettings, find_preset};
-use crate::cross_validation::{Contender, Kind, PaperTeacher};
-
-/// Name of the preset of the paper's tables.
-const OF_PAPER: &str = "comparison";
+use crate::cross_validation::{Contender, Kind};
 
 /// Loads the presets, whose names are folders, and the first one's settings for baselines.
 ///
 /// # Errors
-/// When a preset cannot be read, two have one name, their vocabularies differ, or the paper's tables are wanted of several
-/// presets or seeds.
+/// When a preset cannot be read, two have one name, or their vocabularies differ.
 pub(super) fn presets(arguments: &Arguments) -> anyhow::Result<(Vec<Preset>, BaselineSettings)> {
-    if arguments.paper && (arguments.preset.len() > 1 || arguments.seeds.len() > 1) {
-        bail!("--paper: expected one preset and one seed at most, found several: give one of each");
-    }
-    let mut names = arguments.preset.clone();
-    if names.is_empty() {
-        names.push(OF_PAPER.to_owned());
-    }
     let mut presets: Vec<Preset> = Vec::new();
     let mut of_first = BaselineSettings::default();
-    for name in &names {
+    for name in &arguments.preset {
         let (preset, settings) = find_preset(name)?;
         if presets.iter().any(|other| other.name == preset.name) {
             bail!(
@@ -51,38 +40,21 @@ pub(super) fn presets(arguments: &Arguments) -> anyhow::Result<(Vec<Preset>, Bas
     Ok((presets, of_first))
 }
 
-/// Contenders beside the floors.
-pub(super) struct Compared<'a> {
-    /// Presets of the students; the first one is also used for all other contenders.
-    pub(super) presets: &'a [Preset],
-    /// Teachers of the paper's tables.
-    pub(super) teachers: Vec<PaperTeacher>,
-    /// Baselines, in any order.
-    pub(super) baselines: Vec<Baseline>,
-}
-
-/// Contenders: the students of the presets, the teachers, the baselines, then the floors.
+/// Contenders: the students of the presets, the baselines, then the floors.
 ///
 /// # Errors
 /// When two have the same folder, or `only` names no contender.
 pub(super) fn contenders(
-    compared: &Compared<'_>,
+    presets: &[Preset],
+    baselines: &[Baseline],
     only: Option<&str>,
 ) -> anyhow::Result<Vec<Contender>> {
-    let Compared {
-        presets,
-        teachers,
-        baselines,
-    } = compared;
     let first = &presets[0];
     let of = |preset: &Preset, kind| Contender {
         preset: preset.clone(),
         kind,
     };
     let students = presets.iter().map(|preset| of(preset, Kind::Student));
-    let teachers = teachers
-        .iter()
-        .map(|&teacher| of(&teacher.preset(first), Kind::Teacher(teacher)));
     let wanted = Baseline::ALL
         .into_iter()
         .filter(|baseline| baselines.contains(baseline));
@@ -93,7 +65,6 @@ pub(super) fn contenders(
     let mut plain = first.clone();
     plain.data.normalize = false;
     let contenders: Vec<Contender> = students
-        .chain(teachers)
         .chain(others.map(|kind| of(&plain, kind)))
         .collect();
     for (at, contender) in contenders.iter().enumerate() {

@@ -8,14 +8,13 @@ use execution::run_folder::write_whole;
 
 use crate::cross_validation::{
     Contender, FoldScore, Gate, JobScores, Merged, Origin, daily_life, differences, emission,
-    movements, over_sets, paper_tables, people, scores, test_scores,
+    movements, over_sets, people, scores, test_scores,
 };
 
-/// Tables of a cross-validation, a row for each person, and a picture, with the names of their files.
+/// Tables of a cross-validation, a row for each person, and a picture.
 pub(super) struct Tables {
     tables: Vec<Table>,
     people: Table,
-    files: [&'static str; 2],
     /// Picture of the gestures recognised by the time since their onset, as SVG.
     picture: Option<String>,
 }
@@ -35,18 +34,7 @@ impl Tables {
         Self {
             tables,
             people: people(development, test),
-            files: ["tables.md", "people.csv"],
             picture: picture(development),
-        }
-    }
-
-    /// Creates the paper's tables; `window` is the window of the preset's teacher, in samples.
-    pub(super) fn of_paper(merged: &[Merged<'_>], window: usize) -> Self {
-        Self {
-            tables: paper_tables(merged, window),
-            people: people(merged, &[]),
-            files: ["paper.md", "paper.csv"],
-            picture: None,
         }
     }
 
@@ -58,7 +46,7 @@ impl Tables {
 
     /// Writes the tables, a row for each person, seed, fold, preset and mode, and the picture. Returns the paths.
     pub(super) fn write(&self, folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
-        let [page, rows] = self.files.map(|name| folder.join(name));
+        let [page, rows] = ["tables.md", "people.csv"].map(|name| folder.join(name));
         let tables: Vec<String> = self.tables.iter().map(Table::markdown).collect();
         write_whole(&page, tables.join("\n").as_bytes())?;
         write_whole(&rows, &self.people.csv()?)?;
@@ -88,12 +76,11 @@ fn picture(merged: &[Merged<'_>]) -> Option<String> {
 }
 
 /// Merges the scores of every contender under each confidence gate and look-ahead, on some of the people. Without
-/// look-ahead, only contenders without one are included, unless `all` is set.
+/// look-ahead, only contenders without one are included.
 pub(super) fn merged<'a, G: Iterator<Item = Option<Gate>>>(
     contenders: &'a [Contender],
     results: &'a [Vec<(Origin, JobScores)>],
     gates: impl Fn() -> G,
-    all: bool,
     people: fn(&JobScores) -> Option<&Vec<FoldScore>>,
 ) -> Vec<Merged<'a>> {
     let mut merged: Vec<Merged> = Vec::new();
@@ -110,7 +97,7 @@ pub(super) fn merged<'a, G: Iterator<Item = Option<Gate>>>(
             let ahead = [LookAhead::AllRows, LookAhead::SameInstant].map(of);
             let looks_back = ahead.iter().any(Option::is_some);
             merged.extend(ahead.into_iter().flatten());
-            if all || !looks_back {
+            if !looks_back {
                 merged.extend(of(LookAhead::None));
             }
         }
