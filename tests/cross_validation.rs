@@ -40,15 +40,6 @@ fn cross_validate([preset, data, out]: [&Path; 3], protocol: &str, rest: &[&str]
     research(&[&line[..], rest].concat())
 }
 
-/// Writes the small preset with settings of the baselines.
-fn preset_with_baselines(folder: &Path) -> PathBuf {
-    let text = fs::read_to_string(small_preset(folder)).unwrap();
-    let baselines = "[baselines]\nstride = 600\nepochs = 1\nlstm_step = 100\n";
-    let path = folder.join("with-baselines.toml");
-    fs::write(&path, format!("{text}\n{baselines}")).unwrap();
-    path
-}
-
 fn json(path: &Path) -> Value {
     serde_json::from_slice(&fs::read(path).unwrap()).unwrap()
 }
@@ -113,7 +104,7 @@ fn a_teacher_is_fine_tuned_from_a_run_or_from_safetensors() {
 fn a_cross_validation_evaluates_everybody_once_for_each_seed_and_goes_on() {
     let folder = folder("cross-validation");
     let (data, _) = recordings(&folder);
-    let one = preset_with_baselines(&folder);
+    let one = small_preset(&folder);
     let text = fs::read_to_string(&one).unwrap();
     let other = folder.join("other.toml");
     let text = text
@@ -123,7 +114,7 @@ fn a_cross_validation_evaluates_everybody_once_for_each_seed_and_goes_on() {
     let out = folder.join("out");
     let other = other.to_str().unwrap();
     let command = |rest: &[&str]| {
-        let compared = ["--preset", other, "--seeds", "1,2", "--baselines", "lda"];
+        let compared = ["--preset", other, "--seeds", "1,2", "--baselines", "ed-tcn"];
         cross_validate(
             [&one, &data, &out],
             "2-fold",
@@ -165,14 +156,14 @@ fn a_cross_validation_evaluates_everybody_once_for_each_seed_and_goes_on() {
         })
         .collect();
     people.sort_unstable();
-    // Four people, two seeds, two presets with two aggregation modes, a baseline without past patches and two floors: each
-    // person in one fold of each.
-    assert_eq!(people.len(), 4 * 2 * (2 * 2 + 3));
+    // Four people, two seeds, two presets and a baseline with two aggregation modes, and two floors: each person in one fold of
+    // each.
+    assert_eq!(people.len(), 4 * 2 * (2 * 3 + 2));
     people.dedup();
     assert_eq!(people.len(), 4 * 2 * (2 + 3));
     let page = fs::read_to_string(out.join("tables.md")).unwrap();
     assert!(page.contains("other (0.25 s, all rows) - small (0.25 s, all rows)"));
-    assert!(page.contains("LDA (0) - small (0.25 s, all rows)"));
+    assert!(page.contains("ED-TCN (0.25 s, all rows) - small (0.25 s, all rows)"));
     assert!(page.contains("energy detector (0) - small (0.25 s, all rows)"));
     for seed in ["seed-1", "seed-2"] {
         let run = out.join("other").join(seed).join("fold-1");
@@ -246,7 +237,7 @@ fn roshambo(folder: &Path, subjects: &[&str]) -> PathBuf {
 fn a_cross_validation_scores_the_test_people_apart_by_students_that_never_saw_them() {
     let folder = folder("cross-validation-test-people");
     let data = roshambo(&folder, &["01", "02", "03", "04", "06"]);
-    let (preset, out) = (preset_with_baselines(&folder), folder.join("out"));
+    let (preset, out) = (small_preset(&folder), folder.join("out"));
     let command = |more: &[&str]| {
         let seeded = [&["--seeds", "1"], more].concat();
         cross_validate([&preset, &data, &out], "2-fold", &seeded)
@@ -319,7 +310,7 @@ fn a_fold_of_sets_holds_out_everybody_of_one_set() {
     let folder = folder("cross-validation-sets");
     let data = roshambo(&folder, &["01", "02", "06"]);
     recordings(&folder);
-    let preset = preset_with_baselines(&folder);
+    let preset = small_preset(&folder);
     let text = fs::read_to_string(&preset).unwrap();
     let sets = "data_sets = [\"roshambo\", \"ss-stm\"]";
     assert!(text.contains(sets));

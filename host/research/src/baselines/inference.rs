@@ -2,22 +2,19 @@
 
 use burn::tensor::{Device, Tensor, TensorData};
 use shared::model::LookBackLogits;
-use shared::units::{CleanSample, PATCH, Sample};
+use shared::units::{PATCH, Sample};
 
 use super::Baseline;
 use super::features::FeatureExtraction;
-use super::lda::Lda;
-use super::networks::{EdTcnConfig, LstmBaselineConfig, MlpConfig, Network, TraHgrConfig};
+use super::networks::{EdTcnConfig, LstmBaselineConfig, Network};
 use super::windows::PaddedStream;
 use evaluation::Candidate;
 use evaluation::EvaluatedRecording;
 use execution::fingerprint::Fingerprint;
 use execution::progress;
 use execution::run_folder::{RunError, RunFolder};
-use training::optimization::dropout::Dropout;
 use training::optimization::read_back;
 use training::run::context::RunContext;
-use training::run::evaluate::if_own;
 use training::weights::Weights as _;
 
 /// Number of windows that are predicted at once.
@@ -27,12 +24,6 @@ const BATCH: usize = 256;
 trait Predict: Send + Sync {
     /// Computes logits `[windows][frames][classes]`, from one input per window.
     fn predict(&self, inputs: Vec<Vec<f32>>) -> Vec<f32>;
-}
-
-impl Predict for Lda {
-    fn predict(&self, inputs: Vec<Vec<f32>>) -> Vec<f32> {
-        inputs.iter().flat_map(|input| self.scores(input)).collect()
-    }
 }
 
 /// Network and the device that holds its weights.
@@ -45,7 +36,7 @@ impl<N: Network + Send> Predict for NetworkOnDevice<N> {
     fn predict(&self, inputs: Vec<Vec<f32>>) -> Vec<f32> {
         let shape = [inputs.len(), inputs[0].len()];
         let input = Tensor::from_data(TensorData::new(inputs.concat(), shape), &self.device);
-        read_back(self.network.forward(input, &mut Dropout::off()).remove(0))
+        read_back(self.network.forward(input))
     }
 }
 
@@ -76,14 +67,8 @@ impl TrainedBaseline {
         let made_from = features.lineage(streams);
         let from = (baseline, run, made_from, device);
         let model: Box<dyn Predict> = match baseline {
-            Baseline::Lda => {
-                let file = run.load_stamped::<Lda>(&baseline.model_file(), made_from)?;
-                Box::new(file.content)
-            }
-            Baseline::Mlp => load(MlpConfig::default().init(classes, device), from)?,
             Baseline::Lstm => load(LstmBaselineConfig::default().init(classes, device), from)?,
             Baseline::EdTcn => load(EdTcnConfig::default().init(classes, device), from)?,
-            Baseline::TraHgr => load(TraHgrConfig::default().init(classes, device), from)?,
         };
         Ok(Self {
             features,
@@ -93,10 +78,10 @@ impl TrainedBaseline {
     }
 
     /// Computes the logits at every whole patch of a stream, each from the window that ends with the patch.
-    pub(crate) fn logits(&self, raw: &[Sample], emg: &[CleanSample]) -> Vec<LookBackLogits> {
+    pub(crate) fn logits(&self, raw: &[Sample]) -> Vec<LookBackLogits> {
         let layout = self.features.frame_layout();
-        let stream = PaddedStream::new(raw, emg, &[]);
-        let ends: Vec<usize> = (1..=emg.len() / PATCH).map(|patch| patch * PATCH).collect();
+        let stream = PaddedStream::new(raw, &[]);
+        let ends: Vec<usize> = (1..=raw.len() / PATCH).map(|patch| patch * PATCH).collect();
         ends.chunks(BATCH)
             .flat_map(|ends| {
                 let inputs = ends
@@ -126,24 +111,6 @@ fn load<N: Network + Send + 'static>(
     }))
 }
 
-/// Loads every trained baseline of a run, with its logits over the recordings, in the order of the tables.
-///
-/// # Errors
-/// When a baseline's files are damaged or the user interrupts.
-pub(crate) fn candidates(
-    context: &RunContext,
-    recordings: &[EvaluatedRecording],
-) -> Result<Vec<Candidate>, RunError> {
-    let mut candidates = Vec::new();
-    for baseline in Baseline::ALL {
-        let is_trained = context.folder.file(&baseline.model_file()).exists();
-        if is_trained {
-            candidates.extend(if_own(candidate(context, baseline, recordings))?);
-        }
-    }
-    Ok(candidates)
-}
-
 /// Loads a trained baseline of a run, with its logits over the recordings.
 ///
 /// # Errors
@@ -161,12 +128,7 @@ pub(crate) fn candidate(
         recordings,
         folder,
         &context.interrupt,
-        |recording| trained.logits(&recording.raw, &recording.emg),
+        |recording| trained.logits(&recording.raw),
     )?;
-    let looks_back = baseline.looks_back();
-    Ok(Candidate::without_margins(
-        baseline.name(),
-        looks_back,
-        logits,
-    ))
+    Ok(Candidate::without_margins(baseline.name(), true, logits))
 }

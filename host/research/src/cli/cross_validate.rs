@@ -32,15 +32,14 @@ use crate::cross_validation::{Contender, CrossValidation, Gate, Job, Kind, Origi
     validation people and training. A person's value is the mean over seeds; intervals are over people, from six on. People\n\
     whose recordings have all classes of the model and people with fewer stand in rows of their own; `n` is a column's\n\
     number of people where its row has more.\n\n\
-    Baselines are trained on the recordings and people of the first preset, by its table [baselines] (comparison has one: cpu's\n\
-    recipe and settings for two cores; without a table they are the reference's). The tables end with the constant relax and the\n\
-    energy detector.\n\n\
+    Baselines are trained on the recordings and people of the first preset. The tables end with the constant relax and the energy\n\
+    detector.\n\n\
     Jobs are independent. An interrupted job continues where it stopped; a finished one is not repeated. Tables are printed\n\
     for the folds that all have, and written to the folder when these are all folds; beside them recognition.svg, the share of\n\
     gestures recognised by the time since their onset.\n\n\
     Examples:\n  \
     myointent-research cross-validate --preset cpu --preset mine.toml --seeds 42,7 --data recordings\n  \
-    myointent-research cross-validate --preset comparison --baselines lda,mlp,lstm,ed-tcn,trahgr --data recordings\n  \
+    myointent-research cross-validate --preset cpu --baselines lstm,ed-tcn --data recordings\n  \
     myointent-research cross-validate --preset cpu --list | sh       job by job, or pass the lines to a scheduler"
 )]
 pub(super) struct Arguments {
@@ -94,7 +93,7 @@ pub(super) struct Arguments {
 /// # Errors
 /// When the recordings, a preset or a folder cannot be used, or a job fails.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let (presets, settings) = presets(arguments)?;
+    let presets = presets(arguments)?;
     // All data sets, regardless of the presets' own: all people are evaluated.
     let mut readable = presets[0].clone();
     readable.data.data_sets.clear();
@@ -127,7 +126,6 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         protocol: arguments.protocol,
         test_people: arguments.test_people,
         gates: gates(arguments).collect(),
-        baselines: &settings,
         library,
         data: data.as_deref(),
         strict: arguments.data.strict,

@@ -1,8 +1,6 @@
 //! The command line: one file per subcommand.
 
-mod baselines;
 mod cross_validate;
-mod evaluate;
 mod other_movement;
 mod personalization;
 mod shell;
@@ -13,12 +11,11 @@ use clap::{Parser, Subcommand};
 use execution::progress;
 use myointent::cli::is_broken_pipe;
 
-use crate::baselines::settings::SettingsError;
 use crate::baselines::training::TrainingError;
 use crate::job::JobError;
 use crate::personalization::MeasurementError;
 
-/// Baselines and comparisons of the paper, on the recordings and run folders of `myointent`.
+/// Comparisons of presets and baselines, on the recordings and run folders of `myointent`.
 #[derive(Debug, Parser)]
 #[command(
     version,
@@ -32,10 +29,6 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Train the paper's baselines on the recordings and the split of a run.
-    Baselines(baselines::Arguments),
-    /// Evaluate the models and baselines of a run on the held-out subjects.
-    Evaluate(evaluate::Arguments),
     /// Compare presets and baselines: every person but the test people held out once for each seed.
     CrossValidate(cross_validate::Arguments),
     /// Measure what tuning a model on a person's own recordings gains, by their duration.
@@ -49,16 +42,7 @@ impl Cli {
     #[must_use]
     pub fn run(self) -> ExitCode {
         myointent::declare_revision();
-        let advice = match &self.command {
-            Command::Baselines(_) => "to continue, give the same command and --resume",
-            Command::CrossValidate(_) | Command::Personalization(_) => {
-                "to continue, give the same command"
-            }
-            _ => "to try again, give the same command",
-        };
         let result = match self.command {
-            Command::Baselines(arguments) => baselines::run(&arguments),
-            Command::Evaluate(arguments) => evaluate::run(&arguments),
             Command::CrossValidate(arguments) => cross_validate::run(&arguments),
             Command::Personalization(arguments) => personalization::run(&arguments),
             Command::OtherMovement(arguments) => other_movement::run(&arguments),
@@ -69,7 +53,7 @@ impl Cli {
             Err(error) => {
                 progress::log(&format!("error: {}", progress::with_causes(&*error)));
                 if is_interrupt(&error) {
-                    progress::log(advice);
+                    progress::log("to continue, give the same command");
                 }
                 exit_code(&error)
             }
@@ -79,14 +63,7 @@ impl Cli {
 
 /// Exit code: 130 after Ctrl-C, 2 for wrong arguments, 1 after any other failure.
 fn exit_code(error: &anyhow::Error) -> ExitCode {
-    let missing = error
-        .downcast_ref()
-        .is_some_and(|error| matches!(error, SettingsError::Missing { .. }));
-    if missing {
-        ExitCode::from(2)
-    } else {
-        myointent::cli::exit_code(error, is_interrupt(error))
-    }
+    myointent::cli::exit_code(error, is_interrupt(error))
 }
 
 fn is_interrupt(error: &anyhow::Error) -> bool {

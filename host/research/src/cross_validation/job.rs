@@ -43,8 +43,6 @@ pub(crate) struct CrossValidation<'a> {
     pub(crate) test_people: bool,
     /// Confidence gates to evaluate with; none for the contender's own.
     pub(crate) gates: Vec<Option<Gate>>,
-    /// Training settings of the baselines.
-    pub(crate) baselines: &'a BaselineSettings,
     /// The recordings.
     pub(crate) library: Arc<Library>,
     /// Folder of the recordings; none for synthetic ones.
@@ -99,7 +97,7 @@ impl CrossValidation<'_> {
         match job.contender.kind {
             Kind::Student => config.fingerprint(),
             Kind::Baseline(baseline) => {
-                Fingerprint::of(&(config.fingerprint(), baseline, self.baselines))
+                Fingerprint::of(&(config.fingerprint(), baseline, BaselineSettings::default()))
             }
             Kind::Constant | Kind::EnergyDetector => {
                 Fingerprint::of(&(config.fingerprint(), job.contender.name()))

@@ -10,7 +10,8 @@ use training::run::train::{Extra, train};
 use super::contender::Kind;
 use super::job::{CrossValidation, Job};
 use crate::baselines::inference::candidate;
-use crate::baselines::training::train_all;
+use crate::baselines::settings::BaselineSettings;
+use crate::baselines::training::train_baseline;
 use crate::job::JobError;
 
 impl CrossValidation<'_> {
@@ -36,7 +37,7 @@ impl CrossValidation<'_> {
                 ))
             }
             Kind::Baseline(baseline) => {
-                train_all(context, &[baseline], self.baselines)?;
+                train_baseline(context, baseline, &BaselineSettings::default())?;
                 let recordings = recordings();
                 Ok((candidate(context, baseline, &recordings)?, recordings))
             }

@@ -7,7 +7,7 @@ use evaluation::report::labels;
 use evaluation::report::run_report::{self, REPORT};
 use evaluation::report::scores::tables;
 use recordings::split::predefined::is_test;
-use training::run::evaluate::{evaluate, no_more};
+use training::run::evaluate::evaluate;
 use training::run::quantize::ModelFile;
 
 use super::open_run;
@@ -32,7 +32,7 @@ pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     };
     let held_out = context.config.split.held_out.iter();
     warn_of_test_people(held_out.filter(|subject| is_test(subject)).count());
-    let (results, evaluation) = evaluate(&context, model.as_ref(), &no_more)?;
+    let (results, evaluation) = evaluate(&context, model.as_ref())?;
     let page = context.folder.file(REPORT);
     if evaluation.is_kept {
         run_report::write(

@@ -17,7 +17,7 @@ use presets::Preset;
 use presets::config::ResolvedConfig;
 use training::backend::BackendArguments;
 use training::run::context::RunContext;
-use training::run::evaluate::{Results, evaluate, no_more};
+use training::run::evaluate::{Results, evaluate};
 use training::run::quantize::{MODEL, ModelFile, quantize};
 use training::run::train::{Extra, train};
 
@@ -78,7 +78,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let model = context.folder.file(MODEL);
     quantize(&context, &model)?;
     let file = ModelFile::of_run(&context)?;
-    let (results, evaluation) = evaluate(&context, file.as_ref(), &no_more)?;
+    let (results, evaluation) = evaluate(&context, file.as_ref())?;
     // Written again, now with the scores in the header.
     quantize(&context, &model)?;
     let page = context.folder.file(REPORT);

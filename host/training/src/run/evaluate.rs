@@ -20,19 +20,7 @@ use recordings::Library;
 
 pub use evaluation::results::{Evaluation, RESULTS, Results};
 
-/// Function that computes the logits of further models, to be evaluated beside the run's own.
-pub type MoreCandidates<'a> =
-    &'a dyn Fn(&[EvaluatedRecording]) -> Result<Vec<Candidate>, StepError>;
-
-/// Returns no further models.
-///
-/// # Errors
-/// Never.
-pub fn no_more(_: &[EvaluatedRecording]) -> Result<Vec<Candidate>, StepError> {
-    Ok(Vec::new())
-}
-
-/// Evaluates the run's available models on the held-out subjects: teacher, `more`, float student, the integer student of
+/// Evaluates the run's available models on the held-out subjects: teacher, float student, the integer student of
 /// the model file `model`, and the students trained on the labels alone; then the floors.
 ///
 /// The results are kept in the run folder, unless the model file is not the run's.
@@ -42,7 +30,6 @@ pub fn no_more(_: &[EvaluatedRecording]) -> Result<Vec<Candidate>, StepError> {
 pub fn evaluate(
     context: &RunContext,
     model: Option<&ModelFile>,
-    more: MoreCandidates<'_>,
 ) -> Result<(Results, Evaluation), StepError> {
     let recordings = EvaluatedRecording::held_out(&context.config, &context.library);
     let spliced = EvaluatedRecording::spliced(&context.config, &context.library);
@@ -52,11 +39,11 @@ pub fn evaluate(
     let aggregation = aggregation(context)?;
     let is_kept = model.is_none_or(|model| model.is_own);
     let bytes = model.map(|model| model.bytes.as_slice());
-    let mut published = candidates(context, &recordings, bytes, more)?;
+    let mut published = candidates(context, &recordings, bytes)?;
     if published.is_empty() {
         return Err(StepError::NoModel);
     }
-    let mut on_spliced = candidates(context, &spliced, bytes, more)?;
+    let mut on_spliced = candidates(context, &spliced, bytes)?;
     let detector = energy_detector(&context.config, &context.library);
     for (candidates, recordings) in [(&mut published, &recordings), (&mut on_spliced, &spliced)] {
         candidates.push(constant(recordings));
@@ -132,7 +119,6 @@ fn candidates(
     context: &RunContext,
     recordings: &[EvaluatedRecording],
     model: Option<&[u8]>,
-    more: MoreCandidates<'_>,
 ) -> Result<Vec<Candidate>, StepError> {
     let mut candidates = Vec::new();
     if context.has(presets::teacher::NAME) {
@@ -142,7 +128,6 @@ fn candidates(
             recordings,
         ))?);
     }
-    candidates.extend(more(recordings)?);
     if context.has(distillation::NAME) {
         let student = context.student(distillation::NAME)?;
         candidates.push(student_candidate(

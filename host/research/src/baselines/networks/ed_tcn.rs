@@ -8,7 +8,6 @@ use burn::tensor::{Device, Tensor};
 use shared::units::CHANNELS;
 
 use super::Network;
-use training::optimization::dropout::Dropout;
 
 /// Dimensions of the network.
 #[derive(Clone, Copy, Debug)]
@@ -55,7 +54,7 @@ pub(crate) struct EdTcn {
 }
 
 impl Network for EdTcn {
-    fn forward(&self, input: Tensor<2>, _: &mut Dropout) -> Vec<Tensor<3>> {
+    fn forward(&self, input: Tensor<2>) -> Tensor<3> {
         let [batch, numbers] = input.dims();
         let mut x = input.reshape([batch, numbers / CHANNELS, CHANNELS]);
         for convolution in &self.encoder {
@@ -64,7 +63,7 @@ impl Network for EdTcn {
         for convolution in &self.decoder {
             x = relu(convolved(convolution, upsampled(x)));
         }
-        vec![convolved(&self.out, x)]
+        convolved(&self.out, x)
     }
 }
 
@@ -135,8 +134,8 @@ mod tests {
         let found = read_back(upsampled(x));
         assert_eq!(found, [1.0, 2.0, 1.0, 2.0, 3.0, 4.0, 3.0, 4.0]);
         let model = EdTcnConfig::default().init(3, &device);
-        let logits = model.forward(Tensor::ones([2, 160], &device), &mut Dropout::off());
-        assert_eq!(logits[0].dims(), [2, 20, 3]);
+        let logits = model.forward(Tensor::ones([2, 160], &device));
+        assert_eq!(logits.dims(), [2, 20, 3]);
     }
 
     #[test]

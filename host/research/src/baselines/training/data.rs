@@ -50,7 +50,6 @@ impl TrainingData {
 
     /// Fits the z-scores to the training windows, for the baselines that have them.
     pub(super) fn fit_scaling(&mut self) {
-        // Skipped where it is not needed: TraHGR's features are 14 400 numbers per window.
         if self.features.is_scaled() {
             let unscaled = extract(&self.features, &self.training, &self.training.windows);
             self.features = self
@@ -71,16 +70,6 @@ impl TrainingData {
     pub(super) const fn classes(&self) -> usize {
         self.training.classes
     }
-
-    /// Features and class of every training window; for baselines with one frame per window.
-    pub(super) fn training_examples(&self) -> Vec<(Vec<f32>, usize)> {
-        examples(&self.features, &self.training)
-    }
-
-    /// Features and class of every validation window; for baselines with one frame per window.
-    pub(super) fn validation_examples(&self) -> Vec<(Vec<f32>, usize)> {
-        examples(&self.features, &self.validation)
-    }
 }
 
 /// Extracts the features of windows of a corpus.
@@ -92,15 +81,5 @@ pub(super) fn extract(
     windows
         .par_iter()
         .map(|&window| features.extract(corpus.samples(window)))
-        .collect()
-}
-
-fn examples(features: &FeatureExtraction, corpus: &WindowedCorpus) -> Vec<(Vec<f32>, usize)> {
-    extract(features, corpus, &corpus.windows)
-        .into_iter()
-        .zip(&corpus.windows)
-        .filter_map(|(features, &window)| {
-            corpus.targets(window)[0].map(|intent| (features, intent.class()))
-        })
         .collect()
 }

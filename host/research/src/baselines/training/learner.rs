@@ -3,7 +3,6 @@
 use std::marker::PhantomData;
 
 use burn::tensor::{Device, Tensor};
-use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
@@ -13,7 +12,6 @@ use super::{Setup, TrainingError};
 use crate::baselines::networks::Network;
 use crate::baselines::windows::Window;
 use presets::training::LrSchedule;
-use training::optimization::dropout::Dropout;
 use training::optimization::fit::{TrainConfig, Training};
 use training::optimization::learner::{Learner, SHARDS, WeightedMetric};
 use training::optimization::read_back;
@@ -55,7 +53,7 @@ struct NetworkLearner<'a, N> {
 impl<N: Network> Learner for NetworkLearner<'_, N> {
     type Model = N;
     type Item = Vec<Window>;
-    type Shard = (Batch, ChaCha8Rng);
+    type Shard = Batch;
 
     fn name(&self) -> &'static str {
         self.data.baseline().file_stem()
@@ -64,55 +62,41 @@ impl<N: Network> Learner for NetworkLearner<'_, N> {
     fn epoch(&self, rng: &mut ChaCha8Rng) -> Vec<Self::Item> {
         let mut order = self.data.training.windows.clone();
         order.shuffle(rng);
-        let mut items: Vec<Vec<Window>> = order.chunks(self.batch).map(<[_]>::to_vec).collect();
-        // Batch norm needs more windows for its statistics than the last, incomplete batch may have.
-        if N::BATCH_NORM && items.len() > 1 && !order.len().is_multiple_of(self.batch) {
-            items.pop();
-        }
-        items
+        order.chunks(self.batch).map(<[_]>::to_vec).collect()
     }
 
     fn steps(&self) -> usize {
         self.data.training.windows.len().div_ceil(self.batch)
     }
 
-    fn shards(&self, item: &Self::Item, rng: &mut ChaCha8Rng) -> Vec<Self::Shard> {
-        let count = if N::BATCH_NORM { 1 } else { SHARDS };
+    fn shards(&self, item: &Self::Item, _: &mut ChaCha8Rng) -> Vec<Self::Shard> {
         let mut shards: Vec<Self::Shard> = item
-            .chunks(item.len().div_ceil(count))
+            .chunks(item.len().div_ceil(SHARDS))
             .map(|windows| {
-                let batch = Batch::new(
+                Batch::new(
                     self.data.features(),
                     &self.data.training,
                     windows,
                     self.device,
-                );
-                (batch, ChaCha8Rng::from_rng(rng))
+                )
             })
             .collect();
         // Means are over the whole step, so that the shards' losses add up to the step's.
-        let targets = shards.iter().map(|(batch, _)| batch.targets).sum();
-        for (batch, _) in &mut shards {
+        let targets = shards.iter().map(|batch| batch.targets).sum();
+        for batch in &mut shards {
             batch.targets = targets;
         }
         shards
     }
 
-    fn loss(&self, model: &N, (batch, rng): Self::Shard) -> (Tensor<1>, Vec<WeightedMetric>) {
-        let mut losses = model
-            .forward(batch.input.clone(), &mut Dropout::from(rng))
-            .into_iter()
-            .map(|logits| batch.loss(logits));
-        let prediction = losses.next().expect("a network has a head");
+    fn loss(&self, model: &N, batch: Self::Shard) -> (Tensor<1>, Vec<WeightedMetric>) {
+        let loss = batch.loss(model.forward(batch.input.clone()));
         let metric = WeightedMetric {
             name: "label",
-            mean: f64::from(read_back(prediction.clone())[0]),
+            mean: f64::from(read_back(loss.clone())[0]),
             weight: batch.targets,
         };
-        (
-            losses.fold(prediction, |sum, loss| sum + loss),
-            vec![metric],
-        )
+        (loss, vec![metric])
     }
 
     fn validate(&self, model: &N) -> (f64, Vec<WeightedMetric>) {
@@ -125,9 +109,7 @@ impl<N: Network> Learner for NetworkLearner<'_, N> {
                 windows,
                 &device,
             );
-            let logits = model
-                .forward(batch.input.clone(), &mut Dropout::off())
-                .remove(0);
+            let logits = model.forward(batch.input.clone());
             correct += batch.correct(logits.clone());
             loss += f64::from(read_back(batch.loss(logits))[0]) * batch.targets;
             targets += batch.targets;

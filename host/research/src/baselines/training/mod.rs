@@ -1,4 +1,4 @@
-//! Training of the baselines: a closed-form fit for LDA, epochs of optimizer steps for the networks.
+//! Training of the baselines.
 
 mod batch;
 mod data;
@@ -9,13 +9,10 @@ use burn::tensor::Device;
 use self::data::TrainingData;
 use super::Baseline;
 use super::features::FeatureExtraction;
-use super::lda::{Lda, LdaError};
-use super::networks::{EdTcnConfig, LstmBaselineConfig, MlpConfig, TraHgrConfig};
+use super::networks::{EdTcnConfig, LstmBaselineConfig};
 use super::settings::BaselineSettings;
-use execution::progress;
 use execution::run_folder::RunError;
 use recordings::corpus::Corpus;
-use training::optimization::best_class;
 use training::optimization::fit::Training;
 use training::run::context::RunContext;
 
@@ -34,9 +31,6 @@ pub(crate) enum TrainingError {
         /// Number of validation windows.
         validation: usize,
     },
-    /// The discriminants cannot be fitted.
-    #[error(transparent)]
-    Lda(#[from] LdaError),
     /// The run folder cannot be used, or the user interrupted.
     #[error(transparent)]
     Run(#[from] RunError),
@@ -66,13 +60,13 @@ struct Setup<'a> {
     place: Training<'a>,
 }
 
-/// Trains baselines on the recordings and the split of a run.
+/// Trains a baseline on the recordings and the split of a run.
 ///
 /// # Errors
 /// When no window has a target, the folder cannot be written or the user interrupts.
-pub(crate) fn train_all(
+pub(crate) fn train_baseline(
     context: &RunContext,
-    baselines: &[Baseline],
+    baseline: Baseline,
     settings: &BaselineSettings,
 ) -> Result<(), TrainingError> {
     // The paper's baselines get the signal as the armband sends it.
@@ -85,13 +79,10 @@ pub(crate) fn train_all(
         device: &context.device,
         place: context.training(context.config.streams_lineage()),
     };
-    baselines
-        .iter()
-        .try_for_each(|&baseline| train(baseline, &setup))
+    train(baseline, &setup)
 }
 
-/// Trains one baseline and saves it in the run folder: its feature extraction, and LDA's discriminants or
-/// the network of the lowest validation loss.
+/// Trains one baseline and saves it in the run folder: its feature extraction and the network of the lowest validation loss.
 fn train(baseline: Baseline, setup: &Setup<'_>) -> Result<(), TrainingError> {
     let mut data = TrainingData::new(baseline, setup)?;
     data.fit_scaling();
@@ -107,11 +98,6 @@ fn train(baseline: Baseline, setup: &Setup<'_>) -> Result<(), TrainingError> {
     let (classes, device) = (data.classes(), setup.device);
     device.seed(setup.seed);
     match baseline {
-        Baseline::Lda => fit_lda(&data, place),
-        Baseline::Mlp => {
-            let network = MlpConfig::default().init(classes, device);
-            learner::fit(data, network, setup, place)
-        }
         Baseline::Lstm => {
             let network = LstmBaselineConfig::default().init(classes, device);
             learner::fit(data, network, setup, place)
@@ -120,27 +106,7 @@ fn train(baseline: Baseline, setup: &Setup<'_>) -> Result<(), TrainingError> {
             let network = EdTcnConfig::default().init(classes, device);
             learner::fit(data, network, setup, place)
         }
-        Baseline::TraHgr => {
-            let network = TraHgrConfig::default().init(classes, device);
-            learner::fit(data, network, setup, place)
-        }
     }
-}
-
-fn fit_lda(data: &TrainingData, place: &Training<'_>) -> Result<(), TrainingError> {
-    let lda = Lda::fit(&data.training_examples(), data.classes())?;
-    let validation = data.validation_examples();
-    let correct = validation
-        .iter()
-        .filter(|(features, class)| best_class(&lda.scores(features)) == *class);
-    progress::log(&format!(
-        "{}: validation accuracy {:.4}",
-        Baseline::Lda.name(),
-        correct.count() as f64 / validation.len() as f64
-    ));
-    let file = Baseline::Lda.model_file();
-    place.run.save_stamped(&file, place.made_from, &lda)?;
-    Ok(())
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ use rand_chacha::ChaCha8Rng;
 use recordings::corpus::Stream;
 use shared::intent::{Intent, Vocabulary};
 use shared::units::{PATCH, Sample};
+use training::optimization::best_class;
 use training::optimization::fit::CHECKPOINT_EVERY;
 
 /// Twelve holds of 3 to 6 s. Each intent has a high amplitude on two channels of its own.
@@ -61,7 +62,7 @@ fn accuracy_after(baseline: Baseline, settings: &BaselineSettings) -> f64 {
     train(baseline, &setup).unwrap();
     let trained = TrainedBaseline::load(baseline, &run, streams, 3, &device.inner()).unwrap();
     let stream = &unseen.streams[0];
-    let rows = trained.logits(&stream.raw, &stream.emg);
+    let rows = trained.logits(&stream.raw);
     assert_eq!(rows.len(), stream.raw.len() / PATCH);
     let correct = rows
         .iter()
@@ -89,18 +90,6 @@ fn settings(epochs: usize, learning_rate: f64) -> BaselineSettings {
 // accuracy of 1. Chance is 0.33; with this seed the accuracies are 0.79 (ED-TCN) to 0.95 (LSTM).
 
 #[test]
-fn lda_learns_which_channels_are_active() {
-    let accuracy = accuracy_after(Baseline::Lda, &settings(1, 0.0));
-    assert!(accuracy > 0.75, "{accuracy}");
-}
-
-#[test]
-fn the_mlp_learns_which_channels_are_active() {
-    let accuracy = accuracy_after(Baseline::Mlp, &settings(2, 1e-3));
-    assert!(accuracy > 0.75, "{accuracy}");
-}
-
-#[test]
 fn the_lstm_learns_which_channels_are_active() {
     let accuracy = accuracy_after(Baseline::Lstm, &settings(1, 2e-3));
     assert!(accuracy > 0.75, "{accuracy}");
@@ -109,11 +98,5 @@ fn the_lstm_learns_which_channels_are_active() {
 #[test]
 fn the_ed_tcn_learns_which_channels_are_active() {
     let accuracy = accuracy_after(Baseline::EdTcn, &settings(2, 1e-3));
-    assert!(accuracy > 0.75, "{accuracy}");
-}
-
-#[test]
-fn trahgr_learns_which_channels_are_active() {
-    let accuracy = accuracy_after(Baseline::TraHgr, &settings(3, 1e-3));
     assert!(accuracy > 0.75, "{accuracy}");
 }

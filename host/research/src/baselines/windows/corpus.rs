@@ -1,7 +1,7 @@
-//! Streams divided into windows: raw and cleaned samples with a lead-in, and labels.
+//! Streams divided into windows: samples with a lead-in, and labels.
 
 use shared::intent::Intent;
-use shared::units::{CleanSample, Sample};
+use shared::units::Sample;
 
 use super::frame_layout::FrameLayout;
 use recordings::corpus::{Corpus, lead_in};
@@ -14,17 +14,7 @@ const LEAD: usize = 700;
 #[derive(Clone, Debug)]
 pub(crate) struct PaddedStream {
     raw: Vec<Sample>,
-    emg: Vec<CleanSample>,
     labels: Vec<Option<Intent>>,
-}
-
-/// Samples of one window.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct WindowSamples<'a> {
-    /// Samples as the armband sends them.
-    pub(crate) raw: &'a [Sample],
-    /// Samples after cleaning (median and rectification).
-    pub(crate) emg: &'a [CleanSample],
 }
 
 /// Position of a window in a corpus.
@@ -37,25 +27,19 @@ pub(crate) struct Window {
 }
 
 impl PaddedStream {
-    /// Adds the lead-in to a stream. `raw`, `emg` and `labels` have the same length; `labels` may be empty if no targets
-    /// are needed.
-    pub(crate) fn new(raw: &[Sample], emg: &[CleanSample], labels: &[Option<Intent>]) -> Self {
+    /// Adds the lead-in to a stream. `raw` and `labels` have the same length; `labels` may be empty if no targets are needed.
+    pub(crate) fn new(raw: &[Sample], labels: &[Option<Intent>]) -> Self {
         let unlabelled = if raw.is_empty() { 0 } else { LEAD };
         let unlabelled = std::iter::repeat_n(None, unlabelled);
         Self {
             raw: lead_in(raw, LEAD),
-            emg: lead_in(emg, LEAD),
             labels: unlabelled.chain(labels.iter().copied()).collect(),
         }
     }
 
     /// Returns the `length` samples up to `end`, as in [`Window::end`]; `end` is 1 or more, `length` at most 700.
-    pub(crate) fn window(&self, end: usize, length: usize) -> WindowSamples<'_> {
-        let range = LEAD + end - length..LEAD + end;
-        WindowSamples {
-            raw: &self.raw[range.clone()],
-            emg: &self.emg[range],
-        }
+    pub(crate) fn window(&self, end: usize, length: usize) -> &[Sample] {
+        &self.raw[LEAD + end - length..LEAD + end]
     }
 
     /// Targets of the frames of the window that ends at `end`.
@@ -81,7 +65,7 @@ impl WindowedCorpus {
         let streams: Vec<PaddedStream> = corpus
             .streams
             .iter()
-            .map(|stream| PaddedStream::new(&stream.raw, &stream.emg, &stream.labels))
+            .map(|stream| PaddedStream::new(&stream.raw, &stream.labels))
             .collect();
         let mut windows = Vec::new();
         for (stream, padded) in streams.iter().enumerate() {
@@ -102,7 +86,7 @@ impl WindowedCorpus {
     }
 
     /// Samples of a window.
-    pub(crate) fn samples(&self, window: Window) -> WindowSamples<'_> {
+    pub(crate) fn samples(&self, window: Window) -> &[Sample] {
         self.streams[window.stream].window(window.end, self.layout.window)
     }
 
@@ -116,7 +100,7 @@ impl WindowedCorpus {
 mod tests {
     use super::*;
     use crate::baselines::Baseline;
-    use recordings::corpus::{Stream, padded};
+    use recordings::corpus::Stream;
     use shared::intent::Vocabulary;
 
     fn corpus() -> Corpus {
@@ -133,38 +117,14 @@ mod tests {
     #[test]
     fn a_window_has_the_samples_that_every_other_model_gets() {
         let corpus = corpus();
-        let windowed = WindowedCorpus::new(&corpus, FrameLayout::of(Baseline::Lda, 1), 30);
-        let expected = padded(&corpus.streams[0].emg);
+        let windowed = WindowedCorpus::new(&corpus, FrameLayout::of(Baseline::Lstm, 10), 30);
+        let expected = lead_in(&corpus.streams[0].raw, 600);
         let window = Window { stream: 0, end: 10 };
-        assert_eq!(windowed.samples(window).emg, &expected[10..610]);
+        assert_eq!(windowed.samples(window), &expected[10..610]);
         let windowed = WindowedCorpus::new(&corpus, FrameLayout::of(Baseline::EdTcn, 1), 30);
         let long = windowed.samples(window);
-        assert_eq!(long.raw.len(), 625);
-        assert_eq!(long.raw[615..], corpus.streams[0].raw[..10]);
-    }
-
-    #[test]
-    fn a_window_does_not_change_with_later_samples() {
-        let original = corpus().streams[0].raw.clone();
-        let padded = |raw: &[Sample]| {
-            let stream = Stream::new(raw.to_vec(), Vec::new());
-            PaddedStream::new(raw, &stream.emg, &[])
-        };
-        let whole = padded(&original);
-        for end in [10, 20, 50, 90, 100, 200, 350] {
-            // The median of a sample needs the next sample.
-            let mut changed = original.clone();
-            changed.iter_mut().skip(end + 1).for_each(|s| *s = [-7; 8]);
-            let changed = padded(&changed);
-            for length in [100, 600, 625] {
-                let (one, other) = (whole.window(end, length), changed.window(end, length));
-                assert_eq!(
-                    (one.raw, one.emg),
-                    (other.raw, other.emg),
-                    "{end}, {length}"
-                );
-            }
-        }
+        assert_eq!(long.len(), 625);
+        assert_eq!(long[615..], corpus.streams[0].raw[..10]);
     }
 
     #[test]
@@ -175,11 +135,6 @@ mod tests {
             let windows = WindowedCorpus::new(&corpus, layout, 30).windows;
             windows.iter().map(|window| window.end).collect::<Vec<_>>()
         };
-        // The last samples of windows 210 and 240 are unlabelled; ED-TCN has older frames.
-        assert_eq!(
-            ends(Baseline::Mlp),
-            [30, 60, 90, 120, 150, 180, 270, 300, 330]
-        );
         assert_eq!(ends(Baseline::EdTcn).len(), 11);
         // The LSTM's targets need labels for half of a frame.
         assert_eq!(ends(Baseline::Lstm)[0], 60);

@@ -38,16 +38,9 @@ enum Target {
 }
 
 impl FrameLayout {
-    /// Layout of a baseline. The LSTM's hop is `lstm_step`, 1 to 500; the others do not use it.
+    /// Layout of a baseline. The LSTM's hop is `lstm_step`, 1 to 500; ED-TCN does not use it.
     pub(crate) const fn of(baseline: Baseline, lstm_step: usize) -> Self {
         match baseline {
-            Baseline::Lda | Baseline::Mlp | Baseline::TraHgr => Self {
-                window: WINDOW,
-                frame: WINDOW,
-                hop: WINDOW,
-                count: 1,
-                target: Target::Last,
-            },
             Baseline::Lstm => Self {
                 window: WINDOW,
                 frame: 100,
@@ -91,13 +84,9 @@ impl FrameLayout {
 
     /// Computes the logits of the newest patches from the logits of a window's frames, `[count][classes]`.
     ///
-    /// A patch gets the mean over its samples. With a single frame only the newest patch has logits.
+    /// A patch gets the mean over its samples.
     pub(crate) fn look_back_logits(self, logits: &[f32], classes: usize) -> LookBackLogits {
         let mut rows = LookBackLogits::default();
-        if self.count == 1 {
-            rows[0][..classes].copy_from_slice(logits);
-            return rows;
-        }
         for (back, row) in rows.iter_mut().enumerate().take(LOOK_BACK) {
             let end = self.window - back * PATCH;
             for sample in end - PATCH..end {
@@ -143,7 +132,6 @@ mod tests {
             starts(Baseline::Lstm, 10),
             (10..=500).step_by(10).collect::<Vec<_>>()
         );
-        assert_eq!(starts(Baseline::Mlp, 1), [0]);
         for baseline in Baseline::ALL {
             for step in [1, 3, 10, 500] {
                 let layout = FrameLayout::of(baseline, step);
@@ -179,7 +167,8 @@ mod tests {
     fn targets_are_the_last_or_the_most_frequent_label_of_the_frame() {
         let mut labels = vec![RELAX; 600];
         labels[560..].fill(CLOSE);
-        assert_eq!(FrameLayout::of(Baseline::Mlp, 1).targets(&labels), [CLOSE]);
+        let found = FrameLayout::of(Baseline::EdTcn, 1).targets(&[&labels[..25], &labels].concat());
+        assert_eq!(found[17..], [RELAX, CLOSE, CLOSE]);
         let found = FrameLayout::of(Baseline::Lstm, 100).targets(&labels);
         assert_eq!(found, [RELAX; 5]);
         labels[540..].fill(CLOSE);
@@ -194,13 +183,6 @@ mod tests {
         );
         assert_eq!(most_frequent(&[CLOSE, RELAX]), RELAX);
         assert_eq!(most_frequent(&[None, CLOSE]), CLOSE);
-    }
-
-    #[test]
-    fn a_single_frame_fills_the_newest_patch_only() {
-        let rows = FrameLayout::of(Baseline::TraHgr, 1).look_back_logits(&[1.0, 2.0, 3.0], 3);
-        assert_eq!(rows[0][..3], [1.0, 2.0, 3.0]);
-        assert!(rows[1..].iter().flatten().all(|&logit| logit == 0.0));
     }
 
     #[test]

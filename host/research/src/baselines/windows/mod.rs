@@ -3,5 +3,5 @@
 mod corpus;
 mod frame_layout;
 
-pub(super) use corpus::{PaddedStream, Window, WindowSamples, WindowedCorpus};
+pub(super) use corpus::{PaddedStream, Window, WindowedCorpus};
 pub(super) use frame_layout::FrameLayout;

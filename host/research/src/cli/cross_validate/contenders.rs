@@ -5,26 +5,21 @@ use presets::Preset;
 
 use super::Arguments;
 use crate::baselines::Baseline;
-use crate::baselines::settings::{BaselineSettings, find_preset};
 use crate::cross_validation::{Contender, Kind};
 
-/// Loads the presets, whose names are folders, and the first one's settings for baselines.
+/// Loads the presets, whose names are folders.
 ///
 /// # Errors
 /// When a preset cannot be read, two have one name, or their vocabularies differ.
-pub(super) fn presets(arguments: &Arguments) -> anyhow::Result<(Vec<Preset>, BaselineSettings)> {
+pub(super) fn presets(arguments: &Arguments) -> anyhow::Result<Vec<Preset>> {
     let mut presets: Vec<Preset> = Vec::new();
-    let mut of_first = BaselineSettings::default();
     for name in &arguments.preset {
-        let (preset, settings) = find_preset(name)?;
+        let preset = Preset::find(name)?;
         if presets.iter().any(|other| other.name == preset.name) {
             bail!(
                 "two presets have the name {:?}: change `name` in one of them",
                 preset.name
             );
-        }
-        if presets.is_empty() {
-            of_first = settings;
         }
         presets.push(preset);
     }
@@ -37,7 +32,7 @@ pub(super) fn presets(arguments: &Arguments) -> anyhow::Result<(Vec<Preset>, Bas
             other.classes
         );
     }
-    Ok((presets, of_first))
+    Ok(presets)
 }
 
 /// Contenders: the students of the presets, the baselines, then the floors.
