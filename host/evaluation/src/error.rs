@@ -111,6 +111,14 @@ pub enum EvaluationError {
         /// Rounds found.
         found: usize,
     },
+    /// A person's holds teach nothing.
+    #[error("{subject}: {refusal}")]
+    NotCalibrated {
+        /// The person.
+        subject: String,
+        /// Reason.
+        refusal: String,
+    },
     /// A file of the report could not be written whole, or one of the run could not be read; nothing of an older report
     /// was touched.
     #[error(transparent)]

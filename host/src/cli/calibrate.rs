@@ -3,7 +3,6 @@
 use std::io::Write as _;
 use std::path::PathBuf;
 
-use anyhow::bail;
 use clap::Args;
 use thiserror::Error;
 
@@ -49,10 +48,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     } = &arguments.own;
     let (bytes, library) = arguments.own.read()?;
     let done = calibrate_file(&bytes, &library, subject.as_deref())?;
-    if let Some(refusal) = done.calibration.refusal {
-        bail!("{}: {refusal}", done.subject);
-    }
-    let [old, new] = done.calibration.judged.unwrap_or_default();
+    let [old, new] = done.recalls;
     let Some(file) = done.file else {
         let model = model.clone();
         return Err(Kept { model, old, new }.into());

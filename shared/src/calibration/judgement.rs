@@ -37,7 +37,7 @@ impl Judgement {
 
     /// Whether the learnt head is used: unless it loses more than 0.05.
     #[must_use]
-    pub fn keeps(&self) -> bool {
+    pub fn accepts(&self) -> bool {
         let [before, learnt] = self.recalls();
         learnt >= before - MOST_LOST
     }
@@ -57,7 +57,7 @@ mod tests {
                 }
             }
             let hundredths = judgement.recalls().map(|recall| (recall * 100.0) as u32);
-            (hundredths, judgement.keeps())
+            (hundredths, judgement.accepts())
         };
         use Intent::{Close, Open, Relax};
         let half = [(Relax, Relax, 900), (Open, Open, 10), (Open, Close, 10)];

@@ -95,7 +95,7 @@ impl Calibration<'_> {
             }
             Progress::Judged => {
                 let judgement = *session.judgement();
-                let state = if !judgement.keeps() {
+                let state = if !judgement.accepts() {
                     CalibrationState::Worse
                 } else if encoder.solve(sums, state, head).is_ok() {
                     self.has_learnt = true;

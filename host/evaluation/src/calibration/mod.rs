@@ -1,7 +1,7 @@
 //! Calibration of a model by a person's own holds, with the code that a board runs ([`shared::calibration`]).
 //!
 //! A round is a hold of each gesture and two of rest. The first half of the rounds teaches, the other half judges the new
-//! head beside the model's own. The new one is used, learnt from all rounds, if [`Judgement`] keeps it.
+//! head beside the model's own. The new one is used, learnt from all rounds, if [`Judgement`] accepts it.
 
 mod own;
 mod parts;
@@ -16,7 +16,7 @@ use shared::model::file::Model;
 use shared::model::head::Head;
 use shared::units::{PATCH, WINDOW_PATCHES};
 
-pub use self::own::{FEWEST_ROUNDS, OwnCalibration, calibrate_file};
+pub use self::own::{FEWEST_ROUNDS, OwnCalibration, calibrate_file, calibrate_on};
 pub use self::parts::{Part, parts, rounds_of};
 use crate::inference::logits_with;
 use crate::{EvaluatedRecording, EvaluationError, smooth};
@@ -92,7 +92,7 @@ pub fn calibrate(
     }
     let judgement = judge(model, &first, recordings, &judging)?;
     let judged = judgement.recalls();
-    if !judgement.keeps() {
+    if !judgement.accepts() {
         return Ok(Calibration {
             judged: Some(judged),
             ..Calibration::default()

@@ -24,8 +24,8 @@ pub struct OwnCalibration {
     pub rounds: usize,
     /// Whether other movement was shown.
     pub others: bool,
-    /// Result of the calibration.
-    pub calibration: Calibration,
+    /// Mean recall of the classes in the later half of the rounds: of the old head, and of one learnt from the earlier half.
+    pub recalls: [f32; 2],
     /// Model file with the new head, which has seen the person; `None` if the old head is kept.
     pub file: Option<Vec<u8>>,
 }
@@ -55,6 +55,20 @@ pub fn calibrate_file(
     let recordings = evaluated_recordings(&labelled, dimensions.vocabulary, &lags, |recording| {
         (recording.subject == *subject).then_some(|_: &mut Vec<Sample>| ())
     });
+    calibrate_on(file, subject, &recordings)
+}
+
+/// Calibrates a model file as [`calibrate_file`], on recordings of this person.
+///
+/// # Errors
+/// When the model is refused, or the recordings hold too few rounds.
+pub fn calibrate_on(
+    file: &[u8],
+    subject: &str,
+    recordings: &[EvaluatedRecording],
+) -> Result<OwnCalibration, EvaluationError> {
+    let model = Model::parse(file)?;
+    let dimensions = &model.header.dimensions;
     let recordings: Vec<&EvaluatedRecording> = recordings.iter().collect();
     let rounds = rounds_of(&recordings, dimensions.vocabulary);
     if rounds < FEWEST_ROUNDS {
@@ -62,24 +76,34 @@ pub fn calibrate_file(
     }
     let parts = parts(&recordings, dimensions.vocabulary, rounds);
     let others = dimensions.other && parts.iter().any(|part| part.shown == Shown::Other);
-    let calibration = calibrate(&model, &recordings, &parts, rounds, others)?;
-    let file = match &calibration.head {
+    let Calibration {
+        head,
+        judged,
+        refusal,
+    } = calibrate(&model, &recordings, &parts, rounds, others)?;
+    if let Some(refusal) = refusal {
+        return Err(EvaluationError::NotCalibrated {
+            subject: subject.to_owned(),
+            refusal,
+        });
+    }
+    let file = match &head {
         Some(head) => {
             let calibrated = Model::with_head(file, head)?;
             let mut parts = Model::parse(&calibrated)?.to_parts();
             let seen = &mut parts.provenance.subjects_seen;
-            if !seen.contains(subject) {
-                seen.push(subject.clone());
+            if !seen.iter().any(|own| own == subject) {
+                seen.push(subject.to_owned());
             }
             Some(parts.to_bytes()?)
         }
         None => None,
     };
     Ok(OwnCalibration {
-        subject: subject.clone(),
+        subject: subject.to_owned(),
         rounds,
         others,
-        calibration,
+        recalls: judged.unwrap_or_default(),
         file,
     })
 }

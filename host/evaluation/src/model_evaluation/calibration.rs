@@ -37,7 +37,7 @@ pub struct CalibratedSubject {
     /// The person.
     pub subject: String,
     /// Whether the new head is used.
-    pub kept: bool,
+    pub new_head: bool,
     /// Result of the calibration.
     #[serde(flatten)]
     pub calibration: Calibration,
@@ -101,7 +101,7 @@ pub(super) fn calibrated(
                 Ok(CalibratedSubject {
                     model: named.name.clone(),
                     subject: subject.clone(),
-                    kept: calibration.head.is_some(),
+                    new_head: calibration.head.is_some(),
                     daily: before.zip(after).map(<[f64; 2]>::from),
                     calibration,
                 })

@@ -70,7 +70,7 @@ fn row(results: &ModelResults, model: &str, before: &Row<'_>, after: &Row<'_>) -
         after.name.clone(),
         after.data_set.clone(),
         new.len().to_string(),
-        own.iter().filter(|own| own.kept).count().to_string(),
+        own.iter().filter(|own| own.new_head).count().to_string(),
         mean(before),
         mean(after),
         difference(Difference::of(BALANCED, after, before)),
