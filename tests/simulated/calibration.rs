@@ -3,6 +3,8 @@
 use std::fmt::Write as _;
 use std::iter::repeat_n;
 
+use myointent::cli::replay::calibrated_lines;
+use myointent_tests::output::is_numbered;
 use myointent_tests::simulation::{self, Inputs, Ran};
 use recordings::synthetic::Follower;
 use shared::calibration::from_record;
@@ -177,6 +179,30 @@ fn who_follows_the_cues_gets_a_head_that_is_kept_and_no_label_is_valid_meanwhile
         .iter()
         .filter(|one| one.starts_with("# the calibration is of model "));
     assert_eq!(refusals.count(), 1);
+}
+
+#[test]
+fn replay_writes_what_the_board_writes_in_a_calibration_and_after_it() {
+    let bench = Bench::new();
+    let ran = bench.calibrate("");
+    let reports = ran.reports().unwrap();
+    let mut begun = reports.iter().filter(|report| {
+        let cause = report.status.cause();
+        cause.is_some_and(|cause| cause.name() == "installation")
+    });
+    // Samples that the board had when it was asked.
+    let at = begun.next().unwrap().emitted.0 + 1;
+    let lines = calibrated_lines(&bench.model, &bench.samples, at.into()).unwrap();
+    let of_wearer = |line: &&str| is_numbered(line) || line.starts_with("# calibration: ");
+    let expected: Vec<&str> = lines.split_inclusive('\n').collect();
+    let text = std::fs::read_to_string(ran.lines_file()).unwrap();
+    let found: Vec<&str> = text.split_inclusive('\n').filter(of_wearer).collect();
+    let done = found
+        .iter()
+        .position(|line| line.starts_with(DONE))
+        .unwrap();
+    assert!(found.len() > done + 50, "{}", ran.tails());
+    assert_eq!(found, expected[..found.len()]);
 }
 
 #[test]

@@ -11,7 +11,7 @@ use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, channel::Channe
 use shared::calibration::RecordError;
 use shared::myo::{ConnectionParameters, Counters, FirmwareVersion, Following};
 use shared::uart_line::answer::{Answer, Identity};
-use shared::uart_line::calibration::{self, CalibrationReport, Recalls};
+use shared::uart_line::calibration::CalibrationReport;
 use shared::uart_line::command::{BEGIN_PAIRING, NOBODY_HEARD};
 use shared::uart_line::emg::EmgReport;
 use shared::uart_line::{Report, alignment::AlignmentReport};
@@ -174,7 +174,7 @@ impl UartMessage {
                 write!(line, "{report}")
             }
             Self::Alignment(report) => write!(line, "{report}"),
-            Self::Calibration(report) => write_calibration(line, report),
+            Self::Calibration(report) => write!(line, "{report}"),
             Self::CalibrationRefused(error) => write!(line, "# {error}\r\n"),
             Self::Started(reason, model) => {
                 line.write_str(FIRST)?;
@@ -223,22 +223,6 @@ fn line(write: impl FnOnce(&mut Line) -> fmt::Result) -> Line {
         let _ = line.push_str("\r\n");
     }
     line
-}
-
-fn write_calibration(line: &mut Line, report: CalibrationReport) -> fmt::Result {
-    let CalibrationReport {
-        state,
-        cue,
-        recalls,
-    } = report;
-    write!(line, "# calibration: {}", state.name())?;
-    if let Some(cue) = cue {
-        write!(line, ", {}", calibration::name(cue))?;
-    }
-    if let Some(Recalls { before, learnt }) = recalls {
-        write!(line, ", recall {before} of 1000 before, {learnt} learnt")?;
-    }
-    line.write_str("\r\n")
 }
 
 fn write_following(line: &mut Line, following: Following) -> fmt::Result {

@@ -7,12 +7,14 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, bail};
 use clap::Args;
+use shared::calibration::Memory;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
+use shared::model::head::Head;
 use shared::stream::alignment::Arm;
 use shared::uart_line::line::Line;
 use shared::uart_line::{Kind, Report};
-use shared::units::{CHANNELS, Millis, Sample, WINDOW};
+use shared::units::{CHANNELS, Millis, SAMPLE_RATE_HZ, Sample, WINDOW};
 
 use crate::cli::arguments::{AS_RECORDED, log_doubts, mirrored};
 use crate::cli::read_model;
@@ -30,7 +32,8 @@ const LOCKED: &str = ",locked";
     Examples:\n  myointent replay models/three-class.intent recordings/s1/s1_grasp.csv\n  \
     myointent replay models/three-class.intent recordings --name own/s1/s1_grasp --speed\n  \
     myointent replay models/three-class.intent recordings/s1/s1_grasp.csv --align\n  \
-    myointent replay models/three-class.intent recordings/s1/s1_dinner.csv --lock"
+    myointent replay models/three-class.intent recordings/s1/s1_dinner.csv --lock\n  \
+    myointent replay models/three-class.intent recordings/s1/s1_cues.csv --calibrate 5"
 )]
 pub struct Arguments {
     /// Model file.
@@ -53,6 +56,13 @@ pub struct Arguments {
     /// Tell the alignment whether the armband is on the other arm than in training, 0 or 1, instead of having it found.
     #[arg(long, value_name = "0|1", requires = "align", value_parser = mirrored)]
     mirrored: Option<Arm>,
+    /// Begin a calibration after so many seconds, as a board does when asked: the wearer follows its cues, each 4 s. For labelled
+    /// holds, `calibrate` first and replay the new file.
+    #[arg(long, value_name = "SECONDS", conflicts_with_all = ["speed", "align"])]
+    calibrate: Option<u32>,
+    /// Show the calibration other movement too, 6 s.
+    #[arg(long, requires = "calibrate")]
+    show_others: bool,
     /// Lock the labels from the first one on, as a board with a lock does: an open hand that is held unlocks them.
     #[arg(long, conflicts_with = "speed")]
     lock: bool,
@@ -100,6 +110,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         align: arguments.align.then_some(arm),
         lock: arguments.lock,
         strength: arguments.strength,
+        calibrate: arguments.calibrate.map(|seconds| Lesson {
+            at: u64::from(seconds) * u64::from(SAMPLE_RATE_HZ),
+            others: arguments.show_others,
+        }),
     };
     let mut labels = 0_usize;
     replay(&model, &recording.samples, start, |line| {
@@ -147,9 +161,25 @@ fn first_label(model: &Model<'_>) -> anyhow::Result<String> {
 /// # Errors
 /// When the model is refused.
 pub fn lines(model: &[u8], samples: &[Sample]) -> anyhow::Result<String> {
+    lines_from(model, samples, Start::default())
+}
+
+/// UART lines of a model over samples, with a calibration that begins after so many of them.
+///
+/// # Errors
+/// When the model is refused.
+pub fn calibrated_lines(model: &[u8], samples: &[Sample], at: u64) -> anyhow::Result<String> {
+    let start = Start {
+        calibrate: Some(Lesson { at, others: false }),
+        ..Start::default()
+    };
+    lines_from(model, samples, start)
+}
+
+fn lines_from(model: &[u8], samples: &[Sample], start: Start) -> anyhow::Result<String> {
     let model = Model::parse(model)?;
     let mut lines = String::new();
-    replay(&model, samples, Start::default(), |line| {
+    replay(&model, samples, start, |line| {
         lines.push_str(line);
         Ok(())
     })?;
@@ -167,6 +197,15 @@ struct Start {
     lock: bool,
     /// Whether lines have the strength.
     strength: bool,
+    calibrate: Option<Lesson>,
+}
+
+/// Calibration in a replay.
+#[derive(Clone, Copy)]
+struct Lesson {
+    /// Samples before it.
+    at: u64,
+    others: bool,
 }
 
 /// Runs the device's pipeline over samples.
@@ -177,10 +216,13 @@ fn replay(
     mut output: impl FnMut(&str) -> std::io::Result<()>,
 ) -> anyhow::Result<()> {
     let encoder = HostEncoder::new(model)?;
-    let mut state = encoder.fresh();
+    let (mut state, mut memory) = (encoder.fresh(), (Memory::EMPTY, Head::EMPTY));
     let mut stream = Stream::new(model, encoder, &mut state, start.align)?;
     if start.lock {
         stream.lock();
+    }
+    if let Some(Lesson { at, others }) = start.calibrate {
+        stream.calibrate(model, at, others, &mut memory)?;
     }
     let wait = |now: Millis| {
         if let Some(start) = start.real_time {

@@ -52,6 +52,12 @@ impl Memory {
         head: Head::EMPTY,
     };
 
+    /// Head that was learnt.
+    #[must_use]
+    pub const fn head(&self) -> &Head {
+        &self.head
+    }
+
     /// Record of the head that was learnt, for the model with this CRC-32; from the start of a word. The sums are lost.
     #[must_use]
     pub fn record(&mut self, model: u32) -> &[u8] {

@@ -117,6 +117,23 @@ impl CalibrationReport {
     }
 }
 
+/// The comment that a board writes, CR LF included.
+impl fmt::Display for CalibrationReport {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "# calibration: {}", self.state.name())?;
+        if let Some(cue) = self.cue {
+            write!(formatter, ", {}", name(cue))?;
+        }
+        if let Some(Recalls { before, learnt }) = self.recalls {
+            write!(
+                formatter,
+                ", recall {before} of 1000 before, {learnt} learnt"
+            )?;
+        }
+        formatter.write_str("\r\n")
+    }
+}
+
 fields!(CalibrationReport { state: CalibrationState, cue: Option<Shown>, recalls: Option<Recalls> });
 fields!(Recalls {
     before: u32,

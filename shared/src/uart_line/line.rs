@@ -4,6 +4,7 @@ use core::fmt;
 
 use super::alignment::AlignmentReport;
 use super::answer::Answer;
+use super::calibration::CalibrationReport;
 use super::emg::EmgReport;
 use super::fields::first;
 use super::frame::framed;
@@ -19,6 +20,8 @@ pub enum Line<'a> {
     Report(Report),
     /// Progress or result of an alignment.
     Alignment(AlignmentReport),
+    /// Progress or result of a calibration, as it is written; it is read as a comment.
+    Calibration(CalibrationReport),
     /// Two samples.
     Emg(EmgReport),
     /// The answer to a command.
@@ -58,6 +61,7 @@ impl fmt::Display for Line<'_> {
         match self {
             Self::Report(report) => report.fmt(formatter),
             Self::Alignment(report) => report.fmt(formatter),
+            Self::Calibration(report) => report.fmt(formatter),
             Self::Emg(report) => report.fmt(formatter),
             Self::Answer(answer) => answer.fmt(formatter),
             Self::Comment(text) => write!(formatter, "#{text}\r\n"),
@@ -189,6 +193,7 @@ mod tests {
             Line::Emg(_) => 2,
             Line::Answer(_) => 3,
             Line::Comment(_) => 4,
+            Line::Calibration(_) => 5,
         });
         assert_eq!(kinds, [0, 0, 1, 2, 3, 3, 4, 4]);
     }

@@ -2,20 +2,27 @@
 
 use std::ops::ControlFlow;
 
+use shared::calibration::Memory;
 use shared::model::Encode;
+use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
-use shared::pipeline::Pipeline;
+use shared::model::head::Head;
+use shared::pipeline::{Input, Pipeline, Smoother};
 use shared::stream::alignment::Arm;
 use shared::stream::lock::LockTimes;
 use shared::stream::smoother::SettingsError;
 use shared::uart_line::Report;
+use shared::uart_line::calibration::{CalibrationReport, CalibrationState, Recalls};
 use shared::uart_line::line::Line;
 use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample};
 
 use super::pipeline;
+use crate::EvaluationError;
 
 /// Samples of a notification of the armband.
 const TOGETHER: u64 = 2;
+/// Milliseconds in which an nRF52840 erases a page, 85, and writes the record of a calibration, 41 µs a word.
+const FLASH_MS: u32 = 103;
 
 /// Stream of an armband, two samples every 10 ms, to a board that starts with the first sample.
 pub struct Stream<'s, E: Encode> {
@@ -24,9 +31,27 @@ pub struct Stream<'s, E: Encode> {
     start: Option<Report>,
     /// Samples so far.
     count: u64,
+    calibration: Option<Calibration<'s, E>>,
 }
 
-impl<'s, E: Encode> Stream<'s, E> {
+/// Calibration of the stream's wearer, who follows its cues.
+struct Calibration<'s, E> {
+    /// Samples before it begins.
+    at: u64,
+    others: bool,
+    /// The model as it is put in use again; its head is replaced.
+    encoder: E,
+    smoother: Smoother,
+    input: Input,
+    with_head: fn(E, &'s Head) -> E,
+    recalls: Option<Recalls>,
+    /// Place of the head that is used.
+    kept: Option<&'s mut Head>,
+    /// Memory with a head that was learnt, and since when it is written to flash.
+    learnt: Option<(&'s mut Memory, Millis)>,
+}
+
+impl<'s, E: Encode + Copy> Stream<'s, E> {
     /// A stream before its first sample; `encoder` is that of the model. With `align`, an alignment begins with the
     /// first sample.
     ///
@@ -47,6 +72,7 @@ impl<'s, E: Encode> Stream<'s, E> {
             pipeline,
             start,
             count: 0,
+            calibration: None,
         })
     }
 
@@ -56,7 +82,7 @@ impl<'s, E: Encode> Stream<'s, E> {
     }
 
     /// Takes the next samples, any number of them. `wait` is called with the time of each notification before it is taken.
-    /// `output` is called with each line that a board writes, a report or a change of the alignment, until it breaks off.
+    /// `output` is called with each line that a board writes, a report or a change of alignment or calibration, until it breaks off.
     pub fn push<B>(
         &mut self,
         samples: &[Sample],
@@ -65,7 +91,7 @@ impl<'s, E: Encode> Stream<'s, E> {
     ) -> ControlFlow<B> {
         if let Some(report) = self.start.take() {
             output(Line::Report(report))?;
-            self.alignment(&mut output)?;
+            self.news(&mut output)?;
         }
         for &sample in samples {
             let notification = self.count / TOGETHER * TOGETHER;
@@ -76,24 +102,117 @@ impl<'s, E: Encode> Stream<'s, E> {
             let now = Millis((notification * u64::from(SAMPLE_PERIOD_MS)) as u32);
             if self.count == notification {
                 wait(now);
+                self.calibrate_at(now, &mut output)?;
             }
             self.count += 1;
             for report in self.pipeline.sample(now, sample) {
                 output(Line::Report(report))?;
             }
-            self.alignment(&mut output)?;
+            self.news(&mut output)?;
+            self.keep(now);
         }
         ControlFlow::Continue(())
     }
 
-    fn alignment<B>(
+    /// Writes what is new about alignment and calibration.
+    fn news<B>(
         &mut self,
         output: &mut impl FnMut(Line<'static>) -> ControlFlow<B>,
     ) -> ControlFlow<B> {
-        match self.pipeline.take_alignment_report() {
-            Some(report) => output(Line::Alignment(report)),
+        if let Some(report) = self.pipeline.take_alignment_report() {
+            output(Line::Alignment(report))?;
+        }
+        match self.pipeline.take_calibration_report() {
+            Some(report) => {
+                if let Some(own) = &mut self.calibration {
+                    own.recalls = report.recalls;
+                }
+                output(Line::Calibration(report))
+            }
             None => ControlFlow::Continue(()),
         }
+    }
+
+    /// Begins the calibration, and puts its result in use once flash holds it, before the notification of this time.
+    fn calibrate_at<B>(
+        &mut self,
+        now: Millis,
+        output: &mut impl FnMut(Line<'static>) -> ControlFlow<B>,
+    ) -> ControlFlow<B> {
+        let Some(own) = &mut self.calibration else {
+            return ControlFlow::Continue(());
+        };
+        if own.at.next_multiple_of(TOGETHER) == self.count {
+            match self.pipeline.begin_calibration(now, own.others) {
+                Some(reports) => {
+                    for report in reports {
+                        output(Line::Report(report))?;
+                    }
+                }
+                None => {
+                    let report = CalibrationReport::of(CalibrationState::Unavailable, None);
+                    output(Line::Calibration(report))?;
+                }
+            }
+            return self.news(output);
+        }
+        let is_kept = |(_, since): &mut (_, Millis)| now.elapsed_since(*since) >= FLASH_MS;
+        if let Some((memory, _)) = own.learnt.take_if(is_kept)
+            && let Some(head) = own.kept.take()
+        {
+            head.clone_from(memory.head());
+            self.pipeline.lend(memory);
+            let encoder = (own.with_head)(own.encoder, head);
+            let smoother = own.smoother.clone();
+            self.pipeline.resume(now, encoder, smoother, own.input);
+            let recalls = own.recalls;
+            return output(Line::Calibration(CalibrationReport {
+                recalls,
+                ..CalibrationReport::of(CalibrationState::Done, None)
+            }));
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Gives up the model while flash is written, if a head was learnt. The state is safe already.
+    fn keep(&mut self, now: Millis) {
+        if let (Some(memory), Some(own)) = (self.pipeline.take_learnt(), &mut self.calibration) {
+            own.learnt = Some((memory, now));
+            let _ = self.pipeline.suspend(now);
+        }
+    }
+}
+
+impl<'s> Stream<'s, HostEncoder<'s>> {
+    /// Begins a calibration after so many samples, rounded up to a notification; with other movement if wanted. The wearer
+    /// follows the cues that are written. To be called before the first sample, with the stream's model.
+    ///
+    /// # Errors
+    /// When the encoder or the smoother refuses the model.
+    pub fn calibrate(
+        &mut self,
+        model: &Model<'s>,
+        at: u64,
+        others: bool,
+        (memory, kept): &'s mut (Memory, Head),
+    ) -> Result<(), EvaluationError> {
+        let encoder = HostEncoder::new(model)?;
+        self.pipeline.lend(memory);
+        self.calibration = Some(Calibration {
+            at,
+            others,
+            smoother: Smoother::new(model.header.smoother.in_patches(), encoder.classes())?,
+            encoder,
+            input: Input {
+                preprocessing: model.header.preprocessing,
+                template: model.header.template,
+            },
+            with_head: HostEncoder::with_head,
+            recalls: None,
+            kept: Some(kept),
+            learnt: None,
+        });
+        Ok(())
     }
 }
 

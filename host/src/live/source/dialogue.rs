@@ -183,7 +183,8 @@ impl State {
                 | Answer::Lock(_)
                 | Answer::Calibration(..)
                 | Answer::Install(_),
-            ) => return,
+            )
+            | Line::Calibration(_) => return,
             Line::Comment(text) => Event::Comment {
                 at,
                 text: text.trim().to_owned(),
