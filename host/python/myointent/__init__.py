@@ -6,6 +6,7 @@ Armband: 8 channels, 200 Hz, whole numbers from -128 to 127. Labels are class nu
 
 from ._myointent import (
     INTENTS,
+    Calibration,
     Error,
     Event,
     Model,
@@ -15,6 +16,7 @@ from ._myointent import (
     Smoother,
     Stream,
     __version__,
+    calibrate,
     evaluate,
     read,
     score,
@@ -22,6 +24,7 @@ from ._myointent import (
 
 __all__ = [
     "INTENTS",
+    "Calibration",
     "Error",
     "Event",
     "Model",
@@ -30,6 +33,7 @@ __all__ = [
     "Report",
     "Smoother",
     "Stream",
+    "calibrate",
     "evaluate",
     "read",
     "score",

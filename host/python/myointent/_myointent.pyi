@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
     "INTENTS",
+    "Calibration",
     "Error",
     "Event",
     "Model",
@@ -16,6 +17,7 @@ __all__ = [
     "Smoother",
     "Stream",
     "__version__",
+    "calibrate",
     "evaluate",
     "read",
     "score",
@@ -33,10 +35,27 @@ class Model:
     @property
     def name(self) -> str: ...
     @property
+    def content(self) -> bytes: ...
+    @property
     def classes(self) -> tuple[str, ...]: ...
     def predict(
         self, emg: ArrayLike, *, emitted: bool = False
     ) -> tuple[NDArray[np.int8], NDArray[np.float32]]: ...
+
+@final
+class Calibration:
+    @property
+    def person(self) -> str: ...
+    @property
+    def rounds(self) -> int: ...
+    @property
+    def other_movement(self) -> bool: ...
+    @property
+    def before(self) -> float: ...
+    @property
+    def after(self) -> float: ...
+    @property
+    def model(self) -> Model | None: ...
 
 @final
 class Event:
@@ -118,6 +137,14 @@ def read(
     label_lag: Literal["none", "each-cue", "estimated"] = "none",
     as_recorded: bool = False,
 ) -> list[Recording]: ...
+def calibrate(
+    model: Model,
+    path: str | PathLike[str],
+    *,
+    person: str | None = None,
+    strict: bool = False,
+    as_recorded: bool = False,
+) -> Calibration: ...
 def evaluate(
     model: Model,
     path: str | PathLike[str],

@@ -8,6 +8,7 @@
 
 mod around;
 mod arrays;
+mod calibration;
 mod evaluation;
 mod event;
 mod failure;
@@ -26,6 +27,8 @@ mod module {
 
     #[pymodule_export]
     use crate::around::{Patches, Smoother};
+    #[pymodule_export]
+    use crate::calibration::{Calibration, calibrate};
     #[pymodule_export]
     use crate::evaluation::evaluate;
     #[pymodule_export]

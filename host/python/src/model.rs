@@ -33,6 +33,16 @@ pub struct Model {
     classes: &'static [Intent],
 }
 
+impl Model {
+    /// Another file of a model with the same classes.
+    pub fn with(&self, named: NamedModel) -> Self {
+        Self {
+            named: Arc::new(named),
+            classes: self.classes,
+        }
+    }
+}
+
 #[pymethods]
 impl Model {
     #[new]
@@ -72,14 +82,19 @@ impl Model {
         &self,
         py: Python<'py>,
     ) -> (Bound<'py, PyType>, (Bound<'py, PyBytes>, &str)) {
-        let content = PyBytes::new(py, &self.named.bytes);
-        (py.get_type::<Self>(), (content, &self.named.name))
+        (py.get_type::<Self>(), (self.content(py), &self.named.name))
     }
 
     /// Name of the file without its ending.
     #[getter]
     fn name(&self) -> &str {
         &self.named.name
+    }
+
+    /// Content of the file, to be written or installed.
+    #[getter]
+    fn content<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, &self.named.bytes)
     }
 
     /// Names of the classes, in the order of their numbers and of the logits' columns.
