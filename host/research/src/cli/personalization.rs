@@ -15,16 +15,16 @@ use training::backend::BackendArguments;
 use training::run::personalize::TuningSettings;
 use training::run::quantize::MODEL;
 
-use crate::personalization::{Measured, Measurement, curve, people, rule};
+use crate::personalization::{Measured, Measurement, curves, people, rule};
 
 /// Arguments of `personalization`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Each model is tuned for each person whom it has not seen, test people left out, and judged on the last third of\n\
-    that person's recordings; the part that is judged is the same for all amounts. Then as `myointent personalize` does it: a third\n\
-    of the amount is held back, and the old model is kept unless the new one is not worse on it; the result is judged on the same\n\
-    last third of all recordings, which that choice has not seen. A file for each person is kept in the folder: an interrupted\n\
-    command continues.\n\n\
+    after_help = "Each model is tuned, and calibrated as by `myointent calibrate`, for each person whom it has not seen, test people left out,\n\
+    on the first half of the holds of each motion, and judged on the other half; what is judged is the same for all amounts. Then as\n\
+    `myointent personalize` does it: a third of the amount is held back, and the old model is kept unless the new one is not worse on\n\
+    it. An amount is of gestures and rest; other movement is learned from with `inf` only. A file for each person is kept in the\n\
+    folder: an interrupted command continues.\n\n\
     Example:\n  \
     myointent-research personalization runs/cross-validation/cpu/seed-42/fold-* --data DIR"
 )]
@@ -35,7 +35,7 @@ pub(super) struct Arguments {
     /// Folder of the recordings.
     #[arg(long, value_name = "DIR")]
     data: PathBuf,
-    /// Seconds to tune on, separated by commas.
+    /// Seconds to learn from, separated by commas; inf for all of the half.
     #[arg(
         long,
         value_name = "SECONDS",
@@ -116,7 +116,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         }
     }
     measured.sort_by(|a, b| a.subject.cmp(&b.subject));
-    let mut tables = vec![curve(&measured, &arguments.amounts)];
+    let mut tables = curves(&measured, &arguments.amounts).to_vec();
     if !arguments.without_rule {
         tables.push(rule(&measured, &arguments.amounts));
     }
@@ -126,7 +126,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     let markdown: Vec<String> = tables.iter().map(|table| table.markdown()).collect();
     write_whole(&folder.file("tables.md"), markdown.join("\n").as_bytes())?;
-    write_whole(&folder.file("people.csv"), &people(&measured).csv()?)?;
+    write_whole(
+        &folder.file("people.csv"),
+        &people(&measured, &arguments.amounts).csv()?,
+    )?;
     writeln!(out, "{}", folder.file("people.csv").display())?;
     Ok(())
 }

@@ -1,11 +1,12 @@
-//! Measurement of one person: the shipped model, and models tuned on the first seconds of the recordings, all on the same
-//! part held back.
+//! Measurement of one person: the shipped model, and models tuned and calibrated on the first seconds of one half of the recordings,
+//! all on the other half.
 
 use burn::tensor::Device;
 use serde::{Deserialize, Serialize};
 use shared::model::file::Model;
 
-use evaluation::{Measure, Score};
+use evaluation::calibration::calibrate_on;
+use evaluation::{EvaluationError, Measure, Score};
 use execution::fingerprint::Fingerprint;
 use execution::interrupt::Interrupt;
 use execution::progress;
@@ -18,11 +19,11 @@ use training::run::personalize::{
 
 /// Measures that are kept, in this order.
 pub(crate) const MEASURES: [Measure; 5] = [
-    Measure::BalancedAccuracy,
-    Measure::TransitionAccuracy,
+    Measure::BalancedAccuracyEmitted,
+    Measure::TransitionAccuracyEmitted,
     Measure::Recognition,
     Measure::FalseActivations,
-    Measure::OtherActivations,
+    Measure::Raised,
 ];
 
 /// Values of [`MEASURES`]; none where the recordings lack what is counted.
@@ -33,7 +34,7 @@ pub(crate) struct Measurement<'a> {
     /// Folder with a file for each person.
     pub(crate) folder: &'a RunFolder,
     pub(crate) library: &'a Library,
-    /// Amounts to tune on, in seconds.
+    /// Amounts to learn from, in seconds; infinity for all of the part.
     pub(crate) amounts: &'a [f64],
     pub(crate) settings: &'a TuningSettings,
     /// Whether to measure also the choice of `personalize` between the old and the new model.
@@ -53,17 +54,17 @@ pub(crate) struct Measured {
     pub(crate) judged_seconds: f64,
     /// Values of the original model.
     pub(crate) before: Values,
-    /// Results for each amount that the recordings have.
-    pub(crate) amounts: Vec<Amount>,
+    /// Result for each amount; none where the recordings are shorter.
+    pub(crate) amounts: Vec<Option<Amount>>,
 }
 
-/// Results of a model tuned on the first seconds.
+/// Results of what is learnt from the first seconds.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Amount {
-    /// Amount asked for, in seconds.
-    pub(crate) seconds: f64,
     /// Values of the model tuned on all of this amount.
     pub(crate) tuned: Values,
+    /// Values after `calibrate` on all of this amount, with the old head where it keeps it; none with too few holds.
+    pub(crate) calibrated: Option<Values>,
     /// Outcome of `personalize` on this amount, if it was measured.
     pub(crate) ruled: Option<Outcome>,
 }
@@ -92,7 +93,7 @@ impl Measurement<'_> {
         let header = Model::parse(model).map_err(PersonalizeError::from)?.header;
         let found = Person::new(self.library, Some(subject), &header);
         let found = found.and_then(|person| {
-            person.whole().divided()?;
+            person.whole().halves()?;
             Ok(person)
         });
         let person = match found {
@@ -114,7 +115,7 @@ impl Measurement<'_> {
     }
 
     fn measure(&self, model: &[u8], person: &Person) -> Result<Measured, PersonalizeError> {
-        let (pool, judged) = person.whole().divided()?;
+        let (pool, judged) = person.whole().halves()?;
         let shipped = judge("", model, &judged)?;
         let values = |file: &[u8]| judge("", file, &judged).map(|score| values(&score));
         let tuned = |part: &Part<'_>| {
@@ -128,18 +129,29 @@ impl Measurement<'_> {
             )
         };
         let before = self::values(&shipped);
-        let mut amounts = Vec::new();
-        for &seconds in self.amounts {
-            let part = pool.first(seconds);
+        let amount = |seconds: f64| {
+            let part = if seconds.is_finite() {
+                pool.first(seconds)
+            } else {
+                pool.clone()
+            };
             // A slightly shorter part counts as well.
-            if part.seconds() < 0.95 * seconds {
-                continue;
+            if seconds.is_finite() && part.seconds() < 0.95 * seconds {
+                return Ok(None);
             }
             let file = match tuned(&part) {
                 Ok(file) => file,
                 // A few seconds may have no change to learn from.
-                Err(PersonalizeError::NoChange) => continue,
+                Err(PersonalizeError::NoChange) => return Ok(None),
                 Err(error) => return Err(error),
+            };
+            let recordings = part.evaluated_recordings();
+            let calibrated = match calibrate_on(model, person.subject(), &recordings) {
+                Ok(own) => Some(own.file.map_or(Ok(before), |file| values(&file))?),
+                Err(EvaluationError::FewRounds { .. } | EvaluationError::NotCalibrated { .. }) => {
+                    None
+                }
+                Err(error) => return Err(error.into()),
             };
             let ruled = match part.divided() {
                 _ if !self.with_rule => None,
@@ -158,18 +170,20 @@ impl Measurement<'_> {
                     })
                 }
             };
-            amounts.push(Amount {
-                seconds,
+            Ok(Some(Amount {
                 tuned: values(&file)?,
+                calibrated,
                 ruled,
-            });
-        }
+            }))
+        };
+        let amounts: Result<_, PersonalizeError> =
+            self.amounts.iter().copied().map(amount).collect();
         Ok(Measured {
             subject: person.subject().to_owned(),
             group: shipped.people.name(shipped.classes),
             judged_seconds: judged.seconds(),
             before,
-            amounts,
+            amounts: amounts?,
         })
     }
 
@@ -196,6 +210,7 @@ impl Measurement<'_> {
             self.settings,
             self.with_rule,
             ABOVE_CONSTANT,
+            MEASURES.map(Measure::name),
         ))
     }
 }

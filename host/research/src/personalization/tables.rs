@@ -8,26 +8,53 @@ use super::measurement::{Amount, MEASURES, Measured, Outcome, Values};
 /// Columns that name a row.
 const ROW: [&str; 4] = ["recordings", "classes", "seconds", "n"];
 
-/// Table of the gain of tuning on each amount, paired over people: by data set, and over all. People with all classes and
-/// people with fewer have rows of their own.
-pub(crate) fn curve(people: &[Measured], amounts: &[f64]) -> Table {
-    let caption = "Tuned less shipped, both on the same part held back; mean [95 % interval] over n people; worse: share of people whose value fell";
+/// Values before and after, if a person has them.
+type Pair = fn(&Measured, &Amount) -> Option<[Values; 2]>;
+
+/// Tables of the gain of each amount, paired over people, by data set and over all: of tuning, of calibration, and of one beside
+/// the other. People with all classes and people with fewer have rows of their own.
+pub(crate) fn curves(people: &[Measured], amounts: &[f64]) -> [Table; 3] {
+    let pairs: [(&str, Pair); 3] = [
+        ("Tuned less shipped", |own, at| Some([own.before, at.tuned])),
+        ("Calibrated less shipped", |own, at| {
+            Some([own.before, at.calibrated?])
+        }),
+        ("Tuned less calibrated", |_, at| {
+            Some([at.calibrated?, at.tuned])
+        }),
+    ];
+    pairs.map(|(name, pair)| curve(people, amounts, name, pair))
+}
+
+fn curve(people: &[Measured], amounts: &[f64], name: &str, pair: Pair) -> Table {
+    let caption = format!(
+        "{name}, both on the same part held back; mean [95 % interval] over n people; worse: share of people whose value fell"
+    );
     let names = MEASURES.iter().map(|measure| measure.name().to_owned());
     let header = ROW.map(str::to_owned).into_iter();
     let worse = ["balanced worse", "TA worse"].map(str::to_owned);
     let mut table = Table::new(caption, header.chain(names).chain(worse));
     for (set, group) in sets(people) {
-        for &seconds in amounts {
-            let own = rows(people, (&set, &group), seconds);
-            let pairs: Vec<(&str, Values, Values)> = own
-                .iter()
-                .map(|(person, amount)| (&person.subject[..], person.before, amount.tuned))
-                .collect();
-            let start = [set.clone(), group.clone(), format!("{seconds}")];
-            push(&mut table, start, &pairs);
+        for (at, &seconds) in amounts.iter().enumerate() {
+            let own = rows(people, (&set, &group), at).into_iter();
+            let pairs = own.filter_map(|(person, amount)| {
+                let [before, after] = pair(person, amount)?;
+                Some((&person.subject[..], before, after))
+            });
+            let start = [set.clone(), group.clone(), named(seconds)];
+            push(&mut table, start, &pairs.collect::<Vec<_>>());
         }
     }
     table
+}
+
+/// Seconds in tables.
+fn named(seconds: f64) -> String {
+    if seconds.is_finite() {
+        seconds.to_string()
+    } else {
+        ALL.to_owned()
+    }
 }
 
 /// Table of the gain of `personalize`, in the same form: the old model counts where it keeps or refuses.
@@ -38,8 +65,8 @@ pub(crate) fn rule(people: &[Measured], amounts: &[f64]) -> Table {
     let more = ["balanced worse", "TA worse", "refused", "kept"].map(str::to_owned);
     let mut table = Table::new(caption, header.chain(names).chain(more));
     for (set, group) in sets(people) {
-        for &seconds in amounts {
-            let mut own = rows(people, (&set, &group), seconds);
+        for (at, &seconds) in amounts.iter().enumerate() {
+            let mut own = rows(people, (&set, &group), at);
             own.retain(|(_, amount)| amount.ruled.is_some());
             let count = |wanted: fn(&Outcome) -> bool| {
                 let outcomes = own.iter().filter_map(|(_, amount)| amount.ruled.as_ref());
@@ -58,7 +85,7 @@ pub(crate) fn rule(people: &[Measured], amounts: &[f64]) -> Table {
                     (&person.subject[..], person.before, after)
                 })
                 .collect();
-            let start = [set.clone(), group.clone(), format!("{seconds}")];
+            let start = [set.clone(), group.clone(), named(seconds)];
             push(&mut table, start, &pairs);
             if let Some(row) = table.rows.last_mut().filter(|_| !pairs.is_empty()) {
                 row.push(count(|outcome| matches!(outcome, Outcome::Refused)));
@@ -70,7 +97,7 @@ pub(crate) fn rule(people: &[Measured], amounts: &[f64]) -> Table {
 }
 
 /// Table with a row for each person and amount.
-pub(crate) fn people(people: &[Measured]) -> Table {
+pub(crate) fn people(people: &[Measured], amounts: &[f64]) -> Table {
     let of = |what: &'static str| {
         let name = move |measure: &Measure| format!("{what} {}", measure.name());
         MEASURES.iter().map(name)
@@ -80,11 +107,15 @@ pub(crate) fn people(people: &[Measured]) -> Table {
     let header = header
         .chain(of("before"))
         .chain(of("tuned"))
+        .chain(of("calibrated"))
         .chain(of("written"));
     let mut table = Table::new("", header);
     let cell = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:.4}"));
     for person in people {
-        for amount in &person.amounts {
+        for (amount, &seconds) in person.amounts.iter().zip(amounts) {
+            let Some(amount) = amount else {
+                continue;
+            };
             let (outcome, written) = match amount.ruled {
                 None => ("", [None; MEASURES.len()]),
                 Some(Outcome::Refused) => ("refused", person.before),
@@ -95,10 +126,11 @@ pub(crate) fn people(people: &[Measured]) -> Table {
                 person.subject.clone(),
                 person.group.clone(),
                 format!("{:.1}", person.judged_seconds),
-                amount.seconds.to_string(),
+                named(seconds),
                 outcome.to_owned(),
             ];
-            let values = [person.before, amount.tuned, written];
+            let calibrated = amount.calibrated.unwrap_or([None; MEASURES.len()]);
+            let values = [person.before, amount.tuned, calibrated, written];
             table.push(
                 start
                     .into_iter()
@@ -126,20 +158,17 @@ fn sets(people: &[Measured]) -> Vec<(String, String)> {
     [of(data_set), of(|_| Some(ALL))].concat()
 }
 
-/// People of a set and group who have this amount.
+/// People of a set and group who have the amount at this index.
 fn rows<'m>(
     people: &'m [Measured],
     (set, group): (&str, &str),
-    seconds: f64,
+    at: usize,
 ) -> Vec<(&'m Measured, &'m Amount)> {
     let inside =
         |person: &&Measured| person.group == group && (set == ALL || data_set(person) == Some(set));
     let own = people.iter().filter(inside);
-    own.filter_map(|person| {
-        let mut amounts = person.amounts.iter();
-        Some((person, amounts.find(|own| own.seconds == seconds)?))
-    })
-    .collect()
+    own.filter_map(|person| Some((person, person.amounts[at].as_ref()?)))
+        .collect()
 }
 
 /// Appends a row of differences, after minus before, unless there are no people.
@@ -193,11 +222,14 @@ mod tests {
             group: group.to_owned(),
             judged_seconds: 60.0,
             before: value(0.5),
-            amounts: vec![Amount {
-                seconds: 30.0,
-                tuned: value(0.5 + gain),
-                ruled: Some(Outcome::Kept),
-            }],
+            amounts: vec![
+                None,
+                Some(Amount {
+                    tuned: value(0.5 + gain),
+                    calibrated: Some(value(0.6)),
+                    ruled: Some(Outcome::Kept),
+                }),
+            ],
         }
     }
 
@@ -209,18 +241,24 @@ mod tests {
             measured("two/a", "fewer", 0.3),
             measured("two/b", "fewer", 0.3),
         ];
-        for table in [curve(&people, &[30.0]), rule(&people, &[30.0])] {
+        let amounts = [30.0, f64::INFINITY];
+        let [tuned, calibrated, both] = curves(&people, &amounts);
+        for table in [&tuned, &calibrated, &both, &rule(&people, &amounts)] {
             let names: Vec<_> = table.rows.iter().map(|row| &row[..4]).collect();
             let expected = [
-                ["one", "all 3", "30", "2"],
-                ["two", "fewer", "30", "2"],
-                ["all", "all 3", "30", "2"],
-                ["all", "fewer", "30", "2"],
+                ["one", "all 3", "all", "2"],
+                ["two", "fewer", "all", "2"],
+                ["all", "all 3", "all", "2"],
+                ["all", "fewer", "all", "2"],
             ];
             assert_eq!(names, expected);
         }
-        let gains = curve(&people, &[30.0]);
-        let gains: Vec<_> = gains.rows.iter().map(|row| &row[4][..6]).collect();
-        assert_eq!(gains, ["+0.100", "+0.300", "+0.100", "+0.300"]);
+        let gains = |table: &Table| -> Vec<String> {
+            let rows = table.rows.iter();
+            rows.map(|row| row[4][..6].to_owned()).collect()
+        };
+        assert_eq!(gains(&tuned), ["+0.100", "+0.300", "+0.100", "+0.300"]);
+        assert_eq!(gains(&calibrated), ["+0.100"; 4]);
+        assert_eq!(gains(&both), ["+0.000", "+0.200", "+0.000", "+0.200"]);
     }
 }

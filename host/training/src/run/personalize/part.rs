@@ -9,6 +9,7 @@ use shared::units::{SAMPLE_RATE_HZ, WINDOW};
 use super::error::PersonalizeError;
 use super::person::Person;
 use evaluation::EvaluatedRecording;
+use recordings::labels::motion::{Motion, motions};
 use recordings::{Movement, Recording, runs};
 
 /// Divisor of the share that is held back.
@@ -106,6 +107,44 @@ impl<'p> Part<'p> {
         Ok((tuned, judged))
     }
 
+    /// Divides the part into halves: of each motion, the first half of its holds and the other half, each hold with the rest around
+    /// it up to the middle. Stretches without a hold count as one motion more.
+    ///
+    /// # Errors
+    /// [`PersonalizeError::TooShort`] if either half has a class of the model fewer than twice.
+    pub fn halves(&self) -> Result<(Self, Self), PersonalizeError> {
+        let is_hold = |motion: Motion| !matches!(motion, Motion::RELAX | Motion::Unknown);
+        let mut holds: BTreeMap<&'static str, Vec<Piece>> = BTreeMap::new();
+        for piece in &self.pieces {
+            let own = &self.person.recordings[piece.recording].recording;
+            let motions = motions(&own.labels, &own.other_movement);
+            let Range { start, end } = piece.range;
+            let between = runs(&motions[start..end]).into_iter();
+            let between = between.filter(|run| !is_hold(run.label));
+            let middles = between.map(|run| start + usize::midpoint(run.start, run.end));
+            let inside = middles.filter(|&middle| middle > start && middle < end);
+            let cuts: Vec<usize> = [start].into_iter().chain(inside).chain([end]).collect();
+            for cut in cuts.windows(2) {
+                let hold = piece.with(cut[0]..cut[1]);
+                let mut own = motions[hold.range.clone()].iter();
+                let motion = own.find(|motion| is_hold(**motion));
+                let name = motion.unwrap_or(&Motion::RELAX).name();
+                holds.entry(name).or_default().push(hold);
+            }
+        }
+        let (mut first, mut second) = (Vec::new(), Vec::new());
+        for own in holds.into_values() {
+            let (before, after) = own.split_at(own.len() / 2);
+            first.extend_from_slice(before);
+            second.extend_from_slice(after);
+        }
+        let halves = [first, second].map(|pieces| Self::new(self.person, pieces));
+        let [first, second] = halves;
+        first.refuse_too_short("tuned on")?;
+        second.refuse_too_short("held back")?;
+        Ok((first, second))
+    }
+
     /// Divides the part into one to tune on and one to hold back ([`divided`](Self::divided)). If that is too short, into four such pairs:
     /// each quarter is held back once, from what is recorded in the others.
     ///
@@ -151,12 +190,20 @@ impl<'p> Part<'p> {
             .unwrap_or(even)
     }
 
-    /// Takes the first `seconds`. Pieces with different gestures get the same time each, as far as they have it; pieces without a
-    /// gesture of the model are left out.
+    /// Takes the first `seconds`. Pieces with different gestures get the same time each, as far as they have it, and so do pieces of
+    /// rest alone; pieces of other movement alone are left out.
     #[must_use]
     pub fn first(&self, seconds: f64) -> Self {
         let mut kinds = self.by_gestures();
-        kinds.retain(|gestures, _| !gestures.is_empty());
+        if let Some(others) = kinds.get_mut(&BTreeSet::new()) {
+            let movements = |piece: &Piece| {
+                let own = &self.person.recordings[piece.recording].recording;
+                piece.cut(&own.other_movement, 0)
+            };
+            others.retain(|own| {
+                self.labels(own).contains(&Some(Intent::Relax)) && movements(own).is_empty()
+            });
+        }
         let mut kinds: Vec<Vec<&Piece>> = kinds.into_values().collect();
         let time = |pieces: &[&Piece]| pieces.iter().map(|piece| piece.range.len()).sum::<usize>();
         // The shortest first: the others share the time that it lacks.

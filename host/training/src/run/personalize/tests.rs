@@ -9,7 +9,7 @@ use shared::units::WINDOW;
 
 use super::*;
 use recordings::synthetic::{self, SynthOptions};
-use recordings::{DataSet, Recording};
+use recordings::{DataSet, Movement, MovementKind, Recording};
 
 const R: Option<Intent> = Some(Intent::Relax);
 const O: Option<Intent> = Some(Intent::Open);
@@ -384,4 +384,39 @@ fn a_margin_over_other_movement_is_not_judged_on_the_movements_that_chose_it() {
             Err(error) => assert!(all == 0 && matches!(error, PersonalizeError::NoOthers)),
         }
     }
+}
+
+#[test]
+fn rest_that_is_recorded_alone_gets_its_time_and_other_movement_alone_none() {
+    let of = |label| recording(&[(label, 400)]);
+    let mut other = recording(&[(R, 400), (None, 400)]);
+    other.other_movement = vec![Movement::new(MovementKind::Point, 400..800)];
+    let library = library([of(O), of(O), of(R), other, of(R), of(C), of(C)]);
+    let person = person(&library, None).unwrap();
+    let first = person.whole().first(4.5);
+    assert_eq!(labelled(&first), [(0, 300), (0, 300), (0, 300)]);
+}
+
+#[test]
+fn of_each_motion_half_of_the_holds_are_held_back_wherever_they_stand() {
+    let blocks = [
+        [(R, 400), (O, 400)].repeat(4),
+        [(R, 400), (C, 400)].repeat(4),
+    ];
+    let library = library([recording(&blocks.concat()), recording(&[(R, 900)])]);
+    let person = person(&library, None).unwrap();
+    let (first, second) = person.whole().halves().unwrap();
+    // Holds begin with the middle of the rest before them: the third opening at 1800, the third fist at 5000.
+    let seconds = |part: &Part<'_>| (part.seconds() * 200.0) as usize;
+    assert_eq!(seconds(&first) + seconds(&second), 6400 + 900);
+    assert_eq!(labelled(&first), [(0, 5000)]);
+    assert_eq!(labelled(&second), [(1800, 6400), (0, 900)]);
+    let open = |part: &Part<'_>| {
+        let own = part.evaluated_recordings().swap_remove(0);
+        own.lag_compensated
+            .iter()
+            .filter(|label| **label == O)
+            .count()
+    };
+    assert_eq!([&first, &second].map(open), [800, 800]);
 }
