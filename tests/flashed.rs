@@ -26,6 +26,8 @@ mod labels;
 mod merged;
 #[path = "flashed/moments.rs"]
 mod moments;
+#[path = "flashed/pulses.rs"]
+mod pulses;
 #[path = "flashed/start.rs"]
 mod start;
 #[path = "flashed/uart.rs"]

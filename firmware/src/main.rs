@@ -32,6 +32,8 @@ mod flash;
 mod installation;
 mod messages;
 mod model_region;
+#[cfg(any(test, target_os = "none"))]
+mod pulses;
 mod radio;
 mod reset_reason;
 mod settings;

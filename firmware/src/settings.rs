@@ -4,6 +4,9 @@ use shared::myo::{Address, EmgMode, Settings};
 use shared::stream::alignment::Arm;
 use shared::stream::lock::LockTimes;
 
+#[cfg(target_os = "none")]
+use crate::pulses::Pulses;
+
 /// The one armband to connect to, as `MYOINTENT_ARMBAND=F1:23:45:67:89:AB` when the program is
 /// built; without it, the one that is bound at run time.
 const ARMBAND: Option<&str> = option_env!("MYOINTENT_ARMBAND");
@@ -57,6 +60,17 @@ pub const STRENGTH: bool = match option_env!("MYOINTENT_STRENGTH") {
         b"on" => true,
         b"off" => false,
         _ => panic!("MYOINTENT_STRENGTH is neither on nor off"),
+    },
+};
+
+/// Kind of the pulses that tell the strength, as `MYOINTENT_PULSES=servo` when the program is built.
+#[cfg(target_os = "none")]
+pub const PULSES: Pulses = match option_env!("MYOINTENT_PULSES") {
+    None => Pulses::Pwm,
+    Some(text) => match text.as_bytes() {
+        b"pwm" => Pulses::Pwm,
+        b"servo" => Pulses::Servo,
+        _ => panic!("MYOINTENT_PULSES is neither pwm nor servo"),
     },
 };
 

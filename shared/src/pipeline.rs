@@ -34,7 +34,7 @@ use crate::stream::preprocess::{Preprocessing, Preprocessor};
 use crate::stream::ring::{Origin, SampleRing};
 use crate::stream::safe_state::{Event, SafeState, Start, Status};
 use crate::stream::smoother::{Decision, Settings, SettingsError};
-use crate::stream::strength::Strength;
+use crate::stream::strength::{Percent, Strength};
 use crate::uart_line::calibration::CalibrationState;
 use crate::uart_line::{Counters, Kind, Report};
 use crate::units::{Millis, PATCH, Sample, SampleIndex, WINDOW_PATCHES};
@@ -350,6 +350,12 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         self.normalizer.as_ref().map_or(0, Normalizer::rest)
     }
 
+    /// Strength of the wearer's contraction in the label of the outputs.
+    pub fn strength(&self) -> Percent {
+        let label = self.safe_state.status().label();
+        self.strength.of(label, self.rest())
+    }
+
     fn report(&mut self, kind: Kind, instant: SampleIndex, emitted: SampleIndex) -> Report {
         let status = self.safe_state.status();
         Report {
@@ -359,7 +365,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
             emitted,
             status,
             counters: self.counters,
-            strength: Some(self.strength.of(status.label(), self.rest())),
+            strength: Some(self.strength()),
         }
     }
 }

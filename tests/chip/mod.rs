@@ -37,6 +37,8 @@ pub struct Pins {
     pub intents: [u32; 6],
     /// `valid`.
     pub valid: u32,
+    /// Pulses of the strength.
+    pub strength: u32,
     /// LEDs: the label is valid; an armband streams; what an alignment does.
     pub leds: [u32; 3],
     /// Level that lights them.
@@ -55,6 +57,7 @@ impl Pins {
     const NRF52840: Self = Self {
         intents: [33, 34, 35, 36, 37, 38],
         valid: 39,
+        strength: 40,
         leds: [13, 14, 15],
         led_on: false,
         button: 11,
@@ -65,6 +68,7 @@ impl Pins {
     const NRF52832: Self = Self {
         intents: [11, 12, 22, 23, 24, 25],
         valid: 26,
+        strength: 27,
         leds: [17, 18, 19],
         led_on: false,
         button: 13,
@@ -72,10 +76,11 @@ impl Pins {
         low: None,
         reset: 21,
     };
-    /// D0 to D5, D8; green, blue, red; D10; D6, D7; the lower end of the battery's divider.
+    /// D0 to D5, D8, D9; green, blue, red; D10; D6, D7; the lower end of the battery's divider.
     const XIAO: Self = Self {
         intents: [2, 3, 28, 29, 4, 5],
         valid: 45,
+        strength: 46,
         leds: [30, 6, 26],
         led_on: false,
         button: 47,
@@ -83,10 +88,11 @@ impl Pins {
         low: Some(14),
         reset: 18,
     };
-    /// A0 to A5, D5; red, blue, D6; the user switch; TX, RX.
+    /// A0 to A5, D5, D9; red, blue, D6; the user switch; TX, RX.
     const FEATHER: Self = Self {
         intents: [4, 5, 30, 28, 2, 3],
         valid: 40,
+        strength: 26,
         leds: [47, 42, 7],
         led_on: true,
         button: 34,
@@ -94,10 +100,11 @@ impl Pins {
         low: None,
         reset: 18,
     };
-    /// 017, 020, 022, 024, 100, 011, 104; the board's LED, 106, 115; 113; 006, 008.
+    /// 017, 020, 022, 024, 100, 011, 104, 111; the board's LED, 106, 115; 113; 006, 008.
     const NICE_NANO: Self = Self {
         intents: [17, 20, 22, 24, 32, 11],
         valid: 36,
+        strength: 43,
         leds: [15, 38, 47],
         led_on: true,
         button: 45,

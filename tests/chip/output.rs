@@ -29,7 +29,10 @@ impl Board {
         let received = &self.machine.air().received;
         let mut levels = [None; 64];
         let mut lines = String::new();
-        let mut changes = chip.changes.iter().peekable();
+        let changes = chip.changes.iter();
+        let mut changes = changes
+            .filter(|(_, pin, _)| *pin != self.pins.strength)
+            .peekable();
         while let Some((at, pin, level)) = changes.next() {
             levels[*pin as usize] = *level;
             if changes

@@ -1,4 +1,4 @@
-//! Pins when the core hangs: the dead-man timer clears every label's pin, on every board.
+//! Pins when the core hangs: the dead-man timer clears every label's pin and ends the pulses, on every board.
 
 use nrf52::time::{HZ, ms};
 use shared::intent::Intent;
@@ -14,7 +14,7 @@ const HALT_MS: u64 = 400;
 const SAFE_MS: u64 = 250;
 
 /// The model of six classes, which sees this one in everything.
-fn model_of(intent: Intent) -> anyhow::Result<Vec<u8>> {
+pub fn model_of(intent: Intent) -> anyhow::Result<Vec<u8>> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/six-class.intent");
     let file = std::fs::read(path)?;
     let model = Model::parse(&file)?;
@@ -58,9 +58,15 @@ fn a_core_that_stands_still_in_any_label_loses_all_pins_on_every_board() -> anyh
             }
             let [relax, pin] = [Intent::Relax, intent].map(|one| board.pins.intents[one.class()]);
             assert_eq!(high(&board), [pin, board.pins.valid], "{built}, {intent:?}");
+            let pulses = |board: &Board| {
+                let chip = board.machine.chip();
+                (chip.pulse().is_some(), chip.level(board.pins.strength))
+            };
+            assert!(pulses(&board).0, "{built}, {intent:?}");
             board.machine.chip().bus.halt(ms(HALT_MS));
             board.run_ms(SAFE_MS)?;
             assert_eq!(high(&board), [relax], "{built}, {intent:?}");
+            assert_eq!(pulses(&board), (false, Some(false)), "{built}, {intent:?}");
         }
     }
     Ok(())

@@ -10,12 +10,13 @@ mod usb;
 use nrf52::What;
 use nrf52::chip::Model;
 use nrf52::softdevice::Kind;
-use nrf52::time::ms;
+use nrf52::time::{ms, us};
 use program::Program;
 
 const CLOCK: u32 = 0x4000_0000;
 const UARTE: u32 = 0x4000_2000;
 const TIMER1: u32 = 0x4000_9000;
+const PWM: u32 = 0x4001_c000;
 const WDT: u32 = 0x4001_0000;
 const RTC1: u32 = 0x4001_1000;
 const NVMC: u32 = 0x4001_e000;
@@ -130,6 +131,82 @@ fn programs_without_a_softdevice() {
             (program().then(&[WFI]), ""),
         ],
     );
+}
+
+/// A program that has given PWM0 a pin, periods of a millisecond, and a pulse of so many microseconds, its own word.
+fn with_pulse(high_us: u32) -> Program {
+    const VALUE: u32 = 0x2000_8000;
+    [
+        (P0 + 0x518, 1 << 6),
+        (VALUE, 1 << 15 | high_us),
+        (PWM + 0x560, 6),
+        (PWM + 0x508, 1000),
+        (PWM + 0x50c, 4),
+        (PWM + 0x520, VALUE),
+        (PWM + 0x524, 1),
+        (PWM + 0x500, 1),
+    ]
+    .into_iter()
+    .fold(Program::default(), |program, (address, value)| {
+        program.store(address, value)
+    })
+}
+
+#[test]
+fn programs_that_make_pulses() {
+    const START: u32 = PWM + 0x008;
+    const STOP: u32 = PWM + 0x004;
+    let ready = || with_pulse(300);
+    let disabled = "PWM0.TASKS_SEQSTART is triggered while it is disabled";
+    each(
+        Model::Nrf52840,
+        None,
+        [
+            (ready().store(START, 1).store(START, 1), ""),
+            (Program::default().store(START, 1), disabled),
+            (ready().store(PWM + 0x524, 2), "longer sequences"),
+            (ready().store(PWM + 0x564, 7), "other channels"),
+            (
+                ready().store(PWM + 0x520, 0x100).store(START, 1),
+                "RAM alone",
+            ),
+            (ready().store(START, 1).store(PWM + 0x508, 9), "no pulses"),
+            (
+                ready().store(START, 1).store(STOP, 1).store(START, 1),
+                "while it is stopping",
+            ),
+            (ready().store(P0 + 0x51c, 1 << 6), "it is no output"),
+            (
+                ready().store(0x4000_6510, 3 | 6 << 8),
+                "PWM0 and another have it",
+            ),
+        ],
+    );
+}
+
+#[test]
+fn a_pulse_has_its_length_in_each_period_until_the_one_in_which_it_is_stopped() {
+    let run = |high_us, program: fn(Program) -> Program| {
+        let program = program(with_pulse(high_us).store(PWM + 0x008, 1));
+        let mut machine = program.machine(Model::Nrf52840, None);
+        machine.run(ms(5)).expect("nothing to refuse");
+        let chip = machine.chip();
+        let pulses = chip.changes.iter().filter(|(_, pin, _)| *pin == 6);
+        pulses
+            .map(|(at, _, level)| (*at, *level))
+            .collect::<Vec<_>>()
+    };
+    let found = run(300, |program| program);
+    let edges: Vec<u64> = found.windows(2).map(|two| two[1].0 - two[0].0).collect();
+    // The first change is that from a floating pin to a low one.
+    assert_eq!(edges[1..6], [300, 700, 300, 700, 300].map(us));
+    let stopped = run(300, |program| program.store(PWM + 0x004, 1));
+    assert_eq!(stopped.len(), 3, "{stopped:?}");
+    assert_eq!(stopped.last().map(|last| last.1), Some(Some(false)));
+    assert_eq!(run(0, |program| program).len(), 1);
+    let whole = run(1000, |program| program);
+    assert_eq!(whole.last().map(|last| last.1), Some(Some(true)));
+    assert_eq!(whole.len(), 2, "{whole:?}");
 }
 
 #[test]

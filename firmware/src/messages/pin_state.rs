@@ -7,12 +7,15 @@ use embassy_sync::{
     signal::Signal,
 };
 use shared::stream::safe_state::{Cause, Status};
+use shared::stream::strength::Percent;
 
 /// State of pins and LEDs.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct PinState {
     /// Label and `valid`. Exactly one intent's pin is high: relax in the safe state.
     pub status: Status,
+    /// Strength of the label.
+    pub strength: Percent,
     /// Whether an armband streams.
     pub armband: bool,
     /// Whether the LED of alignment and calibration is lit.
@@ -23,6 +26,7 @@ impl PinState {
     /// State after a start and after a panic.
     pub const SAFE: Self = Self {
         status: Status::Safe(Cause::Boot),
+        strength: Percent::ZERO,
         armband: false,
         alignment_led: false,
     };
@@ -35,9 +39,9 @@ static SHOWN: Mutex<CriticalSectionRawMutex, Cell<PinState>> =
     Mutex::new(Cell::new(PinState::SAFE));
 static CHANGED: Signal<CriticalSectionRawMutex, ()> = Signal::new();
 
-/// Sets label and `valid`.
-pub fn set_status(status: Status) {
-    update(|state| state.status = status);
+/// Sets label, `valid`, and the strength of the label.
+pub fn set_status(status: Status, strength: Percent) {
+    update(|state| (state.status, state.strength) = (status, strength));
 }
 
 /// Sets whether an armband streams.
@@ -72,9 +76,10 @@ pub fn set_shown(state: PinState) {
     SHOWN.lock(|cell| cell.set(state));
 }
 
-/// Whether the pins show the newest label and `valid`. LEDs do not count: nothing acts on them.
+/// Whether the pins show the newest label, `valid` and strength. LEDs do not count: nothing acts on them.
 pub fn is_shown() -> bool {
-    SHOWN.lock(Cell::get).status == current().status
+    let [shown, newest] = [SHOWN.lock(Cell::get), current()];
+    (shown.status, shown.strength) == (newest.status, newest.strength)
 }
 
 /// Waits until the state changed since the last wait.

@@ -233,7 +233,7 @@ pub async fn run(
         if let Some(learnt) = pipeline.take_learnt() {
             keep(pipeline, &mut absence, Some(learnt));
         }
-        pin_state::set_status(pipeline.status());
+        pin_state::set_status(pipeline.status(), pipeline.strength());
         let blink = (now.0 / BLINK_MS).is_multiple_of(2);
         let alignment = || match pipeline.alignment_phase() {
             AlignmentPhase::None => false,
@@ -394,6 +394,6 @@ fn refuse(pipeline: &mut DevicePipeline, absence: &mut Absence, error: ModelRefu
     uart::enqueue(UartMessage::ModelRefused(error));
     let reports = pipeline.refuse_model(now());
     enqueue(pipeline, reports);
-    pin_state::set_status(pipeline.status());
+    pin_state::set_status(pipeline.status(), pipeline.strength());
     absence.began(now(), error);
 }

@@ -1,7 +1,7 @@
 //! The dead-man timer: makes the pins safe without an instruction of the program.
 //!
 //! ```text
-//! inference --clear--> TIMER1 --compare--> PPI channels 0 to 3 --> GPIOTE: every label pin, `valid`
+//! inference --clear--> TIMER1 --compare--> PPI channels 0 to 3 --> GPIOTE: every label pin, `valid`; PWM0: the pulses
 //! ```
 //!
 //! The SoftDevices and the controller library take TIMER0, RTC0 and the PPI channels 17 to 31 and leave what is used
@@ -12,7 +12,7 @@ use embassy_nrf::{
     Peri,
     gpiote::OutputChannel,
     peripherals::TIMER1,
-    ppi::{AnyConfigurableChannel, Event, Ppi},
+    ppi::{AnyConfigurableChannel, Event, Ppi, Task},
     timer::{Cc, Timer},
 };
 use shared::intent::{Intent, MAX_CLASSES};
@@ -37,11 +37,12 @@ pub struct DeadMan {
 }
 
 impl DeadMan {
-    /// Starts it, connected to these pins.
+    /// Starts it, connected to these pins and to the task that ends the pulses.
     pub fn start(
         parts: Parts,
         intents: &[OutputChannel<'static>; MAX_CLASSES],
         valid: &OutputChannel<'static>,
+        stop_pulses: Task<'static>,
     ) -> Self {
         const { assert!(Intent::Relax.class() == 0) };
         let timer = Timer::new(parts.timer);
@@ -56,7 +57,12 @@ impl DeadMan {
             Ppi::new_one_to_two(second, expired, close.task_clr(), wave_in.task_clr()),
             Ppi::new_one_to_two(third, expired, wave_out.task_clr(), pinch.task_clr()),
         ];
-        let mut rises = Ppi::new_one_to_one(fourth, relax.event_compare(), relaxed.task_set());
+        let mut rises = Ppi::new_one_to_two(
+            fourth,
+            relax.event_compare(),
+            relaxed.task_set(),
+            stop_pulses,
+        );
         for fall in &mut falls {
             fall.enable();
         }
@@ -81,6 +87,7 @@ impl DeadMan {
 
     /// Lets the pins show a valid label again. To be called in the safe state.
     pub fn acknowledge(&mut self) {
+        super::pulses_stopped();
         self.expiry.clear_events();
     }
 

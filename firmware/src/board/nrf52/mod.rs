@@ -6,6 +6,7 @@ mod chip_flash;
 #[cfg(feature = "radio-trouble")]
 mod controller;
 mod dead_man;
+mod drive;
 #[cfg(feature = "nrf52832")]
 mod errata;
 #[cfg(feature = "radio-softdevice")]
@@ -29,11 +30,12 @@ use embassy_nrf::{
 };
 use shared::intent::{Intent, MAX_CLASSES};
 use shared::stream::safe_state::Status;
+use shared::stream::strength::Percent;
 
 use super::Board;
 use crate::messages::pin_state::PinState;
 use crate::reset_reason::{End, ResetReason, keep_end, previous_end};
-use crate::settings::WATCHDOG_MS;
+use crate::settings::{PULSES, WATCHDOG_MS};
 #[cfg(feature = "radio-trouble")]
 pub use controller::{RadioParts, run_radio};
 #[cfg(feature = "radio-softdevice")]
@@ -42,6 +44,7 @@ pub use softdevice::{RadioParts, run_radio};
 #[cfg(feature = "uf2")]
 pub use battery::Battery;
 pub use dead_man::DeadMan;
+use drive::Drive;
 pub use uart::{CommandPort, LabelPort};
 
 /// Bits of RESETREAS (nRF52840 product specification, section 5.3.7.9).
@@ -72,11 +75,18 @@ pub fn start() -> Board {
     pac::NVMC.icachecnf().write(|cache| cache.set_cacheen(true));
     let peripherals = embassy_nrf::init(config);
     let wiring = wiring::wire(peripherals);
-    let dead_man = DeadMan::start(wiring.dead_man, &wiring.intents, &wiring.valid);
+    let drive = Drive::start(wiring.drive);
+    let dead_man = DeadMan::start(
+        wiring.dead_man,
+        &wiring.intents,
+        &wiring.valid,
+        drive.stop_task(),
+    );
     let outputs = Outputs {
         expired: dead_man.expired(),
         intents: wiring.intents,
         valid: wiring.valid,
+        drive,
         valid_led: wiring.valid_led,
         armband_led: wiring.armband_led,
         alignment_led: wiring.alignment_led,
@@ -138,6 +148,8 @@ static OUTPUTS: Mutex<RefCell<Option<Outputs>>> = Mutex::new(RefCell::new(None))
 struct Outputs {
     intents: [OutputChannel<'static>; MAX_CLASSES],
     valid: OutputChannel<'static>,
+    /// Pulses of the strength.
+    drive: Drive,
     /// The dead-man timer has expired.
     expired: Event<'static>,
     valid_led: Output<'static>,
@@ -146,8 +158,9 @@ struct Outputs {
 }
 
 impl Outputs {
-    fn set(&self, status: Status) {
+    fn set(&mut self, status: Status, strength: Percent) {
         let valid = status.valid();
+        self.drive.set(PULSES.high_us(status, strength));
         if !valid {
             self.valid.clear();
         }
@@ -186,12 +199,13 @@ fn set_outputs(state: PinState) {
         let Some(outputs) = outputs.as_mut() else {
             return;
         };
-        let safe = PinState::SAFE.status;
+        let safe = PinState::SAFE;
         let expired = outputs.expired.is_triggered();
-        outputs.set(if expired { safe } else { state.status });
+        let shown = if expired { safe } else { state };
+        outputs.set(shown.status, shown.strength);
         // It may have expired since, and then some pin was set after it.
         if outputs.expired.is_triggered() {
-            outputs.set(safe);
+            outputs.set(safe.status, safe.strength);
         }
         let valid = state.status.valid() && !outputs.expired.is_triggered();
         outputs.valid_led.set_level(wiring::level_of_led(valid));
@@ -201,6 +215,17 @@ fn set_outputs(state: PinState) {
         outputs
             .alignment_led
             .set_level(wiring::level_of_led(state.alignment_led));
+    });
+}
+
+/// The dead-man timer has ended the pulses.
+fn pulses_stopped() {
+    critical_section::with(|section| {
+        if let Ok(mut outputs) = OUTPUTS.borrow(section).try_borrow_mut()
+            && let Some(outputs) = outputs.as_mut()
+        {
+            outputs.drive.stopped();
+        }
     });
 }
 

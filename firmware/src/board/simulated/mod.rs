@@ -30,6 +30,7 @@ use clap::Parser as _;
 use embassy_executor::{Executor, Spawner};
 use embassy_time::{Duration, Instant, Timer};
 use shared::myo::Address;
+use shared::stream::strength::Percent;
 use shared::units::Sample;
 use static_cell::StaticCell;
 use virtual_armband::Armband;
@@ -162,7 +163,7 @@ pub fn start() -> Board {
             fault: scenario.fault,
         },
         commands: CommandPort(()),
-        pins: Pins(()),
+        pins: Pins(PinState::SAFE),
         button: Button(()),
         radio: RadioParts(()),
         watchdog: Watchdog(()),
@@ -236,12 +237,19 @@ impl CommandPort {
 }
 
 /// Label pins and LEDs.
-pub struct Pins(());
+pub struct Pins(PinState);
 
 impl Pins {
-    /// Sets every level.
+    /// Sets every level. Pulses are not simulated.
     pub fn set(&mut self, state: PinState) {
-        hardware::set_levels(state);
+        let state = PinState {
+            strength: Percent::ZERO,
+            ..state
+        };
+        if state != self.0 {
+            self.0 = state;
+            hardware::set_levels(state);
+        }
     }
 }
 

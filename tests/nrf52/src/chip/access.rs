@@ -106,10 +106,10 @@ impl Chip {
             return Err(What::NoPeripheral);
         };
         let offset = address - one.base();
-        // GPIO, GPIOTE, and what takes pins: CLOCK, UARTE.
+        // GPIO, GPIOTE, and what takes pins: CLOCK, UARTE, PWM.
         let pins = matches!(
             one.base() & !0xfff,
-            GPIO | 0x4000_0000 | 0x4000_2000 | 0x4000_6000
+            GPIO | 0x4000_0000 | 0x4000_2000 | 0x4000_6000 | 0x4001_c000
         );
         match one.registers_mut().write(offset, value)? {
             Written::Nothing => {}
@@ -174,10 +174,11 @@ impl Chip {
     }
 
     fn settle_pins(&mut self) {
-        let gpiote = &self.gpiote;
+        let (gpiote, pwm) = (&self.gpiote, &self.pwm);
         for (number, port) in (0..self.model.ports()).zip(&mut self.ports) {
             let before: Vec<_> = (0..32).map(|pin| port.level(pin)).collect();
-            port.settle(|pin| gpiote.drives(32 * number + pin));
+            let taken = |pin| gpiote.drives(pin).or_else(|| pwm.drives(pin));
+            port.settle(|pin| taken(32 * number + pin));
             for (pin, before) in (0..32).zip(before) {
                 let level = port.level(pin);
                 if level != before {
@@ -202,6 +203,7 @@ impl Chip {
                     one.due(bus);
                 }
             }
+            self.pins_are_stale |= self.pwm.pin().is_some();
             self.bus.attention = true;
             self.settle();
         }
@@ -230,6 +232,7 @@ impl Chip {
             0x4001_9000,
             0x4001_a000,
             0x4001_b000,
+            0x4001_c000,
             0x4002_4000,
             0x4002_7000,
         ];

@@ -12,6 +12,7 @@ mod outside;
 mod ownership;
 mod pins;
 mod ppi;
+mod pwm;
 mod register;
 mod rng;
 mod rtc;
@@ -39,6 +40,7 @@ use gpio::Gpio;
 use gpiote::Gpiote;
 use nvmc::Nvmc;
 use ppi::Ppi;
+use pwm::Pwm;
 use register::Registers;
 use rng::Rng;
 use rtc::Rtc;
@@ -114,6 +116,7 @@ pub struct Chip {
     /// The controller of flash.
     pub nvmc: Nvmc,
     ppi: Ppi,
+    pwm: Pwm,
     saadc: Saadc,
     usbd: Usbd,
     errata: Errata,
@@ -184,6 +187,7 @@ impl Chip {
             egus: egus(),
             nvmc: Nvmc::new(model.flash_times(), model.flash(), None),
             ppi: Ppi::new(),
+            pwm: Pwm::new(),
             saadc: Saadc::new(BTreeMap::new()),
             usbd: Usbd::default(),
             errata: Errata::new(),
@@ -221,6 +225,7 @@ impl Chip {
         let before = Some(&self.nvmc);
         self.nvmc = Nvmc::new(self.model.flash_times(), self.model.flash(), before);
         self.ppi = Ppi::new();
+        self.pwm = Pwm::new();
         self.saadc = Saadc::new(std::mem::take(&mut self.saadc.inputs));
         self.usbd = Usbd::default();
         self.errata = Errata::new();
@@ -239,10 +244,10 @@ impl Chip {
         self.settle();
     }
 
-    fn clocked(&mut self) -> ([&mut dyn Peripheral; 14], &mut Bus) {
+    fn clocked(&mut self) -> ([&mut dyn Peripheral; 15], &mut Bus) {
         let [t0, t1, t2, t3, t4] = &mut self.timers;
         let [r0, r1, r2] = &mut self.rtcs;
-        let all: [&mut dyn Peripheral; 14] = [
+        let all: [&mut dyn Peripheral; 15] = [
             &mut self.clock_and_power,
             t0,
             t1,
@@ -257,6 +262,7 @@ impl Chip {
             &mut self.watchdog,
             &mut self.saadc,
             &mut self.usbd,
+            &mut self.pwm,
         ];
         (all, &mut self.bus)
     }
@@ -285,6 +291,7 @@ impl Chip {
             0x4001_9000 => &mut self.egus[5],
             0x4001_a000 => &mut self.timers[3],
             0x4001_b000 => &mut self.timers[4],
+            0x4001_c000 => &mut self.pwm,
             0x4001_e000 => &mut self.nvmc,
             0x4001_f000 => &mut self.ppi,
             0x4002_4000 => &mut self.rtcs[2],

@@ -13,6 +13,11 @@ impl Chip {
         self.ports[pin as usize / 32].level(pin % 32)
     }
 
+    /// Ticks for which PWM0's pin is high in the period that is running; none while it makes no pulses.
+    pub fn pulse(&self) -> Option<u64> {
+        self.pwm.high()
+    }
+
     /// Drives a pin from outside, or lets it go.
     pub fn drive(&mut self, pin: u32, level: Option<bool>) {
         self.ports[pin as usize / 32].drive(pin % 32, level);

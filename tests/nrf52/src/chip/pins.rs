@@ -28,6 +28,7 @@ impl Chip {
         let is_driven = is_output || channels > 0;
         let is_used = is_driven || port.is_used(pin % 32);
         let [sends, receives] = self.uarte.pins().map(|of| of == Some(pin));
+        let pulses = self.pwm.pin() == Some(pin);
         let crystal = CRYSTAL.contains(&pin) && self.clock_and_power.crystal_has_pins();
         let antenna = ANTENNA.contains(&pin) && self.uicr.get(uicr::NFCPINS) & 1 == 1;
         // Erased it says the same as 0 (4.5.1.7).
@@ -48,6 +49,11 @@ impl Chip {
             (
                 channels > 0 && (sends || receives),
                 "GPIOTE and the UART have it",
+            ),
+            (pulses && !is_output, "PWM0 has it, and it is no output"),
+            (
+                pulses && (channels > 0 || sends || receives),
+                "PWM0 and another have it",
             ),
             (sends && receives, "the UART sends and receives by it"),
             (

@@ -20,6 +20,7 @@ macro_rules! pins {
                 $p.P1_06.into(),
             ],
             valid: $p.P1_07.into(),
+            strength: $p.P1_08.into(),
             // LED 1 to 3, and button 1.
             leds: [$p.P0_13.into(), $p.P0_14.into(), $p.P0_15.into()],
             button: $p.P0_11.into(),

@@ -20,6 +20,7 @@ macro_rules! pins {
                 $p.P0_25.into(),
             ],
             valid: $p.P0_26.into(),
+            strength: $p.P0_27.into(),
             // LED 1 to 3, and button 1.
             leds: [$p.P0_17.into(), $p.P0_18.into(), $p.P0_19.into()],
             button: $p.P0_13.into(),

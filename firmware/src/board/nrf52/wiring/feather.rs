@@ -27,6 +27,8 @@ macro_rules! pins {
             ],
             // D5.
             valid: $p.P1_08.into(),
+            // D9.
+            strength: $p.P0_26.into(),
             // Red, blue, D6.
             leds: [$p.P1_15.into(), $p.P1_10.into(), $p.P0_07.into()],
             // The user switch.

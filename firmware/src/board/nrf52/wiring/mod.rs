@@ -37,6 +37,8 @@ struct Pins {
     /// Pins of the intents, in class order: relax, open, close, wave-in, wave-out, pinch.
     intents: [Peri<'static, AnyPin>; MAX_CLASSES],
     valid: Peri<'static, AnyPin>,
+    /// Pulses of the strength.
+    strength: Peri<'static, AnyPin>,
     /// LEDs: the label is valid; an armband streams; what an alignment does.
     leds: [Peri<'static, AnyPin>; 3],
     button: Peri<'static, AnyPin>,
@@ -56,6 +58,8 @@ pub struct Wiring {
     pub intents: [OutputChannel<'static>; MAX_CLASSES],
     /// High while the label is valid.
     pub valid: OutputChannel<'static>,
+    /// Pulses of the strength.
+    pub drive: super::drive::Parts,
     /// LED: the label is valid.
     pub valid_led: Output<'static>,
     /// LED: an armband streams.
@@ -94,6 +98,10 @@ pub fn wire(p: Peripherals) -> Wiring {
             output(p.GPIOTE_CH5, pinch, Level::Low),
         ],
         valid: output(p.GPIOTE_CH6, pins.valid, Level::Low),
+        drive: super::drive::Parts {
+            pwm: p.PWM0,
+            pin: pins.strength,
+        },
         dead_man: super::dead_man::Parts {
             timer: p.TIMER1,
             links: [

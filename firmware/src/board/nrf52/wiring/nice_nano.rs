@@ -28,6 +28,8 @@ macro_rules! pins {
             ],
             // 104.
             valid: $p.P1_04.into(),
+            // 111.
+            strength: $p.P1_11.into(),
             // The board's, 106, 115.
             leds: [$p.P0_15.into(), $p.P1_06.into(), $p.P1_15.into()],
             // 113.

@@ -27,6 +27,8 @@ macro_rules! pins {
             ],
             // D8.
             valid: $p.P1_13.into(),
+            // D9.
+            strength: $p.P1_14.into(),
             // Green, blue, red.
             leds: [$p.P0_30.into(), $p.P0_06.into(), $p.P0_26.into()],
             // D10.
