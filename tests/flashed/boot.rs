@@ -22,7 +22,10 @@ fn assert_safe(board: &Board, case: &str) {
     let chip = board.machine.chip();
     let [relax, others @ ..] = board.pins.intents;
     assert_eq!(chip.level(relax), Some(true), "{case}");
-    for pin in others.into_iter().chain([board.pins.valid]) {
+    for pin in others
+        .into_iter()
+        .chain([board.pins.valid, board.pins.strength])
+    {
         assert_eq!(chip.level(pin), Some(false), "{case}: pin {pin}");
     }
     assert!(chip.bus.watchdog_runs, "{case}: no watchdog");

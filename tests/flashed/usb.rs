@@ -146,7 +146,7 @@ fn every_board_starts_from_its_boot_loader_on_pins_of_its_own() -> anyhow::Resul
         let [valid, armband, alignment] = pins.leds;
         let [sends, receives] = pins.uart;
         let high = [relax, pins.button, sends, receives].map(|pin| (pin, true));
-        let low = others.into_iter().chain([pins.valid]).chain(pins.low);
+        let low = others.into_iter().chain([pins.valid, pins.strength]);
         let leds = [
             (valid, !pins.led_on),
             (armband, pins.led_on),
@@ -154,7 +154,7 @@ fn every_board_starts_from_its_boot_loader_on_pins_of_its_own() -> anyhow::Resul
         ];
         let expected: BTreeMap<u32, bool> = high
             .into_iter()
-            .chain(low.map(|pin| (pin, false)))
+            .chain(low.chain(pins.low).map(|pin| (pin, false)))
             .chain(leds)
             .collect();
         let chip = board.machine.chip();
