@@ -10,7 +10,7 @@ use recordings::{Library, LoadOptions, load};
 use serde::Deserialize;
 use tempfile::TempDir;
 
-use super::{data, folder, read, skip};
+use super::{data, folder, skip};
 
 /// A layout, and what comes of it; `layouts.toml` says what each field means.
 #[derive(Deserialize)]
@@ -104,95 +104,6 @@ fn case(test: &str, name: &str) -> Option<PathBuf> {
     }
     skip(test, &format!("no folder {}", folder.display()));
     None
-}
-
-/// Reads a published set by its reader, and by a description that is mended so.
-fn both(test: &str, set: &str, lines: &[&str]) -> Option<(&'static Library, Library)> {
-    let folder = folder(test, set)?;
-    assert!(lines.len() < 5, "mended in under five lines");
-    let (_, path, _own) = mended(&folder, lines);
-    let described = load(&path, &LoadOptions::default()).unwrap();
-    Some((read(test, set)?, described))
-}
-
-#[test]
-fn a_description_reads_what_the_sets_reader_reads() {
-    let test = "a_description_reads_what_the_sets_reader_reads";
-    for (set, lines) in [
-        (
-            "roshambo",
-            &[
-                r#"files = "data/subject{person}_{session}_emg.npy""#,
-                r#"label_files = "data/subject{person}_{session}_ann.npy""#,
-                r#"labels = { relax = ["none"], open = ["paper"], close = ["rock"], two-fingers = ["scissor"] }"#,
-            ][..],
-        ),
-        (
-            "epn",
-            &[
-                r#"files = "{person}/{session}/{trial}_{gesture}.npy""#,
-                "timing = \"from-activity\"",
-            ],
-        ),
-        (
-            "epn10",
-            &[
-                r#"labels = { relax = ["relax"], open = ["open"], close = ["close"], wave-in = ["wavein"], wave-out = ["waveout"], other = ["doubletap"] }"#,
-                "timing = \"from-activity\"",
-            ],
-        ),
-        (
-            "dutra-moves",
-            &[
-                r#"files = "{person}/s{trial}_emg.npy""#,
-                r#"label_files = "{person}/s{trial}_ann.npy""#,
-                "labels = { relax = [0], open = [1], close = [2], wave-in = [3], wave-out = [4], other = [5, 6, 7] }",
-                "timing = \"muscle\"",
-            ],
-        ),
-        ("pangestu", &["timing = \"from-activity\""]),
-        ("dideakay", &["timing = \"from-activity\""]),
-        (
-            "adl",
-            &[
-                r#"files = "{person}/{gesture}.npy""#,
-                r#"labels = { typing = ["type"], writing = ["write"], phone = ["phone"], walking = ["walk"], eating = ["eating"], daily-life = ["other"], unknown = ["calibration"] }"#,
-                "timing = \"muscle\"",
-            ],
-        ),
-        // The set's reader does not look at the times, which leap once.
-        (
-            "myo-rps",
-            &[
-                r#"files = "dataset/{any}/s{person}_{session}-{gesture}-{trial}-emg.csv""#,
-                r#"labels = { close = ["rock"], open = ["paper"], two-fingers = ["scissors"] }"#,
-                "timing = \"from-activity\"",
-                "time = \"index\"",
-            ],
-        ),
-    ] {
-        let Some((published, described)) = both(test, set, lines) else {
-            continue;
-        };
-        assert_eq!(
-            described.subjects().len(),
-            published.subjects().len(),
-            "{set}"
-        );
-        assert_eq!(
-            described.recordings.len(),
-            published.recordings.len(),
-            "{set}"
-        );
-        for (own, by_reader) in described.recordings.iter().zip(&published.recordings) {
-            let path = own.path.display();
-            assert_eq!(own.path, by_reader.path);
-            assert!(own.samples == by_reader.samples, "{path}");
-            assert!(own.labels == by_reader.labels, "{path}");
-            assert_eq!(own.other_movement, by_reader.other_movement, "{path}");
-            assert_eq!(own.timing, by_reader.timing, "{path}");
-        }
-    }
 }
 
 #[test]

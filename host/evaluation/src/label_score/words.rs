@@ -10,9 +10,8 @@ use super::LabelScore;
 use crate::metric::confusion::Confusion;
 use crate::metric::event::EventRule;
 use crate::metric::event::activation::Rate;
-use crate::metric::event::decision::Decisions;
 use crate::metric::event::gesture::Gesture;
-use crate::metric::event::summary::{Raised, SubjectEvents};
+use crate::metric::event::summary::{SubjectEvents, Tally};
 use crate::metric::offset;
 use crate::metric::transition::{Change, TransitionStatus};
 use crate::report::Table;
@@ -106,8 +105,7 @@ pub(super) fn tables(scores: &LabelScore) -> String {
         own.recognised,
         own.gestures
     );
-    let decided =
-        |own: (&String, &Decisions)| format!("{} {} of {}", own.0, own.1.right, own.1.all);
+    let decided = |own: (&String, &Tally)| format!("{} {} of {}", own.0, own.1.counted, own.1.all);
     if !own.decisions.is_empty() {
         let labels: Vec<String> = own.decisions.iter().map(decided).collect();
         text += &format!(
@@ -130,11 +128,11 @@ pub(super) fn tables(scores: &LabelScore) -> String {
         text += &format!("so soon              {}\n", soon.join(", "));
     }
     text += &format!("false activations    {} of rest\n", per_minute(own.rest));
-    if let Some(raised) = own.raised.values().copied().reduce(Raised::plus) {
+    if let Some(raised) = own.raised.values().copied().reduce(Tally::plus) {
         text += &format!(
             "other movements      {} of {} raise a label; {}\n",
-            raised.raised,
-            raised.movements,
+            raised.counted,
+            raised.all,
             per_minute(own.other_movement)
         );
     }

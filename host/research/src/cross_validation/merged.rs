@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use evaluation::metric::event::activation::DailyUse;
 use evaluation::metric::event::latency::{self, LatencySummary};
-use evaluation::metric::event::summary::{Raised, SubjectEvents};
+use evaluation::metric::event::summary::{SubjectEvents, Tally};
 use evaluation::{Group, LookAhead, Measure, Score};
 use recordings::statistics::MeanSd;
 
@@ -179,8 +179,8 @@ impl<'a> Merged<'a> {
     }
 
     /// Movements outside the vocabulary, of all people and seeds, by the name of their kind.
-    pub(crate) fn raised(&self) -> BTreeMap<&'a str, Raised> {
-        self.by_kind(|person| &person.raised, Raised::plus)
+    pub(crate) fn raised(&self) -> BTreeMap<&'a str, Tally> {
+        self.by_kind(|person| &person.raised, Tally::plus)
     }
 
     /// Daily life, of all people and seeds, by the name of its kind.

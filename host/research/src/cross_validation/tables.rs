@@ -226,12 +226,10 @@ pub(crate) fn movements(merged: &[Merged<'_>]) -> Table {
     let mut table = Table::new(caption, header.into_iter().chain(names));
     let kinds: BTreeSet<&str> = by_kind.iter().flat_map(|own| own.keys().copied()).collect();
     for kind in kinds {
-        let number = by_kind
-            .iter()
-            .find_map(|own| Some(own.get(kind)?.movements));
+        let number = by_kind.iter().find_map(|own| Some(own.get(kind)?.all));
         let shares = by_kind.iter().map(|own| {
-            own.get(kind)
-                .map_or_else(cell::none, |of| format!("{:.2}", of.share()))
+            let share = own.get(kind).and_then(|of| of.share());
+            share.map_or_else(cell::none, |share| format!("{share:.2}"))
         });
         let names = [kind.to_owned(), number.unwrap_or(0).to_string()];
         table.push(names.into_iter().chain(shares));

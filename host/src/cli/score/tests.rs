@@ -93,7 +93,7 @@ fn other_movement_is_counted_apart_and_is_no_prediction() {
     .unwrap();
     arguments.json = true;
     let report: serde_json::Value = serde_json::from_str(&report(&arguments).unwrap()).unwrap();
-    assert_eq!(report["other_movements"]["point"]["raised"], 0);
+    assert_eq!(report["other_movements"]["point"]["counted"], 0);
     assert_eq!(
         report["confusion"]["intents"],
         serde_json::json!(["relax", "open", "close"])

@@ -13,42 +13,8 @@
 
 use shared::intent::{Intent, MAX_CLASSES};
 
+use super::summary::Tally;
 use super::{EventRule, activation, active, runs};
-
-/// Numbers of decisions, and of right ones.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Serialize, serde::Deserialize)]
-pub struct Decisions {
-    /// Gestures of a label, or rest spans.
-    pub all: usize,
-    /// Gestures or spans whose decision is right.
-    pub right: usize,
-}
-
-impl Decisions {
-    /// Sum of both.
-    #[must_use]
-    pub const fn plus(self, other: Self) -> Self {
-        Self {
-            all: self.all + other.all,
-            right: self.right + other.right,
-        }
-    }
-
-    /// One decision.
-    #[must_use]
-    pub const fn one(is_right: bool) -> Self {
-        Self {
-            all: 1,
-            right: is_right as usize,
-        }
-    }
-
-    /// Share of right decisions; none without any.
-    #[must_use]
-    pub fn share(self) -> Option<f64> {
-        (self.all > 0).then(|| self.right as f64 / self.all as f64)
-    }
-}
 
 /// The decision over these samples; none without an active label.
 pub(super) fn decision(emitted: &[Option<Intent>]) -> Option<Intent> {
@@ -62,11 +28,11 @@ pub(super) fn decision(emitted: &[Option<Intent>]) -> Option<Intent> {
 }
 
 /// Rest spans, all and kept. `rest` flags the samples at rest.
-pub(super) fn rests(emitted: &[Option<Intent>], rest: &[bool], rule: &EventRule) -> Decisions {
+pub(super) fn rests(emitted: &[Option<Intent>], rest: &[bool], rule: &EventRule) -> Tally {
     let long = runs(rest).filter(|(is_rest, span)| *is_rest && span.len() >= 4 * rule.tolerance);
     let decided = long.map(|(_, span)| {
         let stays = active(emitted[span.end - 1]).is_none() && !activation::raises(emitted, span);
-        Decisions::one(stays)
+        Tally::one(stays)
     });
-    decided.fold(Decisions::default(), Decisions::plus)
+    decided.fold(Tally::default(), Tally::plus)
 }

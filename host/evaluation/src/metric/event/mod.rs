@@ -15,10 +15,10 @@ use shared::intent::Intent;
 
 use crate::EvaluationError;
 use activation::{DailyUse, Rate};
-use decision::Decisions;
 use gesture::{Gesture, Verdict};
 use recordings::DailyKind;
 use recordings::movement::{Movement, MovementKind, mask};
+use summary::Tally;
 
 /// Durations of the event metrics, in samples.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
@@ -43,7 +43,7 @@ pub struct RecordingEvents {
     /// False activations in rest.
     pub rest: Rate,
     /// Rest spans, all and kept.
-    pub rests: Decisions,
+    pub rests: Tally,
     /// Activations in movements outside the vocabulary.
     pub other_movement: Rate,
     /// Kind of each of these movements, and whether it raises a label.

@@ -7,35 +7,43 @@ use std::collections::BTreeMap;
 
 use super::RecordingEvents;
 use super::activation::{DailyUse, Rate};
-use super::decision::Decisions;
 use super::latency::{self, LatencySummary};
 use recordings::statistics::MeanSd;
 use shared::intent::Intent;
 use shared::units::SAMPLE_PERIOD_MS;
 
-/// Numbers of movements outside the vocabulary.
+/// Number of gestures, rest spans or movements, and of those that count.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Serialize, serde::Deserialize)]
-pub struct Raised {
-    /// Number of movements.
-    pub movements: usize,
-    /// Number of those in which an active label begins.
-    pub raised: usize,
+pub struct Tally {
+    /// Number of all.
+    pub all: usize,
+    /// Number of those whose decision is right, or that raise a label.
+    pub counted: usize,
 }
 
-impl Raised {
+impl Tally {
     /// Sum of both.
     #[must_use]
     pub const fn plus(self, other: Self) -> Self {
         Self {
-            movements: self.movements + other.movements,
-            raised: self.raised + other.raised,
+            all: self.all + other.all,
+            counted: self.counted + other.counted,
         }
     }
 
-    /// Share of movements that raise a label; not a number without any.
+    /// A single one.
     #[must_use]
-    pub fn share(self) -> f64 {
-        self.raised as f64 / self.movements as f64
+    pub const fn one(counts: bool) -> Self {
+        Self {
+            all: 1,
+            counted: counts as usize,
+        }
+    }
+
+    /// Share of those that count; `None` without any.
+    #[must_use]
+    pub fn share(self) -> Option<f64> {
+        (self.all > 0).then(|| self.counted as f64 / self.all as f64)
     }
 }
 
@@ -53,7 +61,7 @@ pub struct SubjectEvents {
     /// Decisions about gestures, by the name of their label, and about rest spans, by `relax`; empty in scores of earlier
     /// versions.
     #[serde(default)]
-    pub decisions: BTreeMap<String, Decisions>,
+    pub decisions: BTreeMap<String, Tally>,
     /// Latency of each gesture that is recognised, in samples.
     pub latencies: Vec<i32>,
     /// Quantiles of the latency, misses included.
@@ -71,7 +79,7 @@ pub struct SubjectEvents {
     /// Numbers of these movements, all and raising a label, by the name of their kind; empty in scores of
     /// earlier versions.
     #[serde(default)]
-    pub raised: BTreeMap<String, Raised>,
+    pub raised: BTreeMap<String, Tally>,
     /// Daily life, by the name of its kind; empty in scores of earlier versions.
     #[serde(default)]
     pub daily: BTreeMap<String, DailyUse>,
@@ -98,7 +106,7 @@ impl SubjectEvents {
             let releases = recording.gestures.iter().filter_map(|g| g.release);
             own.releases.extend(releases);
             let gestures = recording.gestures.iter();
-            let decided = gestures.map(|g| (g.label, Decisions::one(g.decision == Some(g.label))));
+            let decided = gestures.map(|g| (g.label, Tally::one(g.decision == Some(g.label))));
             let rests = Some((Intent::Relax, recording.rests)).filter(|(_, own)| own.all > 0);
             for (label, decisions) in decided.chain(rests) {
                 let all = own.decisions.entry(label.name().to_owned()).or_default();
@@ -113,8 +121,7 @@ impl SubjectEvents {
             }
             for (kind, raised) in &recording.raised {
                 let kind = own.raised.entry(kind.name().to_owned()).or_default();
-                kind.movements += 1;
-                kind.raised += usize::from(*raised);
+                *kind = kind.plus(Tally::one(*raised));
             }
         }
         own.recognition = (own.gestures > 0).then(|| own.recognised as f64 / own.gestures as f64);
@@ -156,7 +163,7 @@ impl SubjectEvents {
     #[must_use]
     pub(crate) fn raised_share(&self) -> Option<f64> {
         let all = self.raised.values().copied();
-        all.reduce(Raised::plus).map(Raised::share)
+        all.fold(Tally::default(), Tally::plus).share()
     }
 }
 

@@ -99,7 +99,7 @@ fn decisions_are_balanced_over_the_labels_of_a_person() {
         &[(R, 440), (C, 390), (R, 370)],
     );
     let own = SubjectEvents::new("a", [&closes, &closes, &closes, &open]);
-    let of = |label: &str| (own.decisions[label].right, own.decisions[label].all);
+    let of = |label: &str| (own.decisions[label].counted, own.decisions[label].all);
     assert_eq!(
         [of("close"), of("open"), of("relax")],
         [(3, 3), (0, 1), (8, 8)]
@@ -120,7 +120,7 @@ fn decisions_are_balanced_over_the_labels_of_a_person() {
 fn a_rest_span_is_kept_if_no_label_begins_in_it_or_outlasts_it() {
     let rests = |emitted: &[(Label, usize)]| {
         let rests = events(&TRUTH, emitted).rests;
-        (rests.right, rests.all)
+        (rests.counted, rests.all)
     };
     assert_eq!(rests(&[(R, 1200)]), (2, 2));
     assert_eq!(rests(&[(R, 100), (O, 20), (R, 1080)]), (1, 2));
@@ -133,7 +133,7 @@ fn a_rest_span_is_kept_if_no_label_begins_in_it_or_outlasts_it() {
     assert_eq!(rests(&[(R, 440), (C, 760)]), (1, 2));
     assert_eq!(rests(&[(C, 1200)]), (0, 2));
     let short = events(&[(R, 249), (C, 400), (R, 250)], &[(C, 899)]).rests;
-    assert_eq!((short.right, short.all), (0, 1));
+    assert_eq!((short.counted, short.all), (0, 1));
 }
 
 #[test]
@@ -259,8 +259,8 @@ fn false_activations_are_counted_in_rest_and_in_other_movements() {
     assert_eq!(events.raised, raised);
     let subject = SubjectEvents::new("a", [&events, &events]);
     let of = |kind: MovementKind| subject.raised[kind.name()];
-    assert_eq!((of(Point).movements, of(Point).raised), (2, 0));
-    assert_eq!((of(ThumbUp).movements, of(ThumbUp).raised), (4, 2));
+    assert_eq!((of(Point).all, of(Point).counted), (2, 0));
+    assert_eq!((of(ThumbUp).all, of(ThumbUp).counted), (4, 2));
     assert_eq!(subject.raised_share(), Some(2.0 / 6.0));
     assert_eq!(SubjectEvents::new("b", []).raised_share(), None);
 }

@@ -376,7 +376,7 @@ pub(super) fn compare(found: &Value, expected: &Expected, round: usize) {
     }
     let told = found["decisions"].as_object().unwrap().iter();
     let told = told.map(|(name, own)| {
-        let [all, right] = ["all", "right"].map(|part| own[part].as_u64().unwrap());
+        let [all, right] = ["all", "counted"].map(|part| own[part].as_u64().unwrap());
         (&name[..], (all, right))
     });
     assert_eq!(

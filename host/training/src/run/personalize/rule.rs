@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use evaluation::metric::event::activation::Rate;
-use evaluation::metric::event::summary::{Raised, SubjectEvents};
+use evaluation::metric::event::summary::{SubjectEvents, Tally};
 use evaluation::{Measure, Score};
 
 /// Measures that must not fall.
@@ -143,9 +143,9 @@ fn more_raised(old: &Score, new: &Score) -> Option<Worse> {
     let [before, after] = [old, new].map(|score| {
         let subjects = score.events.subjects.iter();
         let kinds = subjects.flat_map(|own| own.raised.values().copied());
-        kinds.fold(Raised::default(), Raised::plus)
+        kinds.fold(Tally::default(), Tally::plus)
     });
-    let (movements, old, new) = (after.movements, before.raised, after.raised);
+    let (movements, old, new) = (after.all, before.counted, after.counted);
     let is_worse = new > old + 1 && (new - old) as f64 > MORE_RAISED * movements as f64;
     is_worse.then_some(Worse::Other {
         movements,
@@ -199,9 +199,9 @@ mod tests {
                 offset: None,
             };
             let raised = self.raised.map(|raised| {
-                let of = Raised {
-                    movements: 20,
-                    raised,
+                let of = Tally {
+                    all: 20,
+                    counted: raised,
                 };
                 ("other".to_owned(), of)
             });

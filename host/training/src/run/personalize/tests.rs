@@ -371,7 +371,7 @@ fn a_margin_over_other_movement_is_not_judged_on_the_movements_that_chose_it() {
             let [old, new, constant] = &done.scores;
             let seconds = [old, new, constant].map(|own| {
                 let events = &own.events.subjects[0];
-                let movements = events.raised.values().map(|of| of.movements);
+                let movements = events.raised.values().map(|of| of.all);
                 (movements.sum::<usize>(), events.other_movement.seconds)
             });
             assert!(seconds.iter().all(|own| *own == seconds[0]), "{seconds:?}");

@@ -154,11 +154,12 @@ fn each_wrong_number_is_refused() {
 }
 
 proptest! {
-    /// The answer to an armband turned or on the other arm is that answer turned, where no two placements are equally far.
+    /// The answer to an armband turned or on the other arm is that answer turned; of placements that are equally far, either.
     #[test]
     fn turning_the_armband_turns_the_answer(
         mean in prop::array::uniform8(-2048_i16..=2048),
-        widths in prop::array::uniform8(1_i16..=i16::MAX),
+        // Distances of wider ones end at the largest number.
+        widths in prop::array::uniform8(1_i16..=4000),
         profile in prop::array::uniform8(-1793_i16..=1794),
         (turn, mirrored) in (0_u8..8, any::<bool>()),
     ) {
@@ -167,18 +168,16 @@ proptest! {
             precision[row * (2 * CHANNELS + 1 - row) / 2] = width;
         }
         let template = Template::new(mean, precision).unwrap();
-        let mut distances = [0; 2 * CHANNELS];
-        for (distance, place) in distances.iter_mut().zip(Alignment::all()) {
-            *distance = template.distance(place.apply(profile));
-        }
-        distances.sort_unstable();
-        prop_assume!(distances.windows(2).all(|two| two[0] < two[1]));
         let turned = Alignment::new(turn, mirrored);
         let here = template.fit(Profile(profile));
         let there = template.fit(Profile(turned.inverse().apply(profile)));
         for (here, there) in [(here.nearest, there.nearest), (here.other_arm, there.other_arm)] {
-            prop_assert_eq!(turned.inverse().then(there.alignment), here.alignment);
-            prop_assert_eq!((here.distance, here.margin), (there.distance, there.margin));
+            prop_assert_eq!(here.distance, there.distance);
+            let back = turned.inverse().then(there.alignment);
+            prop_assert_eq!(template.distance(back.apply(profile)), here.distance);
+            if back == here.alignment {
+                prop_assert_eq!(here.margin, there.margin);
+            }
         }
     }
 }
