@@ -266,9 +266,7 @@ fine_tuning.lora.alpha | alpha = 8.0 | alpha = nan
 fine_tuning.lora.rank | rank = 16 | rank = 9223372036854775807
 teacher.feed_forward | feed_forward = 256 | feed_forward = 0
 distillation.ensemble | temperature = 2.0 | temperature = 2.0 ; ensemble = { members = 9, epochs = 3 }
-distillation.ensemble.epochs | temperature = 2.0 | temperature = 2.0 ; ensemble = { members = 2, epochs = 1000001 }
-distillation.row_weights | temperature = 2.0 | temperature = 2.0 ; row_weights = [1.0, 1.0, 1.0, 1.0, 1.0, -1.0]
-distillation.row_weights | temperature = 2.0 | temperature = 2.0 ; row_weights = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]";
+distillation.ensemble.epochs | temperature = 2.0 | temperature = 2.0 ; ensemble = { members = 2, epochs = 1000001 }";
 
     #[test]
     fn values_that_no_training_or_model_survives_are_refused() {

@@ -4,7 +4,6 @@
 
 use serde::{Deserialize, Serialize};
 use shared::model::dimensions::Companding;
-use shared::units::LOOK_BACK;
 
 use crate::augmentation::Augmentation;
 use crate::training::{LrSchedule, TrainConfig};
@@ -76,9 +75,6 @@ pub struct Distillation {
     /// Students that teach in place of the run's teacher, if any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ensemble: Option<EnsembleConfig>,
-    /// Weights of a window's rows in both losses, newest first, in proportion; none: all weigh the same.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub row_weights: Option<[f32; LOOK_BACK]>,
     /// Temperature of both distributions in the distillation loss.
     pub temperature: f64,
     /// Augmentation of the student's input; the teacher's input is the EMG as recorded, an ensemble's the student's
@@ -94,10 +90,6 @@ pub struct EnsembleConfig {
     pub members: usize,
     /// Epochs of each student.
     pub epochs: usize,
-    /// Whether the target of an instant is the mean over all windows that see it, so that the newest row learns what the
-    /// next 0.25 s will tell; otherwise each window has its own target.
-    #[serde(default)]
-    pub hindsight: bool,
 }
 
 impl Distillation {
@@ -118,13 +110,6 @@ impl Distillation {
             ensemble: None,
             ..self.clone()
         }
-    }
-
-    /// Weights of a window's rows, newest first, with a mean of 1.
-    pub fn row_weights(&self) -> [f32; LOOK_BACK] {
-        let weights = self.row_weights.unwrap_or([1.0; LOOK_BACK]);
-        let sum: f32 = weights.iter().sum();
-        weights.map(|weight| weight * LOOK_BACK as f32 / sum)
     }
 
     /// The settings of the training loop.

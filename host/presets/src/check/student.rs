@@ -56,15 +56,6 @@ impl Preset {
                 distillation.ensemble,
                 "2 to 8 members",
             ),
-            require(
-                distillation.row_weights.is_none_or(|weights| {
-                    let is_weight = |weight: &f32| (0.0..=1000.0).contains(weight);
-                    weights.iter().all(is_weight) && weights.iter().sum::<f32>() > 0.01
-                }),
-                "distillation.row_weights",
-                distillation.row_weights,
-                "six weights of 0 to 1000, not all 0",
-            ),
         ]
         .into_iter()
         .flatten()

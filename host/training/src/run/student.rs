@@ -48,7 +48,7 @@ pub(super) fn train_student(context: &RunContext, name: &'static str) -> Result<
             student(context, member, &streams, Teaching::Labels).map(|student| student.valid())
         });
         let trained = members.collect::<Result<_, _>>()?;
-        let ensemble = Ensemble::new(trained, ensemble.hindsight);
+        let ensemble = Ensemble::new(trained);
         student(context, name, &streams, Teaching::Ensemble(&ensemble))?;
     } else {
         student(context, name, &streams, Teaching::Labels)?;

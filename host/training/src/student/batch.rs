@@ -35,8 +35,6 @@ pub(super) struct BatchShape {
     pub(super) context: usize,
     /// Number of outputs of a row: the classes and, if the model has it, other movement.
     pub(super) outputs: usize,
-    /// Weights of a window's rows, newest first.
-    pub(super) row_weights: [f32; LOOK_BACK],
 }
 
 impl Batch {
@@ -51,7 +49,6 @@ impl Batch {
             patches,
             context,
             outputs: row_outputs,
-            row_weights,
         } = shape;
         let b = excerpts.len();
         let mut emg = Vec::with_capacity(b * patches * PATCH * CHANNELS);
@@ -79,14 +76,14 @@ impl Batch {
                     let output = (row * patches + patch - excerpt.start) * LOOK_BACK + back;
                     if let Some(target) = sequence.targets[estimated] {
                         targets[output] = target as i32;
-                        label_mask[output] = row_weights[back];
-                        labelled += f64::from(row_weights[back]);
+                        label_mask[output] = 1.0;
+                        labelled += 1.0;
                     }
                     if sequence.labels_alone[estimated] {
                         continue;
                     }
-                    distillation_mask[output] = row_weights[back];
-                    distilled += f64::from(row_weights[back]);
+                    distillation_mask[output] = 1.0;
+                    distilled += 1.0;
                     if let Some(soft_targets) = &sequence.soft_targets {
                         logits[output * row_outputs..(output + 1) * row_outputs].copy_from_slice(
                             &soft_targets[patch - WINDOW_PATCHES][back][..row_outputs],
@@ -135,7 +132,6 @@ mod tests {
         patches: 70,
         context: 3,
         outputs: 3,
-        row_weights: [1.0; LOOK_BACK],
     };
 
     /// A stream of 20 patches, and soft targets whose first logit is the number of the patch.
@@ -222,29 +218,6 @@ mod tests {
             sequence: 0,
             start,
             variation: Variation::NONE,
-        }
-    }
-
-    #[test]
-    fn rows_weigh_what_the_settings_say() {
-        let weights = [3.0, 1.0, 1.0, 1.0, 0.0, 0.0];
-        let shape = BatchShape {
-            row_weights: weights,
-            ..SHAPE
-        };
-        let batch = Batch::new(&sequence(), &[excerpt(62)], shape, &Device::default());
-        assert_eq!(batch.labelled, f64::from((18 - 3) * 6));
-        assert_eq!(batch.distilled, batch.labelled);
-        let masks = [batch.label_mask, batch.distillation_mask].map(read_back);
-        for mask in masks {
-            for (place, weight) in mask
-                .iter()
-                .enumerate()
-                .take(18 * LOOK_BACK)
-                .skip(3 * LOOK_BACK)
-            {
-                assert_eq!(*weight, weights[place % LOOK_BACK]);
-            }
         }
     }
 

@@ -67,7 +67,6 @@ impl<'a> StudentLearner<'a> {
                 patches: config.patches,
                 context: span,
                 outputs: corpus.vocabulary.classes() + usize::from(corpus.other),
-                row_weights: config.row_weights(),
             },
             sequences: sequences(corpus, soft_targets, teacher_on_other),
             validation_sequences: sequences(validation, None, true),

@@ -113,7 +113,6 @@ pub fn tune(
         ema_decay: 0.0,
         teacher_share: settings.keep,
         ensemble: None,
-        row_weights: None,
         temperature: 1.0,
         augmentation: Some(Augmentation {
             gain: GAIN,
