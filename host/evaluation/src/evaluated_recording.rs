@@ -3,7 +3,7 @@
 use presets::config::ResolvedConfig;
 use recordings::labels::compensation::Compensation;
 use recordings::split::Role;
-use recordings::{DataSet, Library, Movement, Recording, by_data_set};
+use recordings::{DataSet, Library, Movement, Recording};
 use shared::intent::{Intent, Vocabulary};
 use shared::stream::preprocess::{Median, Preprocessing, clean};
 use shared::units::{CleanSample, Sample};
@@ -23,7 +23,7 @@ pub struct EvaluatedRecording {
     pub emg: Vec<CleanSample>,
     /// Samples normalized to the wearer.
     pub normalized: Vec<Sample>,
-    /// Labels as published; none for spliced recordings.
+    /// Labels as published, if there are any.
     pub published: Option<Vec<Option<Intent>>>,
     /// Lag-compensated labels.
     pub lag_compensated: Vec<Option<Intent>>,
@@ -83,28 +83,6 @@ impl EvaluatedRecording {
     /// Training recordings, which the floors of the tables are fitted to.
     pub fn training(config: &ResolvedConfig, library: &Library) -> Vec<Self> {
         Self::of_role(config, library, Role::Training)
-    }
-
-    /// One minute of spliced recording per held-out subject. A model that has learnt the order and timing of the
-    /// protocol has no advantage on it.
-    pub fn spliced(config: &ResolvedConfig, library: &Library) -> Vec<Self> {
-        const SECONDS: f64 = 60.0;
-        by_data_set(config.labelled_recordings(library, Role::HeldOut))
-            .values()
-            .flat_map(|recordings| config.spliced(recordings, SECONDS, false))
-            .map(|recording| Self {
-                data_set: recording.data_set,
-                subject: recording.subject,
-                name: recording.name,
-                emg: clean(recording.samples.iter().copied(), Median::Three).collect(),
-                // Spliced from what the preset asks for, normalized or not.
-                normalized: recording.samples.clone(),
-                raw: recording.samples,
-                published: None,
-                lag_compensated: recording.labels,
-                other_movement: Vec::new(),
-            })
-            .collect()
     }
 
     fn of_role(config: &ResolvedConfig, library: &Library, role: Role) -> Vec<Self> {

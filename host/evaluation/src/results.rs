@@ -26,8 +26,6 @@ pub struct Results {
     pub gestures: BTreeMap<DataSet, Cued>,
     /// Scores on recordings as published.
     pub published: Vec<Score>,
-    /// Scores on spliced recordings of the same subjects.
-    pub spliced: Vec<Score>,
 }
 
 /// Recordings of an evaluation, and every model's logits over them.

@@ -20,10 +20,6 @@ pub enum System {
     Student,
     /// Integer student of a run: what devices run.
     Integer,
-    /// Float student of a run that was trained on the labels alone.
-    LabelsOnly,
-    /// Integer student of a run that was trained on the labels alone.
-    IntegerLabelsOnly,
     /// A model file of this name, or any other program that gives labels.
     Model(String),
     /// The model file of this name, after alignment.
@@ -38,14 +34,12 @@ pub const CONSTANT: &str = "constant relax";
 pub const ENERGY: &str = "energy detector";
 
 /// Names of the systems that have a fixed one.
-const NAMES: [(System, &str); 7] = [
+const NAMES: [(System, &str); 5] = [
     (System::Constant, CONSTANT),
     (System::Energy, ENERGY),
     (System::Teacher, "teacher"),
     (System::Student, "float student"),
     (System::Integer, "integer student"),
-    (System::LabelsOnly, "student without teacher"),
-    (System::IntegerLabelsOnly, "integer student without teacher"),
 ];
 const ALIGNED: &str = ", aligned";
 const CALIBRATED: &str = ", calibrated";

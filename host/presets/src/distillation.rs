@@ -10,8 +10,6 @@ use crate::training::{LrSchedule, TrainConfig};
 
 /// Name of the run's files: `student.bpk` is the checkpoint of the lowest validation loss.
 pub const NAME: &str = "student";
-/// Name of the files of a second student that is trained on the labels alone.
-pub const LABELS_ONLY: &str = "student-alone";
 /// Names of the files of an ensemble's members.
 pub const MEMBERS: [&str; 8] = [
     "member-1", "member-2", "member-3", "member-4", "member-5", "member-6", "member-7", "member-8",

@@ -99,16 +99,14 @@ impl ResolvedConfig {
         })
     }
 
-    /// The settings that a student is trained with, by the name of its files.
+    /// The settings that the student or a member of its ensemble is trained with, by the name of its files.
     pub fn distillation(&self, name: &str) -> Distillation {
         let settings = &self.preset.distillation;
         if name == distillation::NAME {
             return settings.clone();
         }
         let mut own = settings.on_labels();
-        if let Some(ensemble) = settings.ensemble
-            && distillation::MEMBERS.contains(&name)
-        {
+        if let Some(ensemble) = settings.ensemble {
             own.epochs = ensemble.epochs;
         }
         own

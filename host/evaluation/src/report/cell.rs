@@ -27,16 +27,6 @@ pub(crate) fn share(value: Option<MeanSd>) -> String {
     spread(value, |mean| format!("{mean:.3}"), |sd| format!("{sd:.2}"))
 }
 
-/// Signed milliseconds, whole.
-fn milliseconds(value: f64) -> String {
-    format!("{:+.0}", unsigned_zero(value, 1.0))
-}
-
-/// One number, such as a median, in signed milliseconds.
-pub(crate) fn one_ms(value: Option<f64>) -> String {
-    value.map_or_else(none, milliseconds)
-}
-
 /// A share of 1 over subjects: mean with three digits, 95 % interval of the mean with two.
 pub fn estimate(mean: Option<MeanSd>, interval: Option<Interval>) -> String {
     let Some(value) = mean else { return none() };
@@ -215,8 +205,6 @@ mod tests {
 
     #[test]
     fn what_rounds_to_zero_has_no_minus() {
-        assert_eq!(milliseconds(-0.3), "+0");
-        assert_eq!(milliseconds(-160.4), "-160");
         let tiny = Difference {
             mean: MeanSd {
                 mean: -0.0004,

@@ -1,12 +1,11 @@
 //! Tables of scores and of differences.
 
 use super::cell::{
-    difference, estimate, latency, median, narrow_estimate, narrow_median, none, of_people, one_ms,
-    rate, share,
+    difference, estimate, latency, median, narrow_estimate, narrow_median, none, of_people, rate,
+    share,
 };
 use super::row::{Row, sort};
 use super::table::Table;
-use crate::metric::offset::OffsetSummary;
 use crate::results::Results;
 use crate::{ALL, Difference, LookAhead, Measure, Score, System, Truth};
 use recordings::statistics::MeanSd;
@@ -81,28 +80,6 @@ const SCORES: [Column; 20] = [
     SUBJECTS,
     TRANSITIONS,
     ("gestures", |own| own.events.gestures.to_string()),
-];
-
-/// Columns of the paper's measures.
-const PAPER: [Column; 12] = [
-    RECORDINGS,
-    CLASSES,
-    MODEL,
-    LOOK_AHEAD,
-    ("TA 60", |own| {
-        mean(own, Measure::TransitionAccuracyNarrow, share)
-    }),
-    ("TA 120", |own| {
-        mean(own, Measure::TransitionAccuracyMiddle, share)
-    }),
-    ("TA 200", |own| {
-        mean(own, Measure::TransitionAccuracy, share)
-    }),
-    ("offset ms", |own| offset(own, |offset| offset.signed.mean)),
-    ("median", |own| offset(own, |offset| offset.signed_median)),
-    RAW,
-    SUBJECTS,
-    TRANSITIONS,
 ];
 
 /// Columns of what a user of the device gets.
@@ -218,15 +195,7 @@ fn narrow_rate(mean: Option<MeanSd>) -> String {
     mean.map_or_else(none, |mean| format!("{:.1}", mean.mean))
 }
 
-fn offset(score: &Score, of: fn(OffsetSummary) -> f64) -> String {
-    let widest = score.widest();
-    let subjects = widest.subjects.iter();
-    let followed = subjects.filter(|own| own.offset.is_some()).count();
-    of_people(one_ms(widest.offset.map(of)), followed, people(score))
-}
-
-/// Tables of an evaluation: lag-compensated labels; if `wide`, also the differences to the floors, labels as published,
-/// spliced recordings and the paper's measures.
+/// Tables of an evaluation: lag-compensated labels; if `wide`, also the differences to the floors and labels as published.
 pub fn tables(results: &Results, wide: bool) -> Vec<Table> {
     let compensated = shown(&results.published, Truth::LagCompensated, results);
     if !wide {
@@ -237,7 +206,6 @@ pub fn tables(results: &Results, wide: bool) -> Vec<Table> {
         return vec![narrow(caption, &own)];
     }
     let published = shown(&results.published, Truth::Published, results);
-    let spliced = shown(&results.spliced, Truth::LagCompensated, results);
     let mut tables = vec![
         table(
             "Lag-compensated labels: moved to the onset of muscle activity",
@@ -249,16 +217,6 @@ pub fn tables(results: &Results, wide: bool) -> Vec<Table> {
             "Labels as published: the times of the cues, as in the paper's evaluation",
             &published,
         ),
-        table(
-            "Spliced recordings of the same subjects, in random order and rhythm; lag-compensated labels",
-            &spliced,
-        ),
-        of_columns(
-            "The paper's measures: buffers, and offsets of the transitions followed; lag-compensated labels",
-            &compensated,
-            &PAPER,
-        ),
-        of_columns("The same with labels as published", &published, &PAPER),
     ];
     tables.retain(|table| !table.rows.is_empty());
     tables

@@ -5,7 +5,7 @@ use evaluation::{Candidate, EvaluatedRecording, constant};
 use training::run::context::RunContext;
 use training::run::evaluate::energy_detector;
 use training::run::quantize::{MODEL, quantize};
-use training::run::train::{Extra, train};
+use training::run::train::train;
 
 use super::contender::Kind;
 use super::job::{CrossValidation, Job};
@@ -25,7 +25,7 @@ impl CrossValidation<'_> {
     ) -> Result<(Candidate, Vec<EvaluatedRecording>), JobError> {
         match job.contender.kind {
             Kind::Student => {
-                train(context, Extra::default())?;
+                train(context, false)?;
                 let model = NamedModel {
                     name: job.contender.name().to_owned(),
                     bytes: quantize(context, &context.folder.file(MODEL))?,

@@ -19,7 +19,7 @@ use training::backend::BackendArguments;
 use training::run::context::RunContext;
 use training::run::evaluate::{Results, evaluate};
 use training::run::quantize::{MODEL, ModelFile, quantize};
-use training::run::train::{Extra, train};
+use training::run::train::train;
 
 /// Arguments of `quickstart`.
 #[derive(Debug, Args)]
@@ -70,11 +70,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let context = begin(arguments, preset)?;
     log_start(&context);
 
-    let extra = Extra {
-        teacher: arguments.teacher,
-        ..Extra::default()
-    };
-    train(&context, extra)?;
+    train(&context, arguments.teacher)?;
     let model = context.folder.file(MODEL);
     quantize(&context, &model)?;
     let file = ModelFile::of_run(&context)?;
@@ -245,7 +241,6 @@ mod tests {
             aggregation: LookAhead::SameInstant,
             gestures: BTreeMap::new(),
             published,
-            spliced: Vec::new(),
         };
         let (model, page) = (Path::new("m.intent"), Path::new("report.html"));
         let screen = last_screen(&results, "recordings", model, page);

@@ -17,7 +17,7 @@ use recordings::folds::Protocol;
 use training::backend::BackendArguments;
 use training::run::context::RunContext;
 use training::run::start::start_from;
-use training::run::train::{Extra, train, train_teacher};
+use training::run::train::{train, train_teacher};
 
 /// Arguments of `train`.
 #[derive(Debug, Args)]
@@ -39,11 +39,8 @@ pub struct Arguments {
     #[arg(hide_short_help = true, long)]
     teacher: bool,
     /// Train the teacher alone; `--resume` trains the student later.
-    #[arg(hide_short_help = true, long, conflicts_with = "labels_only")]
-    teacher_only: bool,
-    /// Train a second student on the labels alone, for comparison with the distilled one.
     #[arg(hide_short_help = true, long)]
-    labels_only: bool,
+    teacher_only: bool,
     /// Fine-tune the teacher of this run, or a checkpoint of the reference (.pth, .safetensors), with the
     /// preset's fine-tuning settings.
     #[arg(hide_short_help = true, long, value_name = "RUN|FILE")]
@@ -102,11 +99,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         train_teacher(&context)?;
         teacher::NAME
     } else {
-        let extra = Extra {
-            teacher: arguments.teacher,
-            labels_only: arguments.labels_only,
-        };
-        train(&context, extra)?;
+        train(&context, arguments.teacher)?;
         distillation::NAME
     };
     let weights = context.folder.weights_path(name);

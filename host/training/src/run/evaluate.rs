@@ -6,11 +6,11 @@ use super::aggregation::aggregation;
 use super::candidates::{student_candidate, teacher_candidate};
 use super::context::RunContext;
 use super::error::StepError;
-use super::quantize::{Figure, ModelFile, model_bytes, save_figures};
+use super::quantize::{Figure, ModelFile, save_figures};
 use evaluation::integer_candidate;
 use evaluation::{
-    Candidate, EnergyDetector, EvaluatedRecording, Group, LookAhead, Measure, System, Truth,
-    constant, cued, score_all,
+    Candidate, EnergyDetector, EvaluatedRecording, Group, Measure, System, Truth, constant, cued,
+    score_all,
 };
 use execution::progress;
 use execution::run_folder::RunError;
@@ -21,7 +21,7 @@ use recordings::Library;
 pub use evaluation::results::{Evaluation, RESULTS, Results};
 
 /// Evaluates the run's available models on the held-out subjects: teacher, float student, the integer student of
-/// the model file `model`, and the students trained on the labels alone; then the floors.
+/// the model file `model`; then the floors.
 ///
 /// The results are kept in the run folder, unless the model file is not the run's.
 ///
@@ -32,7 +32,6 @@ pub fn evaluate(
     model: Option<&ModelFile>,
 ) -> Result<(Results, Evaluation), StepError> {
     let recordings = EvaluatedRecording::held_out(&context.config, &context.library);
-    let spliced = EvaluatedRecording::spliced(&context.config, &context.library);
     if recordings.is_empty() {
         return Err(StepError::NoRecordings);
     }
@@ -43,12 +42,9 @@ pub fn evaluate(
     if published.is_empty() {
         return Err(StepError::NoModel);
     }
-    let mut on_spliced = candidates(context, &spliced, bytes)?;
     let detector = energy_detector(&context.config, &context.library);
-    for (candidates, recordings) in [(&mut published, &recordings), (&mut on_spliced, &spliced)] {
-        candidates.push(constant(recordings));
-        candidates.extend(detector.map(|detector| detector.candidate(recordings)));
-    }
+    published.push(constant(&recordings));
+    published.extend(detector.map(|detector| detector.candidate(&recordings)));
     let vocabulary = context.config.preset.vocabulary();
     let results = Results {
         held_out: context.config.split.held_out.clone(),
@@ -60,7 +56,6 @@ pub fn evaluate(
             vocabulary,
             &[Truth::Published, Truth::LagCompensated],
         )?,
-        spliced: score_all(&on_spliced, &spliced, vocabulary, &[Truth::LagCompensated])?,
     };
     if is_kept {
         let made_from = context.config.fingerprint();
@@ -141,22 +136,6 @@ fn candidates(
         candidates.push(integer_candidate(
             System::Integer,
             &Model::parse(bytes)?,
-            recordings,
-        )?);
-    }
-    if context.has(distillation::LABELS_ONLY)
-        && let Some(student) = if_own(context.student(distillation::LABELS_ONLY))?
-    {
-        candidates.push(student_candidate(
-            context,
-            System::LabelsOnly,
-            &student,
-            recordings,
-        )?);
-        let bytes = model_bytes(context, &student, LookAhead::AllRows, Vec::new())?;
-        candidates.push(integer_candidate(
-            System::IntegerLabelsOnly,
-            &Model::parse(&bytes)?,
             recordings,
         )?);
     }

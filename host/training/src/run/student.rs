@@ -11,7 +11,7 @@ use crate::optimization::fit::fit;
 use crate::student::ensemble::Ensemble;
 use crate::student::learner::{StudentLearner, Teaching};
 use crate::student::model::Student;
-use presets::distillation::MEMBERS;
+use presets::distillation::{MEMBERS, NAME};
 use recordings::corpus::Corpus;
 
 /// Streams of a run's students.
@@ -20,12 +20,12 @@ struct Streams {
     validation: Corpus,
 }
 
-/// Trains the student of this name. First trains the ensemble that it learns from, if there is one.
+/// Trains the student. First trains the ensemble that it learns from, if there is one.
 ///
 /// # Errors
 /// When the teacher is missing or another run's, the folder cannot be written or the user interrupts.
-pub(super) fn train_student(context: &RunContext, name: &'static str) -> Result<(), StepError> {
-    let config = context.config.distillation(name);
+pub(super) fn train_student(context: &RunContext) -> Result<(), StepError> {
+    let config = &context.config.preset.distillation;
     refuse_impossible(&context.config.preset, &context.inference_device())?;
     if config.needs_teacher() {
         // A teacher of another run is refused before the streams are made.
@@ -42,16 +42,16 @@ pub(super) fn train_student(context: &RunContext, name: &'static str) -> Result<
         let all = streams.training.streams.iter();
         let emg: Vec<&[CleanSample]> = all.map(|stream| stream.emg.as_slice()).collect();
         let targets = soft_targets(context, &emg)?;
-        student(context, name, &streams, Teaching::Teacher(targets))?;
+        student(context, NAME, &streams, Teaching::Teacher(targets))?;
     } else if let Some(ensemble) = config.teaching_ensemble() {
         let members = MEMBERS[..ensemble.members].iter().map(|&member| {
             student(context, member, &streams, Teaching::Labels).map(|student| student.valid())
         });
         let trained = members.collect::<Result<_, _>>()?;
         let ensemble = Ensemble::new(trained);
-        student(context, name, &streams, Teaching::Ensemble(&ensemble))?;
+        student(context, NAME, &streams, Teaching::Ensemble(&ensemble))?;
     } else {
-        student(context, name, &streams, Teaching::Labels)?;
+        student(context, NAME, &streams, Teaching::Labels)?;
     }
     Ok(())
 }

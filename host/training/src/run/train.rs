@@ -11,33 +11,21 @@ use crate::teacher::learner::TeacherLearner;
 use crate::teacher::model::Teacher;
 use crate::weights::Weights as _;
 use execution::progress;
-use presets::{distillation, lineage};
+use presets::lineage;
 
-/// Models to train besides those for the preset's student.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Extra {
-    /// The teacher, even if the student does not learn from it.
-    pub teacher: bool,
-    /// A second student, on the labels alone, to measure the effect of distillation.
-    pub labels_only: bool,
-}
-
-/// Trains the models of a run: the teacher if the student learns from it or the run fine-tunes another one, and the student.
+/// Trains the models of a run: the teacher if the student learns from it, the run fine-tunes another one or `teacher` is set, and
+/// the student.
 ///
 /// A resumed run trains what is not complete.
 ///
 /// # Errors
 /// When there are no validation subjects, the folder cannot be written or the user interrupts.
-pub fn train(context: &RunContext, extra: Extra) -> Result<(), StepError> {
+pub fn train(context: &RunContext, teacher: bool) -> Result<(), StepError> {
     let config = &context.config;
-    if extra.teacher || config.start.is_some() || config.preset.distillation.needs_teacher() {
+    if teacher || config.start.is_some() || config.preset.distillation.needs_teacher() {
         train_teacher(context)?;
     }
-    train_student(context, distillation::NAME)?;
-    if extra.labels_only {
-        train_student(context, distillation::LABELS_ONLY)?;
-    }
-    Ok(())
+    train_student(context)
 }
 
 /// Trains the teacher.
