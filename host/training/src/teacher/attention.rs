@@ -1,17 +1,15 @@
 //! Multi-head attention of every token to every token of its window.
 //!
-//! There are two implementations: `plain` in Burn's operations for any backend, and `fused` for the CPU
-//! backend. `plain` stores 1200 x 1200 scores per head, for a group of windows at a time; `fused` computes them in blocks.
-
-#[cfg(feature = "flex")]
-mod fused;
-#[cfg(feature = "flex")]
-mod window;
+//! It stores all scores of a head (1200 x 1200 for the paper's tokens), for a group of windows at a time.
 
 use burn::tensor::Tensor;
 use burn::tensor::activation::softmax;
 
 use crate::optimization::dropout::Mask;
+
+/// Greatest number of bytes of scores in one tensor: 128 MiB, the least that Vulkan lets an adapter bind. No adapter binds
+/// more than 2 GiB, and a validation of the preset `paper` has 2.7 GiB.
+const LARGEST: usize = 128 << 20;
 
 /// Computes attention, from `[b, tokens, 3 d]` (queries, keys, values) to `[b, tokens, d]`, head after head along `d`.
 ///
@@ -24,51 +22,12 @@ pub(super) fn attend(
     blocked: Option<&Tensor<1>>,
     mask: Option<Mask>,
 ) -> Tensor<3> {
-    #[cfg(feature = "flex")]
-    if crate::optimization::kernels::is_flex(&qkv) {
-        return on_flex(qkv, heads, blocked, mask);
-    }
-    plain(qkv, heads, blocked, mask)
-}
-
-#[cfg(feature = "flex")]
-fn on_flex(
-    qkv: Tensor<3>,
-    heads: usize,
-    blocked: Option<&Tensor<1>>,
-    mask: Option<Mask>,
-) -> Tensor<3> {
-    use burn::backend::Dispatch;
-    use fused::{FusedAttention as _, Settings};
-
-    let flags = blocked.map_or_else(Vec::new, |flags| {
-        crate::optimization::read_back(flags.clone())
-    });
-    let settings = Settings {
-        heads,
-        blocked: flags.into_iter().map(|flag| flag > 0.0).collect(),
-        mask,
-    };
-    Tensor::from_dispatch(Dispatch::fused_attention(qkv.into_dispatch(), settings))
-}
-
-/// Greatest number of bytes of scores in one tensor: 128 MiB, the least that Vulkan lets an adapter bind. No adapter binds
-/// more than 2 GiB, and a validation of the preset `paper` has 2.7 GiB.
-const LARGEST: usize = 128 << 20;
-
-/// Computes attention by Burn's operations.
-fn plain(
-    qkv: Tensor<3>,
-    heads: usize,
-    blocked: Option<&Tensor<1>>,
-    mask: Option<Mask>,
-) -> Tensor<3> {
     let [_, tokens, _] = qkv.dims();
     let scores = heads * tokens * tokens * size_of::<f32>();
     in_groups(qkv, heads, blocked, mask, (LARGEST / scores.max(1)).max(1))
 }
 
-/// Computes [`plain`] for groups of windows.
+/// Computes [`attend`] for groups of windows.
 fn in_groups(
     qkv: Tensor<3>,
     heads: usize,
@@ -141,5 +100,5 @@ fn hidden(blocked: Tensor<1>, tokens: usize) -> Tensor<2> {
     blocked.unsqueeze_dim::<2>(1) * halves.unsqueeze_dim::<2>(0)
 }
 
-#[cfg(all(test, feature = "flex"))]
+#[cfg(test)]
 mod tests;

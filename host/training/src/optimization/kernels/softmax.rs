@@ -1,7 +1,7 @@
-//! Softmax over a row of attention scores, forward and backward, as loops that the compiler vectorizes.
+//! Softmax over a row of attention scores, as loops that the compiler vectorizes.
 
 use super::exponential::exp_negative;
-use super::{dot, fold};
+use super::fold;
 
 /// Softmax statistics of a row of scores `x`, whose weights are `exp((x - max) * scale) * inverse_sum`.
 ///
@@ -23,30 +23,6 @@ pub(crate) fn exponentials(row: &mut [f32], scale: f32) -> RowStatistics {
     }
     let inverse_sum = 1.0 / fold(row, 0.0, |a, b| a + b);
     RowStatistics { max, inverse_sum }
-}
-
-/// Backward pass of a row: replaces the scores by the weights after dropout, and the gradients of these
-/// weights by the gradients of the scores.
-///
-/// `factors` are the factors of dropout, 0 where a weight is dropped.
-#[inline(always)]
-pub(crate) fn backward(
-    scores: &mut [f32],
-    gradients: &mut [f32],
-    factors: &[f32],
-    statistics: RowStatistics,
-    scale: f32,
-) {
-    for ((x, gradient), factor) in scores.iter_mut().zip(&mut *gradients).zip(factors) {
-        *x = exp_negative((*x - statistics.max) * scale) * statistics.inverse_sum;
-        *gradient *= factor;
-    }
-    // Uses the weights before dropout: the gradients of a row then add up to 0 but for rounding.
-    let mean = dot(scores, gradients);
-    for ((weight, gradient), factor) in scores.iter_mut().zip(gradients).zip(factors) {
-        *gradient = *weight * (*gradient - mean) * scale;
-        *weight *= factor;
-    }
 }
 
 #[cfg(test)]
