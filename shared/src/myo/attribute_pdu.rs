@@ -2,7 +2,7 @@
 //!
 //! A central that asks an armband for values needs its answers and its notifications, and nothing else of the link. The
 //! Bluetooth host trouble 0.8 takes more, and trusts it more than it may: fields of a request that are not there, an error
-//! without its code, the end of a channel that was never opened (docs/bluetooth-panics.md). Any of them would restart the
+//! without its code, the end of a channel that was never opened (docs/bad-input.md). Any of them would restart the
 //! board, sent by whoever has the armband's address. So they do not reach it.
 //!
 //! Sources: Bluetooth Core, Vol 3, Part A, 3.1 (L2CAP header); Part F, 3.3 and 3.4 (opcodes and fields).

@@ -1,7 +1,7 @@
 //! Signaling packets of L2CAP: what an armband asks for beside the attribute protocol, and is refused.
 //!
 //! A peripheral may ask for other connection parameters, and disconnects if nobody answers. The Bluetooth host trouble 0.8
-//! answers every command, but trusts the fields of some more than it may (docs/bluetooth-panics.md). So it is given, in the place
+//! answers every command, but trusts the fields of some more than it may (docs/bad-input.md). So it is given, in the place
 //! of each, a whole packet with the same identifier that it refuses in the way that the specification demands.
 //!
 //! Sources: Bluetooth Core, Vol 3, Part A, 3.1 (L2CAP header), 4 (commands), 4.1 (command reject), 4.20 and 4.21 (connection
