@@ -142,6 +142,7 @@ def calibrate(
     path: str | PathLike[str],
     *,
     person: str | None = None,
+    show_others: bool = False,
     strict: bool = False,
     as_recorded: bool = False,
 ) -> Calibration: ...

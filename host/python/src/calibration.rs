@@ -49,23 +49,25 @@ impl Calibration {
 ///     model: The model.
 ///     path: Folder, file or description of the recordings, as `read` takes it.
 ///     person: Person, as `data-set/person` or `person` alone; needed if the recordings are of several.
+///     show_others: Show six seconds of labelled other movement too: it raises fewer labels then, and so do gestures.
 ///     strict: Refuse damaged files instead of leaving them out.
 ///     as_recorded: Leave the channels of published sets in their own order instead of turning them into the frame of the
 ///         models.
 #[pyfunction]
-#[pyo3(signature = (model, path, *, person = None, strict = false, as_recorded = false))]
+#[pyo3(signature = (model, path, *, person = None, show_others = false, strict = false, as_recorded = false))]
 pub fn calibrate(
     py: Python<'_>,
     model: &Model,
     path: PathBuf,
     person: Option<&str>,
+    show_others: bool,
     strict: bool,
     as_recorded: bool,
 ) -> PyResult<Calibration> {
     let library = library(py, &path, strict, as_recorded)?;
     let named = &model.named;
     let done = py
-        .detach(|| calibrate_file(&named.bytes, &library, person))
+        .detach(|| calibrate_file(&named.bytes, &library, person, show_others))
         .map_err(told)?;
     let calibrated = |bytes| {
         let name = format!("{} of {}", named.name, done.subject);

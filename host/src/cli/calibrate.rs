@@ -15,13 +15,16 @@ use execution::run_folder::write_whole;
 #[command(
     after_help = "A round is a hold of each gesture and two of rest; two rounds are enough, half a minute. The first half of the rounds teaches,\n\
     the others judge the new head beside the model's own. It is used, learnt from all rounds, unless it loses more than 0.05 mean\n\
-    recall: then nothing is written and the exit code is 3. Six seconds of other movement are shown too if they are labelled.\n\
+    recall: then nothing is written and the exit code is 3.\n\
     docs/calibration.md says what it gains.\n\n\
     Example:\n  myointent calibrate --model models/three-class.intent --data MINE --out mine.intent"
 )]
 pub struct Arguments {
     #[command(flatten)]
     own: OwnModel,
+    /// Show six seconds of labelled other movement too: it raises fewer labels then, and so do gestures.
+    #[arg(long)]
+    show_others: bool,
 }
 
 /// Error: the new head is worse, and the old model is kept.
@@ -47,7 +50,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         ..
     } = &arguments.own;
     let (bytes, library) = arguments.own.read()?;
-    let done = calibrate_file(&bytes, &library, subject.as_deref())?;
+    let done = calibrate_file(&bytes, &library, subject.as_deref(), arguments.show_others)?;
     let [old, new] = done.recalls;
     let Some(file) = done.file else {
         let model = model.clone();

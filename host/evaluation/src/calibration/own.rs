@@ -31,7 +31,7 @@ pub struct OwnCalibration {
 }
 
 /// Calibrates a model file on all rounds of a person (`data-set/subject`, or the part after the slash), or of the only
-/// person; on other movement too, if the recordings and the model have it.
+/// person; with `others` on other movement too, if the recordings and the model have it.
 ///
 /// # Errors
 /// When the model is refused, it is unclear whose recordings are meant, or they hold too few rounds.
@@ -39,6 +39,7 @@ pub fn calibrate_file(
     file: &[u8],
     library: &Library,
     subject: Option<&str>,
+    others: bool,
 ) -> Result<OwnCalibration, EvaluationError> {
     let model = Model::parse(file)?;
     let dimensions = &model.header.dimensions;
@@ -55,7 +56,7 @@ pub fn calibrate_file(
     let recordings = evaluated_recordings(&labelled, dimensions.vocabulary, &lags, |recording| {
         (recording.subject == *subject).then_some(|_: &mut Vec<Sample>| ())
     });
-    calibrate_on(file, subject, &recordings)
+    calibrate_on(file, subject, &recordings, others)
 }
 
 /// Calibrates a model file as [`calibrate_file`], on recordings of this person.
@@ -66,6 +67,7 @@ pub fn calibrate_on(
     file: &[u8],
     subject: &str,
     recordings: &[EvaluatedRecording],
+    others: bool,
 ) -> Result<OwnCalibration, EvaluationError> {
     let model = Model::parse(file)?;
     let dimensions = &model.header.dimensions;
@@ -75,7 +77,7 @@ pub fn calibrate_on(
         return Err(EvaluationError::FewRounds { found: rounds });
     }
     let parts = parts(&recordings, dimensions.vocabulary, rounds);
-    let others = dimensions.other && parts.iter().any(|part| part.shown == Shown::Other);
+    let others = others && dimensions.other && parts.iter().any(|part| part.shown == Shown::Other);
     let Calibration {
         head,
         judged,

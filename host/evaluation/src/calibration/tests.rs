@@ -121,7 +121,7 @@ fn other_movement_is_shown_kind_by_kind_for_a_second_and_half_of_it_is_left() {
 #[test]
 fn a_person_gains_and_their_file_has_another_head() {
     let (file, library) = (shipped(), library(1));
-    let done = calibrate_file(&file, &library, None).unwrap();
+    let done = calibrate_file(&file, &library, None, false).unwrap();
     let [old, new] = done.recalls;
     assert!(new > old, "{old} {new}");
     let written = done.file.unwrap();
@@ -129,6 +129,27 @@ fn a_person_gains_and_their_file_has_another_head() {
     assert_ne!(Head::of(&written), Head::of(&Model::parse(&file).unwrap()));
     let seen = &written.header.provenance.subjects_seen;
     assert!(seen.iter().any(|own| own == done.subject));
+}
+
+#[test]
+fn other_movement_is_shown_if_it_is_wanted_and_labelled() {
+    let (file, mut library) = (shipped(), library(1));
+    let calibrated = |library: &Library, others| {
+        let done = calibrate_file(&file, library, None, others).unwrap();
+        (done.others, done.recalls)
+    };
+    let without = calibrated(&library, false);
+    assert_eq!(calibrated(&library, true), without);
+    // The wearer points three times in the last three seconds.
+    let own = library.recordings.last_mut().unwrap();
+    let end = own.labels.len();
+    own.labels[end - 600..].fill(None);
+    let seconds = (end - 600..end).step_by(200);
+    let point = seconds.map(|start| Movement::new(MovementKind::Point, start..start + 150));
+    own.other_movement = point.collect();
+    let [left_out, shown] = [false, true].map(|others| calibrated(&library, others));
+    assert!(!left_out.0 && shown.0);
+    assert_ne!(left_out.1, shown.1);
 }
 
 #[test]
@@ -143,7 +164,7 @@ fn a_head_that_is_worse_in_the_later_rounds_is_not_used() {
             other => other,
         });
     }
-    let done = calibrate_file(&file, &library, None).unwrap();
+    let done = calibrate_file(&file, &library, None, false).unwrap();
     let [old, new] = done.recalls;
     assert!(new < old && done.file.is_none(), "{old} {new}");
 }
@@ -151,7 +172,7 @@ fn a_head_that_is_worse_in_the_later_rounds_is_not_used() {
 #[test]
 fn it_must_be_clear_whose_recordings_are_meant() {
     let (file, library) = (shipped(), library(2));
-    let found = |name| calibrate_file(&file, &library, name).map(|own| own.subject);
+    let found = |name| calibrate_file(&file, &library, name, false).map(|own| own.subject);
     let first = library.subjects()[0].clone();
     let (_, short) = first.split_once('/').unwrap();
     assert_eq!(found(Some(&first)).unwrap(), first);
