@@ -9,5 +9,4 @@ mod baselines;
 pub mod cli;
 mod cross_validation;
 mod job;
-mod other_movement;
 mod personalization;

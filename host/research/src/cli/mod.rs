@@ -1,7 +1,6 @@
 //! The command line: one file per subcommand.
 
 mod cross_validate;
-mod other_movement;
 mod personalization;
 mod shell;
 
@@ -33,8 +32,6 @@ enum Command {
     CrossValidate(cross_validate::Arguments),
     /// Measure what tuning a model on a person's own recordings gains, by their duration.
     Personalization(personalization::Arguments),
-    /// Measure what it buys to show a model other movement of the same person.
-    OtherMovement(other_movement::Arguments),
 }
 
 impl Cli {
@@ -45,7 +42,6 @@ impl Cli {
         let result = match self.command {
             Command::CrossValidate(arguments) => cross_validate::run(&arguments),
             Command::Personalization(arguments) => personalization::run(&arguments),
-            Command::OtherMovement(arguments) => other_movement::run(&arguments),
         };
         match result {
             Ok(()) => ExitCode::SUCCESS,
