@@ -28,7 +28,8 @@ const TIMEOUT: Duration = Duration::from_secs(300);
 
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
-    let found = toolchain::find(false).and_then(|found| qemu::find().map(|_| found));
+    let found =
+        toolchain::find(toolchain::TARGET, false).and_then(|found| qemu::find().map(|_| found));
     let trials = match found {
         Ok(toolchain) => trials(&toolchain).unwrap_or_else(|error| {
             let message = format!("{error:#}");

@@ -28,6 +28,7 @@ use self::in_use::InUse;
 pub use self::in_use::{Input, Smoother};
 use crate::intent::{Intent, MAX_CLASSES};
 use crate::model::Encode;
+use crate::model::file::Model;
 use crate::stream::lock::{Lock, LockTimes};
 use crate::stream::normalizer::Normalizer;
 use crate::stream::preprocess::{Preprocessing, Preprocessor};
@@ -97,6 +98,23 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         let smoother = Smoother::new(settings, classes)?;
         let mut pipeline = Self::without_model(state, start);
         pipeline.set_model(encoder, smoother);
+        Ok(pipeline)
+    }
+
+    /// A pipeline of a model file before its first sample, as the device has it after a boot; `encoder` must be made from the
+    /// same model.
+    ///
+    /// # Errors
+    /// If the smoother refuses the settings of the model.
+    pub fn of_model(
+        model: &Model<'_>,
+        encoder: E,
+        state: &'s mut E::State,
+    ) -> Result<Self, SettingsError> {
+        let header = &model.header;
+        let mut pipeline = Self::new(encoder, state, header.smoother.in_patches(), Start::Boot)?;
+        pipeline.preprocess(header.preprocessing);
+        pipeline.set_template(header.template);
         Ok(pipeline)
     }
 

@@ -136,7 +136,7 @@ pub fn image(name: &str, image: Built) -> Option<Image> {
 #[must_use]
 pub fn elf(name: &str, image: Built) -> Option<Vec<u8>> {
     static BUILT: Mutex<BTreeMap<&str, Vec<u8>>> = Mutex::new(BTreeMap::new());
-    let found = toolchain::find(false).map_err(|reason| {
+    let found = toolchain::find(toolchain::TARGET, false).map_err(|reason| {
         crate::skip(name, &format!("{reason:#}").replace('\n', " "));
     });
     let toolchain = found.ok()?;

@@ -56,7 +56,7 @@ const POINTS: &str =
 
 /// Paths and texts of the files of the page.
 fn page_files() -> Vec<(PathBuf, String)> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host/src/live/page");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host/web/page");
     let entries = std::fs::read_dir(folder).unwrap().flatten();
     let paths = entries.map(|entry| entry.path());
     paths
@@ -127,7 +127,7 @@ fn no_text_of_the_page_stands_outside_of_the_tables() {
 }
 
 /// Files of the program whose texts the page shows.
-const SPEAKERS: [&str; 19] = [
+const SPEAKERS: [&str; 23] = [
     "host/src/board.rs",
     "host/src/live/recorder/mod.rs",
     "host/src/live/recorder/tuning.rs",
@@ -137,15 +137,19 @@ const SPEAKERS: [&str; 19] = [
     "host/src/live/source/bluetooth/mod.rs",
     "host/src/live/source/board.rs",
     "host/src/live/source/board/advice.rs",
-    "host/src/live/source/dialogue.rs",
     "host/src/live/source/mod.rs",
-    "host/src/live/source/playback.rs",
     "host/src/record/error.rs",
     "host/src/record/quality.rs",
     "host/training/src/run/personalize/error.rs",
     "host/training/src/run/personalize/mod.rs",
     "host/training/src/run/personalize/part.rs",
     "host/training/src/run/personalize/rule.rs",
+    "host/web/src/armband.rs",
+    "host/web/src/board.rs",
+    "host/web/src/dialogue.rs",
+    "host/web/src/playback.rs",
+    "host/web/src/request.rs",
+    "host/web/src/tab.rs",
     "shared/src/uart_line/refusal.rs",
 ];
 

@@ -17,7 +17,7 @@ use anyhow::{Context as _, Result, bail, ensure};
 
 use crate::cross_target;
 use crate::qemu::QEMU;
-use crate::toolchain::Toolchain;
+use crate::toolchain::{TARGET, Toolchain};
 
 /// A program for the emulated core.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -53,7 +53,7 @@ impl Image {
 /// # Errors
 /// When it does not build.
 pub fn build(toolchain: &Toolchain, image: Image) -> Result<PathBuf> {
-    let mut cargo = toolchain.cargo("rustc");
+    let mut cargo = toolchain.cargo("rustc", TARGET);
     cargo
         .args(image.cargo_arguments())
         // The cargo that built this program has brought Cargo.lock up to date.

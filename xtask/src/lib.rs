@@ -14,6 +14,7 @@ pub mod energy;
 pub mod firmware;
 pub mod fuzz;
 pub mod merge;
+pub mod page;
 #[cfg(test)]
 mod pages;
 pub mod qemu;

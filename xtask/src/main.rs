@@ -4,7 +4,7 @@
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
-use xtask::{browser, count, emulator, energy, firmware, fuzz, merge, toolchain, uf2};
+use xtask::{browser, count, emulator, energy, firmware, fuzz, merge, page, toolchain, uf2};
 
 /// Build steps of the workspace that plain cargo cannot express.
 #[derive(Parser)]
@@ -28,6 +28,8 @@ enum Step {
     Merge(merge::Arguments),
     /// Writes one UF2 file of program and model for a board with a boot loader that shows a drive.
     Uf2(uf2::Arguments),
+    /// Writes the page as one file that a browser opens from the disk: it needs no program.
+    Page(page::Arguments),
     /// Runs clippy on the board's program, for the targets and features of its images.
     Lint(firmware::LintArguments),
     /// Counts the instructions of a patch on the emulated Cortex-M4F, part by part.
@@ -62,12 +64,15 @@ fn main() -> Result<()> {
         Step::Board { arguments } => toolchain::run_on_board(&arguments),
         Step::Merge(arguments) => merge::run(&arguments),
         Step::Uf2(arguments) => uf2::run(&arguments),
+        Step::Page(arguments) => page::run(&arguments),
         Step::Lint(arguments) => firmware::lint(&arguments),
         Step::Count(arguments) => count::print(&arguments),
         Step::Energy => energy::print(),
         Step::Fuzz(arguments) => fuzz::run(&arguments),
         Step::Emulator { install } => emulator::prepare(install),
         Step::Browser { install } => browser::prepare(install),
-        Step::Toolchain { install } => toolchain::find(install).map(|found| println!("{found}")),
+        Step::Toolchain { install } => {
+            toolchain::find(toolchain::TARGET, install).map(|found| println!("{found}"))
+        }
     }
 }

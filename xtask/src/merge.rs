@@ -11,6 +11,7 @@ use object::read::elf::{ElfFile32, ProgramHeader as _};
 use object::{Endianness, Object as _, ObjectSymbol as _};
 
 use crate::firmware::{self, Image};
+use crate::toolchain::TARGET;
 use crate::{cross_target, toolchain};
 
 /// Address of UICR.APPROTECT, and its value HwDisabled: with it a debugger may access the chip. Without it, a chip of the
@@ -60,7 +61,7 @@ impl Files {
     /// # Errors
     /// When the image does not build, or a file cannot be read.
     pub fn read(&self, image: Image) -> Result<(Vec<u8>, Vec<u8>)> {
-        let toolchain = toolchain::find(self.install)?;
+        let toolchain = toolchain::find(TARGET, self.install)?;
         let elf = firmware::build_image(&toolchain, image, self.install, self.locked)?;
         Ok((read(&elf)?, read(&self.model)?))
     }

@@ -1,7 +1,7 @@
-//! The compiler that builds for the Cortex-M4F on this machine.
+//! The compiler that builds for the Cortex-M4F, or for a browser, on this machine.
 //!
 //! First choice: the target that rustup downloads. Where there is no such download, Debian's packages:
-//! a compiler and the sources of `core`, which cargo then builds for the target.
+//! a compiler and the sources of its libraries, which cargo then builds for the target.
 
 use std::{fmt, fs, path::Path, path::PathBuf, process::Command};
 
@@ -12,6 +12,9 @@ use crate::debian;
 /// The target of every board: Cortex-M4 with FPU, hard-float calling convention.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 
+/// The target of the page that needs no program.
+pub const WEB: &str = "wasm32-unknown-unknown";
+
 /// Debian's packages of compiler, cargo, sources of `core` and clippy.
 const DEBIAN_PACKAGES: [&str; 4] = ["rustc-web", "cargo-web", "rust-web-src", "rust-web-clippy"];
 const DEBIAN_CARGO: &str = "/usr/bin/cargo";
@@ -19,24 +22,24 @@ const DEBIAN_CARGO: &str = "/usr/bin/cargo";
 const DEBIAN_CLIPPY: &str = "/usr/bin/cargo-clippy";
 const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
 
-/// A toolchain that can build for [`TARGET`].
+/// A toolchain that can build for a target.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Toolchain {
-    /// rustup has `core` for the target.
+    /// rustup has the libraries for the target.
     Rustup,
-    /// Debian's compiler builds `core` from source and links with the given `rust-lld`.
+    /// Debian's compiler builds the libraries from source and links with the given `rust-lld`.
     Debian {
         /// The linker, which is in no package of Debian's: that of rustup's toolchain.
         linker: PathBuf,
     },
 }
 
-/// Finds a toolchain; installs Debian's if there is none and `install` is set.
+/// Finds a toolchain for a target; installs Debian's if there is none and `install` is set.
 ///
 /// # Errors
 /// When there is none; names the commands that install one.
-pub fn find(install: bool) -> Result<Toolchain> {
-    if rustup_has_target() {
+pub fn find(target: &str, install: bool) -> Result<Toolchain> {
+    if rustup_has(target) {
         return Ok(Toolchain::Rustup);
     }
     let missing = debian::missing(&DEBIAN_PACKAGES);
@@ -44,7 +47,7 @@ pub fn find(install: bool) -> Result<Toolchain> {
         let command = debian::install_command(&missing);
         ensure!(
             install,
-            "no compiler for {TARGET}. Either\n  rustup target add {TARGET}\nor, where rustup cannot \
+            "no compiler for {target}. Either\n  rustup target add {target}\nor, where rustup cannot \
              download,\n  {command}\n(--install runs the latter)"
         );
         debian::install(&missing)?;
@@ -60,7 +63,7 @@ pub fn find(install: bool) -> Result<Toolchain> {
 /// # Errors
 /// When there is no compiler for the target, `probe-rs` is missing, or cargo fails.
 pub fn run_on_board(arguments: &[String]) -> Result<()> {
-    let toolchain = find(false)?;
+    let toolchain = find(TARGET, false)?;
     // Another runner brings its own program.
     let another = std::env::var_os("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUNNER");
     let probe = Command::new("probe-rs").arg("--version").output();
@@ -69,7 +72,7 @@ pub fn run_on_board(arguments: &[String]) -> Result<()> {
         "no probe-rs, which flashes the board: https://probe.rs says how to install it"
     );
     let status = toolchain
-        .cargo("run")
+        .cargo("run", TARGET)
         .args(["--package", "myointent-firmware", "--profile", "firmware"])
         .args(arguments)
         .status()?;
@@ -78,21 +81,27 @@ pub fn run_on_board(arguments: &[String]) -> Result<()> {
 }
 
 impl Toolchain {
-    /// A cargo command for the target with this toolchain; the package is to be added.
-    pub fn cargo(&self, subcommand: &str) -> Command {
+    /// A cargo command for a target with this toolchain; the package is to be added.
+    pub fn cargo(&self, subcommand: &str, target: &str) -> Command {
         let mut cargo = match self {
             Self::Rustup => Command::new(env!("CARGO")),
             Self::Debian { .. } if subcommand == "clippy" => Command::new(DEBIAN_CLIPPY),
             Self::Debian { .. } => Command::new(DEBIAN_CARGO),
         };
-        cargo.args([subcommand, "--target", TARGET]);
+        cargo.args([subcommand, "--target", target]);
         if let Self::Debian { linker } = self {
             // build-std is unstable; RUSTC_BOOTSTRAP permits it on a stable compiler.
+            let libraries = if target == WEB {
+                "build-std=std,panic_abort"
+            } else {
+                "build-std=core,alloc"
+            };
+            let name = target.to_uppercase().replace('-', "_");
             cargo
-                .args(["-Z", "build-std=core,alloc"])
+                .args(["-Z", libraries])
                 .env("RUSTC_BOOTSTRAP", "1")
                 .env("RUSTC", DEBIAN_RUSTC)
-                .env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", linker);
+                .env(format!("CARGO_TARGET_{name}_LINKER"), linker);
             // Set by the cargo that runs this program, for rustup's compiler.
             for name in ["RUSTUP_TOOLCHAIN", "RUSTC_WRAPPER", "RUSTDOC"] {
                 cargo.env_remove(name);
@@ -106,10 +115,10 @@ impl Toolchain {
 impl fmt::Display for Toolchain {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Rustup => write!(f, "rustup's toolchain: it has the target {TARGET}"),
+            Self::Rustup => f.write_str("rustup's toolchain: it has the target"),
             Self::Debian { linker } => write!(
                 f,
-                "Debian's {DEBIAN_CARGO}, building core from source: rustup has no target {TARGET}\n\
+                "Debian's {DEBIAN_CARGO}, building the libraries from source: rustup has not the target\n\
                  linker {}",
                 linker.display()
             ),
@@ -117,16 +126,16 @@ impl fmt::Display for Toolchain {
     }
 }
 
-fn rustup_has_target() -> bool {
+fn rustup_has(target: &str) -> bool {
     let installed = Command::new("rustup")
         .args(["target", "list", "--installed"])
         .output();
     // Without rustup the command cannot be run: then it has no target either.
-    installed.is_ok_and(|output| lists_target(&String::from_utf8_lossy(&output.stdout)))
+    installed.is_ok_and(|output| lists(target, &String::from_utf8_lossy(&output.stdout)))
 }
 
-fn lists_target(installed: &str) -> bool {
-    installed.lines().any(|line| line.trim() == TARGET)
+fn lists(target: &str, installed: &str) -> bool {
+    installed.lines().any(|line| line.trim() == target)
 }
 
 /// The linker of rustup's toolchain, or else a `rust-lld` on the path.
@@ -166,10 +175,12 @@ mod tests {
 
     #[test]
     fn only_the_full_name_is_the_target() {
-        assert!(lists_target(
+        assert!(lists(
+            TARGET,
             "x86_64-unknown-linux-gnu\nthumbv7em-none-eabihf\n"
         ));
-        assert!(!lists_target(
+        assert!(!lists(
+            TARGET,
             "thumbv7em-none-eabi\nthumbv7em-none-eabihf-extra\n"
         ));
     }
@@ -180,7 +191,7 @@ mod tests {
         let cargo = Toolchain::Debian {
             linker: linker.clone(),
         }
-        .cargo("build");
+        .cargo("build", TARGET);
         let set: Vec<_> = cargo.get_envs().collect();
         assert!(set.contains(&("RUSTC".as_ref(), Some(DEBIAN_RUSTC.as_ref()))));
         assert!(set.contains(&(

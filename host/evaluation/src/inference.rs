@@ -12,11 +12,8 @@ use shared::model::encoder::HostEncoder;
 use shared::model::file::{Model, ModelError};
 use shared::model::head::Head;
 use shared::model::{Encode, LookBackLogits};
-use shared::pipeline::Pipeline;
 use shared::stream::normalizer::Normalizer;
 use shared::stream::preprocess::{Preprocessing, clean};
-use shared::stream::safe_state::Start;
-use shared::stream::smoother::SettingsError;
 use shared::units::{CleanSample, PATCH, Patch, Sample, WINDOW_PATCHES};
 
 pub use self::stream::Stream;
@@ -75,22 +72,6 @@ pub fn logits_with(
     let stream = padded(emg);
     let (patches, _) = stream.as_chunks::<PATCH>();
     Ok(outputs_of(&encoder, patches).split_off(WINDOW_PATCHES))
-}
-
-/// The pipeline of a model as a board sets it up at its start; `encoder` is that of the model.
-///
-/// # Errors
-/// When the smoother refuses the settings of the model.
-pub fn pipeline<'s, E: Encode>(
-    model: &Model<'_>,
-    encoder: E,
-    state: &'s mut E::State,
-) -> Result<Pipeline<'s, E>, SettingsError> {
-    let settings = model.header.smoother.in_patches();
-    let mut pipeline = Pipeline::new(encoder, state, settings, Start::Boot)?;
-    pipeline.preprocess(model.header.preprocessing);
-    pipeline.set_template(model.header.template);
-    Ok(pipeline)
 }
 
 #[cfg(test)]

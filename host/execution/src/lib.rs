@@ -1,13 +1,18 @@
 //! Infrastructure of long computations: run folder, progress, interrupt, parallel work, bounded reads, text for a terminal.
+//!
+//! A browser has neither folders nor signals: as WebAssembly the first four are left out.
 
 #![deny(missing_docs)]
 
 pub mod bounded_read;
 pub mod file_kind;
 pub mod fingerprint;
+#[cfg(not(target_family = "wasm"))]
 pub mod interrupt;
 pub mod printable;
+#[cfg(not(target_family = "wasm"))]
 pub mod progress;
+#[cfg(not(target_family = "wasm"))]
 pub mod run_folder;
 
 /// Revision of the source that the program was built from.

@@ -30,7 +30,7 @@ pub use corpus::splice;
 pub use examiner::finding::{Group, Severity, grouped};
 pub use execution::printable::printable;
 pub use labels::runs::{Run, runs};
-pub use library::{Library, LoadOptions, load, load_all};
+pub use library::{Library, LoadOptions, load, load_all, load_bytes};
 pub use readers::error::{LoadError, in_one_line};
 pub use readers::npy;
 pub use recording::by_data_set;

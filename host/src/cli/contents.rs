@@ -7,12 +7,12 @@ use serde::Serialize;
 use shared::intent::Intent;
 use shared::units::SAMPLE_PERIOD_MS;
 
-use crate::record::quality::FindingText;
 use crate::record::{PersonQuality, quality_by_person};
 use evaluation::report::Table;
 pub use recordings::library::inspection::{Files, Inspection, SetInspection};
 pub use recordings::printable;
 use recordings::{Group, Library};
+use web::outcome::FindingText;
 
 /// Greatest number of files listed with the same finding; `--json` lists all.
 const SHOWN: usize = 4;

@@ -8,7 +8,7 @@ use std::time::Instant;
 use shared::units::Millis;
 use tokio::sync::broadcast;
 
-use super::event::{Event, Topic};
+use web::event::{Event, Topic};
 
 /// Number of messages that a viewer may be behind: 4 s of samples.
 const BEHIND: usize = 512;

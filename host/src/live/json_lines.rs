@@ -121,9 +121,9 @@ fn line(output: &mut impl Write, message: &str) -> std::io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::live::event::Event;
     use std::io::ErrorKind;
     use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+    use web::event::Event;
 
     /// Output with a slow reader, who may close it.
     struct Pipe(SyncSender<String>);

@@ -12,11 +12,9 @@
 //!
 //! The source never waits for a viewer. The page needs nothing from other servers.
 
-mod event;
 mod hub;
 mod json_lines;
 pub(crate) mod osc;
-mod outcome;
 mod recorder;
 mod server;
 mod source;
@@ -31,8 +29,10 @@ use std::time::Duration;
 use anyhow::Context as _;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
+use web::event::Event;
+use web::request::SourceRequest;
+use web::{SHIPPED, SharedCue};
 
-use self::event::Event;
 use self::hub::Hub;
 use self::json_lines::JsonLines;
 pub use self::recorder::RecordOptions;
@@ -42,11 +42,8 @@ use self::server::rights::Mode;
 use self::server::{Requests, Server};
 pub use self::source::Source;
 pub(crate) use self::source::no_port;
-use self::source::{Context, Guide, SharedCue, SourceRequest, Stop};
+use self::source::{Context, Guide, Stop};
 use crate::record::HistoryOf;
-
-/// Shipped three-class model.
-const SHIPPED: &[u8] = include_bytes!("../../../models/three-class.intent");
 
 /// Number of requests that may wait for the source, and for the recorder.
 const REQUESTS: usize = 16;

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
 use shared::units::{CHANNELS, SAMPLE_PERIOD_MS};
+use web::outcome::FindingText;
 
 use super::assembly::{Assembly, Part};
 use recordings::Severity;
@@ -142,14 +142,6 @@ impl Finding {
             }
         }
     }
-}
-
-/// Finding as text, with its severity.
-#[derive(Clone, PartialEq, Eq, Debug, Serialize)]
-pub(crate) struct FindingText {
-    pub(crate) severity: Severity,
-    pub(crate) text: String,
-    pub(crate) advice: &'static str,
 }
 
 impl From<&Finding> for FindingText {

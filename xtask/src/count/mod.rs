@@ -17,6 +17,7 @@ pub use signal::synthetic;
 pub use table::Table;
 
 use crate::device::{self, Clock, Image};
+use crate::toolchain::TARGET;
 use crate::{qemu, toolchain};
 use comparison::{BUDGET, Comparison, change};
 use table::milliseconds;
@@ -65,7 +66,7 @@ pub fn print(arguments: &Arguments) -> Result<()> {
         Some(path) => signal::read_npy(path)?,
         None => synthetic(),
     };
-    let toolchain = toolchain::find(false)?;
+    let toolchain = toolchain::find(TARGET, false)?;
     qemu::find()?;
     let image = device::build(&toolchain, Image::Count)?;
     let table = count(&image, &samples, arguments.model.as_deref())?;

@@ -64,7 +64,7 @@ pub fn command(
     install: bool,
     locked: bool,
 ) -> Result<Command> {
-    let mut cargo = toolchain.cargo(subcommand);
+    let mut cargo = toolchain.cargo(subcommand, TARGET);
     // --package keeps the host's crates, and their features, out of the build.
     cargo
         .args(["--profile", PROFILE, "--package", PACKAGE])
@@ -87,7 +87,7 @@ pub fn command(
 
 /// The caller's flags, and with them no path of this computer in what a panic says: on a board 3 KiB of flash, and the same
 /// bytes wherever an image is built.
-fn short_paths() -> String {
+pub fn short_paths() -> String {
     let mut flags = env::var("RUSTFLAGS").unwrap_or_default();
     let home = env::var_os("CARGO_HOME").map(PathBuf::from);
     let home = home.or_else(|| env::home_dir().map(|home| home.join(".cargo")));

@@ -8,9 +8,10 @@ use std::fs;
 
 use anyhow::{Context as _, Result, ensure};
 
-pub use cargo::{build_image, build_simulation};
+pub use cargo::{build_image, build_simulation, short_paths};
 pub use image::Image;
 
+use crate::toolchain::TARGET;
 use crate::{size, stack_chain, toolchain};
 use budget::{Row, Table};
 
@@ -44,7 +45,7 @@ pub struct LintArguments {
 /// # Errors
 /// When there is no toolchain, an image does not build, or is too large.
 pub fn build(arguments: &Arguments) -> Result<()> {
-    let toolchain = toolchain::find(arguments.install)?;
+    let toolchain = toolchain::find(TARGET, arguments.install)?;
     println!("{toolchain}");
     let selected = arguments.image.as_deref();
     let mut rows = Vec::new();
@@ -74,7 +75,7 @@ pub fn build(arguments: &Arguments) -> Result<()> {
 /// # Errors
 /// When there is no toolchain, or a lint to fix.
 pub fn lint(arguments: &LintArguments) -> Result<()> {
-    let toolchain = toolchain::find(arguments.install)?;
+    let toolchain = toolchain::find(TARGET, arguments.install)?;
     // The nRF52832, and boards with the same features, differ by numbers alone. The image of a kit is also looked at as it is for
     // a board without a crystal.
     let images = [

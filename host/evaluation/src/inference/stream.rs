@@ -16,7 +16,6 @@ use shared::uart_line::calibration::{CalibrationReport, CalibrationState, Recall
 use shared::uart_line::line::Line;
 use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample};
 
-use super::pipeline;
 use crate::EvaluationError;
 
 /// Samples of a notification of the armband.
@@ -63,7 +62,7 @@ impl<'s, E: Encode + Copy> Stream<'s, E> {
         state: &'s mut E::State,
         align: Option<Arm>,
     ) -> Result<Self, SettingsError> {
-        let mut pipeline = pipeline(model, encoder, state)?;
+        let mut pipeline = Pipeline::of_model(model, encoder, state)?;
         let start = Some(pipeline.state_report());
         if let Some(arm) = align {
             pipeline.begin_alignment(arm);

@@ -20,7 +20,7 @@ use super::examiner::examine;
 use super::labels::timing;
 use super::readers::error::excerpt::excerpt;
 use super::readers::error::{Damage, LoadError};
-use super::readers::open::{Found, Request, SkipReason, open};
+use super::readers::open::{Found, Request, SkipReason, of_bytes, open};
 use super::readers::path::{ending, left_arm};
 use super::recording::Recording;
 use crate::examiner::finding::Finding;
@@ -106,12 +106,36 @@ pub fn load_all(paths: &[impl AsRef<Path>], options: &LoadOptions) -> Result<Lib
         }
         library.repeats.extend(copies::leave_out(recordings));
     }
-    // Copies are found among samples as they were recorded, in whatever set.
-    if !options.as_recorded {
-        library.turn();
+    library.finish(options);
+    Ok(library)
+}
+
+/// Reads one file from its bytes, as [`load`] reads a single file; its set is known by its name and content alone.
+///
+/// # Errors
+/// [`LoadError::Damaged`] if it is damaged or a recording in it has no meaning; [`LoadError::NoRecordings`] if none is found.
+pub fn load_bytes(name: &Path, bytes: &[u8], options: &LoadOptions) -> Result<Library, LoadError> {
+    let request = Request {
+        data_sets: &options.data_sets,
+        alone: true,
+    };
+    let mut library = Library::default();
+    match of_bytes(name, bytes, &request)? {
+        Found::Recordings(recordings) => library.recordings = recordings,
+        Found::Part => {}
+        Found::Nothing(reason) => library.ignored.push(Ignored {
+            path: name.to_owned(),
+            reason,
+        }),
     }
-    library.follow_wearers();
-    timing::find(&mut library.recordings);
+    if library.recordings.is_empty() {
+        return Err(LoadError::NoRecordings {
+            path: name.to_owned(),
+            found: passed_over(&library.ignored),
+        });
+    }
+    library.examine(true)?;
+    library.finish(options);
     Ok(library)
 }
 
@@ -177,6 +201,15 @@ fn read(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
 }
 
 impl Library {
+    /// Does what needs all recordings. Copies are found before, among samples as they were recorded, in whatever set.
+    fn finish(&mut self, options: &LoadOptions) {
+        if !options.as_recorded {
+            self.turn();
+        }
+        self.follow_wearers();
+        timing::find(&mut self.recordings);
+    }
+
     /// Subjects, each once, in alphabetical order.
     pub fn subjects(&self) -> Vec<String> {
         let mut subjects: Vec<_> = self.recordings.iter().map(|r| r.subject.clone()).collect();

@@ -9,21 +9,21 @@
 mod follower;
 pub mod losses;
 mod wearer;
-
-use std::path::{Path, PathBuf};
+#[cfg(not(target_family = "wasm"))]
+mod written;
 
 use rand::{Rng, RngExt as _};
 use shared::intent::{Intent, Vocabulary};
-use shared::units::{CHANNELS, SAMPLE_PERIOD_MS, SAMPLE_RATE_HZ};
+use shared::units::{SAMPLE_PERIOD_MS, SAMPLE_RATE_HZ};
 
 pub use self::follower::Follower;
 use self::wearer::Wearer;
+#[cfg(not(target_family = "wasm"))]
+pub use self::written::write;
 use super::catalogue::DataSet;
-use super::description::own::MUSCLE_COLUMN;
 use super::labels::timing;
 use super::recording::Recording;
 use super::seed::generator;
-use execution::run_folder::{RunError, write_whole};
 
 /// Number, length and content of synthetic recordings.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -73,28 +73,6 @@ fn timed(simulated: impl Iterator<Item = (Recording, Vec<Intent>)>) -> Vec<Recor
     recordings
 }
 
-/// Generates the recordings and writes them below a folder, in ReactEMG's csv layout:
-/// `s3/s3_synthetic_1.csv`. Returns the paths.
-///
-/// A further column `synthetic_muscle` holds the intent that the muscle follows at each sample.
-///
-/// # Errors
-/// [`RunError`] with the path that could not be written.
-pub fn write(options: &SynthOptions, folder: &Path) -> Result<Vec<PathBuf>, RunError> {
-    simulate(options)
-        .map(|(recording, muscle)| {
-            let person = recording.subject.rsplit('/').next().unwrap_or_default();
-            let folder = folder.join(person);
-            if let Err(source) = std::fs::create_dir_all(&folder) {
-                return Err(RunError::io(&folder, source));
-            }
-            let path = folder.join(format!("{}.csv", recording.name));
-            write_whole(&path, csv(&recording, &muscle).as_bytes())?;
-            Ok(path)
-        })
-        .collect()
-}
-
 /// The recordings, and the intent that the muscle follows at each of their samples.
 fn simulate(options: &SynthOptions) -> impl Iterator<Item = (Recording, Vec<Intent>)> {
     let options = *options;
@@ -122,21 +100,6 @@ fn simulate_person(
         };
         (recording, muscle)
     })
-}
-
-fn csv(recording: &Recording, muscle: &[Intent]) -> String {
-    let channels: String = (0..CHANNELS)
-        .map(|channel| format!(",emg_{channel}"))
-        .collect();
-    let mut text = format!("gt{channels},{MUSCLE_COLUMN}\n");
-    for ((sample, label), muscle) in recording.samples.iter().zip(&recording.labels).zip(muscle) {
-        text += &label.map_or("-1".to_owned(), |intent| intent.class().to_string());
-        for count in sample {
-            text += &format!(",{count}");
-        }
-        text += &format!(",{}\n", muscle.class());
-    }
-    text
 }
 
 /// Label of every sample, what the person is cued to do: rests and gestures of random length, sometimes gesture to gesture.
@@ -176,9 +139,8 @@ mod tests {
     use super::wearer::BIAS;
     use super::*;
     use crate::labels::lag;
-    use crate::library::{LoadOptions, load};
 
-    const SMALL: SynthOptions = SynthOptions {
+    pub(super) const SMALL: SynthOptions = SynthOptions {
         subjects: 3,
         recordings: 2,
         seconds: 30,
@@ -234,29 +196,5 @@ mod tests {
             "{}",
             product / power
         );
-    }
-
-    #[test]
-    fn written_recordings_are_read_back_as_generated() {
-        let folder = std::env::temp_dir().join(format!("myointent-synth-{}", std::process::id()));
-        let paths = write(&SMALL, &folder).unwrap();
-        let library = load(&folder, &LoadOptions::default()).unwrap();
-        let generated = generate(&SMALL);
-        assert_eq!(
-            (paths.len(), library.recordings.len()),
-            (generated.len(), generated.len())
-        );
-        for (read, expected) in library.recordings.iter().zip(&generated) {
-            assert_eq!(read.data_set, DataSet::SYNTHETIC);
-            assert_eq!(
-                (&read.subject, &read.name),
-                (&expected.subject, &expected.name)
-            );
-            assert_eq!(
-                (&read.samples, &read.labels),
-                (&expected.samples, &expected.labels)
-            );
-        }
-        std::fs::remove_dir_all(&folder).unwrap();
     }
 }

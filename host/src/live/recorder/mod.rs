@@ -16,13 +16,16 @@ use shared::units::{Millis, Sample, SampleIndex};
 use training::backend::Device;
 
 use self::tuning::TuningProgress;
-use super::event::Event;
 use super::hub::Hub;
-use super::outcome::InstallationState;
-use super::source::{SharedCue, SourceRequest, Stop};
+use super::source::Stop;
 use crate::record::journal::{Entry, Journal};
 use crate::record::protocol::Protocol;
-use crate::record::session::{Action, HoldReason, Input, Session, View};
+use crate::record::session::{Action, Input, Session};
+use web::SharedCue;
+use web::event::Event;
+use web::outcome::InstallationState;
+use web::request::SourceRequest;
+use web::session::{HoldReason, View};
 
 /// Longest wait for samples between two checks for requests: too short to notice.
 const WAIT: Duration = Duration::from_millis(20);

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use super::Recorder;
-use crate::live::outcome::SessionResult;
 use crate::record;
-use crate::record::quality::FindingText;
+use web::outcome::FindingText;
+use web::outcome::SessionResult;
 
 /// Describes what was kept, with the next commands.
 pub(super) fn summary(conversion: &record::Conversion, recorder: &Recorder) -> SessionResult {

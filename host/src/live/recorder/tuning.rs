@@ -5,13 +5,13 @@ use std::sync::mpsc;
 
 use super::RunningRecorder;
 use super::summary::{free_path, install_command};
-use crate::live::event::Event;
-use crate::live::outcome::{MeasureRow, TuningState};
 use evaluation::Measure;
 use execution::interrupt::Interrupt;
 use execution::run_folder::write_whole;
 use recordings::{LoadOptions, load};
 use training::run::personalize::{Personalized, TuningSettings, personalize};
+use web::event::Event;
+use web::outcome::{MeasureRow, TuningState};
 
 /// Measures that are shown where the recordings have them; the decision uses all of them.
 const SHOWN: [(Measure, &str); 6] = [

@@ -2,8 +2,8 @@
 
 use super::RunningRecorder;
 use crate::cli::WITHOUT_TRAINING;
-use crate::live::event::Event;
-use crate::live::outcome::TuningState;
+use web::event::Event;
+use web::outcome::TuningState;
 
 /// Message from the tuning thread; this build has no such thread.
 #[derive(Debug)]

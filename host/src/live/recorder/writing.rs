@@ -5,14 +5,15 @@ use std::time::SystemTime;
 
 use super::summary::summary;
 use super::{RecordOptions, RunningRecorder, Unconverted};
-use crate::live::event::Event;
 use crate::record::RecordError;
 use crate::record::convert;
 use crate::record::journal::{ENDING, Entry, FlushOutcome, Header, Journal};
-use crate::record::session::{Action, HoldReason, Input, Output};
+use crate::record::session::{Action, Input, Output};
 use execution::progress;
 use execution::run_folder::utc;
 use recordings::labels::motion::Motion;
+use web::event::Event;
+use web::session::HoldReason;
 
 impl RunningRecorder {
     /// Creates a journal. Returns false on failure, which viewers are told.

@@ -1,4 +1,4 @@
-//! Files of the page, compiled into the program.
+//! Answers with the files of the page.
 
 use axum::http::header::{
     CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, HeaderName, REFERRER_POLICY,
@@ -6,69 +6,10 @@ use axum::http::header::{
 };
 use axum::http::{HeaderValue, StatusCode};
 use axum::response::{IntoResponse as _, Response};
+use web::page::FILES;
 
 const CROSS_ORIGIN_RESOURCE_POLICY: HeaderName =
     HeaderName::from_static("cross-origin-resource-policy");
-
-/// Path, MIME type and text of each file.
-const FILES: [(&str, &str, &str); 36] = [
-    ("", HTML, include_str!("../page/index.html")),
-    (
-        "icon.svg",
-        "image/svg+xml",
-        include_str!("../page/icon.svg"),
-    ),
-    ("live.css", CSS, include_str!("../page/live.css")),
-    ("layout.css", CSS, include_str!("../page/layout.css")),
-    ("session.css", CSS, include_str!("../page/session.css")),
-    ("wearer.css", CSS, include_str!("../page/wearer.css")),
-    ("sessions", HTML, include_str!("../page/sessions.html")),
-    ("sessions.css", CSS, include_str!("../page/sessions.css")),
-    ("sessions.js", SCRIPT, include_str!("../page/sessions.js")),
-    ("texts.js", SCRIPT, include_str!("../page/texts.js")),
-    ("english.js", SCRIPT, include_str!("../page/english.js")),
-    (
-        "english-session.js",
-        SCRIPT,
-        include_str!("../page/english-session.js"),
-    ),
-    ("german.js", SCRIPT, include_str!("../page/german.js")),
-    (
-        "german-session.js",
-        SCRIPT,
-        include_str!("../page/german-session.js"),
-    ),
-    (
-        "german-program.js",
-        SCRIPT,
-        include_str!("../page/german-program.js"),
-    ),
-    ("wearer.js", SCRIPT, include_str!("../page/wearer.js")),
-    ("live.js", SCRIPT, include_str!("../page/live.js")),
-    ("agreement.js", SCRIPT, include_str!("../page/agreement.js")),
-    ("armband.js", SCRIPT, include_str!("../page/armband.js")),
-    ("clock.js", SCRIPT, include_str!("../page/clock.js")),
-    ("empty.js", SCRIPT, include_str!("../page/empty.js")),
-    ("ending.js", SCRIPT, include_str!("../page/ending.js")),
-    ("gestures.js", SCRIPT, include_str!("../page/gestures.js")),
-    ("now.js", SCRIPT, include_str!("../page/now.js")),
-    ("help.js", SCRIPT, include_str!("../page/help.js")),
-    ("panel.js", SCRIPT, include_str!("../page/panel.js")),
-    ("history.js", SCRIPT, include_str!("../page/history.js")),
-    ("placement.js", SCRIPT, include_str!("../page/placement.js")),
-    ("rates.js", SCRIPT, include_str!("../page/rates.js")),
-    ("result.js", SCRIPT, include_str!("../page/result.js")),
-    ("rows.js", SCRIPT, include_str!("../page/rows.js")),
-    ("save.js", SCRIPT, include_str!("../page/save.js")),
-    ("session.js", SCRIPT, include_str!("../page/session.js")),
-    ("steps.js", SCRIPT, include_str!("../page/steps.js")),
-    ("time.js", SCRIPT, include_str!("../page/time.js")),
-    ("traces.js", SCRIPT, include_str!("../page/traces.js")),
-];
-
-const HTML: &str = "text/html; charset=utf-8";
-const CSS: &str = "text/css; charset=utf-8";
-const SCRIPT: &str = "text/javascript; charset=utf-8";
 
 /// Answers with a file, for a browser that knows this server as `host`.
 pub(super) fn answer(path: &str, host: &str) -> Response {
@@ -109,6 +50,7 @@ mod tests {
 
     use super::*;
     use shared::intent::Vocabulary;
+    use web::page::CSS;
 
     #[test]
     fn every_file_is_served_with_its_policy_and_nothing_else() {

@@ -3,7 +3,6 @@
 pub(crate) mod access;
 mod assets;
 mod connections;
-mod message;
 mod rate_limit;
 pub(crate) mod rights;
 mod viewer;
@@ -29,8 +28,8 @@ use self::connections::{LimitedListener, Upgraded};
 use self::rights::{Lead, Mode};
 use super::hub::Hub;
 use super::recorder::RecorderRequest;
-use super::source::SourceRequest;
 use crate::record::HistoryOf;
+use web::request::SourceRequest;
 
 /// Greatest number of viewers.
 const MOST_VIEWERS: usize = 16;

@@ -3,8 +3,8 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use crate::live::event::ViewerId;
 use crate::live::source::Source;
+use web::event::ViewerId;
 
 /// Mode of the program.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

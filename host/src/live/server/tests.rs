@@ -7,7 +7,7 @@ use std::time::Duration;
 use tungstenite::{Message, WebSocket};
 
 use super::*;
-use crate::live::event::Event;
+use web::event::Event;
 
 type Socket = WebSocket<TcpStream>;
 

@@ -6,19 +6,16 @@ use std::time::{Duration, Instant};
 use axum::body::Bytes;
 use axum::extract::ws::{Message as Frame, WebSocket};
 use recordings::labels::motion::Motion;
-use shared::stream::alignment::Alignment;
-use shared::units::CHANNELS;
 use tokio::sync::broadcast::error::TryRecvError;
 use tokio::time::{MissedTickBehavior, interval, interval_at, timeout};
+use web::event::{Event, ViewerId};
+use web::request::{SessionCommand, SourceRequest, UNKNOWN, ViewerMessage};
 
 use super::ServerState;
-use super::message::ViewerMessage;
 use super::rate_limit::{Admission, RateLimit};
 use super::rights::{self, Right};
-use crate::live::event::{Event, ViewerId};
 use crate::live::hub::{Message, Subscription};
 use crate::live::recorder::RecorderRequest;
-use crate::live::source::SourceRequest;
 use crate::record::session::Action;
 
 /// Time for which messages are collected: half a frame of a screen.
@@ -28,12 +25,9 @@ const SEND_TIMEOUT: Duration = Duration::from_secs(20);
 /// Pause between two pings. A viewer that is cut off does not answer, and its connection ends.
 const PING_PERIOD: Duration = Duration::from_secs(60);
 
-const UNKNOWN: &str = "there is no such request: load the page again, it may be of another version";
 const TOO_OFTEN: &str = "asked too often: at most 20 requests at once and 10 a second are heard";
 const WATCHES: &str = "another page leads the session, and this one watches";
 const BUSY: &str = "not done, because the program is busy or ends: ask again";
-/// Greatest number of characters of a mark.
-const MAX_MARK: usize = 80;
 
 /// State of a viewer's connection.
 #[derive(Debug)]
@@ -151,33 +145,26 @@ impl Viewer {
         let done = self.authorize(name).and_then(|()| match message {
             ViewerMessage::Ping { .. } => Ok(()),
             ViewerMessage::Mark { sample, ref text } => {
-                let letters = text.chars().filter(|letter| !letter.is_control());
-                let text = letters.take(MAX_MARK).collect();
-                self.server.hub.publish(&Event::Mark { sample, text });
+                self.server.hub.publish(&Event::of_mark(sample, text));
                 Ok(())
             }
-            ViewerMessage::Align => self.request_source(SourceRequest::Align),
-            ViewerMessage::Cancel => self.request_source(SourceRequest::CancelAlignment),
-            ViewerMessage::Place { turn, .. } if usize::from(turn) >= CHANNELS => Err(UNKNOWN),
-            ViewerMessage::Place { turn, mirrored } => {
-                let known = Alignment::new(turn, mirrored);
-                self.request_source(SourceRequest::SetAlignment(known))
-            }
-            ViewerMessage::Bind => self.request_source(SourceRequest::Bind),
-            ViewerMessage::Session { command } => self.request_recorder(command.request()),
+            ViewerMessage::Session { command } => self.request_recorder(recorder_request(command)),
             ViewerMessage::Gesture { ref class } => match Motion::from_name(class) {
                 None | Some(Motion::Unknown) => Err(UNKNOWN),
                 Some(motion) => {
                     self.request_recorder(RecorderRequest::Action(Action::Mark(motion)))
                 }
             },
+            ref message => match message.for_source() {
+                Some(request) => self.request_source(request),
+                None => Err(UNKNOWN),
+            },
         });
         match (done, message) {
             (Err(why), _) => refuse(socket, name, why).await,
             (Ok(()), ViewerMessage::Ping { sent }) => {
                 let now = self.server.hub.now();
-                let pong = serde_json::json!({ "type": "pong", "sent": sent, "now": now });
-                send(socket, [pong.to_string().into()]).await
+                send(socket, [json(&Event::Pong { sent, now })]).await
             }
             (Ok(()), _) => true,
         }
@@ -215,19 +202,34 @@ impl Viewer {
     }
 
     fn hello(&self) -> Message {
-        let version = env!("CARGO_PKG_VERSION");
         let now = self.server.hub.now();
         let record = self.server.requests.recorder.is_some();
-        serde_json::json!({ "type": "hello", "version": version, "now": now, "you": self.id, "record": record })
-            .to_string()
-            .into()
+        json(&Event::hello(now, self.id, record))
     }
 }
 
+/// Request to the recorder that a command makes.
+const fn recorder_request(command: SessionCommand) -> RecorderRequest {
+    match command {
+        SessionCommand::Begin => RecorderRequest::Action(Action::Begin),
+        SessionCommand::Repeat => RecorderRequest::Action(Action::Repeat),
+        SessionCommand::Hold => RecorderRequest::Action(Action::Hold),
+        SessionCommand::Finish => RecorderRequest::Action(Action::Finish),
+        SessionCommand::Again => RecorderRequest::NewSession,
+        SessionCommand::Tune => RecorderRequest::Tune,
+        SessionCommand::Install => RecorderRequest::Install,
+    }
+}
+
+/// Message of an event to one viewer.
+fn json(event: &Event) -> Message {
+    // Maps with keys of text alone: they can be written.
+    serde_json::to_string(event).unwrap_or_default().into()
+}
+
 /// Tells a viewer why a request is refused; false if the viewer is gone.
-async fn refuse(socket: &mut WebSocket, name: &str, why: &str) -> bool {
-    let refused = serde_json::json!({ "type": "refused", "do": name, "text": why });
-    send(socket, [refused.to_string().into()]).await
+async fn refuse(socket: &mut WebSocket, request: &'static str, text: &'static str) -> bool {
+    send(socket, [json(&Event::Refused { request, text })]).await
 }
 
 /// Sends messages as one JSON array; false if the viewer is gone.

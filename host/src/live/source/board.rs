@@ -12,17 +12,18 @@ use serial2::SerialPort;
 use shared::model::Encode;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
-use shared::stream::alignment::Arm;
-use shared::uart_line::command::{AlignCommand, BindCommand, Command};
+use shared::uart_line::command::Command;
 use shared::units::Millis;
+use web::Losses;
+use web::board::{Board, Change, NOTHING_YET, silent as board_is_silent};
+use web::event::Event;
+use web::outcome::InstallationState;
+use web::request::SourceRequest;
+use web::scored_pipeline::ScoredPipeline;
 
 use self::advice::Advice;
-use super::dialogue::{BoardEvent, Dialogue, Losses};
-use super::scored_pipeline::ScoredPipeline;
-use super::{Context, SourceRequest};
+use super::Context;
 use crate::board::{self, ModelFile, port};
-use crate::live::event::Event;
-use crate::live::outcome::InstallationState;
 use execution::progress::with_causes;
 
 /// Longest time that one read waits for bytes: the longest delay that a page sees.
@@ -31,8 +32,6 @@ const WAIT: Duration = Duration::from_millis(10);
 const AGAIN: Duration = Duration::from_millis(100);
 /// Time after which a board that does not take a command is not there.
 const WRITE: Duration = Duration::from_secs(1);
-
-const NOTHING_YET: &str = "open; nothing heard yet";
 
 /// Board on a serial port.
 #[derive(Debug)]
@@ -90,9 +89,7 @@ impl BoardSource {
                     let session = BoardConnection {
                         context,
                         port,
-                        dialogue: Dialogue::new(now(context), *losses),
-                        published: NOTHING_YET,
-                        scored: scored.as_mut(),
+                        board: Board::new(now(context), *losses, scored.as_mut()),
                     };
                     let (ended, counted) = session.run(self);
                     *losses = counted;
@@ -160,15 +157,13 @@ impl From<std::io::Error> for ConnectionEnd {
 struct BoardConnection<'c, 'r, E: Encode> {
     context: &'c Context,
     port: SerialPort,
-    dialogue: Dialogue,
-    /// State of the board that viewers know; empty while it is heard.
-    published: &'static str,
-    scored: Option<&'c mut ScoredPipeline<'r, E>>,
+    board: Board<'c, 'r, E>,
 }
 
 impl<E: Encode> BoardConnection<'_, '_, E> {
     /// Runs until the port is lost or needed, or the program is stopped. Also returns the losses on the line.
-    fn run(mut self, board: &BoardSource) -> (ConnectionEnd, Losses) {
+    fn run(mut self, source: &BoardSource) -> (ConnectionEnd, Losses) {
+        let hub = &self.context.hub;
         let mut buffer = [0; 4096];
         let ended = loop {
             if self.context.stop.requested() {
@@ -180,33 +175,40 @@ impl<E: Encode> BoardConnection<'_, '_, E> {
             }
             match self.port.read(&mut buffer) {
                 Ok(0) => break ConnectionEnd::Lost(ErrorKind::UnexpectedEof.into()),
-                Ok(length) => self.bytes(&buffer[..length]),
+                Ok(length) => {
+                    let emit = &mut |event| hub.publish(&event);
+                    self.board
+                        .bytes(now(self.context), hub.now(), &buffer[..length], emit);
+                }
                 Err(error) if port::is_timeout(&error) => {}
                 Err(error) => break ConnectionEnd::Lost(error),
             }
-            self.watch(board);
+            if let Some(Change { state, is_silent }) = self.board.change(now(self.context)) {
+                let port = source.path.display().to_string();
+                let steps = if is_silent {
+                    board_is_silent(&port)
+                } else {
+                    Vec::new()
+                };
+                source.publish(self.context, state.is_empty(), state, steps);
+            }
         };
-        if let Some(scored) = &mut self.scored {
-            scored.disconnected(now(self.context));
-        }
-        (ended, self.dialogue.losses())
+        self.board.ended(now(self.context));
+        (ended, self.board.losses())
     }
 
     fn commands(&mut self) -> Result<(), ConnectionEnd> {
-        while let Some(command) = self.dialogue.command(now(self.context)) {
+        while let Some(command) = self.board.command(now(self.context)) {
             self.send(command)?;
         }
         while let Ok(request) = self.context.requests.try_recv() {
-            self.send(match request {
-                SourceRequest::Align => Command::Align(AlignCommand::Begin(Arm::Unknown)),
-                SourceRequest::CancelAlignment => Command::Align(AlignCommand::Cancel),
-                SourceRequest::SetAlignment(known) => Command::Align(AlignCommand::Set(known)),
-                SourceRequest::Bind => Command::Bind(BindCommand::Begin),
-                SourceRequest::Install(model) => {
-                    self.leave();
-                    return Err(ConnectionEnd::Installs(model));
-                }
-            })?;
+            if let Some(command) = request.command() {
+                self.send(command)?;
+            }
+            if let SourceRequest::Install(model) = request {
+                self.leave();
+                return Err(ConnectionEnd::Installs(model));
+            }
         }
         Ok(())
     }
@@ -218,61 +220,6 @@ impl<E: Encode> BoardConnection<'_, '_, E> {
 
     fn send(&self, command: Command) -> std::io::Result<()> {
         self.port.write_all(command.to_string().as_bytes())
-    }
-
-    fn bytes(&mut self, bytes: &[u8]) {
-        let hub = &self.context.hub;
-        let now = now(self.context);
-        let scored = &mut self.scored;
-        self.dialogue.bytes(now, hub.now(), bytes, |event| {
-            let Some(scored) = scored else {
-                if let BoardEvent::Publish(event) = event {
-                    hub.publish(&event);
-                }
-                return;
-            };
-            match event {
-                BoardEvent::Publish(event) => hub.publish(&event),
-                BoardEvent::Restart => drop(scored.disconnected(now)),
-                BoardEvent::Alignment(alignment) => scored.set_alignment(alignment),
-                BoardEvent::Samples(report, missing) => {
-                    match missing {
-                        Some(0) => {}
-                        Some(missing) => drop(scored.gap(now, missing)),
-                        None => drop(scored.disconnected(now)),
-                    }
-                    let mut index = report.first;
-                    for sample in report.samples {
-                        if let Some(scores) = scored.sample(now, index, sample).scores {
-                            hub.publish(&scores);
-                        }
-                        index = index.plus(1);
-                    }
-                }
-            }
-        });
-    }
-
-    /// Tells viewers when a board is heard, and when it no longer is.
-    fn watch(&mut self, board: &BoardSource) {
-        let is_heard = self.dialogue.has_received();
-        let state = match (is_heard, self.dialogue.is_silent(now(self.context))) {
-            (true, false) => "",
-            (true, true) => "no line for 5 s: is the board still powered?",
-            (false, false) => NOTHING_YET,
-            (false, true) => {
-                "no line of a board for 5 s: is this its port, and does no other program read it?"
-            }
-        };
-        if state != self.published {
-            self.published = state;
-            let steps = if self.dialogue.is_silent(now(self.context)) {
-                Advice::silent(&board.path)
-            } else {
-                Vec::new()
-            };
-            board.publish(self.context, state.is_empty(), state, steps);
-        }
     }
 }
 

@@ -3,13 +3,7 @@
 #[cfg(any(feature = "bluetooth", test))]
 pub(crate) mod bluetooth;
 mod board;
-mod demo;
-mod dialogue;
-mod person;
 mod playback;
-mod scored_pipeline;
-mod scores;
-mod shared_cue;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -17,13 +11,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Receiver;
 
 use shared::myo::Address;
-use shared::stream::alignment::Alignment;
+use web::person::{Cues, Person};
+use web::playback::SampleSource;
+use web::request::SourceRequest;
+use web::{SHIPPED, SharedCue, demo};
 
 use self::board::BoardSource;
 pub(crate) use self::board::no_port;
-use self::person::{Cues, Person};
-use self::playback::{Playback, SampleSource};
-pub(crate) use self::shared_cue::SharedCue;
+use self::playback::PlaybackSource;
 
 /// Session that a demo follows, or a replay plays for.
 #[derive(Debug)]
@@ -34,7 +29,6 @@ pub(crate) struct Guide {
     /// Number of files that earlier sessions of the person left: with it the simulated person never does the same twice.
     pub(crate) earlier: u64,
 }
-use super::SHIPPED;
 use super::hub::Hub;
 use recordings::{DataSet, Recording};
 
@@ -87,9 +81,8 @@ impl Source {
         context: &Context,
     ) -> anyhow::Result<()> {
         let speed = guide.as_ref().map_or(1, |guide| guide.speed);
-        let playback = |kind, name, samples, model: Option<Vec<u8>>| Playback {
-            kind,
-            name,
+        let playback = |kind, name, samples, model: Option<Vec<u8>>| PlaybackSource {
+            named: (kind, name),
             model: model.unwrap_or_else(|| SHIPPED.to_vec()),
             samples,
             speed,
@@ -119,21 +112,6 @@ impl Source {
             }
         }
     }
-}
-
-/// Request to a source.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub(crate) enum SourceRequest {
-    /// Begin an alignment.
-    Align,
-    /// Cancel the alignment in progress.
-    CancelAlignment,
-    /// Put an alignment in force that is known.
-    SetAlignment(Alignment),
-    /// Begin a pairing; boards only.
-    Bind,
-    /// Install this model; boards only.
-    Install(Vec<u8>),
 }
 
 /// Channels of a source.

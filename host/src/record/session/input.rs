@@ -2,6 +2,7 @@
 
 use recordings::labels::motion::Motion;
 use shared::units::SampleIndex;
+use web::session::HoldReason;
 
 /// Input of a session.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -34,26 +35,6 @@ pub(crate) enum Action {
     Finish,
     /// Name the gesture done from now on, in a free session.
     Mark(Motion),
-}
-
-/// Reason why a session is held.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum HoldReason {
-    /// The person asked for it.
-    Person,
-    /// The leader has left the page.
-    LeaderLeft,
-    /// The source was lost or has restarted.
-    SourceLost,
-    /// No sample came for two seconds.
-    Silent,
-    /// Several trials in a row have lost samples.
-    Losses,
-    /// The journal cannot be written.
-    Disk,
-    /// The journal was deleted, moved or replaced.
-    Gone,
 }
 
 /// Reason why a trial is not used.

@@ -13,17 +13,17 @@ mod continuity;
 mod course;
 mod input;
 mod schedule;
-pub(crate) mod view;
+mod view;
 
 use std::collections::VecDeque;
 
 use recordings::labels::motion::Motion;
 use shared::units::{Millis, SampleIndex};
+use web::session::HoldReason;
 
 pub(crate) use self::continuity::{Continuity, GapDetector, has_reached};
-pub(crate) use self::input::{Action, HoldReason, Input, Output, RejectReason};
+pub(crate) use self::input::{Action, Input, Output, RejectReason};
 use self::schedule::RoundSchedule;
-pub(crate) use self::view::View;
 use super::protocol::Protocol;
 
 /// Time without samples after which a session is held: longer than delays of a busy PC.

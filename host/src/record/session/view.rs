@@ -1,58 +1,12 @@
 //! View of a session for a page, in samples of the stream.
 
 use recordings::labels::motion::Motion;
-use serde::Serialize;
+use web::session::{UpcomingStep, View};
 
-use super::{HoldReason, Phase, Session};
+use super::{Phase, Session};
 
 /// Number of steps that are shown ahead.
 const AHEAD: usize = 6;
-
-/// Coming step.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
-pub(crate) struct UpcomingStep {
-    /// Motion to perform.
-    pub(crate) cue: &'static str,
-    /// Duration in samples.
-    pub(crate) samples: u32,
-}
-
-/// State of a session for a page.
-#[derive(Clone, PartialEq, Eq, Debug, Serialize)]
-pub(crate) struct View {
-    /// Phase: `waiting`, `ready`, `cued`, `held` or `over`.
-    pub(crate) phase: &'static str,
-    /// Name of the protocol.
-    pub(crate) protocol: String,
-    /// Whether the session is free.
-    pub(crate) free: bool,
-    /// Motions of the protocol.
-    pub(crate) classes: Vec<&'static str>,
-    /// Reason for the hold, if it is held.
-    pub(crate) why: Option<HoldReason>,
-    /// Motion of the current cue.
-    pub(crate) cue: Option<&'static str>,
-    /// First sample of the countdown or the cue.
-    pub(crate) from: Option<u32>,
-    /// Sample after the last one of the countdown or the cue; none for a cue of a free session.
-    pub(crate) end: Option<u32>,
-    /// Coming steps of this round.
-    pub(crate) coming: Vec<UpcomingStep>,
-    /// Number of the round, from 1; 0 before the beginning.
-    pub(crate) round: u32,
-    /// Number of rounds; 0 in a free session.
-    pub(crate) rounds: u32,
-    /// Number of trials of the round that are done.
-    pub(crate) done: usize,
-    /// Number of trials of a round.
-    pub(crate) trials: usize,
-    /// Number of trials that are not used.
-    pub(crate) bad: u32,
-    /// Whether a trial can be repeated.
-    pub(crate) can_repeat: bool,
-    /// Samples from `from` to the end of the session; none in a free session.
-    pub(crate) left: Option<u64>,
-}
 
 impl Session {
     /// State of the session for a page.

@@ -11,8 +11,9 @@ use futures_util::StreamExt as _;
 use shared::myo::{Action, Address, Uuid};
 use tokio::sync::mpsc::{UnboundedReceiver, unbounded_channel};
 
+use super::Radio;
 use super::link::{Link, Notifications, characteristic, on_air};
-use super::radio::{Radio, RadioEvent, advertising_data};
+use web::radio::{RadioEvent, advertising_data};
 
 /// Signal strength that stands for an unknown one, as in the session.
 const RSSI_UNKNOWN: i8 = 127;

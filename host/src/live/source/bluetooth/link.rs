@@ -7,7 +7,7 @@ use btleplug::platform::Peripheral;
 use futures_util::Stream;
 use shared::myo::{Action, Characteristic, Uuid};
 
-use super::radio::RadioEvent;
+use web::radio::RadioEvent;
 
 /// Notifications of all subscribed characteristics.
 pub(super) type Notifications = Pin<Box<dyn Stream<Item = ValueNotification> + Send>>;
@@ -65,7 +65,9 @@ impl Link {
             .filter_map(|remote| Some((characteristic(remote.uuid)?, remote)))
             .collect();
         let found = self.found.iter().map(|(characteristic, _)| *characteristic);
-        Some(RadioEvent::Discovered(found.collect()))
+        Some(RadioEvent::Discovered {
+            found: found.collect(),
+        })
     }
 
     fn remote(&self, wanted: Characteristic) -> Option<&Remote> {
@@ -75,7 +77,7 @@ impl Link {
 
     async fn read(&self, characteristic: Characteristic) -> Option<RadioEvent> {
         let bytes = self.peripheral.read(self.remote(characteristic)?).await;
-        bytes.ok().map(RadioEvent::Read)
+        bytes.ok().map(|bytes| RadioEvent::Read { bytes })
     }
 
     async fn write(&self, characteristic: Characteristic, bytes: &[u8]) -> Option<RadioEvent> {

@@ -4,13 +4,14 @@ use std::thread::JoinHandle;
 
 use serde_json::{Value, json};
 use shared::myo::{Characteristic, Uuid};
+use shared::units::{Millis, Sample, SampleIndex};
 use tokio::sync::mpsc::{UnboundedReceiver, unbounded_channel};
 
-use super::radio::advertising_data;
 use super::*;
-use crate::live::SHIPPED;
 use crate::live::hub::Hub;
 use crate::live::source::Stop;
+use web::SHIPPED;
+use web::radio::advertising_data;
 
 const ADDRESS: &str = "FA:12:34:56:78:9A";
 /// Firmware version 1.5.1970, hardware revision 2.
@@ -39,12 +40,15 @@ impl Peripheral {
                 Action::Connect(_) => ("connect", Some(RadioEvent::Connected)),
                 Action::Discover => {
                     let all = Characteristic::ALL.into_iter().collect();
-                    ("discover", Some(RadioEvent::Discovered(all)))
+                    ("discover", Some(RadioEvent::Discovered { found: all }))
                 }
-                Action::Read(Characteristic::FirmwareVersion) => {
-                    ("firmware", Some(RadioEvent::Read(FIRMWARE.to_vec())))
-                }
-                Action::Read(_) => ("battery", Some(RadioEvent::Read(vec![80]))),
+                Action::Read(Characteristic::FirmwareVersion) => (
+                    "firmware",
+                    Some(RadioEvent::Read {
+                        bytes: FIRMWARE.to_vec(),
+                    }),
+                ),
+                Action::Read(_) => ("battery", Some(RadioEvent::Read { bytes: vec![80] })),
                 Action::Subscribe(_) => ("subscribe", Some(RadioEvent::Done)),
                 Action::Write(_, payload) if payload.as_slice() == [1, 3, 2, 0, 0] => {
                     let _ = self.events.send(RadioEvent::Done);

@@ -69,21 +69,6 @@ impl Advice {
         };
         Self { why, steps }
     }
-
-    /// Advice for a port on which no board is heard, or no longer.
-    pub(super) fn silent(path: &Path) -> Vec<String> {
-        vec![
-            "Is the board powered? Its LED blinks while it looks for an armband.".to_owned(),
-            format!(
-                "Is {} the board's port? Another device may have taken the name.",
-                path.display()
-            ),
-            "Close every other program that reads this port: it takes part of the lines."
-                .to_owned(),
-            "Has the board the firmware of this project? The guide `flash` says how it gets it."
-                .to_owned(),
-        ]
-    }
 }
 
 /// Step that names the ports that exist.

@@ -4,14 +4,14 @@ use std::sync::{Arc, mpsc};
 use serde_json::Value;
 use shared::installation::Progress;
 use shared::uart_line::answer::{Accepted, Answer, Identity, Refusal};
-use shared::uart_line::command::CommandReader;
+use shared::uart_line::command::{AlignCommand, BindCommand, CommandReader};
 use tokio::sync::broadcast::error::TryRecvError;
 
 use super::*;
 use crate::board::ModelFile;
-use crate::live::SHIPPED;
 use crate::live::hub::Hub;
 use crate::live::source::Stop;
+use web::SHIPPED;
 
 /// Terminal whose other end answers every command, and installations as `answer` does, until it is stopped. The thread
 /// returns the number of alignments and pairings.

@@ -1,0 +1,348 @@
+// The page: takes messages from the program, draws, and passes on what the viewer asks for.
+
+import { Agreement } from "./agreement.js";
+import { Armband } from "./armband.js";
+import { Empty } from "./empty.js";
+import "./help.js";
+import { CHANNELS, SampleHistory } from "./history.js";
+import { Clock, RATE } from "./clock.js";
+import { connect } from "./link.js";
+import { Now } from "./now.js";
+import { Panel } from "./panel.js";
+import { Placement } from "./placement.js";
+import { Rates } from "./rates.js";
+import { Session } from "./session.js";
+import { save } from "./save.js";
+import { Steps } from "./steps.js";
+import { choose, fill, said, t } from "./texts.js";
+import { Traces } from "./traces.js";
+import { Wearer } from "./wearer.js";
+
+const find = (id) => document.getElementById(id);
+// Before anything is shown.
+fill();
+const clock = new Clock();
+const history = new SampleHistory();
+const now = new Now();
+const panel = new Panel();
+const rates = new Rates();
+const traces = new Traces(find("traces"));
+const armband = new Armband(find("armband"));
+const agreement = new Agreement();
+const placement = new Placement(armband, say);
+const empty = new Empty();
+const session = new Session(say);
+const steps = new Steps(say);
+const wearer = new Wearer();
+const still = matchMedia("(prefers-reduced-motion: reduce)");
+
+/** Time for which a notice of something that is over stays, in ms. */
+const PASSING = 8000;
+
+let link = null;
+let ended = false;
+let connected = false;
+let newest = null;
+/** The last report of the stream; null without one, and then why there is none. */
+let report = null;
+let noReport = t("no.label.yet");
+let paused = null;
+let held = null;
+let marks = 0;
+let aligning = false;
+let skipped = 0;
+let dropped = 0;
+let shown = 0;
+/** Right edge of the picture, in samples. */
+let drawn = null;
+
+const TAKE = {
+  hello(message) {
+    clock.hello(message.now);
+    session.hello(message);
+    traces.scores = !message.record;
+  },
+  pong: (message) => clock.pong(message.sent, message.now),
+  source(message) {
+    const name = t(`source.${message.kind}`, { name: said(message.name) });
+    connected = message.connected;
+    panel.source(connected ? "connected" : "lost", message.detail ? `${name}: ${said(message.detail)}` : name);
+    document.body.dataset.kind = message.kind;
+    find("align").disabled = !connected;
+    if (!connected) {
+      noStream();
+    }
+  },
+  model(message) {
+    traces.model = message;
+    panel.legend(message);
+  },
+  board(message) {
+    panel.number("board", `${said(message.image)}, ${message.version}`);
+    panel.number("address", message.armband ?? t("none.connected"));
+    panel.number("battery", message.battery === null ? "–" : `${message.battery} %`);
+  },
+  counts(message) {
+    const sum = message.packets_dropped + message.lines_dropped + message.emg_dropped;
+    if (sum !== dropped) {
+      dropped = sum;
+      panel.notice(sum ? t("dropped", { n: sum }) : "");
+    }
+  },
+  line({ damaged, missing, samples }) {
+    panel.number("line", t("line.lost", { samples, lines: missing + damaged }));
+  },
+  samples(message) {
+    const end = message.first + message.emg.length;
+    history.samples(message.first, message.emg, message.truth);
+    find("mark").disabled = find("save").disabled = false;
+    clock.samples(end, message.at);
+    rates.samples(message.at, message.emg.length);
+  },
+  report(message, isOld, repeats) {
+    newest = message.is_label && message.valid ? message : message.is_label ? newest : null;
+    report = message;
+    history.report(message);
+    panel.report(message);
+    if (!repeats) {
+      count(message);
+    }
+  },
+  scores: (message) => history.scores.push(message),
+  alignment(message, isOld) {
+    history.placed = message.turn + 8 * message.mirrored;
+    placement.take(message, isOld);
+    aligns(message.state === "waiting");
+  },
+  mark: ({ sample, text }) => history.marks.push({ sample, text: said(text) }),
+  session(message) {
+    history.cue(message.from ?? history.end ?? 0, message.cue);
+    if (message.phase === "waiting") {
+      agreement.clear();
+      now.share(agreement);
+    }
+    session.show(message);
+    if (session.isRunning && paused !== null) {
+      actions.pause();
+    }
+  },
+  lead: (message) => session.lead(message),
+  kept: (message) => session.kept(message),
+  tuning: (message) => session.tuning(message),
+  installing: (message) => session.installing(message),
+  comment: (message) => panel.number("comment", said(message.text)),
+  refused: (message) => panel.notice(t("refused", { text: said(message.text) }), PASSING),
+  skipped(message) {
+    skipped += message.messages;
+    panel.number("skipped", t("skipped", { n: skipped }));
+  },
+  end() {
+    ended = true;
+    lost(t("source.ended"), [t("empty.ended"), t("empty.again")]);
+  },
+};
+
+function lost(text, advice) {
+  connected = false;
+  empty.gone(advice);
+  panel.source("lost", text);
+  find("align").disabled = true;
+  noStream();
+}
+
+function noStream() {
+  newest = report = null;
+  noReport = t("no.stream");
+  history.placed = 0;
+  placement.clear();
+  aligns(false);
+}
+
+/** Counts whether a label is what was asked for. */
+function count(message) {
+  if (message.is_label && message.valid) {
+    const isRight = agreement.take(history, message);
+    if (isRight !== null) {
+      placement.judged(isRight);
+    }
+    now.share(agreement);
+  }
+}
+
+function aligns(waiting) {
+  aligning = waiting;
+  find("align").setAttribute("aria-pressed", String(waiting));
+  find("align").firstElementChild.textContent = t(waiting ? "align.stop" : "align");
+}
+
+/** Another stream begins, in place of the one before. */
+function begun() {
+  clock.forget();
+  history.clear();
+  agreement.clear();
+  now.share(agreement);
+  noStream();
+  traces.model = null;
+  panel.legend(null);
+}
+
+function opened() {
+  ended = false;
+  ping();
+}
+
+function take(messages) {
+  // The first ones repeat the last seconds; after a break, this page may have them.
+  const [first] = messages;
+  const again = first?.type === "hello" && clock.goesOn(first.now) ? history.end : null;
+  for (const message of messages) {
+    const repeats = again !== null && isBefore(message, again);
+    // A report may be the newest there is, and changes nothing if it is known.
+    if (repeats && message.type !== "report") {
+      continue;
+    }
+    TAKE[message.type]?.(message, first?.type === "hello", repeats);
+    steps.take(message);
+    empty.take(message);
+  }
+}
+
+/** The link is lost; returns the ms until it is tried again. */
+function closed(text, advice) {
+  if (!ended) {
+    lost(text, advice);
+  }
+  return ended ? 3000 : 1000;
+}
+
+/** Whether a message is about samples before this one. */
+function isBefore(message, end) {
+  const of = { samples: "first", report: "emitted", scores: "instant", mark: "sample" }[message.type];
+  return of !== undefined && message[of] < end;
+}
+
+function say(message) {
+  link?.say(message);
+}
+
+function ping() {
+  for (const wait of [0, 50, 100, 150]) {
+    setTimeout(() => say({ do: "ping", sent: performance.now() }), wait);
+  }
+}
+
+const actions = {
+  pause() {
+    paused = paused === null ? edge() : null;
+    held = newest;
+    find("pause").setAttribute("aria-pressed", String(paused !== null));
+    find("pause").firstElementChild.textContent = t(paused === null ? "pause" : "resume");
+    panel.notice(paused === null ? "" : t("paused"));
+  },
+  mark() {
+    if (history.end !== null) {
+      marks += 1;
+      const sample = Math.max(0, Math.round(paused ?? history.end - 1));
+      say({ do: "mark", sample, text: t("mark.number", { n: marks }) });
+    }
+  },
+  save() {
+    panel.notice(save(history), PASSING);
+  },
+  align: () => say({ do: aligning ? "cancel" : "align" }),
+  language: choose,
+};
+
+for (const [id, action] of Object.entries(actions)) {
+  find(id).addEventListener("click", action);
+}
+
+addEventListener("keydown", (event) => {
+  if (event.ctrlKey || event.metaKey || event.altKey || event.repeat && event.key === " ") {
+    return;
+  }
+  if (session.key(event)) {
+    event.preventDefault();
+    return;
+  }
+  if (session.isAsking) {
+    return;
+  }
+  const keys = { " ": "pause", m: "mark", s: "save", a: "align", u: "undo", w: "wearer" };
+  const id = keys[event.key.toLowerCase()];
+  if (id && !(event.key === " " && event.target instanceof HTMLButtonElement)) {
+    event.preventDefault();
+    find(id).click();
+  }
+  if (paused !== null && (event.key === "ArrowLeft" || event.key === "ArrowRight")) {
+    event.preventDefault();
+    const step = event.key === "ArrowLeft" ? -RATE / 2 : RATE / 2;
+    paused = Math.min(history.end ?? 0, Math.max(history.first, paused + step));
+    held = null;
+  }
+});
+
+/** Position of the stream, which moves evenly. */
+function position() {
+  const end = history.end ?? 0;
+  return Math.min(end, clock.position() ?? end);
+}
+
+/** Where the picture ends: with the stream; without motion in steps of a second. */
+function edge() {
+  return still.matches ? Math.floor(position() / RATE) * RATE : position();
+}
+
+function frame() {
+  session.frame(position());
+  const [at, label] = paused === null ? [(history.end ?? 1) - 1, report] : [paused, history.labelAt(paused)];
+  now.show(history, at, label, noReport);
+  wearer.show(now.label, now.judged, aligning);
+  const to = paused ?? edge();
+  // Without motion the picture stands until the next second.
+  if (!still.matches || to !== drawn || traces.isStale) {
+    traces.draw(history, to, paused === null ? newest : held);
+    if (still.matches) {
+      activity();
+    }
+    drawn = to;
+  }
+  // Of what is drawn for the first time: from its arrival at the program to the picture.
+  const end = Math.min(history.end ?? 0, edge());
+  if (paused === null && connected && end > shown) {
+    rates.drawn(clock.age(end));
+  }
+  shown = end;
+  requestAnimationFrame(frame);
+}
+
+function numbers() {
+  empty.show();
+  const latency = rates.latency();
+  if (latency !== null) {
+    panel.number("latency", latency);
+  }
+  panel.number("rate", rates.perSecond(clock.now()));
+}
+
+/** Bars of the electrodes. */
+function activity() {
+  const end = history.end ?? 0;
+  const levels = new Array(CHANNELS).fill(0);
+  const from = Math.max(history.first, end - RATE / 4);
+  for (let sample = from; sample < end; sample += 1) {
+    for (let channel = 0; channel < CHANNELS; channel += 1) {
+      levels[channel] += Math.abs(history.value(sample, channel)) / (end - from) / 40;
+    }
+  }
+  armband.activity(levels);
+}
+
+panel.legend(null);
+numbers();
+setInterval(numbers, 1000);
+setInterval(() => still.matches || activity(), 100);
+setInterval(() => now.speak(), 2000);
+setInterval(ping, 10_000);
+link = connect({ begun, opened, take, closed });
+requestAnimationFrame(frame);

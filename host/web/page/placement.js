@@ -1,0 +1,149 @@
+// How the armband sits: what an alignment changed, how to take that back, and whether labels are worse since.
+
+import { keep, kept } from "./stored.js";
+import { fixed, named, t } from "./texts.js";
+
+/** Labels in gestures that are compared, at least: 3 s of them. The first ones after a change may belong to before. */
+const ENOUGH = 30;
+const FIRST = 10;
+const MOST = 100;
+/** Per cent of the labels that must be worse. */
+const LESS = 15;
+
+const find = (id) => document.getElementById(id);
+
+function write(node, text) {
+  if (node.textContent !== text) {
+    node.textContent = text;
+  }
+}
+
+const NONE = { turn: 0, mirrored: false };
+const same = (one, other) => one.turn === other.turn && one.mirrored === other.mirrored;
+const isNone = (placed) => same(placed, NONE);
+
+/** How the armband sits, in words. */
+export function placement({ turn, mirrored }) {
+  const turned = turn ? t("turned", { n: turn }) : "";
+  const parts = [turned, mirrored ? t("other.arm") : ""].filter(Boolean);
+  return parts.join(", ") || t("as.in.training");
+}
+
+/** What an alignment does, or what came of it, in words. */
+export function outcome({ state, gestures }) {
+  return state === "waiting" ? t("outcome.waiting", { n: gestures }) : named("outcome", state);
+}
+
+/** The newest change, kept by the browser until this tab is closed: a page that is loaded again can take it back. */
+const CHANGE = "change of the placement";
+
+/** The placement before the one in force; null if it is unknown. */
+function remembered(placed) {
+  const change = JSON.parse(kept("tab", CHANGE));
+  return change && same(change.placed, placed) ? change.before : null;
+}
+
+const sentence = (text) => `${text[0].toUpperCase()}${text.slice(1)}`;
+
+/** What is in force, and what came of an alignment, as a sentence. */
+function said(message) {
+  const placed = isNone(message) ? null : placement(message);
+  switch (message.state) {
+    case "waiting":
+      return t("said.waiting", { outcome: outcome(message) });
+    case "aligned":
+      return placed ? t("said.aligned", { placement: placed }) : t("said.as.in.training");
+    case "set": case "in-force": case "disconnected":
+      return placed ? t("said.in.force", { placement: placed }) : t("not.aligned");
+    default:
+      return sentence(placed ? `${placed}; ${outcome(message)}` : outcome(message));
+  }
+}
+
+export class Placement {
+  #armband;
+  #say;
+  #now = NONE;
+  /** Placement before the newest change; null if it is unknown or was asked for. */
+  #before = null;
+  /** Whether this page has asked for the next change. */
+  #asked = false;
+  /** Whether the newest labels in gestures were as asked, and their share in per cent before the change. */
+  #judged = [];
+  #shareBefore = null;
+
+  constructor(armband, say) {
+    this.#armband = armband;
+    this.#say = say;
+    find("undo").addEventListener("click", () => this.#put(this.#before));
+    find("reset").addEventListener("click", () => this.#put(NONE));
+    this.clear();
+  }
+
+  /** Takes a message about the alignment; an old one is of what was in force before this page was opened. */
+  take(message, isOld) {
+    const { turn, mirrored, state } = message;
+    const placed = { turn, mirrored };
+    if (!same(placed, this.#now)) {
+      const isKnown = this.#asked || state === "in-force";
+      this.#before = isOld ? remembered(placed) : isKnown ? null : this.#now;
+      keep("tab", CHANGE, JSON.stringify({ placed, before: this.#before }));
+      this.#asked = false;
+      this.#shareBefore = this.#before && this.#share();
+      this.#judged = [];
+    }
+    this.#now = placed;
+    this.#show(message);
+  }
+
+  /** Takes whether a label in a gesture is the one asked for. */
+  judged(isRight) {
+    this.#judged.push(isRight);
+    if (this.#judged.length > MOST) {
+      this.#judged.shift();
+    }
+    this.#worse();
+  }
+
+  /** Nothing is known: there is no stream. */
+  clear() {
+    this.#now = NONE;
+    this.#before = this.#shareBefore = null;
+    this.#asked = false;
+    this.#judged = [];
+    this.#show({ ...NONE, state: "disconnected", distance: null, margin: null });
+  }
+
+  #put(placed) {
+    if (placed) {
+      this.#asked = true;
+      this.#say({ do: "place", ...placed });
+    }
+  }
+
+  #share() {
+    const counted = this.#judged.slice(FIRST);
+    return counted.length < ENOUGH ? null : Math.round((100 * counted.filter(Boolean).length) / counted.length);
+  }
+
+  #show(message) {
+    const before = this.#before;
+    this.#armband.place(this.#now.turn, this.#now.mirrored);
+    write(find("placement"), said(message));
+    const { distance, margin } = message;
+    find("fit").hidden = distance === null;
+    write(find("distance"), distance === null ? "" : fixed(distance / 100, 2));
+    write(find("margin"), margin === null ? "" : fixed(margin / 100, 2));
+    find("undo").hidden = before === null;
+    write(find("undo").firstElementChild, before === null ? "" : t("undo", { placement: placement(before) }));
+    find("reset").hidden = isNone(this.#now) || (before !== null && isNone(before));
+    this.#worse();
+  }
+
+  #worse() {
+    const [before, since] = [this.#shareBefore, this.#share()];
+    const isWorse = this.#before !== null && before !== null && since !== null && since < before - LESS;
+    find("undo").classList.toggle("main", isWorse);
+    write(find("worse"), isWorse ? t("worse", { since, before }) : "");
+  }
+}

@@ -1,0 +1,184 @@
+//! An armband without a board. The Myo session of the firmware makes the decisions, and the device's pipeline makes the
+//! labels.
+
+use shared::model::encoder::HostEncoder;
+use shared::model::file::Model;
+use shared::myo::{self, Action, Address, MyoSession, Phase, Settings};
+use shared::pipeline::Reports;
+use shared::units::{Millis, Sample, SampleIndex};
+
+use crate::event::Event;
+use crate::request::SourceRequest;
+use crate::scored_pipeline::ScoredPipeline;
+use execution::revision::revision;
+
+/// Advice while no armband streams, in order.
+const STEPS: [&str; 3] = [
+    "Put the armband on and move the hand: it sleeps when it is not worn. Its logo lights up or pulses when it is awake.",
+    "If it stays dark, charge it with its USB cable.",
+    "End every other program that may hold it: Myo Connect, a phone, a board of this project.",
+];
+
+/// Output of an armband's session.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Output {
+    /// Event for viewers.
+    Event(Event),
+    /// Action of the radio, or the end of the stream.
+    Radio(Action),
+}
+
+/// Time of the session, and the same in the events.
+#[derive(Clone, Copy, Debug)]
+pub struct Now {
+    /// Time of the session.
+    pub session: Millis,
+    /// Time in the events, in ms.
+    pub at: f64,
+}
+
+/// Session with an armband.
+pub struct Armband<'r> {
+    session: MyoSession,
+    scored: ScoredPipeline<'r, HostEncoder<'r>>,
+    /// Where this runs, and what the armband is called there; none for its address.
+    here: &'static str,
+    name: Option<String>,
+    /// Index of the next sample.
+    next: SampleIndex,
+    /// Whether samples have come since the connection was established.
+    streams: bool,
+    /// Source and board that viewers were told last.
+    published: Option<(Event, Event)>,
+}
+
+impl<'r> Armband<'r> {
+    /// State before the first event. `address` is that of the armband; none for the one with the strongest signal. Emits the model
+    /// and the pipeline's state.
+    pub fn begin(
+        address: Option<Address>,
+        (here, name): (&'static str, Option<String>),
+        model: &Model<'_>,
+        mut scored: ScoredPipeline<'r, HostEncoder<'r>>,
+        at: f64,
+        emit: &mut dyn FnMut(Event),
+    ) -> Self {
+        emit(Event::of_model(model));
+        emit(Event::of_report(at, &scored.state_report()));
+        let session = MyoSession::new(Settings {
+            pinned: address,
+            follow_strongest: true,
+            ..Settings::default()
+        });
+        Self {
+            session,
+            scored,
+            here,
+            name,
+            next: SampleIndex(0),
+            streams: false,
+            published: None,
+        }
+    }
+
+    /// Begins, cancels or sets an alignment.
+    pub fn request(&mut self, at: f64, request: &SourceRequest, emit: &mut dyn FnMut(Event)) {
+        self.scored.request(at, request, emit);
+    }
+
+    /// Handles an event of the radio, or a tick. The answer to an action needs a call of its own.
+    pub fn handle(&mut self, now: Now, event: myo::Event<'_>, output: &mut dyn FnMut(Output)) {
+        let mut actions = Vec::new();
+        self.session
+            .handle(now.session, event, &mut |action| actions.push(action));
+        for action in actions {
+            self.act(now, action, output);
+        }
+        if event == myo::Event::Tick {
+            let reports = self.scored.tick(now.session);
+            report(now, reports, output);
+        }
+        self.changes(output);
+    }
+
+    fn act(&mut self, now: Now, action: Action, output: &mut dyn FnMut(Output)) {
+        match action {
+            Action::Deliver(pair) => self.samples(now, pair, output),
+            Action::Gap { missing } => {
+                let reports = self.scored.gap(now.session, missing);
+                self.next = self.next.plus(missing);
+                report(now, reports, output);
+            }
+            Action::StreamEnded => {
+                let reports = self.scored.disconnected(now.session);
+                report(now, reports, output);
+                self.streams = false;
+                output(Output::Radio(action));
+            }
+            // No binding outlasts this program.
+            Action::Keep(_) => {}
+            action => output(Output::Radio(action)),
+        }
+    }
+
+    fn samples(&mut self, now: Now, pair: [Sample; 2], output: &mut dyn FnMut(Output)) {
+        self.streams = true;
+        output(Output::Event(Event::Samples {
+            at: now.at,
+            first: self.next.0,
+            emg: pair.to_vec(),
+            truth: None,
+        }));
+        for sample in pair {
+            let found = self.scored.sample(now.session, self.next, sample);
+            found.events(now.at, &mut |event| output(Output::Event(event)));
+            self.next = self.next.plus(1);
+        }
+    }
+
+    /// Emits what has changed of the armband.
+    fn changes(&mut self, output: &mut dyn FnMut(Output)) {
+        let armband = self.session.armband().map(|address| {
+            let name = self.name.clone();
+            name.unwrap_or_else(|| address.to_string())
+        });
+        let detail = match self.session.phase() {
+            Phase::Streaming if self.streams => "",
+            Phase::Streaming | Phase::SettingUp => "connected; no samples yet",
+            Phase::Connecting => "connecting",
+            Phase::Disconnecting | Phase::BackingOff => "lost; looking for it again",
+            Phase::Idle | Phase::Unbound | Phase::Scanning => {
+                "looking for it: wear it, and move the hand if it sleeps"
+            }
+        };
+        let steps = if self.streams { &[][..] } else { &STEPS };
+        let source = Event::Source {
+            kind: "bluetooth",
+            name: armband.clone().unwrap_or_else(|| "any armband".to_owned()),
+            connected: self.streams,
+            detail: detail.to_owned(),
+            steps: steps.iter().map(|&step| step.to_owned()).collect(),
+        };
+        let board = Event::Board {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            revision: revision().unwrap_or_default().to_owned(),
+            image: self.here.to_owned(),
+            model: None,
+            armband: armband.filter(|_| self.streams),
+            firmware: None,
+            battery: self.session.battery(),
+        };
+        let newest = (source, board);
+        if self.published.as_ref() != Some(&newest) {
+            output(Output::Event(newest.0.clone()));
+            output(Output::Event(newest.1.clone()));
+            self.published = Some(newest);
+        }
+    }
+}
+
+fn report(now: Now, reports: Reports, output: &mut dyn FnMut(Output)) {
+    for report in reports {
+        output(Output::Event(Event::of_report(now.at, &report)));
+    }
+}

@@ -1,0 +1,120 @@
+//! A board: its line, and beside it the scores of a model on this computer.
+
+use shared::model::Encode;
+use shared::uart_line::command::Command;
+use shared::units::Millis;
+
+use crate::dialogue::{BoardEvent, Dialogue, Losses};
+use crate::event::Event;
+use crate::scored_pipeline::ScoredPipeline;
+
+/// State of a board before its first line.
+pub const NOTHING_YET: &str = "open; nothing heard yet";
+
+/// Connection to a board.
+pub struct Board<'c, 'r, E: Encode> {
+    dialogue: Dialogue,
+    scored: Option<&'c mut ScoredPipeline<'r, E>>,
+    /// State that viewers know; empty while the board is heard.
+    published: &'static str,
+}
+
+/// Change of the state of a board.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Change {
+    /// State in words; empty while the board is heard.
+    pub state: &'static str,
+    /// Whether no line has come for 5 s.
+    pub is_silent: bool,
+}
+
+impl<'c, 'r, E: Encode> Board<'c, 'r, E> {
+    /// State at the beginning of a connection; continues the losses of earlier ones.
+    pub fn new(now: Millis, losses: Losses, scored: Option<&'c mut ScoredPipeline<'r, E>>) -> Self {
+        Self {
+            dialogue: Dialogue::new(now, losses),
+            scored,
+            published: NOTHING_YET,
+        }
+    }
+
+    /// Losses on the line so far.
+    pub const fn losses(&self) -> Losses {
+        self.dialogue.losses()
+    }
+
+    /// Returns the next command that is due; to be called until no command is.
+    pub fn command(&mut self, now: Millis) -> Option<Command> {
+        self.dialogue.command(now)
+    }
+
+    /// Takes received bytes and emits what they say; `at` is the time in the events.
+    pub fn bytes(&mut self, now: Millis, at: f64, bytes: &[u8], emit: &mut dyn FnMut(Event)) {
+        let Self {
+            dialogue, scored, ..
+        } = self;
+        dialogue.bytes(now, at, bytes, |event| {
+            let Some(scored) = scored else {
+                if let BoardEvent::Publish(event) = event {
+                    emit(event);
+                }
+                return;
+            };
+            match event {
+                BoardEvent::Publish(event) => emit(event),
+                BoardEvent::Restart => drop(scored.disconnected(now)),
+                BoardEvent::Alignment(alignment) => scored.set_alignment(alignment),
+                BoardEvent::Samples(report, missing) => {
+                    match missing {
+                        Some(0) => {}
+                        Some(missing) => drop(scored.gap(now, missing)),
+                        None => drop(scored.disconnected(now)),
+                    }
+                    let mut index = report.first;
+                    for sample in report.samples {
+                        if let Some(scores) = scored.sample(now, index, sample).scores {
+                            emit(scores);
+                        }
+                        index = index.plus(1);
+                    }
+                }
+            }
+        });
+    }
+
+    /// Returns the state of the board if it has changed.
+    pub fn change(&mut self, now: Millis) -> Option<Change> {
+        let is_silent = self.dialogue.is_silent(now);
+        let state = match (self.dialogue.has_received(), is_silent) {
+            (true, false) => "",
+            (true, true) => "no line for 5 s: is the board still powered?",
+            (false, false) => NOTHING_YET,
+            (false, true) => {
+                "no line of a board for 5 s: is this its port, and does no other program read it?"
+            }
+        };
+        if state == self.published {
+            return None;
+        }
+        self.published = state;
+        Some(Change { state, is_silent })
+    }
+
+    /// Handles the end of the connection.
+    pub fn ended(&mut self, now: Millis) {
+        if let Some(scored) = &mut self.scored {
+            scored.disconnected(now);
+        }
+    }
+}
+
+/// Advice for a port on which no board is heard, or no longer.
+pub fn silent(port: &str) -> Vec<String> {
+    vec![
+        "Is the board powered? Its LED blinks while it looks for an armband.".to_owned(),
+        format!("Is {port} the board's port? Another device may have taken the name."),
+        "Close every other program that reads this port: it takes part of the lines.".to_owned(),
+        "Has the board the firmware of this project? The guide `flash` says how it gets it."
+            .to_owned(),
+    ]
+}

@@ -1,0 +1,223 @@
+//! Dialogue with a board, without I/O: takes bytes and time, returns events and commands.
+
+mod schedule;
+
+use shared::stream::alignment::Alignment;
+use shared::uart_line::answer::Answer;
+use shared::uart_line::command::Command;
+use shared::uart_line::emg::EmgReport;
+use shared::uart_line::line::{Line, LineReader};
+use shared::units::{Millis, SampleIndex};
+
+use self::schedule::CommandSchedule;
+use crate::event::Event;
+
+/// Time without a line after which no board is connected. A board answers every command.
+const SILENCE_MS: u32 = 5_000;
+
+/// Content of a received line.
+#[derive(Clone, PartialEq, Debug)]
+pub enum BoardEvent {
+    /// Event for viewers.
+    Publish(Event),
+    /// Two samples, and the number missing before them; none for a new stream.
+    Samples(EmgReport, Option<u32>),
+    /// Alignment in force on the board.
+    Alignment(Alignment),
+    /// Restart of the board: its counts begin anew.
+    Restart,
+}
+
+/// Dialogue with a board.
+#[derive(Debug)]
+pub struct Dialogue {
+    reader: LineReader,
+    state: State,
+}
+
+/// State of the connection to a board.
+#[derive(Debug)]
+struct State {
+    began: Millis,
+    last_line: Option<Millis>,
+    last_samples: Option<Millis>,
+    schedule: CommandSchedule,
+    /// Alignment in force; none while unknown.
+    alignment: Option<Alignment>,
+    /// Number of the next line.
+    next_number: Option<u32>,
+    /// Index of the next sample.
+    next_sample: Option<SampleIndex>,
+    losses: Losses,
+    reported: Option<Losses>,
+}
+
+/// Losses on the line.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Losses {
+    damaged: u32,
+    missing: u32,
+    samples: u32,
+}
+
+impl Dialogue {
+    /// State at the beginning of a connection; continues the losses of earlier ones.
+    pub fn new(now: Millis, losses: Losses) -> Self {
+        let state = State {
+            began: now,
+            last_line: None,
+            last_samples: None,
+            schedule: CommandSchedule::default(),
+            alignment: None,
+            next_number: None,
+            next_sample: None,
+            losses,
+            reported: None,
+        };
+        let reader = LineReader::new();
+        Self { reader, state }
+    }
+
+    pub const fn losses(&self) -> Losses {
+        self.state.losses
+    }
+
+    /// Whether no line has come for 5 s.
+    pub fn is_silent(&self, now: Millis) -> bool {
+        now.elapsed_since(self.state.last_line.unwrap_or(self.state.began)) >= SILENCE_MS
+    }
+
+    /// Whether a line has come since the beginning.
+    pub const fn has_received(&self) -> bool {
+        self.state.last_line.is_some()
+    }
+
+    /// Returns the next command that is due; to be called until no command is.
+    pub fn command(&mut self, now: Millis) -> Option<Command> {
+        self.state.schedule.command(now, self.state.last_samples)
+    }
+
+    /// Takes received bytes. `at` is the time in the events for viewers.
+    pub fn bytes(
+        &mut self,
+        now: Millis,
+        at: f64,
+        bytes: &[u8],
+        mut output: impl FnMut(BoardEvent),
+    ) {
+        let Self { reader, state } = self;
+        for &byte in bytes {
+            match reader.push(byte) {
+                None => {}
+                Some(Err(_)) => state.losses.damaged = state.losses.damaged.saturating_add(1),
+                Some(Ok(line)) => state.line(now, at, line, &mut output),
+            }
+        }
+        if state.reported != Some(state.losses) {
+            state.reported = Some(state.losses);
+            let Losses {
+                damaged,
+                missing,
+                samples,
+            } = state.losses;
+            output(BoardEvent::Publish(Event::Line {
+                damaged,
+                missing,
+                samples,
+            }));
+        }
+    }
+}
+
+impl State {
+    fn line(&mut self, now: Millis, at: f64, line: Line<'_>, output: &mut impl FnMut(BoardEvent)) {
+        self.last_line = Some(now);
+        let event = match line {
+            Line::Report(report) => {
+                self.number(report.sequence, output);
+                Event::of_report(at, &report)
+            }
+            Line::Alignment(report) => {
+                self.number(report.sequence, output);
+                self.alignment = Some(report.alignment);
+                output(BoardEvent::Alignment(report.alignment));
+                Event::of_alignment(at, &report)
+            }
+            Line::Emg(report) => {
+                self.last_samples = Some(now);
+                let missing = self.missing(report.first);
+                self.next_sample = Some(report.first.plus(report.samples.len() as u32));
+                self.losses.samples = self.losses.samples.saturating_add(missing.unwrap_or(0));
+                output(BoardEvent::Samples(report, missing));
+                Event::Samples {
+                    at,
+                    first: report.first.0,
+                    emg: report.samples.to_vec(),
+                    truth: None,
+                }
+            }
+            // The alignment was made before this connection, or its report was lost.
+            Line::Answer(Answer::Alignment(alignment)) if self.alignment != Some(alignment) => {
+                self.alignment = Some(alignment);
+                output(BoardEvent::Alignment(alignment));
+                Event::of_placement(at, alignment)
+            }
+            Line::Answer(Answer::Binding(binding)) => {
+                self.schedule.follows(binding.following);
+                Event::of_binding(&binding)
+            }
+            Line::Answer(Answer::Identity(identity)) => Event::of_identity(&identity),
+            Line::Answer(Answer::Counts(counts)) => Event::of_counts(&counts),
+            // Refusal of a viewer's request: an alignment or a pairing.
+            Line::Answer(Answer::Refused(why)) => Event::Comment {
+                at,
+                text: format!("the board refuses: {why}"),
+            },
+            Line::Answer(
+                Answer::Battery(_)
+                | Answer::Align(_)
+                | Answer::Alignment(_)
+                | Answer::Raw(_)
+                | Answer::Strength(_)
+                | Answer::Gate(_)
+                | Answer::Lock(_)
+                | Answer::Calibration(..)
+                | Answer::Install(_),
+            )
+            | Line::Calibration(_) => return,
+            Line::Comment(text) => Event::Comment {
+                at,
+                text: text.trim().to_owned(),
+            },
+        };
+        output(BoardEvent::Publish(event));
+    }
+
+    /// Takes the number of a line, which tells of lost lines and of a restart.
+    fn number(&mut self, number: u32, output: &mut impl FnMut(BoardEvent)) {
+        if self.next_number.is_some_and(|next| is_before(number, next)) {
+            self.next_sample = None;
+            self.schedule.restart();
+            self.alignment = None;
+            output(BoardEvent::Restart);
+        } else {
+            let missing = self.next_number.map_or(0, |next| number.wrapping_sub(next));
+            self.losses.missing = self.losses.missing.saturating_add(missing);
+        }
+        self.next_number = Some(number.wrapping_add(1));
+    }
+
+    /// Number of samples missing before `first`; none if it begins a stream.
+    fn missing(&self, first: SampleIndex) -> Option<u32> {
+        let next = self.next_sample?;
+        (!is_before(first.0, next.0)).then(|| first.since(next))
+    }
+}
+
+/// Whether a count went backwards; correct across a wrap.
+const fn is_before(count: u32, expected: u32) -> bool {
+    count.wrapping_sub(expected) > u32::MAX / 2
+}
+
+#[cfg(test)]
+mod tests;

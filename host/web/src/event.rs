@@ -1,0 +1,316 @@
+//! Events for viewers: the messages of the websocket, each a JSON object with its `type`.
+
+use serde::Serialize;
+use shared::intent::Intent;
+use shared::model::file::Model;
+use shared::stream::alignment::Alignment;
+use shared::stream::safe_state::Cause;
+use shared::stream::strength::Percent;
+use shared::uart_line::Report;
+use shared::uart_line::alignment::AlignmentReport;
+use shared::uart_line::answer::{Binding, Counts, Identity};
+use shared::units::Sample;
+
+use crate::outcome::{InstallationState, SessionResult, TuningState};
+use crate::session::View;
+
+/// Greatest number of characters of a mark.
+const MAX_MARK: usize = 80;
+
+/// Number of a viewer.
+pub type ViewerId = u64;
+
+/// Message to viewers. Times `at` are milliseconds of the server's clock; samples are numbered as on the UART.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+#[expect(missing_docs, reason = "docs/live.md has a table of the fields")]
+pub enum Event {
+    /// First message: program, time in ms, number of the viewer, and whether a session is recorded.
+    Hello {
+        version: &'static str,
+        now: f64,
+        you: ViewerId,
+        record: bool,
+    },
+    /// Answer to a ping.
+    Pong { sent: f64, now: f64 },
+    /// Refusal of a request, with the reason.
+    Refused {
+        #[serde(rename = "do")]
+        request: &'static str,
+        text: &'static str,
+    },
+    /// Source of the stream, and whether it is connected.
+    Source {
+        /// `demo`, `replay`, `port` or `bluetooth`.
+        kind: &'static str,
+        /// Path or name.
+        name: String,
+        connected: bool,
+        /// State of the source; empty if there is nothing to say.
+        detail: String,
+        /// Steps that help, in order.
+        steps: Vec<String>,
+    },
+    /// Model that this program runs.
+    Model {
+        classes: Vec<&'static str>,
+        /// Whether the last score is that of movement outside the vocabulary.
+        other: bool,
+        /// Samples from an instant to its label (`look_ahead`), and from one label to the next (`hold`).
+        look_ahead: usize,
+        hold: usize,
+    },
+    /// Program and model on the board, and the connected armband; null where unknown.
+    Board {
+        version: String,
+        revision: String,
+        image: String,
+        model: Option<String>,
+        armband: Option<String>,
+        firmware: Option<String>,
+        battery: Option<u8>,
+    },
+    /// Armband that the board follows, and why.
+    Binding {
+        /// `built-in`, `bound`, `strongest`, `nobody` or `pairing`.
+        state: &'static str,
+        armband: Option<String>,
+        /// Whether the binding outlasts a restart.
+        kept: bool,
+    },
+    /// Losses and dropped data that the board has counted since its start.
+    Counts {
+        connections: u32,
+        notifications: u32,
+        lost: u32,
+        malformed: u32,
+        packets_dropped: u32,
+        lines_dropped: u32,
+        emg_dropped: u32,
+    },
+    /// Losses between board and PC since the program's start.
+    Line {
+        /// Lines that could not be read.
+        damaged: u32,
+        /// Numbered lines that never came.
+        missing: u32,
+        /// Samples whose `$EMG` line never came.
+        samples: u32,
+    },
+    /// Consecutive samples, as the armband sent them.
+    Samples {
+        at: f64,
+        first: u32,
+        emg: Vec<Sample>,
+        /// Label of each sample in the recording, if it has any.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        truth: Option<Vec<Option<&'static str>>>,
+    },
+    /// Label, or change of state.
+    Report {
+        at: f64,
+        is_label: bool,
+        number: u32,
+        instant: u32,
+        emitted: u32,
+        label: &'static str,
+        valid: bool,
+        /// Cause of the safe state.
+        cause: Option<&'static str>,
+        lost: u32,
+        bridged: u32,
+        resets: u32,
+        /// Percent of the wearer's range; null if a board does not write it.
+        strength: Option<u8>,
+    },
+    /// State of an alignment.
+    Alignment {
+        at: f64,
+        state: &'static str,
+        gestures: u8,
+        turn: u8,
+        mirrored: bool,
+        /// Distance in hundredths of a nat; only with a result.
+        distance: Option<u32>,
+        margin: Option<u32>,
+    },
+    /// Probability of each class at an instant, sent when its label is decided.
+    Scores { instant: u32, scores: Vec<f32> },
+    /// Mark of a viewer at a sample, or the restart of a recording.
+    Mark { sample: u32, text: String },
+    /// Comment line of the board.
+    Comment { at: f64, text: String },
+    /// State of the recording session.
+    Session {
+        #[serde(flatten)]
+        view: View,
+        /// Error that keeps the session from being written, and advice; empty if none.
+        trouble: String,
+    },
+    /// Viewer who leads the session; null if nobody does.
+    Lead { viewer: Option<ViewerId> },
+    /// Recordings that were kept of the session.
+    Kept(SessionResult),
+    /// Progress or result of tuning a model on the recordings.
+    Tuning(TuningState),
+    /// Progress or result of installing the tuned model on the board.
+    Installing(InstallationState),
+    /// End of the program.
+    End,
+}
+
+/// Kinds of events whose newest one a new viewer gets first.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+#[expect(missing_docs, reason = "as the variants of `Event`")]
+pub enum Topic {
+    Source,
+    Model,
+    Board,
+    Binding,
+    Counts,
+    Line,
+    Report,
+    Alignment,
+    Session,
+    Lead,
+    Kept,
+    Tuning,
+    Installing,
+}
+
+impl Event {
+    /// Kind of an event that a new viewer gets; none for events of the moment.
+    pub const fn topic(&self) -> Option<Topic> {
+        Some(match self {
+            Self::Source { .. } => Topic::Source,
+            Self::Model { .. } => Topic::Model,
+            Self::Board { .. } => Topic::Board,
+            Self::Binding { .. } => Topic::Binding,
+            Self::Counts { .. } => Topic::Counts,
+            Self::Line { .. } => Topic::Line,
+            Self::Report { .. } => Topic::Report,
+            Self::Alignment { .. } => Topic::Alignment,
+            Self::Session { .. } => Topic::Session,
+            Self::Lead { .. } => Topic::Lead,
+            Self::Kept(_) => Topic::Kept,
+            Self::Tuning(_) => Topic::Tuning,
+            Self::Installing(_) => Topic::Installing,
+            _ => return None,
+        })
+    }
+
+    /// First message to a viewer.
+    pub const fn hello(now: f64, you: ViewerId, record: bool) -> Self {
+        Self::Hello {
+            version: env!("CARGO_PKG_VERSION"),
+            now,
+            you,
+            record,
+        }
+    }
+
+    /// Mark of a viewer: at most 80 characters, none of them a control character.
+    pub fn of_mark(sample: u32, text: &str) -> Self {
+        let letters = text.chars().filter(|letter| !letter.is_control());
+        Self::Mark {
+            sample,
+            text: letters.take(MAX_MARK).collect(),
+        }
+    }
+
+    /// Event for a report of a pipeline or a board.
+    pub fn of_report(at: f64, report: &Report) -> Self {
+        Self::Report {
+            at,
+            is_label: report.kind == shared::uart_line::Kind::Label,
+            number: report.sequence,
+            instant: report.instant.0,
+            emitted: report.emitted.0,
+            label: report.status.label().name(),
+            valid: report.status.valid(),
+            cause: report.status.cause().map(Cause::name),
+            lost: report.counters.lost,
+            bridged: report.counters.bridged,
+            resets: report.counters.resets,
+            strength: report.strength.map(Percent::get),
+        }
+    }
+
+    /// Event for a report of an alignment.
+    pub fn of_alignment(at: f64, report: &AlignmentReport) -> Self {
+        Self::Alignment {
+            at,
+            state: report.state.name(),
+            gestures: report.gestures,
+            turn: report.alignment.turn(),
+            mirrored: report.alignment.mirrored(),
+            distance: report.quality.map(|(distance, _)| distance),
+            margin: report.quality.map(|(_, margin)| margin),
+        }
+    }
+
+    /// Event for an alignment in force whose own report was not received.
+    pub const fn of_placement(at: f64, alignment: Alignment) -> Self {
+        Self::Alignment {
+            at,
+            state: "in-force",
+            gestures: 0,
+            turn: alignment.turn(),
+            mirrored: alignment.mirrored(),
+            distance: None,
+            margin: None,
+        }
+    }
+
+    /// Event for the model that runs.
+    pub fn of_model(model: &Model<'_>) -> Self {
+        let header = &model.header;
+        let intents = header.dimensions.vocabulary.intents();
+        Self::Model {
+            classes: intents.iter().copied().map(Intent::name).collect(),
+            other: header.dimensions.other,
+            look_ahead: header.smoother.look_ahead,
+            hold: header.smoother.hold,
+        }
+    }
+
+    /// Event for what a board says of itself.
+    pub fn of_identity(identity: &Identity<'_>) -> Self {
+        let firmware = |version: shared::myo::FirmwareVersion| {
+            format!("{}.{}.{}", version.major, version.minor, version.patch)
+        };
+        Self::Board {
+            version: identity.version.to_owned(),
+            revision: identity.revision.to_owned(),
+            image: identity.image.to_owned(),
+            model: identity.model.map(|checksum| format!("{checksum:08x}")),
+            armband: identity.armband.map(|address| address.to_string()),
+            firmware: identity.firmware.map(firmware),
+            battery: identity.battery,
+        }
+    }
+
+    /// Event for what a board follows.
+    pub fn of_binding(binding: &Binding) -> Self {
+        let armband = binding.following.address();
+        Self::Binding {
+            state: binding.name(),
+            armband: armband.map(|address| address.to_string()),
+            kept: binding.is_kept,
+        }
+    }
+
+    /// Event for what a board has lost.
+    pub const fn of_counts(counts: &Counts) -> Self {
+        Self::Counts {
+            connections: counts.session.connections,
+            notifications: counts.session.notifications,
+            lost: counts.session.lost,
+            malformed: counts.session.malformed,
+            packets_dropped: counts.packets_dropped,
+            lines_dropped: counts.lines_dropped,
+            emg_dropped: counts.emg_dropped,
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! Functions of the WebAssembly module. Bytes come through [`input`], outputs are read at [`output`].
+#![expect(unsafe_code, reason = "exported names; there is no unsafe block")]
+
+use std::cell::RefCell;
+
+use crate::tab::{Tab, Wanted};
+
+/// State of the module.
+#[derive(Default)]
+struct State {
+    input: Vec<u8>,
+    file: Vec<u8>,
+    model: Option<Vec<u8>>,
+    tab: Option<Tab>,
+    output: String,
+}
+
+thread_local! {
+    static STATE: RefCell<State> = RefCell::default();
+}
+
+/// Makes room for bytes. Returns their address.
+#[unsafe(no_mangle)]
+extern "C" fn input(length: usize) -> *mut u8 {
+    STATE.with_borrow_mut(|state| {
+        state.input.resize(length, 0);
+        state.input.as_mut_ptr()
+    })
+}
+
+/// Address of the newest outputs.
+#[unsafe(no_mangle)]
+extern "C" fn output() -> *const u8 {
+    STATE.with_borrow(|state| state.output.as_ptr())
+}
+
+/// Takes the bytes of a recording's file.
+#[unsafe(no_mangle)]
+extern "C" fn file() {
+    STATE.with_borrow_mut(|state| state.file = std::mem::take(&mut state.input));
+}
+
+/// Takes the bytes of a model file.
+#[unsafe(no_mangle)]
+extern "C" fn model() {
+    STATE.with_borrow_mut(|state| state.model = Some(std::mem::take(&mut state.input)));
+}
+
+/// Opens the source that the bytes name. Returns the length of the outputs; 0 if there is no such source.
+#[unsafe(no_mangle)]
+extern "C" fn open(now: f64) -> usize {
+    STATE.with_borrow_mut(|state| {
+        let Ok(wanted) = serde_json::from_slice::<Wanted>(&state.input) else {
+            return 0;
+        };
+        let file = std::mem::take(&mut state.file);
+        state.tab = Some(Tab::open(now, &wanted, &file, state.model.as_deref()));
+        state.take()
+    })
+}
+
+/// Lets time pass. Returns the length of the outputs.
+#[unsafe(no_mangle)]
+extern "C" fn tick(now: f64) -> usize {
+    with(|tab, _| tab.tick(now))
+}
+
+/// Takes what a device has sent. Returns the length of the outputs.
+#[unsafe(no_mangle)]
+extern "C" fn heard(now: f64) -> usize {
+    with(|tab, bytes| tab.heard(now, bytes))
+}
+
+/// Takes a message of the page. Returns the length of the outputs.
+#[unsafe(no_mangle)]
+extern "C" fn request(now: f64) -> usize {
+    with(|tab, bytes| tab.request(now, bytes))
+}
+
+fn with(act: impl FnOnce(&mut Tab, &[u8])) -> usize {
+    STATE.with_borrow_mut(|state| {
+        if let Some(tab) = &mut state.tab {
+            act(tab, &state.input);
+        }
+        state.take()
+    })
+}
+
+impl State {
+    fn take(&mut self) -> usize {
+        self.output = self.tab.as_mut().map(Tab::take).unwrap_or_default();
+        self.output.len()
+    }
+}

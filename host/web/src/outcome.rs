@@ -1,0 +1,83 @@
+//! Messages to viewers about a session that is over.
+
+use recordings::Severity;
+use serde::Serialize;
+
+/// Finding as text, with its severity.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize)]
+#[expect(missing_docs, reason = "names of the page's messages")]
+pub struct FindingText {
+    pub severity: Severity,
+    pub text: String,
+    pub advice: &'static str,
+}
+
+/// Result of a session that was kept.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+#[expect(missing_docs, reason = "names of the page's messages")]
+pub struct SessionResult {
+    pub good: bool,
+    pub seconds: f64,
+    pub folder: String,
+    pub files: Vec<String>,
+    /// Number of labelled stretches of each class.
+    pub counts: Vec<(&'static str, usize)>,
+    /// Number of trials that are not used.
+    pub bad: usize,
+    pub findings: Vec<FindingText>,
+    pub inspect: String,
+    pub personalize: String,
+    pub install: String,
+}
+
+/// Measure of both models on the part held back.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+#[expect(missing_docs, reason = "names of the page's messages")]
+pub struct MeasureRow {
+    pub measure: &'static str,
+    pub before: Option<f64>,
+    pub after: Option<f64>,
+}
+
+/// State of a tuning.
+#[derive(Clone, PartialEq, Debug, Default, Serialize)]
+#[expect(missing_docs, reason = "names of the page's messages")]
+pub struct TuningState {
+    /// `running`, `better`, `worse` or `failed`.
+    pub state: &'static str,
+    /// Explanation and advice.
+    pub text: String,
+    /// Number of steps done, and of all; 0 of 0 while no tuning runs.
+    pub steps: usize,
+    pub of: usize,
+    pub rows: Vec<MeasureRow>,
+    /// Commands to run next.
+    pub commands: Vec<String>,
+    /// Whether the source is a serial port, on which [`InstallationState`] can follow.
+    pub installs: bool,
+}
+
+/// State of an installation of the tuned model on the board.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+#[expect(missing_docs, reason = "names of the page's messages")]
+pub struct InstallationState {
+    /// `running`, `done` or `failed`.
+    pub state: &'static str,
+    /// Explanation and advice.
+    pub text: String,
+    /// Number of blocks that the board has, and of all; 0 of 0 before the board was asked.
+    pub blocks: u32,
+    pub of: u32,
+}
+
+impl InstallationState {
+    /// State of an installation before the board's first answer.
+    pub fn running(text: &str) -> Self {
+        Self {
+            state: "running",
+            text: text.to_owned(),
+            blocks: 0,
+            of: 0,
+        }
+    }
+}

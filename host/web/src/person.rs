@@ -1,0 +1,89 @@
+//! Simulated person of the demo: follows cues, and opens the hand twice for an alignment.
+
+use std::time::Duration;
+
+use recordings::synthetic::Follower;
+use shared::intent::Intent;
+use shared::units::{Sample, SampleIndex};
+
+use crate::SharedCue;
+
+/// Samples for which the person rests before each opening, and for which it then holds the hand open.
+const REST: usize = 240;
+const OPEN: usize = 300;
+
+/// Samples of rest at the beginning of an alignment, after which no earlier gesture can be taken for an opening.
+const SETTLED: usize = 200;
+
+/// Source of the cues that a person follows.
+#[derive(Debug)]
+pub enum Cues {
+    /// Cue of each sample, repeated.
+    List(Vec<Intent>),
+    /// Recording session.
+    Session(SharedCue),
+}
+
+/// Simulated person, and what it was asked for.
+#[derive(Debug)]
+pub struct Person {
+    follower: Follower,
+    cues: Cues,
+    /// Samples since the alignment in progress began.
+    aligning: Option<usize>,
+}
+
+impl Person {
+    /// Person before the first sample.
+    pub fn new(follower: Follower, cues: Cues) -> Self {
+        Self {
+            follower,
+            cues,
+            aligning: None,
+        }
+    }
+
+    /// Tells whether an alignment is in progress. Returns whether the person has come to rest for it with the last sample.
+    pub fn align(&mut self, is_aligning: bool) -> bool {
+        self.aligning = is_aligning.then(|| self.aligning.unwrap_or(0));
+        self.aligning == Some(SETTLED)
+    }
+
+    /// Returns the next samples, from `first` on, and their cues; none where a session has its own. Waits for a session that is
+    /// behind, at most for `patience`.
+    pub fn next<const COUNT: usize>(
+        &mut self,
+        first: SampleIndex,
+        patience: Duration,
+    ) -> ([Sample; COUNT], [Option<Intent>; COUNT]) {
+        let session = match &self.cues {
+            Cues::Session(cue) => Some(cue.at(first, patience)),
+            Cues::List(_) => None,
+        };
+        let mut cues = [None; COUNT];
+        let samples = std::array::from_fn(|place| {
+            let own = match (&mut self.aligning, &self.cues) {
+                (Some(samples), _) => Some(opening(samples)),
+                (None, Cues::List(list)) => Some(list[(first.0 as usize + place) % list.len()]),
+                (None, Cues::Session(_)) => None,
+            };
+            cues[place] = own;
+            match (own, session) {
+                (None, Some(cue)) => self.follower.sample(cue),
+                (own, _) => self.follower.sample(own.unwrap_or(Intent::Relax)),
+            }
+        });
+        (samples, cues)
+    }
+}
+
+/// Cue of the next sample of an alignment: rest and an open hand by turns.
+fn opening(samples: &mut usize) -> Intent {
+    let place = *samples % (REST + OPEN);
+    *samples += 1;
+    if place < REST {
+        Intent::Relax
+    } else {
+        Intent::Open
+    }
+}

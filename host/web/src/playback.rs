@@ -1,0 +1,147 @@
+//! A recording or a simulated person, through the device's pipeline.
+
+use std::time::Duration;
+
+use shared::intent::Intent;
+use shared::model::encoder::HostEncoder;
+use shared::model::file::Model;
+use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample, SampleIndex};
+
+use crate::event::Event;
+use crate::person::Person;
+use crate::request::SourceRequest;
+use crate::scored_pipeline::ScoredPipeline;
+
+/// Samples in one notification of the armband.
+const TOGETHER: usize = 2;
+
+/// Time between two notifications.
+pub const PERIOD: Duration = Duration::from_millis(TOGETHER as u64 * SAMPLE_PERIOD_MS as u64);
+
+/// Longest delay that is caught up with; after a longer one, time continues from now.
+pub const LATE: Duration = Duration::from_millis(500);
+
+/// Source of the samples.
+#[derive(Debug)]
+pub enum SampleSource {
+    /// Recording, repeated.
+    Recording {
+        /// Samples, at least one.
+        samples: Vec<Sample>,
+        /// Labels, one for each sample.
+        labels: Vec<Option<Intent>>,
+    },
+    /// Simulated person who does what is asked for.
+    Person(Box<Person>),
+}
+
+/// Samples of a notification.
+struct Notification {
+    emg: Vec<Sample>,
+    truth: Option<Vec<Option<&'static str>>>,
+    /// Whether a recording begins again with it.
+    again: bool,
+}
+
+impl SampleSource {
+    /// Returns at most a notification of samples, from `first` on.
+    fn next(&mut self, first: SampleIndex) -> Notification {
+        match self {
+            Self::Recording { samples, labels } => {
+                let offset = first.0 as usize % samples.len();
+                let range = offset..samples.len().min(offset + TOGETHER);
+                let truth = &labels[range.clone()];
+                let names = || truth.iter().map(|label| label.map(Intent::name)).collect();
+                Notification {
+                    emg: samples[range].to_vec(),
+                    truth: truth.iter().any(Option::is_some).then(names),
+                    again: offset == 0 && first.0 > 0,
+                }
+            }
+            Self::Person(person) => {
+                let (emg, cues) = person.next::<TOGETHER>(first, LATE);
+                let names = || cues.map(|cue| cue.map(Intent::name)).to_vec();
+                Notification {
+                    emg: emg.to_vec(),
+                    truth: cues.iter().any(Option::is_some).then(names),
+                    again: false,
+                }
+            }
+        }
+    }
+
+    /// Tells a person whether an alignment is in progress. Returns whether it has to begin anew, because the person has come to
+    /// rest: an alignment that begins in a gesture could take that for an opening.
+    fn align(&mut self, is_aligning: bool) -> bool {
+        match self {
+            Self::Recording { .. } => false,
+            Self::Person(person) => person.align(is_aligning),
+        }
+    }
+}
+
+/// Samples and the pipeline that labels them.
+pub struct Playback<'r> {
+    samples: SampleSource,
+    scored: ScoredPipeline<'r, HostEncoder<'r>>,
+    next: SampleIndex,
+}
+
+impl<'r> Playback<'r> {
+    /// State before the first sample. Emits the source, the model and the pipeline's state.
+    pub fn begin(
+        (kind, name): (&'static str, String),
+        samples: SampleSource,
+        model: &Model<'_>,
+        mut scored: ScoredPipeline<'r, HostEncoder<'r>>,
+        at: f64,
+        emit: &mut dyn FnMut(Event),
+    ) -> Self {
+        emit(Event::Source {
+            kind,
+            name,
+            connected: true,
+            detail: String::new(),
+            steps: Vec::new(),
+        });
+        emit(Event::of_model(model));
+        emit(Event::of_report(at, &scored.state_report()));
+        let next = SampleIndex(0);
+        Self {
+            samples,
+            scored,
+            next,
+        }
+    }
+
+    /// Begins, cancels or sets an alignment.
+    pub fn request(&mut self, at: f64, request: &SourceRequest, emit: &mut dyn FnMut(Event)) {
+        self.scored.request(at, request, emit);
+    }
+
+    /// Emits the samples of the next notification, and what the pipeline makes of them.
+    pub fn step(&mut self, at: f64, emit: &mut dyn FnMut(Event)) {
+        if self.samples.align(self.scored.is_aligning()) {
+            self.scored.begin_alignment();
+        }
+        let Notification { emg, truth, again } = self.samples.next(self.next);
+        if again {
+            let text = "the recording begins again".to_owned();
+            let sample = self.next.0;
+            emit(Event::Mark { sample, text });
+        }
+        emit(Event::Samples {
+            at,
+            first: self.next.0,
+            emg: emg.clone(),
+            truth,
+        });
+        // The device's clock starts with the first sample.
+        let now = Millis(self.next.0.wrapping_mul(SAMPLE_PERIOD_MS));
+        for sample in emg {
+            let output = self.scored.sample(now, self.next, sample);
+            output.events(at, emit);
+            self.next = self.next.plus(1);
+        }
+    }
+}

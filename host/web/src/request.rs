@@ -1,0 +1,132 @@
+//! Messages of a page to its source, each a JSON object.
+
+use serde::Deserialize;
+use shared::stream::alignment::{Alignment, Arm};
+use shared::uart_line::command::{AlignCommand, BindCommand, Command};
+use shared::units::CHANNELS;
+
+/// Reason to refuse a message that is none of these.
+pub const UNKNOWN: &str =
+    "there is no such request: load the page again, it may be of another version";
+
+/// Message of a viewer.
+#[derive(Deserialize)]
+#[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
+pub enum ViewerMessage {
+    /// Ask for the source's time; the answer repeats `sent`.
+    Ping {
+        /// Time of the page in ms.
+        sent: f64,
+    },
+    /// Mark a sample.
+    Mark {
+        /// Number of the sample.
+        sample: u32,
+        /// Text of the mark.
+        text: String,
+    },
+    /// Begin an alignment.
+    Align,
+    /// Cancel the alignment.
+    Cancel,
+    /// Put a known alignment in force.
+    Place {
+        /// Turn in electrodes, 0 to 7.
+        turn: u8,
+        /// Whether the armband is on the other arm.
+        mirrored: bool,
+    },
+    /// Begin a pairing on the board.
+    Bind,
+    /// Control the recording session.
+    Session {
+        /// Command.
+        #[serde(rename = "wish")]
+        command: SessionCommand,
+    },
+    /// Name the gesture done from now on, in a free session.
+    Gesture {
+        /// Name of the motion.
+        class: String,
+    },
+}
+
+impl ViewerMessage {
+    /// Name of the request in the table of rights.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Ping { .. } => "ping",
+            Self::Mark { .. } => "mark",
+            Self::Align => "align",
+            Self::Cancel => "cancel",
+            Self::Place { .. } => "place",
+            Self::Bind => "bind",
+            Self::Session {
+                command: SessionCommand::Install,
+            } => "install",
+            Self::Session { .. } => "session",
+            Self::Gesture { .. } => "gesture",
+        }
+    }
+
+    /// Request to the source that the message makes; none if it makes none.
+    pub fn for_source(&self) -> Option<SourceRequest> {
+        Some(match *self {
+            Self::Align => SourceRequest::Align,
+            Self::Cancel => SourceRequest::CancelAlignment,
+            Self::Place { turn, mirrored } if usize::from(turn) < CHANNELS => {
+                SourceRequest::SetAlignment(Alignment::new(turn, mirrored))
+            }
+            Self::Bind => SourceRequest::Bind,
+            _ => return None,
+        })
+    }
+}
+
+/// Command of a viewer to the session.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SessionCommand {
+    /// Begin or go on.
+    Begin,
+    /// Repeat the last trial.
+    Repeat,
+    /// Have the session wait.
+    Hold,
+    /// End the session.
+    Finish,
+    /// Begin another session.
+    Again,
+    /// Tune a model on the recordings.
+    Tune,
+    /// Install the tuned model on the board.
+    Install,
+}
+
+/// Request to a source.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum SourceRequest {
+    /// Begin an alignment.
+    Align,
+    /// Cancel the alignment in progress.
+    CancelAlignment,
+    /// Put an alignment in force that is known.
+    SetAlignment(Alignment),
+    /// Begin a pairing; boards only.
+    Bind,
+    /// Install this model; boards only.
+    Install(Vec<u8>),
+}
+
+impl SourceRequest {
+    /// Command that asks a board for it; none for an installation, which is a dialogue of its own.
+    pub const fn command(&self) -> Option<Command> {
+        Some(match self {
+            Self::Align => Command::Align(AlignCommand::Begin(Arm::Unknown)),
+            Self::CancelAlignment => Command::Align(AlignCommand::Cancel),
+            Self::SetAlignment(known) => Command::Align(AlignCommand::Set(*known)),
+            Self::Bind => Command::Bind(BindCommand::Begin),
+            Self::Install(_) => return None,
+        })
+    }
+}

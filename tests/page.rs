@@ -1,0 +1,331 @@
+//! The page that needs no program: labels as by `replay`, and the one file, opened from the disk in a browser.
+
+#[allow(dead_code, reason = "shared with the tests of `live`")]
+#[path = "live/browser.rs"]
+mod browser;
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+
+use myointent::cli::replay;
+use recordings::synthetic::{self, SynthOptions};
+use recordings::{LoadOptions, load};
+use serde_json::{Value, json};
+use shared::model::file::Model;
+use shared::myo::Address;
+use shared::uart_line::Report;
+use shared::uart_line::answer::{Answer, Identity};
+use shared::uart_line::emg::EmgReport;
+use shared::units::{Sample, SampleIndex};
+use web::SHIPPED;
+use web::event::Event;
+use web::tab::{Tab, Wanted};
+
+use self::browser::{Browser, Kind};
+
+const VALID: &str = "document.getElementById('valid')?.dataset.valid === 'yes'";
+const CONNECTED: &str = "document.getElementById('source')?.dataset.state === 'connected'";
+
+/// Expression that is true once the page shows a label.
+fn label(name: &str) -> String {
+    format!("{VALID} && document.getElementById('label').textContent === '{name}'")
+}
+
+/// A synthetic recording.
+fn samples(seconds: usize) -> Vec<Sample> {
+    let options = SynthOptions {
+        subjects: 1,
+        recordings: 1,
+        seconds,
+        ..SynthOptions::default()
+    };
+    synthetic::generate(&options).remove(0).samples
+}
+
+/// A report as a message, without what `replay` does not write.
+fn message(mut message: Value) -> Value {
+    let fields = message.as_object_mut().unwrap();
+    fields.remove("at");
+    fields.remove("strength");
+    message
+}
+
+/// Reports of `replay` as messages.
+fn replayed(samples: &[Sample]) -> Vec<Value> {
+    let lines = replay::lines(&SHIPPED.to_vec(), samples).unwrap();
+    let reports = lines.lines().filter_map(|line| {
+        let report = Report::parse(format!("{line}\r\n").as_bytes()).ok()?;
+        Some(message(json!(Event::of_report(0.0, &report))))
+    });
+    reports.collect()
+}
+
+/// Reports of a tab that plays a recording's file, up to its end.
+fn played(name: &Path, bytes: &[u8], samples: usize) -> Vec<Value> {
+    let name = name.to_str().unwrap().to_owned();
+    let mut tab = Tab::open(0.0, &Wanted::Recording { name }, bytes, None);
+    let mut reports = Vec::new();
+    let notifications = samples.div_ceil(2);
+    for tick in 0..notifications {
+        tab.tick(tick as f64 * 10.0);
+        let messages: Vec<Value> = serde_json::from_str(&tab.take()).unwrap();
+        let found = messages
+            .into_iter()
+            .filter(|message| message["type"] == "report");
+        reports.extend(found.map(message));
+    }
+    reports
+}
+
+#[test]
+fn a_files_labels_are_those_of_replay() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = SynthOptions {
+        subjects: 1,
+        recordings: 1,
+        seconds: 30,
+        ..SynthOptions::default()
+    };
+    let path = synthetic::write(&options, folder.path()).unwrap().remove(0);
+    let bytes = std::fs::read(&path).unwrap();
+    let samples = samples(30);
+    let expected = replayed(&samples);
+    assert!(expected.len() > 200, "{}", expected.len());
+    assert_eq!(played(&path, &bytes, samples.len()), expected);
+}
+
+#[test]
+fn labels_of_four_sets_are_those_of_replay() {
+    let Some(data) = myointent_tests::data("labels_of_four_sets_are_those_of_replay") else {
+        return;
+    };
+    for file in [
+        "roshambo/data/subject03_session01_emg.npy",
+        "ss-stm/data/sub11/M1T1.csv",
+        "epn/user10/testing/098_fist.npy",
+        "cote-allard/EvaluationDataset/Male2/training0/classe_7.dat",
+    ] {
+        let path = data.join(file);
+        let library = load(&path, &LoadOptions::default()).unwrap();
+        let samples = &library.recordings[0].samples;
+        let bytes = std::fs::read(&path).unwrap();
+        let expected = replayed(samples);
+        assert!(expected.len() > 10, "{file}: {}", expected.len());
+        assert_eq!(played(&path, &bytes, samples.len()), expected, "{file}");
+    }
+}
+
+/// Path of the one file, or why there is none.
+static FILE: LazyLock<Result<PathBuf, String>> = LazyLock::new(|| {
+    let page = xtask::page::build(false).map_err(|error| format!("{error:#}"))?;
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("myointent.html");
+    std::fs::write(&path, page).unwrap();
+    Ok(path)
+});
+
+/// Opens the file in a browser, after a script; none where something is missing, which is booked as skipped.
+fn open(kind: Kind, name: &str, script: &str) -> Option<Browser> {
+    let mut browser = Browser::start_kind(kind, name)?;
+    let path = match &*FILE {
+        Ok(path) => path,
+        Err(error) => {
+            myointent_tests::skip(name, error);
+            return None;
+        }
+    };
+    if !script.is_empty() {
+        let method = "Page.addScriptToEvaluateOnNewDocument";
+        browser.command(method, json!({ "source": script }));
+    }
+    browser.look(1440, 900, "light", "no-preference");
+    browser.open(&format!("file://{}", path.display()));
+    Some(browser)
+}
+
+/// Clicks an element as a user does: a chooser needs that.
+fn click(browser: &mut Browser, id: &str) {
+    let place = browser.value(&format!(
+        "(({{ x, y, width, height }}) => [x + width / 2, y + height / 2])(document.getElementById('{id}').getBoundingClientRect())"
+    ));
+    for kind in ["mousePressed", "mouseReleased"] {
+        browser.command(
+            "Input.dispatchMouseEvent",
+            json!({ "type": kind, "x": place[0], "y": place[1], "button": "left", "clickCount": 1 }),
+        );
+    }
+}
+
+/// Script with fakes of both kinds of devices.
+fn devices() -> String {
+    let samples = samples(60);
+    let pairs: Vec<&[i8]> = samples
+        .chunks_exact(2)
+        .map(|pair| pair.as_flattened())
+        .collect();
+    // Of each notification the raw line, and behind it the reports that it leads to.
+    let mut reports = Vec::new();
+    for line in replay::lines(&SHIPPED.to_vec(), &samples).unwrap().lines() {
+        let line = format!("{line}\r\n");
+        let report = Report::parse(line.as_bytes()).unwrap();
+        reports.push((report.emitted.0, line));
+    }
+    let mut reports = reports.into_iter().peekable();
+    let lines = samples.chunks_exact(2).zip((0..).step_by(2));
+    let lines: Vec<String> = lines
+        .map(|(pair, first)| {
+            let emg = EmgReport {
+                first: SampleIndex(first),
+                samples: [pair[0], pair[1]],
+            };
+            let mut text = emg.to_string();
+            while let Some((_, line)) = reports.next_if(|(emitted, _)| *emitted < first + 2) {
+                let _ = write!(text, "{line}");
+            }
+            text
+        })
+        .collect();
+    let identity = Answer::Identity(Identity {
+        version: "0.1.0",
+        revision: "0123456789ab",
+        image: "fake",
+        model: Some(Model::parse(&SHIPPED.to_vec()).unwrap().checksum),
+        armband: Some(Address::parse("FA:12:34:56:78:9A").unwrap()),
+        firmware: None,
+        battery: Some(77),
+    });
+    let board = json!({ "lines": lines, "period": 10, "identity": identity.to_string() });
+    let armband = json!({ "pairs": pairs, "period": 10 });
+    let fakes = include_str!("page/devices.js");
+    format!("{{ const BOARD = {board}; const ARMBAND = {armband};\n{fakes} }}")
+}
+
+#[test]
+fn the_file_shows_the_simulated_arm_without_a_server_and_takes_recordings() {
+    let name = "the_file_shows_the_simulated_arm_without_a_server_and_takes_recordings";
+    let Some(mut browser) = open(Kind::Chromium, name, "") else {
+        return;
+    };
+    browser.wait_for(VALID);
+    println!("first label: {} ms", browser.value("performance.now()"));
+    for class in ["open", "relax", "close"] {
+        browser.wait_for(&label(class));
+    }
+    browser.wait_for("document.getElementById('agrees').dataset.state === 'right'");
+    browser.wait_for("Number(document.getElementById('rate').textContent) > 190");
+    let picture = |name: &str| Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    browser.screenshot(&picture("page.png"));
+    let fits = "document.documentElement.scrollWidth <= innerWidth";
+    browser.look(390, 844, "dark", "no-preference");
+    browser.screenshot(&picture("page-phone.png"));
+    assert_eq!(browser.value(fits), true, "wider than the window");
+    browser.look(1440, 900, "light", "no-preference");
+
+    // The page's own messages: a mark, and an alignment that the simulated arm takes part in.
+    browser.press("m");
+    browser.press("a");
+    browser.wait_for("document.getElementById('placement').textContent.startsWith('Aligned')");
+
+    // A recording is dropped; and a file that is none says why.
+    let mut text = String::from("gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n");
+    for sample in samples(20) {
+        let counts = sample.map(|count| count.to_string()).join(",");
+        let _ = writeln!(text, "1,{counts}");
+    }
+    let drop = |text: &str| {
+        format!(
+            "(() => {{ const data = new DataTransfer(); data.items.add(new File([{}], 'mine.csv')); \
+             return document.body.dispatchEvent(new DragEvent('drop', {{ dataTransfer: data, bubbles: true, cancelable: true }})); }})()",
+            json!(text)
+        )
+    };
+    browser.value(&drop(&text));
+    browser.wait_for(&format!(
+        "{CONNECTED} && document.getElementById('source').textContent.includes('mine') && {VALID} && \
+         document.getElementById('truth').lastChild.textContent === 'open'"
+    ));
+    browser.value(&drop("no recording"));
+    browser.wait_for("document.getElementById('source').dataset.state === 'lost'");
+    let why = browser.text("source");
+    assert!(why.contains("mine.csv"), "{why}");
+    browser.value("document.getElementById('use-demo').click()");
+    browser.wait_for(&format!("{CONNECTED} && {VALID}"));
+    assert_eq!(browser.complaints, [""; 0]);
+}
+
+#[test]
+fn an_armband_streams_into_the_file_and_is_found_again() {
+    let name = "an_armband_streams_into_the_file_and_is_found_again";
+    let Some(mut browser) = open(Kind::Chromium, name, &devices()) else {
+        return;
+    };
+    browser.wait_for(CONNECTED);
+    click(&mut browser, "use-bluetooth");
+    let streams = format!(
+        "{CONNECTED} && document.getElementById('source').textContent === 'armband: Simulated Myo'"
+    );
+    browser.wait_for(&streams);
+    browser.wait_for(&label("open"));
+    browser.wait_for(&label("close"));
+    assert_eq!(browser.text("battery"), "80 %");
+    browser.value("device.gatt.disconnect()");
+    browser.wait_for("document.getElementById('source').dataset.state === 'lost'");
+    browser.wait_for(&streams);
+    browser.wait_for(VALID);
+    assert_eq!(browser.value("device.gatt.connections"), 2);
+    // Another source lets go of the armband.
+    browser.value("document.getElementById('use-demo').click()");
+    browser.wait_for("!device.gatt.connected");
+    browser.wait_for(&format!("{CONNECTED} && {VALID}"));
+    assert_eq!(browser.complaints, [""; 0]);
+}
+
+#[test]
+fn a_board_streams_into_the_file_and_may_be_unplugged() {
+    let name = "a_board_streams_into_the_file_and_may_be_unplugged";
+    let Some(mut browser) = open(Kind::Chromium, name, &devices()) else {
+        return;
+    };
+    browser.wait_for(CONNECTED);
+    click(&mut browser, "use-board");
+    browser.wait_for(&format!(
+        "{CONNECTED} && document.getElementById('source').textContent === 'board on USB'"
+    ));
+    browser.wait_for(&label("open"));
+    browser.wait_for(&label("close"));
+    browser.wait_for("document.getElementById('battery').textContent === '77 %'");
+    assert_eq!(browser.text("line"), "0 samples, 0 lines");
+    // It runs the page's model: three classes and other movement have scores.
+    assert_eq!(
+        browser.value("document.getElementById('legend').childElementCount"),
+        4
+    );
+    browser.press("a");
+    browser.wait_for("port.written.includes('$ALIGN,begin')");
+    browser.value("port.pull()");
+    browser.wait_for("document.getElementById('source').dataset.state === 'lost'");
+    browser.wait_for("!document.getElementById('empty').hidden");
+    // It is chosen again, and another source turns its raw stream off.
+    click(&mut browser, "use-board");
+    browser.wait_for(&format!("{CONNECTED} && {VALID}"));
+    browser.value("document.getElementById('use-demo').click()");
+    browser.wait_for("port.written.includes('$RAW,off') && port.readable === null");
+    browser.wait_for(&format!("{CONNECTED} && {VALID}"));
+    assert_eq!(browser.complaints, [""; 0]);
+}
+
+#[test]
+fn a_browser_without_bluetooth_says_so_and_shows_the_simulated_arm() {
+    let name = "a_browser_without_bluetooth_says_so_and_shows_the_simulated_arm";
+    let Some(mut browser) = open(Kind::Firefox, name, "") else {
+        return;
+    };
+    browser.wait_for(&label("open"));
+    // Firefox has no Web Bluetooth; its newer versions have Web Serial.
+    assert_eq!(
+        browser.value("document.getElementById('use-bluetooth').disabled"),
+        true
+    );
+    assert!(browser.text("lacks").contains("Chrome and Edge"));
+    assert_eq!(browser.complaints, [""; 0]);
+}
