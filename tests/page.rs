@@ -32,6 +32,11 @@ fn label(name: &str) -> String {
     format!("{VALID} && document.getElementById('label').textContent === '{name}'")
 }
 
+/// The shipped model, on the heap, which aligns it as a model requires.
+fn shipped() -> Vec<u8> {
+    SHIPPED.to_vec()
+}
+
 /// A synthetic recording.
 fn samples(seconds: usize) -> Vec<Sample> {
     let options = SynthOptions {
@@ -53,7 +58,7 @@ fn message(mut message: Value) -> Value {
 
 /// Reports of `replay` as messages.
 fn replayed(samples: &[Sample]) -> Vec<Value> {
-    let lines = replay::lines(&SHIPPED.to_vec(), samples).unwrap();
+    let lines = replay::lines(&shipped(), samples).unwrap();
     let reports = lines.lines().filter_map(|line| {
         let report = Report::parse(format!("{line}\r\n").as_bytes()).ok()?;
         Some(message(json!(Event::of_report(0.0, &report))))
@@ -138,7 +143,13 @@ fn open(kind: Kind, name: &str, script: &str) -> Option<Browser> {
         let method = "Page.addScriptToEvaluateOnNewDocument";
         browser.command(method, json!({ "source": script }));
     }
-    browser.look(1440, 900, "light", "no-preference");
+    // A device keeps its pace: pictures without motion leave a busy machine the time to hear it.
+    let motion = if script.is_empty() {
+        "no-preference"
+    } else {
+        "reduce"
+    };
+    browser.look(1440, 900, "light", motion);
     browser.open(&format!("file://{}", path.display()));
     Some(browser)
 }
@@ -165,7 +176,7 @@ fn devices() -> String {
         .collect();
     // Of each notification the raw line, and behind it the reports that it leads to.
     let mut reports = Vec::new();
-    for line in replay::lines(&SHIPPED.to_vec(), &samples).unwrap().lines() {
+    for line in replay::lines(&shipped(), &samples).unwrap().lines() {
         let line = format!("{line}\r\n");
         let report = Report::parse(line.as_bytes()).unwrap();
         reports.push((report.emitted.0, line));
@@ -189,7 +200,7 @@ fn devices() -> String {
         version: "0.1.0",
         revision: "0123456789ab",
         image: "fake",
-        model: Some(Model::parse(&SHIPPED.to_vec()).unwrap().checksum),
+        model: Some(Model::parse(&shipped()).unwrap().checksum),
         armband: Some(Address::parse("FA:12:34:56:78:9A").unwrap()),
         firmware: None,
         battery: Some(77),

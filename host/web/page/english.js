@@ -45,6 +45,7 @@ export const ENGLISH = {
   "help.share.text": "Share of the labels since this page was opened, or since the session began, that are what was asked for. The first second after each change is left out: nobody follows at once.",
   "signals": "Signals", "traces": "The eight traces of EMG, the scores of the classes and the labels over the last seconds",
   "row.scores": "scores", "row.asked": "asked", "row.label": "label", "waits": "waits {ms} ms", "stays": "stays {ms} ms", "seconds": "{n} s",
+  "no.scores.here": "no scores yet: of a board with another model once its file (.intent) is opened under Recording, and the board chosen again",
   "no.scores": "no scores: give the board's model with --model FILE", "help.picture": "What this means: picture",
   "help.picture.text": "Scores: how likely each class is, from 0 to 1. The highest becomes the label, if it is clear enough; other movement never does. Waits: a label is decided so much later than its moment. Stays: no label is shorter. Hatched: the label is not what was asked for.",
   "placement": "Placement of the armband", "armband": "Armband", "help.placement": "What this means: alignment",

@@ -45,6 +45,7 @@ export const GERMAN = {
   "help.share.text": "Anteil des Erkannten, seit diese Seite offen ist oder die Sitzung begann, der dem Verlangten gleicht. Die erste Sekunde nach jedem Wechsel zählt nicht: niemand folgt sofort.",
   "signals": "Signale", "traces": "Die acht EMG-Kurven, die Werte der Klassen und das Erkannte der letzten Sekunden",
   "row.scores": "Werte", "row.asked": "soll", "row.label": "ist", "waits": "wartet {ms} ms", "stays": "bleibt {ms} ms", "seconds": "{n} s",
+  "no.scores.here": "noch keine Werte: von einer Platine mit anderem Modell, sobald dessen Datei (.intent) unter Aufnahme geöffnet und die Platine neu gewählt ist",
   "no.scores": "keine Werte: das Modell der Platine mit --model FILE angeben", "help.picture": "Was das heißt: Bild",
   "help.picture.text": "Werte: wie wahrscheinlich jede Klasse ist, von 0 bis 1. Die höchste gilt als erkannt, wenn sie deutlich genug ist; andere Bewegung nie. Wartet: um so viel später als ihr Zeitpunkt fällt die Entscheidung. Bleibt: kürzer gilt nichts. Schraffiert: nicht wie verlangt.",
   "placement": "Sitz des Armbands", "armband": "Armband", "help.placement": "Was das heißt: Ausrichten",

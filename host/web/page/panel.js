@@ -38,7 +38,7 @@ export class Panel {
       entry.append(document.createElement("i"), name === "other" ? t("other.movement") : named("class", name));
       return entry;
     });
-    find("legend").replaceChildren(...(entries.length ? entries : [t("no.scores")]));
+    find("legend").replaceChildren(...(entries.length ? entries : [t(find("sources").hidden ? "no.scores" : "no.scores.here")]));
   }
 
   /** Shows a notice until the next one, or for so many ms. */
