@@ -71,7 +71,7 @@ pub enum DraftError {
 /// [`DraftError`]; an existing file is never replaced.
 pub fn describe(folder: &Path, out: Option<&Path>) -> Result<(PathBuf, String), DraftError> {
     let io = |source| LoadError::io(folder, source);
-    let folder = folder.canonicalize().map_err(io)?;
+    let folder = dunce::canonicalize(folder).map_err(io)?;
     if !folder.is_dir() {
         return Err(DraftError::NoFolder(folder));
     }
@@ -271,7 +271,11 @@ fn quoted(text: &str) -> String {
 
 impl fmt::Display for Draft {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let such_as = |path: &Path| excerpt(&path.display().to_string());
+        // As the pattern has them, on every system.
+        let such_as = |path: &Path| {
+            let names: Vec<_> = path.iter().map(|name| name.to_string_lossy()).collect();
+            excerpt(&names.join("/"))
+        };
         writeln!(
             f,
             "# Draft, by `myointent data describe`. Correct each line, then look at what comes of it: myointent data inspect.\n\

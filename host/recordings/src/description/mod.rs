@@ -228,7 +228,7 @@ impl Described {
             line: None,
             problem: Problem::Folder(folder.clone()),
         };
-        let folder = match folder.canonicalize() {
+        let folder = match dunce::canonicalize(&folder) {
             Ok(folder) if folder.is_dir() => folder,
             other => return Err(missing(other).into()),
         };

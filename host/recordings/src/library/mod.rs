@@ -287,9 +287,7 @@ fn passed_over(ignored: &[Ignored]) -> String {
 /// The path, absolute so that folder names are known, and the files at or below it in path order, or why one cannot be
 /// read.
 pub(crate) fn files(path: &Path) -> Result<(PathBuf, Vec<Result<PathBuf, LoadError>>), LoadError> {
-    let root = path
-        .canonicalize()
-        .map_err(|source| LoadError::io(path, source))?;
+    let root = dunce::canonicalize(path).map_err(|source| LoadError::io(path, source))?;
     let mut files = Vec::new();
     for entry in walkdir::WalkDir::new(&root)
         .follow_links(true)
