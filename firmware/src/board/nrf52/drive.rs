@@ -75,6 +75,7 @@ impl Drive {
                     pac::PWM0.events_stopped().write_value(0);
                 }
                 HIGH_US.store(FIRST_EDGE_FALLS | high_us, Ordering::SeqCst);
+                // By the core, which is awake while the value is read: erratum 109 of the nRF52832.
                 pac::PWM0.tasks_dma().seq(0).start().write_value(1);
                 self.runs = true;
             }
