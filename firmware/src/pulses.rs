@@ -4,7 +4,7 @@ use shared::intent::Intent;
 use shared::stream::safe_state::Status;
 use shared::stream::strength::Percent;
 
-/// What takes the pulses.
+/// Receiver of the pulses.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Pulses {
     /// A motor's driver: 1 kHz; the share of a period is the strength of the label, whichever it is.

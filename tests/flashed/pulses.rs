@@ -5,7 +5,6 @@ use shared::intent::Intent;
 use shared::model::encoder::DeviceEncoder;
 use shared::model::file::Model;
 use shared::pipeline::Pipeline;
-use shared::stream::safe_state::Start;
 use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample};
 use xtask::firmware::Image;
 
@@ -18,9 +17,7 @@ fn expected(model: &[u8], samples: &[Sample]) -> anyhow::Result<Vec<u64>> {
     let model = Model::parse(model)?;
     let encoder = DeviceEncoder::new(&model)?;
     let mut state = encoder.fresh();
-    let settings = model.header.smoother.in_patches();
-    let mut pipeline = Pipeline::new(encoder, &mut state, settings, Start::Boot)?;
-    pipeline.preprocess(model.header.preprocessing);
+    let mut pipeline = Pipeline::of_model(&model, encoder, &mut state)?;
     let mut now = Millis(0);
     let mut found = Vec::new();
     for packet in samples.chunks(2) {

@@ -1,6 +1,6 @@
 //! The page that needs no program, as one file: `cargo xtask page`.
 //!
-//! Its script is made of the page's modules, each a function that returns what it exports. The file asks for nothing from
+//! The script consists of the page's modules, each a function that returns what it exports. The file asks for nothing from
 //! elsewhere, and its policy allows nothing but its own parts.
 
 use std::fmt::Write as _;

@@ -29,8 +29,6 @@ use embassy_nrf::{
     wdt,
 };
 use shared::intent::{Intent, MAX_CLASSES};
-use shared::stream::safe_state::Status;
-use shared::stream::strength::Percent;
 
 use super::Board;
 use crate::messages::pin_state::PinState;
@@ -158,9 +156,10 @@ struct Outputs {
 }
 
 impl Outputs {
-    fn set(&mut self, status: Status, strength: Percent) {
+    fn set(&mut self, state: PinState) {
+        let status = state.status;
         let valid = status.valid();
-        self.drive.set(PULSES.high_us(status, strength));
+        self.drive.set(PULSES.high_us(status, state.strength));
         if !valid {
             self.valid.clear();
         }
@@ -201,11 +200,10 @@ fn set_outputs(state: PinState) {
         };
         let safe = PinState::SAFE;
         let expired = outputs.expired.is_triggered();
-        let shown = if expired { safe } else { state };
-        outputs.set(shown.status, shown.strength);
+        outputs.set(if expired { safe } else { state });
         // It may have expired since, and then some pin was set after it.
         if outputs.expired.is_triggered() {
-            outputs.set(safe.status, safe.strength);
+            outputs.set(safe);
         }
         let valid = state.status.valid() && !outputs.expired.is_triggered();
         outputs.valid_led.set_level(wiring::level_of_led(valid));
