@@ -47,8 +47,6 @@ mod json;
 mod keys;
 #[path = "live/languages.rs"]
 mod languages;
-#[path = "live/limits.rs"]
-mod limits;
 #[path = "live/page.rs"]
 mod page;
 #[cfg(target_os = "linux")]

@@ -1,11 +1,17 @@
 //! An alignment: that of the demo is right, every one can be taken back, and one that makes labels worse is offered back.
 
 use myointent::live::Source;
-use serde_json::Value;
+use serde_json::{Value, json};
 
+use super::browser::Browser;
 use super::record::pictures;
 use super::viewer::Viewer;
-use super::{demo_page, serve, synthetic};
+use super::{serve, synthetic};
+
+/// Script that keeps the page's websocket, to speak for the page.
+const WATCH_SOCKET: &str = "window.WebSocket = class extends WebSocket { constructor(...all) { super(...all); window.socket = this; } };";
+/// Script that has the page put a wrong placement in force.
+const PLACE: &str = "socket.send(JSON.stringify({ do: 'place', turn: 2, mirrored: true })) ?? true";
 
 /// Turn of a placement, and whether it is mirrored.
 fn placed(message: &Value) -> (u64, bool) {
@@ -70,13 +76,18 @@ fn a_board_is_told_the_placement_that_a_viewer_takes_back() {
 #[test]
 fn the_page_says_what_an_alignment_changed_and_offers_a_worse_one_back() {
     let name = "the_page_says_what_an_alignment_changed_and_offers_a_worse_one_back";
-    let Some((mut browser, live)) = demo_page(name) else {
+    let Some(mut browser) = Browser::start(name) else {
         return;
     };
+    let live = serve(Source::Demo);
+    let method = "Page.addScriptToEvaluateOnNewDocument";
+    browser.command(method, json!({ "source": WATCH_SOCKET }));
+    browser.look(1440, 900, "light", "no-preference");
+    browser.open(live.url());
     // Gestures are labelled as asked so far.
     browser.wait_for("Number(document.getElementById('share')?.dataset.gestures) > 40");
     let mut other = Viewer::connect(live.url());
-    other.say(r#"{"do":"place","turn":2,"mirrored":true}"#);
+    browser.value(PLACE);
     browser.wait_for("document.getElementById('placement').textContent.includes('turned by 2 places, on the other arm')");
     assert_eq!(
         browser.value(
@@ -98,7 +109,7 @@ fn the_page_says_what_an_alignment_changed_and_offers_a_worse_one_back() {
     browser.screenshot(&pictures().join("align-back.png"));
 
     // A page that is loaded again can still take it back.
-    other.say(r#"{"do":"place","turn":2,"mirrored":true}"#);
+    browser.value(PLACE);
     browser.wait_for("!document.getElementById('undo').hidden");
     browser.open(live.url());
     browser.wait_for("document.getElementById('undo')?.hidden === false");
@@ -108,10 +119,9 @@ fn the_page_says_what_an_alignment_changed_and_offers_a_worse_one_back() {
     browser.wait_for("document.getElementById('undo').hidden");
 
     // A page that is opened later does not know what was before, and can still reset it.
+    browser.value(PLACE);
+    browser.wait_for("!document.getElementById('undo').hidden");
     browser.value("sessionStorage.clear()");
-    browser.open("about:blank");
-    other.say(r#"{"do":"place","turn":2,"mirrored":true}"#);
-    other.find("alignment", |message| placed(message) == (2, true));
     browser.open(live.url());
     browser.wait_for("document.getElementById('reset')?.hidden === false");
     browser.value("document.getElementById('reset').click()");

@@ -127,12 +127,11 @@ fn no_text_of_the_page_stands_outside_of_the_tables() {
 }
 
 /// Files of the program whose texts the page shows.
-const SPEAKERS: [&str; 23] = [
+const SPEAKERS: [&str; 22] = [
     "host/src/board.rs",
     "host/src/live/recorder/mod.rs",
     "host/src/live/recorder/tuning.rs",
     "host/src/live/recorder/writing.rs",
-    "host/src/live/server/rights.rs",
     "host/src/live/server/viewer.rs",
     "host/src/live/source/bluetooth/mod.rs",
     "host/src/live/source/board.rs",

@@ -123,23 +123,3 @@ fn a_damaged_line_shows_no_wrong_sample_and_its_losses_are_counted() {
     live.stop().unwrap();
     drop(board);
 }
-
-#[test]
-fn a_viewer_of_live_cannot_bind_a_board_and_is_told_where() {
-    let folder = tempfile::tempdir().unwrap();
-    let board = Board::unbound(&link(&folder));
-    let live = serve(&link(&folder), None);
-    let mut viewer = Viewer::connect(live.url());
-    viewer.find("binding", |message| message["state"] == "nobody");
-    viewer.say(r#"{"do":"bind"}"#);
-    for _ in 0..3 {
-        let binding = viewer.find("binding", |_| true);
-        assert_eq!(binding["state"], "nobody");
-    }
-    viewer.say(r#"{"do":"bind"}"#);
-    let refused = viewer.find("refused", |message| message["do"] == "bind");
-    let text = refused["text"].as_str().unwrap();
-    assert!(text.contains("`myointent record"), "{text}");
-    live.stop().unwrap();
-    drop(board);
-}

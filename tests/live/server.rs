@@ -1,11 +1,12 @@
 //! Server of the page: requests that it answers, and messages to viewers of a recording.
 
+use std::time::{Duration, Instant};
+
 use myointent::cli::replay;
 use myointent::live::Source;
 use serde_json::Value;
 use shared::uart_line::{Kind, Report};
 
-use super::record::{SHORT, record};
 use super::viewer::{Viewer, get, request};
 use super::{serve, shipped, synthetic};
 
@@ -170,8 +171,8 @@ fn a_mark_is_shown_to_all_and_an_alignment_can_be_begun_and_ended() {
     }
     one.say(r#"{"do":"align"}"#);
     other.find("alignment", |message| message["state"] == "waiting");
-    other.say(r#"{"do":"cancel"}"#);
-    one.find("alignment", |message| message["state"] == "cancelled");
+    one.say(r#"{"do":"cancel"}"#);
+    other.find("alignment", |message| message["state"] == "cancelled");
     one.say(r#"{"do":"ping","sent":12.5}"#);
     let pong = one.find("pong", |_| true);
     assert_eq!(pong["sent"], 12.5);
@@ -209,40 +210,49 @@ const BEGIN: &str = r#"{"do":"session","wish":"begin"}"#;
 const GESTURE: &str = r#"{"do":"gesture","class":"open"}"#;
 
 #[test]
-fn without_a_session_viewers_are_refused_what_belongs_to_one_and_told_why() {
+fn without_a_board_or_a_session_what_needs_one_is_refused_with_the_reason() {
     let live = serve(Source::Demo);
     let mut viewer = Viewer::connect(live.url());
     for said in [BIND, BEGIN, GESTURE] {
         let text = refused(&mut viewer, said);
         assert!(text.contains("`myointent record"), "{text}");
     }
-    // The viewer stays connected.
-    viewer.say(r#"{"do":"align"}"#);
-    viewer.find("alignment", |message| message["state"] == "waiting");
     live.stop().unwrap();
 }
 
 #[test]
-fn a_session_without_a_board_has_none_to_bind() {
-    let folder = tempfile::tempdir().unwrap();
-    let live = record(folder.path(), Source::Demo, SHORT, 1);
-    let mut viewer = Viewer::connect(live.url());
-    let text = refused(&mut viewer, BIND);
-    assert!(text.contains("--port"), "{text}");
+fn one_viewer_is_heard_until_it_leaves_and_the_others_watch() {
+    let live = serve(Source::Demo);
+    let [mut one, mut other] = [(); 2].map(|()| Viewer::connect(live.url()));
+    // The time may be asked for by everybody.
+    other.say(r#"{"do":"ping","sent":1}"#);
+    other.find("pong", |_| true);
+    one.say(r#"{"do":"align"}"#);
+    other.find("lead", |message| message["viewer"].is_number());
+    for said in [
+        r#"{"do":"cancel"}"#,
+        r#"{"do":"mark","sample":1,"text":""}"#,
+    ] {
+        let text = refused(&mut other, said);
+        assert!(text.contains("another page leads"), "{text}");
+    }
+    drop(one);
+    other.find("lead", |message| message["viewer"].is_null());
+    other.say(r#"{"do":"cancel"}"#);
+    other.find("alignment", |message| message["state"] == "cancelled");
     live.stop().unwrap();
 }
 
 #[test]
-fn who_does_not_lead_a_session_is_told_so() {
-    let folder = tempfile::tempdir().unwrap();
-    let live = record(folder.path(), Source::Demo, SHORT, 1);
-    let mut leader = Viewer::connect(live.url());
-    leader.find("samples", |_| true);
-    leader.say(BEGIN);
-    leader.find("lead", |message| message["viewer"].is_number());
-    let mut other = Viewer::connect(live.url());
-    let text = refused(&mut other, r#"{"do":"session","wish":"finish"}"#);
-    assert!(text.contains("another page leads"), "{text}");
+fn more_viewers_than_there_is_room_for_are_refused_until_one_leaves() {
+    let live = serve(Source::Demo);
+    let mut viewers: Vec<_> = (0..16).map(|_| Viewer::connect(live.url())).collect();
+    assert_eq!(Viewer::connect_from(live.url(), None).err(), Some(503));
+    viewers.pop();
+    let end = Instant::now() + Duration::from_secs(10);
+    while Viewer::connect_from(live.url(), None).is_err() {
+        assert!(Instant::now() < end, "the place is not free");
+    }
     live.stop().unwrap();
 }
 

@@ -38,7 +38,6 @@ use self::json_lines::JsonLines;
 pub use self::recorder::RecordOptions;
 use self::recorder::{Recorder, RecorderRequest};
 use self::server::access::Access;
-use self::server::rights::Mode;
 use self::server::{Requests, Server};
 pub use self::source::Source;
 pub(crate) use self::source::no_port;
@@ -133,7 +132,7 @@ pub fn start(options: Options) -> anyhow::Result<Live> {
     let url = access.url();
     let hub = Arc::new(Hub::new());
     let requests = mpsc::sync_channel(REQUESTS);
-    let mode = Mode::of(&options.source, options.record.is_some());
+    let has_board = matches!(options.source, Source::Port(_));
     let (mut recorder_thread, mut recorder_requests, mut guide) = (None, None, None);
     let mut history = None;
     if let Some(record) = options.record {
@@ -172,7 +171,7 @@ pub fn start(options: Options) -> anyhow::Result<Live> {
         source: stream.requests.clone(),
         recorder: recorder_requests,
     };
-    let server = Server::start(listener, access, mode, hub, requests, history)?;
+    let server = Server::start(listener, access, has_board, hub, requests, history)?;
     Ok(Live {
         stream,
         server,
@@ -224,7 +223,7 @@ pub(crate) fn print(
     let hub = Arc::new(Hub::new());
     // Started before the source, so that no event is missed.
     let lines = JsonLines::start(hub.clone(), output)?;
-    let mode = Mode::of(&source, false);
+    let has_board = matches!(source, Source::Port(_));
     let requests = mpsc::sync_channel(REQUESTS);
     let stream = Stream::start(hub.clone(), source, model, None, requests)?;
     let server = page.map(|(listener, access)| {
@@ -233,7 +232,7 @@ pub(crate) fn print(
             source: stream.requests.clone(),
             recorder: None,
         };
-        Server::start(listener, access, mode, hub.clone(), requests, None)
+        Server::start(listener, access, has_board, hub.clone(), requests, None)
     });
     let server = server.transpose()?;
     while !(over() || stream.source.is_finished() || lines.is_finished()) {

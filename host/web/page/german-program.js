@@ -105,12 +105,10 @@ export const GERMAN_PROGRAM = {
   "the file is no model that this program can run: the line says why": "die Datei ist kein Modell, das dieses Programm ausführen kann: die Zeile sagt warum",
   "the flash memory did not take it: send it again": "der Speicher nahm es nicht an: noch einmal senden",
   // Refused requests.
-  "no session is recorded here: `myointent record` has a page for it; viewers of `live` may mark and align": "hier wird keine Sitzung aufgenommen: `myointent record` hat eine Seite dafür; bei `live` kann man markieren und ausrichten",
-  "viewers of `live` may mark and align: bind an armband with `myointent record --port PATH`, `myointent board --port PATH bind begin` or the board's button": "bei `live` kann man markieren und ausrichten: ein Armband bindet man mit `myointent record --port PATH`, `myointent board --port PATH bind begin` oder der Taste der Platine",
-  "there is no board here: `myointent record --port PATH` has one": "hier ist keine Platine: `myointent record --port PATH` hat eine", "there is no such request": "das gibt es nicht",
+  "no session is recorded here: `myointent record` has a page for it": "hier wird keine Sitzung aufgenommen: `myointent record` hat eine Seite dafür",
+  "there is no board here: `myointent record --port PATH` has one": "hier ist keine Platine: `myointent record --port PATH` hat eine",
   "there is no such request: load the page again, it may be of another version": "das gibt es nicht: die Seite neu laden, sie kann von einer anderen Version sein",
-  "asked too often: at most 20 requests at once and 10 a second are heard": "zu oft gefragt: höchstens 20 auf einmal und 10 je Sekunde",
-  "another page leads the session, and this one watches": "eine andere Seite führt die Sitzung, und diese schaut zu",
+  "another page leads, and this one watches": "eine andere Seite führt, und diese schaut zu",
   "not done, because the program is busy or ends: ask again": "nicht erledigt, das Programm ist beschäftigt oder endet: noch einmal versuchen",
   // Sources.
   "synthetic, of nobody": "künstlich, von niemandem", "any armband": "irgendeines", "this computer": "dieser Computer", "this browser": "dieser Browser", "it has no recording": "darin ist keine Aufnahme", "the model is refused: {1}": "das Modell wird abgelehnt: {1}", "the recording begins again": "die Aufnahme beginnt von vorn",

@@ -52,7 +52,7 @@ pub enum ViewerMessage {
 }
 
 impl ViewerMessage {
-    /// Name of the request in the table of rights.
+    /// Name of the request, for its refusal.
     pub const fn name(&self) -> &'static str {
         match self {
             Self::Ping { .. } => "ping",

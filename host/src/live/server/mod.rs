@@ -2,33 +2,29 @@
 
 pub(crate) mod access;
 mod assets;
-mod connections;
-mod rate_limit;
-pub(crate) mod rights;
 mod viewer;
 
 use std::net::TcpListener;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::SyncSender;
+use std::sync::{Arc, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
 use axum::Router;
+use axum::extract::State;
 use axum::extract::ws::WebSocketUpgrade;
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
-use axum::extract::{ConnectInfo, State};
 use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE};
 use axum::http::{HeaderMap, Method, StatusCode, Uri};
 use axum::response::{IntoResponse as _, Response};
 use tokio::sync::{Mutex, Semaphore, watch};
 
 use self::access::{Access, Denied};
-use self::connections::{LimitedListener, Upgraded};
-use self::rights::{Lead, Mode};
 use super::hub::Hub;
 use super::recorder::RecorderRequest;
 use crate::record::HistoryOf;
+use web::event::ViewerId;
 use web::request::SourceRequest;
 
 /// Greatest number of viewers.
@@ -51,14 +47,22 @@ pub(crate) struct Requests {
 struct ServerState {
     hub: Arc<Hub>,
     access: Access,
-    mode: Mode,
+    has_board: bool,
     requests: Requests,
     /// Sessions of the person who is recorded; none for `live`. Read by one viewer at a time.
     history: Option<Mutex<Arc<HistoryOf>>>,
-    lead: Lead,
+    /// Viewer whose requests are done; none until one asks.
+    leader: std::sync::Mutex<Option<ViewerId>>,
     ids: AtomicU64,
     viewers: Arc<Semaphore>,
     stop: watch::Receiver<bool>,
+}
+
+impl ServerState {
+    fn leader(&self) -> MutexGuard<'_, Option<ViewerId>> {
+        // A panic leaves nothing half-changed.
+        self.leader.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 /// Thread of the server.
@@ -76,7 +80,7 @@ impl Server {
     pub(crate) fn start(
         listener: TcpListener,
         access: Access,
-        mode: Mode,
+        has_board: bool,
         hub: Arc<Hub>,
         requests: Requests,
         history: Option<HistoryOf>,
@@ -88,16 +92,16 @@ impl Server {
         listener.set_nonblocking(true)?;
         let listener = {
             let _within = runtime.enter();
-            LimitedListener::new(tokio::net::TcpListener::from_std(listener)?)
+            tokio::net::TcpListener::from_std(listener)?
         };
         let (stop, stopped) = watch::channel(false);
         let state = ServerState {
             hub,
             access,
-            mode,
+            has_board,
             requests,
             history: history.map(|own| Mutex::new(Arc::new(own))),
-            lead: Lead::default(),
+            leader: std::sync::Mutex::default(),
             ids: AtomicU64::new(1),
             viewers: Arc::new(Semaphore::new(MOST_VIEWERS)),
             stop: stopped.clone(),
@@ -111,8 +115,7 @@ impl Server {
                     let _ = stopped.wait_for(|stop| *stop).await;
                 };
                 runtime.block_on(async {
-                    let service = router.into_make_service_with_connect_info::<Upgraded>();
-                    let serve = axum::serve(listener, service).into_future();
+                    let serve = axum::serve(listener, router).into_future();
                     tokio::select! {
                         _ = serve => {}
                         () = ended => tokio::time::sleep(PATIENCE / 4).await,
@@ -134,7 +137,6 @@ impl Server {
 /// Checks a request and answers it.
 async fn answer(
     State(state): State<Arc<ServerState>>,
-    ConnectInfo(connection): ConnectInfo<Upgraded>,
     method: Method,
     uri: Uri,
     headers: HeaderMap,
@@ -169,7 +171,6 @@ async fn answer(
         .max_message_size(MAX_REQUEST_BYTES)
         .max_frame_size(MAX_REQUEST_BYTES)
         .on_upgrade(async move |socket| {
-            connection.set();
             viewer.serve(socket).await;
             drop(permit);
         })

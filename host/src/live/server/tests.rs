@@ -52,8 +52,7 @@ fn a_viewer_that_does_not_read_is_left_behind_and_told_so_and_the_other_misses_n
         source: requests,
         recorder: None,
     };
-    let server =
-        Server::start(listener, access, Mode::Replay, hub.clone(), requests, None).unwrap();
+    let server = Server::start(listener, access, false, hub.clone(), requests, None).unwrap();
     let [mut slow, mut fast] = [(); 2].map(|()| connect(&url));
     for socket in [&mut slow, &mut fast] {
         assert_eq!(read(socket), (vec![], 0), "hello");

@@ -1,7 +1,7 @@
 //! Connection of one viewer: messages to it, and requests from it.
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use axum::body::Bytes;
 use axum::extract::ws::{Message as Frame, WebSocket};
@@ -9,11 +9,9 @@ use recordings::labels::motion::Motion;
 use tokio::sync::broadcast::error::TryRecvError;
 use tokio::time::{MissedTickBehavior, interval, interval_at, timeout};
 use web::event::{Event, ViewerId};
-use web::request::{SessionCommand, SourceRequest, UNKNOWN, ViewerMessage};
+use web::request::{SessionCommand, UNKNOWN, ViewerMessage};
 
 use super::ServerState;
-use super::rate_limit::{Admission, RateLimit};
-use super::rights::{self, Right};
 use crate::live::hub::{Message, Subscription};
 use crate::live::recorder::RecorderRequest;
 use crate::record::session::Action;
@@ -25,8 +23,9 @@ const SEND_TIMEOUT: Duration = Duration::from_secs(20);
 /// Pause between two pings. A viewer that is cut off does not answer, and its connection ends.
 const PING_PERIOD: Duration = Duration::from_secs(60);
 
-const TOO_OFTEN: &str = "asked too often: at most 20 requests at once and 10 a second are heard";
-const WATCHES: &str = "another page leads the session, and this one watches";
+const WATCHES: &str = "another page leads, and this one watches";
+const NO_SESSION: &str = "no session is recorded here: `myointent record` has a page for it";
+const NO_BOARD: &str = "there is no board here: `myointent record --port PATH` has one";
 const BUSY: &str = "not done, because the program is busy or ends: ask again";
 
 /// State of a viewer's connection.
@@ -48,7 +47,12 @@ impl Viewer {
     /// Serves until the viewer leaves or the program ends.
     pub(super) async fn serve(self, socket: WebSocket) {
         self.run(socket).await;
-        if self.server.lead.release(self.id) {
+        if self
+            .server
+            .leader()
+            .take_if(|leader| *leader == self.id)
+            .is_some()
+        {
             self.server.hub.publish(&Event::Lead { viewer: None });
             // Without a recorder, or with a full queue, nobody waits for the leader.
             let _ = self.request_recorder(RecorderRequest::LeaderLeft);
@@ -66,7 +70,6 @@ impl Viewer {
         let mut ticks = interval(COLLECT);
         ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
         let mut pings = interval_at(tokio::time::Instant::now() + PING_PERIOD, PING_PERIOD);
-        let mut rate_limit = RateLimit::new(Instant::now());
         loop {
             // The borrows of the branches end here: a guard of `stop` must not be held across a send.
             let wakeup = tokio::select! {
@@ -82,8 +85,7 @@ impl Viewer {
                 Wakeup::Tick => self.send_following(&mut socket, &mut subscription).await,
                 Wakeup::Ping => is_sent(&mut socket, Frame::Ping(Bytes::new())).await,
                 Wakeup::Received(Some(Ok(Frame::Text(text)))) => {
-                    self.handle_message(&mut socket, &mut rate_limit, &text)
-                        .await
+                    self.handle_message(&mut socket, &text).await
                 }
                 Wakeup::Received(Some(Ok(Frame::Ping(_) | Frame::Pong(_)))) => true,
                 Wakeup::Received(_) => false,
@@ -122,82 +124,62 @@ impl Viewer {
     }
 
     /// Handles a message: does it or refuses it. Returns false if the viewer is gone or the message is malformed.
-    async fn handle_message(
-        &self,
-        socket: &mut WebSocket,
-        rate_limit: &mut RateLimit,
-        text: &str,
-    ) -> bool {
+    async fn handle_message(&self, socket: &mut WebSocket, text: &str) -> bool {
         let Ok(message) = serde_json::from_str::<ViewerMessage>(text) else {
             refuse(socket, "", UNKNOWN).await;
             return false;
         };
-        let name = message.name();
-        match rate_limit.admit(Instant::now()) {
-            Admission::Admitted => {}
-            Admission::Refused => return refuse(socket, name, TOO_OFTEN).await,
-            Admission::Ignored => {
-                // The other viewers get a turn between many requests.
-                tokio::task::yield_now().await;
-                return true;
-            }
+        if let ViewerMessage::Ping { sent } = message {
+            let now = self.server.hub.now();
+            return send(socket, [json(&Event::Pong { sent, now })]).await;
         }
-        let done = self.authorize(name).and_then(|()| match message {
-            ViewerMessage::Ping { .. } => Ok(()),
-            ViewerMessage::Mark { sample, ref text } => {
-                self.server.hub.publish(&Event::of_mark(sample, text));
+        match self.lead().and_then(|()| self.act(&message)) {
+            Ok(()) => true,
+            Err(why) => refuse(socket, message.name(), why).await,
+        }
+    }
+
+    /// Claims the lead: the first viewer to send a request has it until it leaves, and all others watch.
+    fn lead(&self) -> Result<(), &'static str> {
+        let mut leader = self.server.leader();
+        if leader.is_none() {
+            let viewer = Some(self.id);
+            self.server.hub.publish(&Event::Lead { viewer });
+        }
+        let leads = *leader.get_or_insert(self.id) == self.id;
+        leads.then_some(()).ok_or(WATCHES)
+    }
+
+    /// Does what a message asks for.
+    ///
+    /// # Errors
+    /// The reason why it is not done, in words.
+    fn act(&self, message: &ViewerMessage) -> Result<(), &'static str> {
+        match message {
+            ViewerMessage::Mark { sample, text } => {
+                self.server.hub.publish(&Event::of_mark(*sample, text));
                 Ok(())
             }
-            ViewerMessage::Session { command } => self.request_recorder(recorder_request(command)),
-            ViewerMessage::Gesture { ref class } => match Motion::from_name(class) {
+            ViewerMessage::Session { command } => self.request_recorder(recorder_request(*command)),
+            ViewerMessage::Gesture { class } => match Motion::from_name(class) {
                 None | Some(Motion::Unknown) => Err(UNKNOWN),
                 Some(motion) => {
                     self.request_recorder(RecorderRequest::Action(Action::Mark(motion)))
                 }
             },
-            ref message => match message.for_source() {
-                Some(request) => self.request_source(request),
-                None => Err(UNKNOWN),
-            },
-        });
-        match (done, message) {
-            (Err(why), _) => refuse(socket, name, why).await,
-            (Ok(()), ViewerMessage::Ping { sent }) => {
-                let now = self.server.hub.now();
-                send(socket, [json(&Event::Pong { sent, now })]).await
-            }
-            (Ok(()), _) => true,
-        }
-    }
-
-    /// Whether this viewer may send a request. If the request needs a leader and nobody leads, this viewer does.
-    ///
-    /// # Errors
-    /// The reason, in words.
-    fn authorize(&self, name: &str) -> Result<(), &'static str> {
-        match rights::of(name, self.server.mode) {
-            Right::All => Ok(()),
-            Right::Nobody(why) => Err(why),
-            Right::Leader => {
-                let (leads, is_new) = self.server.lead.claim(self.id);
-                if is_new {
-                    let viewer = Some(self.id);
-                    self.server.hub.publish(&Event::Lead { viewer });
-                }
-                leads.then_some(()).ok_or(WATCHES)
+            ViewerMessage::Bind if !self.server.has_board => Err(NO_BOARD),
+            message => {
+                let request = message.for_source().ok_or(UNKNOWN)?;
+                let source = &self.server.requests.source;
+                source.try_send(request).map_err(|_| BUSY)
             }
         }
-    }
-
-    /// Passes a request to the source.
-    fn request_source(&self, request: SourceRequest) -> Result<(), &'static str> {
-        let source = &self.server.requests.source;
-        source.try_send(request).map_err(|_| BUSY)
     }
 
     /// Passes a request to the recorder.
     fn request_recorder(&self, request: RecorderRequest) -> Result<(), &'static str> {
-        let recorder = self.server.requests.recorder.as_ref().ok_or(BUSY)?;
+        let recorder = self.server.requests.recorder.as_ref();
+        let recorder = recorder.ok_or(NO_SESSION)?;
         recorder.try_send(request).map_err(|_| BUSY)
     }
 
