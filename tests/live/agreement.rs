@@ -71,6 +71,33 @@ fn a_label_that_is_not_as_asked_is_marked_in_words_and_counted() {
     assert_eq!(browser.complaints, [""; 0]);
 }
 
+#[test]
+fn rest_is_right_where_a_gesture_is_asked_for_that_the_model_lacks() {
+    let name = "rest_is_right_where_a_gesture_is_asked_for_that_the_model_lacks";
+    let Some(mut browser) = Browser::start(name) else {
+        return;
+    };
+    let mut recording = synthetic(60);
+    for label in recording.labels.iter_mut().flatten() {
+        if *label == Intent::Relax {
+            *label = Intent::Pinch;
+        }
+    }
+    let live = serve(Source::Replay(Box::new(recording)));
+    browser.look(1440, 900, "light", "no-preference");
+    browser.open(live.url());
+    browser.wait_for(
+        "document.querySelector('#truth b').textContent === 'pinch' && \
+         document.getElementById('label').textContent === 'relax' && \
+         document.getElementById('agrees').dataset.state === 'right'",
+    );
+    // Such a gesture means nothing, as other movement does.
+    browser.wait_for("document.getElementById('share').textContent.includes('in other movement')");
+    live.stop().unwrap();
+    browser.wait_for("document.getElementById('truth').hidden");
+    assert_eq!(browser.complaints, [""; 0]);
+}
+
 /// Expression of the states of the mark that the page shows while label and cue are equal, over some seconds.
 const WHILE_EQUAL: &str = "new Promise((done) => { const states = new Set(); const end = performance.now() + 6000; \
     const look = () => { const [label, asked] = ['#label', '#truth b'].map((name) => document.querySelector(name).textContent); \
