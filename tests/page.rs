@@ -100,27 +100,6 @@ fn a_files_labels_are_those_of_replay() {
     assert_eq!(played(&path, &bytes, samples.len()), expected);
 }
 
-#[test]
-fn labels_of_four_sets_are_those_of_replay() {
-    let Some(data) = myointent_tests::data("labels_of_four_sets_are_those_of_replay") else {
-        return;
-    };
-    for file in [
-        "roshambo/data/subject03_session01_emg.npy",
-        "ss-stm/data/sub11/M1T1.csv",
-        "epn/user10/testing/098_fist.npy",
-        "cote-allard/EvaluationDataset/Male2/training0/classe_7.dat",
-    ] {
-        let path = data.join(file);
-        let library = load(&path, &LoadOptions::default()).unwrap();
-        let samples = &library.recordings[0].samples;
-        let bytes = std::fs::read(&path).unwrap();
-        let expected = replayed(samples);
-        assert!(expected.len() > 10, "{file}: {}", expected.len());
-        assert_eq!(played(&path, &bytes, samples.len()), expected, "{file}");
-    }
-}
-
 /// Path of the one file, or why there is none.
 static FILE: LazyLock<Result<PathBuf, String>> = LazyLock::new(|| {
     let page = xtask::page::build(false).map_err(|error| format!("{error:#}"))?;
@@ -262,6 +241,62 @@ fn the_file_shows_the_simulated_arm_without_a_server_and_takes_recordings() {
     browser.value("document.getElementById('use-demo').click()");
     browser.wait_for(&format!("{CONNECTED} && {VALID}"));
     assert_eq!(browser.complaints, [""; 0]);
+}
+
+/// Script that plays a recording's file through the module inside the page, as fast as it goes; its value is the reports.
+fn play(name: &Path, bytes: &[u8], samples: usize) -> String {
+    let wanted = json!({ "source": "recording", "name": name });
+    let ticks = samples.div_ceil(2);
+    format!(
+        "(async () => {{
+            const packed = Uint8Array.from(atob(document.getElementById('program').textContent), (letter) => letter.charCodeAt(0));
+            const code = new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream('gzip')));
+            const {{ instance: {{ exports: program }} }} = await WebAssembly.instantiate(await code.arrayBuffer());
+            const give = (bytes) => {{
+                const address = program.input(bytes.length);
+                new Uint8Array(program.memory.buffer, address, bytes.length).set(bytes);
+            }};
+            const messages = (length) =>
+                JSON.parse(new TextDecoder().decode(new Uint8Array(program.memory.buffer, program.output(), length)));
+            give(Uint8Array.from({bytes:?}));
+            program.file();
+            give(new TextEncoder().encode({}));
+            const opened = messages(program.open(0));
+            return opened.concat(...Array.from({{ length: {ticks} }}, (_, tick) => messages(program.tick(10 * tick))))
+                .filter(({{ type }}) => type === 'report');
+        }})()",
+        json!(wanted.to_string())
+    )
+}
+
+#[test]
+fn in_a_browser_labels_of_four_sets_are_those_of_replay() {
+    let name = "in_a_browser_labels_of_four_sets_are_those_of_replay";
+    let Some(data) = myointent_tests::data(name) else {
+        return;
+    };
+    let Some(mut browser) = open(Kind::Chromium, name, "") else {
+        return;
+    };
+    // Of these, one file is a whole recording: a page has no other beside it.
+    for file in [
+        "uci-gestures/23/1_raw_data_13-18_05.04.16.txt",
+        "ss-stm/data/sub11/M1T1.csv",
+        "epn/user10/testing/098_fist.npy",
+        "cote-allard/EvaluationDataset/Male2/training0/classe_7.dat",
+    ] {
+        let path = data.join(file);
+        let library = load(&path, &LoadOptions::default()).unwrap();
+        let samples = &library.recordings[0].samples;
+        let expected = replayed(samples);
+        assert!(expected.len() > 10, "{file}: {}", expected.len());
+        let script = play(&path, &std::fs::read(&path).unwrap(), samples.len());
+        let Value::Array(played) = browser.value(&script) else {
+            panic!("{file}: no reports");
+        };
+        let played: Vec<Value> = played.into_iter().map(message).collect();
+        assert_eq!(played, expected, "{file}");
+    }
 }
 
 #[test]

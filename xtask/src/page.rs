@@ -5,11 +5,14 @@
 
 use std::fmt::Write as _;
 use std::fs;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, bail, ensure};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use flate2::Compression;
+use flate2::write::GzEncoder;
 use sha2::{Digest as _, Sha256};
 
 use crate::toolchain::{self, Toolchain, WEB};
@@ -66,18 +69,20 @@ pub fn build(install: bool) -> Result<String> {
     ensure!(status.success(), "the page's module did not build");
     let module = cross_target().join(WEB).join(PROFILE).join("web.wasm");
     let module = fs::read(&module).with_context(|| format!("{}", module.display()))?;
+    let mut packed = GzEncoder::new(Vec::new(), Compression::best());
+    packed.write_all(&module)?;
     let folder = workspace().join("host/web/page");
     let read = |name: &str| {
         let path = folder.join(name);
         fs::read_to_string(&path).with_context(|| format!("{} cannot be read", path.display()))
     };
-    page(&read, &module)
+    page(&read, &packed.finish()?)
 }
 
 /// Reads a file of the page by its name.
 type Read<'r> = &'r dyn Fn(&str) -> Result<String>;
 
-/// Puts everything into `index.html`.
+/// Puts everything into `index.html`; the module is compressed by gzip.
 fn page(read: Read<'_>, module: &[u8]) -> Result<String> {
     let mut text = read("index.html")?;
     let mut styles = String::new();

@@ -1,12 +1,14 @@
 //! `myointent live`: the stream of a board or a recording, on a page or as lines of JSON.
 
-use std::io::Write;
+use std::io::{IsTerminal as _, Write};
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, TcpListener};
 use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::{Context as _, bail};
 use clap::Args;
+use qrcode::QrCode;
+use qrcode::render::unicode;
 use shared::myo::Address;
 
 use super::arguments::AS_RECORDED;
@@ -138,8 +140,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             .map(|(address, port)| SocketAddr::new(address, port.unwrap_or_else(|| free(address))));
         let interrupt = Interrupt::listen();
         let opened = |url: &str| {
-            progress::log(&format!("page: {url}"));
-            listen.into_iter().for_each(|listen| warn(listen.ip()));
+            if let Some(listen) = listen {
+                progress::log(&format!("page: {}", urls(url, listen.ip()).join(" ")));
+                warn(listen.ip());
+            }
         };
         let output: Box<dyn Write + Send> = match &arguments.osc {
             Some(target) => Box::new(Osc::to(target).with_context(|| {
@@ -197,7 +201,13 @@ pub(super) fn serve(
     let listen = SocketAddr::new(address, port.unwrap_or_else(|| free(address)));
     let interrupt = Interrupt::listen();
     let live = live::start(options(listen))?;
-    writeln!(std::io::stdout(), "{}", live.url())?;
+    for url in urls(live.url(), address) {
+        writeln!(std::io::stdout(), "{url}")?;
+        if !is_local(address) && std::io::stdout().is_terminal() {
+            let code = QrCode::new(&url)?.render::<unicode::Dense1x2>().build();
+            writeln!(std::io::stdout(), "{code}")?;
+        }
+    }
     progress::log("open this address in a browser; Ctrl-C ends it");
     warn(address);
     while !interrupt.requested() && !live.is_over() {
@@ -214,9 +224,24 @@ fn warn(address: IpAddr) {
     progress::log(
         "whoever knows the whole address can look; it is not encrypted: use it on a network that you trust",
     );
-    if address.is_unspecified() {
-        progress::log("from elsewhere, put this machine's address in place of the first part");
+}
+
+/// URLs under which a page can be opened: of a page for all addresses one for each address of this machine that others reach.
+fn urls(url: &str, address: IpAddr) -> Vec<String> {
+    if !address.is_unspecified() {
+        return vec![url.to_owned()];
     }
+    let own = if_addrs::get_if_addrs().unwrap_or_default();
+    let own = own.iter().filter(|own| !own.is_loopback());
+    let mut hosts: Vec<_> = own.map(|own| own.ip()).filter(IpAddr::is_ipv4).collect();
+    if hosts.is_empty() {
+        hosts.push(Ipv4Addr::LOCALHOST.into());
+    }
+    let any = if address.is_ipv4() { "0.0.0.0" } else { "[::]" };
+    let named = hosts
+        .iter()
+        .map(|host| url.replacen(any, &host.to_string(), 1));
+    named.collect()
 }
 
 /// Default port, or 0 (any) if another program uses it.
@@ -229,6 +254,22 @@ mod tests {
     use super::*;
     use crate::cli::{Cli, Command};
     use clap::Parser as _;
+
+    #[test]
+    fn a_page_for_all_addresses_names_those_of_this_machine() {
+        let url = "http://192.168.0.2:8377/token/";
+        assert_eq!(urls(url, "192.168.0.2".parse().unwrap()), [url]);
+        for (any, url) in [
+            ("0.0.0.0", "http://0.0.0.0:80/t/"),
+            ("::", "http://[::]:80/t/"),
+        ] {
+            for found in urls(url, any.parse().unwrap()) {
+                let host = found.strip_prefix("http://").unwrap();
+                let host: SocketAddr = host.strip_suffix("/t/").unwrap().parse().unwrap();
+                assert!(!host.ip().is_unspecified(), "{found}");
+            }
+        }
+    }
 
     fn refusal(line: &[&str]) -> String {
         let line = ["myointent", "live"].iter().chain(line);

@@ -19,7 +19,8 @@ function call(name) {
 }
 
 async function begin({ code, model, file, wanted }) {
-  const { instance } = await WebAssembly.instantiate(code);
+  const unpacked = new Response(new Blob([code]).stream().pipeThrough(new DecompressionStream("gzip")));
+  const { instance } = await WebAssembly.instantiate(await unpacked.arrayBuffer());
   program = instance.exports;
   for (const [name, bytes] of [["model", model], ["file", file]]) {
     if (bytes) {
