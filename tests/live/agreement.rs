@@ -93,6 +93,7 @@ fn rest_is_right_where_a_gesture_is_asked_for_that_the_model_lacks() {
     );
     // Such a gesture means nothing, as other movement does.
     browser.wait_for("document.getElementById('share').textContent.includes('in other movement')");
+    // Nothing is asked for by a stream that is lost.
     live.stop().unwrap();
     browser.wait_for("document.getElementById('truth').hidden");
     assert_eq!(browser.complaints, [""; 0]);

@@ -1,6 +1,5 @@
 // Agreement of labels with what was asked for: the recording's cue, or the session's.
 
-import { CLASSES } from "./history.js";
 import { RATE } from "./clock.js";
 
 /** Samples after a change of the cue in which no label is counted, and none is wrong: nobody follows at once. */
@@ -26,7 +25,7 @@ export class Agreement {
       return null;
     }
     const isRight = state === "right";
-    const counts = cue === "relax" ? this.rest : CLASSES.includes(cue) ? this.gestures : this.other;
+    const counts = cue === "relax" ? this.rest : history.classes.includes(cue) ? this.gestures : this.other;
     counts[0] += isRight ? 1 : 0;
     counts[1] += 1;
     return counts === this.gestures ? isRight : null;
@@ -40,8 +39,8 @@ export function judge(history, sample, label) {
   if (cue === null || label === null) {
     return { state: "none", cue };
   }
-  // A movement that is none of the classes means nothing, as rest does.
-  const isRight = label === (CLASSES.includes(cue) ? cue : "relax");
+  // A movement that is none of the model's classes means nothing, as rest does.
+  const isRight = label === (history.classes.includes(cue) ? cue : "relax");
   for (let back = STEP; back <= GRACE; back += STEP) {
     if (history.truthAt(Math.max(0, sample - back)) !== cue) {
       return { state: isRight ? "right" : "soon", cue, isNew: true };

@@ -3,6 +3,7 @@
 export const ENGLISH = {
   "language": "Deutsch",
   "language.what": "Zeigt diese Seite auf Deutsch; sie wird neu geladen",
+  "letters": "Letter keys", "letters.what": "Keys of one letter do what the buttons say; off for speech input and by mistake",
   "title": "live", "title.record": "record",
   "source.connecting": "connecting to the program", "source.demo": "demo: {name}", "source.replay": "recording: {name}",
   "source.port": "board on {name}", "source.bluetooth": "armband: {name}", "source.ended": "the program has ended",

@@ -3,6 +3,7 @@
 export const GERMAN = {
   "language": "English",
   "language.what": "Shows this page in English; it is loaded again",
+  "letters": "Tasten", "letters.what": "Einzelne Buchstaben wirken wie die Schaltflächen; aus bei Spracheingabe und gegen Versehen",
   "title": "live", "title.record": "Aufnahme",
   "source.connecting": "verbindet sich mit dem Programm", "source.demo": "Vorführung: {name}", "source.replay": "Aufnahme: {name}",
   "source.port": "Platine an {name}", "source.bluetooth": "Armband: {name}", "source.ended": "das Programm ist beendet",

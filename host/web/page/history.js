@@ -24,6 +24,8 @@ export class SampleHistory {
   end = null;
   first = 0;
   hasTruth = false;
+  /** Names of the model's classes; all of them until a model says which. */
+  classes = CLASSES;
   /** { from, label, valid, cause }, in order: each until the next. */
   labels = [];
   /** { instant, scores }, in order. */

@@ -4,7 +4,7 @@ import { Agreement } from "./agreement.js";
 import { Armband } from "./armband.js";
 import { Empty } from "./empty.js";
 import "./help.js";
-import { CHANNELS, SampleHistory } from "./history.js";
+import { CHANNELS, CLASSES, SampleHistory } from "./history.js";
 import { Clock, RATE } from "./clock.js";
 import { connect } from "./link.js";
 import { Now } from "./now.js";
@@ -14,6 +14,7 @@ import { Rates } from "./rates.js";
 import { Session } from "./session.js";
 import { save } from "./save.js";
 import { Steps } from "./steps.js";
+import { keep, kept } from "./stored.js";
 import { choose, fill, said, t } from "./texts.js";
 import { Traces } from "./traces.js";
 import { Wearer } from "./wearer.js";
@@ -75,6 +76,7 @@ const TAKE = {
   },
   model(message) {
     traces.model = message;
+    history.classes = message.classes;
     panel.legend(message);
   },
   board(message) {
@@ -183,6 +185,7 @@ function begun() {
   now.share(agreement);
   noStream();
   traces.model = null;
+  history.classes = CLASSES;
   panel.legend(null);
 }
 
@@ -247,17 +250,30 @@ const actions = {
     }
   },
   save() {
-    panel.notice(save(history), PASSING);
+    panel.notice(save(history, document.body.dataset.kind), PASSING);
   },
   align: () => say({ do: aligning ? "cancel" : "align" }),
   language: choose,
+  letters: () => letters(document.body.dataset.letters !== "on"),
 };
 
 for (const [id, action] of Object.entries(actions)) {
   find(id).addEventListener("click", action);
 }
 
+/** Switches the keys of a single letter or digit on or off: speech input types them (WCAG 2.1.4). */
+function letters(on) {
+  document.body.dataset.letters = on ? "on" : "off";
+  find("letters").setAttribute("aria-pressed", String(on));
+  keep("always", "letters", document.body.dataset.letters);
+}
+
+letters(kept("always", "letters") !== "off");
+
 addEventListener("keydown", (event) => {
+  if (document.body.dataset.letters === "off" && /^[a-z0-9]$/i.test(event.key)) {
+    return;
+  }
   if (event.ctrlKey || event.metaKey || event.altKey || event.repeat && event.key === " ") {
     return;
   }
@@ -296,7 +312,7 @@ function edge() {
 function frame() {
   session.frame(position());
   const [at, label] = paused === null ? [(history.end ?? 1) - 1, report] : [paused, history.labelAt(paused)];
-  now.show(history, at, label, noReport);
+  now.show(history, at, label, noReport, connected || paused !== null);
   wearer.show(now.label, now.judged, aligning);
   const to = paused ?? edge();
   // Without motion the picture stands until the next second.

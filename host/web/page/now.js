@@ -27,13 +27,13 @@ export class Now {
   label = null;
   judged = { state: "none", cue: null };
 
-  /** Shows the label of a position in samples: { label, valid, cause }, or null with the reason `none`. */
-  show(history, position, entry, none) {
+  /** Shows the label of a position in samples: { label, valid, cause }, or null with the reason `none`; and what was asked for, unless the stream is lost. */
+  show(history, position, entry, none, isThere) {
     const label = entry?.valid ? entry.label : null;
     this.label = label;
     this.judged = history.hasTruth ? judge(history, Math.floor(position), label) : { state: "none", cue: null };
     const { state, cue } = this.judged;
-    const shown = JSON.stringify([entry?.label, entry?.valid, entry?.cause, state, cue, none, history.hasTruth]);
+    const shown = JSON.stringify([entry?.label, entry?.valid, entry?.cause, state, cue, none, history.hasTruth, isThere]);
     if (shown === this.#shown) {
       return;
     }
@@ -42,7 +42,7 @@ export class Now {
     this.#label.classList.toggle("safe", label === null);
     write(this.#label, entry ? named("class", entry.label) : "–");
     // Between two sessions nothing is asked for.
-    const isAsked = history.hasTruth && (cue !== null || history.cues.length === 0);
+    const isAsked = isThere && history.hasTruth && (cue !== null || history.cues.length === 0);
     this.#asked.hidden = !isAsked;
     this.#asked.lastChild.dataset.label = cue ?? "relax";
     write(this.#asked.lastChild, cue ? named("class", cue) : "–");

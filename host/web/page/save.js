@@ -3,10 +3,10 @@
 import { csv } from "./history.js";
 import { fixed, t } from "./texts.js";
 
-/** Hands the history to the browser as a file. Returns what was saved, in words. */
-export function save(history) {
+/** Hands the history of a source of this kind to the browser as a file, whose name tells a simulated arm. Returns what was saved, in words. */
+export function save(history, kind) {
   const { text, seconds } = csv(history);
-  const name = fileName(new Date());
+  const name = fileName(kind === "demo" ? "simulated" : "live", new Date());
   download(name, text);
   const key = history.stretch()[0] > history.first ? "saved.gap" : "saved";
   return t(key, { seconds: fixed(seconds, 1), name });
@@ -21,8 +21,8 @@ function download(name, text) {
 }
 
 /** live_20261123_051200.csv */
-function fileName(date) {
+function fileName(what, date) {
   const two = (number) => String(number).padStart(2, "0");
   const day = `${date.getFullYear()}${two(date.getMonth() + 1)}${two(date.getDate())}`;
-  return `live_${day}_${two(date.getHours())}${two(date.getMinutes())}${two(date.getSeconds())}.csv`;
+  return `${what}_${day}_${two(date.getHours())}${two(date.getMinutes())}${two(date.getSeconds())}.csv`;
 }
