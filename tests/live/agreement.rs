@@ -87,7 +87,7 @@ fn rest_is_right_where_a_gesture_is_asked_for_that_the_model_lacks() {
     browser.look(1440, 900, "light", "no-preference");
     browser.open(live.url());
     browser.wait_for(
-        "document.querySelector('#truth b').textContent === 'pinch' && \
+        "document.querySelector('#truth b')?.textContent === 'pinch' && \
          document.getElementById('label').textContent === 'relax' && \
          document.getElementById('agrees').dataset.state === 'right'",
     );

@@ -1,8 +1,11 @@
 //! View for the person who wears the armband: one word, the hand as labelled, what to do now, all on one screen.
 
+use myointent::live::Source;
+
+use super::browser::Browser;
 use super::demo_page;
 use super::page::VALID;
-use super::record::pictures;
+use super::record::{SHORT, pictures, record};
 use super::sizes::WINDOWS;
 
 /// The parts of the view that are not in view as a whole, or cover each other.
@@ -73,4 +76,38 @@ fn the_wearer_sees_word_hand_and_task_on_one_screen_of_any_size() {
     live.stop().unwrap();
     browser.wait_for("document.getElementById('worn').dataset.label === 'none'");
     assert_eq!(browser.complaints, [""; 0]);
+}
+
+#[test]
+fn in_a_session_the_wearer_sees_what_is_asked_for_and_no_verdict_of_movement_that_means_nothing() {
+    let name = "in_a_session_the_wearer_sees_what_is_asked_for_and_no_verdict_of_movement_that_means_nothing";
+    let Some(mut browser) = Browser::start(name) else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let protocol = SHORT
+        .replace("\"relax\"]", "\"relax\", \"point\", \"relax\"]")
+        .replace("[seconds]", "[seconds]\npoint = 3");
+    let live = record(folder.path(), Source::Demo, &protocol, 2);
+    browser.look(1366, 768, "light", "no-preference");
+    browser.open(live.url());
+    browser.wait_for(
+        "document.getElementById('session')?.dataset.phase === 'waiting' && \
+         document.getElementById('valid').dataset.valid === 'yes'",
+    );
+    browser.press("Enter");
+    browser.press("w");
+    let shows = |class: &str, sign: &str| {
+        format!(
+            "document.getElementById('worn-hand').dataset.gesture === '{class}' && \
+             Number(document.getElementById('worn-word').textContent) > 0 && \
+             {sign}.test(document.getElementById('worn-sign').textContent)"
+        )
+    };
+    browser.wait_for(&shows("open", "/^✓ that is it · next: Let the hand hang/"));
+    browser.wait_for(&shows("point", "/^next: Let the hand hang/"));
+    browser.screenshot(&pictures().join("wearer-session.png"));
+    assert_eq!(browser.value(HIDDEN), "");
+    assert_eq!(browser.complaints, [""; 0]);
+    live.stop().unwrap();
 }

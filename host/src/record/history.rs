@@ -7,19 +7,23 @@ use evaluation::metric::event::latency::Latency;
 use evaluation::model_evaluation::{NamedModel, Selection, evaluate_models};
 use recordings::{DataSet, Library, LoadOptions, load};
 use serde::Serialize;
+use shared::model::file::Model;
 use shared::units::SAMPLE_RATE_HZ;
 
 /// A person's sessions, the earliest first.
 #[derive(Debug, PartialEq, Serialize)]
 pub(crate) struct History {
     person: String,
+    /// Checksum of the model that labels them, in hexadecimal; and version of the program.
+    model: String,
+    version: &'static str,
     sessions: Vec<SessionRecord>,
 }
 
 /// One session. Numbers are those of the files together; none where the session has nothing to count.
 #[derive(Debug, Default, PartialEq, Serialize)]
 struct SessionRecord {
-    /// Date and time in UTC, `2026-11-22 11:03`.
+    /// Date and time, `2026-11-22T11:03:23Z`.
     began: String,
     protocol: String,
     is_synthetic: bool,
@@ -33,6 +37,8 @@ struct SessionRecord {
     flicker: Option<f64>,
     /// False activations a minute of rest.
     false_activations: Option<f64>,
+    /// Share of the movements that mean nothing which raise a label, 0 to 1.
+    raised: Option<f64>,
 }
 
 /// Folder of the recordings, person, and the model that labels them.
@@ -64,6 +70,10 @@ impl HistoryOf {
         }
         Ok(History {
             person: self.person.clone(),
+            model: Model::parse(&self.model)
+                .map(|model| format!("{:08x}", model.checksum))
+                .unwrap_or_default(),
+            version: env!("CARGO_PKG_VERSION"),
             sessions: sessions.into_values().collect(),
         })
     }
@@ -97,6 +107,7 @@ impl HistoryOf {
                 };
                 session.flicker = events.flicker.per_minute();
                 session.false_activations = events.rest.per_minute();
+                session.raised = events.raised_share();
             }
         }
         Ok(())
@@ -132,9 +143,9 @@ fn named(path: &Path) -> Option<(String, String, String)> {
     if digits.len() != 14 || !digits.bytes().all(|digit| digit.is_ascii_digit()) {
         return None;
     }
-    let [year, month, day, hour, minute] =
-        [0..4, 4..6, 6..8, 8..10, 10..12].map(|part| &digits[part]);
-    let began = format!("{year}-{month}-{day} {hour}:{minute}");
+    let [year, month, day, hour, minute, second] =
+        [0..4, 4..6, 6..8, 8..10, 10..12, 12..14].map(|part| &digits[part]);
+    let began = format!("{year}-{month}-{day}T{hour}:{minute}:{second}Z");
     Some((id.to_owned(), began, protocol.to_owned()))
 }
 
@@ -147,7 +158,10 @@ mod tests {
         let name = Path::new("recordings/anna/anna_20261122T110323Z_quick-five_12.csv");
         let (id, began, protocol) = named(name).unwrap();
         assert_eq!(id, "20261122T110323Z_quick-five");
-        assert_eq!((&*began, &*protocol), ("2026-11-22 11:03", "quick-five"));
+        assert_eq!(
+            (&*began, &*protocol),
+            ("2026-11-22T11:03:23Z", "quick-five")
+        );
         for other in ["anna.csv", "anna_1.csv", "anna_2026_quick_1.csv"] {
             assert_eq!(named(Path::new(other)), None, "{other}");
         }

@@ -33,20 +33,21 @@ export class Agreement {
 }
 
 /** Whether a label is what was asked for at its sample: `right`, `wrong`, `soon` just after a change, `none` without a cue;
- *  `isNew` in the first second after a change. */
+ *  `means` for a class of the model, `isNew` in the first second after a change. */
 export function judge(history, sample, label) {
   const cue = history.truthAt(sample) ?? null;
   if (cue === null || label === null) {
-    return { state: "none", cue };
+    return { state: "none", cue, means: false };
   }
   // A movement that is none of the model's classes means nothing, as rest does.
-  const isRight = label === (history.classes.includes(cue) ? cue : "relax");
+  const means = history.classes.includes(cue);
+  const isRight = label === (means ? cue : "relax");
   for (let back = STEP; back <= GRACE; back += STEP) {
     if (history.truthAt(Math.max(0, sample - back)) !== cue) {
-      return { state: isRight ? "right" : "soon", cue, isNew: true };
+      return { state: isRight ? "right" : "soon", cue, means, isNew: true };
     }
   }
-  return { state: isRight ? "right" : "wrong", cue };
+  return { state: isRight ? "right" : "wrong", cue, means };
 }
 
 /** A share of counted labels in per cent; null of none. */

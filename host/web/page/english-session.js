@@ -49,8 +49,9 @@ export const ENGLISH_SESSION = {
   "copy": "Copy", "copy.what": "Copy: {what}", "copied": "Copied", "selected": "Selected",
   "cmd.same": "the same as the button, in a terminal", "cmd.put": "put it on the board", "cmd.look": "or look at it first", "cmd.inspect": "look at all recordings of this person",
   "h.title": "Record of sessions", "h.person": "Person: {name}", "h.print": "Print", "h.none": "No session is kept in this folder yet.", "h.back": "Back",
-  "h.date": "Date (UTC)", "h.protocol": "Protocol", "h.minutes": "Minutes", "h.gestures": "Gestures", "h.right": "As asked", "h.reaction": "Reaction, ms", "h.steady": "Changes a minute", "h.false": "False a minute",
-  "h.what": "As asked: share of the gestures whose label came and was held, and no other. Reaction: median from the onset of the muscle to the label; missed: fewer than half of the gestures have one. Changes a minute: label changes beyond those asked for; 0 is steady. False a minute: labels that rise in rest.",
+  "h.date": "Date", "h.protocol": "Protocol", "h.minutes": "Minutes", "h.gestures": "Gestures", "h.right": "Recognised as asked", "h.reaction": "Recognition delay, ms", "h.steady": "Unwanted changes, a minute", "h.false": "Movement seen at rest, a minute", "h.raised": "Other movement taken for a gesture",
+  "h.model": "Recognised by model {model}, myointent {version}.", "h.trend": "Recognised as asked: {from} on {began}, {to} on {ended}, {n} sessions.",
+  "h.what": "Recognised as asked: share of the gestures that were recognised and held, and nothing else. Recognition delay: median from the onset of the muscle; missed: fewer than half of the gestures were recognised. Unwanted changes: beyond those asked for; 0 is steady. Other movement: share of the movements that mean nothing in which a gesture was recognised.",
   "h.not.medical": "Research software, not a medical device.", "h.failed": "The sessions cannot be read: {text}", "h.wait": "Reading the recordings …",
   "h.missed": "missed", "h.simulated": "{protocol}, simulated", "percent": "{share} %",
 };

@@ -3,7 +3,7 @@
 export const ENGLISH = {
   "language": "Deutsch",
   "language.what": "Zeigt diese Seite auf Deutsch; sie wird neu geladen",
-  "letters": "Letter keys", "letters.what": "Keys of one letter do what the buttons say; off for speech input and by mistake",
+  "letters.on": "Keys: on", "letters.off": "Keys: off", "letters.what": "Whether keys of one letter do what the buttons say; speech input types letters",
   "title": "live", "title.record": "record",
   "source.connecting": "connecting to the program", "source.demo": "demo: {name}", "source.replay": "recording: {name}",
   "source.port": "board on {name}", "source.bluetooth": "armband: {name}", "source.ended": "the program has ended",
@@ -22,7 +22,7 @@ export const ENGLISH = {
   "saved": "saved {seconds} s: {name}", "saved.gap": "saved {seconds} s, from the last gap on: {name}",
   "align": "Align", "align.what": "Open the hand twice, with rest before and after", "align.stop": "Stop",
   "wearer": "Wearer", "wearer.what": "A calm view for the person who wears the armband", "wearer.back": "All of it",
-  "wearer.free": "Move your hand", "wearer.none": "Wait", "wearer.right": "✓ that is it", "wearer.wrong": "not yet",
+  "wearer.free": "Move your hand", "wearer.none": "Wait", "wearer.right": "✓ that is it", "wearer.wrong": "not yet", "wearer.next": "next: {what}",
   "history": "Sessions", "history.what": "All recorded sessions of this person, to read or print",
   "dropped": "dropped by the board: {n} lines and packets", "refused": "not done: {text}", "skipped": "{n} messages",
   "none.connected": "none connected", "unknown": "–", "line.lost": "{samples} samples, {lines} lines",

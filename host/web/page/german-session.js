@@ -49,8 +49,9 @@ export const GERMAN_SESSION = {
   "copy": "Kopieren", "copy.what": "Kopieren: {what}", "copied": "Kopiert", "selected": "Markiert",
   "cmd.same": "dasselbe wie der Knopf, im Terminal", "cmd.put": "auf die Platine spielen", "cmd.look": "oder zuerst ansehen", "cmd.inspect": "alle Aufnahmen dieser Person ansehen",
   "h.title": "Protokoll der Sitzungen", "h.person": "Person: {name}", "h.print": "Drucken", "h.none": "In diesem Ordner ist noch keine Sitzung.", "h.back": "Zurück",
-  "h.date": "Datum (UTC)", "h.protocol": "Ablauf", "h.minutes": "Minuten", "h.gestures": "Gesten", "h.right": "Wie verlangt", "h.reaction": "Reaktion, ms", "h.steady": "Wechsel je Minute", "h.false": "Falsche je Minute",
-  "h.what": "Wie verlangt: Anteil der Gesten, bei denen das Richtige erkannt wurde und blieb, und nichts anderes. Reaktion: Median vom Einsetzen des Muskels bis zum Erkennen; verfehlt: weniger als die Hälfte der Gesten. Wechsel je Minute: Wechsel über das Verlangte hinaus; 0 ist ruhig. Falsche je Minute: in der Ruhe Erkanntes.",
+  "h.date": "Datum", "h.protocol": "Ablauf", "h.minutes": "Minuten", "h.gestures": "Gesten", "h.right": "Wie verlangt erkannt", "h.reaction": "Verzögerung, ms", "h.steady": "Ungewollte Wechsel je Minute", "h.false": "In Ruhe Erkanntes je Minute", "h.raised": "Andere Bewegung als Geste erkannt",
+  "h.model": "Erkannt vom Modell {model}, myointent {version}.", "h.trend": "Wie verlangt erkannt: {from} am {began}, {to} am {ended}, {n} Sitzungen.",
+  "h.what": "Wie verlangt erkannt: Anteil der Gesten, bei denen das Richtige erkannt wurde und blieb, und nichts anderes. Verzögerung: Median vom Einsetzen des Muskels; verfehlt: weniger als die Hälfte der Gesten wurde erkannt. Ungewollte Wechsel: über das Verlangte hinaus; 0 ist ruhig. Andere Bewegung: Anteil der Bewegungen ohne Bedeutung, in denen eine Geste erkannt wurde.",
   "h.not.medical": "Forschungssoftware, kein Medizinprodukt.", "h.failed": "Die Sitzungen sind nicht lesbar: {text}", "h.wait": "Liest die Aufnahmen …",
   "h.missed": "verfehlt", "h.simulated": "{protocol}, simuliert", "percent": "{share} %",
 };

@@ -3,7 +3,7 @@
 export const GERMAN = {
   "language": "English",
   "language.what": "Shows this page in English; it is loaded again",
-  "letters": "Tasten", "letters.what": "Einzelne Buchstaben wirken wie die Schaltflächen; aus bei Spracheingabe und gegen Versehen",
+  "letters.on": "Tasten: an", "letters.off": "Tasten: aus", "letters.what": "Ob einzelne Buchstaben wie die Schaltflächen wirken; eine Spracheingabe tippt Buchstaben",
   "title": "live", "title.record": "Aufnahme",
   "source.connecting": "verbindet sich mit dem Programm", "source.demo": "Vorführung: {name}", "source.replay": "Aufnahme: {name}",
   "source.port": "Platine an {name}", "source.bluetooth": "Armband: {name}", "source.ended": "das Programm ist beendet",
@@ -22,7 +22,7 @@ export const GERMAN = {
   "saved": "{seconds} s gesichert: {name}", "saved.gap": "{seconds} s gesichert, ab der letzten Lücke: {name}",
   "align": "Ausrichten", "align.what": "Die Hand zweimal öffnen, davor und danach ruhen", "align.stop": "Abbrechen",
   "wearer": "Tragen", "wearer.what": "Eine ruhige Ansicht für die Person, die das Armband trägt", "wearer.back": "Alles zeigen",
-  "wearer.free": "Bewege die Hand", "wearer.none": "Warten", "wearer.right": "✓ so ist es richtig", "wearer.wrong": "noch nicht",
+  "wearer.free": "Bewege die Hand", "wearer.none": "Warten", "wearer.right": "✓ so ist es richtig", "wearer.wrong": "noch nicht", "wearer.next": "danach: {what}",
   "history": "Sitzungen", "history.what": "Alle aufgenommenen Sitzungen dieser Person, zum Lesen und Drucken",
   "dropped": "von der Platine verworfen: {n} Zeilen und Pakete", "refused": "nicht ausgeführt: {text}", "skipped": "{n} Meldungen",
   "none.connected": "keines verbunden", "unknown": "–", "line.lost": "{samples} Messwerte, {lines} Zeilen",

@@ -264,7 +264,7 @@ for (const [id, action] of Object.entries(actions)) {
 /** Switches the keys of a single letter or digit on or off: speech input types them (WCAG 2.1.4). */
 function letters(on) {
   document.body.dataset.letters = on ? "on" : "off";
-  find("letters").setAttribute("aria-pressed", String(on));
+  find("letters").textContent = t(on ? "letters.on" : "letters.off");
   keep("always", "letters", document.body.dataset.letters);
 }
 

@@ -190,7 +190,8 @@ export class Session {
     const hints = {
       waiting: t(free ? "how.waiting.free" : "how.waiting"),
       ready: coming.length ? t("how.ready") : "",
-      cued: t(free ? "how.free" : ["relax", "other"].includes(cue) ? `how.${cue}` : "how.gesture"),
+      // Other movement says itself how it is done.
+      cued: free ? t("how.free") : ["relax", "other"].includes(cue) ? t(`how.${cue}`) : CLASSES.includes(cue) ? t("how.gesture") : "",
       held: why ? named("hint", why) : "",
       over: "",
     };

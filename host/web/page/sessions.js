@@ -1,21 +1,25 @@
 // Record of a person's sessions, to read and to print: a row each.
 
-import { choose, fill, fixed, t } from "./texts.js";
+import { choose, fill, fixed, language, t } from "./texts.js";
 
 const find = (id) => document.getElementById(id);
 
 const known = (value, digits) => (value === null ? t("unknown") : fixed(value, digits));
+const share = (value) => (value === null ? t("unknown") : t("percent", { share: Math.round(100 * value) }));
+/** In the reader's own time. */
+const date = (began) => new Date(began).toLocaleString(language, { dateStyle: "medium", timeStyle: "short" });
 
 /** Columns: key of the name, and the text of a session. */
 const COLUMNS = [
-  ["h.date", ({ began }) => began],
+  ["h.date", ({ began }) => date(began)],
   ["h.protocol", ({ protocol, is_synthetic: simulated }) => (simulated ? t("h.simulated", { protocol }) : protocol)],
   ["h.minutes", ({ seconds }) => known(seconds / 60, 1)],
   ["h.gestures", ({ gestures }) => String(gestures)],
-  ["h.right", ({ recognised }) => (recognised === null ? t("unknown") : t("percent", { share: Math.round(100 * recognised) }))],
+  ["h.right", ({ recognised }) => share(recognised)],
   ["h.reaction", ({ reaction, gestures }) => (reaction === null && gestures ? t("h.missed") : known(reaction, 0))],
   ["h.steady", ({ flicker }) => known(flicker, 1)],
   ["h.false", ({ false_activations: rises }) => known(rises, 1)],
+  ["h.raised", ({ raised }) => share(raised)],
 ];
 
 function cell(name, key, text) {
@@ -25,8 +29,14 @@ function cell(name, key, text) {
   return made;
 }
 
-function show({ person, sessions }) {
+function show({ person, model, version, sessions }) {
   find("person").textContent = t("h.person", { name: person });
+  find("model").textContent = t("h.model", { model, version });
+  const judged = sessions.filter(({ recognised }) => recognised !== null);
+  const [first, last] = [judged[0], judged.at(-1)];
+  find("trend").textContent = judged.length < 2 ? "" : t("h.trend", {
+    n: judged.length, from: share(first.recognised), began: date(first.began), to: share(last.recognised), ended: date(last.began),
+  });
   find("state").textContent = sessions.length ? "" : t("h.none");
   const table = find("sessions");
   table.hidden = sessions.length === 0;

@@ -1,4 +1,5 @@
-// View for the person who wears the armband: what to do now, the hand as it is labelled, one word and one colour.
+// View for the person who wears the armband, on one screen: what to do now, a hand, one word and one colour. The hand is the
+// labelled one; in a session the one that is asked for, with the time that is left and what comes next.
 
 import { classOf } from "./history.js";
 import { draw, words } from "./gestures.js";
@@ -35,17 +36,25 @@ export class Wearer {
   }
 
   /** Shows a label, null without one, whether it is what was asked for, and what is asked for: an alignment before all. */
-  show(label, { state, cue }, aligning) {
+  show(label, { state, cue, means }, aligning) {
     if (!this.isShown) {
       return;
     }
-    const task = aligning ? t("align.what") : document.body.dataset.mode === "record" ? find("task").textContent : "";
+    const inSession = document.body.dataset.mode === "record";
+    const task = aligning ? t("align.what") : inSession ? find("task").textContent : "";
     write(find("worn-do"), task || (cue ? words(cue) : t("wearer.free")));
-    write(find("worn-word"), label === null ? t("wearer.none") : named("class", label));
-    const sign = { right: t("wearer.right"), wrong: t("wearer.wrong") };
-    write(find("worn-sign"), label === null ? find("valid").textContent : sign[state] ?? "");
-    find("worn-sign").dataset.state = label === null ? "none" : state;
-    find("worn").dataset.label = label === null ? "none" : classOf(label);
-    draw(find("worn-hand"), label);
+    // Movement that means nothing is neither right nor wrong.
+    const judged = label === null || !means ? "none" : state;
+    const signs = [label === null ? find("valid").textContent : { right: t("wearer.right"), wrong: t("wearer.wrong") }[judged]];
+    if (inSession && find("next").textContent) {
+      signs.push(t("wearer.next", { what: find("next").textContent }));
+    }
+    write(find("worn-sign"), signs.filter(Boolean).join(" · "));
+    find("worn-sign").dataset.state = judged;
+    const hand = inSession ? find("hand").dataset.gesture || null : label;
+    const word = label === null ? t("wearer.none") : named("class", label);
+    write(find("worn-word"), inSession ? find("count").textContent : word);
+    find("worn").dataset.label = hand === null ? "none" : classOf(hand);
+    draw(find("worn-hand"), hand);
   }
 }

@@ -161,7 +161,7 @@ impl SubjectEvents {
 
     /// Share of the movements outside the vocabulary that raise a label; none without any.
     #[must_use]
-    pub(crate) fn raised_share(&self) -> Option<f64> {
+    pub fn raised_share(&self) -> Option<f64> {
         let all = self.raised.values().copied();
         all.fold(Tally::default(), Tally::plus).share()
     }
