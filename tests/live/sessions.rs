@@ -75,7 +75,10 @@ fn the_sessions_of_a_person_are_listed_with_their_numbers_and_print_on_one_page(
             .matches("/Type /Page\n")
             .count();
         assert_eq!(pages, 1);
+        // Nothing is wider than A4 within its margins: 178 mm.
+        browser.look(673, 900, "dark", "no-preference");
         browser.command("Emulation.setEmulatedMedia", json!({ "media": "print" }));
+        assert_eq!(browser.value(FITS), true, "paper");
         let buttons = "[...document.querySelectorAll('button, a')].filter((one) => one.checkVisibility()).length";
         assert_eq!(browser.value(buttons), 0);
         assert_eq!(
