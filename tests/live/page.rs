@@ -133,6 +133,32 @@ fn the_page_follows_a_recording_and_saves_what_it_saw() {
 }
 
 #[test]
+fn an_electrode_without_contact_is_named_and_marked() {
+    let name = "an_electrode_without_contact_is_named_and_marked";
+    let Some(mut browser) = Browser::start(name) else {
+        return;
+    };
+    let mut recording = synthetic(60);
+    for sample in &mut recording.samples {
+        sample[2] = 0;
+    }
+    let live = serve(Source::Replay(Box::new(recording)));
+    browser.look(1440, 900, "light", "no-preference");
+    browser.open(live.url());
+    browser.wait_for(
+        "document.getElementById('electrodes')?.textContent === 'Electrode 3 has no contact.'",
+    );
+    assert_eq!(
+        browser.value("document.querySelectorAll('#armband .pod.fault').length"),
+        1
+    );
+    browser.screenshot(&pictures().join("electrode.png"));
+    live.stop().unwrap();
+    browser.wait_for("document.getElementById('electrodes').textContent === ''");
+    assert_eq!(browser.complaints, [""; 0]);
+}
+
+#[test]
 fn without_motion_the_picture_moves_by_the_second() {
     let Some(mut browser) = Browser::start("without_motion_the_picture_moves_by_the_second") else {
         return;

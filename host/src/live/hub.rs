@@ -8,6 +8,7 @@ use std::time::Instant;
 use shared::units::Millis;
 use tokio::sync::broadcast;
 
+use web::electrodes::Electrodes;
 use web::event::{Event, Topic};
 
 /// Number of messages that a viewer may be behind: 4 s of samples.
@@ -30,6 +31,7 @@ pub(crate) struct Hub {
 struct State {
     newest: BTreeMap<Topic, Message>,
     recent: Recent,
+    electrodes: Electrodes,
     /// Recorder, which receives every event it needs without loss.
     recorder: Option<Sender<Event>>,
     sender: broadcast::Sender<Message>,
@@ -96,6 +98,7 @@ impl Hub {
         let state = State {
             newest: BTreeMap::new(),
             recent: Recent::default(),
+            electrodes: Electrodes::default(),
             recorder: None,
             sender: broadcast::channel(BEHIND).0,
         };
@@ -127,8 +130,16 @@ impl Hub {
         self.lock().recorder = Some(recorder);
     }
 
-    /// Sends an event to all viewers.
+    /// Sends an event to all viewers, and with samples what they say of the electrodes.
     pub(crate) fn publish(&self, event: &Event) {
+        self.send(event);
+        let faults = self.lock().electrodes.take(event);
+        if let Some(faults) = faults {
+            self.send(&faults);
+        }
+    }
+
+    fn send(&self, event: &Event) {
         let Ok(text) = serde_json::to_string(event) else {
             return;
         };
@@ -156,6 +167,7 @@ impl Hub {
         for topic in [
             Topic::Report,
             Topic::Alignment,
+            Topic::Electrodes,
             Topic::Board,
             Topic::Binding,
             Topic::Counts,
@@ -163,6 +175,7 @@ impl Hub {
             state.newest.remove(&topic);
         }
         state.recent = Recent::default();
+        state.electrodes = Electrodes::default();
     }
 
     /// Forgets the results of the session before; a new one begins.

@@ -29,6 +29,7 @@ export class Armband {
   #tip;
   #turn = 0;
   #mirrored = false;
+  #faults = new Array(CHANNELS).fill(null);
 
   constructor(svg) {
     element(svg, "ellipse", { class: "arm", rx: WIDE - 22, ry: HIGH - 20 });
@@ -41,12 +42,12 @@ export class Armband {
       const [x, y] = [WIDE * Math.cos(at), HIGH * Math.sin(at)];
       const group = element(svg, "g", { transform: `translate(${x} ${y})` });
       const turned = element(group, "g", { transform: `rotate(${(at * 180) / Math.PI + 90})` });
-      element(turned, "rect", { class: "pod", x: -20, y: -13, width: 40, height: 26, rx: 6 });
+      const pod = element(turned, "rect", { class: "pod", x: -20, y: -13, width: 40, height: 26, rx: 6 });
       const activity = element(turned, "rect", { class: "activity", x: -17, y: 8, width: 34, height: 3.4, rx: 1.7 });
       const number = element(group, "text", {}, String(place + 1));
       const [u, v] = [(WIDE + 25) * Math.cos(at), (HIGH + 25) * Math.sin(at)];
       const outside = element(svg, "text", { class: "place", x: u, y: v }, String(place + 1));
-      this.#pods.push({ activity, number, outside });
+      this.#pods.push({ pod, activity, number, outside });
     }
   }
 
@@ -58,6 +59,7 @@ export class Armband {
       // As in training, both numbers are the same.
       pod.outside.setAttribute("visibility", turn || mirrored ? "visible" : "hidden");
     });
+    this.#mark();
     this.#draw(turn, mirrored);
   }
 
@@ -77,6 +79,18 @@ export class Armband {
     this.#arrow.setAttribute("d", `M${from} A${WIDE - 29} ${HIGH - 29} 0 0 ${sweep} ${to}`);
     const [inner, outer, front] = [point(end, 34), point(end, 24), point(angle(shorter), 29)];
     this.#tip.setAttribute("d", `M${inner} L${outer} L${front} Z`);
+  }
+
+  /** Marks the electrodes with a fault: a name of each, null without one. */
+  faults(faults) {
+    this.#faults = faults;
+    this.#mark();
+  }
+
+  #mark() {
+    this.#pods.forEach(({ pod }, place) => {
+      pod.classList.toggle("fault", this.#faults[electrodeAt(place, this.#turn, this.#mirrored)] !== null);
+    });
   }
 
   /** Mean |x| of each of the armband's electrodes, 0 to 1. */

@@ -51,6 +51,8 @@ export const ENGLISH = {
   "help.picture.text": "Scores: how likely each class is, from 0 to 1. The highest becomes the label, if it is clear enough; other movement never does. Waits: a label is decided so much later than its moment. Stays: no label is shorter. Hatched: the label is not what was asked for.",
   "placement": "Placement of the armband", "armband": "Armband", "help.placement": "What this means: alignment",
   "help.placement.text": "Numbers are electrodes. Without an alignment each counts as the one in its place in training: bending the wrist back is strongest on electrode 3. If yours sits otherwise, Align finds out how, and the numbers outside are the places in training.",
+  "fault.silent": "Electrode {number} has no contact.", "fault.clipped": "Electrode {number} is too strong: its signal is cut off.",
+  "fault.hum": "Electrode {number} hears the mains: press it on, and move away from cables.",
   "how.sure": "How sure", "distance": "Distance", "margin": "Margin",
   "how.sure.text": "Distance: how unlike those of the people in training the openings were; 0 is alike, above 8 is refused. Margin: how much worse the next placement fits; below 1 is refused.",
   "undo": "Undo: {placement}", "undo.what": "Puts the placement before this change in force again", "reset": "Reset: as in training",

@@ -51,6 +51,8 @@ export const GERMAN = {
   "help.picture.text": "Werte: wie wahrscheinlich jede Klasse ist, von 0 bis 1. Die höchste gilt als erkannt, wenn sie deutlich genug ist; andere Bewegung nie. Wartet: um so viel später als ihr Zeitpunkt fällt die Entscheidung. Bleibt: kürzer gilt nichts. Schraffiert: nicht wie verlangt.",
   "placement": "Sitz des Armbands", "armband": "Armband", "help.placement": "Was das heißt: Ausrichten",
   "help.placement.text": "Zahlen sind Elektroden. Ohne Ausrichten gilt jede als die an ihrem Platz im Training: wird das Handgelenk gestreckt, ist Elektrode 3 am stärksten. Sitzt das Armband anders, findet Ausrichten heraus wie; die Zahlen außen sind die Plätze im Training.",
+  "fault.silent": "Elektrode {number} hat keinen Kontakt.", "fault.clipped": "Elektrode {number} ist zu stark: ihr Signal ist abgeschnitten.",
+  "fault.hum": "Elektrode {number} hört das Stromnetz: andrücken, und weg von Kabeln.",
   "how.sure": "Wie sicher", "distance": "Abstand", "margin": "Vorsprung",
   "how.sure.text": "Abstand: wie unähnlich das Öffnen dem der Menschen im Training war; 0 ist gleich, über 8 wird abgelehnt. Vorsprung: wie viel schlechter der nächste Sitz passt; unter 1 wird abgelehnt.",
   "undo": "Zurück: {placement}", "undo.what": "Setzt den Sitz vor dieser Änderung wieder in Kraft", "reset": "Zurücksetzen: wie im Training",

@@ -94,6 +94,11 @@ const TAKE = {
   line({ damaged, missing, samples }) {
     panel.number("line", t("line.lost", { samples, lines: missing + damaged }));
   },
+  electrodes({ faults }) {
+    armband.faults(faults);
+    const parts = faults.map((fault, at) => fault && t(`fault.${fault}`, { number: at + 1 }));
+    panel.number("electrodes", parts.filter(Boolean).join(" "));
+  },
   samples(message) {
     const end = message.first + message.emg.length;
     history.samples(message.first, message.emg, message.truth);
@@ -156,6 +161,7 @@ function noStream() {
   newest = report = null;
   noReport = t("no.stream");
   history.placed = 0;
+  TAKE.electrodes({ faults: new Array(CHANNELS).fill(null) });
   placement.clear();
   aligns(false);
 }

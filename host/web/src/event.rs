@@ -9,7 +9,7 @@ use shared::stream::strength::Percent;
 use shared::uart_line::Report;
 use shared::uart_line::alignment::AlignmentReport;
 use shared::uart_line::answer::{Binding, Counts, Identity};
-use shared::units::Sample;
+use shared::units::{CHANNELS, Sample};
 
 use crate::outcome::{InstallationState, SessionResult, TuningState};
 use crate::session::View;
@@ -107,6 +107,10 @@ pub enum Event {
         #[serde(skip_serializing_if = "Option::is_none")]
         truth: Option<Vec<Option<&'static str>>>,
     },
+    /// Fault of each electrode: `silent`, `clipped` or `hum`; null without one. When they change.
+    Electrodes {
+        faults: [Option<&'static str>; CHANNELS],
+    },
     /// Label, or change of state.
     Report {
         at: f64,
@@ -172,6 +176,7 @@ pub enum Topic {
     Line,
     Report,
     Alignment,
+    Electrodes,
     Session,
     Lead,
     Kept,
@@ -191,6 +196,7 @@ impl Event {
             Self::Line { .. } => Topic::Line,
             Self::Report { .. } => Topic::Report,
             Self::Alignment { .. } => Topic::Alignment,
+            Self::Electrodes { .. } => Topic::Electrodes,
             Self::Session { .. } => Topic::Session,
             Self::Lead { .. } => Topic::Lead,
             Self::Kept(_) => Topic::Kept,

@@ -15,6 +15,7 @@ pub mod armband;
 pub mod board;
 pub mod demo;
 mod dialogue;
+pub mod electrodes;
 pub mod event;
 #[cfg(target_family = "wasm")]
 mod exports;

@@ -2,6 +2,7 @@
 
 use shared::units::{CHANNELS, Sample};
 
+use super::hum;
 use super::signal::Signal;
 use crate::examiner::clock::rises_evenly;
 use crate::examiner::finding::Finding;
@@ -34,6 +35,46 @@ pub fn saturation(samples: &[Sample]) -> [f64; CHANNELS] {
 /// Mean distance of each channel from its own mean, in counts.
 pub fn levels(samples: &[Sample]) -> [f64; CHANNELS] {
     Signal::of(samples).levels
+}
+
+/// Fault of an electrode.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Fault {
+    /// Less signal than the noise of an electrode on skin.
+    Silent,
+    /// Values at the ends of the range.
+    Clipped,
+    /// Mains hum.
+    Hum,
+}
+
+impl Fault {
+    /// Name, such as `silent`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Silent => "silent",
+            Self::Clipped => "clipped",
+            Self::Hum => "hum",
+        }
+    }
+}
+
+/// Fault of each electrode in some seconds of a stream.
+pub fn faults(samples: &[Sample]) -> [Option<Fault>; CHANNELS] {
+    let (levels, saturation) = (levels(samples), saturation(samples));
+    let hums = match hum::find(samples) {
+        Some(Finding::Hum { channels, .. }) => channels,
+        _ => Vec::new(),
+    };
+    std::array::from_fn(|channel| {
+        if levels[channel] < SILENT {
+            Some(Fault::Silent)
+        } else if saturation[channel] > SATURATED {
+            Some(Fault::Clipped)
+        } else {
+            hums.contains(&channel).then_some(Fault::Hum)
+        }
+    })
 }
 
 /// Judges the electrodes; the error is a finding that makes the recording meaningless.
