@@ -71,10 +71,15 @@ pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
 
 /// Reads a model file, which is refused by its kind if its first bytes mark another kind.
 ///
+/// Without such a file, a shipped model has the path `three-class.intent` or `models/three-class.intent`.
+///
 /// # Errors
 /// As [`read`]; with `Refusal::NoModel` inside for a file of another kind.
 pub fn read_model(path: &Path) -> io::Result<Vec<u8>> {
-    let bytes = read(path, MODEL)?;
+    let bytes = match (read(path, MODEL), shipped_model(path)) {
+        (Err(error), Some(model)) if error.kind() == ErrorKind::NotFound => model.to_vec(),
+        (read, _) => read?,
+    };
     match FileKind::of(&bytes) {
         FileKind::Model => Ok(bytes),
         other => Err(io::Error::new(
@@ -82,6 +87,15 @@ pub fn read_model(path: &Path) -> io::Result<Vec<u8>> {
             Refusal::NoModel(other),
         )),
     }
+}
+
+/// The shipped model of a path.
+fn shipped_model(path: &Path) -> Option<&'static [u8]> {
+    let name = path.strip_prefix("models").unwrap_or(path);
+    let model = models::SHIPPED
+        .iter()
+        .find(|(own, _)| name == Path::new(own))?;
+    Some(model.1)
 }
 
 /// Refuses folders, devices, pipes, sockets and, where it was not followed, a link.
@@ -118,6 +132,20 @@ mod tests {
         assert_eq!(read(&path, 100).unwrap(), [7; 100]);
         let error = read(&path, 99).unwrap_err();
         assert_eq!(refusal(&error), Some(&Refusal::Large { most: 99 }));
+    }
+
+    #[test]
+    fn shipped_models_need_no_file_and_a_file_comes_first() {
+        for (name, model) in models::SHIPPED {
+            for path in [Path::new(name), &Path::new("models").join(name)] {
+                assert!(read_model(path).unwrap() == model, "{}", path.display());
+            }
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("three-class.intent");
+        assert_eq!(read_model(&path).unwrap_err().kind(), ErrorKind::NotFound);
+        fs::write(&path, &models::THREE_CLASS[..100]).unwrap();
+        assert_eq!(read_model(&path).unwrap(), models::THREE_CLASS[..100]);
     }
 
     #[cfg(unix)]

@@ -48,7 +48,7 @@ use execution::{bounded_read, interrupt, progress};
     about,
     long_about = "Trains intent detection on recordings of a Myo armband (8 channels, 200 Hz), writes it as a model file for\n\
                   a microcontroller, and evaluates it on subjects that are held out from training.",
-    after_help = "Start here:\n  \
+    after_help = concat!("Start here:\n  \
                   myointent quickstart                                       all steps in one command, in a few minutes\n  \
                   myointent replay models/three-class.intent RECORDING       the UART lines that the device would write\n  \
                   myointent live --demo                                      EMG and labels on a page, without hardware\n  \
@@ -57,8 +57,9 @@ use execution::{bounded_read, interrupt, progress};
                   myointent train --preset cpu --data DIR --run runs/mine\n  \
                   myointent quantize --run runs/mine\n  \
                   myointent evaluate --run runs/mine\n\n\
-                  docs/presets.md explains every setting of a preset.\n\n\
-                  Exit codes: 0 done, 1 failed, 2 wrong arguments, 3 `calibrate` or `personalize` keeps the old model, 130 interrupted."
+                  The program contains models/three-class.intent, models/five-class.intent and models/six-class.intent.\n\
+                  Pages, such as docs/presets.md on every setting of a preset: ", env!("CARGO_PKG_REPOSITORY"), "\n\n\
+                  Exit codes: 0 done, 1 failed, 2 wrong arguments, 3 `calibrate` or `personalize` keeps the old model, 130 interrupted.")
 )]
 pub struct Cli {
     #[command(subcommand)]

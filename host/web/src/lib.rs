@@ -34,6 +34,5 @@ pub mod tab;
 pub use self::dialogue::Losses;
 pub use self::scores::EncoderOutputs;
 pub use self::shared_cue::SharedCue;
-
 /// Shipped three-class model.
-pub const SHIPPED: &[u8] = include_bytes!("../../../models/three-class.intent");
+pub use models::THREE_CLASS as SHIPPED;
