@@ -28,6 +28,8 @@ mod merged;
 mod moments;
 #[path = "flashed/pulses.rs"]
 mod pulses;
+#[path = "flashed/release.rs"]
+mod release;
 #[path = "flashed/start.rs"]
 mod start;
 #[path = "flashed/uart.rs"]

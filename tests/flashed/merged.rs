@@ -17,7 +17,7 @@ const SOFTDEVICE: u32 = 0x2_6000;
 
 /// Reads an Intel hex: each byte by its address. Every line's checksum has to be right, and the last line says that it is
 /// the last.
-fn read(hex: &str) -> anyhow::Result<BTreeMap<u32, u8>> {
+pub fn read(hex: &str) -> anyhow::Result<BTreeMap<u32, u8>> {
     let mut found = BTreeMap::new();
     let mut upper = 0;
     let mut is_over = false;

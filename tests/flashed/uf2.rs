@@ -18,7 +18,7 @@ const WINDOW: std::ops::Range<u32> = 0x1000..0xe_a000;
 
 /// Reads a UF2 file as Adafruit's boot loader does (`is_uf2_block` and `write_block` in its ghostfat.c): each byte by its
 /// address.
-fn read(file: &[u8]) -> anyhow::Result<BTreeMap<u32, u8>> {
+pub fn read(file: &[u8]) -> anyhow::Result<BTreeMap<u32, u8>> {
     let mut found = BTreeMap::new();
     let (blocks, rest) = file.as_chunks::<512>();
     ensure!(rest.is_empty(), "{} bytes more", rest.len());

@@ -18,6 +18,7 @@ pub mod page;
 #[cfg(test)]
 mod pages;
 pub mod qemu;
+pub mod release;
 pub mod size;
 pub mod stack_chain;
 pub mod symbols;

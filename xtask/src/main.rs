@@ -4,7 +4,9 @@
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
-use xtask::{browser, count, emulator, energy, firmware, fuzz, merge, page, toolchain, uf2};
+use xtask::{
+    browser, count, emulator, energy, firmware, fuzz, merge, page, release, toolchain, uf2,
+};
 
 /// Build steps of the workspace that plain cargo cannot express.
 #[derive(Parser)]
@@ -30,6 +32,8 @@ enum Step {
     Uf2(uf2::Arguments),
     /// Writes the page as one file that a browser opens from the disk: it needs no program.
     Page(page::Arguments),
+    /// Writes the files of a release: images, models, page, program, wheel, licences, checksums.
+    Release(release::Arguments),
     /// Runs clippy on the board's program, for the targets and features of its images.
     Lint(firmware::LintArguments),
     /// Counts the instructions of a patch on the emulated Cortex-M4F, part by part.
@@ -65,6 +69,7 @@ fn main() -> Result<()> {
         Step::Merge(arguments) => merge::run(&arguments),
         Step::Uf2(arguments) => uf2::run(&arguments),
         Step::Page(arguments) => page::run(&arguments),
+        Step::Release(arguments) => release::run(&arguments),
         Step::Lint(arguments) => firmware::lint(&arguments),
         Step::Count(arguments) => count::print(&arguments),
         Step::Energy => energy::print(),

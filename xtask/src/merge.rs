@@ -30,12 +30,12 @@ const SEGMENT: usize = 0x1_0000;
 pub struct Arguments {
     /// Image to build, and the name of the file.
     #[arg(long, value_parser = clap::builder::PossibleValuesParser::new(CHIPS.map(Image::name)))]
-    image: String,
+    pub image: String,
     /// Nordic's hex file of the SoftDevice, for an image that runs under one. Without it, the file has none.
     #[arg(long)]
-    softdevice: Option<PathBuf>,
+    pub softdevice: Option<PathBuf>,
     #[command(flatten)]
-    files: Files,
+    pub(crate) files: Files,
 }
 
 /// Options of a file that is flashed: what goes into it, and where it is written.
@@ -43,16 +43,16 @@ pub struct Arguments {
 pub struct Files {
     /// Model file to flash.
     #[arg(long, default_value = "models/three-class.intent")]
-    model: PathBuf,
+    pub model: PathBuf,
     /// File to write. By default the image's name in target/cross.
     #[arg(long)]
-    out: Option<PathBuf>,
+    pub out: Option<PathBuf>,
     /// Installs a missing cross compiler or libclang, as root, with apt-get.
     #[arg(long)]
-    install: bool,
+    pub install: bool,
     /// Refuses to change Cargo.lock.
     #[arg(long)]
-    locked: bool,
+    pub locked: bool,
 }
 
 impl Files {
@@ -83,7 +83,7 @@ fn read(path: &Path) -> Result<Vec<u8>> {
 }
 
 /// The images of chips.
-const CHIPS: [Image; 3] = [Image::Nrf52840S140, Image::Nrf52840Sdc, Image::Nrf52832S132];
+pub const CHIPS: [Image; 3] = [Image::Nrf52840S140, Image::Nrf52840Sdc, Image::Nrf52832S132];
 
 /// Builds an image and writes it with all that belongs to it into one file.
 ///

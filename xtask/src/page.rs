@@ -28,10 +28,10 @@ const STACK: u32 = 16 << 20;
 pub struct Arguments {
     /// File to write.
     #[arg(long, default_value = "myointent.html")]
-    out: PathBuf,
+    pub out: PathBuf,
     /// Installs a missing compiler, as root, with apt-get.
     #[arg(long)]
-    install: bool,
+    pub install: bool,
 }
 
 /// Writes the page.

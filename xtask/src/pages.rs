@@ -88,6 +88,23 @@ fn links_of_pages_lead_to_files_and_headings() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
+/// Cargo.toml has the address; other files repeat it, the program's help reads it.
+#[test]
+fn the_projects_address_is_the_one_in_cargo_toml() {
+    let files = [
+        "README.md",
+        "docs/guides/flash.md",
+        "host/python/pyproject.toml",
+    ];
+    for file in files {
+        let text = fs::read_to_string(crate::workspace().join(file)).expect(file);
+        let own = env!("CARGO_PKG_REPOSITORY");
+        let hosted = text.matches("://github.com/").count();
+        let others = text.matches("://github.com/").count() - text.matches(own).count();
+        assert!(hosted > 0 && others == 0, "{file}");
+    }
+}
+
 #[test]
 fn anchors_drop_punctuation_and_keep_words() {
     assert_eq!(

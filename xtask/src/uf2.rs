@@ -11,9 +11,9 @@ use crate::merge::{Files, Part};
 pub struct Arguments {
     /// Board: its image is built, and the file has its name.
     #[arg(long, value_parser = clap::builder::PossibleValuesParser::new(Image::UF2.map(Image::name)))]
-    board: String,
+    pub board: String,
     #[command(flatten)]
-    files: Files,
+    pub(crate) files: Files,
 }
 
 /// Builds a board's image and writes it with a model into one file.
