@@ -90,6 +90,7 @@ fn serve(source: Source) -> Live {
         source,
         model: None,
         listen: "127.0.0.1:0".parse().unwrap(),
+        imu: false,
         record: None,
     })
     .unwrap()

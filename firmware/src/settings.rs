@@ -161,4 +161,5 @@ pub const SESSION: Settings = Settings {
         },
     },
     emg: EMG,
+    imu: false,
 };

@@ -25,7 +25,7 @@
 //! 5 ms. Every line that parses is written back byte for byte.
 //!
 //! While an alignment is made there are other lines between these: [`alignment`]. On the same line the device takes
-//! commands, [`command`], and answers each, [`answer`]; one of them asks for the samples themselves, [`emg`]. Without commands
+//! commands, [`command`], and answers each, [`answer`]; two of them ask for the samples themselves, [`emg`], and for the armband's movement, [`imu`]. Without commands
 //! it writes none of these. A program that reads a device finds lines of every kind with [`mod@line`].
 //!
 //! ```text
@@ -42,6 +42,7 @@ pub mod emg;
 mod fields;
 mod frame;
 pub mod gate;
+pub mod imu;
 pub mod install;
 pub mod line;
 pub mod lock;

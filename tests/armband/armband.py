@@ -16,10 +16,10 @@ from bumble.transport.common import AsyncPipeSink
 
 from commands import CommandError, Settings
 from event_log import EventLog
-from gatt_table import BATTERY_LEVEL, CONTROL_SERVICE, EMG_DATA, FV_DATA, GattTable, Values, vendor_uuid
+from gatt_table import BATTERY_LEVEL, CONTROL_SERVICE, EMG_DATA, FV_DATA, IMU_DATA, GattTable, Values, vendor_uuid
 from misbehaviour import Impairer, Packet, Script, Step
 from radio import Radio
-from stream import Recording, Schedule
+from stream import Recording, Schedule, movement
 
 # ATT MTU of a Bluetooth 4.0 device: 20 bytes of value.
 MTU = 23
@@ -240,6 +240,8 @@ class Armband:
             for packet in self._impairer.packets(n, lane, self._recording.notification(n)):
                 self._send(packet)
             self._log.write("sent", n=n, lane=lane)
+            if self._settings.moves and n % 2 == 1:
+                self._send(Packet(IMU_DATA, movement(n)))
             lane = (lane + 1) % len(EMG_DATA)
         await self._delivered()
         self._end()
@@ -275,7 +277,7 @@ class Armband:
         handle = self._table.characteristic(packet.characteristic).handle
         wanted = self._server.subscribers.get(self._connection, {}).get(handle, bytes(2))[0] & 1
         # Without a subscription nothing is sent, except by a script on other characteristics.
-        if wanted or packet.characteristic not in (*EMG_DATA, BATTERY_LEVEL):
+        if wanted or packet.characteristic not in (*EMG_DATA, BATTERY_LEVEL, IMU_DATA):
             pdu = att.ATT_Handle_Value_Notification(
                 attribute_handle=handle, attribute_value=packet.value
             )

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 STREAMING_MODES = (2, 3)
+MOVING_MODES = (1, 3)
 
 
 class CommandError(ValueError):
@@ -11,14 +12,19 @@ class CommandError(ValueError):
 
 @dataclass
 class Settings:
-    """As after each connection: no EMG, and sleep allowed."""
+    """As after each connection: no EMG, no IMU, and sleep allowed."""
 
     emg_mode: int = 0
+    imu_mode: int = 0
     never_sleep: bool = False
 
     @property
     def streams(self) -> bool:
         return self.emg_mode in STREAMING_MODES
+
+    @property
+    def moves(self) -> bool:
+        return self.imu_mode in MOVING_MODES
 
     def apply(self, command: bytes) -> None:
         """Carries out a command.
@@ -33,7 +39,7 @@ class Settings:
                 emg, imu, classifier = payload
                 if emg > 3 or imu > 4 or classifier > 1:
                     raise CommandError("set mode: a value is out of its range")
-                self.emg_mode = emg
+                self.emg_mode, self.imu_mode = emg, imu
             case 0x09, 1:
                 if payload[0] > 1:
                     raise CommandError("set sleep mode: neither 0 nor 1")

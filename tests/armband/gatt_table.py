@@ -11,6 +11,7 @@ from bumble.gatt import Characteristic, CharacteristicValue, Service
 CONTROL_SERVICE = 0x0001
 COMMAND = 0x0401
 FV_DATA = 0x0104
+IMU_DATA = 0x0402
 EMG_DATA = (0x0105, 0x0205, 0x0305, 0x0405)
 BATTERY_LEVEL = 0x2A19
 
@@ -60,7 +61,7 @@ class GattTable:
                 vendor(0x0201, _READ, struct.pack("<HHHH", *values.firmware)),
                 vendor(COMMAND, _WRITE, command),
             ]),
-            Service(vendor_uuid(0x0002), [vendor(0x0402, _NOTIFY), vendor(0x0502, _INDICATE)]),
+            Service(vendor_uuid(0x0002), [vendor(IMU_DATA, _NOTIFY), vendor(0x0502, _INDICATE)]),
             Service(vendor_uuid(0x0003), [vendor(0x0103, _INDICATE)]),
             Service(vendor_uuid(0x0004), [vendor(FV_DATA, _NOTIFY)]),
             Service(vendor_uuid(0x0005), [vendor(short, _NOTIFY) for short in EMG_DATA]),

@@ -1,6 +1,7 @@
 """The recording as notifications, and the time at which each is due."""
 
 import asyncio
+import struct
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
@@ -14,6 +15,11 @@ INTERVAL = 0.01
 CATCH_UP = 12
 # Seconds between two looks at a recording that grows.
 GROWTH_POLL = 0.002
+
+
+def movement(n: int) -> bytes:
+    """Value of the IMU behind a notification: at rest, but for a turn by the number of the notification."""
+    return struct.pack("<10h", 16384, 0, 0, 0, 0, 0, 2048, n, 0, 0)
 
 
 class Recording:

@@ -11,10 +11,10 @@ from bumble import att
 from armband import Armband, Options, advertisement
 from central import EMG_FILTERED, NEVER_SLEEP, Central, until
 from event_log import EventLog
-from gatt_table import BATTERY_LEVEL, COMMAND, EMG_DATA
+from gatt_table import BATTERY_LEVEL, COMMAND, EMG_DATA, IMU_DATA
 from misbehaviour import Script
 from radio import Radio
-from stream import Recording
+from stream import Recording, movement
 
 ADDRESS = "FA:12:34:56:78:9A"
 
@@ -106,6 +106,22 @@ class RulesOfTheProtocol(ArmbandTest):
         self.assertEqual(central.received, [])
         await central.command(EMG_FILTERED)
         await until(lambda: central.received, "a notification")
+
+    async def test_movement_comes_with_every_second_notification_where_the_mode_has_it_and_it_is_subscribed_to(self):
+        for subscribes, mode in ((True, "0103020100"), (True, "0103020000"), (False, "0103020100")):
+            central = await self.start_armband(100)
+            await central.connect(ADDRESS)
+            await central.discover()
+            await central.subscribe()
+            moved = []
+            if subscribes:
+                await central.find(IMU_DATA).subscribe(lambda value: moved.append(bytes(value)))
+            await central.command(bytes.fromhex(mode))
+            await self.until("end")
+            await asyncio.sleep(0.02)
+            self.assertEqual(len(central.received), 100)
+            wanted = subscribes and mode == "0103020100"
+            self.assertEqual(moved, [movement(n) for n in range(1, 100, 2)] if wanted else [])
 
     async def test_a_lane_without_subscription_is_silent(self):
         central = await self.start_armband()

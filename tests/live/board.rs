@@ -235,6 +235,7 @@ fn answer(command: Result<Command, Refusal>, following: Following) -> Answer<'st
             Accepted::of(command).map_or(Answer::Refused(Refusal::Busy), Answer::Align)
         }
         Ok(Command::Raw(on)) => Answer::Raw(on),
+        Ok(Command::Imu(on)) => Answer::Imu(on),
         Ok(Command::Strength(on)) => Answer::Strength(on),
         Ok(Command::Bind(command))
             if matches!(following, Following::Pinned(_)) && command != BindCommand::State =>

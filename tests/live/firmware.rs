@@ -46,6 +46,7 @@ fn the_firmware_is_shown_with_its_armbands_samples_and_its_own_labels() -> anyho
         source: Source::Port(bridge.port().to_owned()),
         model: Some(shipped()),
         listen: "127.0.0.1:0".parse()?,
+        imu: false,
         record: None,
     })?;
     let mut viewer = Viewer::connect(live.url());

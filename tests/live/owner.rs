@@ -216,6 +216,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
         source: Source::Port(port),
         model: Some(shipped()),
         listen: "127.0.0.1:0".parse()?,
+        imu: false,
         record: Some(RecordOptions {
             folder: folder.path().to_owned(),
             person: "anna".to_owned(),

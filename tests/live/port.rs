@@ -15,6 +15,7 @@ fn serve(port: &Path, model: Option<Vec<u8>>) -> Live {
         source: Source::Port(port.to_owned()),
         model,
         listen: "127.0.0.1:0".parse().unwrap(),
+        imu: false,
         record: None,
     })
     .unwrap()

@@ -23,6 +23,7 @@ pub fn record(folder: &Path, source: Source, protocol: &str, speed: u32) -> Live
         source,
         model: None,
         listen: "127.0.0.1:0".parse().unwrap(),
+        imu: false,
         record: Some(RecordOptions {
             folder: folder.to_owned(),
             person: "anna".to_owned(),

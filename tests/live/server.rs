@@ -55,6 +55,7 @@ fn for_other_machines_the_address_has_a_token() {
         source: Source::Demo,
         model: None,
         listen: "0.0.0.0:0".parse().unwrap(),
+        imu: false,
         record: None,
     })
     .unwrap();
@@ -277,6 +278,7 @@ fn a_damaged_model_is_refused_before_anything_is_served() {
         source: Source::Demo,
         model: Some(model),
         listen: "127.0.0.1:0".parse().unwrap(),
+        imu: false,
         record: None,
     })
     .unwrap_err();

@@ -114,8 +114,10 @@ class Characteristic extends EventTarget {
   async writeValueWithResponse(bytes) {
     return this.server.operate(() => {
       needs(this.uuid === COMMAND, "NotSupportedError", "GATT operation not permitted.");
-      // Set mode: filtered EMG.
-      if ([...bytes].join() === "1,3,2,0,0") {
+      // Never sleep, or set mode: filtered EMG, no IMU, for whose service nobody has asked.
+      const command = [...bytes].join();
+      needs(["9,1,1", "1,3,2,0,0"].includes(command), "NotSupportedError", `command ${command}`);
+      if (command === "1,3,2,0,0") {
         this.server.stream();
       }
     });

@@ -265,6 +265,8 @@ impl<'q> SessionDriver<'q> {
             Action::Keep(armband) => self.keep.signal(armband),
             Action::Gap { missing } => self.sequencer.borrow_mut().gap(missing),
             Action::StreamEnded => self.packets.push(self.sequencer.borrow_mut().end()),
+            // Never asked for: a UART has no room for it.
+            Action::Imu(_) => {}
         }
     }
 }

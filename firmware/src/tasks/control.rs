@@ -96,6 +96,8 @@ async fn carry_out(command: Command) -> Answer<'static> {
             raw::switch(on);
             Answer::Raw(on)
         }
+        Command::Imu(true) => Answer::Refused(Refusal::NoRoom),
+        Command::Imu(false) => Answer::Imu(false),
         Command::Strength(on) => {
             uart::switch_strength(on);
             Answer::Strength(on)

@@ -11,7 +11,7 @@ use recordings::labels::lag::LabelLag;
 use recordings::labels::motion::{Motion, motions};
 use recordings::labels::set_lag::lags;
 use recordings::split::predefined;
-use recordings::{Library, LoadOptions, load};
+use recordings::{Library, LoadOptions, imu, load};
 use shared::units::CHANNELS;
 
 use crate::failure::told;
@@ -67,6 +67,18 @@ impl Recording {
             other_movement,
             notes,
         }
+    }
+
+    /// Movement of the armband, where `record --imu` wrote it beside the file: float64, shape (m, 11): row of the file that was
+    /// due, unit quaternion w, x, y, z, acceleration x, y, z in g, turn rate x, y, z in degrees a second. None without.
+    #[getter]
+    fn imu<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        let rows = imu::read(&self.path).map_err(told)?;
+        let array = |rows: Vec<[f64; imu::COLUMNS]>| {
+            let shape = [rows.len(), imu::COLUMNS];
+            PyArray1::from_vec(py, rows.into_flattened()).reshape(shape)
+        };
+        rows.map(array).transpose()
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> (Bound<'py, PyType>, Fields) {

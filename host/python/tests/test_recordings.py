@@ -53,6 +53,22 @@ class RecordingsTest(unittest.TestCase):
         late = myointent.read(self.folder, label_lag="each-cue")
         self.assertTrue(any((a.labels != b.labels).any() for a, b in zip(read, late)))
 
+    def test_movement_beside_a_recording_is_an_array_and_a_damaged_file_is_refused(self):
+        for name in ("a", "b"):
+            rows = [f"0,{at},1,2,3,4,5,6,{ord(name)}" for at in range(-50, 50)] * 8
+            (self.folder / f"{name}.csv").write_text(HEADER + "\n".join(rows) + "\n")
+        head = "row,w,x,y,z,acceleration_x,acceleration_y,acceleration_z,turn_x,turn_y,turn_z\n"
+        movement = self.folder / "b.imu"
+        movement.write_text(head + "3,1,0,0,0,0,0,-1,2.5,0,0\n7,0.5,0,0,0,0,0,-1,0,0,0\n")
+        with warnings.catch_warnings(record=True):
+            still, moved = myointent.read(self.folder)
+        self.assertIsNone(still.imu)
+        self.assertEqual((moved.imu.shape, moved.imu.dtype), ((2, 11), np.float64))
+        self.assertEqual(moved.imu[0].tolist(), [3, 1, 0, 0, 0, 0, 0, -1, 2.5, 0, 0])
+        movement.write_text(head + "3,1\n")
+        with self.assertRaisesRegex(myointent.Error, "b.imu, line 2"):
+            moved.imu
+
     def test_the_five_lines_of_the_page_print_the_first_table(self):
         described(self.folder / "my-recordings")
         page = (ROOT / "docs/python.md").read_text()

@@ -13,6 +13,7 @@ pub mod catalogue;
 pub mod corpus;
 pub mod description;
 pub mod examiner;
+pub mod imu;
 pub mod labels;
 pub mod library;
 pub mod raw_samples;

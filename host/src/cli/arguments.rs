@@ -57,6 +57,10 @@ impl OwnModel {
 pub(in crate::cli) const AS_RECORDED: &str = "Leave the channels of published sets in their own order instead of turning them into the frame of the models \
     (docs/recordings.md, electrode frames).";
 
+/// Help of `--imu`.
+pub(in crate::cli) const IMU: &str = "Ask for the armband's movement too: orientation, acceleration and turn rate, 50 times a second. A board sends it over \
+    its own USB alone: a UART has no room for it.";
+
 /// Loads all recordings at or below some paths, of every data set.
 ///
 /// # Errors

@@ -11,7 +11,7 @@ use qrcode::QrCode;
 use qrcode::render::unicode;
 use shared::myo::Address;
 
-use super::arguments::AS_RECORDED;
+use super::arguments::{AS_RECORDED, IMU};
 use super::read_model;
 use super::replay::recording_of;
 use crate::live::osc::Osc;
@@ -42,6 +42,8 @@ pub struct Arguments {
     name: Option<String>,
     #[arg(hide_short_help = true, long, help = AS_RECORDED, requires = "replay")]
     as_recorded: bool,
+    #[arg(long, help = IMU, conflicts_with_all = ["demo", "replay"])]
+    imu: bool,
     /// Model file.
     ///
     /// Without it, recordings run through the shipped three-class model, and a board shows no scores.
@@ -151,7 +153,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             })?),
             None => Box::new(std::io::stdout()),
         };
-        return live::print(source, model, listen, output, opened, || {
+        let imu = arguments.imu;
+        return live::print(source, model, imu, listen, output, opened, || {
             interrupt.requested()
         });
     }
@@ -162,6 +165,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         source,
         model,
         listen,
+        imu: arguments.imu,
         record: None,
     })
 }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context as _;
 use clap::Args;
 
-use super::arguments::AS_RECORDED;
+use super::arguments::{AS_RECORDED, IMU};
 use super::live::{SourceArguments, listen, serve};
 use super::read_model;
 use crate::live::{Options, RecordOptions};
@@ -38,6 +38,8 @@ pub struct Arguments {
     name: Option<String>,
     #[arg(hide_short_help = true, long, help = AS_RECORDED, requires = "replay")]
     as_recorded: bool,
+    #[arg(long, help = IMU, conflicts_with_all = ["demo", "replay"])]
+    imu: bool,
     /// Name of the person who is recorded: letters, digits and hyphens.
     ///
     /// The name of the folder and the beginning of the files' names.
@@ -129,6 +131,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         source,
         model,
         listen,
+        imu: arguments.imu,
         record: Some(record),
     })?;
     anyhow::ensure!(

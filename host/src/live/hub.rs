@@ -147,7 +147,10 @@ impl Hub {
         let mut state = self.lock();
         let is_recorded = matches!(
             event,
-            Event::Samples { .. } | Event::Source { .. } | Event::Alignment { .. }
+            Event::Samples { .. }
+                | Event::Imu { .. }
+                | Event::Source { .. }
+                | Event::Alignment { .. }
         );
         if let Some(recorder) = state.recorder.as_ref().filter(|_| is_recorded) {
             // The recorder may have ended.

@@ -58,6 +58,8 @@ pub struct Options {
     pub model: Option<Vec<u8>>,
     /// Address of the page; port 0 takes any free one. An address beyond this machine needs a token.
     pub listen: SocketAddr,
+    /// Whether the armband's movement is asked for too.
+    pub imu: bool,
     /// Settings of a recording session; none for `live`.
     pub record: Option<RecordOptions>,
 }
@@ -77,6 +79,7 @@ impl Stream {
         source: Source,
         model: Option<Vec<u8>>,
         guide: Option<Guide>,
+        imu: bool,
         (requests, received): (SyncSender<SourceRequest>, Receiver<SourceRequest>),
     ) -> anyhow::Result<Self> {
         if let Some(bytes) = &model {
@@ -88,6 +91,7 @@ impl Stream {
             hub: hub.clone(),
             requests: received,
             stop: stop.clone(),
+            imu,
         };
         let source = std::thread::Builder::new()
             .name("source".to_owned())
@@ -166,7 +170,10 @@ pub fn start(options: Options) -> anyhow::Result<Live> {
         recorder_thread = Some(thread);
         recorder_requests = Some(sender);
     }
-    let stream = Stream::start(hub.clone(), options.source, options.model, guide, requests)?;
+    let Options {
+        source, model, imu, ..
+    } = options;
+    let stream = Stream::start(hub.clone(), source, model, guide, imu, requests)?;
     let requests = Requests {
         source: stream.requests.clone(),
         recorder: recorder_requests,
@@ -214,6 +221,7 @@ fn bind(address: SocketAddr) -> anyhow::Result<(TcpListener, Access)> {
 pub(crate) fn print(
     source: Source,
     model: Option<Vec<u8>>,
+    imu: bool,
     listen: Option<SocketAddr>,
     output: impl Write + Send + 'static,
     opened: impl FnOnce(&str),
@@ -225,7 +233,7 @@ pub(crate) fn print(
     let lines = JsonLines::start(hub.clone(), output)?;
     let has_board = matches!(source, Source::Port(_));
     let requests = mpsc::sync_channel(REQUESTS);
-    let stream = Stream::start(hub.clone(), source, model, None, requests)?;
+    let stream = Stream::start(hub.clone(), source, model, None, imu, requests)?;
     let server = page.map(|(listener, access)| {
         opened(&access.url());
         let requests = Requests {

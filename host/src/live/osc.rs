@@ -6,6 +6,7 @@
 //! | `/myointent/strength` | int percent of the wearer's range, with each label; of a board after `strength on` |
 //! | `/myointent/scores` | float probability of each class, in the model's order |
 //! | `/myointent/emg` | eight ints, the raw sample; a packet a sample |
+//! | `/myointent/quaternion`, `/acceleration`, `/turn_rate` | four or three floats, with `--imu` |
 //! | `/myointent/connected` | int 1 if the source is connected |
 //!
 //! UDP tells nobody whether a packet arrives, or whether somebody listens.
@@ -107,6 +108,9 @@ fn messages(event: &Value) -> Vec<(&'static str, Vec<OscType>)> {
             let samples = event["emg"].as_array().into_iter().flatten();
             samples.map(|sample| ("emg", items(sample, &int))).collect()
         }
+        Some("imu") => ["quaternion", "acceleration", "turn_rate"]
+            .map(|kind| (kind, items(&event[kind], &float)))
+            .into(),
         Some("source") => vec![("connected", vec![truth(&event["connected"])])],
         _ => Vec::new(),
     }
@@ -122,6 +126,21 @@ mod tests {
     use crate::live::{self, Source};
 
     #[test]
+    fn movement_is_three_messages() {
+        let event = serde_json::json!({
+            "type": "imu", "at": 1.5, "sample": 8,
+            "quaternion": [1.0, 0.0, -0.5, 0.0], "acceleration": [0.0, 0.0, -1.0], "turn_rate": [2.5, 0.0, 0.0],
+        });
+        let floats = |values: &[f32]| values.iter().copied().map(OscType::Float).collect();
+        let expected: [(_, Vec<OscType>); 3] = [
+            ("quaternion", floats(&[1.0, 0.0, -0.5, 0.0])),
+            ("acceleration", floats(&[0.0, 0.0, -1.0])),
+            ("turn_rate", floats(&[2.5, 0.0, 0.0])),
+        ];
+        assert_eq!(messages(&event), expected);
+    }
+
+    #[test]
     fn a_udp_socket_receives_labels_scores_and_samples() {
         let receiver = UdpSocket::bind("127.0.0.1:0").unwrap();
         receiver
@@ -135,7 +154,7 @@ mod tests {
         std::thread::scope(|scope| {
             let live = scope.spawn(|| {
                 let is_over = || over.load(Ordering::Relaxed);
-                live::print(Source::Demo, None, None, osc, |_| (), is_over)
+                live::print(Source::Demo, None, false, None, osc, |_| (), is_over)
             });
             let mut buffer = [0; 512];
             while received.len() < kinds.len() {

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use shared::intent::Intent;
+use shared::myo::Imu;
 use shared::stream::alignment::Alignment;
 use shared::units::{Sample, SampleIndex};
 
@@ -18,7 +19,7 @@ use recordings::labels::motion::Motion;
 /// Samples of rest on either side of a cut in a long recording.
 const REST_AROUND: usize = 100;
 
-/// Recording; each list but `holds` has one entry a sample.
+/// Recording; each list but `movement` and `holds` has one entry a sample.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(crate) struct Part {
     /// Samples as received; a bridged one repeats the one before.
@@ -35,6 +36,8 @@ pub(crate) struct Part {
     pub(crate) trials: Vec<u32>,
     /// Motion that the muscle shows; unknown if the trial is not used.
     pub(crate) motions: Vec<Motion>,
+    /// Movement of the armband, at the offset of the sample that was due.
+    pub(crate) movement: Vec<(usize, Imu)>,
     /// Holds of the trials that are used.
     pub(crate) holds: Vec<Hold>,
 }
@@ -97,6 +100,7 @@ pub(crate) fn assemble(entries: &[Entry]) -> Assembly {
                 damaged = 0;
                 stretch.push(first, &samples);
             }
+            Entry::Imu { rows } => stretch.movement.extend(rows),
             Entry::Placement { turn, mirrored } => {
                 stretch.placement = Alignment::new(*turn, *mirrored);
             }
@@ -142,6 +146,7 @@ struct Stretch {
     /// Placement from the next sample on.
     placement: Alignment,
     cues: Vec<(u32, Motion, u32)>,
+    movement: Vec<(u32, [i16; 10])>,
     /// First sample of each round.
     rounds: Vec<u32>,
     /// Cue and trial in force before the first of `cues`.
@@ -157,6 +162,7 @@ impl Default for Stretch {
             placements: Vec::new(),
             placement: Alignment::NONE,
             cues: Vec::new(),
+            movement: Vec::new(),
             rounds: Vec::new(),
             carried: (Motion::Unknown, 0),
         }
@@ -222,6 +228,15 @@ impl Stretch {
                 part.placements.push(self.placements[offset]);
                 part.cues.push(cue);
                 part.trials.push(trial);
+            }
+        }
+        for (due, imu) in self.movement.drain(..) {
+            let place = parts.iter_mut().find_map(|part| {
+                let offset = SampleIndex(due).since(SampleIndex(part.index[0])) as usize;
+                (offset < part.index.len()).then_some((part, offset))
+            });
+            if let Some((part, offset)) = place {
+                part.movement.push((offset, Imu(imu)));
             }
         }
         // Cues and rounds of later samples stay.

@@ -4,7 +4,7 @@
 //! Columns after the channels: `sample`, the index in the stream; `cue`; `trial`, the attempt; `used`, 0 if the trial is not
 //! used; `bridged`, 1 if the sample is missing and repeats the one before; `movement`, the name of another movement where cue
 //! or label is -2; `turn` and `mirrored`, the placement of the armband: the reader aligns the channels by it, as the board
-//! does.
+//! does. Movement is in a file beside them ([`recordings::imu`]).
 
 use std::fmt::Write as _;
 use std::fs;
@@ -23,7 +23,7 @@ use recordings::description::own::{
     MIRRORED_COLUMN, MOVEMENT_COLUMN, MUSCLE_COLUMN, RECORDER_COLUMNS, TURN_COLUMN,
 };
 use recordings::labels::motion::{GroundTruth, Motion};
-use recordings::{LoadOptions, load};
+use recordings::{LoadOptions, imu, load};
 
 /// File extension of a journal that the disk has damaged.
 const DAMAGED: &str = "journal.damaged";
@@ -77,15 +77,15 @@ pub(crate) fn convert(journal: &Path) -> Result<Conversion, RecordError> {
     for (number, (part, piece)) in (1..).zip(pieces) {
         let path = file(journal, number);
         let text = csv(&assembly, part, piece.clone(), header.synthetic);
-        // A program that was killed half-way may have written the file before.
-        let is_own = fs::read(&path).is_ok_and(|found| found == text.as_bytes());
-        if path.exists() && !is_own {
-            return Err(RecordError::Exists { path });
+        write(journal, &path, &text)?;
+        let movement = part.movement.iter();
+        let movement: Vec<_> = movement
+            .filter(|(at, _)| piece.contains(at))
+            .map(|&(at, imu)| (at - piece.start, imu))
+            .collect();
+        if !movement.is_empty() {
+            write(journal, &imu::beside(&path), &imu::text(&movement))?;
         }
-        write_whole(&path, text.as_bytes()).map_err(|error| RecordError::Write {
-            journal: journal.to_owned(),
-            error,
-        })?;
         let read = load(&path, &LoadOptions::default())?;
         if let (true, Some(refused)) = (read.recordings.is_empty(), read.skipped.first()) {
             let reason = refused.line();
@@ -118,6 +118,20 @@ pub(crate) fn convert(journal: &Path) -> Result<Conversion, RecordError> {
     drop(lock);
     put_away.map_err(RecordError::io(journal))?;
     Ok(conversion)
+}
+
+/// Writes a file of a journal, unless another one is there.
+fn write(journal: &Path, path: &Path, text: &str) -> Result<(), RecordError> {
+    // A program that was killed half-way may have written the file before.
+    let is_own = fs::read(path).is_ok_and(|found| found == text.as_bytes());
+    if path.exists() && !is_own {
+        let path = path.to_owned();
+        return Err(RecordError::Exists { path });
+    }
+    write_whole(path, text.as_bytes()).map_err(|error| RecordError::Write {
+        journal: journal.to_owned(),
+        error,
+    })
 }
 
 /// Path of a recording: `anna_20261122T110323Z_quick_1.csv`.

@@ -3,7 +3,7 @@
 
 use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
-use shared::myo::{self, Action, Address, MyoSession, Phase, Settings};
+use shared::myo::{self, Action, MyoSession, Phase, Settings};
 use shared::pipeline::Reports;
 use shared::units::{Millis, Sample, SampleIndex};
 
@@ -53,10 +53,10 @@ pub struct Armband<'r> {
 }
 
 impl<'r> Armband<'r> {
-    /// State before the first event. `address` is that of the armband; none for the one with the strongest signal. Emits the model
-    /// and the pipeline's state.
+    /// State before the first event. The settings name an armband, or none for the one with the strongest signal, and say whether
+    /// movement is wanted. Emits the model and the pipeline's state.
     pub fn begin(
-        address: Option<Address>,
+        settings: Settings,
         (here, name): (&'static str, Option<String>),
         model: &Model<'_>,
         mut scored: ScoredPipeline<'r, HostEncoder<'r>>,
@@ -66,9 +66,8 @@ impl<'r> Armband<'r> {
         emit(Event::of_model(model));
         emit(Event::of_report(at, &scored.state_report()));
         let session = MyoSession::new(Settings {
-            pinned: address,
             follow_strongest: true,
-            ..Settings::default()
+            ..settings
         });
         Self {
             session,
@@ -115,6 +114,11 @@ impl<'r> Armband<'r> {
                 self.streams = false;
                 output(Output::Radio(action));
             }
+            Action::Imu(imu) => output(Output::Event(Event::Imu {
+                at: now.at,
+                sample: self.next.0,
+                imu,
+            })),
             // No binding outlasts this program.
             Action::Keep(_) => {}
             action => output(Output::Radio(action)),

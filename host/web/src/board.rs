@@ -29,10 +29,16 @@ pub struct Change {
 }
 
 impl<'c, 'r, E: Encode> Board<'c, 'r, E> {
-    /// State at the beginning of a connection; continues the losses of earlier ones.
-    pub fn new(now: Millis, losses: Losses, scored: Option<&'c mut ScoredPipeline<'r, E>>) -> Self {
+    /// State at the beginning of a connection; continues the losses of earlier ones. With `imu` the board is asked for the
+    /// armband's movement too.
+    pub fn new(
+        now: Millis,
+        losses: Losses,
+        imu: bool,
+        scored: Option<&'c mut ScoredPipeline<'r, E>>,
+    ) -> Self {
         Self {
-            dialogue: Dialogue::new(now, losses),
+            dialogue: Dialogue::new(now, losses, imu),
             scored,
             published: NOTHING_YET,
         }

@@ -62,12 +62,14 @@ pub struct Losses {
 
 impl Dialogue {
     /// State at the beginning of a connection; continues the losses of earlier ones.
-    pub fn new(now: Millis, losses: Losses) -> Self {
+    ///
+    /// With `imu` the board is asked for the armband's movement too.
+    pub fn new(now: Millis, losses: Losses, imu: bool) -> Self {
         let state = State {
             began: now,
             last_line: None,
             last_samples: None,
-            schedule: CommandSchedule::default(),
+            schedule: CommandSchedule::new(imu),
             alignment: None,
             next_number: None,
             next_sample: None,
@@ -156,6 +158,11 @@ impl State {
                     truth: None,
                 }
             }
+            Line::Imu(report) => Event::Imu {
+                at,
+                sample: report.sample.0,
+                imu: report.imu,
+            },
             // The alignment was made before this connection, or its report was lost.
             Line::Answer(Answer::Alignment(alignment)) if self.alignment != Some(alignment) => {
                 self.alignment = Some(alignment);
@@ -178,6 +185,7 @@ impl State {
                 | Answer::Align(_)
                 | Answer::Alignment(_)
                 | Answer::Raw(_)
+                | Answer::Imu(_)
                 | Answer::Strength(_)
                 | Answer::Gate(_)
                 | Answer::Lock(_)

@@ -1,8 +1,9 @@
 //! Events for viewers: the messages of the websocket, each a JSON object with its `type`.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use shared::intent::Intent;
 use shared::model::file::Model;
+use shared::myo::Imu;
 use shared::stream::alignment::Alignment;
 use shared::stream::safe_state::Cause;
 use shared::stream::strength::Percent;
@@ -111,6 +112,14 @@ pub enum Event {
     Electrodes {
         faults: [Option<&'static str>; CHANNELS],
     },
+    /// Movement of the armband.
+    Imu {
+        at: f64,
+        /// Sample that was due when it came.
+        sample: u32,
+        #[serde(flatten, serialize_with = "units")]
+        imu: Imu,
+    },
     /// Label, or change of state.
     Report {
         at: f64,
@@ -162,6 +171,24 @@ pub enum Event {
     Installing(InstallationState),
     /// End of the program.
     End,
+}
+
+/// Writes a movement in its units: g, degrees a second.
+fn units<S: Serializer>(imu: &Imu, output: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Units {
+        quaternion: [f32; 4],
+        acceleration: [f32; 3],
+        turn_rate: [f32; 3],
+    }
+    let (quaternion, acceleration, turn_rate) =
+        (imu.quaternion(), imu.acceleration(), imu.turn_rate());
+    Units {
+        quaternion,
+        acceleration,
+        turn_rate,
+    }
+    .serialize(output)
 }
 
 /// Kinds of events whose newest one a new viewer gets first.

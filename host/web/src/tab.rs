@@ -233,14 +233,17 @@ impl Tab {
                 outputs.push(&ForDevice::Leave { leave });
                 let scored = Box::leak(Box::new(scored));
                 Running::Board {
-                    board: Board::new(millis(now), Losses::default(), Some(scored)),
+                    board: Board::new(millis(now), Losses::default(), false, Some(scored)),
                     model,
                     is_same: false,
                 }
             }
             Wanted::Bluetooth { name } => Running::Armband {
                 armband: Armband::begin(
-                    Some(chosen()),
+                    myo::Settings {
+                        pinned: Some(chosen()),
+                        ..myo::Settings::default()
+                    },
                     ("this browser", Some(name.clone())),
                     model,
                     scored,

@@ -2,7 +2,7 @@
 
 use super::address::Address;
 use super::characteristic::Characteristic;
-use super::packet::Pair;
+use super::packet::{Imu, Pair};
 
 /// Most bytes of a write: the payload of the smallest ATT packet.
 const MAX_PAYLOAD: usize = 20;
@@ -61,6 +61,8 @@ pub enum Action {
     /// Two samples for the pipeline, the older first. They follow the samples delivered before, unless
     /// a `Gap` or `StreamEnded` came between.
     Deliver(Pair),
+    /// Movement of the armband, as it arrived: after the samples delivered before, some of which may be held back.
+    Imu(Imu),
     /// Keep this armband as the bound one over restarts, or none. To be done before the next connection, and not while one
     /// lasts. Not answered.
     Keep(Option<Address>),

@@ -14,11 +14,13 @@ pub enum Characteristic {
     Emg(Lane),
     /// Read, and notifies: percent.
     BatteryLevel,
+    /// Notifies: see [`Imu`](super::Imu).
+    Imu,
 }
 
 impl Characteristic {
     /// Every characteristic that is used.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::FirmwareVersion,
         Self::Command,
         Self::Emg(Lane::ALL[0]),
@@ -26,6 +28,7 @@ impl Characteristic {
         Self::Emg(Lane::ALL[2]),
         Self::Emg(Lane::ALL[3]),
         Self::BatteryLevel,
+        Self::Imu,
     ];
 
     /// UUID of the characteristic.
@@ -36,6 +39,7 @@ impl Characteristic {
             Self::Command => Uuid::Vendor(0x0401),
             Self::Emg(lane) => Uuid::Vendor(0x0105 + 0x0100 * lane.number() as u16),
             Self::BatteryLevel => Uuid::Sig(0x2a19),
+            Self::Imu => Uuid::Vendor(0x0402),
         }
     }
 
@@ -45,7 +49,7 @@ impl Characteristic {
         Self::ALL.into_iter().find(|one| one.uuid() == uuid)
     }
 
-    /// Index in [`Characteristic::ALL`], 0..=6, for a radio's table of handles.
+    /// Index in [`Characteristic::ALL`], 0..=7, for a radio's table of handles.
     #[must_use]
     pub const fn index(self) -> usize {
         match self {
@@ -53,6 +57,7 @@ impl Characteristic {
             Self::Command => 1,
             Self::Emg(lane) => 2 + lane.number() as usize,
             Self::BatteryLevel => 6,
+            Self::Imu => 7,
         }
     }
 }
@@ -77,14 +82,17 @@ impl Found {
         self.0 & (1 << characteristic.index()) != 0
     }
 
-    /// Whether a stream can be set up: only the battery level may be missing.
+    /// Whether a stream can be set up: only the battery level and the IMU may be missing.
     #[must_use]
     pub(super) const fn is_sufficient(self) -> bool {
-        self.with(Characteristic::BatteryLevel).0 == ALL_FOUND
+        self.with(Characteristic::BatteryLevel)
+            .with(Characteristic::Imu)
+            .0
+            == u8::MAX
     }
 }
 
-const ALL_FOUND: u8 = (1 << Characteristic::ALL.len()) - 1;
+const _: () = assert!(Characteristic::ALL.len() == u8::BITS as usize);
 
 impl FromIterator<Characteristic> for Found {
     fn from_iter<I: IntoIterator<Item = Characteristic>>(found: I) -> Self {
@@ -103,8 +111,8 @@ mod tests {
             let uuid = characteristic.uuid();
             assert_eq!(Characteristic::from_uuid(uuid), Some(characteristic));
         }
-        let imu = Uuid::Vendor(0x0402);
-        assert_eq!(Characteristic::from_uuid(imu), None);
+        let classifier = Uuid::Vendor(0x0103);
+        assert_eq!(Characteristic::from_uuid(classifier), None);
     }
 
     #[test]
@@ -114,14 +122,14 @@ mod tests {
     }
 
     #[test]
-    fn only_the_battery_may_be_missing() {
+    fn only_the_battery_and_the_imu_may_be_missing() {
         for absent in Characteristic::ALL {
             let found: Found = Characteristic::ALL
                 .into_iter()
                 .filter(|one| *one != absent)
                 .collect();
             assert!(!found.contains(absent));
-            let optional = absent == Characteristic::BatteryLevel;
+            let optional = [Characteristic::BatteryLevel, Characteristic::Imu].contains(&absent);
             assert_eq!(found.is_sufficient(), optional, "without {absent:?}");
         }
         assert!(

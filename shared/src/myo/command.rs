@@ -13,11 +13,11 @@ pub enum EmgMode {
     Raw,
 }
 
-/// A command. IMU and gesture classifier stay off: their notifications would take air time.
+/// A command. The gesture classifier stays off: its notifications would take air time.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(super) enum Command {
-    /// Stream EMG at 200 Hz; IMU and classifier off. Lost at a disconnection.
-    SetMode(EmgMode),
+    /// Stream EMG at 200 Hz, and the IMU at 50 Hz or not at all. Lost at a disconnection.
+    SetMode(EmgMode, bool),
     /// Never sleep: without it the armband drops the link after about 30 s of inactivity, even while
     /// EMG streams. Lost at a disconnection.
     NeverSleep,
@@ -28,8 +28,8 @@ impl Command {
     #[must_use]
     pub(super) const fn payload(self) -> Payload {
         match self {
-            Self::SetMode(EmgMode::Filtered) => Payload::new([0x01, 3, 2, 0, 0]),
-            Self::SetMode(EmgMode::Raw) => Payload::new([0x01, 3, 3, 0, 0]),
+            Self::SetMode(EmgMode::Filtered, imu) => Payload::new([0x01, 3, 2, imu as u8, 0]),
+            Self::SetMode(EmgMode::Raw, imu) => Payload::new([0x01, 3, 3, imu as u8, 0]),
             Self::NeverSleep => Payload::new([0x09, 1, 1]),
         }
     }
@@ -42,9 +42,11 @@ mod tests {
     #[test]
     fn commands_are_the_vendors_bytes() {
         let bytes = |command: Command| command.payload();
-        let set_mode = |mode| bytes(Command::SetMode(mode));
-        assert_eq!(set_mode(EmgMode::Filtered).as_slice(), [1, 3, 2, 0, 0]);
-        assert_eq!(set_mode(EmgMode::Raw).as_slice(), [1, 3, 3, 0, 0]);
+        let set_mode = |mode, imu| bytes(Command::SetMode(mode, imu));
+        let filtered = |imu| set_mode(EmgMode::Filtered, imu);
+        assert_eq!(filtered(false).as_slice(), [1, 3, 2, 0, 0]);
+        assert_eq!(filtered(true).as_slice(), [1, 3, 2, 1, 0]);
+        assert_eq!(set_mode(EmgMode::Raw, false).as_slice(), [1, 3, 3, 0, 0]);
         assert_eq!(bytes(Command::NeverSleep).as_slice(), [9, 1, 1]);
     }
 }

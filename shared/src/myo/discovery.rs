@@ -65,7 +65,9 @@ impl Discovery {
             let has_subscription = self.subscriptions.contains(one) && self.of != Some(one);
             self.values.contains(one) && (!notifies(one) || has_subscription)
         };
-        let all = Characteristic::ALL.into_iter().all(complete);
+        // Not the IMU, which an armband declares before its EMG: one without it is not read to the end.
+        let mut needed = Characteristic::ALL[..Characteristic::Imu.index()].iter();
+        let all = needed.all(|&one| complete(one));
         (self.next <= LAST && !all).then_some(self.next)
     }
 
@@ -103,7 +105,10 @@ impl Discovery {
 
 /// Whether the session enables the notifications of a characteristic.
 const fn notifies(one: Characteristic) -> bool {
-    matches!(one, Characteristic::Emg(_) | Characteristic::BatteryLevel)
+    matches!(
+        one,
+        Characteristic::Emg(_) | Characteristic::BatteryLevel | Characteristic::Imu
+    )
 }
 
 /// The handle of the value and the UUID, none if it is of neither family, where `bytes` are a declaration.
@@ -145,13 +150,20 @@ mod tests {
         table.extend([Some(bytes), Some(vec![7; 20])]);
     }
 
-    /// The table of an armband: services, characteristics, subscriptions, some of them unknown.
+    /// The table of an armband, whose IMU comes before its EMG.
     fn armband() -> (Table, Vec<Attribute>) {
+        let mut all = Characteristic::ALL;
+        all.rotate_right(1);
+        armband_with(&all)
+    }
+
+    /// A table of services, characteristics, subscriptions, some of them unknown.
+    fn armband_with(all: &[Characteristic]) -> (Table, Vec<Attribute>) {
         let (mut table, mut expected) = (Table::new(), Vec::new());
         table.push(Some(vec![0x00, 0x18]));
         declare(&mut table, Uuid::Sig(0x2a00));
         table.push(Some(vec![0x0f, 0x18]));
-        for characteristic in Characteristic::ALL {
+        for &characteristic in all {
             declare(&mut table, characteristic.uuid());
             expected.push(Attribute::Value(characteristic, table.len() as u16));
             let notifies = !matches!(
@@ -170,6 +182,13 @@ mod tests {
 
     #[test]
     fn an_armbands_attributes_are_found_and_no_value_is_read() {
+        // One without an IMU is not read on for it.
+        let (table, expected) = armband_with(&Characteristic::ALL[..7]);
+        let (found, read) = run(&[&table[..], &[None, None]].concat());
+        assert_eq!(
+            (found, read.last()),
+            (expected, Some(&(table.len() as u16)))
+        );
         let (table, expected) = armband();
         let (found, read) = run(&table);
         assert_eq!(found, expected);
@@ -199,7 +218,7 @@ mod tests {
         let lane = Characteristic::Emg(Lane::ALL[3]);
         let subscription = Attribute::Subscription(lane, 26);
         assert_eq!(found, [command, Attribute::Value(lane, 25), subscription]);
-        assert_eq!(expected.len(), 12);
+        assert_eq!(expected.len(), 14);
     }
 
     #[test]

@@ -51,7 +51,10 @@ pub use counters::Counters;
 pub use discovery::{Attribute, Discovery};
 pub use event::Event;
 pub use lane::Lane;
-pub use packet::{FirmwareVersion, Pair};
+pub use packet::{FirmwareVersion, Imu, Pair};
 pub use progress::Progress;
 pub use session::{Following, MyoSession, Phase, Settings};
 pub use uuid::Uuid;
+
+/// Whether a session knows the IMU.
+const IMU: bool = cfg!(any(feature = "imu", test));

@@ -31,6 +31,40 @@ pub(super) fn parse_emg(bytes: &[u8]) -> Result<Pair, TooShort> {
     }))
 }
 
+/// Movement of the armband: quaternion w, x, y, z; acceleration x, y, z; turn rate x, y, z; as the armband sends them.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub struct Imu(pub [i16; 10]);
+
+impl Imu {
+    /// The movement of an IMU value: 10 x i16, little-endian.
+    ///
+    /// # Errors
+    /// Fewer than 20 bytes.
+    pub(super) fn parse(bytes: &[u8]) -> Result<Self, TooShort> {
+        let bytes = first::<20>(bytes)?;
+        let (pairs, _) = bytes.as_chunks();
+        Ok(Self(from_fn(|value| i16::from_le_bytes(pairs[value]))))
+    }
+
+    /// Orientation: a unit quaternion w, x, y, z.
+    #[must_use]
+    pub fn quaternion(&self) -> [f32; 4] {
+        from_fn(|axis| f32::from(self.0[axis]) / 16_384.0)
+    }
+
+    /// Acceleration x, y, z in g.
+    #[must_use]
+    pub fn acceleration(&self) -> [f32; 3] {
+        from_fn(|axis| f32::from(self.0[4 + axis]) / 2048.0)
+    }
+
+    /// Turn rate x, y, z in degrees a second.
+    #[must_use]
+    pub fn turn_rate(&self) -> [f32; 3] {
+        from_fn(|axis| f32::from(self.0[7 + axis]) / 16.0)
+    }
+}
+
 /// The charge in a Battery Level value, percent 0..=100.
 ///
 /// # Errors
@@ -113,6 +147,18 @@ mod tests {
         assert_eq!(parse_battery(&[55, 9]), Ok(55));
         assert_eq!(parse_battery(&[255]), Ok(100));
         assert!(FirmwareVersion::parse(&SIXTEEN[..7]).is_err());
+    }
+
+    #[test]
+    fn movement_is_ten_values_in_their_units() {
+        let values: [i16; 10] = [16_384, -8192, 0, 1, 2048, -2048, 1024, 16, -1600, 8];
+        let bytes = values.map(i16::to_le_bytes);
+        let imu = Imu::parse(bytes.as_flattened()).unwrap();
+        assert_eq!(imu, Imu(values));
+        assert_eq!(imu.quaternion(), [1.0, -0.5, 0.0, 1.0 / 16_384.0]);
+        assert_eq!(imu.acceleration(), [1.0, -1.0, 0.5]);
+        assert_eq!(imu.turn_rate(), [1.0, -100.0, 0.5]);
+        assert!(Imu::parse(&bytes.as_flattened()[..19]).is_err());
     }
 
     #[test]

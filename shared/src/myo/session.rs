@@ -29,6 +29,8 @@ pub struct Settings {
     /// The mode that the model was trained with. `Filtered` by default: the vendor recommends it, and
     /// the recordings were made with it.
     pub emg: EmgMode,
+    /// Whether the armband's movement is asked for too. Only with the feature `imu`.
+    pub imu: bool,
 }
 
 /// Phase of a session.
@@ -150,6 +152,11 @@ impl MyoSession {
         }
         // After the event: an answer that arrives together with the time-out is in time.
         self.handle_time(now, act);
+    }
+
+    /// Sets whether the movement is asked for from now on; the armband is told with the next event.
+    pub const fn set_imu(&mut self, on: bool) {
+        self.settings.imu = on;
     }
 
     /// The present phase.

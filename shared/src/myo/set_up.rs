@@ -8,7 +8,7 @@ use super::lane::Lane;
 use super::packet::{FirmwareVersion, parse_battery};
 
 /// A step of the set-up: one operation. The mode is set last, since EMG then shares air time and
-/// queues with the responses.
+/// queues with the responses. The IMU comes later: see [`StreamMonitor`](super::stream_monitor::StreamMonitor).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Step {
     Discover,
@@ -45,7 +45,7 @@ impl Step {
             Self::SubscribeEmg(lane) => Action::Subscribe(Characteristic::Emg(lane)),
             Self::SubscribeBattery => Action::Subscribe(Characteristic::BatteryLevel),
             Self::NeverSleep => write(Command::NeverSleep),
-            Self::SetMode => write(Command::SetMode(emg)),
+            Self::SetMode => write(Command::SetMode(emg, false)),
         }
     }
 

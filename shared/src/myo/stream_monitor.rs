@@ -1,5 +1,7 @@
-//! Timers of a running stream: keep-alive, silence and unanswered writes.
+//! Timers of a running stream: keep-alive, silence and unanswered writes; and its IMU, which is switched on and off while it
+//! runs.
 
+use super::IMU;
 use crate::units::Millis;
 
 /// Silence after which the mode is set again, and after which, once more, the connection is closed.
@@ -24,6 +26,16 @@ pub(super) struct StreamMonitor {
     mode_set_again: Option<Millis>,
     /// Time of the request for the outstanding write.
     write: Option<Millis>,
+    imu: Imu,
+}
+
+/// State of the IMU.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Imu {
+    Unused,
+    /// Subscribed to, and off in the armband's mode.
+    Off,
+    On,
 }
 
 /// Write that is due, if any.
@@ -32,7 +44,9 @@ pub(super) enum Due {
     Nothing,
     /// Command the armband never to sleep.
     NeverSleep,
-    /// Set its mode again.
+    /// Subscribe to its IMU.
+    SubscribeImu,
+    /// Set its mode, again or with another IMU.
     SetMode,
     /// Close the connection: still silent after the mode was set again.
     Stalled,
@@ -49,6 +63,7 @@ impl StreamMonitor {
             never_sleep: now,
             mode_set_again: None,
             write,
+            imu: Imu::Unused,
         }
     }
 
@@ -72,8 +87,13 @@ impl StreamMonitor {
         self.write = None;
     }
 
-    /// The write that is due at `now`; it counts as requested.
-    pub(super) fn due(&mut self, now: Millis) -> Due {
+    /// Whether the IMU is on in the armband's mode.
+    pub(super) fn has_imu(&self) -> bool {
+        IMU && self.imu == Imu::On
+    }
+
+    /// The write that is due at `now`, with the IMU or without; it counts as requested.
+    pub(super) fn due(&mut self, now: Millis, imu: bool) -> Due {
         if self
             .write
             .is_some_and(|at| now.elapsed_since(at) >= OPERATION_MS)
@@ -98,6 +118,16 @@ impl StreamMonitor {
             self.never_sleep = now;
             self.write = Some(now);
             return Due::NeverSleep;
+        }
+        if IMU && self.write.is_none() {
+            let (state, due) = match (self.imu, imu) {
+                (Imu::Unused, true) => (Imu::Off, Due::SubscribeImu),
+                (Imu::Off, true) => (Imu::On, Due::SetMode),
+                (Imu::On, false) => (Imu::Off, Due::SetMode),
+                _ => return Due::Nothing,
+            };
+            (self.imu, self.write) = (state, Some(now));
+            return due;
         }
         Due::Nothing
     }

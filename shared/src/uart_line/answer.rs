@@ -8,6 +8,7 @@
 //!          | "OK,ALIGN," ( "begin" | "cancel" | "set" )
 //!          | "OK,ALIGN,state," turn "," mirrored      as in force
 //!          | "OK,RAW," ( "on" | "off" )
+//!          | "OK,IMU," ( "on" | "off" )
 //!          | "OK,STRENGTH," ( "on" | "off" )
 //!          | "OK,BIND," why-this "," address "," kept
 //!          | "OK,GATE," entry "," other "," reaction     super::gate
@@ -40,6 +41,7 @@
 //!          | "no-stream"              no armband streams
 //!          | "built-in"               the armband's address was given when the program was built
 //!          | "busy"                   not done within a second: ask again
+//!          | "no-room"                this line is a UART, which has no room for it: ask over USB
 //!          | "length"                 the file does not fit into the region of the model
 //!          | "block"                  a block's own checksum is wrong: send it again
 //!          | "not-begun"              no installation is in progress
@@ -151,6 +153,8 @@ pub enum Answer<'a> {
     Alignment(Alignment),
     /// Answer to `RAW`: whether the raw stream is on from now on.
     Raw(bool),
+    /// Answer to `IMU`: whether movement is written from now on.
+    Imu(bool),
     /// Answer to `STRENGTH`: whether lines have the strength from now on.
     Strength(bool),
     /// Answer to `BIND`: the binding from now on.
@@ -187,6 +191,7 @@ rows!(Answer<'a> {
     "OK,ALIGN,state" (alignment: Alignment) => Self::Alignment(alignment),
     "OK,ALIGN" (align: Accepted) => Self::Align(align),
     "OK,RAW" (raw: Switch) => Self::Raw(raw),
+    "OK,IMU" (imu: Switch) => Self::Imu(imu),
     "OK,STRENGTH" (strength: Switch) => Self::Strength(strength),
     "OK,BIND" (binding: Binding) => Self::Binding(binding),
     "OK,GATE" (gate: Gate) => Self::Gate(gate),
@@ -204,6 +209,7 @@ rows!(Answer<'a> {
     "ERR,no-stream" => Self::Refused(Refusal::NoStream),
     "ERR,built-in" => Self::Refused(Refusal::BuiltIn),
     "ERR,busy" => Self::Refused(Refusal::Busy),
+    "ERR,no-room" => Self::Refused(Refusal::NoRoom),
     "ERR,length" => Self::Refused(Refusal::Length),
     "ERR,block" => Self::Refused(Refusal::Block),
     "ERR,not-begun" => Self::Refused(Refusal::NotBegun),

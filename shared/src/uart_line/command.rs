@@ -10,6 +10,7 @@
 //!          | "ALIGN,set," turn "," mirrored      an alignment that is known already
 //!          | "ALIGN,state"                       change nothing
 //!          | "RAW,on" | "RAW,off"                the raw stream; off after a start
+//!          | "IMU,on" | "IMU,off"                the armband's movement, over USB alone; off after a start
 //!          | "STRENGTH,on" | "STRENGTH,off"      the strength behind labels and states; off after a start
 //!          | "BIND,begin"                        pairing: bind the strongest armband of the next 30 s
 //!          | "BIND,set," address                 bind this armband
@@ -80,6 +81,8 @@ pub enum Command {
     Align(AlignCommand),
     /// Write the samples too, or no longer.
     Raw(bool),
+    /// Write the movement too, or no longer.
+    Imu(bool),
     /// Write the strength behind labels and states too, or no longer.
     Strength(bool),
     /// Begin a pairing, bind or forget an armband, or say which one is followed.
@@ -153,6 +156,7 @@ rows!(Command {
     "ALIGN,set" (alignment: Alignment) => Self::Align(AlignCommand::Set(alignment)),
     "ALIGN,state" => Self::Align(AlignCommand::State),
     "RAW" (raw: Switch) => Self::Raw(raw),
+    "IMU" (imu: Switch) => Self::Imu(imu),
     "STRENGTH" (strength: Switch) => Self::Strength(strength),
     "BIND,begin" => Self::Bind(BindCommand::Begin),
     "BIND,set" (address: AnyCase) => Self::Bind(BindCommand::Set(address)),
@@ -188,12 +192,12 @@ field!(AnyCase => Address: |text, address| write!(text, "{address}"), |text| Add
 
 /// Whether a line with this body is one that the device writes.
 ///
-/// An alignment is reported under the name of its command: with the number of the line behind it, which no command has.
+/// Alignment and movement are reported under the name of their command: with a number behind it, which no command has.
 fn is_own(body: &str) -> bool {
     let (name, arguments) = body.split_once(',').unwrap_or((body, ""));
     match name {
         "OK" | "ERR" | "LABEL" | "STATE" | "EMG" => true,
-        "ALIGN" => arguments.starts_with(|first: char| first.is_ascii_digit()),
+        "ALIGN" | "IMU" => arguments.starts_with(|first: char| first.is_ascii_digit()),
         _ => false,
     }
 }

@@ -8,6 +8,7 @@ use super::calibration::CalibrationReport;
 use super::emg::EmgReport;
 use super::fields::first;
 use super::frame::framed;
+use super::imu::ImuReport;
 use super::{ParseError, Report};
 
 /// Most bytes of a line, CR LF included.
@@ -24,6 +25,8 @@ pub enum Line<'a> {
     Calibration(CalibrationReport),
     /// Two samples.
     Emg(EmgReport),
+    /// Movement of the armband.
+    Imu(ImuReport),
     /// The answer to a command.
     Answer(Answer<'a>),
     /// Text for people: the characters after `#`, without the line end.
@@ -50,6 +53,7 @@ impl<'a> Line<'a> {
             "LABEL" | "STATE" => Report::of_body(body).map(Self::Report),
             "ALIGN" => AlignmentReport::of_body(body).map(Self::Alignment),
             "EMG" => EmgReport::of_body(body).map(Self::Emg),
+            "IMU" => ImuReport::of_body(body).map(Self::Imu),
             "OK" | "ERR" => Answer::of_body(body).map(Self::Answer),
             _ => Err(ParseError::Field { field: "kind" }),
         }
@@ -63,6 +67,7 @@ impl fmt::Display for Line<'_> {
             Self::Alignment(report) => report.fmt(formatter),
             Self::Calibration(report) => report.fmt(formatter),
             Self::Emg(report) => report.fmt(formatter),
+            Self::Imu(report) => report.fmt(formatter),
             Self::Answer(answer) => answer.fmt(formatter),
             Self::Comment(text) => write!(formatter, "#{text}\r\n"),
         }
@@ -161,7 +166,7 @@ mod tests {
     };
     use proptest::prelude::*;
 
-    const LINES: [&str; 8] = [
+    const LINES: [&str; 9] = [
         "$STATE,0,0,0,relax,0,boot,0,0,0*3F\r\n",
         "$LABEL,2,609,660,close,1,-,0,0,0*0D\r\n",
         "$ALIGN,97,2550,aligned,2,5,0,214,1130*2E\r\n",
@@ -170,6 +175,7 @@ mod tests {
         "$ERR,checksum,04*4C\r\n",
         "# pairing over: no armband was heard\r\n",
         "# follows no armband: none is bound. Wear yours, or send $BIND,begin*4A\r\n",
+        "$IMU,1200,4000000000000001080000000000FFF000000000*29\r\n",
     ];
 
     /// Each line written again, or `!` in place of a damaged one.
@@ -194,8 +200,9 @@ mod tests {
             Line::Answer(_) => 3,
             Line::Comment(_) => 4,
             Line::Calibration(_) => 5,
+            Line::Imu(_) => 6,
         });
-        assert_eq!(kinds, [0, 0, 1, 2, 3, 3, 4, 4]);
+        assert_eq!(kinds, [0, 0, 1, 2, 3, 3, 4, 4, 6]);
     }
 
     #[test]
@@ -212,7 +219,7 @@ mod tests {
 
     #[test]
     fn a_line_after_a_cut_is_read() {
-        let [state, label, .., comment, _] = LINES;
+        let [state, label, .., comment, _, _] = LINES;
         // Of a framed line, of a comment, and of one that reception began in.
         assert_eq!(read(format!("{}{label}", &state[..20]).as_bytes()), [label]);
         assert_eq!(

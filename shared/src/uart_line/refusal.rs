@@ -30,6 +30,9 @@ pub enum Refusal {
     /// It was not done in time.
     #[error("not done within a second: ask again")]
     Busy,
+    /// The line is too slow for it.
+    #[error("a UART has no room for it: ask over the board's USB")]
+    NoRoom,
     /// The file does not fit.
     #[error("the file is longer than the board's flash region, or too short to be a model")]
     Length,

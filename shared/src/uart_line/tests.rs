@@ -4,11 +4,12 @@ use super::alignment::{AlignmentReport, AlignmentState};
 use super::answer::{Accepted, Answer, Binding, Charge, Identity, Refusal};
 use super::command::CommandReader;
 use super::emg::EmgReport;
+use super::imu::ImuReport;
 use super::line::{Line, MAX_LINE_BYTES};
 use super::lock::Locking;
 use super::*;
 use crate::installation::Progress;
-use crate::myo::{Address, AddressKind, FirmwareVersion, Following};
+use crate::myo::{Address, AddressKind, FirmwareVersion, Following, Imu};
 use crate::stream::alignment::Alignment;
 use crate::stream::lock::LockTimes;
 use crate::stream::smoother::{Gate, Reaction};
@@ -91,6 +92,12 @@ prop_compose! {
 }
 
 prop_compose! {
+    fn any_imu()(sample: u32, imu: [i16; 10]) -> Line<'static> {
+        Line::Imu(ImuReport { sample: SampleIndex(sample), imu: Imu(imu) })
+    }
+}
+
+prop_compose! {
     fn any_address()(bytes: [u8; 6]) -> Address {
         Address { kind: AddressKind::Public, bytes }
     }
@@ -122,7 +129,8 @@ prop_compose! {
     }
 }
 
-const REFUSALS: [Refusal; 10] = [
+const REFUSALS: [Refusal; 11] = [
+    Refusal::NoRoom,
     Refusal::TooLong,
     Refusal::Frame,
     Refusal::Unknown,
@@ -167,6 +175,7 @@ fn any_answer() -> impl Strategy<Value = Line<'static>> {
         gate,
         any_placement().prop_map(Answer::Alignment),
         any::<bool>().prop_map(Answer::Raw),
+        any::<bool>().prop_map(Answer::Imu),
         any::<bool>().prop_map(Answer::Strength),
         any::<u32>().prop_map(|block| Answer::Install(Progress::Next(block))),
         Just(Answer::Install(Progress::Installed)),
@@ -189,7 +198,13 @@ fn any_answer() -> impl Strategy<Value = Line<'static>> {
 }
 
 fn any_line() -> impl Strategy<Value = Line<'static>> {
-    prop_oneof![any_report(), any_alignment(), any_emg(), any_answer()]
+    prop_oneof![
+        any_report(),
+        any_alignment(),
+        any_emg(),
+        any_imu(),
+        any_answer()
+    ]
 }
 
 /// Text of 1 to `most` of these letters.

@@ -215,6 +215,7 @@ impl Link {
                 let packet = self.sequencer.end();
                 assert!(self.detector.receive(packet).disconnected);
             }
+            Action::Imu(_) => assert!(self.stream, "movement outside a stream"),
             Action::Keep(armband) => assert_eq!(armband, self.session.bound()),
             Action::Scan | Action::StopScan => {}
         }

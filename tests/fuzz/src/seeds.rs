@@ -152,6 +152,7 @@ fn commands() -> Vec<Vec<u8>> {
         Command::Identify,
         Command::Counters,
         Command::Raw(true),
+        Command::Imu(true),
         Command::Strength(true),
         Command::Align(AlignCommand::Begin(Arm::Unknown)),
         Command::Align(AlignCommand::Set(Alignment::new(5, true))),

@@ -43,6 +43,8 @@ struct Connection {
     /// True if the armband has ended the connection, and said so.
     is_closed: bool,
     streams_from_us: Option<u64>,
+    /// Whether its mode has the IMU on.
+    moves: bool,
     subscribed: Vec<Characteristic>,
     sent: usize,
     /// Time until which a step delays everything.
@@ -166,8 +168,12 @@ impl Armband {
                 let of = *of;
                 self.link.subscribed.push(of);
             }
-            (Some(Attribute::Value(Characteristic::Command)), [SET_MODE, 3, emg, ..]) => {
+            (
+                Some(Attribute::Value(Characteristic::Command)),
+                [SET_MODE, 3, emg, imu @ (0 | 1), 0],
+            ) => {
                 let from = now_us + self.begins_after_us();
+                self.link.moves = *imu == 1;
                 self.link.streams_from_us = matches!(emg, 2 | 3).then_some(from);
             }
             (Some(Attribute::Value(Characteristic::Command)), [SET_SLEEP, 1, _]) => {}
@@ -282,6 +288,9 @@ impl Armband {
         self.next = number + 1;
         self.link.sent += 1;
         sent.extend(self.packets(number, lane));
+        if self.link.moves && number % 2 == 1 && self.notifies(Characteristic::Imu) {
+            sent.push((self.handle(Characteristic::Imu), movement(number)));
+        }
         sent
     }
 
@@ -348,4 +357,10 @@ impl Armband {
     fn handle(&self, characteristic: Characteristic) -> u16 {
         gatt::value_handle(&self.table, characteristic)
     }
+}
+
+/// Value of the IMU behind a notification: at rest, but for a turn by the number of the notification.
+fn movement(number: usize) -> Vec<u8> {
+    let values = [16_384, 0, 0, 0, 0, 0, 2048, number as i16, 0, 0];
+    values.map(i16::to_le_bytes).concat()
 }

@@ -187,6 +187,11 @@ impl RunningRecorder {
         let now = self.now();
         match event {
             Event::Samples { first, emg, .. } => self.samples(now, SampleIndex(first), &emg),
+            Event::Imu { sample, imu, .. } if self.session.is_running() => {
+                if let Some(journal) = &mut self.journal {
+                    journal.imu(SampleIndex(sample), imu);
+                }
+            }
             Event::Source {
                 connected: false, ..
             } => {

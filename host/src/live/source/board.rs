@@ -89,7 +89,7 @@ impl BoardSource {
                     let session = BoardConnection {
                         context,
                         port,
-                        board: Board::new(now(context), *losses, scored.as_mut()),
+                        board: Board::new(now(context), *losses, context.imu, scored.as_mut()),
                     };
                     let (ended, counted) = session.run(self);
                     *losses = counted;
@@ -213,9 +213,12 @@ impl<E: Encode> BoardConnection<'_, '_, E> {
         Ok(())
     }
 
-    /// Turns the raw stream off again. Errors are ignored: a lost line has no stream either.
+    /// Turns the raw stream and the movement off again. Errors are ignored: a lost line has no stream either.
     fn leave(&self) {
         let _ = self.send(Command::Raw(false));
+        if self.context.imu {
+            let _ = self.send(Command::Imu(false));
+        }
     }
 
     fn send(&self, command: Command) -> std::io::Result<()> {

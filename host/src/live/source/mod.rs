@@ -120,6 +120,8 @@ pub(crate) struct Context {
     pub(crate) hub: Arc<Hub>,
     pub(crate) requests: Receiver<SourceRequest>,
     pub(crate) stop: Stop,
+    /// Whether the armband's movement is wanted too.
+    pub(crate) imu: bool,
 }
 
 /// Stop request, shared by all clones.

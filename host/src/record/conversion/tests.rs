@@ -1,6 +1,7 @@
 mod damage;
 
 use shared::intent::Intent;
+use shared::myo::Imu;
 use shared::units::{Millis, Sample, SampleIndex};
 
 use super::*;
@@ -20,8 +21,23 @@ fn record(path: &Path, synthetic: bool, seconds: u32) -> Vec<Sample> {
     record_by(SHORT, path, synthetic, seconds)
 }
 
-/// Records a session by the text of a protocol.
+/// Movement whose turn is a 16th of the index of the sample that is due.
+fn movement(due: SampleIndex) -> Imu {
+    Imu([16_384, 0, 0, 0, 0, 0, 2048, due.0 as i16, 0, 0])
+}
+
+/// Records a session by the text of a protocol; an armband `moved` sends movement beside every second pair.
 fn record_by(protocol: &str, path: &Path, synthetic: bool, seconds: u32) -> Vec<Sample> {
+    record_moved(protocol, path, synthetic, seconds, false)
+}
+
+fn record_moved(
+    protocol: &str,
+    path: &Path,
+    synthetic: bool,
+    seconds: u32,
+    moved: bool,
+) -> Vec<Sample> {
     let protocol = Protocol::parse("short.toml", protocol).unwrap();
     let header = Header {
         format: 0,
@@ -60,6 +76,10 @@ fn record_by(protocol: &str, path: &Path, synthetic: bool, seconds: u32) -> Vec<
             journal.entry(&Entry::of(output));
         }
         journal.samples(first, &samples);
+        if moved && pair % 2 == 0 {
+            let due = first.plus(2);
+            journal.imu(due, movement(due));
+        }
         sent.extend(samples);
         if session.is_over() {
             break;
@@ -105,6 +125,35 @@ fn a_session_becomes_a_recording_a_round_that_readers_take_sample_for_sample() {
         }
     }
     assert_eq!(conversion.quality.counts["open"], 2);
+}
+
+#[test]
+fn movement_is_a_file_beside_its_recording_and_changes_nothing_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let convert_session = |moved: bool| {
+        let person = folder.path().join(moved.to_string()).join("anna");
+        fs::create_dir_all(&person).unwrap();
+        let journal = person.join("anna_20261122T110323Z_short.journal");
+        record_moved(SHORT, &journal, false, 60, moved);
+        convert(&journal).unwrap().files
+    };
+    let (still, moved) = (convert_session(false), convert_session(true));
+    assert_eq!((still.len(), moved.len()), (2, 2));
+    for (still, moved) in still.iter().zip(&moved) {
+        assert_eq!(fs::read(still).unwrap(), fs::read(moved).unwrap());
+        assert_eq!(imu::read(still).unwrap(), None);
+        let text = fs::read_to_string(moved).unwrap();
+        let due = text.lines().skip(1).map(|line| line.split(',').nth(9));
+        let due: Vec<f64> = due.map(|field| field.unwrap().parse().unwrap()).collect();
+        let rows = imu::read(moved).unwrap().unwrap();
+        assert!(rows.len() >= due.len() / 4 - 2, "{} rows", rows.len());
+        for row in rows {
+            assert_eq!(row[1..4], [1.0, 0.0, 0.0]);
+            assert_eq!(row[8], due[row[0] as usize] / 16.0);
+        }
+    }
+    let library = load(moved[0].parent().unwrap(), &LoadOptions::default()).unwrap();
+    assert_eq!((library.recordings.len(), library.skipped.len()), (2, 0));
 }
 
 #[test]

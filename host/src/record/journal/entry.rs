@@ -1,5 +1,5 @@
 //! Line of a journal: `5f3a0c11 17 {"is":"cue",...}`, a CRC-32 of what follows, the line's number from 0 on, and JSON.
-//! Format 1 had no numbers.
+//! Format 1 had no numbers, format 2 no movement.
 
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -14,7 +14,7 @@ use crate::record::session::{Output, RejectReason};
 
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 /// Version of the format described here.
-pub(in crate::record) const FORMAT: u32 = 2;
+pub(in crate::record) const FORMAT: u32 = 3;
 /// Beginning of the JSON of a line, with the space before it.
 const JSON: &[u8] = b" {\"is\":\"";
 
@@ -53,6 +53,11 @@ pub(crate) enum Entry {
         first: u32,
         /// Samples as hexadecimal digits.
         emg: String,
+    },
+    /// Movement of the armband, with the index of the sample that was due.
+    Imu {
+        /// Index and movement.
+        rows: Vec<(u32, [i16; 10])>,
     },
     /// Placement of the armband from the next sample on, as the board was aligned.
     Placement {

@@ -7,6 +7,7 @@ use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read as _, Seek as _};
 use std::path::{Path, PathBuf};
 
+use shared::myo::Imu;
 use shared::units::{Millis, Sample, SampleIndex};
 
 use super::entry::FORMAT;
@@ -84,6 +85,11 @@ impl Journal {
     /// Takes samples; [`flush`](Self::flush) writes them, a tenth of a second at a time.
     pub(crate) fn samples(&mut self, first: SampleIndex, samples: &[Sample]) {
         self.writer.samples(first, samples);
+    }
+
+    /// Takes movement, which is written with the samples around it.
+    pub(crate) fn imu(&mut self, due: SampleIndex, imu: Imu) {
+        self.writer.imu(due, imu);
     }
 
     /// Takes an entry of another kind.

@@ -2,6 +2,7 @@
 
 use std::io::{self, ErrorKind, Write};
 
+use shared::myo::Imu;
 use shared::units::{Sample, SampleIndex};
 
 use super::Entry;
@@ -21,6 +22,8 @@ pub(crate) struct Writer<W> {
     lines: u32,
     first: SampleIndex,
     samples: Vec<Sample>,
+    /// Movement since the last line, with the index of the sample that was due.
+    movement: Vec<(u32, [i16; 10])>,
 }
 
 impl<W: Write> Writer<W> {
@@ -32,6 +35,7 @@ impl<W: Write> Writer<W> {
             lines: 0,
             first: SampleIndex(0),
             samples: Vec::new(),
+            movement: Vec::new(),
         }
     }
 
@@ -53,6 +57,11 @@ impl<W: Write> Writer<W> {
         }
     }
 
+    /// Takes movement; it is written behind the next line of samples.
+    pub(crate) fn imu(&mut self, due: SampleIndex, imu: Imu) {
+        self.movement.push((due.0, imu.0));
+    }
+
     /// Takes an entry of another kind, after the samples before it.
     pub(crate) fn entry(&mut self, entry: &Entry) {
         self.close();
@@ -65,12 +74,16 @@ impl<W: Write> Writer<W> {
         self.lines += 1;
     }
 
-    /// Ends the line of samples.
+    /// Ends the line of samples, and that of movement.
     pub(crate) fn close(&mut self) {
         if !self.samples.is_empty() {
             let entry = Entry::samples(self.first, &self.samples);
             self.samples.clear();
             self.line(&entry);
+            if !self.movement.is_empty() {
+                let rows = std::mem::take(&mut self.movement);
+                self.line(&Entry::Imu { rows });
+            }
         }
     }
 

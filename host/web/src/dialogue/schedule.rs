@@ -23,9 +23,19 @@ pub struct CommandSchedule {
     align: Option<Millis>,
     bind: Option<Millis>,
     is_unbound: bool,
+    /// Whether movement is wanted, and is to be asked for now.
+    imu: (bool, bool),
 }
 
 impl CommandSchedule {
+    /// Schedule before the first command; with movement or without.
+    pub fn new(imu: bool) -> Self {
+        Self {
+            imu: (imu, false),
+            ..Self::default()
+        }
+    }
+
     /// Returns the next command that is due; to be called until no command is. `samples` is the time of the last samples.
     pub fn command(&mut self, now: Millis, samples: Option<Millis>) -> Option<Command> {
         let due = |last: Option<Millis>, period| {
@@ -50,7 +60,11 @@ impl CommandSchedule {
         }
         if due(samples, RAW_MS) && due(self.raw, RAW_MS) {
             self.raw = Some(now);
+            self.imu.1 = self.imu.0;
             return Some(Command::Raw(true));
+        }
+        if std::mem::take(&mut self.imu.1) {
+            return Some(Command::Imu(true));
         }
         if due(self.counters, COUNTERS_MS) {
             self.counters = Some(now);

@@ -3,10 +3,11 @@
 use super::schedule::IDENTIFY_MS;
 use super::*;
 use proptest::prelude::*;
-use shared::myo::{Address, Following};
+use shared::myo::{Address, Following, Imu};
 use shared::stream::safe_state::{Cause, Status};
 use shared::uart_line::answer::Binding;
 use shared::uart_line::command::{AlignCommand, BindCommand};
+use shared::uart_line::imu::ImuReport;
 use shared::uart_line::{Counters, Kind, Report};
 use shared::units::Sample;
 
@@ -33,7 +34,7 @@ fn emg(first: u32) -> String {
 }
 
 fn dialogue() -> Dialogue {
-    Dialogue::new(Millis(0), Losses::default())
+    Dialogue::new(Millis(0), Losses::default(), false)
 }
 
 fn events(dialogue: &mut Dialogue, text: &[u8]) -> Vec<BoardEvent> {
@@ -220,4 +221,34 @@ proptest! {
     fn arbitrary_bytes_never_panic(bytes: Vec<u8>) {
         events(&mut dialogue(), &bytes);
     }
+}
+
+#[test]
+fn movement_is_asked_for_where_it_is_wanted_and_again_with_the_samples() {
+    let mut dialogue = Dialogue::new(Millis(0), Losses::default(), true);
+    let mut asked = Vec::new();
+    for now in 0..3_000 {
+        while let Some(command) = dialogue.command(Millis(now)) {
+            if matches!(command, Command::Raw(_) | Command::Imu(_)) {
+                asked.push((now, command));
+            }
+        }
+        // Samples come after the second time.
+        if now > 1_000 && now % 10 == 0 {
+            dialogue.bytes(Millis(now), 0.0, emg(now / 5).as_bytes(), |_| {});
+        }
+    }
+    let expected = [0, 1_000].map(|now| [(now, Command::Raw(true)), (now, Command::Imu(true))]);
+    assert_eq!(asked, expected.as_flattened());
+    let imu = Imu([1; 10]);
+    let sample = SampleIndex(7);
+    let events = events(
+        &mut dialogue,
+        ImuReport { sample, imu }.to_string().as_bytes(),
+    );
+    let (at, sample) = (0.0, 7);
+    assert_eq!(
+        events[0],
+        BoardEvent::Publish(Event::Imu { at, sample, imu })
+    );
 }

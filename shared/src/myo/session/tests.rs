@@ -3,7 +3,7 @@
 use super::*;
 use crate::myo::AddressKind;
 use crate::myo::Uuid;
-use crate::myo::characteristic::Characteristic::{self, BatteryLevel, Emg};
+use crate::myo::characteristic::Characteristic::{self, BatteryLevel, Emg, Imu};
 use crate::myo::command::Command;
 use crate::myo::lane::Lane;
 use crate::myo::set_up::write;
@@ -16,13 +16,14 @@ mod streaming;
 const NEAR: Address = address(1);
 const FAR: Address = address(2);
 const NEVER_SLEEP: Action = write(Command::NeverSleep);
-const SET_MODE: Action = write(Command::SetMode(EmgMode::Filtered));
+const SET_MODE: Action = write(Command::SetMode(EmgMode::Filtered, false));
 /// Settings without an address: the strongest armband is followed.
 const ANY: Settings = Settings {
     pinned: None,
     bound: None,
     follow_strongest: true,
     emg: EmgMode::Filtered,
+    imu: false,
 };
 /// A value of the Firmware Version of a real armband: 1.5.1970, rev D.
 const FIRMWARE: [u8; 8] = [1, 0, 5, 0, 0xb2, 0x07, 2, 0];
@@ -179,7 +180,7 @@ fn the_mode_is_the_settings() {
     for answer in answers.into_iter().chain([Event::Done; 6]) {
         last = driver.handle(600, answer);
     }
-    assert_eq!(last, [write(Command::SetMode(EmgMode::Raw))]);
+    assert_eq!(last, [write(Command::SetMode(EmgMode::Raw, false))]);
 }
 
 #[test]
@@ -192,7 +193,7 @@ fn an_armband_without_a_characteristic_is_disconnected() {
         let mut driver = Driver::new(ANY);
         driver.connecting(0);
         driver.handle(501, Event::Connected);
-        let expected = if absent == BatteryLevel {
+        let expected = if [BatteryLevel, Imu].contains(&absent) {
             Action::Read(Characteristic::FirmwareVersion)
         } else {
             Action::Disconnect

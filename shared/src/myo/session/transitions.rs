@@ -8,10 +8,10 @@ use crate::myo::command::Command;
 use crate::myo::counters::count;
 use crate::myo::lane::Lane;
 use crate::myo::order::Arrival;
-use crate::myo::packet::{parse_battery, parse_emg};
+use crate::myo::packet::{Imu, parse_battery, parse_emg};
 use crate::myo::set_up::{Response, write};
 use crate::myo::stream_monitor::{Due, OPERATION_MS};
-use crate::myo::{Action, Address};
+use crate::myo::{Action, Address, IMU};
 use crate::units::Millis;
 
 impl MyoSession {
@@ -150,6 +150,14 @@ impl MyoSession {
                 Ok(percent) => self.battery = Some(percent),
                 Err(_) => count(&mut self.counters.malformed, 1),
             },
+            Characteristic::Imu
+                if IMU && self.settings.imu && matches!(self.state, State::Streaming(_)) =>
+            {
+                match Imu::parse(bytes) {
+                    Ok(imu) => act(Action::Imu(imu)),
+                    Err(_) => count(&mut self.counters.malformed, 1),
+                }
+            }
             _ => count(&mut self.counters.foreign, 1),
         }
     }
@@ -214,10 +222,16 @@ impl MyoSession {
                 count(&mut self.counters.timeouts, 1);
                 self.state = State::BackingOff { since: now, delay };
             }
-            State::Streaming(monitor) => match monitor.due(now) {
+            State::Streaming(monitor) => match monitor.due(now, self.settings.imu) {
                 Due::Nothing => {}
                 Due::NeverSleep => act(write(Command::NeverSleep)),
-                Due::SetMode => act(write(Command::SetMode(self.settings.emg))),
+                Due::SubscribeImu => act(Action::Subscribe(Characteristic::Imu)),
+                Due::SetMode => {
+                    act(write(Command::SetMode(
+                        self.settings.emg,
+                        monitor.has_imu(),
+                    )));
+                }
                 Due::Unanswered => self.time_out(now, act),
                 Due::Stalled => {
                     count(&mut self.counters.stalls, 1);

@@ -28,6 +28,7 @@ impl Answer<'_> {
                 Accepted::of(asked) == Some(*accepted)
             }
             (Command::Raw(asked), Self::Raw(on))
+            | (Command::Imu(asked), Self::Imu(on))
             | (Command::Strength(asked), Self::Strength(on)) => asked == *on,
             (Command::Gate(GateCommand::Set(asked)), Self::Gate(gate)) => asked == *gate,
             (Command::Lock(asked), Self::Lock(lock)) => match asked {
@@ -79,8 +80,10 @@ impl Refusal {
                     | Command::Battery
                     | Command::Counters
                     | Command::Raw(_)
+                    | Command::Imu(_)
                     | Command::Strength(_)
             ),
+            Self::NoRoom => matches!(command, Command::Imu(true)),
             Self::Length => matches!(command, Command::Install(_)),
             Self::Block | Self::NotBegun | Self::Model | Self::Flash => {
                 matches!(command, Command::Block(..))

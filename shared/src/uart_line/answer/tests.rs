@@ -80,6 +80,8 @@ fn every_answer_has_the_body_of_its_grammar() {
         ),
         (Answer::Raw(true), "OK,RAW,on"),
         (Answer::Raw(false), "OK,RAW,off"),
+        (Answer::Imu(true), "OK,IMU,on"),
+        (Answer::Refused(Refusal::NoRoom), "ERR,no-room"),
         (Answer::Strength(true), "OK,STRENGTH,on"),
         (
             binding(Following::Bound(IDENTITY.armband.unwrap()), true),

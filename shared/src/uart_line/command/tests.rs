@@ -108,6 +108,7 @@ fn the_devices_own_lines_are_not_answered() {
         &framed("OK,ALIGN,begin"),
         &framed("ERR,unknown"),
         &framed("EMG,0,0011223344556677,8899AABBCCDDEEFF"),
+        &framed("IMU,0,0000111122223333444455556666777788889999"),
         // As a command begins, and longer than any command.
         "$ALIGN,97,2550,aligned,2,5,0,214,1130*2E\r\n",
         &framed("ALIGN,4294967295,4294967295,poor-distance,255,7,1,4294967295,4294967295"),
@@ -166,6 +167,7 @@ fn command() -> impl Strategy<Value = Command> {
         Just(Command::Lock(LockCommand::State)),
         block,
         any::<bool>().prop_map(Command::Raw),
+        any::<bool>().prop_map(Command::Imu),
         any::<bool>().prop_map(Command::Strength),
         gate,
         Just(Command::Gate(GateCommand::State)),

@@ -89,7 +89,7 @@ pub fn notification(data: &[u8]) {
         match kind {
             0..=199 => link.emg(usize::from(kind)),
             _ => {
-                let characteristic = Characteristic::ALL[usize::from(kind) % 7];
+                let characteristic = Characteristic::ALL[usize::from(kind) % 8];
                 let bytes = input.short();
                 link.handle(Event::Notification {
                     characteristic,

@@ -15,6 +15,7 @@ pub fn run(data: &[u8]) {
         pinned: setting(1, 1),
         bound: setting(2, 2),
         follow_strongest: bits & 4 != 0,
+        imu: bits & 8 != 0,
         ..Settings::default()
     };
     let mut link = Link::new(settings, input.word());
@@ -40,7 +41,7 @@ pub fn run(data: &[u8]) {
             24 => link.handle(Event::Done),
             25 => link.handle(Event::Failed),
             26 => {
-                let characteristic = Characteristic::ALL[input.below(7)];
+                let characteristic = Characteristic::ALL[input.below(8)];
                 let bytes = input.short();
                 link.handle(Event::Notification {
                     characteristic,
@@ -49,6 +50,7 @@ pub fn run(data: &[u8]) {
             }
             27 => link.handle(Event::Disconnected),
             28 => link.handle(Event::Pair),
+            30 => link.session.set_imu(input.flag()),
             29 => {
                 let armband = input.flag().then(|| address(2));
                 link.handle(Event::Bind(armband));

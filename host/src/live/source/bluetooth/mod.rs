@@ -57,7 +57,12 @@ impl ArmbandSource {
         let scored = ScoredPipeline::new(&model, encoder, &mut state, &outputs)?;
         let here = ("this computer", None);
         let emit = &mut |event| hub.publish(&event);
-        let mut armband = Armband::begin(self.address, here, &model, scored, hub.now(), emit);
+        let settings = myo::Settings {
+            pinned: self.address,
+            imu: context.imu,
+            ..myo::Settings::default()
+        };
+        let mut armband = Armband::begin(settings, here, &model, scored, hub.now(), emit);
         let output = &mut |output| match output {
             Output::Event(event) => hub.publish(&event),
             Output::Radio(Action::StreamEnded) => hub.forget_stream(),

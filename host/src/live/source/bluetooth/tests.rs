@@ -5,6 +5,7 @@ use std::thread::JoinHandle;
 use serde_json::{Value, json};
 use shared::myo::{Characteristic, Uuid};
 use shared::units::{Millis, Sample, SampleIndex};
+use tokio::sync::mpsc::error::TryRecvError;
 use tokio::sync::mpsc::{UnboundedReceiver, unbounded_channel};
 
 use super::*;
@@ -27,72 +28,98 @@ struct Peripheral {
     /// Notifications of the recording sent so far, over all connections.
     sent: usize,
     lane: usize,
+    streams: bool,
+    /// Whether its IMU is subscribed to, and on in its mode.
+    imu: (bool, bool),
 }
 
 impl Peripheral {
-    /// Answers actions until the session ends. Returns their names.
+    /// Answers actions, and streams between them, until the session ends. Returns the names of the actions.
     fn run(mut self) -> Vec<&'static str> {
         let mut actions_taken = Vec::new();
-        while let Some(action) = self.actions.blocking_recv() {
-            let (name, event) = match action {
-                Action::Scan => ("scan", Some(advertisement())),
-                Action::StopScan => ("stop", None),
-                Action::Connect(_) => ("connect", Some(RadioEvent::Connected)),
-                Action::Discover => {
-                    let all = Characteristic::ALL.into_iter().collect();
-                    ("discover", Some(RadioEvent::Discovered { found: all }))
-                }
-                Action::Read(Characteristic::FirmwareVersion) => (
-                    "firmware",
-                    Some(RadioEvent::Read {
-                        bytes: FIRMWARE.to_vec(),
-                    }),
-                ),
-                Action::Read(_) => ("battery", Some(RadioEvent::Read { bytes: vec![80] })),
-                Action::Subscribe(_) => ("subscribe", Some(RadioEvent::Done)),
-                Action::Write(_, payload) if payload.as_slice() == [1, 3, 2, 0, 0] => {
-                    let _ = self.events.send(RadioEvent::Done);
-                    self.stream();
-                    ("stream", None)
-                }
-                Action::Write(..) => ("write", Some(RadioEvent::Done)),
-                Action::Disconnect => ("disconnect", Some(RadioEvent::Disconnected)),
-                other => panic!("{other:?} is for the pipeline"),
+        loop {
+            let action = if self.streams {
+                self.actions.try_recv()
+            } else {
+                let action = self.actions.blocking_recv();
+                action.ok_or(TryRecvError::Disconnected)
             };
-            actions_taken.push(name);
-            if let Some(event) = event {
-                let _ = self.events.send(event);
+            match action {
+                Ok(action) => actions_taken.push(self.answer(action)),
+                Err(TryRecvError::Empty) => self.notify(),
+                Err(TryRecvError::Disconnected) => return actions_taken,
             }
         }
-        actions_taken
     }
 
-    /// Sends the recording from its current position, on the four characteristics in turn.
-    fn stream(&mut self) {
-        for pair in self.samples[2 * self.sent..].chunks_exact(2) {
-            let emg: Vec<u8> = pair
-                .as_flattened()
-                .iter()
-                .map(|&value| value.cast_unsigned())
-                .collect();
-            let characteristic = Characteristic::ALL[2 + self.lane];
-            let _ = self.events.send(RadioEvent::Notification {
-                characteristic,
-                bytes: emg,
-            });
-            self.lane = (self.lane + 1) % 4;
-            self.sent += 1;
-            // Ten times as fast as a real armband.
-            std::thread::sleep(Duration::from_millis(1));
-            if self
-                .lost_after
-                .take_if(|&mut after| after == self.sent)
-                .is_some()
-            {
-                let _ = self.events.send(RadioEvent::Disconnected);
-                self.lane = 0;
-                return;
+    fn send(&self, event: RadioEvent) {
+        // The session may have ended.
+        let _ = self.events.send(event);
+    }
+
+    fn answer(&mut self, action: Action) -> &'static str {
+        let (name, event) = match action {
+            Action::Scan => ("scan", advertisement()),
+            Action::StopScan => return "stop",
+            Action::Connect(_) => ("connect", RadioEvent::Connected),
+            Action::Discover => {
+                let found = Characteristic::ALL.into_iter().collect();
+                ("discover", RadioEvent::Discovered { found })
             }
+            Action::Read(Characteristic::FirmwareVersion) => {
+                let bytes = FIRMWARE.to_vec();
+                ("firmware", RadioEvent::Read { bytes })
+            }
+            Action::Read(_) => ("battery", RadioEvent::Read { bytes: vec![80] }),
+            Action::Subscribe(Characteristic::Imu) => {
+                self.imu.0 = true;
+                ("subscribe to the IMU", RadioEvent::Done)
+            }
+            Action::Subscribe(_) => ("subscribe", RadioEvent::Done),
+            Action::Write(_, payload) => match payload.as_slice() {
+                [1, 3, 2, imu, 0] => {
+                    (self.streams, self.imu.1) = (true, *imu == 1);
+                    (if self.imu.1 { "imu" } else { "stream" }, RadioEvent::Done)
+                }
+                _ => ("write", RadioEvent::Done),
+            },
+            Action::Disconnect => {
+                self.streams = false;
+                ("disconnect", RadioEvent::Disconnected)
+            }
+            other => panic!("{other:?} is for the pipeline"),
+        };
+        self.send(event);
+        name
+    }
+
+    /// Sends the next samples of the recording, on the four characteristics in turn, and behind every second notification what
+    /// the IMU says: its turn is the number of the notification.
+    fn notify(&mut self) {
+        let Some(pair) = self.samples.chunks_exact(2).nth(self.sent) else {
+            self.streams = false;
+            return;
+        };
+        let emg = pair.as_flattened().iter();
+        self.send(RadioEvent::Notification {
+            characteristic: Characteristic::ALL[2 + self.lane],
+            bytes: emg.map(|&value| value.cast_unsigned()).collect(),
+        });
+        self.lane = (self.lane + 1) % 4;
+        self.sent += 1;
+        if self.imu == (true, true) && self.sent.is_multiple_of(2) {
+            let imu = [16_384, 0, 0, 0, 0, 0, -2048, self.sent as i16, 0, 0].map(i16::to_le_bytes);
+            self.send(RadioEvent::Notification {
+                characteristic: Characteristic::Imu,
+                bytes: imu.as_flattened().to_vec(),
+            });
+        }
+        // Ten times as fast as a real armband.
+        std::thread::sleep(Duration::from_millis(1));
+        let is_last = |&mut after: &mut usize| after == self.sent;
+        if self.lost_after.take_if(is_last).is_some() {
+            self.send(RadioEvent::Disconnected);
+            (self.lane, self.streams, self.imu) = (0, false, (false, false));
         }
     }
 }
@@ -114,7 +141,12 @@ struct Started {
     peripheral: JoinHandle<Vec<&'static str>>,
 }
 
-fn start(address: Option<Address>, samples: &[Sample], lost_after: Option<usize>) -> Started {
+fn start(
+    address: Option<Address>,
+    imu: bool,
+    samples: &[Sample],
+    lost_after: Option<usize>,
+) -> Started {
     let (actions, wanted) = unbounded_channel();
     let (sender, events) = mpsc::channel();
     let peripheral = Peripheral {
@@ -124,6 +156,8 @@ fn start(address: Option<Address>, samples: &[Sample], lost_after: Option<usize>
         lost_after,
         sent: 0,
         lane: 0,
+        streams: false,
+        imu: (false, false),
     };
     let peripheral = std::thread::spawn(move || peripheral.run());
     let (hub, stop) = (Arc::new(Hub::new()), Stop::default());
@@ -131,6 +165,7 @@ fn start(address: Option<Address>, samples: &[Sample], lost_after: Option<usize>
         hub: hub.clone(),
         requests: mpsc::channel().1,
         stop: stop.clone(),
+        imu,
     };
     let armband = ArmbandSource {
         address,
@@ -194,7 +229,7 @@ fn labels(samples: &[Sample]) -> Vec<Value> {
 fn an_armband_is_followed_and_labelled_as_on_a_board_and_found_again_when_it_is_lost() {
     let samples = recording();
     let half = samples.len() / 4;
-    let started = start(None, &samples, Some(half));
+    let started = start(None, false, &samples, Some(half));
     let messages = follow(&started.hub);
     let (mut emg, mut shown, mut connected) = (Vec::new(), Vec::new(), Vec::new());
     while emg.len() < samples.len() {
@@ -248,7 +283,7 @@ fn an_armband_is_followed_and_labelled_as_on_a_board_and_found_again_when_it_is_
 fn an_armband_of_an_address_is_connected_to_at_its_first_advertisement() {
     let address = Address::parse(ADDRESS).unwrap();
     let samples = recording();
-    let started = start(Some(address), &samples[..400], None);
+    let started = start(Some(address), false, &samples[..400], None);
     let messages = follow(&started.hub);
     let is_shown = |message: &Value| message["type"] == "samples" && message["first"] == 398;
     while !is_shown(&messages.recv_timeout(Duration::from_secs(60)).unwrap()) {}
@@ -257,6 +292,40 @@ fn an_armband_of_an_address_is_connected_to_at_its_first_advertisement() {
     let actions_taken = started.peripheral.join().unwrap();
     assert_eq!(actions_taken[..2], ["scan", "stop"]);
     assert!(actions_taken.contains(&"stream"), "{actions_taken:?}");
+}
+
+#[test]
+fn movement_comes_where_it_is_wanted_numbered_by_the_sample_that_is_due() {
+    let samples = &recording()[..400];
+    for imu in [false, true] {
+        let started = start(None, imu, samples, None);
+        let messages = follow(&started.hub);
+        let mut moved = Vec::new();
+        loop {
+            let message = messages.recv_timeout(Duration::from_secs(60)).unwrap();
+            match message["type"].as_str().unwrap() {
+                "samples" if message["first"] == 398 => break,
+                "imu" => moved.push(message),
+                _ => {}
+            }
+        }
+        started.stop.request();
+        started.session.join().unwrap().unwrap();
+        let actions_taken = started.peripheral.join().unwrap();
+        let asked = ["subscribe to the IMU", "imu"].map(|name| actions_taken.contains(&name));
+        assert_eq!(
+            (asked, moved.len() > 50),
+            ([imu; 2], imu),
+            "{actions_taken:?}"
+        );
+        for (message, next) in moved.iter().zip(moved.iter().skip(1)) {
+            assert_eq!(message["quaternion"], json!([1.0, 0.0, 0.0, 0.0]));
+            assert_eq!(message["acceleration"], json!([0.0, 0.0, -1.0]));
+            let [due, later] = [message, next].map(|message| message["sample"].as_f64().unwrap());
+            assert_eq!(message["turn_rate"], json!([due / 32.0, 0.0, 0.0]));
+            assert_eq!(later, due + 4.0);
+        }
+    }
 }
 
 #[test]
@@ -270,6 +339,7 @@ fn an_adapter_that_is_gone_ends_the_session_with_its_reason() {
         hub: Arc::new(Hub::new()),
         requests: mpsc::channel().1,
         stop: Stop::default(),
+        imu: false,
     };
     let armband = ArmbandSource {
         address: None,

@@ -77,6 +77,7 @@ fn installed(answer: Answer<'static>, wanted: &[u8]) -> Vec<Value> {
         hub,
         requests: received,
         stop: stop.clone(),
+        imu: false,
     };
     let source = std::thread::Builder::new()
         .stack_size(crate::live::STACK)
@@ -121,6 +122,7 @@ fn what_was_asked_for_before_the_board_was_there_is_not_done_once_it_is() {
         hub,
         requests: received,
         stop: stop.clone(),
+        imu: false,
     };
     for early in [SourceRequest::Align, SourceRequest::Bind] {
         requests.send(early).unwrap();

@@ -198,3 +198,73 @@ fn a_new_connection_starts_a_new_stream() {
     assert_eq!(driver.emg(1_350, 2), [deliver(2)]);
     assert_eq!(driver.session.counters().lost, 0);
 }
+
+const SUBSCRIBE_IMU: Action = Action::Subscribe(Imu);
+const WITH_IMU: Action = write(Command::SetMode(EmgMode::Filtered, true));
+
+/// A movement of all ones.
+const MOVEMENT: Event<'_> = Event::Notification {
+    characteristic: Imu,
+    bytes: &[1; 20],
+};
+const MOVED: Action = Action::Imu(crate::myo::Imu([0x0101; 10]));
+
+#[test]
+fn the_imu_is_subscribed_to_and_set_in_the_mode_once_the_stream_runs_and_ends_with_the_wish() {
+    let mut driver = Driver::new(ANY);
+    driver.streaming(0);
+    // Nobody has asked.
+    assert_eq!(driver.handle(502, MOVEMENT), []);
+    assert_eq!(driver.session.counters().foreign, 1);
+    driver.session.set_imu(true);
+    assert_eq!(driver.emg(510, 0), [deliver(0), SUBSCRIBE_IMU]);
+    driver.run(&[
+        (520, Event::Tick, &[]),
+        (521, Event::Done, &[WITH_IMU]),
+        (522, Event::Done, &[]),
+        (530, MOVEMENT, &[MOVED]),
+    ]);
+    assert_eq!(driver.emg(540, 1), [deliver(1)]);
+    let short = Event::Notification {
+        characteristic: Imu,
+        bytes: &[1; 19],
+    };
+    assert_eq!(driver.handle(550, short), []);
+    assert_eq!(driver.session.counters().malformed, 1);
+    driver.session.set_imu(false);
+    driver.run(&[
+        (560, MOVEMENT, &[SET_MODE]),
+        (561, Event::Done, &[]),
+        (570, Event::Tick, &[]),
+    ]);
+    driver.session.set_imu(true);
+    driver.run(&[(580, Event::Tick, &[WITH_IMU]), (581, Event::Done, &[])]);
+}
+
+#[test]
+fn a_session_with_the_imu_asks_for_it_in_every_stream_and_its_movement_is_no_sign_of_life() {
+    let mut driver = Driver::new(Settings { imu: true, ..ANY });
+    driver.discovered(0, everything());
+    let answers = [Event::Read(&FIRMWARE), Event::Read(&[80])];
+    for answer in answers.into_iter().chain([Event::Done; 6]) {
+        driver.handle(502, answer);
+    }
+    driver.run(&[
+        (503, Event::Done, &[SUBSCRIBE_IMU]),
+        (504, Event::Failed, &[WITH_IMU]),
+        (505, Event::Done, &[]),
+    ]);
+    assert_eq!(driver.emg(510, 0), [deliver(0)]);
+    // The mode that is set again has the IMU too.
+    driver.run(&[
+        (1_009, MOVEMENT, &[MOVED]),
+        (1_010, Event::Tick, &[WITH_IMU]),
+        (1_011, Event::Done, &[]),
+        (
+            1_510,
+            MOVEMENT,
+            &[MOVED, Action::Disconnect, Action::StreamEnded],
+        ),
+        (1_511, MOVEMENT, &[]),
+    ]);
+}
