@@ -8,6 +8,7 @@
 //! | [`pipeline`] | the composition of everything below, sample by sample: start reading here |
 //! | [`calibration`] | a model's last layer, learnt from its wearer |
 //! | [`uart_line`] | format of the UART line |
+//! | [`hid`] | labels as keys, buttons and axes of a USB keyboard, mouse or gamepad |
 //! | [`myo`] | the session with a Myo armband, without I/O |
 //! | [`model`] | the student: file format, integer encoder |
 //! | [`stream`] | link sequence numbers, preprocessing, sample ring, smoother, safe state |
@@ -43,6 +44,7 @@ mod arithmetic;
 pub mod button;
 pub mod calibration;
 mod checksum;
+pub mod hid;
 pub mod installation;
 pub mod intent;
 mod kernels;

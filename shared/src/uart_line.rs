@@ -42,6 +42,7 @@ pub mod emg;
 mod fields;
 mod frame;
 pub mod gate;
+mod hid;
 pub mod imu;
 pub mod install;
 pub mod line;

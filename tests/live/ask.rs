@@ -8,6 +8,7 @@ use clap::Parser as _;
 use myointent::board::{Board as Asked, BoardError};
 use myointent::cli::Cli;
 use serial2::SerialPort;
+use shared::hid::{self, HidCommand};
 use shared::installation::{Block, Progress, Transfer};
 use shared::myo::Following;
 use shared::stream::alignment::{Alignment, Arm};
@@ -253,6 +254,11 @@ fn late() -> Vec<(Command, Vec<Answer<'static>>, Answer<'static>)> {
             Command::Lock(LockCommand::Hold { is_locked: false }),
             vec![Answer::Lock(Some(locking(true)))],
             Answer::Lock(Some(locking(false))),
+        ),
+        (
+            Command::Hid(HidCommand::Switch(true)),
+            vec![Answer::Hid(hid::Settings::OFF), counts],
+            Answer::Hid(hid::Settings::OFF.after(HidCommand::Switch(true))),
         ),
         (Command::Install(transfer), vec![counts, nobody], next(0)),
         (

@@ -10,6 +10,7 @@ pub use myointent_tests::bench::terminal;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use serial2::SerialPort;
+use shared::hid;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
 use shared::myo::{Address, Counters, Following};
@@ -249,6 +250,7 @@ fn answer(command: Result<Command, Refusal>, following: Following) -> Answer<'st
         Ok(Command::Gate(GateCommand::Set(gate))) => Answer::Gate(gate),
         Ok(Command::Gate(GateCommand::State)) => Answer::Gate(Gate::default()),
         Ok(Command::Lock(_)) => Answer::Lock(None),
+        Ok(Command::Hid(command)) => Answer::Hid(hid::Settings::OFF.after(command)),
         Ok(Command::Calibrate(_)) => Answer::Calibration(CalibrationReport::default(), false),
         Ok(Command::Install(_)) => Answer::Refused(Refusal::Length),
         Ok(Command::Block(..)) => Answer::Refused(Refusal::NotBegun),

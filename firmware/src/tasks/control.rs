@@ -119,6 +119,8 @@ async fn carry_out(command: Command) -> Answer<'static> {
         Command::Gate(command) => ask_inference(InferenceRequest::Gate(command)).await,
         Command::Calibrate(command) => ask_inference(InferenceRequest::Calibrate(command)).await,
         Command::Lock(command) => ask_inference(InferenceRequest::Lock(command)).await,
+        // No USB.
+        Command::Hid(_) => Answer::Refused(Refusal::Unknown),
         Command::Install(transfer) => install(InstallationRequest::Begin(transfer)).await,
         Command::Block(number, block) => install(InstallationRequest::Block(number, block)).await,
     }

@@ -189,6 +189,7 @@ impl State {
                 | Answer::Strength(_)
                 | Answer::Gate(_)
                 | Answer::Lock(_)
+                | Answer::Hid(_)
                 | Answer::Calibration(..)
                 | Answer::Install(_),
             )

@@ -13,6 +13,7 @@
 //!          | "OK,BIND," why-this "," address "," kept
 //!          | "OK,GATE," entry "," other "," reaction     super::gate
 //!          | "OK,LOCK," ( "off" | sign "," rest "," locked )     super::lock
+//!          | "OK,HID," outputs                     super::hid: once flash holds them
 //!          | "OK,CALIBRATE," state "," cue "," before "," learnt "," in-use     super::calibration
 //!          | "OK,INSTALL," ( block | "done" )     super::install: missing next; the model is in use
 //!          | "ERR," why
@@ -69,6 +70,7 @@ use super::fields::{Fields, Reader, Rows, Writer, field, fields, rows, wrong};
 use super::frame::{framed, hexadecimal, number};
 use super::lock::Locking;
 pub use super::refusal::Refusal;
+use crate::hid::Settings;
 use crate::installation::Progress;
 use crate::myo::{Address, FirmwareVersion, Following};
 use crate::names::names;
@@ -163,6 +165,8 @@ pub enum Answer<'a> {
     Gate(Gate),
     /// Answer to `LOCK`: the lock from now on; none if labels are not locked.
     Lock(Option<Locking>),
+    /// Answer to `HID`: the outputs from now on.
+    Hid(Settings),
     /// Answer to `CALIBRATE`: how far it is, and whether a calibration is in use.
     Calibration(CalibrationReport, bool),
     /// Answer to `INSTALL` and `BLOCK`: the next missing block.
@@ -197,6 +201,7 @@ rows!(Answer<'a> {
     "OK,GATE" (gate: Gate) => Self::Gate(gate),
     "OK,LOCK,off" => Self::Lock(None),
     "OK,LOCK" (lock: Locking) => Self::Lock(Some(lock)),
+    "OK,HID" (outputs: Settings) => Self::Hid(outputs),
     "OK,CALIBRATE" (report: CalibrationReport, in_use: bool) => Self::Calibration(report, in_use),
     "OK,INSTALL,done" => Self::Install(Progress::Installed),
     "OK,INSTALL" (block: u32) => Self::Install(Progress::Next(block)),

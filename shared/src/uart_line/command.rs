@@ -22,6 +22,9 @@
 //!          | "LOCK,off"                          lock them no longer
 //!          | "LOCK,lock" | "LOCK,unlock"         lock or unlock them now
 //!          | "LOCK,state"                        change nothing
+//!          | "HID," ( "on" | "off" )             show outputs to the computer, or no longer: super::hid
+//!          | "HID,set," gesture "," output       give a label an output, "-" for none
+//!          | "HID,state"                         change nothing
 //!          | "CALIBRATE,begin"                   learn the wearer's last layer in two rounds of cues: super::calibration
 //!          | "CALIBRATE,begin,other"             the same, with other movement in round one
 //!          | "CALIBRATE,cancel"                  end it
@@ -52,8 +55,10 @@ use super::calibration::CalibrateCommand;
 use super::fields::{Fields, Reader, Rows, Writer, field, rows};
 use super::frame::unframed;
 use super::gate::GateCommand;
+use super::hid::Gesture;
 use super::lock::LockCommand;
 use super::refusal::Refusal;
+use crate::hid::{HidCommand, Output};
 use crate::installation::{Block, Transfer};
 use crate::myo::Address;
 use crate::stream::alignment::{Alignment, Arm};
@@ -91,6 +96,8 @@ pub enum Command {
     Gate(GateCommand),
     /// Lock or unlock the labels, or say whether they are locked.
     Lock(LockCommand),
+    /// Change the outputs to a computer, or say which there are.
+    Hid(HidCommand),
     /// Calibrate, use no calibration, or say how far one is.
     Calibrate(CalibrateCommand),
     /// Begin to exchange the model, or go on with it.
@@ -169,6 +176,9 @@ rows!(Command {
     "LOCK,lock" => Self::Lock(LockCommand::Hold { is_locked: true }),
     "LOCK,unlock" => Self::Lock(LockCommand::Hold { is_locked: false }),
     "LOCK,state" => Self::Lock(LockCommand::State),
+    "HID,state" => Self::Hid(HidCommand::State),
+    "HID,set" (label: Gesture, output: Option<Output>) => Self::Hid(HidCommand::Set(label, output)),
+    "HID" (on: Switch) => Self::Hid(HidCommand::Switch(on)),
     "CALIBRATE,begin" => Self::Calibrate(CalibrateCommand::Begin { others: false }),
     "CALIBRATE,begin,other" => Self::Calibrate(CalibrateCommand::Begin { others: true }),
     "CALIBRATE,cancel" => Self::Calibrate(CalibrateCommand::Cancel),

@@ -8,6 +8,7 @@ use super::imu::ImuReport;
 use super::line::{Line, MAX_LINE_BYTES};
 use super::lock::Locking;
 use super::*;
+use crate::hid::{self, Output};
 use crate::installation::Progress;
 use crate::myo::{Address, AddressKind, FirmwareVersion, Following, Imu};
 use crate::stream::alignment::Alignment;
@@ -143,6 +144,20 @@ const REFUSALS: [Refusal; 11] = [
     Refusal::Flash,
 ];
 
+fn any_outputs() -> impl Strategy<Value = hid::Settings> {
+    let names = [
+        "",
+        "key:f12",
+        "click:right",
+        "move:down",
+        "button:1",
+        "axis:x+",
+    ];
+    let output = prop::sample::select(names.map(Output::from_name).to_vec());
+    (any::<bool>(), prop::array::uniform5(output))
+        .prop_map(|(on, outputs)| hid::Settings { on, outputs })
+}
+
 fn any_answer() -> impl Strategy<Value = Line<'static>> {
     let following = prop_oneof![
         any_address().prop_map(Following::Pinned),
@@ -184,6 +199,7 @@ fn any_answer() -> impl Strategy<Value = Line<'static>> {
         Just(Answer::Align(Accepted::Set)),
         any::<u8>().prop_map(|sum| Answer::Refused(Refusal::Checksum(sum))),
         prop::sample::select(&REFUSALS[..]).prop_map(Answer::Refused),
+        any_outputs().prop_map(Answer::Hid),
         any::<Option<(bool, [u16; 2])>>().prop_map(|lock| Answer::Lock(lock.map(
             |(locked, [sign, rest])| Locking {
                 times: LockTimes {

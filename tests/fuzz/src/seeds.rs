@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use shared::calibration;
+use shared::hid::{HidCommand, Output};
 use shared::installation::{Block, Transfer};
 use shared::intent::{Intent, Vocabulary};
 use shared::model::dimensions::Dimensions;
@@ -172,6 +173,10 @@ fn commands() -> Vec<Vec<u8>> {
         }),
         Command::Block(1355, Block(std::array::from_fn(|place| (7 * place) as u8))),
         Command::Align(AlignCommand::Begin(Arm::Known { mirrored: true })),
+        Command::Hid(HidCommand::Set(
+            Intent::Close,
+            Output::from_name("key:space"),
+        )),
     ];
     let line = |command: &Command| command.to_string().into_bytes();
     let body = |command: &Command| {

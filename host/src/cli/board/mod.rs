@@ -1,6 +1,7 @@
 //! `myointent board`: one command to a board on a serial port.
 
 mod calibrate;
+mod hid;
 mod lock;
 mod words;
 
@@ -41,6 +42,7 @@ const AGAIN: Duration = Duration::from_secs(1);
     myointent board --port /dev/ttyACM0 calibrate begin       do what it says for half a minute\n  \
     myointent board --port COM3 gate --reaction steady        fewer false activations, until the next start\n  \
     myointent board --port /dev/ttyACM0 lock on               no label until the hand is held open for 1.5 s\n  \
+    myointent board --port /dev/ttyACM0 hid set close key:space    then hid on: the computer sees a keyboard\n  \
     myointent board --port /dev/ttyACM0 install my.intent     a new model, 20 s; after a break, again: it goes on"
 )]
 pub struct Arguments {
@@ -77,6 +79,9 @@ enum Request {
     /// Lock labels until the hand is held open, until the next start.
     #[command(subcommand)]
     Lock(lock::Request),
+    /// Press keys and buttons of the computer that a board with USB is plugged into; kept over restarts.
+    #[command(subcommand)]
+    Hid(hid::Request),
     /// Write the strength of the contraction behind each label, 0 to 100, until the next start.
     Strength {
         /// on or off.
@@ -196,6 +201,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Request::Bind(bind) => return run_bind(&mut board, bind),
         Request::Gate(change) => run_gate(&mut board, *change)?,
         Request::Lock(request) => lock::run(&mut board, *request)?,
+        Request::Hid(request) => hid::run(&mut board, *request)?,
         Request::Strength { switch } => {
             let command = Command::Strength(switch == "on");
             board

@@ -1,6 +1,7 @@
 //! Answers matched with commands: for a program on the PC, which may read late answers to others.
 
 use super::{Accepted, Answer, Refusal};
+use crate::hid::HidCommand;
 use crate::myo::Following;
 use crate::uart_line::calibration::CalibrateCommand;
 use crate::uart_line::command::{AlignCommand, BindCommand, Command};
@@ -37,6 +38,7 @@ impl Answer<'_> {
                 LockCommand::Hold { is_locked } => lock.is_none_or(|lock| lock.locked == is_locked),
                 LockCommand::State => true,
             },
+            (Command::Hid(asked), Self::Hid(settings)) => settings.after(asked) == *settings,
             (Command::Bind(asked), Self::Binding(binding)) => match (asked, binding.following) {
                 (BindCommand::Begin, Following::Pairing)
                 | (BindCommand::Forget, Following::Nobody | Following::Strongest) => true,
@@ -85,9 +87,11 @@ impl Refusal {
             ),
             Self::NoRoom => matches!(command, Command::Imu(true)),
             Self::Length => matches!(command, Command::Install(_)),
-            Self::Block | Self::NotBegun | Self::Model | Self::Flash => {
-                matches!(command, Command::Block(..))
-            }
+            Self::Block | Self::NotBegun | Self::Model => matches!(command, Command::Block(..)),
+            Self::Flash => match command {
+                Command::Hid(own) => !matches!(own, HidCommand::State),
+                _ => matches!(command, Command::Block(..)),
+            },
         }
     }
 }

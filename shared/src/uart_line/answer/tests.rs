@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::calibration::Shown;
+use crate::hid::Output;
 use crate::myo::{AddressKind, Counters};
 use crate::uart_line::calibration::CalibrationState;
 use crate::uart_line::tests::line;
@@ -97,6 +98,14 @@ fn every_answer_has_the_body_of_its_grammar() {
         (
             Answer::Calibration(done, true),
             "OK,CALIBRATE,done,-,812,934,1",
+        ),
+        (Answer::Hid(Settings::OFF), "OK,HID,off,-,-,-,-,-"),
+        (
+            Answer::Hid(Settings {
+                on: true,
+                outputs: ["key:w", "click:left", "", "", "axis:x-"].map(Output::from_name),
+            }),
+            "OK,HID,on,key:w,click:left,-,-,axis:x-",
         ),
         (Answer::Install(Progress::Next(1355)), "OK,INSTALL,1355"),
         (Answer::Install(Progress::Installed), "OK,INSTALL,done"),

@@ -1,6 +1,7 @@
 //! Commands that are read from lines, damaged ones among them.
 
 use super::*;
+use crate::intent::Intent;
 use crate::myo::AddressKind;
 use crate::stream::lock::LockTimes;
 use crate::stream::smoother::{Gate, Reaction};
@@ -66,6 +67,12 @@ fn what_is_wrong_is_named() {
         ("LOCK,set,99,2000", Refusal::Arguments),
         ("LOCK,set,500,120001", Refusal::Arguments),
         ("LOCK,on", Refusal::Arguments),
+        ("HID", Refusal::Arguments),
+        ("HID,1", Refusal::Arguments),
+        ("HID,set,relax,key:a", Refusal::Arguments),
+        ("HID,set,close", Refusal::Arguments),
+        ("HID,set,close,key:A", Refusal::Arguments),
+        ("HID,set,close,key:a,key:b", Refusal::Arguments),
         ("RAW", Refusal::Arguments),
         ("RAW,1", Refusal::Arguments),
         ("BIND", Refusal::Arguments),
@@ -159,8 +166,24 @@ fn command() -> impl Strategy<Value = Command> {
     let lock = (100_u32..=2000, 200_u32..=120_000)
         .prop_map(|(sign, rest)| Command::Lock(LockCommand::Set(LockTimes { sign, rest })));
     let hold = any::<bool>().prop_map(|is_locked| Command::Lock(LockCommand::Hold { is_locked }));
+    let outputs = [
+        "",
+        "key:space",
+        "click:left",
+        "move:up",
+        "button:16",
+        "axis:rz-",
+    ];
+    let hid = (
+        prop::sample::select(&Intent::ALL[1..]),
+        prop::sample::select(outputs.to_vec()),
+    )
+        .prop_map(|(label, name)| Command::Hid(HidCommand::Set(label, Output::from_name(name))));
     prop_oneof![
         install,
+        hid,
+        any::<bool>().prop_map(|on| Command::Hid(HidCommand::Switch(on))),
+        Just(Command::Hid(HidCommand::State)),
         lock,
         hold,
         Just(Command::Lock(LockCommand::Off)),
