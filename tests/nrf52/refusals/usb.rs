@@ -95,6 +95,14 @@ fn packets_that_an_endpoint_cannot_give_or_take() {
     }
     let empty = ready().store(USBD + 0x514, 3).store(STARTEPOUT1, 1);
     assert_eq!(untimely(empty).1, "before the host has sent a packet");
+    for start in [STARTEPIN1, STARTEPOUT1] {
+        let asleep = ready()
+            .store(EPINEN, 3)
+            .store(USBD + 0x514, 3)
+            .store(USBD + 0x52c, 1);
+        let when = untimely(asleep.store(start, 1)).1;
+        assert!(when.starts_with("in low-power mode"), "{when}");
+    }
     for task in [0x04c, 0x050, 0x054] {
         let when = untimely(ready().store(USBD + task, 1)).1;
         assert_eq!(when, "without a control transfer");

@@ -1,8 +1,9 @@
 //! USBD (product specification, 6.35), and a host on the other end of the cable.
 //!
 //! Modelled: enabling, the pull-up, resets of the bus, control transfers, bulk and interrupt endpoints 1 to 7 with their DMA,
-//! suspend. Not modelled: isochronous endpoints, errors on the bus, remote wake-up, timing: a transfer takes 20 us. The host is
-//! the test's: it makes transfers, and takes packets while it reads.
+//! suspend. Not modelled: isochronous endpoints, errors on the bus, remote wake-up, timing: a transfer takes 20 us, and an
+//! interrupt endpoint is asked at the start of each frame. The host is the test's: it makes transfers, and takes packets while it
+//! reads.
 
 mod host;
 
@@ -48,7 +49,11 @@ const DMA: u32 = 0x14;
 const READY: u32 = 1 << 11;
 /// SHORTS: EP0DATADONE starts EP0STATUS.
 const TO_STATUS: u32 = 1 << 2;
+const LOWPOWER: u32 = 0x52c;
 const TRANSFER: u64 = us(20);
+/// Time between two frames.
+const FRAME: u64 = us(1000);
+const ASLEEP: &str = "in low-power mode (LOWPOWER: after software has finished)";
 /// Most bytes of a packet.
 const PACKET: u32 = 64;
 const INTERRUPTS: u32 = 0x01ff_ffff;
@@ -80,7 +85,7 @@ const TABLE: &[Register] = &[
     read_write("EPINEN", EPINEN, 0x1ff).reset(1),
     read_write("EPOUTEN", EPOUTEN, 0x1ff).reset(1),
     read_write("EPSTALL", 0x518, 0x187),
-    read_write("LOWPOWER", 0x52c, 1),
+    read_write("LOWPOWER", LOWPOWER, 1),
     read_write("EPIN.PTR", EPIN, !0).times(8).every(DMA),
     read_write("EPIN.MAXCNT", EPIN + 4, 0x7f)
         .times(8)
@@ -101,6 +106,12 @@ pub struct Usbd {
     is_ready: bool,
     /// Tick of the next transfer on the bus, if one waits.
     transfer: Option<u64>,
+    /// Tick of the next frame, if an interrupt endpoint has a packet.
+    frame: Option<u64>,
+    /// True while the host lets the bus sleep: it asks for nothing.
+    is_suspended: bool,
+    /// Interrupt IN endpoints that the host asks.
+    pub polled: u32,
     /// Packets of IN endpoints that wait for the host.
     waiting: [Option<Vec<u8>>; 8],
     /// Packets of OUT endpoints that wait for the program.
@@ -125,6 +136,9 @@ impl Default for Usbd {
             ready: None,
             is_ready: false,
             transfer: None,
+            frame: None,
+            is_suspended: false,
+            polled: 0,
             waiting: Default::default(),
             arrived: Default::default(),
             armed: 0,
@@ -156,9 +170,25 @@ impl Usbd {
         self.raise(USBEVENT, bus);
     }
 
+    /// Whether the host takes the packets of an endpoint, not counting frames.
+    fn takes(&self, endpoint: usize, is_frame: bool) -> bool {
+        let is_polled = self.polled >> endpoint & 1 == 1;
+        is_polled == is_frame && (is_polled || self.reads)
+    }
+
     /// Looks if the host has anything to do.
     fn schedule(&mut self, bus: &Bus) {
-        let takes = self.reads && self.waiting[1..].iter().any(Option::is_some);
+        if self.is_suspended {
+            return;
+        }
+        let waits = |is_frame| {
+            (1..8)
+                .any(|endpoint| self.waiting[endpoint].is_some() && self.takes(endpoint, is_frame))
+        };
+        let takes = waits(false);
+        if waits(true) && self.frame.is_none() {
+            self.frame = Some((bus.now / FRAME + 1) * FRAME);
+        }
         let sends = self.to_send.front();
         let sends = sends.is_some_and(|(endpoint, _)| self.armed >> endpoint & 1 == 1);
         let control = self.waiting[0].is_some();
@@ -181,6 +211,8 @@ impl Usbd {
         let is_enabled = self.registers.get(EPINEN) >> endpoint & 1 == 1;
         let when = if !is_enabled {
             Some("while the endpoint is disabled")
+        } else if self.registers.get(LOWPOWER) == 1 {
+            Some(ASLEEP)
         } else if self.waiting[endpoint].is_some() {
             Some("before the host has taken the last packet")
         } else {
@@ -199,6 +231,10 @@ impl Usbd {
     fn start_out(&mut self, endpoint: usize, bus: &mut Bus) {
         let offset = 4 * endpoint as u32;
         let is_enabled = self.registers.get(EPOUTEN) >> endpoint & 1 == 1;
+        if self.registers.get(LOWPOWER) == 1 {
+            let when = ASLEEP;
+            return self.refuse(STARTEPOUT + offset, bus, What::Untimely { when });
+        }
         let Some(packet) = self.arrived[endpoint].take_if(|_| is_enabled) else {
             let when = if is_enabled {
                 "before the host has sent a packet"
@@ -217,6 +253,25 @@ impl Usbd {
         bus.memory.write(address, &packet);
         self.raise(STARTED, bus);
         self.raise(ENDEPOUT + offset, bus);
+    }
+
+    /// The host takes packets: of interrupt endpoints at the start of a frame, or of the others.
+    fn take(&mut self, is_frame: bool, bus: &mut Bus) {
+        for endpoint in 1..8 {
+            if !self.takes(endpoint, is_frame) {
+                continue;
+            }
+            if let Some(packet) = self.waiting[endpoint].take() {
+                self.taken.push((endpoint, packet));
+                self.acknowledged(1 << endpoint, bus);
+            }
+        }
+    }
+
+    fn acknowledged(&mut self, endpoint: u32, bus: &mut Bus) {
+        let status = self.registers.get(EPDATASTATUS);
+        self.registers.put(EPDATASTATUS, status | endpoint);
+        self.raise(EPDATA, bus);
     }
 
     /// A packet of the host's is there.
@@ -250,7 +305,7 @@ impl Peripheral for Usbd {
         match offset {
             ENABLE if self.registers.get(ENABLE) == 1 => self.ready = Some(bus.now + us(50)),
             ENABLE => {
-                (self.ready, self.transfer, self.armed) = (None, None, 0);
+                (self.ready, self.transfer, self.frame, self.armed) = (None, None, None, 0);
                 self.is_ready = false;
                 (self.waiting, self.arrived) = Default::default();
             }
@@ -300,7 +355,8 @@ impl Peripheral for Usbd {
     }
 
     fn next(&self) -> Option<u64> {
-        [self.ready, self.transfer].into_iter().flatten().min()
+        let times = [self.ready, self.transfer, self.frame];
+        times.into_iter().flatten().min()
     }
 
     fn due(&mut self, bus: &mut Bus) {
@@ -309,6 +365,10 @@ impl Peripheral for Usbd {
             self.is_ready = true;
             self.cause(READY, bus);
         }
+        let is_frame = self.frame.take_if(|at| *at <= now).is_some();
+        if is_frame {
+            self.take(true, bus);
+        }
         if self.transfer.take_if(|at| *at <= now).is_none() {
             return;
         }
@@ -316,24 +376,13 @@ impl Peripheral for Usbd {
             self.control.data.extend(packet);
             self.raise(EP0DATADONE, bus);
         }
-        let mut done = 0;
-        for endpoint in 1..8 {
-            if let Some(packet) = self.waiting[endpoint].take_if(|_| self.reads) {
-                self.taken.push((endpoint, packet));
-                done |= 1 << endpoint;
-            }
-        }
+        self.take(false, bus);
         if let Some((endpoint, packet)) = self
             .to_send
             .pop_front_if(|(endpoint, _)| self.armed >> *endpoint & 1 == 1)
         {
             self.arrive(endpoint, packet);
-            done |= 1 << (16 + endpoint);
-        }
-        if done != 0 {
-            let status = self.registers.get(EPDATASTATUS);
-            self.registers.put(EPDATASTATUS, status | done);
-            self.raise(EPDATA, bus);
+            self.acknowledged(1 << (16 + endpoint), bus);
         }
         self.schedule(bus);
     }

@@ -1,6 +1,6 @@
 //! The host on the other end of the cable, as a test plays it.
 
-use super::{BMREQUESTTYPE, EP0SETUP, PACKET, USBADDR, USBRESET, Usbd};
+use super::{BMREQUESTTYPE, EP0SETUP, LOWPOWER, PACKET, USBADDR, USBRESET, Usbd};
 use crate::chip::Chip;
 use crate::chip::bus::{Bus, Peripheral as _};
 
@@ -38,6 +38,8 @@ impl Chip {
     /// Resets the bus.
     pub fn reset_usb(&mut self) {
         self.as_host(|usb, bus| {
+            usb.is_suspended = false;
+            usb.registers.put(LOWPOWER, 0);
             usb.registers.put(USBADDR, 0);
             usb.raise(USBRESET, bus);
         });
@@ -74,10 +76,23 @@ impl Chip {
         self.as_host(|usb, _| usb.reads = reads);
     }
 
-    /// Suspends the bus, or resumes it.
+    /// Asks these interrupt endpoints for packets from now on: a bit each.
+    pub fn poll_usb(&mut self, endpoints: u32) {
+        self.as_host(|usb, _| usb.polled = endpoints);
+    }
+
+    /// Suspends the bus, or resumes it, which wakes the device.
     pub fn suspend_usb(&mut self, is_suspended: bool) {
         let cause = if is_suspended { SUSPEND } else { RESUME };
-        self.as_host(|usb, bus| usb.cause(cause, bus));
+        self.as_host(|usb, bus| {
+            usb.is_suspended = is_suspended;
+            if is_suspended {
+                (usb.transfer, usb.frame) = (None, None);
+            } else {
+                usb.registers.put(LOWPOWER, 0);
+            }
+            usb.cause(cause, bus);
+        });
     }
 
     /// Plugs the cable, or unplugs it: the supply of the bus comes or goes.
@@ -85,6 +100,8 @@ impl Chip {
         self.clock_and_power.plug(is_plugged, &mut self.bus);
         if !is_plugged {
             self.usbd.reads = false;
+            self.usbd.polled = 0;
+            self.usbd.is_suspended = false;
             self.usbd.to_send.clear();
         }
         self.settle();
