@@ -18,6 +18,8 @@ mod dead_man;
 mod faults;
 #[path = "flashed/flash.rs"]
 mod flash;
+#[path = "flashed/hid.rs"]
+mod hid;
 #[path = "flashed/installation.rs"]
 mod installation;
 #[path = "flashed/labels.rs"]

@@ -57,6 +57,9 @@ pub enum Region {
     Binding,
     /// The journal of an installation: a page.
     Journal,
+    /// The outputs to a computer: a page.
+    #[cfg(feature = "uf2")]
+    Hid,
     /// The model file.
     Model,
 }
@@ -110,6 +113,8 @@ mod memory {
             static _calibration_start: u8;
             static _binding_start: u8;
             static _journal_start: u8;
+            #[cfg(feature = "uf2")]
+            static _hid_start: u8;
             static _model_start: u8;
             static _model_end: u8;
         }
@@ -119,6 +124,8 @@ mod memory {
             Region::Calibration => page(&raw const _calibration_start),
             Region::Binding => page(&raw const _binding_start),
             Region::Journal => page(&raw const _journal_start),
+            #[cfg(feature = "uf2")]
+            Region::Hid => page(&raw const _hid_start),
             Region::Model => (
                 (&raw const _model_start).addr() as u32,
                 (&raw const _model_end).addr() as u32,

@@ -23,7 +23,11 @@ use crate::model_region;
 pub async fn beside<F: Flash>(flash: F, radio: impl AsyncFnOnce(&SharedFlash<F>)) {
     let flash = SharedFlash::new(flash);
     // Neither returns, unless the Bluetooth stack stops: the board restarts then, and goes on by the journal.
-    select(serve(&flash), async {
+    #[cfg(not(feature = "uf2"))]
+    let served = serve(&flash);
+    #[cfg(feature = "uf2")]
+    let served = select(serve(&flash), crate::hid_region::serve(&flash));
+    select(served, async {
         while model::current().is_none() {
             // No radio runs without a model.
             heartbeat::RADIO.beat();

@@ -13,6 +13,7 @@
 //! messages        what the tasks send each other
 //! model_region    the model in flash, with its calibration
 //! binding_region  the bound armband in flash
+//! hid_region      the outputs to a computer in flash
 //! flash           both, and the journal of an installation, as they are written
 //! stack_guard     memory below the stack that nothing may access
 //! settings, clock, reset_reason
@@ -29,6 +30,8 @@ mod clock;
 #[cfg(target_os = "none")]
 mod fault;
 mod flash;
+#[cfg(feature = "uf2")]
+mod hid_region;
 mod installation;
 mod messages;
 mod model_region;

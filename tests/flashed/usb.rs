@@ -29,7 +29,7 @@ pub fn started(test: &str, built: Image) -> Option<Board> {
 }
 
 /// Makes a control transfer; returns the bytes that the device sent.
-fn control(board: &mut Board, setup: [u8; 8], data: &[u8]) -> anyhow::Result<Vec<u8>> {
+pub fn control(board: &mut Board, setup: [u8; 8], data: &[u8]) -> anyhow::Result<Vec<u8>> {
     board.machine.chip().begin_control(setup, data);
     let end = board.machine.now() + ms(100);
     while !board.machine.chip().usb().control.is_over {
@@ -46,11 +46,15 @@ fn descriptor(board: &mut Board, kind: u8, number: u8, length: u8) -> anyhow::Re
     control(board, [0x80, 6, number, kind, 0, 0, length, 0], &[])
 }
 
-/// Endpoints for lines and for commands.
+/// Endpoints for lines, for commands and for reports.
 #[derive(Clone, Copy, Debug)]
 pub struct Endpoints {
     lines: usize,
     commands: usize,
+    /// Endpoint of the keyboard, mouse or gamepad, if there is one.
+    pub reports: Option<usize>,
+    /// Number of its interface.
+    pub interface: u8,
 }
 
 /// Plugs the cable and enumerates, as a host does.
@@ -74,22 +78,34 @@ pub fn plug(board: &mut Board) -> anyhow::Result<Endpoints> {
     let all = descriptor(board, 2, 0, head[2])?;
     ensure!(all.len() == usize::from(head[2]), "{all:x?}");
     let mut rest = &all[..];
-    let (mut lines, mut commands) = (None, None);
+    let (mut lines, mut commands, mut reports) = (None, None, None);
+    let (mut interface, mut is_hid) = (0, false);
     while let [length, kind, ..] = rest {
-        // An endpoint that is bulk.
-        if *kind == 5 && rest[3] == 2 {
-            let number = Some(usize::from(rest[2] & 0xf));
-            match rest[2] & 0x80 {
-                0 => commands = number,
-                _ => lines = number,
+        match (*kind, rest[3]) {
+            // An interface.
+            (4, _) => (interface, is_hid) = (rest[2], rest[5] == 3),
+            // An endpoint that is bulk, or that interrupts.
+            (5, transfer) => {
+                let number = Some(usize::from(rest[2] & 0xf));
+                match (transfer, rest[2] & 0x80) {
+                    (2, 0) => commands = number,
+                    (2, _) => lines = number,
+                    _ if is_hid => reports = number,
+                    _ => {}
+                }
             }
+            _ => {}
         }
         rest = &rest[usize::from(*length)..];
     }
     control(board, [0, 9, 1, 0, 0, 0, 0, 0], &[])?;
+    let polled = reports.map_or(0, |endpoint| 1 << endpoint);
+    board.machine.chip().poll_usb(polled);
     Ok(Endpoints {
         lines: lines.context("no endpoint for lines")?,
         commands: commands.context("no endpoint for commands")?,
+        reports,
+        interface,
     })
 }
 

@@ -16,6 +16,8 @@ pub mod armband;
 pub mod battery;
 pub mod calibration;
 pub mod heartbeat;
+#[cfg(feature = "uf2")]
+pub mod hid;
 pub mod model;
 pub mod packets;
 pub mod pin_state;

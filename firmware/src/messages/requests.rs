@@ -72,6 +72,10 @@ pub enum InstallationRequest {
     Block(u32, Block),
 }
 
+/// Requests from the control task to who keeps the outputs to a computer.
+#[cfg(feature = "uf2")]
+pub static HID: Requests<shared::hid::HidCommand, shared::hid::Settings> = Requests::new();
+
 /// Requests from the control task to the radio.
 pub static BIND: Requests<BindCommand, Binding> = Requests::new();
 

@@ -119,7 +119,13 @@ async fn carry_out(command: Command) -> Answer<'static> {
         Command::Gate(command) => ask_inference(InferenceRequest::Gate(command)).await,
         Command::Calibrate(command) => ask_inference(InferenceRequest::Calibrate(command)).await,
         Command::Lock(command) => ask_inference(InferenceRequest::Lock(command)).await,
+        #[cfg(feature = "uf2")]
+        Command::Hid(command) => match requests::HID.ask(command).await {
+            Ok(settings) => Answer::Hid(settings),
+            Err(refusal) => Answer::Refused(refusal),
+        },
         // No USB.
+        #[cfg(not(feature = "uf2"))]
         Command::Hid(_) => Answer::Refused(Refusal::Unknown),
         Command::Install(transfer) => install(InstallationRequest::Begin(transfer)).await,
         Command::Block(number, block) => install(InstallationRequest::Block(number, block)).await,

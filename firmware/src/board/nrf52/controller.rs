@@ -18,7 +18,7 @@ use crate::messages::uart::{self, UartMessage};
 use crate::radio::{driver::SessionDriver, trouble};
 use crate::settings::{SLOW_CLOCK, SlowClock};
 
-bind_interrupts!(struct Interrupts {
+bind_interrupts!(pub(super) struct Interrupts {
     EGU0_SWI0 => nrf_mpsl::LowPrioInterruptHandler;
     CLOCK_POWER => nrf_mpsl::ClockInterruptHandler, #[cfg(feature = "uf2")] embassy_nrf::usb::vbus_detect::InterruptHandler;
     #[cfg(feature = "uf2")]
@@ -103,9 +103,7 @@ pub async fn run_radio(spawner: Spawner, parts: RadioParts, driver: &SessionDriv
     };
     #[cfg(feature = "uf2")]
     {
-        use embassy_nrf::usb::{Driver, vbus_detect::HardwareVbusDetect};
-        let supply = HardwareVbusDetect::new(Interrupts);
-        super::usb::start(spawner, Driver::new(parts.usb, Interrupts, supply));
+        super::usb::start(spawner, parts.usb);
     }
     let random = RANDOM.init(rng::Rng::new_blocking(parts.random));
     let memory = MEMORY.init(Mem::new());

@@ -9,6 +9,8 @@ mod dead_man;
 mod drive;
 #[cfg(feature = "nrf52832")]
 mod errata;
+#[cfg(feature = "uf2")]
+mod release;
 #[cfg(feature = "radio-softdevice")]
 mod softdevice;
 mod uart;
@@ -89,6 +91,8 @@ pub fn start() -> Board {
         armband_led: wiring.armband_led,
         alignment_led: wiring.alignment_led,
     };
+    #[cfg(feature = "uf2")]
+    release::start(wiring.release, dead_man.expired());
     critical_section::with(|section| OUTPUTS.borrow(section).replace(Some(outputs)));
     let watchdog = Watchdog::start(wiring.watchdog);
 
@@ -206,6 +210,8 @@ fn set_outputs(state: PinState) {
             outputs.set(safe);
         }
         let valid = state.status.valid() && !outputs.expired.is_triggered();
+        #[cfg(feature = "uf2")]
+        crate::messages::hid::show(if valid { state } else { safe });
         outputs.valid_led.set_level(wiring::level_of_led(valid));
         outputs
             .armband_led

@@ -16,6 +16,8 @@ mod board;
 #[path = "nice_nano.rs"]
 mod board;
 
+#[cfg(feature = "uf2")]
+use embassy_nrf::ppi::AnyConfigurableChannel;
 #[cfg(feature = "nice-nano")]
 use embassy_nrf::saadc::VddhDiv5Input;
 #[cfg(feature = "uf2")]
@@ -77,6 +79,9 @@ pub struct Wiring {
     pub battery: super::battery::Parts,
     /// The dead-man timer and its connections to the pins.
     pub dead_man: super::dead_man::Parts,
+    /// Connects it to USB.
+    #[cfg(feature = "uf2")]
+    pub release: Peri<'static, AnyConfigurableChannel>,
     /// The watchdog.
     pub watchdog: Peri<'static, peripherals::WDT>,
 }
@@ -111,6 +116,8 @@ pub fn wire(p: Peripherals) -> Wiring {
                 p.PPI_CH3.into(),
             ],
         },
+        #[cfg(feature = "uf2")]
+        release: p.PPI_CH6.into(),
         valid_led,
         armband_led,
         alignment_led,

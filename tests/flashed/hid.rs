@@ -1,0 +1,366 @@
+//! Boards with USB as a keyboard, mouse or gamepad of the computer.
+
+use anyhow::{Context as _, ensure};
+use nrf52::Incident;
+use nrf52::chip::Reset;
+use nrf52::time::ms;
+use shared::hid::{DESCRIPTOR_BYTES, HidCommand, Output, Settings, descriptor, record};
+use shared::intent::Intent;
+use xtask::firmware::Image;
+
+use super::dead_man::model_of;
+use super::faults::{effort, leave_interrupts};
+use super::start::starts;
+use super::usb::{Endpoints, control, plug};
+use myointent_tests::chip::{self, Board, Setting};
+
+/// The page of the outputs, as in `memory.x`.
+const PAGE: u32 = 0x8_0000;
+/// Milliseconds after a hang within which the computer has the release, as docs/board.md says.
+const RELEASED_MS: u64 = 250;
+/// Milliseconds after a hang within which the board leaves the bus.
+const DETACHED_MS: u64 = 2100;
+/// A page's erasure in parts, and words.
+const MOST_OPERATIONS: usize = 40;
+const PRESSED: &[u8] = &[1, 0, 0x2c];
+const RELEASED: &[u8] = &[1, 0, 0];
+
+/// A board that labels everything as close, for so many seconds of samples.
+fn closing(test: &str, built: Image, seconds: usize) -> anyhow::Result<Option<Board>> {
+    let Some(image) = chip::image(test, built) else {
+        return Ok(None);
+    };
+    let setting = Setting {
+        model: model_of(Intent::Close)?,
+        samples: effort(seconds),
+        ..Setting::default()
+    };
+    Ok(Some(Board::new(built, image, setting)))
+}
+
+/// Sends a command and waits for its answer.
+fn ask(board: &mut Board, command: &str, answer: &str) -> anyhow::Result<()> {
+    let (from, end) = (board.sent_bytes(), board.machine.now() + ms(2000));
+    board.send(command);
+    while !board.text_from(from).contains(answer) {
+        ensure!(
+            board.machine.now() < end,
+            "{command}: no {answer}:\n{}",
+            board.text_from(from)
+        );
+        board.run_ms(1)?;
+    }
+    Ok(())
+}
+
+/// Gives close the space bar, and switches it on.
+fn use_space(board: &mut Board) -> anyhow::Result<()> {
+    board.run_ms(500)?;
+    ask(
+        board,
+        "HID,set,close,key:space",
+        "$OK,HID,off,-,key:space,-,-,-*",
+    )?;
+    ask(board, "HID,on", "$OK,HID,on,-,key:space,-,-,-*")?;
+    // It leaves the bus, as it is another device.
+    Ok(board.run_ms(100)?)
+}
+
+/// Reports that the host has taken, from the given packet on.
+fn reports(board: &Board, endpoints: Endpoints, from: usize) -> Vec<Vec<u8>> {
+    let chip = board.machine.chip();
+    let packets = chip.usb().taken[from..].iter();
+    packets
+        .filter(|(endpoint, _)| Some(*endpoint) == endpoints.reports)
+        .map(|(_, report)| report.clone())
+        .collect()
+}
+
+/// Number of packets that the host has taken.
+fn taken(board: &Board) -> usize {
+    board.machine.chip().usb().taken.len()
+}
+
+/// Runs until the host has this report as its newest.
+fn wait_for_report(
+    board: &mut Board,
+    endpoints: Endpoints,
+    report: &[u8],
+    at_most_ms: u64,
+) -> anyhow::Result<()> {
+    let end = board.machine.now() + ms(at_most_ms);
+    while reports(board, endpoints, 0).last().map(Vec::as_slice) != Some(report) {
+        ensure!(
+            board.machine.now() < end,
+            "no {report:x?} within {at_most_ms} ms: {:x?}\n{}",
+            reports(board, endpoints, 0),
+            board.text()
+        );
+        board.run_ms(1)?;
+    }
+    Ok(())
+}
+
+/// A board with a plugged cable whose computer has the space bar pressed.
+fn pressing(
+    test: &str,
+    built: Image,
+    seconds: usize,
+) -> anyhow::Result<Option<(Board, Endpoints)>> {
+    let Some(mut board) = closing(test, built, seconds)? else {
+        return Ok(None);
+    };
+    use_space(&mut board)?;
+    let endpoints = plug(&mut board)?;
+    wait_for_report(&mut board, endpoints, PRESSED, 10_000)?;
+    // With the label, and once.
+    ensure!(super::faults::is_valid(&board) && reports(&board, endpoints, 0) == [PRESSED]);
+    Ok(Some((board, endpoints)))
+}
+
+#[test]
+fn the_computer_sees_no_keyboard_until_it_is_switched_on() -> anyhow::Result<()> {
+    let test = "the_computer_sees_no_keyboard_until_it_is_switched_on";
+    let Some(mut board) = closing(test, Image::Xiao, 60)? else {
+        return Ok(());
+    };
+    board.run_ms(500)?;
+    ask(
+        &mut board,
+        "HID,set,close,axis:x-",
+        "$OK,HID,off,-,axis:x-,-,-,-*",
+    )?;
+    ensure!(plug(&mut board)?.reports.is_none());
+    // Another device, so it is another one for the host.
+    ask(&mut board, "HID,on", "$OK,HID,on,-,axis:x-,-,-,-*")?;
+    board.run_ms(100)?;
+    ensure!(!board.machine.chip().usb().is_attached());
+    let endpoints = plug(&mut board)?;
+    let described = |board: &mut Board, devices| -> anyhow::Result<()> {
+        let mut bytes = [0; DESCRIPTOR_BYTES];
+        let expected = descriptor(devices, &mut bytes);
+        let [length, interface] = [expected.len() as u8, endpoints.interface];
+        let found = control(board, [0x81, 6, 0, 0x22, interface, 0, length + 1, 0], &[])?;
+        ensure!(found == expected, "{found:x?}");
+        Ok(())
+    };
+    described(&mut board, [false, false, true])?;
+    // As hosts do.
+    control(
+        &mut board,
+        [0x21, 0x0a, 0, 0, endpoints.interface, 0, 0, 0],
+        &[],
+    )?;
+    wait_for_report(
+        &mut board,
+        endpoints,
+        &[3, 0, 0, 0x81, 0, 0, 0, 0, 0],
+        20_000,
+    )?;
+    let strengths = reports(&board, endpoints, 0);
+    ensure!(strengths.len() > 5, "{strengths:x?}");
+    // It is as before after a loss of power, and gone once it is switched off.
+    board.machine.reset(Reset::Power);
+    board.machine.chip().plug_usb(false);
+    board.run_ms(500)?;
+    ensure!(plug(&mut board)?.reports.is_some());
+    ask(&mut board, "HID,off", "$OK,HID,off,-,axis:x-,-,-,-*")?;
+    board.run_ms(100)?;
+    ensure!(plug(&mut board)?.reports.is_none());
+    Ok(())
+}
+
+#[test]
+fn a_label_presses_its_key_until_the_state_is_safe() -> anyhow::Result<()> {
+    let test = "a_label_presses_its_key_until_the_state_is_safe";
+    for built in Image::UF2 {
+        let Some((mut board, endpoints)) = pressing(test, built, 12)? else {
+            return Ok(());
+        };
+        for _ in 0..3 {
+            ask(&mut board, "LOCK,set,100,200", "$OK,LOCK")?;
+            wait_for_report(&mut board, endpoints, RELEASED, 200)?;
+            board.send("LOCK,off");
+            wait_for_report(&mut board, endpoints, PRESSED, 500)?;
+        }
+        // Another key in place of the one that is down, and none.
+        board.send("HID,set,close,key:a");
+        wait_for_report(&mut board, endpoints, &[1, 0, 4], 1000)?;
+        let all = reports(&board, endpoints, 0);
+        assert!(
+            all.ends_with(&[RELEASED.to_vec(), vec![1, 0, 4]]),
+            "{all:x?}"
+        );
+        // The armband disconnects after its last sample.
+        wait_for_report(&mut board, endpoints, RELEASED, 12_000)?;
+        assert!(!super::faults::is_valid(&board));
+        assert_eq!(starts(&board)[1..], [Reset::Power], "{}", board.text());
+    }
+    Ok(())
+}
+
+#[test]
+fn a_bus_that_is_suspended_in_a_press_begins_with_the_release() -> anyhow::Result<()> {
+    let test = "a_bus_that_is_suspended_in_a_press_begins_with_the_release";
+    let Some((mut board, endpoints)) = pressing(test, Image::Xiao, 60)? else {
+        return Ok(());
+    };
+    let before = taken(&board);
+    board.machine.chip().suspend_usb(true);
+    board.run_ms(1000)?;
+    assert_eq!(taken(&board), before);
+    board.machine.chip().suspend_usb(false);
+    board.run_ms(20)?;
+    // It is still meant.
+    assert_eq!(reports(&board, endpoints, before), [RELEASED, PRESSED]);
+    // The state becomes safe while the bus sleeps.
+    board.machine.chip().suspend_usb(true);
+    board.run_ms(100)?;
+    ask(&mut board, "LOCK,set,100,200", "$OK,LOCK")?;
+    board.run_ms(200)?;
+    let before = taken(&board);
+    board.machine.chip().suspend_usb(false);
+    board.run_ms(20)?;
+    assert_eq!(reports(&board, endpoints, before), [RELEASED]);
+    assert_eq!(starts(&board)[1..], [Reset::Power], "{}", board.text());
+    Ok(())
+}
+
+#[test]
+fn a_cable_that_is_pulled_in_a_press_leaves_nothing_pressed() -> anyhow::Result<()> {
+    let test = "a_cable_that_is_pulled_in_a_press_leaves_nothing_pressed";
+    let Some((mut board, _)) = pressing(test, Image::Xiao, 60)? else {
+        return Ok(());
+    };
+    board.machine.chip().plug_usb(false);
+    board.run_ms(10)?;
+    assert!(!board.machine.chip().usb().is_attached());
+    // Nothing is sent to a host that is not there, by the dead-man timer neither.
+    board.machine.chip().bus.halt(ms(400));
+    board.run_ms(1000)?;
+    let before = taken(&board);
+    let endpoints = plug(&mut board)?;
+    board.run_ms(6000)?;
+    assert_eq!(reports(&board, endpoints, before), [RELEASED, PRESSED]);
+    assert_eq!(starts(&board)[1..], [Reset::Power], "{}", board.text());
+    Ok(())
+}
+
+#[test]
+fn a_core_that_hangs_in_a_press_releases_the_key_and_then_leaves_the_bus() -> anyhow::Result<()> {
+    let test = "a_core_that_hangs_in_a_press_releases_the_key_and_then_leaves_the_bus";
+    /// Somewhere in flash: `b .`.
+    const LOOP: u32 = 0x9_0000;
+    for (built, halts) in Image::UF2
+        .map(|built| (built, true))
+        .into_iter()
+        .chain([(Image::Xiao, false)])
+    {
+        let Some((mut board, endpoints)) = pressing(test, built, 12)? else {
+            return Ok(());
+        };
+        let before = taken(&board);
+        if !halts {
+            leave_interrupts(&mut board)?;
+            board.machine.chip().bus.memory.program(LOOP, &[0xfe, 0xe7]);
+            board.machine.core().jump(LOOP);
+        }
+        let hung = board.machine.now();
+        let pass = |board: &mut Board, time| match halts {
+            // All of the time at once.
+            true => {
+                board.machine.chip().bus.halt(ms(time));
+                board.machine.run(1)
+            }
+            false => board.run_ms(time),
+        };
+        pass(&mut board, RELEASED_MS)?;
+        assert_eq!(reports(&board, endpoints, before), [RELEASED], "{built}");
+        assert!(board.machine.chip().usb().is_attached());
+        while board.machine.chip().usb().is_attached() {
+            ensure!(
+                board.machine.now() < hung + ms(DETACHED_MS),
+                "{built}: on the bus"
+            );
+            pass(&mut board, 10)?;
+        }
+        let incident = board.machine.incidents.last().context("a reset")?;
+        assert!(matches!(incident.1, Incident::Started(Reset::Watchdog)));
+    }
+    Ok(())
+}
+
+#[test]
+fn a_core_that_is_late_presses_the_key_again_when_the_label_is_valid_again() -> anyhow::Result<()> {
+    let test = "a_core_that_is_late_presses_the_key_again_when_the_label_is_valid_again";
+    let Some((mut board, endpoints)) = pressing(test, Image::Xiao, 60)? else {
+        return Ok(());
+    };
+    // Any phase to the frames of the bus, and an expiry that the core sees at once.
+    for halt in [ms(210), ms(220), ms(226), ms(400)] {
+        let before = taken(&board);
+        board.machine.chip().bus.halt(halt);
+        board.run_ms(1000)?;
+        let all = reports(&board, endpoints, before);
+        if !super::faults::is_valid(&board) {
+            assert_eq!(all.last().map(Vec::as_slice), Some(RELEASED), "{all:x?}");
+            assert!(all.iter().all(|report| report == RELEASED), "{all:x?}");
+        }
+        wait_for_report(&mut board, endpoints, PRESSED, 10_000)?;
+    }
+    assert_eq!(starts(&board)[1..], [Reset::Power], "{}", board.text());
+    Ok(())
+}
+
+#[test]
+fn power_that_fails_while_outputs_are_written_leaves_old_ones_or_new_ones_or_none()
+-> anyhow::Result<()> {
+    let test = "power_that_fails_while_outputs_are_written_leaves_old_ones_or_new_ones_or_none";
+    let kept = |board: &Board| {
+        let page = board
+            .machine
+            .chip()
+            .bus
+            .memory
+            .read(PAGE, record::RECORD_BYTES as u32);
+        record::from_record(
+            page.as_deref()
+                .and_then(<[u8]>::first_chunk)
+                .expect("a page"),
+        )
+    };
+    let set = |name| HidCommand::Set(Intent::Close, Output::from_name(name));
+    let old = Settings::OFF
+        .after(set("key:space"))
+        .after(HidCommand::Switch(true));
+    let new = old.after(set("button:3"));
+    for operation in 0..MOST_OPERATIONS {
+        let Some(mut board) = closing(test, Image::Xiao, 60)? else {
+            return Ok(());
+        };
+        use_space(&mut board)?;
+        assert_eq!(kept(&board), Some(old));
+        board.machine.chip().nvmc.power_fails_after = Some(operation);
+        board.send("HID,set,close,button:3");
+        board.run_ms(1500)?;
+        if board.machine.chip().nvmc.power_fails_after.is_some() {
+            assert!(
+                operation > 9,
+                "{operation} operations of flash:\n{}",
+                board.text()
+            );
+            return Ok(());
+        }
+        let found = kept(&board);
+        assert!(
+            [None, Some(old), Some(new)].contains(&found),
+            "{operation}: {found:?}"
+        );
+        // What is kept is what is in force, and can be changed.
+        let answer = format!("$OK,HID,{}", if found.is_some() { "on" } else { "off" });
+        ask(&mut board, "HID,state", &answer)?;
+        ask(&mut board, "HID,set,close,button:3", "button:3")?;
+        assert_eq!(kept(&board).map(|kept| kept.outputs), Some(new.outputs));
+    }
+    anyhow::bail!("more than {MOST_OPERATIONS} operations for a page")
+}
