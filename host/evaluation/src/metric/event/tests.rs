@@ -1,4 +1,4 @@
-//! Events by hand. `cli/score/tests` of the program holds them against a version written from docs/metrics.md.
+//! Events by hand.
 
 use super::latency::Latency;
 use super::summary::{EventSummary, SubjectEvents};
