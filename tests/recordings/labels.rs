@@ -1,7 +1,6 @@
-//! Labels of several sets, and their lag behind the muscle.
+//! Lag of the labels behind the muscle.
 
-use recordings::labels::lag::{self, LabelLag};
-use recordings::labels::set_lag::Lag;
+use recordings::labels::lag;
 use recordings::split::predefined;
 use recordings::{Recording, Timing};
 
@@ -41,38 +40,6 @@ fn the_lag_estimated_on_training_people_is_the_nominal_one() {
 }
 
 #[test]
-fn the_recordings_decide_how_their_labels_are_compensated() {
-    let test = "the_recordings_decide_how_their_labels_are_compensated";
-    for (set, expected) in [
-        ("roshambo", "each cue's own lag"),
-        ("ss-stm", "each cue's own lag"),
-        ("myo-readings", "each cue's own lag"),
-        ("cote-allard", "as recorded"),
-        ("one-subject-myo", "as recorded"),
-        ("myoup", "as recorded"),
-        ("uci-gestures", "as recorded"),
-        ("wang-myo", "as recorded, where the muscle acts"),
-        ("myo-rps", "as recorded, where the muscle acts"),
-        ("epn", "as recorded, where the muscle acts"),
-    ] {
-        let Some(library) = read(test, set) else {
-            continue;
-        };
-        let all: Vec<&Recording> = library.recordings.iter().collect();
-        let how = LabelLag::default();
-        let lag = Lag::of(all[0].data_set, &all, how, &predefined::is_training);
-        assert!(lag.to_string().starts_with(expected), "{set}: {lag}");
-        let ways = lag.recordings;
-        let several = [ways.each_cue, ways.constant, ways.muscle];
-        assert_eq!(
-            several.iter().filter(|count| **count > 0).count(),
-            1,
-            "{set}: {lag}"
-        );
-    }
-}
-
-#[test]
 fn labels_from_activity_are_muscle_onsets_without_a_lag() {
     let test = "labels_from_activity_are_muscle_onsets_without_a_lag";
     for set in ["wang-myo", "myo-rps", "epn"] {
@@ -94,38 +61,5 @@ fn labels_from_activity_are_muscle_onsets_without_a_lag() {
         for ms in [found.onset_ms, found.release_ms] {
             assert!(ms.abs() <= 50.0, "{set}: {found:?}");
         }
-    }
-}
-
-#[test]
-fn other_movement_has_no_label() {
-    let test = "other_movement_has_no_label";
-    for set in [
-        "roshambo",
-        "ss-stm",
-        "cote-allard",
-        "wang-myo",
-        "myoup",
-        "uci-gestures",
-    ] {
-        let Some(library) = read(test, set) else {
-            continue;
-        };
-        let mut seconds = 0.0;
-        for recording in &library.recordings {
-            let mut end = 0;
-            for range in &recording.other_movement {
-                let range = &range.samples;
-                assert!(range.start >= end && range.start < range.end, "{set}");
-                assert!(
-                    recording.labels[range.clone()].iter().all(Option::is_none),
-                    "{set}"
-                );
-                end = range.end;
-                seconds += range.len() as f64 / 200.0;
-            }
-            assert!(end <= recording.samples.len());
-        }
-        assert!(seconds > 200.0, "{set}: {seconds}");
     }
 }

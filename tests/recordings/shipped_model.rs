@@ -2,18 +2,16 @@
 
 use std::collections::BTreeSet;
 
-use evaluation::inference::outputs;
 use evaluation::metric::event::latency::Latency;
 use evaluation::{
-    ALL, Candidate, Difference, EnergyDetector, EvaluatedRecording, LookAhead, Measure, Score,
-    System, Truth, constant, integer_candidate, score_all,
+    Difference, EnergyDetector, EvaluatedRecording, LookAhead, Measure, Score, System, Truth,
+    constant, integer_candidate, score_all,
 };
 use recordings::split::predefined::is_test;
 use recordings::{Library, Recording};
 use shared::intent::Vocabulary;
 use shared::model::file::Model;
 use shared::stream::preprocess::{Median, clean};
-use shared::units::{CleanSample, PATCH, WINDOW};
 
 use super::{aligned_samples, read};
 
@@ -120,72 +118,4 @@ fn the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_mad
             "{look_ahead:?}: {median}"
         );
     }
-}
-
-/// Prints the table of docs/decisions.md: the shipped model with several lead-ins, on the people that it left out.
-#[test]
-#[ignore = "a measurement of some minutes"]
-fn the_lead_in_decides_the_first_labels() {
-    let test = "the_lead_in_decides_the_first_labels";
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/three-class.intent");
-    let bytes = std::fs::read(file).unwrap();
-    let model = Model::parse(&bytes).unwrap();
-    let mut all = Vec::new();
-    for set in ["cote-allard", "ss-stm", "roshambo", "myo-readings"] {
-        let Some(library) = read(test, set) else {
-            return;
-        };
-        let provenance = &model.header.provenance;
-        all.extend(evaluated(library).into_iter().filter(|recording| {
-            let labelled = recording.lag_compensated.iter().any(Option::is_some);
-            let mut names = provenance.subjects_left_out.iter();
-            labelled && names.any(|name| name == recording.subject)
-        }));
-    }
-    let with = |name: &str, lead: fn(&[CleanSample]) -> Vec<CleanSample>| {
-        let logits = |recording: &EvaluatedRecording| {
-            let stream = [lead(&recording.emg), recording.emg.clone()].concat();
-            let before = (stream.len() - recording.emg.len()) / PATCH;
-            let rows = outputs(&model, stream.as_chunks::<PATCH>().0).unwrap();
-            rows[before..].to_vec()
-        };
-        Candidate::without_margins(name, true, all.iter().map(logits).collect())
-    };
-    let candidates = [
-        with("first 100 samples", |emg| first(emg, 100)),
-        with("first patch", |emg| first(emg, PATCH)),
-        with("first sample", |emg| first(emg, 1)),
-        with("zeros", |_| vec![CleanSample::default(); WINDOW]),
-        with("none", |_| Vec::new()),
-    ];
-    let truths = [Truth::LagCompensated];
-    let scores = score_all(&candidates, &all, Vocabulary::Three, &truths).unwrap();
-    let with_all_rows = || scores.iter().filter(|s| s.look_ahead == LookAhead::AllRows);
-    println!("{} recordings", all.len());
-    for score in with_all_rows() {
-        let mean = |measure: Measure| measure.mean(score).map_or(f64::NAN, |of| of.mean);
-        println!(
-            "{:18} {:12} balanced {:.3} TA {:.3} recognised {:.3}",
-            score.model,
-            score.data_set,
-            mean(Measure::BalancedAccuracy),
-            mean(Measure::TransitionAccuracy),
-            mean(Measure::Recognition)
-        );
-    }
-    let of = |model: &str| {
-        with_all_rows()
-            .find(|s| s.model == System::from(model) && s.data_set == ALL)
-            .unwrap()
-    };
-    let measure = Measure::BalancedAccuracy;
-    let future = Difference::of(measure, of("first 100 samples"), of("first patch")).unwrap();
-    println!("knowledge of the future: {future:?}");
-    assert!(future.is_shown());
-}
-
-/// Returns the first samples of a recording, repeated to a window.
-fn first(emg: &[CleanSample], samples: usize) -> Vec<CleanSample> {
-    let lead = emg[..samples].iter().copied().cycle();
-    lead.take(WINDOW).collect()
 }
