@@ -9,8 +9,6 @@ mod small;
 mod browser;
 #[path = "evaluate_models/frame.rs"]
 mod frame;
-#[path = "evaluate_models/labels.rs"]
-mod labels;
 #[path = "evaluate_models/placement.rs"]
 mod placement;
 

@@ -232,19 +232,4 @@ mod tests {
         let whole = to.join("myo-readings/_readings_right_hand/12345-1/7.txt");
         assert_eq!(std::fs::read_to_string(whole).unwrap(), fist);
     }
-
-    #[cfg(unix)]
-    #[test]
-    fn a_pipe_is_refused_at_once() {
-        let folder = tempfile::tempdir().unwrap();
-        let pipe = folder.path().join("pipe");
-        let mut command = std::process::Command::new("mkfifo");
-        assert!(command.arg(&pipe).status().unwrap().success());
-        let (sender, receiver) = mpsc::channel();
-        let to = folder.path().join("data");
-        std::thread::spawn(move || sender.send(fetch("myoup", pipe, &to)));
-        let result = receiver.recv_timeout(Duration::from_secs(20));
-        let error = result.expect("an answer").unwrap_err();
-        assert!(format!("{error:#}").contains("regular file"), "{error:#}");
-    }
 }

@@ -186,23 +186,4 @@ mod tests {
             "{lines}"
         );
     }
-
-    /// Opening a pipe without a writer would block, and a device file has no end.
-    #[cfg(unix)]
-    #[test]
-    fn a_pipe_in_place_of_a_model_is_refused_at_once() {
-        let folder = tempfile::tempdir().unwrap();
-        let model = folder.path().join("model.intent");
-        let made = std::process::Command::new("mkfifo").arg(&model).status();
-        assert!(made.unwrap().success());
-        let (sender, receiver) = std::sync::mpsc::channel();
-        std::thread::spawn(move || {
-            let arguments = Arguments { model, json: false };
-            let _ = sender.send(run(&arguments).unwrap_err().to_string());
-        });
-        let error = receiver
-            .recv_timeout(std::time::Duration::from_secs(5))
-            .expect("an answer within 5 s");
-        assert!(error.contains("model.intent"), "{error}");
-    }
 }
