@@ -105,26 +105,3 @@ fn case(test: &str, name: &str) -> Option<PathBuf> {
     skip(test, &format!("no folder {}", folder.display()));
     None
 }
-
-#[test]
-fn an_existing_description_is_never_replaced() {
-    let own = tempfile::tempdir().unwrap();
-    let rows = (0..300).map(|row: usize| {
-        format!(
-            "{}\n",
-            [row % 7; 8].map(|value| value.to_string()).join(",")
-        )
-    });
-    std::fs::write(own.path().join("a.csv"), rows.collect::<String>()).unwrap();
-    let (path, text) = describe(own.path(), None).unwrap();
-    assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
-    let error = describe(own.path(), None).unwrap_err().to_string();
-    assert!(
-        error.contains("recordings.toml exists: correct it"),
-        "{error}"
-    );
-    let error = describe(&own.path().join("a.csv"), None)
-        .unwrap_err()
-        .to_string();
-    assert!(error.contains("expected a folder"), "{error}");
-}

@@ -7,34 +7,22 @@ use evaluation::{
     Difference, EnergyDetector, EvaluatedRecording, LookAhead, Measure, Score, System, Truth,
     constant, integer_candidate, score_all,
 };
+use recordings::labels::compensation::Compensation;
 use recordings::split::predefined::is_test;
 use recordings::{Library, Recording};
 use shared::intent::Vocabulary;
 use shared::model::file::Model;
-use shared::stream::preprocess::{Median, clean};
+use shared::units::Sample;
 
-use super::{aligned_samples, read};
+use super::read;
 
 /// Returns the recordings with labels shifted by the lag of their data set.
 fn evaluated(library: &Library) -> Vec<EvaluatedRecording> {
     let evaluated = |recording: &Recording| {
-        let labels = recording.labels_in(Vocabulary::Three);
-        let late = std::iter::repeat_n(None, recording.data_set.label_lag());
-        EvaluatedRecording {
-            data_set: recording.data_set,
-            subject: recording.subject.clone(),
-            name: recording.name.clone(),
-            raw: recording.samples.clone(),
-            emg: clean(aligned_samples(recording), Median::Three).collect(),
-            normalized: {
-                let mut samples = recording.normalized_samples();
-                recording.data_set.align(&mut samples);
-                samples
-            },
-            published: None,
-            lag_compensated: late.chain(labels).take(recording.samples.len()).collect(),
-            other_movement: Vec::new(),
-        }
+        let set = recording.data_set;
+        let lag = Compensation::Constant(set.label_lag());
+        let align = |samples: &mut Vec<Sample>| set.align(samples);
+        EvaluatedRecording::new(recording, align, Vocabulary::Three, lag)
     };
     library.recordings.iter().map(evaluated).collect()
 }

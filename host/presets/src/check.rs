@@ -265,6 +265,10 @@ distillation.warm_up | warm_up = 0.05 | warm_up = inf
 fine_tuning.lora.alpha | alpha = 8.0 | alpha = nan
 fine_tuning.lora.rank | rank = 16 | rank = 9223372036854775807
 teacher.feed_forward | feed_forward = 256 | feed_forward = 0
+teacher | feed_forward = 256 | feed_forward = 4000000000000
+student | patches = 100 | patches = 100000000000
+data.spliced_seconds | spliced_seconds = 180.0 | spliced_seconds = 1e15
+teacher_training.epochs | epochs = 5 | epochs = 9000000000000000000
 distillation.ensemble | temperature = 2.0 | temperature = 2.0 ; ensemble = { members = 9, epochs = 3 }
 distillation.ensemble.epochs | temperature = 2.0 | temperature = 2.0 ; ensemble = { members = 2, epochs = 1000001 }";
 

@@ -150,14 +150,6 @@ impl ResolvedConfig {
         recordings
     }
 
-    /// Recordings of the subjects of a role that have labels of the vocabulary.
-    pub fn labelled_recordings<'a>(&self, library: &'a Library, role: Role) -> Vec<&'a Recording> {
-        let vocabulary = self.preset.vocabulary();
-        let mut recordings = self.split.select(&library.recordings, role);
-        recordings.retain(|recording| recording.has_labels_in(vocabulary));
-        recordings
-    }
-
     /// Spliced recordings, one per subject, with lag-compensated labels; the recordings given are those of one data
     /// set.
     pub fn spliced(&self, recordings: &[&Recording], seconds: f64, other: bool) -> Vec<Recording> {

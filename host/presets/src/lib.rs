@@ -201,7 +201,6 @@ fn is_paper(median: &Median) -> bool {
 
 impl Preset {
     /// The preset of a run that starts from a trained teacher.
-    #[must_use]
     pub fn fine_tuned(mut self, with_lora: bool) -> Self {
         let tuning = self.fine_tuning;
         self.teacher_training = TeacherTraining {

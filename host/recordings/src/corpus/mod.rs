@@ -90,7 +90,6 @@ pub struct Corpus {
 
 impl Corpus {
     /// Cleans all streams with this filter instead of the paper's.
-    #[must_use]
     pub fn with_median(mut self, median: Median) -> Self {
         if median != Median::Three {
             for stream in &mut self.streams {
@@ -111,7 +110,6 @@ impl Corpus {
 }
 
 /// The label of most of a patch's samples; `None` if most are unlabelled.
-#[must_use]
 fn patch_label(labels: &[Option<Intent>]) -> Option<Intent> {
     Intent::ALL
         .into_iter()

@@ -23,11 +23,12 @@ use shared::stream::alignment::Alignment;
 use shared::units::SAMPLE_PERIOD_MS;
 
 use crate::readers::error::LoadError;
+use crate::readers::table::separator::Separator;
 pub(crate) use error::{DescriptionError, Problem};
 use execution::bounded_read;
 use pattern::{Field, Fields, Pattern};
 pub(crate) use rows::labels;
-use values::{Arm, Channels, Column, CueLag, LabelTiming, Mark, Rate, Rectified, Rotation, Scale};
+use values::{Arm, Channels, Column, LabelTiming};
 use words::Labels;
 pub(crate) use words::Labels as Meanings;
 
@@ -46,7 +47,8 @@ pub(crate) struct Description {
     files: Pattern,
     /// Paths of files with a label for each sample.
     label_files: Option<Pattern>,
-    separator: Option<Mark>,
+    #[serde(default, deserialize_with = "values::separator")]
+    separator: Option<Separator>,
     /// Whether the first row is names; found if not given.
     header: Option<bool>,
     /// Columns of the channels; found by their names if not given.
@@ -57,17 +59,19 @@ pub(crate) struct Description {
     label: Option<Column>,
     #[serde(default)]
     labels: Labels,
-    rate: Rate,
-    #[serde(default)]
-    scale: Scale,
-    #[serde(default)]
-    rectified: Rectified,
+    #[serde(deserialize_with = "values::rate")]
+    rate: (),
+    #[serde(default = "values::counts", deserialize_with = "values::scale")]
+    scale: f64,
+    #[serde(default, deserialize_with = "values::rectified")]
+    rectified: (),
     arm: Option<Arm>,
-    #[serde(default)]
-    rotation: Rotation,
+    #[serde(default, deserialize_with = "values::rotation")]
+    rotation: u8,
     #[serde(default)]
     timing: LabelTiming,
-    cue_lag_ms: Option<CueLag>,
+    #[serde(default, deserialize_with = "values::cue_lag")]
+    cue_lag_ms: Option<u32>,
 }
 
 impl Description {
@@ -163,13 +167,12 @@ impl Description {
 
     /// Order of the channels.
     const fn placement(&self) -> Alignment {
-        self.rotation.placement(self.arm)
+        values::placement(self.rotation, self.arm)
     }
 
     /// Lag of the muscle after the cues, in samples; none if it is to be estimated.
     fn lag_samples(&self) -> Option<usize> {
-        self.cue_lag_ms
-            .map(|lag| (lag.0 / SAMPLE_PERIOD_MS) as usize)
+        self.cue_lag_ms.map(|lag| (lag / SAMPLE_PERIOD_MS) as usize)
     }
 }
 

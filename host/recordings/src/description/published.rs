@@ -13,7 +13,7 @@ use super::reader::{motions, timed};
 use super::repetitions;
 use super::rows::Rows;
 use super::stretched;
-use super::values::Scale;
+use super::values::counts;
 use super::words::Words;
 use crate::catalogue::{DataSet, LIST};
 use crate::examiner::rows::Rows as Judged;
@@ -168,7 +168,7 @@ impl Layout {
                 let is_alike = shape.is_some_and(|shape| {
                     (shape.separator, shape.columns, shape.numbers)
                         == (Separator::Comma, columns, columns)
-                        && shape.is_decimal == (self.description.scale != Scale::default())
+                        && shape.is_decimal == (self.description.scale != counts())
                 });
                 is_alike && (self.checksums.is_empty() || self.has_checksum(bytes))
             }
@@ -189,9 +189,6 @@ impl Layout {
     }
 
     /// Reads a file.
-    ///
-    /// # Errors
-    /// Damage of the file or of that of its labels.
     pub(crate) fn read(
         &self,
         path: &Path,
@@ -293,7 +290,7 @@ impl Layout {
     fn rows(&self, path: &Path, bytes: &[u8]) -> Result<Rows, Damage> {
         let (samples, words) = if !self.variables.is_empty() {
             let matrices = mat::parse(bytes)?;
-            let samples = matrix(named(&matrices, &self.variables)?, self.description.scale.0)?;
+            let samples = matrix(named(&matrices, &self.variables)?, self.description.scale)?;
             let words = self.pulses.as_ref();
             let words = words.map(|pulses| pulses.words(&matrices, samples.len()));
             (samples, words.transpose()?)

@@ -122,7 +122,7 @@ impl Description {
             let mut counts = [0.0; CHANNELS];
             for (count, &at) in counts.iter_mut().zip(&columns.channels) {
                 let text = columns.separator.number(fields[at]);
-                *count = table::number(line, at + 1, &text)? * self.scale.0;
+                *count = table::number(line, at + 1, &text)? * self.scale;
             }
             samples.push(&counts, columns.channels[0] + 1, at_line);
             auxiliary.push(columns.separator, &fields);
@@ -148,8 +148,7 @@ impl Description {
         let mut columns = match &self.channels {
             None => Columns::of(text).map_err(|error| Damage::at_line(error.line, error.fault))?,
             Some(channels) => {
-                let mark = self.separator.map(|mark| mark.0);
-                let head = Head::of(text, mark).ok_or(Damage::of_file(Fault::Empty))?;
+                let head = Head::of(text, self.separator).ok_or(Damage::of_file(Fault::Empty))?;
                 let is_named = |column: &Column| matches!(column, Column::Named(_));
                 let is_names = head.is_names || channels.0.iter().any(is_named);
                 let header = self.header.unwrap_or(is_names);
@@ -204,7 +203,7 @@ impl Description {
         let mut auxiliary = AuxiliaryColumns::of(others, &[]).clocked(time, &[]);
         let (mut samples, mut words) = (Samples::default(), label.map(|_| Words::default()));
         for (row, values) in values.chunks_exact(width.max(1)).enumerate() {
-            let counts = channels.map(|channel: usize| values[channel] * self.scale.0);
+            let counts = channels.map(|channel: usize| values[channel] * self.scale);
             samples.push(&counts, channels[0] + 1, |fault| {
                 Damage::at_byte(array.byte_of_row(row), fault)
             });
@@ -253,9 +252,6 @@ fn position(column: &Column, names: &[String], count: usize, line: usize) -> Res
 }
 
 /// Words of a file with a label a sample: an npy array, whose first column is read, or text.
-///
-/// # Errors
-/// An array of another shape, text that is no UTF-8, or a row without the column of labels.
 pub(crate) fn labels(bytes: &[u8], purpose: Purpose) -> Result<Labels, Damage> {
     let mut words = Words::default();
     let at = if FileKind::of(bytes) == FileKind::Npy {

@@ -19,9 +19,6 @@ const LONGEST: f64 = 3_600_000.0;
 const BURST: f64 = 2.0;
 
 /// Stretches rows to 200 Hz, by their times in ms.
-///
-/// # Errors
-/// Times that go back, leap or last too long.
 pub(super) fn stretch(rows: &mut Rows) -> Result<(), Damage> {
     let times = rows.auxiliary.times();
     for (row, pair) in times.windows(2).enumerate() {

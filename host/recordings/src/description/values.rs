@@ -1,103 +1,71 @@
 //! Values of a description, each refused with the reason where it cannot be used.
 
-use serde::Deserialize;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
 use shared::stream::alignment::Alignment;
 use shared::units::{CHANNELS, SAMPLE_RATE_HZ};
 
 use super::words::Word;
 use crate::readers::table::separator::Separator;
 
-/// Reason why a value cannot be used.
-#[derive(Clone, PartialEq, Debug, thiserror::Error)]
-pub(super) enum ValueError {
-    /// Another rate than the armband's.
-    #[error(
-        "expected {SAMPLE_RATE_HZ} rows a second, found {0}: samples that are missing cannot be made, and other devices \
-         filter otherwise; record at {SAMPLE_RATE_HZ} Hz"
-    )]
-    Rate(f64),
-    /// A scale that makes no counts.
-    #[error(
-        "expected the counts of one unit, such as 128 where a file has counts divided by 128, found {0:?}"
-    )]
-    Scale(f64),
-    /// Rectified samples.
-    #[error(
-        "expected samples with their sign, found rectified ones: their waves are lost; record in EMG mode 2 (filtered, \
-         not rectified)"
-    )]
-    Rectified,
-    /// A rotation that does not exist.
-    #[error("expected a rotation of 0 to 7 places, found {0}")]
-    Rotation(i64),
-    /// A separator that does not exist.
-    #[error("expected \",\", \";\", \"\\t\" or \" \", found {0:?}")]
-    Separator(String),
-    /// Column 0, or a fraction or negative number.
-    #[error("expected a column's name, or its number from 1 on, found {0}")]
-    Column(f64),
-    /// Another number of channels than eight, or one of them twice.
-    #[error(
-        "expected eight different columns, in the order of the armband's channels, all by name or all by number, found {0}"
-    )]
-    Channels(String),
-    /// A lag out of range.
-    #[error("expected 0 to 2000 ms, found {0}")]
-    Lag(i64),
+/// A value that can be used; else why it cannot.
+fn valid<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+    from: D,
+    is_valid: impl FnOnce(&T) -> bool,
+    why: impl FnOnce(T) -> String,
+) -> Result<T, D::Error> {
+    let value = T::deserialize(from)?;
+    if is_valid(&value) {
+        return Ok(value);
+    }
+    Err(D::Error::custom(why(value)))
 }
 
 /// Rows a second; always the armband's.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
-#[serde(try_from = "f64")]
-pub(super) struct Rate;
-
-impl TryFrom<f64> for Rate {
-    type Error = ValueError;
-
-    fn try_from(rate: f64) -> Result<Self, ValueError> {
-        let armband = f64::from(SAMPLE_RATE_HZ);
-        (rate == armband)
-            .then_some(Self)
-            .ok_or(ValueError::Rate(rate))
-    }
+pub(super) fn rate<'de, D: Deserializer<'de>>(from: D) -> Result<(), D::Error> {
+    let is_armbands = |rate: &f64| *rate == f64::from(SAMPLE_RATE_HZ);
+    let rate = valid(from, is_armbands, |rate| {
+        format!(
+            "expected {SAMPLE_RATE_HZ} rows a second, found {rate}: samples that are missing cannot be made, and other \
+             devices filter otherwise; record at {SAMPLE_RATE_HZ} Hz"
+        )
+    });
+    rate.map(drop)
 }
 
 /// Scales that have a meaning, from samples of 32 bits to volts of a microvolt each.
 const SCALES: std::ops::RangeInclusive<f64> = 1e-9..=1e12;
 
 /// Counts of the armband for a value of 1.
-#[derive(Clone, Copy, PartialEq, Debug, Deserialize)]
-#[serde(try_from = "f64")]
-pub(super) struct Scale(pub f64);
-
-impl Default for Scale {
-    fn default() -> Self {
-        Self(1.0)
-    }
+pub(super) fn scale<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    valid(
+        from,
+        |scale| SCALES.contains(scale),
+        |scale| {
+            format!(
+                "expected the counts of one unit, such as 128 where a file has counts divided by 128, found {scale:?}"
+            )
+        },
+    )
 }
 
-impl TryFrom<f64> for Scale {
-    type Error = ValueError;
-
-    fn try_from(scale: f64) -> Result<Self, ValueError> {
-        SCALES
-            .contains(&scale)
-            .then_some(Self(scale))
-            .ok_or(ValueError::Scale(scale))
-    }
+/// Scale of counts.
+pub(super) const fn counts() -> f64 {
+    1.0
 }
 
 /// Whether values are magnitudes; never.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Deserialize)]
-#[serde(try_from = "bool")]
-pub(super) struct Rectified;
-
-impl TryFrom<bool> for Rectified {
-    type Error = ValueError;
-
-    fn try_from(is_rectified: bool) -> Result<Self, ValueError> {
-        (!is_rectified).then_some(Self).ok_or(ValueError::Rectified)
-    }
+pub(super) fn rectified<'de, D: Deserializer<'de>>(from: D) -> Result<(), D::Error> {
+    let rectified = valid(
+        from,
+        |rectified: &bool| !rectified,
+        |_| {
+            "expected samples with their sign, found rectified ones: their waves are lost; record in EMG mode 2 (filtered, \
+         not rectified)"
+            .to_owned()
+        },
+    );
+    rectified.map(drop)
 }
 
 /// Arm that the armband is worn on.
@@ -111,47 +79,35 @@ pub(super) enum Arm {
 }
 
 /// Places by which the armband is turned.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Deserialize)]
-#[serde(try_from = "i64")]
-pub(super) struct Rotation(u8);
-
-impl TryFrom<i64> for Rotation {
-    type Error = ValueError;
-
-    fn try_from(places: i64) -> Result<Self, ValueError> {
-        let own = u8::try_from(places)
-            .ok()
-            .filter(|own| usize::from(*own) < CHANNELS);
-        own.map(Self).ok_or(ValueError::Rotation(places))
-    }
+pub(super) fn rotation<'de, D: Deserializer<'de>>(from: D) -> Result<u8, D::Error> {
+    let places = valid(
+        from,
+        |places: &i64| (0..CHANNELS as i64).contains(places),
+        |places| format!("expected a rotation of 0 to 7 places, found {places}"),
+    );
+    places.map(|places| places as u8)
 }
 
 /// Place of the little finger's side where a left arm is mirrored: channel c of the right arm is 6 - c of the left.
 const MIRROR: u8 = 6;
 
-impl Rotation {
-    /// Order of the channels: c of the common frame is column c + rotation, on the left arm 6 + rotation - c.
-    pub const fn placement(self, arm: Option<Arm>) -> Alignment {
-        match arm {
-            Some(Arm::Left) => Alignment::new(MIRROR + self.0, true),
-            _ => Alignment::new(self.0, false),
-        }
+/// Order of the channels: c of the common frame is column c + rotation, on the left arm 6 + rotation - c.
+pub(super) const fn placement(rotation: u8, arm: Option<Arm>) -> Alignment {
+    match arm {
+        Some(Arm::Left) => Alignment::new(MIRROR + rotation, true),
+        _ => Alignment::new(rotation, false),
     }
 }
 
 /// Separator of the columns.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
-#[serde(try_from = "String")]
-pub(super) struct Mark(pub Separator);
-
-impl TryFrom<String> for Mark {
-    type Error = ValueError;
-
-    fn try_from(text: String) -> Result<Self, ValueError> {
-        let mut known = Separator::TEXTS.into_iter();
-        let found = known.find(|(_, own)| *own == text);
-        found.map_or(Err(ValueError::Separator(text)), |(own, _)| Ok(Self(own)))
-    }
+pub(super) fn separator<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Separator>, D::Error> {
+    let known = |text: &str| Separator::TEXTS.into_iter().find(|(_, own)| *own == text);
+    let text = valid(
+        from,
+        |text: &String| known(text).is_some(),
+        |text| format!("expected \",\", \";\", \"\\t\" or \" \", found {text:?}"),
+    )?;
+    Ok(known(&text).map(|(own, _)| own))
 }
 
 /// Column of a table.
@@ -165,19 +121,21 @@ pub(super) enum Column {
 }
 
 impl TryFrom<Word> for Column {
-    type Error = ValueError;
+    type Error = String;
 
-    fn try_from(word: Word) -> Result<Self, ValueError> {
-        match word {
-            Word::Text(name) => Ok(Self::Named(name.trim().to_owned())),
-            Word::Number(number) => Err(ValueError::Column(number)),
-            Word::Whole(number) => {
-                let at = usize::try_from(number)
-                    .ok()
-                    .and_then(|number| number.checked_sub(1));
-                at.map(Self::At).ok_or(ValueError::Column(number as f64))
-            }
-        }
+    fn try_from(word: Word) -> Result<Self, String> {
+        let at = |number: i64| usize::try_from(number).ok()?.checked_sub(1);
+        let found = match word {
+            Word::Text(name) => return Ok(Self::Named(name.trim().to_owned())),
+            Word::Number(number) => number.to_string(),
+            Word::Whole(number) => match at(number) {
+                Some(at) => return Ok(Self::At(at)),
+                None => number.to_string(),
+            },
+        };
+        Err(format!(
+            "expected a column's name, or its number from 1 on, found {found}"
+        ))
     }
 }
 
@@ -187,9 +145,9 @@ impl TryFrom<Word> for Column {
 pub(super) struct Channels(pub [Column; CHANNELS]);
 
 impl TryFrom<Vec<Column>> for Channels {
-    type Error = ValueError;
+    type Error = String;
 
-    fn try_from(columns: Vec<Column>) -> Result<Self, ValueError> {
+    fn try_from(columns: Vec<Column>) -> Result<Self, String> {
         let count = columns.len();
         let is_name = |column: &Column| matches!(column, Column::Named(_));
         let mut distinct = columns.clone();
@@ -204,7 +162,9 @@ impl TryFrom<Vec<Column>> for Channels {
                 Err(_) => format!("{count} columns"),
             },
         };
-        Err(ValueError::Channels(found))
+        Err(format!(
+            "expected eight different columns, in the order of the armband's channels, all by name or all by number, found {found}"
+        ))
     }
 }
 
@@ -222,15 +182,11 @@ pub(super) enum LabelTiming {
 }
 
 /// Lag of the muscle after the cues, in ms.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
-#[serde(try_from = "i64")]
-pub(super) struct CueLag(pub u32);
-
-impl TryFrom<i64> for CueLag {
-    type Error = ValueError;
-
-    fn try_from(ms: i64) -> Result<Self, ValueError> {
-        let own = u32::try_from(ms).ok().filter(|own| *own <= 2000);
-        own.map(Self).ok_or(ValueError::Lag(ms))
-    }
+pub(super) fn cue_lag<'de, D: Deserializer<'de>>(from: D) -> Result<Option<u32>, D::Error> {
+    let ms = valid(
+        from,
+        |ms: &i64| (0..=2000).contains(ms),
+        |ms| format!("expected 0 to 2000 ms, found {ms}"),
+    );
+    ms.map(|ms| Some(ms as u32))
 }

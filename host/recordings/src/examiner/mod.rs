@@ -38,9 +38,6 @@ use signal::Signal;
 const FEWEST: usize = 200;
 
 /// Examines the samples of a recording.
-///
-/// # Errors
-/// A finding that makes the recording meaningless.
 pub(crate) fn examine(recording: &Recording) -> Result<Vec<Finding>, Finding> {
     let mut findings = Vec::new();
     let samples = &recording.samples;

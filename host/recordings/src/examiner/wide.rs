@@ -24,9 +24,6 @@ const ARMBANDS: [&str; 11] = [
 const SEVERAL: usize = 3 * CHANNELS;
 
 /// Refuses a table whose rows have the channels of two armbands, or several samples.
-///
-/// # Errors
-/// [`Finding::Windows`], [`Finding::ManyColumns`] or [`Finding::ManyChannels`].
 pub(crate) fn in_table(text: &str) -> Result<(), Finding> {
     windows(text)?;
     let head = Head::of(text, None);
@@ -38,9 +35,6 @@ pub(crate) fn in_table(text: &str) -> Result<(), Finding> {
 }
 
 /// Refuses a table whose rows have several samples.
-///
-/// # Errors
-/// [`Finding::Windows`].
 pub(crate) fn windows(text: &str) -> Result<(), Finding> {
     let head = Head::of(text, None).filter(|head| head.is_names);
     let groups = Group::all(head.as_ref().map_or(&[], |head| &head.fields));
@@ -59,9 +53,6 @@ pub(crate) fn windows(text: &str) -> Result<(), Finding> {
 }
 
 /// Refuses rows of numbers with the channels of two armbands, or several samples; `columns` may hold one more, a word.
-///
-/// # Errors
-/// [`Finding::Windows`] or [`Finding::ManyChannels`].
 pub(crate) fn in_rows(columns: usize, numbers: usize, rows: &[Vec<f64>]) -> Result<(), Finding> {
     const TWO: usize = 2 * CHANNELS;
     several(columns, numbers, rows)?;

@@ -123,27 +123,13 @@ mod tests {
 
     /// Cues of rest, open, rest, scissors, rest, close, rest; the muscle is loud in these ranges.
     fn recording(loud: &[std::ops::Range<usize>]) -> Recording {
-        let cues = [
-            (R, 600),
-            (O, 400),
-            (R, 400),
-            (None, 400),
-            (R, 400),
-            (C, 400),
-            (R, 400),
-        ];
-        let labels: Vec<_> = cues
-            .iter()
-            .flat_map(|&(cue, count)| vec![cue; count])
-            .collect();
+        let cues = [O, R, None, R, C, R].map(|cue| vec![cue; 400]).concat();
+        let labels = [vec![R; 600], cues].concat();
         let mut random = ChaCha8Rng::seed_from_u64(3);
         let samples = (0..labels.len())
             .map(|at| {
-                let most = if loud.iter().any(|range| range.contains(&at)) {
-                    40
-                } else {
-                    3
-                };
+                let is_loud = loud.iter().any(|range| range.contains(&at));
+                let most = if is_loud { 40 } else { 3 };
                 [(); 8].map(|()| random.random_range(-most..=most))
             })
             .collect();

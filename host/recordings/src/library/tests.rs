@@ -3,44 +3,36 @@ use shared::units::Sample;
 
 #[test]
 fn a_path_without_recordings_says_so() {
-    let folder = std::env::temp_dir().join(format!("myointent-empty-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    std::fs::write(folder.join("notes.txt"), "not a recording\n").unwrap();
-    let error = load(&folder, &LoadOptions::default()).unwrap_err();
+    let folder = folder(&[("notes.txt", "not a recording\n")]);
+    let error = load(folder.path(), &LoadOptions::default()).unwrap_err();
     assert!(matches!(error, LoadError::NoRecordings { .. }));
-    let missing = load(&folder.join("nowhere"), &LoadOptions::default()).unwrap_err();
+    let missing = load(&folder.path().join("nowhere"), &LoadOptions::default()).unwrap_err();
     assert!(matches!(missing, LoadError::Io { .. }));
-    std::fs::remove_dir_all(&folder).unwrap();
 }
 
 #[test]
 fn a_damaged_file_is_listed_or_stops_a_strict_load() {
-    let folder = std::env::temp_dir().join(format!("myointent-bad-{}", std::process::id()));
-    let sitting = folder.join("12345-1");
-    std::fs::create_dir_all(&sitting).unwrap();
     let good = "1,2,3,4,5,6,7,8,0\n".repeat(30);
-    std::fs::write(sitting.join("0.txt"), &good).unwrap();
-    std::fs::write(sitting.join("7.txt"), format!("{good}1,2\n")).unwrap();
-    let library = load(&folder, &LoadOptions::default()).unwrap();
+    let bad = format!("{good}1,2\n");
+    let folder = folder(&[("12345-1/0.txt", good), ("12345-1/7.txt", bad)]);
+    let library = load(folder.path(), &LoadOptions::default()).unwrap();
     assert_eq!((library.recordings.len(), library.skipped.len()), (1, 1));
     let strict = LoadOptions {
         strict: true,
         ..LoadOptions::default()
     };
-    for error in [&library.skipped[0], &load(&folder, &strict).unwrap_err()] {
+    for error in [
+        &library.skipped[0],
+        &load(folder.path(), &strict).unwrap_err(),
+    ] {
         let error = error.to_string();
         assert!(error.contains("7.txt, line 31: expected 9"), "{error}");
     }
-    std::fs::remove_dir_all(&folder).unwrap();
 }
 
 #[test]
 fn a_recording_published_twice_is_kept_once() {
-    let samples = crate::examiner::fixture::emg(1000, 1);
-    let values = samples.iter().flatten();
-    let bytes: Vec<u8> = values
-        .flat_map(|&count| i16::from(count).to_le_bytes())
-        .collect();
+    let bytes = int16(&crate::examiner::fixture::emg(1000, 1));
     let folder = folder(&[
         ("EvaluationDataset/Female0/Test0/classe_0.dat", &bytes),
         ("PreTrainingDataset/Female8/training0/classe_0.dat", &bytes),
@@ -64,21 +56,20 @@ pub(crate) fn folder<T: AsRef<[u8]>>(files: &[(&str, T)]) -> tempfile::TempDir {
     folder
 }
 
-fn array() -> Vec<u8> {
-    crate::npy::encode("|i1", &[100, 8], &[3; 800])
+/// Counts of two bytes each.
+fn int16(samples: &[Sample]) -> Vec<u8> {
+    let counts = samples.iter().flatten();
+    counts
+        .flat_map(|&count| i16::from(count).to_le_bytes())
+        .collect()
 }
 
 #[test]
-fn arrays_of_no_known_set_are_no_people() {
-    let array = array();
+fn arrays_of_no_known_set_are_no_people_and_a_single_one_is_read() {
+    let array = crate::npy::encode("|i1", &[100, 8], &[3; 800]);
     let folder = folder(&[("113_waveIn.npy", &array), ("recordings/7.npy", &array)]);
     let error = load(folder.path(), &LoadOptions::default()).unwrap_err();
     assert!(matches!(error, LoadError::NoRecordings { .. }), "{error}");
-}
-
-#[test]
-fn a_single_array_of_the_users_own_is_read() {
-    let folder = folder(&[("113_waveIn.npy", &array())]);
     let file = folder.path().join("113_waveIn.npy");
     let library = load(&file, &LoadOptions::default()).unwrap();
     let person = folder.path().file_name().unwrap().to_str().unwrap();
@@ -179,19 +170,11 @@ fn a_refusal_says_what_was_found_and_what_was_expected() {
     for (name, bytes, words) in [
         ("nine.csv", nine.as_bytes(), "9 columns|header"),
         ("latin.csv", &latin, "UTF-8"),
-        (
-            "notes.csv",
-            b"Dear reader,\nthis is no recording.\n",
-            "text",
-        ),
+        ("notes.csv", b"Dear reader,\nno recording.\n", "text"),
         ("nine.npy", &array(9), "(700, 9)|eight|label"),
         ("wide.npy", &array(700), "(700, 700)|(n, 8)"),
         ("pointer.npy", pointer, "Git LFS|git lfs pull"),
-        (
-            "page.csv",
-            b"<!DOCTYPE html>\n<html><body>a,b</body></html>\n",
-            "HTML",
-        ),
+        ("page.csv", b"<!DOCTYPE html>\n<html>a,b</html>\n", "HTML"),
         ("archive.csv", b"PK\x03\x04\x14\0\0\0", "zip"),
         ("model.dat", b"myointnt\x07", "model"),
         ("empty.csv", b"", "empty"),
@@ -210,63 +193,42 @@ fn a_refusal_says_what_was_found_and_what_was_expected() {
     }
 }
 
-#[test]
-fn numbers_of_files_are_not_people() {
-    let text = format!("{HEADER}{}", "0,1,2,3,4,5,6,7,8\n".repeat(10));
-    let folder = folder(&[
-        ("lab/12_grasp.csv", text.as_bytes()),
-        ("lab/13_grasp.csv", text.as_bytes()),
-        ("s4/s4_grasp.csv", text.as_bytes()),
-        ("anna/anna_grasp.csv", text.as_bytes()),
-    ]);
-    let library = load(folder.path(), &LoadOptions::default()).unwrap();
-    let expected = ["own/anna", "own/lab", "own/s4"];
-    assert_eq!(library.subjects(), expected);
-}
-
 #[cfg(unix)]
 #[test]
-fn a_dangling_link_is_listed_and_stops_nothing() {
-    let text = format!("{HEADER}0,1,2,3,4,5,6,7,8\n");
-    let folder = folder(&[("s1/s1_a.csv", text.as_bytes())]);
-    let link = folder.path().join("s1/s1_gone.csv");
-    std::os::unix::fs::symlink(folder.path().join("nowhere.csv"), link).unwrap();
+fn links_to_nothing_and_to_a_device_are_listed_and_stop_nothing() {
+    let folder = folder(&[("s1/s1_a.csv", format!("{HEADER}0,1,2,3,4,5,6,7,8\n"))]);
+    for (name, target) in [
+        ("s1/s1_gone.csv", "nowhere.csv"),
+        ("s1/s1_z.csv", "/dev/zero"),
+    ] {
+        std::os::unix::fs::symlink(target, folder.path().join(name)).unwrap();
+    }
     let library = load(folder.path(), &LoadOptions::default()).unwrap();
     assert_eq!(library.recordings.len(), 1);
-    let skipped = library.skipped[0].to_string();
-    assert!(skipped.contains("s1_gone.csv"), "{skipped}");
-}
-
-#[cfg(unix)]
-#[test]
-fn a_link_to_a_device_is_listed_and_not_read() {
-    let text = format!("{HEADER}0,1,2,3,4,5,6,7,8\n");
-    let folder = folder(&[("s1/s1_a.csv", text.as_bytes())]);
-    std::os::unix::fs::symlink("/dev/zero", folder.path().join("s1/s1_z.csv")).unwrap();
-    let library = load(folder.path(), &LoadOptions::default()).unwrap();
-    let skipped = library.skipped[0].to_string();
-    assert!(skipped.contains("s1_z.csv"), "{skipped}");
+    let skipped = library.skipped.iter().map(ToString::to_string);
+    let skipped = skipped.collect::<Vec<_>>().join("\n");
+    assert!(
+        skipped.contains("s1_gone.csv") && skipped.contains("s1_z.csv"),
+        "{skipped}"
+    );
 }
 
 #[test]
-fn a_byte_order_mark_is_no_part_of_the_header() {
+fn a_byte_order_mark_is_no_part_of_the_header_and_utf_16_is_refused_with_what_to_do() {
     let text = format!("\u{feff}{HEADER}0,1,2,3,4,5,6,7,8\n");
-    let folder = folder(&[("s1/s1_a.csv", text.as_bytes())]);
-    let library = load(folder.path(), &LoadOptions::default()).unwrap();
+    let own = folder(&[("s1/s1_a.csv", text.as_bytes())]);
+    let library = load(own.path(), &LoadOptions::default()).unwrap();
     assert_eq!(library.subjects(), ["own/s1"]);
-}
-
-#[test]
-fn utf_16_is_refused_with_what_to_do() {
-    let text = format!("\u{feff}{HEADER}0,1,2,3,4,5,6,7,8\n");
     let little: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
     let big: Vec<u8> = text.encode_utf16().flat_map(u16::to_be_bytes).collect();
     for bytes in [&little[..], &big, &little[2..]] {
         let folder = folder(&[("s1/s1_a.csv", bytes)]);
         let library = load(folder.path(), &LoadOptions::default()).unwrap();
         let skipped = library.skipped[0].to_string();
-        assert!(skipped.contains("UTF-16"), "{skipped}");
-        assert!(skipped.contains("UTF-8"), "{skipped}");
+        assert!(
+            skipped.contains("UTF-16") && skipped.contains("UTF-8"),
+            "{skipped}"
+        );
     }
 }
 
@@ -289,11 +251,6 @@ fn endings_in_capitals_are_read_as_small_ones() {
         .collect();
     let array = crate::npy::encode("|i1", &[1000, 8], &bytes);
     let words = crate::npy::encode("|i1", &[1000], &[1; 1000]);
-    let int16: Vec<u8> = samples
-        .iter()
-        .flatten()
-        .flat_map(|&count| i16::from(count).to_le_bytes())
-        .collect();
     let metadata = r#"{"data/bob/R_0_C_1.csv": {"class_name": "Hand_Open"}}"#;
     let description = "files = \"{person}/{trial}_emg.Npy\"\nlabel_files = \"{person}/{trial}_ann.npy\"\nrate = 200\n\
                        labels = { open = [1] }\n";
@@ -307,7 +264,10 @@ fn endings_in_capitals_are_read_as_small_ones() {
             "sub1/M2T1.csv",
             rows(&|own| decimal(own).join(",")).into_bytes(),
         )],
-        vec![("EvaluationDataset/Male0/Test0/classe_0.dat", int16)],
+        vec![(
+            "EvaluationDataset/Male0/Test0/classe_0.dat",
+            int16(&samples),
+        )],
         vec![
             ("s3/e2_emg.npy", array.clone()),
             ("s3/e2_ann.npy", words.clone()),
@@ -349,13 +309,7 @@ fn endings_in_capitals_are_read_as_small_ones() {
 
 /// Names of the recordings in files of these names, each with samples of its own.
 fn names_of(files: &[&str], description: Option<&str>) -> Vec<String> {
-    let texts = (1..).zip(files).map(|(seed, &file)| {
-        let samples = crate::examiner::fixture::emg(1000, seed);
-        (
-            file,
-            crate::examiner::fixture::csv(&samples, |count| count.to_string()),
-        )
-    });
+    let texts = (1..).zip(files).map(|(person, &file)| (file, own(person)));
     let folder = folder(&texts.collect::<Vec<_>>());
     if let Some(text) = description {
         std::fs::write(folder.path().join(FILE_NAME), text).unwrap();

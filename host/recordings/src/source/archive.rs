@@ -55,9 +55,6 @@ enum Kind {
 }
 
 /// Whether a file is an archive that [`unpack`] knows.
-///
-/// # Errors
-/// When it cannot be read.
 pub(super) fn is_archive(path: &Path) -> io::Result<bool> {
     Ok(kind(path)?.is_ok())
 }
@@ -189,9 +186,7 @@ impl Target<'_> {
         // A second file of the name, even if only its case differs, writes over nothing.
         let mut file = File::create_new(&path).map_err(|source| {
             if source.kind() == io::ErrorKind::AlreadyExists {
-                FetchError::Twice {
-                    name: name.to_owned(),
-                }
+                FetchError::Twice(name.to_owned())
             } else {
                 FetchError::io(&path, source)
             }
@@ -223,9 +218,7 @@ impl Target<'_> {
 fn inside(name: &str) -> Result<PathBuf, FetchError> {
     /// Maximum depth of folders.
     const DEPTH: usize = 32;
-    let escapes = || FetchError::Escapes {
-        name: name.to_owned(),
-    };
+    let escapes = || FetchError::Escapes(name.to_owned());
     // Some programs on Windows write their own separator.
     let name = name.replace('\\', "/");
     if name.contains(['\0', ':']) {

@@ -3,7 +3,6 @@
 use std::io;
 use std::path::PathBuf;
 
-use super::checksum::Checksum;
 use execution::file_kind::FileKind;
 
 /// Error of downloading or unpacking recordings.
@@ -43,8 +42,8 @@ pub enum FetchError {
     )]
     Checksum {
         file: String,
-        expected: Checksum,
-        found: Checksum,
+        expected: String,
+        found: String,
     },
     /// The record of Zenodo is not what its interface promises.
     #[error("{url}: expected a record of Zenodo: {reason}")]
@@ -54,12 +53,12 @@ pub enum FetchError {
     NoArchive { archive: PathBuf, found: FileKind },
     /// A name leads out of the folder, or is one that no file system takes.
     #[error(
-        "the archive has a file named {name:?}, which leads out of its folder: nothing of it is unpacked"
+        "the archive has a file named {0:?}, which leads out of its folder: nothing of it is unpacked"
     )]
-    Escapes { name: String },
+    Escapes(String),
     /// Two files have one name.
-    #[error("the archive has {name:?} twice: nothing of it is unpacked")]
-    Twice { name: String },
+    #[error("the archive has {0:?} twice: nothing of it is unpacked")]
+    Twice(String),
     /// The archive holds more than any data set has, or than such an archive can honestly hold.
     #[error("the archive holds more than {most} {what}: nothing of it is unpacked")]
     TooLarge { most: u64, what: &'static str },
@@ -76,8 +75,8 @@ pub enum FetchError {
         found: String,
     },
     /// The folder of the data set exists.
-    #[error("{path} exists: remove it, or choose another folder with --to", path = path.display())]
-    Exists { path: PathBuf },
+    #[error("{} exists: remove it, or choose another folder with --to", _0.display())]
+    Exists(PathBuf),
     /// The file system refuses.
     #[error("{path}: {source}", path = path.display())]
     Io { path: PathBuf, source: io::Error },

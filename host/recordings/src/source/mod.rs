@@ -11,7 +11,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 pub use archive::Unpacked;
-pub use checksum::Checksum;
 use error::FetchError;
 pub use plan::{Download, Plan, Servers, plan};
 
@@ -26,10 +25,8 @@ use execution::progress;
 pub struct Received {
     /// The file.
     pub path: PathBuf,
-    /// Whether a published checksum was compared.
-    pub verified: bool,
     /// SHA-256 of the file.
-    pub sha256: Checksum,
+    pub sha256: String,
 }
 
 /// Downloads the files of a plan into a folder; files that are there in part are continued.
@@ -48,7 +45,7 @@ fn one(of: &Download, source: &Source, folder: &Path) -> Result<Received, FetchE
     bar.finish_and_clear();
     let io = |error| FetchError::io(&path, error);
     if let Some(expected) = &of.checksum {
-        let found = expected.same_of(&path).map_err(io)?;
+        let found = checksum::md5(&path).map_err(io)?;
         if found != *expected {
             fs::remove_file(&path).map_err(io)?;
             return Err(FetchError::Checksum {
@@ -59,8 +56,7 @@ fn one(of: &Download, source: &Source, folder: &Path) -> Result<Received, FetchE
         }
     }
     Ok(Received {
-        verified: of.checksum.is_some(),
-        sha256: Checksum::sha256(&path).map_err(io)?,
+        sha256: checksum::sha256(&path).map_err(io)?,
         path,
     })
 }
@@ -126,9 +122,7 @@ fn must_hold(folder: &Path, data_set: DataSet) -> Result<(), FetchError> {
 /// When the folder exists.
 pub fn free(folder: &Path) -> Result<(), FetchError> {
     if folder.exists() {
-        return Err(FetchError::Exists {
-            path: folder.to_owned(),
-        });
+        return Err(FetchError::Exists(folder.to_owned()));
     }
     Ok(())
 }

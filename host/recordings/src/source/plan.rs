@@ -4,7 +4,6 @@ use std::io::Read as _;
 
 use serde::Deserialize;
 
-use super::checksum::Checksum;
 use super::client::{agent, request_error};
 use super::error::FetchError;
 use crate::catalogue::{Address, Source};
@@ -42,8 +41,8 @@ pub struct Download {
     pub file: String,
     /// Length in bytes, if it is published.
     pub size: Option<u64>,
-    /// Checksum, if one is published.
-    pub checksum: Option<Checksum>,
+    /// MD5, such as `md5:0cc1…`, if it is published.
+    pub checksum: Option<String>,
 }
 
 /// Downloads of a data set, and their licence.
@@ -60,26 +59,22 @@ pub struct Plan {
 /// # Errors
 /// When Zenodo cannot be reached, or its record is invalid.
 pub fn plan(source: &Source, servers: &Servers) -> Result<Plan, FetchError> {
-    let alone = |url: String, file: String| Plan {
+    let alone = |url: String| Plan {
         stated_licence: None,
         downloads: vec![Download {
             url,
-            file,
+            file: format!("{}.zip", source.name),
             size: None,
             checksum: None,
         }],
     };
-    let name = &source.name;
     match &source.address {
         Address::Zenodo(number) => zenodo(&servers.zenodo, *number, &source.page),
-        Address::GitHub(repository) => Ok(alone(
-            format!("{}/{repository}/archive/HEAD.zip", servers.github),
-            format!("{name}.zip"),
-        )),
-        Address::Uci(path) => Ok(alone(
-            format!("{}/{path}", servers.uci),
-            format!("{name}.zip"),
-        )),
+        Address::GitHub(repository) => Ok(alone(format!(
+            "{}/{repository}/archive/HEAD.zip",
+            servers.github
+        ))),
+        Address::Uci(path) => Ok(alone(format!("{}/{path}", servers.uci))),
         Address::ByHand(_) => Ok(Plan {
             stated_licence: None,
             downloads: Vec::new(),
@@ -155,7 +150,8 @@ fn zenodo(server: &str, number: u32, page: &str) -> Result<Plan, FetchError> {
         Ok(Download {
             url: file.links.own,
             size: Some(file.size),
-            checksum: Checksum::parse(&file.checksum),
+            checksum: Some(file.checksum.to_ascii_lowercase())
+                .filter(|own| own.starts_with("md5:")),
             file: file.key,
         })
     });

@@ -58,7 +58,7 @@ impl Server {
                 url: format!("{}/file.zip", self.address),
                 file: "file.zip".to_owned(),
                 size: None,
-                checksum: checksum.map(|text| Checksum::parse(text).unwrap()),
+                checksum: checksum.map(str::to_owned),
             }],
         }
     }
@@ -128,20 +128,15 @@ fn a_download_that_breaks_off_goes_on_where_it_stopped() {
     let requests = server.requests();
     assert_eq!(requests.len(), 3);
     assert!(!requests[0].contains("range:"));
-    assert!(
-        requests[1].contains("range: bytes=300000-"),
-        "{}",
-        requests[1]
-    );
-    assert!(requests[1].contains("if-range: \"one\""), "{}", requests[1]);
-    assert!(
-        requests[2].contains("range: bytes=400000-"),
-        "{}",
-        requests[2]
-    );
+    for (at, header) in [
+        (1, "range: bytes=300000-"),
+        (1, "if-range: \"one\""),
+        (2, "range: bytes=400000-"),
+    ] {
+        assert!(requests[at].contains(header), "{}", requests[at]);
+    }
     // Neither the part nor the notes on it are left.
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
-    assert!(!received[0].verified);
 }
 
 #[test]
@@ -157,11 +152,8 @@ fn a_later_command_goes_on_too_and_a_changed_file_begins_anew() {
         panic!("{error}");
     };
     assert_eq!((*received, of.as_str()), (300_000, " of 800000"));
-    assert!(
-        error
-            .to_string()
-            .contains("the same command continues there")
-    );
+    let error = error.to_string();
+    assert!(error.contains("the same command continues there"));
 
     // A server that ignores ranges, or whose file is another one now, sends all of it.
     let other: Vec<u8> = content().into_iter().rev().collect();
@@ -205,16 +197,13 @@ fn a_file_that_is_not_the_published_one_is_removed() {
     let server = Server::start(|_, _| whole(b"abc", 3));
     let folder = folder();
     let right = server.file(Some("md5:900150983cd24fb0d6963f7d28e17f72"));
-    assert!(download(&right, roshambo(), folder.path()).unwrap()[0].verified);
+    download(&right, roshambo(), folder.path()).unwrap();
     fs::remove_file(folder.path().join("file.zip")).unwrap();
     let wrong = server.file(Some("md5:00000000000000000000000000000000"));
     let error = download(&wrong, roshambo(), folder.path()).unwrap_err();
     assert!(matches!(error, FetchError::Checksum { .. }), "{error}");
-    assert!(
-        error
-            .to_string()
-            .contains("md5:900150983cd24fb0d6963f7d28e17f72")
-    );
+    let found = "md5:900150983cd24fb0d6963f7d28e17f72";
+    assert!(error.to_string().contains(found));
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
@@ -240,15 +229,9 @@ fn a_missing_file_and_a_missing_server_say_what_to_do() {
     let server = Server::start(|_, _| answer("404 Not Found", "content-length: 0\r\n", &[]));
     let folder = folder();
     let error = download(&server.file(None), roshambo(), folder.path()).unwrap_err();
-    assert!(
-        matches!(error, FetchError::NotFound { status: 404, .. }),
-        "{error}"
-    );
-    assert!(
-        error
-            .to_string()
-            .contains("https://doi.org/10.5281/zenodo.3194792")
-    );
+    let error = error.to_string();
+    assert!(error.contains("status 404"), "{error}");
+    assert!(error.contains("https://doi.org/10.5281/zenodo.3194792"));
     assert_eq!(server.requests().len(), 1);
 
     // A port that nobody listens on.
@@ -273,7 +256,7 @@ fn more_than_was_announced_is_not_kept() {
     let folder = folder();
     let error = download(&plan, roshambo(), folder.path()).unwrap_err();
     assert!(
-        matches!(error, FetchError::TooLong { most: 1000, .. }),
+        error.to_string().contains("more than 1000 bytes"),
         "{error}"
     );
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
@@ -320,27 +303,19 @@ fn an_archive_is_put_in_place_whole_or_not_at_all_and_its_recordings_are_read() 
     writer.write_all(rows.as_bytes()).unwrap();
     writer.finish().unwrap();
     let place = folder.path().join("myo-readings");
-    let done = put_in_place(
-        std::slice::from_ref(&archive),
-        &place,
-        DataSet::named("myo-readings"),
-    )
-    .unwrap();
+    let files = std::slice::from_ref(&archive);
+    let set = DataSet::named("myo-readings");
+    let done = put_in_place(files, &place, set).unwrap();
     assert_eq!((done.files, done.bytes), (1, rows.len() as u64));
     let library = load(&place, &LoadOptions::default()).unwrap();
     assert_eq!(library.subjects(), ["myo-readings/12345"]);
-    let again = put_in_place(
-        std::slice::from_ref(&archive),
-        &place,
-        DataSet::named("myo-readings"),
-    )
-    .unwrap_err();
-    assert!(matches!(again, FetchError::Exists { .. }), "{again}");
+    let again = put_in_place(files, &place, set).unwrap_err();
+    assert!(matches!(again, FetchError::Exists(_)), "{again}");
 
     let whole = fs::read(&archive).unwrap();
     fs::write(&archive, &whole[..whole.len() - 30]).unwrap();
     let other = folder.path().join("other");
-    put_in_place(&[archive], &other, DataSet::named("myo-readings")).unwrap_err();
+    put_in_place(files, &other, set).unwrap_err();
     let left: Vec<_> = fs::read_dir(folder.path()).unwrap().collect();
     assert_eq!(left.len(), 2, "{left:?}");
 }

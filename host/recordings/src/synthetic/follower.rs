@@ -51,7 +51,6 @@ impl Follower {
     }
 
     /// Makes the same person at another time. Each number has random values of its own.
-    #[must_use]
     pub fn another_time(mut self, number: u64) -> Self {
         self.random = generator(number, "another time");
         self

@@ -1,15 +1,9 @@
-use proptest::prelude::*;
-
 use super::*;
+use crate::library::tests::folder;
 
 /// Text of the draft of a folder with these files.
 fn written(files: &[(&str, String)]) -> Result<String, DraftError> {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, text) in files {
-        let path = folder.path().join(name);
-        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(path, text).unwrap();
-    }
+    let folder = folder(files);
     let (path, text) = describe(folder.path(), None)?;
     assert_eq!(std::fs::read_to_string(path).unwrap(), text);
     Ok(text)
@@ -135,32 +129,16 @@ fn a_folder_without_samples_says_so() {
     }
 }
 
-#[cfg(unix)]
 #[test]
-fn a_dangling_link_stops_nothing() {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("a.csv"), plain()).unwrap();
-    std::os::unix::fs::symlink("/nowhere/b.csv", folder.path().join("b.csv")).unwrap();
-    let (_, text) = describe(folder.path(), None).unwrap();
-    assert!(text.contains("files = \"a.csv\""), "{text}");
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
-    /// Whatever the files hold, a draft is a description, or an error gives the reason.
-    #[test]
-    fn any_files_are_described_or_an_error(
-        files in prop::collection::vec(("[a-c]{1}(/[a-c1-3_.-]{1,6}){0,2}", prop::collection::vec("(-?[0-9.]{1,4}[,;\t ]){7,9}[0-9ax]{0,2}|\\PC{0,9}", 0..30)), 0..4),
-    ) {
-        let named: Vec<(String, String)> = files
-            .into_iter()
-            .enumerate()
-            .map(|(at, (name, rows))| (format!("{at}{name}.csv"), rows.join("\n")))
-            .collect();
-        let files: Vec<(&str, String)> = named.iter().map(|(name, text)| (name.as_str(), text.clone())).collect();
-        if let Ok(text) = written(&files) {
-            let read = Description::parse(Path::new("recordings.toml"), &text);
-            prop_assert!(read.is_ok(), "{:?}\n{}", read, text);
-        }
-    }
+fn an_existing_description_is_never_replaced() {
+    let folder = folder(&[("a.csv", plain())]);
+    let refusal = |path: &Path| describe(path, None).unwrap_err().to_string();
+    describe(folder.path(), None).unwrap();
+    let again = refusal(folder.path());
+    assert!(
+        again.contains("recordings.toml exists: correct it"),
+        "{again}"
+    );
+    let file = refusal(&folder.path().join("a.csv"));
+    assert!(file.contains("expected a folder"), "{file}");
 }

@@ -70,68 +70,45 @@ fn faults_of_a_file_name_line_and_column() {
     let labelled = format!("{head}{numbers}label = 9\nlabels = {{ relax = [0] }}\n");
     let good = table("", ",", 150, |_| (String::new(), ",0".to_owned()));
     let with = |line: &str| [&good[..], line.as_bytes()].concat();
+    let ninth = |label: &str| labelled.replace("label = 9", label);
+    let plain = &format!("{head}{numbers}");
+    let scaled = &format!("{head}scale = 1000\n{numbers}");
+    let array = |columns: usize| npy::encode("|i1", &[50, columns], &vec![1; 50 * columns]);
     for (text, bytes, words) in [
         (
-            labelled.clone(),
+            &labelled,
             with("1,2,3,4,5,6,7,8,7\n"),
             "line 151: expected a label that is listed in `labels`",
         ),
+        (&labelled, with("1,2,3\n"), "line 151: expected 9 values"),
         (
-            labelled.clone(),
-            with("1,2,3\n"),
-            "line 151: expected 9 values",
-        ),
-        (
-            labelled.clone(),
+            &labelled,
             with("1,2,3,x,5,6,7,8,0\n"),
             "line 151: expected a number in field 4, found \"x\"",
         ),
         (
-            labelled.clone(),
+            &labelled,
             with("1,2,300,4,5,6,7,8,0\n"),
             "line 151: expected a count of the armband in field 3",
         ),
         (
-            labelled.replace("label = 9", "label = 10"),
+            &ninth("label = 10"),
             good.clone(),
             "column number 10 of the description, found 9 columns",
         ),
+        (&ninth("label = \"gt\""), good.clone(), "column \"gt\""),
+        (scaled, good.clone(), "whole multiples of 1000"),
+        (plain, Vec::new(), "expected one row per sample"),
         (
-            labelled.replace("label = 9", "label = \"gt\""),
-            good.clone(),
-            "column \"gt\"",
-        ),
-        (
-            format!("{head}scale = 1000\n{numbers}"),
-            good.clone(),
-            "whole multiples of 1000",
-        ),
-        (
-            format!("{head}{numbers}"),
-            Vec::new(),
-            "expected one row per sample",
-        ),
-        (
-            format!("{head}{numbers}"),
+            plain,
             b"PK\x03\x04".to_vec(),
             "as a description has them, found",
         ),
-        (
-            format!("{head}{numbers}"),
-            npy::encode("|i1", &[50, 7], &[1; 350]),
-            "numbers of the columns in the description",
-        ),
-        (
-            head.to_owned(),
-            npy::encode("|i1", &[50, 9], &[1; 450]),
-            "(50, 9)",
-        ),
+        (plain, array(7), "numbers of the columns in the description"),
+        (&head.to_owned(), array(9), "(50, 9)"),
     ] {
-        let library = described(&text, &[("anna.csv", bytes)]);
-        let error = match library {
-            Ok(library) => library.skipped[0].line(),
-            Err(error) => error.line(),
-        };
+        let library = described(text, &[("anna.csv", bytes)]);
+        let error = library.map_or_else(|error| error.line(), |own| own.skipped[0].line());
         assert!(
             error.contains(words) && error.contains("anna.csv"),
             "{text}: {error}"

@@ -4,25 +4,13 @@ mod copies;
 mod rows;
 
 use std::f64::consts::TAU;
-use std::fs;
 
 use shared::units::{CHANNELS, Sample};
-use tempfile::TempDir;
 
 use super::fixture::{csv, emg, with_column};
 use crate::library::inspection::groups;
+use crate::library::tests::folder;
 use crate::{Library, LoadOptions, load};
-
-/// A folder with these files in it.
-fn folder(files: &[(&str, &str)]) -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, text) in files {
-        let path = folder.path().join(name);
-        fs::create_dir_all(path.parent().unwrap()).unwrap();
-        fs::write(path, text).unwrap();
-    }
-    folder
-}
 
 fn read(files: &[(&str, &str)]) -> Library {
     load(folder(files).path(), &LoadOptions::default()).unwrap()
@@ -151,27 +139,6 @@ fn mains_hum_is_found_at_either_frequency_and_on_one_channel() {
 }
 
 #[test]
-fn silent_saturated_and_copied_channels_are_found() {
-    let broken = each(&emg(4000, 1), |at, mut sample| {
-        sample[2] = -1;
-        sample[5] = sample[4];
-        if at % 21 == 0 {
-            sample[7] = 127;
-        }
-        sample
-    });
-    let library = one(&counts(&broken));
-    let mut kinds = kinds(&library);
-    kinds.sort_unstable();
-    assert_eq!(
-        kinds,
-        ["same-channel", "saturated-channel", "silent-channel"]
-    );
-    let single = each(&emg(2000, 1), |_, sample| [sample[3]; CHANNELS]);
-    assert!(refusal(&counts(&single)).contains("found 1 with a signal"));
-}
-
-#[test]
 fn every_channel_with_a_defect_is_named() {
     let told = |of: &dyn Fn(usize, Sample) -> Sample| -> Vec<String> {
         let found = groups(&one(&counts(&each(&emg(4000, 1), of))));
@@ -204,6 +171,8 @@ fn every_channel_with_a_defect_is_named() {
     };
     let words = "channels say the same as others: 4 as 2, 7 as 2, 8 as 3";
     assert_eq!(told(&copied), [words]);
+    let single = each(&emg(2000, 1), |_, sample| [sample[3]; CHANNELS]);
+    assert!(refusal(&counts(&single)).contains("found 1 with a signal"));
 }
 
 #[test]
@@ -231,20 +200,15 @@ fn two_armbands_are_refused_however_they_are_written() {
     assert_eq!(kinds(&one(&one_device)), Vec::<&str>::new());
     for names in [
         (0..16).map(|at| format!("emg_{at}")).collect::<Vec<_>>(),
-        ["left", "right"]
-            .iter()
-            .flat_map(|side| (0..8).map(move |at| format!("{side}_{at}")))
+        (0..16)
+            .map(|at| format!("{}_{}", ["left", "right"][at / 8], at % 8))
             .collect(),
-        ["L", "R"]
-            .iter()
-            .flat_map(|side| (1..=8).map(move |at| format!("{side}_emg{at}")))
+        (0..16)
+            .map(|at| format!("{}_emg{}", ["L", "R"][at / 8], at % 8 + 1))
             .collect(),
     ] {
-        let text = format!(
-            "gt,{}\n{}",
-            names.join(","),
-            format!("0{}\n", ",1".repeat(16)).repeat(10)
-        );
+        let rows = format!("0{}\n", ",1".repeat(16)).repeat(10);
+        let text = format!("gt,{}\n{rows}", names.join(","));
         let refused = refusal(&text);
         assert!(
             refused.contains("2 armbands") && refused.contains(&names[8]),
@@ -254,8 +218,7 @@ fn two_armbands_are_refused_however_they_are_written() {
     let wide = format!("{}\n", ["1"; 17].join(",")).repeat(100);
     assert!(refusal(&wide).contains("two armbands"));
     let array = crate::npy::encode("|i1", &[100, 16], &[1; 1600]);
-    let folder = folder(&[]);
-    fs::write(folder.path().join("both.npy"), array).unwrap();
+    let folder = folder(&[("both.npy", array)]);
     let library = load(folder.path(), &LoadOptions::default()).unwrap();
     assert!(library.skipped[0].to_string().contains("two armbands"));
 }

@@ -194,20 +194,14 @@ fn repeats_are_refused_where_samples_are_missing() {
     let random = |percent: u64| -> Vec<Sample> {
         let mut seed = 7_u64;
         let mut from = 0;
-        each(&samples, |at, _| {
-            let _ = at;
-            [0; 8]
-        })
-        .iter()
-        .enumerate()
-        .map(|(at, _)| {
+        let drawn = (0..samples.len()).map(|at| {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             if seed >> 33 > (1 << 31) / 100 * percent || at == 0 {
                 from = at;
             }
             samples[from]
-        })
-        .collect()
+        });
+        drawn.collect()
     };
     assert!(refusal(&counts(&random(30))).contains("in no pattern"));
     assert_eq!(kinds(&one(&counts(&random(6)))), ["repeats"]);

@@ -163,45 +163,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_message_quotes_an_excerpt_of_a_long_text() {
-        let found = "x".repeat(10_000_000);
-        let text = found.clone();
+    fn a_message_quotes_a_printable_excerpt_of_a_long_text() {
+        let found = "\u{1b}[2J\u{9b}31m\u{202e}\rxxxx".to_owned() + &"x".repeat(10_000_000);
+        let (text, expected) = (found.clone(), "(n, 8)");
         for fault in [
             Fault::Number { field: 1, text },
-            Fault::Label {
-                expected: "0, 1",
-                found: found.clone(),
-            },
-            Fault::Array {
-                expected: "(n, 8)",
-                found: found.clone(),
-            },
             Fault::Npy(found.clone()),
             Fault::Partner(found.clone()),
             Fault::Json(found.clone()),
-            Fault::Column {
-                expected: "gt".into(),
-                found,
-            },
+            Fault::Array { expected, found },
         ] {
             let message = fault.to_string();
             assert!(message.len() < 400, "{} bytes", message.len());
             assert!(message.contains("xxxx"), "{message}");
-        }
-    }
-
-    #[test]
-    fn a_message_never_holds_a_control_character() {
-        let found = "\u{1b}[2J\u{9b}31m\u{202e}\r".to_owned();
-        for fault in [
-            Fault::Npy(found.clone()),
-            Fault::Array {
-                expected: "(n, 8)",
-                found: found.clone(),
-            },
-            Fault::Json(found),
-        ] {
-            let message = fault.to_string();
             let raw = |c: char| c.is_control() || c == '\u{202e}';
             assert!(!message.contains(raw), "{message:?}");
         }

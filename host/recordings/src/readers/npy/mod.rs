@@ -208,17 +208,8 @@ mod tests {
     fn a_cut_file_says_how_many_bytes_are_missing() {
         let whole = encode("<i8", &[2, 8], &[0; 128]);
         let damage = parse(&whole[..whole.len() - 3]).unwrap_err();
-        let expected = whole.len() as u64;
-        assert_eq!(
-            damage,
-            Damage::at_byte(
-                expected - 3,
-                Fault::Length {
-                    expected,
-                    found: expected - 3
-                }
-            )
-        );
+        let words = "byte 253: expected 256 bytes, found 253";
+        assert!(damage.to_string().starts_with(words), "{damage}");
     }
 
     #[test]

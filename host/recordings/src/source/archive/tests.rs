@@ -84,14 +84,14 @@ fn a_name_that_leads_out_refuses_the_archive_and_writes_nothing_outside() {
         let bytes = tar(&[(name, b"x")]);
         let (folder, result) = unpacked(&bytes, bounds());
         assert!(
-            matches!(result, Err(FetchError::Escapes { .. })),
+            matches!(result, Err(FetchError::Escapes(_))),
             "{name}: {result:?}"
         );
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2, "{name}");
         assert!(!Path::new(absolute).exists());
         let (_folder, result) = unpacked(&zip(&[(name, b"x")]), bounds());
         assert!(
-            matches!(result, Err(FetchError::Escapes { .. })),
+            matches!(result, Err(FetchError::Escapes(_))),
             "{name}: {result:?}"
         );
     }
@@ -146,10 +146,7 @@ fn bytes_are_counted_as_they_come_and_files_too() {
 #[test]
 fn the_same_name_twice_is_refused() {
     let (_folder, result) = unpacked(&tar(&[("a", b"1"), ("./a", b"2")]), bounds());
-    assert!(
-        matches!(result, Err(FetchError::Twice { .. })),
-        "{result:?}"
-    );
+    assert!(matches!(result, Err(FetchError::Twice(_))), "{result:?}");
 }
 
 #[test]
