@@ -34,7 +34,7 @@ fn labels(runs: &Value) -> Vec<Option<Intent>> {
 /// Returns the verdicts as the reference writes them.
 fn codes(result: &Result<TransitionScore, EvaluationError>) -> Value {
     match result {
-        Err(EvaluationError::SingleSampleLabel { .. }) => Value::from("no_change_in_truth_buffer"),
+        Err(EvaluationError::SingleSampleLabel(_)) => Value::from("no_change_in_truth_buffer"),
         Err(other) => Value::from(other.to_string()),
         Ok(score) if score.events() == 0 => {
             let held = score.constant.held == score.constant.count;

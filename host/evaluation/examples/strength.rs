@@ -67,9 +67,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     judge("the same, label given", &|_, squeeze| {
         given(&squeeze.samples)
     });
-    judge("mean of \\|x\\|, smoothed alike", &|_, squeeze| {
-        loudness(squeeze)
-    });
     judge("linear, fitted on others", &|person, squeeze| {
         let others = people.iter().filter(|(other, _)| *other != person);
         let rows = others
@@ -169,18 +166,6 @@ fn given(samples: &[Sample]) -> Vec<f64> {
         newest
     };
     samples.chunks_exact(PATCH).enumerate().map(patch).collect()
-}
-
-/// Mean of |x| over electrodes, as a share of the recording's largest.
-fn loudness(squeeze: &Squeeze) -> Vec<f64> {
-    let mut level = 0.0;
-    let levels = squeeze.inputs.iter().map(|inputs| {
-        level += (mean(inputs[..CHANNELS].iter().copied()) - level) / 4.0;
-        level
-    });
-    let levels: Vec<f64> = levels.collect();
-    let most = levels.iter().copied().fold(0.0, f64::max);
-    levels.into_iter().map(|level| level / most).collect()
 }
 
 /// |x| of each electrode in the newest patches, and a constant.

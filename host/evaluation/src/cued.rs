@@ -58,27 +58,11 @@ mod tests {
 
     #[test]
     fn a_gesture_without_a_label_is_left_out() {
-        let (r, c) = (Some(Intent::Relax), Some(Intent::Close));
-        let labels = [(r, 400), (c, 400), (r, 400), (c, 400), (r, 400)];
-        let published: Vec<_> = labels
-            .iter()
-            .flat_map(|&(label, count)| vec![label; count])
-            .collect();
-        let mut recording = EvaluatedRecording {
-            data_set: DataSet::named("ss-stm"),
-            subject: "ss-stm/sub1".to_owned(),
-            name: "M8T1".to_owned(),
-            raw: Vec::new(),
-            emg: Vec::new(),
-            normalized: Vec::new(),
-            lag_compensated: published.clone(),
-            published: Some(published),
-            other_movement: Vec::new(),
-        };
-        let both = cued([&recording])[&DataSet::named("ss-stm")];
+        let mut recording = EvaluatedRecording::made_up("a", &[0, 2, 0, 2, 0]);
+        let both = cued([&recording])[&recording.data_set];
         assert_eq!((both, both.left_out()), (Cued { cued: 2, scored: 2 }, 0));
         recording.lag_compensated[400..900].fill(None);
-        let one = cued([&recording])[&DataSet::named("ss-stm")];
+        let one = cued([&recording])[&recording.data_set];
         assert_eq!((one, one.left_out()), (Cued { cued: 2, scored: 1 }, 1));
         // Spliced recordings have no cues that a person was asked for.
         recording.published = None;

@@ -24,13 +24,10 @@ pub enum EvaluationError {
     NarrowBuffer(usize),
     /// A true label of a single sample: its change cannot have a buffer.
     #[error(
-        "expected true labels of at least two samples, found one of a single sample at {at}: \
+        "expected true labels of at least two samples, found one of a single sample at {0}: \
          join it to its neighbours"
     )]
-    SingleSampleLabel {
-        /// The sample.
-        at: usize,
-    },
+    SingleSampleLabel(usize),
     /// The smoother's settings are invalid.
     #[error(transparent)]
     Smoother(#[from] SettingsError),
@@ -38,11 +35,8 @@ pub enum EvaluationError {
     #[error("no model to evaluate: give a model file")]
     NoModel,
     /// Two models of one name, or a model of a floor's.
-    #[error("two rows of the results would be named {name}: rename a model")]
-    SameName {
-        /// The name.
-        name: String,
-    },
+    #[error("two rows of the results would be named {0}: rename a model")]
+    SameName(String),
     /// Model files of different classes side by side.
     #[error("{first} and {other} have different classes: evaluate them one at a time")]
     DifferentClasses {
@@ -83,34 +77,22 @@ pub enum EvaluationError {
     },
     /// No person can be aligned.
     #[error(
-        "none of {people} people opens the hand twice in these recordings: leave out --align, or give others"
+        "none of {0} people opens the hand twice in these recordings: leave out --align, or give others"
     )]
-    NobodyOpens {
-        /// People who could be evaluated otherwise.
-        people: usize,
-    },
+    NobodyOpens(usize),
     /// No person can be calibrated.
     #[error(
-        "none of {people} people holds each gesture {SET_ASIDE} times for half a second: leave out --calibrate, or give others"
+        "none of {0} people holds each gesture {SET_ASIDE} times for half a second: leave out --calibrate, or give others"
     )]
-    NobodyHolds {
-        /// People who could be evaluated otherwise.
-        people: usize,
-    },
+    NobodyHolds(usize),
     /// Several people, or nobody of the name given.
-    #[error("the recordings are of {}: say whose are meant with --subject", .found.join(", "))]
-    Whose {
-        /// Names of the people.
-        found: Vec<String>,
-    },
+    #[error("the recordings are of {}: say whose are meant with --subject", _0.join(", "))]
+    Whose(Vec<String>),
     /// Too few holds to calibrate a model.
     #[error(
-        "found {found} labelled holds of each gesture of half a second or more, with rest between them; {FEWEST_ROUNDS} are needed: record more"
+        "found {0} labelled holds of each gesture of half a second or more, with rest between them; {FEWEST_ROUNDS} are needed: record more"
     )]
-    FewRounds {
-        /// Rounds found.
-        found: usize,
-    },
+    FewRounds(usize),
     /// A person's holds teach nothing.
     #[error("{subject}: {refusal}")]
     NotCalibrated {

@@ -167,9 +167,7 @@ pub fn evaluate_models(
         let people = openings_of(&recordings);
         left_out_openings = leave_out(&mut subjects, &people);
         if subjects.is_empty() {
-            return Err(EvaluationError::NobodyOpens {
-                people: left_out_openings.len(),
-            });
+            return Err(EvaluationError::NobodyOpens(left_out_openings.len()));
         }
         aligned = align(&named, &people, &worn, selection.arm_told)?;
         let is_left = |own: &EvaluatedRecording| people.contains_key(&own.subject);
@@ -183,9 +181,7 @@ pub fn evaluate_models(
         let people = people_of(&recordings, vocabulary);
         left_out_holds = leave_out(&mut subjects, &people);
         if subjects.is_empty() {
-            return Err(EvaluationError::NobodyHolds {
-                people: left_out_holds.len(),
-            });
+            return Err(EvaluationError::NobodyHolds(left_out_holds.len()));
         }
         calibrations = calibrated(&named, &recordings, &people, lesson)?;
         set_aside(&mut recordings, &people);

@@ -36,6 +36,4 @@ pub struct Evaluation {
     pub candidates: Vec<Candidate>,
     /// Whether all models are the run's own, so that the results are kept in its folder.
     pub is_kept: bool,
-    /// The model file, if there is one.
-    pub model: Option<Vec<u8>>,
 }

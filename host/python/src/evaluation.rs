@@ -53,7 +53,7 @@ pub fn evaluate(
         .detach(|| {
             let evaluation = evaluate_models(models, &library, &selection)?;
             if let Some(page) = report {
-                model_report::write(&evaluation, models, &path.display().to_string(), &page)?;
+                model_report::write(&evaluation, &path.display().to_string(), &page)?;
             }
             Ok(evaluation)
         })

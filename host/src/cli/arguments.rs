@@ -42,9 +42,6 @@ pub(in crate::cli) struct OwnModel {
 
 impl OwnModel {
     /// Reads the model file and the recordings.
-    ///
-    /// # Errors
-    /// When the file to write exists, or the model or the recordings are refused.
     pub(in crate::cli) fn read(&self) -> anyhow::Result<(Vec<u8>, Library)> {
         refuse_existing(&self.out)?;
         let bytes = read_model(&self.model)?;
@@ -62,9 +59,6 @@ pub(in crate::cli) const IMU: &str = "Ask for the armband's movement too: orient
     its own USB alone: a UART has no room for it.";
 
 /// Loads all recordings at or below some paths, of every data set.
-///
-/// # Errors
-/// When nothing can be read at one of them, two recordings have one name, or a file is damaged and `strict`.
 pub(crate) fn recordings_of(
     paths: &[impl AsRef<Path>],
     strict: bool,

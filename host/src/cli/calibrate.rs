@@ -39,9 +39,6 @@ pub(super) struct Kept {
 }
 
 /// Calibrates the model, and writes it unless it is worse.
-///
-/// # Errors
-/// When the model or the recordings are refused, there is a file already, or the new head is worse.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let OwnModel {
         model,

@@ -155,9 +155,6 @@ fn vocabulary(text: &str) -> Result<Vocabulary, String> {
 }
 
 /// Runs `myointent data`.
-///
-/// # Errors
-/// If recordings cannot be read or written.
 pub(super) fn run(command: Command) -> anyhow::Result<()> {
     match command {
         Command::Inspect(args) => inspect(&args),

@@ -51,9 +51,6 @@ pub struct Arguments {
 }
 
 /// Evaluates models and writes or prints their scores.
-///
-/// # Errors
-/// When a model is missing or damaged, or a run is to be evaluated and the program was built without training.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if !arguments.models.data.is_empty() {
         let width = (!arguments.json).then_some(&arguments.width);

@@ -45,9 +45,6 @@ pub(in crate::cli) struct PeopleArguments {
 
 impl PeopleArguments {
     /// Loads the recordings at or below some paths.
-    ///
-    /// # Errors
-    /// Errors of [`recordings_of`].
     pub(in crate::cli) fn recordings(&self, paths: &[impl AsRef<Path>]) -> anyhow::Result<Library> {
         recordings_of(paths, self.strict, self.as_recorded)
     }
@@ -140,9 +137,6 @@ fn turn(text: &str) -> Result<Turn, String> {
 }
 
 /// Evaluates model files on the recordings of the options. Without a `width` prints JSON instead of tables.
-///
-/// # Errors
-/// When a model or the recordings are refused, nobody is left, or a file cannot be written.
 pub(in crate::cli) fn run(
     models: &[PathBuf],
     options: &Options,
@@ -175,7 +169,6 @@ pub(in crate::cli) fn run(
     let data = options.data.iter().map(|path| path.display().to_string());
     model_report::write(
         &evaluation,
-        &models,
         &data.collect::<Vec<_>>().join(", "),
         &options.report,
     )?;

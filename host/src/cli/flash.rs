@@ -56,9 +56,6 @@ pub struct Arguments {
 }
 
 /// Copies firmware, model or both, waits for the board and binds an armband.
-///
-/// # Errors
-/// When there is no board or not the right one, a file is refused, the board does not run what was copied, or no armband is bound.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let content = arguments.content()?;
     let mut out = std::io::stdout();

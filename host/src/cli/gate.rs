@@ -48,9 +48,6 @@ pub(super) fn reaction(name: &str) -> Result<Reaction, String> {
 }
 
 /// Writes the model file with its new operating point.
-///
-/// # Errors
-/// When the model or a margin is refused, or the file cannot be written.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let path = &arguments.model;
     if let Some(out) = &arguments.out {

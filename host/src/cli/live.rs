@@ -127,10 +127,6 @@ fn receiver(text: &str) -> Result<String, String> {
 }
 
 /// Serves the page, or writes lines of JSON, until Ctrl-C.
-///
-/// # Errors
-/// When the model is refused, the recording cannot be read, the address cannot be listened on, the receiver's name is not known or
-/// nobody reads the lines any more.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let model = arguments.model.as_deref().map(read_model).transpose()?;
     let source = arguments
@@ -172,9 +168,6 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 
 impl SourceArguments {
     /// Builds the source; `name` chooses among the recordings of a path, whose channels may stay as recorded.
-    ///
-    /// # Errors
-    /// When the recording cannot be read, or the program was built without the Bluetooth that is asked for.
     pub(super) fn source(&self, name: Option<&str>, as_recorded: bool) -> anyhow::Result<Source> {
         if let Some(path) = &self.replay {
             let recording = recording_of(path, name, as_recorded)?;
@@ -194,9 +187,6 @@ impl SourceArguments {
 }
 
 /// Serves a page until Ctrl-C.
-///
-/// # Errors
-/// When the model is refused or the address cannot be listened on.
 pub(super) fn serve(
     address: IpAddr,
     port: Option<u16>,

@@ -113,7 +113,6 @@ enum Command {
 
 impl Cli {
     /// Parses the command line of this process, or ends it with an error.
-    #[must_use]
     pub fn from_command_line() -> Self {
         Self::try_parse().unwrap_or_else(|error| match absent::advice(&error) {
             Some(advice) => {
@@ -125,7 +124,6 @@ impl Cli {
     }
 
     /// Runs the command and returns its exit code; an error is printed on standard error.
-    #[must_use]
     pub fn run(self) -> ExitCode {
         crate::declare_revision();
         interrupt::outlive_file_limit();
@@ -183,7 +181,6 @@ impl Command {
 }
 
 /// Exit code: 130 after Ctrl-C, 2 for wrong arguments, 3 if a tuned or calibrated model is worse, 1 after any other failure.
-#[must_use]
 pub fn exit_code(error: &anyhow::Error, interrupted: bool) -> ExitCode {
     if interrupted {
         ExitCode::from(130)
@@ -197,7 +194,6 @@ pub fn exit_code(error: &anyhow::Error, interrupted: bool) -> ExitCode {
 }
 
 /// Whether the user interrupted.
-#[must_use]
 pub fn is_interrupt(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| {
         #[cfg(feature = "train")]
@@ -227,7 +223,6 @@ fn is_wrong_argument(error: &anyhow::Error) -> bool {
 }
 
 /// Whether the reader has closed the output: `myointent replay ... | head` is not a failure.
-#[must_use]
 pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
     error
         .chain()

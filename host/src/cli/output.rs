@@ -23,9 +23,6 @@ pub(super) struct Width {
 
 impl Width {
     /// Prints tables.
-    ///
-    /// # Errors
-    /// When the reader has closed the output.
     pub(super) fn print(&self, tables: &[Table], out: &mut impl Write) -> io::Result<()> {
         for table in tables {
             writeln!(out, "{}", table.text(self.wide))?;
@@ -47,19 +44,14 @@ pub(super) const PAGE: &[u8] = b"<!DOCTYPE html>";
 #[derive(Debug, Error)]
 pub(super) enum OutputError {
     /// A file of that name exists.
-    #[error("{path} exists already: give another name with --out, or remove it")]
-    Exists {
-        /// The file.
-        path: PathBuf,
-    },
+    #[error("{} exists already: give another name with --out, or remove it", _0.display())]
+    Exists(PathBuf),
     /// The file of that name is of another kind.
     #[error(
-        "{path} exists already, and it is no earlier output of this command: give another name, or remove it"
+        "{} exists already, and it is no earlier output of this command: give another name, or remove it",
+        _0.display()
     )]
-    Unlike {
-        /// The file.
-        path: PathBuf,
-    },
+    Unlike(PathBuf),
     /// The file of that name cannot be read.
     #[error("{path} cannot be replaced: {source}; give another name")]
     Unreadable {
@@ -71,13 +63,9 @@ pub(super) enum OutputError {
 }
 
 /// Refuses the name of a model file if it is taken.
-///
-/// # Errors
-/// [`OutputError::Exists`].
 pub(super) fn refuse_existing(path: &Path) -> Result<(), OutputError> {
     if path.symlink_metadata().is_ok() {
-        let path = path.to_owned();
-        return Err(OutputError::Exists { path });
+        return Err(OutputError::Exists(path.to_owned()));
     }
     Ok(())
 }
@@ -91,9 +79,7 @@ pub(super) fn refuse_unlike(path: &Path, start: &[u8]) -> Result<(), OutputError
         path: path.to_owned(),
         source,
     };
-    let unlike = || OutputError::Unlike {
-        path: path.to_owned(),
-    };
+    let unlike = || OutputError::Unlike(path.to_owned());
     match path.metadata() {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
         Err(error) => return Err(unreadable(error)),
@@ -114,9 +100,6 @@ pub(super) fn refuse_unlike(path: &Path, start: &[u8]) -> Result<(), OutputError
 }
 
 /// File of a recording in a folder with a file for each: data-set/person/name, with an ending.
-///
-/// # Errors
-/// When the name leads out of the folder.
 pub(super) fn file_of(
     recording: &Recording,
     folder: &Path,
@@ -154,10 +137,10 @@ mod tests {
         for other in ["", "label", "gt,emg_0\n0,1\n"] {
             std::fs::write(&path, other).unwrap();
             let error = refuse_unlike(&path, start).unwrap_err();
-            assert!(matches!(error, OutputError::Unlike { .. }), "{error}");
+            assert!(matches!(error, OutputError::Unlike(_)), "{error}");
         }
         let error = refuse_unlike(folder.path(), start).unwrap_err();
-        assert!(matches!(error, OutputError::Unlike { .. }), "{error}");
+        assert!(matches!(error, OutputError::Unlike(_)), "{error}");
         assert!(refuse_existing(&path).is_err());
         assert!(refuse_existing(&folder.path().join("new")).is_ok());
     }

@@ -16,9 +16,6 @@ pub struct Arguments {
 }
 
 /// Lists the built-in presets or prints one.
-///
-/// # Errors
-/// When there is no such preset.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut out = std::io::stdout().lock();
     if let Some(name) = &arguments.name {

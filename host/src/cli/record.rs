@@ -94,9 +94,6 @@ fn person(name: &str) -> Result<String, String> {
 }
 
 /// Serves the page until Ctrl-C. First makes recordings of the journals that earlier sessions of the person left behind.
-///
-/// # Errors
-/// When protocol or model are refused, the source cannot be read or the address cannot be listened on.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let protocol = Protocol::find(&arguments.protocol)?;
     if arguments.unattended && matches!(protocol.course, Course::Free { .. }) {
@@ -182,9 +179,6 @@ fn told(kept: &Conversion) -> String {
 }
 
 /// Lists the built-in protocols or prints one.
-///
-/// # Errors
-/// When there is no such protocol, or something is wrong with it.
 pub(super) fn protocols(arguments: &ProtocolArguments) -> anyhow::Result<()> {
     let mut out = std::io::stdout().lock();
     if let Some(name) = &arguments.name {

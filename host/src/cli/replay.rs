@@ -75,9 +75,6 @@ pub struct Arguments {
 }
 
 /// Replays a recording.
-///
-/// # Errors
-/// When the model is refused or the recording cannot be read.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let path = &arguments.model;
     let bytes = read_model(path)?;
@@ -138,9 +135,6 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 /// Number of samples before the first label of a model, found by running the pipeline on silence.
-///
-/// # Errors
-/// When the model is refused.
 fn first_label(model: &Model<'_>) -> anyhow::Result<String> {
     let mut first = None;
     let silence = vec![[0; CHANNELS]; 2 * WINDOW];
@@ -301,6 +295,24 @@ mod tests {
     use shared::stream::strength::Percent;
     use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
 
+    /// Lines of a replay.
+    fn lines(bytes: &[u8], samples: &[Sample], start: Start) -> Vec<String> {
+        let model = Model::parse(bytes).unwrap();
+        let mut lines = Vec::new();
+        replay(&model, samples, start, |line| {
+            lines.push(line.to_owned());
+            Ok(())
+        })
+        .unwrap();
+        lines
+    }
+
+    /// Lines of 4.5 s of the shipped model.
+    fn shipped(start: Start) -> Vec<String> {
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/three-class.intent");
+        lines(&std::fs::read(file).unwrap(), &[[1; CHANNELS]; 900], start)
+    }
+
     #[test]
     fn an_alignment_is_reported_from_the_first_line_on() {
         let dimensions = Dimensions {
@@ -313,18 +325,11 @@ mod tests {
         let mut parts = random_model(dimensions, 1);
         let mut begun = |template| {
             parts.template = template;
-            let bytes = parts.to_bytes().unwrap();
-            let model = Model::parse(&bytes).unwrap();
-            let mut lines = Vec::new();
             let start = Start {
                 align: Some(Arm::Unknown),
                 ..Start::default()
             };
-            replay(&model, &[[0; 8]; 4], start, |line| {
-                lines.push(line.to_owned());
-                Ok(())
-            })
-            .unwrap();
+            let lines = lines(&parts.to_bytes().unwrap(), &[[0; 8]; 4], start);
             let report = AlignmentReport::parse(lines[1].as_bytes()).unwrap();
             assert_eq!((lines.len(), report.sequence), (2, 1));
             report.state
@@ -336,72 +341,50 @@ mod tests {
 
     #[test]
     fn lines_have_the_strength_on_request_and_are_else_the_same() {
-        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/three-class.intent");
-        let bytes = std::fs::read(file).unwrap();
-        let model = Model::parse(&bytes).unwrap();
         let reports = |strength| {
-            let mut reports = Vec::new();
-            let start = Start {
+            let lines = shipped(Start {
                 strength,
                 ..Start::default()
-            };
-            replay(&model, &[[1; CHANNELS]; 900], start, |line| {
-                reports.push(Report::parse(line.as_bytes()).unwrap());
-                Ok(())
-            })
-            .unwrap();
-            reports
+            });
+            let reports = lines.iter().map(|line| Report::parse(line.as_bytes()));
+            reports.collect::<Result<Vec<_>, _>>().unwrap()
         };
         let (plain, strong) = (reports(false), reports(true));
-        assert!(
-            strong
-                .iter()
-                .all(|report| report.strength == Some(Percent::ZERO))
-        );
+        let zero = Some(Percent::ZERO);
+        assert!(strong.iter().all(|report| report.strength == zero));
         let stripped = strong.into_iter().map(Report::without_strength);
         assert_eq!(stripped.collect::<Vec<_>>(), plain);
     }
 
     #[test]
     fn a_lock_shows_no_label_without_its_sign() {
-        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/three-class.intent");
-        let bytes = std::fs::read(file).unwrap();
-        let model = Model::parse(&bytes).unwrap();
-        let lines = |lock| {
-            let (mut labels, mut locked) = (0, 0);
-            let start = Start {
+        let found = |lock| {
+            let lines = shipped(Start {
                 lock,
                 ..Start::default()
-            };
-            replay(&model, &[[1; CHANNELS]; 900], start, |line| {
-                labels += usize::from(line.starts_with("$LABEL"));
-                locked += usize::from(line.contains(LOCKED));
-                Ok(())
-            })
-            .unwrap();
-            (labels, locked)
+            });
+            let labels = lines.iter().filter(|line| line.starts_with("$LABEL"));
+            let locked = lines.iter().filter(|line| line.contains(LOCKED));
+            (labels.count(), locked.count())
         };
-        let (labels, locked) = lines(false);
+        let (labels, locked) = found(false);
         assert!(labels > 0 && locked == 0, "{labels} {locked}");
-        assert_eq!(lines(true), (0, 1));
+        assert_eq!(found(true), (0, 1));
     }
 
     #[test]
     fn name_takes_what_inspect_prints() {
         let folder = tempfile::tempdir().unwrap();
-        for file in ["s1_a.csv", "s1_b.csv"] {
-            let text = "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n0,1,2,3,4,5,6,7,8\n";
-            std::fs::create_dir_all(folder.path().join("s1")).unwrap();
-            std::fs::write(folder.path().join("s1").join(file), text).unwrap();
+        let text = "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n0,1,2,3,4,5,6,7,8\n";
+        std::fs::create_dir(folder.path().join("s1")).unwrap();
+        for file in ["s1/s1_a.csv", "s1/s1_b.csv"] {
+            std::fs::write(folder.path().join(file), text).unwrap();
         }
         let library = load(folder.path(), &LoadOptions::default()).unwrap();
         let inspection = Inspection::new(&library);
-        let short = inspection
-            .findings
-            .iter()
-            .find(|group| group.kind == "short")
-            .unwrap();
-        let printed = &short.which[1];
+        let mut findings = inspection.findings.iter();
+        let short = findings.find(|group| group.kind == "short");
+        let printed = &short.unwrap().which[1];
         let found = one_recording(folder.path(), Some(printed)).unwrap();
         assert_eq!(found.name, "s1_b");
         let error = one_recording(folder.path(), None).unwrap_err().to_string();

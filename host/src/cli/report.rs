@@ -66,9 +66,6 @@ pub struct Arguments {
 }
 
 /// Writes the page and prints its tables.
-///
-/// # Errors
-/// When a run was not evaluated, a model or the recordings are refused, nobody is left, or the page cannot be written.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.reported.len() > MOST_ENTRIES {
         bail!(
@@ -174,7 +171,7 @@ fn model(
     }?;
     warn(&evaluation.results);
     Ok(Reported::Model(Box::new(ReportedModel {
-        model,
+        name: model.name,
         folder,
         evaluation,
     })))

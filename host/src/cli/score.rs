@@ -78,9 +78,6 @@ pub struct Arguments {
 }
 
 /// Runs `myointent score`.
-///
-/// # Errors
-/// If a file cannot be read or the two do not fit.
 pub(super) fn run(args: Arguments) -> anyhow::Result<()> {
     let report = report(&args)?;
     std::io::stdout().write_all(report.as_bytes())?;

@@ -47,9 +47,6 @@ pub struct Arguments {
 }
 
 /// Writes the model file with its template.
-///
-/// # Errors
-/// When the model or the recordings are refused, or too few of its people open the hand.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let path = &arguments.model;
     if let Some(out) = &arguments.out {
@@ -73,9 +70,6 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 ///
 /// Electrodes are in the common frame of all data sets, as in training. A constant label lag of a set is estimated on
 /// the training people among those seen.
-///
-/// # Errors
-/// When the model is refused, or fewer than three of its people open the hand in the library.
 fn model_with_template(file: &[u8], library: &Library) -> anyhow::Result<(Vec<u8>, usize)> {
     let model = Model::parse(file).map_err(EvaluationError::from)?;
     let seen: Vec<&str> = model.header.provenance.subjects_seen.iter().collect();

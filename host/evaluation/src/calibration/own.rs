@@ -49,7 +49,7 @@ pub fn calibrate_file(
         subject.is_none_or(|wanted| *own == wanted || after == Some(wanted))
     });
     let [subject] = named.collect::<Vec<_>>()[..] else {
-        return Err(EvaluationError::Whose { found: people });
+        return Err(EvaluationError::Whose(people));
     };
     let labelled = labelled(library, dimensions.vocabulary);
     let lags = lags(&labelled, LabelLag::default(), &predefined::is_training);
@@ -74,7 +74,7 @@ pub fn calibrate_on(
     let recordings: Vec<&EvaluatedRecording> = recordings.iter().collect();
     let rounds = rounds_of(&recordings, dimensions.vocabulary);
     if rounds < FEWEST_ROUNDS {
-        return Err(EvaluationError::FewRounds { found: rounds });
+        return Err(EvaluationError::FewRounds(rounds));
     }
     let parts = parts(&recordings, dimensions.vocabulary, rounds);
     let others = others && dimensions.other && parts.iter().any(|part| part.shown == Shown::Other);

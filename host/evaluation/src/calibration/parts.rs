@@ -35,7 +35,6 @@ pub struct Part {
 
 /// Number of rounds in a person's recordings: holds of the gesture that is held least often, by lag-compensated labels; 0
 /// without rest.
-#[must_use]
 pub fn rounds_of(recordings: &[&EvaluatedRecording], vocabulary: Vocabulary) -> usize {
     let holds = holds(recordings);
     let gestures = vocabulary.intents()[1..].iter();
@@ -46,7 +45,6 @@ pub fn rounds_of(recordings: &[&EvaluatedRecording], vocabulary: Vocabulary) -> 
 
 /// The first `rounds` rounds of a person's recordings, and up to six other movements, a second each, kinds in turn. At least
 /// half of the other movements are left to be judged.
-#[must_use]
 pub fn parts(
     recordings: &[&EvaluatedRecording],
     vocabulary: Vocabulary,

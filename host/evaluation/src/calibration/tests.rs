@@ -2,7 +2,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use recordings::synthetic::{SynthOptions, generate};
-use recordings::{DataSet, Library, Movement, MovementKind};
+use recordings::{Library, Movement, MovementKind};
 use shared::intent::{Intent, Vocabulary};
 
 use super::*;
@@ -37,18 +37,12 @@ fn recording(
         .flat_map(|&(label, halves)| vec![label; 100 * halves])
         .collect();
     EvaluatedRecording {
-        data_set: DataSet::SYNTHETIC,
-        subject: "synthetic/a".to_owned(),
-        name: "r".to_owned(),
-        raw: vec![[0; 8]; labels.len()],
-        emg: vec![[0; 8]; labels.len()],
-        normalized: vec![[0; 8]; labels.len()],
-        published: None,
         lag_compensated: labels,
         other_movement: others
             .iter()
             .map(|(kind, samples)| Movement::new(*kind, samples.clone()))
             .collect(),
+        ..EvaluatedRecording::made_up("synthetic/a", &[])
     }
 }
 
@@ -179,7 +173,7 @@ fn it_must_be_clear_whose_recordings_are_meant() {
     assert_eq!(found(Some(short)).unwrap(), first);
     for name in [None, Some("nobody")] {
         assert!(
-            matches!(found(name), Err(EvaluationError::Whose { .. })),
+            matches!(found(name), Err(EvaluationError::Whose(_))),
             "{name:?}"
         );
     }

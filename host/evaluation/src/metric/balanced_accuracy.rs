@@ -40,7 +40,6 @@ impl Recalls {
     }
 
     /// Sum of both counts.
-    #[must_use]
     pub fn plus(mut self, other: &Self) -> Self {
         for class in 0..MAX_CLASSES {
             self.samples[class] += other.samples[class];
@@ -50,14 +49,12 @@ impl Recalls {
     }
 
     /// Recall of a class, 0..=1; none if the truth does not contain it.
-    #[must_use]
     pub fn recall(&self, intent: Intent) -> Option<f64> {
         let samples = self.samples[intent.class()];
         (samples > 0).then(|| self.correct[intent.class()] as f64 / samples as f64)
     }
 
     /// Balanced accuracy, 0..=1; none if the truth has fewer than two classes.
-    #[must_use]
     pub fn balanced_accuracy(&self) -> Option<f64> {
         let recalls: Vec<f64> = Intent::ALL
             .into_iter()

@@ -16,7 +16,6 @@ pub struct Confusion {
 
 impl Confusion {
     /// A matrix of zeros.
-    #[must_use]
     pub fn new(vocabulary: Vocabulary) -> Self {
         let classes = vocabulary.classes();
         Self {

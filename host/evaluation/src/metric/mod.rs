@@ -38,7 +38,6 @@ fn stretches(truth: &[Option<Intent>]) -> Vec<Range<usize>> {
 ///
 /// With look-ahead, the last samples of a recording never get a label. The reference removes them before
 /// it scores.
-#[must_use]
 pub fn predicted_length(prediction: &[Option<Intent>]) -> usize {
     prediction
         .iter()

@@ -24,7 +24,6 @@ pub struct OffsetSummary {
 }
 
 /// Statistics of signed offsets, given in samples; none without an offset.
-#[must_use]
 pub fn summary(offsets: &[i32]) -> Option<OffsetSummary> {
     let milliseconds = |samples: i32| f64::from(samples) * f64::from(SAMPLE_PERIOD_MS);
     let signed: Vec<f64> = offsets.iter().map(|&o| milliseconds(o)).collect();

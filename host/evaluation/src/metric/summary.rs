@@ -120,7 +120,6 @@ pub struct Summary {
 
 impl Summary {
     /// Summary of the scores of subjects, each given once, in any order.
-    #[must_use]
     pub fn of_subjects(mut subjects: Vec<SubjectScore>) -> Self {
         subjects.sort_by(|a, b| a.subject.cmp(&b.subject));
         let mean = |of: fn(&SubjectScore) -> Option<f64>| {
@@ -140,7 +139,6 @@ impl Summary {
 }
 
 /// Summary of the scores of recordings, per subject and over subjects.
-#[must_use]
 pub(crate) fn summary(scores: &[RecordingScore]) -> Summary {
     let mut by_subject: BTreeMap<&str, Vec<&RecordingScore>> = BTreeMap::new();
     for score in scores {

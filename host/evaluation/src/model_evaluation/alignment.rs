@@ -110,9 +110,6 @@ pub(super) fn openings_of(
 }
 
 /// Alignment by each person's openings of a board with each model; `arm_told`: it is told on which arm the armband is.
-///
-/// # Errors
-/// When a board would refuse a model.
 pub(super) fn align(
     models: &[(&NamedModel, &Model<'_>)],
     people: &BTreeMap<String, (Openings, Vec<usize>)>,
@@ -159,9 +156,6 @@ pub(super) fn align(
 
 /// Report with which a board ends an alignment by these openings, or none if it still waits for more at their end; and
 /// the number of openings that it took. The board is switched on with their first sample.
-///
-/// # Errors
-/// When the board would refuse the model.
 fn answer(
     model: &Model<'_>,
     openings: &Openings,
@@ -211,9 +205,6 @@ pub(super) fn leave_out_openings(
 }
 
 /// The logits of a model whose electrodes are aligned for each person.
-///
-/// # Errors
-/// When the encoder refuses the model.
 pub(super) fn aligned_candidate(
     name: &str,
     model: &Model<'_>,

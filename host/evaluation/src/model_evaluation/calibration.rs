@@ -72,9 +72,6 @@ fn own<'r>(recordings: &'r [EvaluatedRecording], places: &[usize]) -> Vec<&'r Ev
 }
 
 /// Calibrates each model by each person.
-///
-/// # Errors
-/// When a model is refused.
 pub(super) fn calibrated(
     models: &[(&NamedModel, &Model<'_>)],
     recordings: &[EvaluatedRecording],
@@ -113,9 +110,6 @@ pub(super) fn calibrated(
 }
 
 /// Activations a minute of daily life with a head, or with the model's own: mean over people; `None` without any.
-///
-/// # Errors
-/// When the model is refused.
 fn daily_per_minute(
     model: &Model<'_>,
     head: Option<&Head>,
@@ -154,9 +148,6 @@ pub(super) fn set_aside(recordings: &mut [EvaluatedRecording], people: &People) 
 }
 
 /// Candidate of a model with each person's head.
-///
-/// # Errors
-/// When the encoder refuses the model.
 pub(super) fn calibrated_candidate(
     name: &str,
     model: &Model<'_>,

@@ -52,9 +52,6 @@ pub fn is_taken(name: &str) -> bool {
 }
 
 /// Refuses models whose rows could not be told apart.
-///
-/// # Errors
-/// [`EvaluationError::SameName`].
 pub(super) fn distinct(models: &[NamedModel]) -> Result<(), EvaluationError> {
     let mut names = BTreeSet::new();
     let same = models
@@ -62,9 +59,7 @@ pub(super) fn distinct(models: &[NamedModel]) -> Result<(), EvaluationError> {
         .find(|model| is_taken(&model.name) || !names.insert(&model.name));
     match same {
         None => Ok(()),
-        Some(model) => Err(EvaluationError::SameName {
-            name: model.name.clone(),
-        }),
+        Some(model) => Err(EvaluationError::SameName(model.name.clone())),
     }
 }
 
@@ -92,9 +87,6 @@ pub fn beside(
 }
 
 /// The classes of all models.
-///
-/// # Errors
-/// When there is no model, or two have different classes.
 pub(super) fn common_vocabulary(
     models: &[NamedModel],
     parsed: &[Model<'_>],

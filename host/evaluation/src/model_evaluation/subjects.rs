@@ -28,9 +28,6 @@ pub(super) struct LeftOut {
 }
 
 /// The people to evaluate, and those who are not.
-///
-/// # Errors
-/// When a name is unknown or nobody is left.
 pub(super) fn subjects(
     models: &[NamedModel],
     parsed: &[Model<'_>],

@@ -36,8 +36,6 @@ pub(super) struct Entry<'a> {
     pub look_ahead: LookAhead,
     /// Learning curves.
     pub panels: Vec<Panel>,
-    /// The model file, if it is one.
-    pub bytes: Option<&'a [u8]>,
 }
 
 impl<'a> Entry<'a> {

@@ -5,7 +5,6 @@
 
 mod calibrations;
 pub mod cell;
-mod device;
 mod entry;
 pub mod model_report;
 mod page;

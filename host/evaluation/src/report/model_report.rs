@@ -12,24 +12,19 @@ use super::run_report::PEOPLE;
 use super::scores::{differences, emitted, narrow, table};
 use super::{Fact, Table, labels};
 use crate::model_evaluation::{
-    AlignedSubject, EvaluatedModel, EvaluatedSubject, ModelEvaluation, ModelResults, NamedModel,
-    SEEN, Turn, Worn,
+    AlignedSubject, EvaluatedModel, EvaluatedSubject, ModelEvaluation, ModelResults, SEEN, Turn,
+    Worn,
 };
 use crate::{EvaluationError, Score, System};
 use shared::uart_line::alignment::AlignmentState;
 
-/// Writes the report to `page`. `data` names the recordings; `models` are those that were evaluated.
+/// Writes the report to `page`. `data` names the recordings.
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn write(
-    evaluation: &ModelEvaluation,
-    models: &[NamedModel],
-    data: &str,
-    page: &Path,
-) -> Result<(), EvaluationError> {
+pub fn write(evaluation: &ModelEvaluation, data: &str, page: &Path) -> Result<(), EvaluationError> {
     let results = &evaluation.results;
-    let entries = entries(evaluation, models);
+    let entries = entries(evaluation);
     let names: Vec<&str> = entries.iter().map(|entry| &entry.name[..]).collect();
     let mut provenance = vec![(String::new(), facts(results))];
     let of_entry = |entry: &Entry<'_>| (entry.name.clone(), entry.facts.clone());
@@ -67,13 +62,10 @@ pub(super) fn notes() -> Vec<String> {
 }
 
 /// The models of an evaluation; aligned ones stand beside the first.
-pub(super) fn entries<'a>(
-    evaluation: &'a ModelEvaluation,
-    models: &'a [NamedModel],
-) -> Vec<Entry<'a>> {
+pub(super) fn entries(evaluation: &ModelEvaluation) -> Vec<Entry<'_>> {
     let results = &evaluation.results;
     let rows = rows(results);
-    let with = |wanted: &dyn Fn(&System) -> bool| -> Vec<Row<'a>> {
+    let with = |wanted: &dyn Fn(&System) -> bool| -> Vec<Row<'_>> {
         let rows = rows.iter().filter(|own| wanted(&own.model));
         rows.cloned().collect()
     };
@@ -90,7 +82,6 @@ pub(super) fn entries<'a>(
             vocabulary: evaluation.vocabulary,
             look_ahead: model.look_ahead,
             panels: Vec::new(),
-            bytes: models.get(at).map(|named| &named.bytes[..]),
         })
         .collect()
 }

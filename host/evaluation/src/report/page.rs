@@ -7,11 +7,8 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use recordings::statistics::{FEWEST, MeanSd};
 
 use super::cell::{median, none, rate};
-use super::device;
 use super::entry::Entry;
-use super::pictures::{
-    INK, MUTED, STYLE, charts, confusion, entry_colour, overview, people, timeline,
-};
+use super::pictures::{INK, MUTED, STYLE, charts, confusion, entry_colour, overview, timeline};
 use super::row::{Row, over_all};
 use super::scores::estimated;
 use super::table::Table;
@@ -53,10 +50,6 @@ type Section = (&'static str, &'static str, Markup);
 
 impl<'s> Page<'s> {
     /// Writes the page to `path`, under a temporary name first and renamed when whole.
-    ///
-    /// # Errors
-    /// [`EvaluationError::Run`] when the file system refuses; when labels cannot be compared or the smoother's settings
-    /// are invalid.
     pub(super) fn write(&self, path: &Path) -> Result<(), EvaluationError> {
         Ok(write_whole(path, self.html()?.as_bytes())?)
     }
@@ -93,12 +86,7 @@ impl<'s> Page<'s> {
     fn sections(&self) -> Result<Vec<Section>, EvaluationError> {
         let entries = self.entries;
         let rows = overview_rows(entries);
-        let named = |entry: &'s Entry<'s>| (&entry.name[..], entry.everybody());
-        let scores: Vec<_> = entries.iter().map(named).collect();
-        let floors: Vec<_> = entries.iter().flat_map(Entry::energy).collect();
         let panels: Vec<_> = entries.iter().flat_map(|entry| &entry.panels).collect();
-        let file = |entry: &'s Entry<'s>| Some((&entry.name[..], entry.bytes?));
-        let devices = device::table(entries.iter().filter_map(file));
         let results = html! {
             @if !rows.is_empty() {
                 p.remark { (whose(&rows)) " Grey: floors, which need no model." }
@@ -107,19 +95,10 @@ impl<'s> Page<'s> {
             @for table in &self.tables { (table) }
         };
         let people = html! {
-            @if let Some(bars) = people::bars(&scores, &floors) { figure { (bars) } }
             @for table in &self.people_tables { (table) }
         };
         let training = html! {
             @if !panels.is_empty() { div.pair { @for panel in panels { figure { (charts::curves(panel)) } } } }
-        };
-        let device = html! {
-            @if !devices.rows.is_empty() { (devices) }
-            @if !device::all_counted(&devices) {
-                p.remark {
-                    "Instructions of a model of another shape: cargo xtask count --model FILE counts them on an emulated core."
-                }
-            }
         };
         let more = html! { @for table in &self.more_tables { (table) } };
         let provenance = html! {
@@ -135,7 +114,6 @@ impl<'s> Page<'s> {
             ("errors", "Errors", errors(entries)?),
             ("recordings", "Recordings", recordings(entries)?),
             ("training", "Training", training),
-            ("device", "Cost on a board", device),
             ("tables", "More tables", more),
             ("provenance", "What was evaluated", provenance),
             ("limits", "Limits of these numbers", limits),

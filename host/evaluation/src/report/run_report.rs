@@ -4,23 +4,22 @@ use std::path::Path;
 
 use super::Fact;
 use super::cell::number_of;
-use super::entry::{Entry, SHOWN, movement};
+use super::entry::Entry;
 use super::labels;
 use super::page::Page;
 use super::people::people_table;
 use super::pictures::charts::Panel;
-use super::pictures::{stand_alone, timeline};
 use super::row::Row;
 use super::scores::tables;
 use crate::results::{Evaluation, Results};
 use crate::{Candidate, EvaluatedRecording, EvaluationError, LookAhead, Score, System, Truth};
-use execution::run_folder::{EpochMetrics, RunError, RunFolder, write_whole};
+use execution::run_folder::{EpochMetrics, RunError, RunFolder};
 use presets::config::ResolvedConfig;
 
 /// Name of the report in a run folder.
 pub const REPORT: &str = "report.html";
 
-/// Writes the report of a run's models to `page`, and `timeline.svg`, the recording with the most movement, beside it.
+/// Writes the report of a run's models to `page`.
 ///
 /// # Errors
 /// When a file cannot be written.
@@ -37,16 +36,8 @@ pub fn write(
         return Ok(());
     };
     let recordings = &evaluation.recordings;
-    let bytes = integer.and(evaluation.model.as_deref());
-    let entry = entry(folder, config, results, candidate, recordings, bytes)?;
-    contents(config, results, std::slice::from_ref(&entry)).write(page)?;
-    let whole = |at: usize| movement(&recordings[at], &(0..recordings[at].emg.len()));
-    if let Some(at) = (0..recordings.len()).max_by_key(|&at| whole(at)) {
-        let picture = timeline::svg(&entry.timeline(at, 0..SHOWN)?);
-        let file = page.with_file_name("timeline.svg");
-        write_whole(&file, stand_alone(&picture).as_bytes())?;
-    }
-    Ok(())
+    let entry = entry(folder, config, results, candidate, recordings)?;
+    contents(config, results, std::slice::from_ref(&entry)).write(page)
 }
 
 /// The page of one run, its only entry.
@@ -75,14 +66,13 @@ pub(super) fn contents<'a>(
     }
 }
 
-/// A run on a page: `candidate` is drawn, and `bytes` is its model file.
+/// A run on a page: `candidate` is drawn.
 pub(super) fn entry<'a>(
     folder: &RunFolder,
     config: &ResolvedConfig,
     results: &'a Results,
     candidate: &'a Candidate,
     recordings: &'a [EvaluatedRecording],
-    bytes: Option<&'a [u8]>,
 ) -> Result<Entry<'a>, EvaluationError> {
     let look_ahead = candidate.condition(results.aggregation);
     let compensated = || {
@@ -112,7 +102,6 @@ pub(super) fn entry<'a>(
         vocabulary: config.preset.vocabulary(),
         look_ahead,
         panels: panels(folder)?,
-        bytes,
     })
 }
 

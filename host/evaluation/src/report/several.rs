@@ -12,7 +12,7 @@ use super::row::{Row, over_all, sort};
 use super::scores::{differences, narrow, table};
 use super::{MOST_ENTRIES, Table, people, run_report};
 use crate::EvaluationError;
-use crate::model_evaluation::{ModelEvaluation, NamedModel};
+use crate::model_evaluation::ModelEvaluation;
 use crate::results::{Evaluation, Results};
 use execution::run_folder::RunFolder;
 use presets::config::ResolvedConfig;
@@ -41,8 +41,8 @@ pub struct ReportedRun {
 
 /// A model file on any recordings.
 pub struct ReportedModel {
-    /// The file.
-    pub model: NamedModel,
+    /// Name on the page.
+    pub name: String,
     /// The run folder that it came from, for its learning curves.
     pub folder: Option<RunFolder>,
     /// Evaluation of the model alone.
@@ -54,7 +54,7 @@ impl Reported {
     pub fn name(&self) -> &str {
         match self {
             Self::Run(run) => &run.name,
-            Self::Model(own) => &own.model.name,
+            Self::Model(own) => &own.name,
         }
     }
 
@@ -62,7 +62,7 @@ impl Reported {
     fn shown_name(&self) -> String {
         match self {
             Self::Run(run) => run.name.clone(),
-            Self::Model(own) => model_report::shown_name(&own.evaluation.results, &own.model.name),
+            Self::Model(own) => model_report::shown_name(&own.evaluation.results, &own.name),
         }
     }
 
@@ -84,13 +84,10 @@ impl Reported {
                     &run.results,
                     &evaluation.candidates[0],
                     &evaluation.recordings,
-                    evaluation.model.as_deref(),
                 )
             }
             Self::Model(own) => {
-                let models = std::slice::from_ref(&own.model);
-                let mut entries = model_report::entries(&own.evaluation, models);
-                let mut entry = entries.remove(0);
+                let mut entry = model_report::entries(&own.evaluation).remove(0);
                 entry
                     .facts
                     .extend(model_report::facts(&own.evaluation.results));

@@ -1,7 +1,6 @@
 //! Scores of a candidate that follows each change by so many patches.
 
 use super::*;
-use recordings::DataSet;
 use shared::model::LookBackLogits;
 
 /// A recording of relax and close in turn, and a model that follows each change after these numbers of patches.
@@ -20,15 +19,9 @@ fn followed(changes_after: &[usize]) -> (EvaluatedRecording, Candidate) {
         }
     }
     let recording = EvaluatedRecording {
-        data_set: DataSet::SYNTHETIC,
-        subject: "synthetic/1".to_owned(),
-        name: "r".to_owned(),
-        raw: vec![[0; 8]; truth.len()],
         emg: vec![[0; 8]; truth.len()],
-        normalized: Vec::new(),
-        published: None,
         lag_compensated: truth,
-        other_movement: Vec::new(),
+        ..EvaluatedRecording::made_up("synthetic/1", &[])
     };
     let candidate = Candidate::without_margins("m", true, vec![logits]);
     (recording, candidate)

@@ -148,9 +148,7 @@ impl Measurement<'_> {
             let recordings = part.evaluated_recordings();
             let calibrated = match calibrate_on(model, person.subject(), &recordings, true) {
                 Ok(own) => Some(own.file.map_or(Ok(before), |file| values(&file))?),
-                Err(EvaluationError::FewRounds { .. } | EvaluationError::NotCalibrated { .. }) => {
-                    None
-                }
+                Err(EvaluationError::FewRounds(_) | EvaluationError::NotCalibrated { .. }) => None,
                 Err(error) => return Err(error.into()),
             };
             let ruled = match part.divided() {

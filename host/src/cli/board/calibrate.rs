@@ -38,9 +38,6 @@ pub(super) enum Request {
 }
 
 /// Sends the command, and says what the board asks for until it is over.
-///
-/// # Errors
-/// When the board does not answer or refuses, or nothing was learnt.
 pub(super) fn run(board: &mut Board, request: Request) -> anyhow::Result<()> {
     let command = match request {
         Request::Begin { other } => CalibrateCommand::Begin { others: other },
@@ -83,9 +80,6 @@ pub(super) fn run(board: &mut Board, request: Request) -> anyhow::Result<()> {
 }
 
 /// Whether a calibration is in use; `None` on a board that is older than the question.
-///
-/// # Errors
-/// The port is lost, or no answer comes.
 pub(super) fn is_in_use(board: &mut Board) -> Result<Option<bool>, BoardError> {
     match ask(board, CalibrateCommand::State) {
         Ok((_, is_in_use)) => Ok(Some(is_in_use)),

@@ -33,9 +33,6 @@ pub(super) enum Request {
 }
 
 /// Sends the command, and returns what the board answers, in words.
-///
-/// # Errors
-/// When a time is not allowed or the board does not answer.
 pub(super) fn run(board: &mut Board, request: Request) -> anyhow::Result<String> {
     let samples = |seconds: f64| (seconds * f64::from(SAMPLE_RATE_HZ)).round() as u32;
     let command = match request {

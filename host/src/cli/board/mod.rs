@@ -19,7 +19,7 @@ use shared::uart_line::answer::Answer;
 use shared::uart_line::command::{AlignCommand, BindCommand, Command};
 use shared::uart_line::gate::GateCommand;
 
-use self::words::{Bound, Counted, Identified, Placed, charged, why};
+use self::words::{bound, charged, counted, identified, placed, why};
 use crate::board::{self, Board, BoardError, ModelFile};
 use crate::cli::arguments::mirrored;
 use crate::cli::gate::reaction;
@@ -169,9 +169,6 @@ fn margin(text: &str) -> Result<OrModel<i16>, String> {
 }
 
 /// Sends the command to the board and prints its answer.
-///
-/// # Errors
-/// When the board does not answer or refuses, or an alignment does not succeed.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Request::Install { model } = &arguments.request {
         return run_install(&arguments.port, model);
@@ -180,7 +177,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let said = match &arguments.request {
         Request::Identify => {
             let said = board.ask(Command::Identify, |answer| match answer {
-                Answer::Identity(identity) => Some(Identified(identity).to_string()),
+                Answer::Identity(identity) => Some(identified(identity)),
                 _ => None,
             })?;
             let head = match calibrate::is_in_use(&mut board)? {
@@ -191,7 +188,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             said + head + &board.battery()?.map_or_else(String::new, charged)
         }
         Request::Counters => board.ask(Command::Counters, |answer| match answer {
-            Answer::Counts(counts) => Some(Counted(counts).to_string()),
+            Answer::Counts(counts) => Some(counted(counts)),
             _ => None,
         })?,
         // Handled above: it opens the port itself, repeatedly.
@@ -256,7 +253,7 @@ fn run_align(board: &mut Board, align: &Align) -> anyhow::Result<()> {
         Align::Set { turn, mirrored } => AlignCommand::Set(Alignment::new(turn, mirrored)),
         Align::Reset => AlignCommand::Set(Alignment::NONE),
         Align::State => {
-            writeln!(std::io::stdout(), "{}", Placed(in_force(board)?))?;
+            writeln!(std::io::stdout(), "{}", placed(in_force(board)?))?;
             return Ok(());
         }
     };
@@ -267,7 +264,7 @@ fn run_align(board: &mut Board, align: &Align) -> anyhow::Result<()> {
         // The answer does not say which alignment is set.
         let found = in_force(board)?;
         if found != wanted {
-            let (wanted, found) = (Placed(wanted), Placed(found));
+            let (wanted, found) = (placed(wanted), placed(found));
             bail!("expected `{wanted}` in force, found `{found}`: set it again");
         }
     }
@@ -281,7 +278,7 @@ fn run_align(board: &mut Board, align: &Align) -> anyhow::Result<()> {
     };
     match result.state {
         AlignmentState::Aligned => {
-            writeln!(out, "aligned: {}", Placed(result.alignment))?;
+            writeln!(out, "aligned: {}", placed(result.alignment))?;
             Ok(())
         }
         state => bail!("not aligned, nothing has changed: {}", why(state)),
@@ -312,7 +309,7 @@ pub(super) fn run_bind(board: &mut Board, bind: &Bind) -> anyhow::Result<()> {
     board.has_heard_nobody = false;
     let mut binding = board.ask(Command::Bind(command), read)?;
     if !matches!(bind, Bind::Begin) {
-        writeln!(out, "{}", Bound(binding))?;
+        writeln!(out, "{}", bound(binding))?;
         return Ok(());
     }
     let end = Instant::now() + PATIENCE;
@@ -329,10 +326,10 @@ pub(super) fn run_bind(board: &mut Board, bind: &Bind) -> anyhow::Result<()> {
         bail!(
             "no armband was heard, and the binding is as before: {}. Put the armband on, move the hand to wake it, stay close to the \
              board, quit Myo Connect on computers nearby, and try again: `myointent board --port PORT bind begin`",
-            Bound(binding)
+            bound(binding)
         );
     }
-    writeln!(out, "{}", Bound(binding))?;
+    writeln!(out, "{}", bound(binding))?;
     Ok(())
 }
 

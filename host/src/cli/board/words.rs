@@ -1,7 +1,5 @@
 //! Text for a board's answers.
 
-use std::fmt;
-
 use shared::myo::Following;
 use shared::stream::alignment::Alignment;
 use shared::uart_line::alignment::AlignmentState;
@@ -29,40 +27,29 @@ pub(super) const fn why(state: AlignmentState) -> &'static str {
 }
 
 /// Prints an identity: program, model and armband, one a line.
-pub(super) struct Identified<'a>(pub(super) &'a Identity<'a>);
-
-impl fmt::Display for Identified<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Identity {
-            version,
-            revision,
-            image,
-            ..
-        } = self.0;
-        writeln!(f, "program   {version}, {revision}, {image}")?;
-        match self.0.model {
-            Some(checksum) => writeln!(
-                f,
-                "model     {checksum:08x} (the last four bytes of its file)"
-            )?,
-            None => writeln!(f, "model     refused; the board's lines say why")?,
-        }
-        match self.0.armband {
-            Some(armband) => write!(f, "armband   {armband}")?,
-            None => write!(f, "armband   none connected")?,
-        }
-        if let Some(firmware) = self.0.firmware {
-            write!(
-                f,
-                ", firmware {}.{}.{}",
-                firmware.major, firmware.minor, firmware.patch
-            )?;
-        }
-        if let Some(battery) = self.0.battery {
-            write!(f, ", battery {battery} %")?;
-        }
-        writeln!(f)
+pub(super) fn identified(identity: &Identity<'_>) -> String {
+    let Identity {
+        version,
+        revision,
+        image,
+        ..
+    } = identity;
+    let model = match identity.model {
+        Some(checksum) => format!("{checksum:08x} (the last four bytes of its file)"),
+        None => "refused; the board's lines say why".to_owned(),
+    };
+    let mut armband = match identity.armband {
+        Some(armband) => armband.to_string(),
+        None => "none connected".to_owned(),
+    };
+    if let Some(firmware) = identity.firmware {
+        let (major, minor, patch) = (firmware.major, firmware.minor, firmware.patch);
+        armband += &format!(", firmware {major}.{minor}.{patch}");
     }
+    if let Some(battery) = identity.battery {
+        armband += &format!(", battery {battery} %");
+    }
+    format!("program   {version}, {revision}, {image}\nmodel     {model}\narmband   {armband}\n")
 }
 
 /// Prints the charge of the board's own battery, in the line after an identity.
@@ -94,53 +81,40 @@ const COUNTS: [&str; 16] = [
     "raw lines dropped: line too slow",
 ];
 
-pub(super) struct Counted<'a>(pub(super) &'a Counts);
-
-impl fmt::Display for Counted<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut rows = COUNTS.iter().zip(self.0.numbers());
-        rows.try_for_each(|(name, number)| writeln!(f, "{number:>10}  {name}"))
-    }
+/// Prints counts, one a line.
+pub(super) fn counted(counts: &Counts) -> String {
+    let rows = COUNTS.iter().zip(counts.numbers());
+    rows.map(|(name, number)| format!("{number:>10}  {name}\n"))
+        .collect()
 }
 
-pub(super) struct Placed(pub(super) Alignment);
-
-impl fmt::Display for Placed {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self(alignment) = self;
-        match alignment.turn() {
-            0 => f.write_str("worn as in training")?,
-            turn => write!(f, "turned by {turn} of 8 places")?,
-        }
-        if alignment.mirrored() {
-            f.write_str(", on the other arm")?;
-        }
-        Ok(())
-    }
+pub(super) fn placed(alignment: Alignment) -> String {
+    let turn = match alignment.turn() {
+        0 => "worn as in training".to_owned(),
+        turn => format!("turned by {turn} of 8 places"),
+    };
+    let other = if alignment.mirrored() {
+        ", on the other arm"
+    } else {
+        ""
+    };
+    turn + other
 }
 
-pub(super) struct Bound(pub(super) Binding);
-
-impl fmt::Display for Bound {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0.following {
-            Following::Pinned(address) => {
-                write!(f, "{address}, given when the program was built")?;
-            }
-            Following::Bound(address) => write!(f, "{address} is bound")?,
-            Following::Strongest => {
-                f.write_str("none is bound: the strongest armband is followed")?
-            }
-            Following::Nobody => f.write_str("none is bound, and none is followed")?,
-            Following::Pairing => f.write_str("a pairing is in progress")?,
-        }
-        if !self.0.is_kept {
-            f.write_str(
-                "; not kept in flash yet: the page is written once the connection has ended",
-            )?;
-        }
-        Ok(())
-    }
+pub(super) fn bound(binding: Binding) -> String {
+    let following = match binding.following {
+        Following::Pinned(address) => format!("{address}, given when the program was built"),
+        Following::Bound(address) => format!("{address} is bound"),
+        Following::Strongest => "none is bound: the strongest armband is followed".to_owned(),
+        Following::Nobody => "none is bound, and none is followed".to_owned(),
+        Following::Pairing => "a pairing is in progress".to_owned(),
+    };
+    let kept = if binding.is_kept {
+        ""
+    } else {
+        "; not kept in flash yet: the page is written once the connection has ended"
+    };
+    following + kept
 }
 
 #[cfg(test)]
@@ -149,7 +123,7 @@ mod tests {
 
     #[test]
     fn every_count_has_its_name() {
-        let text = Counted(&Counts::default()).to_string();
+        let text = counted(&Counts::default());
         assert_eq!(text.lines().count(), Counts::default().numbers().len());
     }
 }

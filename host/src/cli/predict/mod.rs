@@ -12,10 +12,10 @@ use shared::intent::Intent;
 use shared::model::LookBackLogits;
 use shared::model::file::Model;
 use shared::stream::smoother::Settings;
-use shared::units::{CHANNELS, LOOK_BACK, PATCH, Sample, WINDOW};
+use shared::units::{PATCH, Sample};
 
 use self::matrix::Format;
-pub(super) use self::matrix::Matrix;
+use self::matrix::Matrix;
 use super::replay::recording_of;
 use crate::cli::arguments::{AS_RECORDED, recordings_of};
 use crate::cli::output::{file_of, first_line, refuse_unlike};
@@ -23,8 +23,6 @@ use crate::cli::read_model;
 use evaluation::inference::{input, integer_logits};
 use evaluation::{SmoothedLabels, smooth};
 use execution::run_folder::write_whole;
-use recordings::npy::{self, Values};
-use recordings::raw_samples::raw_samples;
 #[cfg(feature = "train")]
 use training::backend::BackendArguments;
 
@@ -42,14 +40,12 @@ pub(super) enum Which {
 #[derive(Debug, Args)]
 #[command(
     after_help = "Example:\n  myointent predict --model models/three-class.intent --recording FILE.csv --out labels.csv",
-    after_long_help = "For a recording: one row a sample with `label`, the class number of the smoothed label at its reference\n\
+    after_long_help = "One row a sample with `label`, the class number of the smoothed label at its reference\n\
     time (-1 before the first label and after the last one), `emitted`, that of the label that has been emitted, and the logits of the sample's patch when it was the newest\n\
     (NaN for the last samples, where they are fewer than a patch of 10). The last samples have no label: it would need the\n\
-    samples of the look-ahead after them. `score` does not count them.\n\
-    For a window: the teacher's logits of all 600 samples, MASK last; or a student's six rows of every patch.\n\n\
+    samples of the look-ahead after them. `score` does not count them.\n\n\
     Examples:\n  myointent predict --model models/three-class.intent --recording recordings/s1/s1_grasp.csv --out labels.csv\n  \
-    myointent predict --model models/three-class.intent --recording RECORDINGS --out LABELS\n  \
-    myointent predict --run runs/mine --which teacher --window window.npy --out logits.npy"
+    myointent predict --model models/three-class.intent --recording RECORDINGS --out LABELS"
 )]
 pub struct Arguments {
     /// Model file.
@@ -68,22 +64,13 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value = "student")]
     pub(super) which: Which,
     /// A recording, in any format that `myointent data inspect` reads; several, or folders of them, if --out is a folder.
-    #[arg(
-        long,
-        value_name = "PATH",
-        num_args = 1..,
-        conflicts_with = "window",
-        required_unless_present = "window"
-    )]
+    #[arg(long, value_name = "PATH", num_args = 1.., required = true)]
     recording: Vec<PathBuf>,
     /// Recording to label, if the path holds several, as `data inspect` prints it: data-set/person/name.
     #[arg(long)]
     name: Option<String>,
-    #[arg(hide_short_help = true, long, help = AS_RECORDED, requires = "recording")]
+    #[arg(hide_short_help = true, long, help = AS_RECORDED)]
     as_recorded: bool,
-    /// One window of raw samples as npy, 600 x 8.
-    #[arg(long, value_name = "FILE.npy")]
-    window: Option<PathBuf>,
     /// File to write: .npy (f32) or .csv; or for all recordings a folder, without such an ending, in which each has the
     /// file data-set/person/name.csv, for `score`.
     ///
@@ -96,13 +83,7 @@ pub struct Arguments {
 }
 
 /// Runs a model and writes its labels and logits.
-///
-/// # Errors
-/// When the model is refused, the input cannot be read or the output cannot be written.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    if let Some(path) = &arguments.window {
-        return write(&over_window(arguments, &window(path)?)?, &arguments.out);
-    }
     let paths = &arguments.recording;
     if arguments.out.extension().is_some() || arguments.name.is_some() {
         // A wrong ending is refused before the work.
@@ -181,52 +162,19 @@ fn of_samples(labels: &SmoothedLabels, rows: &[LookBackLogits], classes: usize) 
     }
     let columns = ["label".to_owned(), "emitted".to_owned()]
         .into_iter()
-        .chain(names(classes, "logit_".to_owned()))
+        .chain(
+            Intent::ALL[..classes]
+                .iter()
+                .map(|intent| format!("logit_{}", intent.name())),
+        )
         .collect();
     Matrix { columns, values }
-}
-
-fn over_window(arguments: &Arguments, samples: &[Sample]) -> anyhow::Result<Matrix> {
-    #[cfg(feature = "train")]
-    if arguments.model.is_none() && arguments.which == Which::Teacher {
-        return super::steps::predict::over_window_of_teacher(arguments, samples);
-    }
-    let (rows, classes, _) = loaded(arguments)?(samples)?;
-    let columns = (0..LOOK_BACK)
-        .flat_map(|back| names(classes, format!("back{back}_")))
-        .collect();
-    let values = rows
-        .iter()
-        .flatten()
-        .flat_map(|row| &row[..classes])
-        .copied()
-        .collect();
-    Ok(Matrix { columns, values })
-}
-
-pub(super) fn names(classes: usize, prefix: String) -> impl Iterator<Item = String> {
-    Intent::ALL
-        .into_iter()
-        .take(classes)
-        .map(move |intent| format!("{prefix}{}", intent.name()))
-}
-
-/// Reads the raw samples of a window: integers or floats from -128 to 127.
-fn window(path: &Path) -> anyhow::Result<Vec<Sample>> {
-    let array = npy::read(path)?;
-    let (&[WINDOW, CHANNELS], Values::Numbers(values)) = (&array.shape[..], &array.values) else {
-        bail!(
-            "{}: expected {WINDOW} x {CHANNELS} raw samples, found {}",
-            path.display(),
-            array.describe()
-        );
-    };
-    raw_samples(values).with_context(|| path.display().to_string())
 }
 
 #[cfg(test)]
 mod tests {
     use shared::intent::MAX_LOGITS;
+    use shared::units::LOOK_BACK;
 
     use super::*;
 

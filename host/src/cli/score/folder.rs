@@ -102,54 +102,10 @@ mod tests {
     use super::*;
     use crate::cli::Cli;
 
-    fn myointent(line: &[&str]) -> bool {
-        let line = ["myointent"].iter().chain(line);
+    /// Runs the program with the words of a line.
+    fn myointent(line: &str) -> bool {
+        let line = ["myointent"].into_iter().chain(line.split(' '));
         Cli::try_parse_from(line).unwrap().run() == ExitCode::SUCCESS
-    }
-
-    #[test]
-    fn recordings_of_one_name_have_labels_of_their_own() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
-        let (made, data, file) = (path("made"), path("data"), path("one.intent"));
-        let options = SynthOptions {
-            subjects: 2,
-            recordings: 1,
-            seconds: 30,
-            ..SynthOptions::default()
-        };
-        let written = synthetic::write(&options, Path::new(&made)).unwrap();
-        std::fs::create_dir_all(format!("{data}/anna")).unwrap();
-        for (from, to) in written.iter().zip(["x.csv", "x.txt"]) {
-            std::fs::copy(from, format!("{data}/anna/{to}")).unwrap();
-        }
-        write_model(&file);
-        let [labels, one] = ["labels", "one.csv"].map(path);
-        let predict = |recording: &str, out: &str| {
-            myointent(&[
-                "predict",
-                "--model",
-                &file,
-                "--recording",
-                recording,
-                "--out",
-                out,
-            ])
-        };
-        assert!(predict(&data, &labels));
-        for own in ["x.csv", "x.txt"] {
-            let _ = std::fs::remove_file(&one);
-            assert!(predict(&format!("{data}/anna/{own}"), &one));
-            let among_others = format!("{labels}/synthetic/anna/{own}.csv");
-            assert_eq!(
-                std::fs::read(among_others).unwrap(),
-                std::fs::read(&one).unwrap()
-            );
-        }
-        let score = || myointent(&["score", "--truth", &data, "--prediction", &labels]);
-        assert!(score());
-        std::fs::copy(&one, format!("{labels}/synthetic/anna/x.csv.txt")).unwrap();
-        assert!(!score(), "two files of labels for one recording");
     }
 
     /// Writes a small model file.
@@ -177,22 +133,10 @@ mod tests {
         };
         synthetic::write(&options, Path::new(&data)).unwrap();
         write_model(&file);
-        assert!(myointent(&[
-            "predict",
-            "--model",
-            &file,
-            "--recording",
-            &data,
-            "--out",
-            &labels
-        ]));
-        assert!(myointent(&[
-            "score",
-            "--truth",
-            &data,
-            "--prediction",
-            &labels
-        ]));
+        let predict = format!("predict --model {file} --recording {data} --out {labels}");
+        assert!(myointent(&predict));
+        let score = format!("score --truth {data} --prediction {labels}");
+        assert!(myointent(&score));
 
         let library = load(Path::new(&data), &LoadOptions::default()).unwrap();
         let mut found: BTreeMap<_, _> = library
@@ -230,13 +174,19 @@ mod tests {
             none.to_string().contains(&format!("such as {first}.csv")),
             "{none}"
         );
-        let score = |more: &[&str]| {
-            let line = ["score", "--truth", &data, "--prediction", &labels];
-            myointent(&[&line[..], more].concat())
-        };
-        assert!(score(&["--json"]));
-        assert!(!score(&["--strict"]), "another rule is refused");
+        assert!(myointent(&format!("{score} --json")));
+        assert!(
+            !myointent(&format!("{score} --strict")),
+            "another rule is refused"
+        );
+        let beside = format!("{labels}/{first}.txt");
+        std::fs::copy(format!("{labels}/{first}.csv"), &beside).unwrap();
+        assert!(!myointent(&score), "two files of labels for one recording");
+        std::fs::remove_file(beside).unwrap();
         std::fs::write(format!("{labels}/{first}.csv"), "label\n0\n0\n").unwrap();
-        assert!(!score(&[]), "two labels for 6000 samples are refused");
+        assert!(
+            !myointent(&score),
+            "two labels for 6000 samples are refused"
+        );
     }
 }

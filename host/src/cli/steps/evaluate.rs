@@ -15,9 +15,6 @@ use crate::cli::arguments::warn_of_test_people;
 use crate::cli::evaluate::Arguments;
 
 /// Evaluates the run's models and writes results.json and report.html.
-///
-/// # Errors
-/// When a model is missing or damaged.
 pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let model = match &arguments.model[..] {
         [] => None,

@@ -45,9 +45,6 @@ pub struct Arguments {
 }
 
 /// Writes the teacher as safetensors, or the student as ONNX.
-///
-/// # Errors
-/// When the run folder or the model file holds no such model, or the file cannot be written.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(out) = &arguments.out {
         refuse_existing(out)?;

@@ -97,7 +97,6 @@ const DEFAULT_FOLDERS: [&str; 2] = ["data", "../shared/data"];
 
 impl DataArguments {
     /// Folder of the recordings; none for synthetic ones.
-    #[must_use]
     pub fn folder(&self) -> Option<PathBuf> {
         let variable = || std::env::var_os(VARIABLE).filter(|value| !value.is_empty());
         let default = || {
@@ -142,9 +141,6 @@ fn lock_run(path: &Path) -> anyhow::Result<(RunFolder, ResolvedConfig)> {
 }
 
 /// Finds the folder and the configuration of an earlier run, for reading.
-///
-/// # Errors
-/// When the folder holds no run.
 pub(crate) fn find_run(path: &Path) -> anyhow::Result<(RunFolder, ResolvedConfig)> {
     RunContext::find(path).with_context(|| {
         let run = path.display();
@@ -187,9 +183,6 @@ pub(crate) fn resume_run(
 
 /// Loads the recordings below a path: of the preset's data sets, or of all sets if none of these is found. Without a path,
 /// generates synthetic ones.
-///
-/// # Errors
-/// When nothing can be read, or a file is damaged and `strict`.
 pub(crate) fn recordings(
     data: Option<&Path>,
     strict: bool,

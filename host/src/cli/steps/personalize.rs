@@ -66,9 +66,6 @@ pub(super) enum NotWritten {
 }
 
 /// Tunes the model, judges it, and writes it unless it is worse.
-///
-/// # Errors
-/// When the model or the recordings are refused, there is a file already, the new model is worse or the user interrupts.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let OwnModel {
         model: path,

@@ -26,9 +26,6 @@ pub struct Arguments {
 }
 
 /// Writes the model file.
-///
-/// # Errors
-/// When the run folder holds no student or the file cannot be written.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(out) = &arguments.out {
         refuse_existing(out)?;

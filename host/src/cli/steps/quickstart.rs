@@ -61,9 +61,6 @@ pub struct Arguments {
 }
 
 /// Trains, distils, quantizes, evaluates and writes the report.
-///
-/// # Errors
-/// When recordings, preset or folder cannot be used.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut preset = Preset::find(arguments.preset.as_deref().unwrap_or("quickstart"))?;
     preset.seed = arguments.seed.unwrap_or(preset.seed);

@@ -79,9 +79,6 @@ pub struct Arguments {
 }
 
 /// Trains the models.
-///
-/// # Errors
-/// When recordings, preset or folder cannot be used.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let context = if arguments.resume {
         let repeated = repeated(arguments).then(|| resolve(arguments));

@@ -70,7 +70,6 @@ pub fn evaluate(
             recordings,
             candidates: published,
             is_kept,
-            model: model.map(|model| model.bytes.clone()),
         },
     ))
 }
@@ -93,7 +92,6 @@ pub fn kept(context: &RunContext) -> Result<(Results, Evaluation), StepError> {
         recordings,
         candidates: vec![candidate],
         is_kept: true,
-        model: Some(model.bytes),
     };
     Ok((results, evaluation))
 }

@@ -32,7 +32,6 @@ impl Rate {
     }
 
     /// Sum of both, counts and times.
-    #[must_use]
     pub fn plus(self, other: Self) -> Self {
         Self {
             count: self.count + other.count,
@@ -41,14 +40,12 @@ impl Rate {
     }
 
     /// Events a minute; none without any time.
-    #[must_use]
     pub fn per_minute(&self) -> Option<f64> {
         (self.seconds > 0.0).then(|| self.count as f64 * 60.0 / self.seconds)
     }
 }
 
 /// Flags of the samples that are rest: the truth is relax, and no gesture owns the sample.
-#[must_use]
 pub(crate) fn rest(truth: &[Option<Intent>], rule: &EventRule) -> Vec<bool> {
     let mut rest: Vec<bool> = truth
         .iter()
@@ -61,7 +58,6 @@ pub(crate) fn rest(truth: &[Option<Intent>], rule: &EventRule) -> Vec<bool> {
 }
 
 /// Runs of an active label that begin at a marked sample, over the marked time.
-#[must_use]
 pub(crate) fn activations(emitted: &[Option<Intent>], mask: &[bool]) -> Rate {
     begun(emitted, (0..emitted.len()).filter(|&at| mask[at]))
 }
@@ -92,7 +88,6 @@ impl DailyUse {
     }
 
     /// Sum of both.
-    #[must_use]
     pub fn plus(self, other: Self) -> Self {
         Self {
             activations: self.activations.plus(other.activations),
@@ -101,14 +96,12 @@ impl DailyUse {
     }
 
     /// Share of the time with an active label; not a number without any time.
-    #[must_use]
     pub fn active_share(self) -> f64 {
         self.active_seconds / self.activations.seconds
     }
 }
 
 /// Whether an active label begins within these samples; an earlier beginning does not count.
-#[must_use]
 pub(crate) fn raises(emitted: &[Option<Intent>], mut samples: Range<usize>) -> bool {
     samples.any(|at| begins(emitted, at))
 }

@@ -13,7 +13,6 @@ use super::activation::Rate;
 use crate::metric::stretches;
 
 /// Changes of the emitted label beyond the true ones, over the labelled time.
-#[must_use]
 pub(super) fn flicker(
     truth: &[Option<Intent>],
     emitted: &[Option<Intent>],

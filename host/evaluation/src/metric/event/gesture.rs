@@ -62,7 +62,6 @@ pub enum Verdict {
 
 impl Verdict {
     /// Explanation for a user.
-    #[must_use]
     pub const fn reason(self) -> &'static str {
         match self {
             Self::Recognised => "recognised",
@@ -116,7 +115,6 @@ pub(super) fn owners(truth: &[Option<Intent>], rule: &EventRule) -> Vec<Owner> {
 /// The gestures of the truth, judged by the labels emitted.
 ///
 /// Both sequences have one length.
-#[must_use]
 pub fn gestures(
     truth: &[Option<Intent>],
     emitted: &[Option<Intent>],

@@ -28,7 +28,6 @@ pub struct LatencySummary {
 
 /// Median and 90th percentile over `gestures` gestures. The recognised ones have a latency in samples. `None`
 /// without a gesture.
-#[must_use]
 pub fn summary(latencies: &[i32], gestures: usize) -> Option<LatencySummary> {
     let mut sorted = latencies.to_vec();
     sorted.sort_unstable();
@@ -45,7 +44,6 @@ pub fn summary(latencies: &[i32], gestures: usize) -> Option<LatencySummary> {
 }
 
 /// A number of samples in milliseconds.
-#[must_use]
 pub(crate) fn milliseconds(samples: i32) -> f64 {
     f64::from(samples) * f64::from(SAMPLE_PERIOD_MS)
 }

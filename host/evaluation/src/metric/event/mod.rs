@@ -89,7 +89,6 @@ impl RecordingEvents {
     }
 
     /// Number of gestures that are recognised.
-    #[must_use]
     pub fn recognised(&self) -> usize {
         self.gestures
             .iter()

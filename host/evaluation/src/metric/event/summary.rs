@@ -23,7 +23,6 @@ pub struct Tally {
 
 impl Tally {
     /// Sum of both.
-    #[must_use]
     pub const fn plus(self, other: Self) -> Self {
         Self {
             all: self.all + other.all,
@@ -32,7 +31,6 @@ impl Tally {
     }
 
     /// A single one.
-    #[must_use]
     pub const fn one(counts: bool) -> Self {
         Self {
             all: 1,
@@ -41,7 +39,6 @@ impl Tally {
     }
 
     /// Share of those that count; `None` without any.
-    #[must_use]
     pub fn share(self) -> Option<f64> {
         (self.all > 0).then(|| self.counted as f64 / self.all as f64)
     }
@@ -89,7 +86,6 @@ pub struct SubjectEvents {
 
 impl SubjectEvents {
     /// The events of a subject's recordings together.
-    #[must_use]
     pub fn new<'a>(
         subject: &str,
         recordings: impl IntoIterator<Item = &'a RecordingEvents>,
@@ -131,7 +127,6 @@ impl SubjectEvents {
     }
 
     /// Share of the gestures that are recognised within these milliseconds after their onset; none without a gesture.
-    #[must_use]
     pub fn recognised_within(&self, ms: u32) -> Option<f64> {
         let samples = (ms / SAMPLE_PERIOD_MS) as i32;
         let soon = self.latencies.iter().filter(|&&late| late <= samples);
@@ -139,7 +134,6 @@ impl SubjectEvents {
     }
 
     /// Share of gestures whose one decision is right, mean over their labels; none without a gesture.
-    #[must_use]
     pub fn decided(&self) -> Option<f64> {
         let labels = self.decisions.iter();
         let labels = labels.filter(|(name, _)| *name != Intent::Relax.name());
@@ -148,19 +142,16 @@ impl SubjectEvents {
     }
 
     /// Share of rest spans that stay at rest; none without any.
-    #[must_use]
     pub fn rest_kept(&self) -> Option<f64> {
         self.decisions.get(Intent::Relax.name())?.share()
     }
 
     /// All daily life together; none without any.
-    #[must_use]
     pub fn daily_life(&self) -> Option<DailyUse> {
         self.daily.values().copied().reduce(DailyUse::plus)
     }
 
     /// Share of the movements outside the vocabulary that raise a label; none without any.
-    #[must_use]
     pub fn raised_share(&self) -> Option<f64> {
         let all = self.raised.values().copied();
         all.fold(Tally::default(), Tally::plus).share()
@@ -203,7 +194,6 @@ pub struct EventSummary {
 
 impl EventSummary {
     /// Summary of the events of subjects, each given once, in any order.
-    #[must_use]
     pub fn of_subjects(mut subjects: Vec<SubjectEvents>) -> Self {
         subjects.sort_by(|a, b| a.subject.cmp(&b.subject));
         let mean = |of: &dyn Fn(&SubjectEvents) -> Option<f64>| {

@@ -32,48 +32,53 @@ fn verdict(emitted: &[(Label, usize)]) -> (Verdict, Option<i32>) {
 
 #[test]
 fn a_gesture_is_recognised_when_its_label_begins_and_is_held() {
-    let late = [(R, 460), (C, 390), (R, 350)];
-    assert_eq!(verdict(&late), (Verdict::Recognised, Some(60)));
-    let early = [(R, 350), (C, 450), (R, 400)];
-    assert_eq!(verdict(&early), (Verdict::Recognised, Some(-50)));
+    let recognised = |latency| (Verdict::Recognised, Some(latency));
+    // Late, and early.
+    assert_eq!(verdict(&[(R, 460), (C, 390), (R, 350)]), recognised(60));
+    assert_eq!(verdict(&[(R, 350), (C, 450), (R, 400)]), recognised(-50));
     let dropped_after_half = [(R, 450), (C, 200), (R, 30), (C, 120), (R, 400)];
-    assert_eq!(
-        verdict(&dropped_after_half),
-        (Verdict::Recognised, Some(50))
-    );
+    assert_eq!(verdict(&dropped_after_half), recognised(50));
     let blip_then_held = [(R, 450), (C, 50), (R, 30), (C, 270), (R, 400)];
-    assert_eq!(verdict(&blip_then_held), (Verdict::Recognised, Some(130)));
+    assert_eq!(verdict(&blip_then_held), recognised(130));
     let half_of_it_with_the_tolerance = [(R, 650), (C, 200), (R, 350)];
-    assert_eq!(
-        verdict(&half_of_it_with_the_tolerance),
-        (Verdict::Recognised, Some(250))
-    );
+    assert_eq!(verdict(&half_of_it_with_the_tolerance), recognised(250));
 }
 
 #[test]
 fn each_missed_gesture_has_its_reason() {
-    assert_eq!(verdict(&[(R, 1200)]), (Verdict::NoLabel, None));
-    // The label that was there before tells the user nothing.
-    assert_eq!(verdict(&[(C, 1200)]), (Verdict::NoLabel, None));
-    let too_early = [(R, 349), (C, 451), (R, 400)];
-    assert_eq!(verdict(&too_early), (Verdict::NoLabel, None));
-    let too_late = [(R, 850), (C, 350)];
-    assert_eq!(verdict(&too_late), (Verdict::NoLabel, None));
-    let less_than_half = [(R, 500), (C, 199), (R, 501)];
-    assert_eq!(verdict(&less_than_half), (Verdict::NotHeld, None));
-    let less_than_half_from_the_onset_on = [(R, 350), (C, 249), (R, 601)];
-    assert_eq!(
-        verdict(&less_than_half_from_the_onset_on),
-        (Verdict::NotHeld, None)
-    );
-    let less_than_half_left = [(R, 651), (C, 549)];
-    assert_eq!(verdict(&less_than_half_left), (Verdict::NotHeld, None));
-    let interrupted = [(R, 440), (C, 190), (R, 20), (C, 190), (R, 360)];
-    assert_eq!(verdict(&interrupted), (Verdict::NotHeld, None));
-    let other_first = [(R, 440), (O, 20), (C, 360), (R, 380)];
-    assert_eq!(verdict(&other_first), (Verdict::OtherLabel, None));
-    let other_at_release = [(R, 440), (C, 380), (O, 20), (R, 360)];
-    assert_eq!(verdict(&other_at_release), (Verdict::OtherLabel, None));
+    use Verdict::{NoLabel, NotHeld, OtherLabel};
+    let cases: [(&str, &[(Label, usize)], Verdict); 10] = [
+        ("none", &[(R, 1200)], NoLabel),
+        // The label that was there before tells the user nothing.
+        ("there before", &[(C, 1200)], NoLabel),
+        ("too early", &[(R, 349), (C, 451), (R, 400)], NoLabel),
+        ("too late", &[(R, 850), (C, 350)], NoLabel),
+        ("less than half", &[(R, 500), (C, 199), (R, 501)], NotHeld),
+        (
+            "less than half from the onset on",
+            &[(R, 350), (C, 249), (R, 601)],
+            NotHeld,
+        ),
+        ("less than half left", &[(R, 651), (C, 549)], NotHeld),
+        (
+            "interrupted",
+            &[(R, 440), (C, 190), (R, 20), (C, 190), (R, 360)],
+            NotHeld,
+        ),
+        (
+            "other first",
+            &[(R, 440), (O, 20), (C, 360), (R, 380)],
+            OtherLabel,
+        ),
+        (
+            "other at release",
+            &[(R, 440), (C, 380), (O, 20), (R, 360)],
+            OtherLabel,
+        ),
+    ];
+    for (name, emitted, reason) in cases {
+        assert_eq!(verdict(emitted), (reason, None), "{name}");
+    }
 }
 
 #[test]
@@ -94,10 +99,8 @@ fn the_one_decision_is_the_active_label_of_most_samples_that_the_gesture_owns() 
 #[test]
 fn decisions_are_balanced_over_the_labels_of_a_person() {
     let closes = events(&TRUTH, &[(R, 440), (C, 390), (R, 370)]);
-    let open = events(
-        &[(R, 400), (O, 400), (R, 400)],
-        &[(R, 440), (C, 390), (R, 370)],
-    );
+    let opens = [(R, 400), (O, 400), (R, 400)];
+    let open = events(&opens, &[(R, 440), (C, 390), (R, 370)]);
     let own = SubjectEvents::new("a", [&closes, &closes, &closes, &open]);
     let of = |label: &str| (own.decisions[label].counted, own.decisions[label].all);
     assert_eq!(
@@ -125,10 +128,8 @@ fn a_rest_span_is_kept_if_no_label_begins_in_it_or_outlasts_it() {
     assert_eq!(rests(&[(R, 1200)]), (2, 2));
     assert_eq!(rests(&[(R, 100), (O, 20), (R, 1080)]), (1, 2));
     // Within the tolerance around the gesture; let go late; never let go; there from the start.
-    assert_eq!(
-        rests(&[(R, 350), (C, 20), (R, 479), (O, 1), (R, 350)]),
-        (2, 2)
-    );
+    let near = [(R, 350), (C, 20), (R, 479), (O, 1), (R, 350)];
+    assert_eq!(rests(&near), (2, 2));
     assert_eq!(rests(&[(R, 440), (C, 759), (R, 1)]), (2, 2));
     assert_eq!(rests(&[(R, 440), (C, 760)]), (1, 2));
     assert_eq!(rests(&[(C, 1200)]), (0, 2));
@@ -188,12 +189,10 @@ fn only_gestures_with_their_onset_in_the_recording_are_counted() {
 fn direct_changes_divide_what_the_gestures_own() {
     let truth = [(R, 300), (O, 300), (C, 300), (R, 300)];
     let followed = [(R, 360), (O, 310), (C, 280), (R, 250)];
-    let found: Vec<_> = events(&truth, &followed)
-        .gestures
-        .iter()
-        .map(|gesture| (gesture.span.clone(), gesture.latency))
-        .collect();
-    assert_eq!(found, [(300..600, Some(60)), (600..900, Some(70))]);
+    let found = events(&truth, &followed).gestures;
+    let found = found.iter().map(|own| (own.span.clone(), own.latency));
+    let expected = [(300..600, Some(60)), (600..900, Some(70))];
+    assert_eq!(found.collect::<Vec<_>>(), expected);
 }
 
 #[test]
@@ -224,17 +223,9 @@ fn daily_life_is_neither_rest_nor_other_movement() {
 fn false_activations_are_counted_in_rest_and_in_other_movements() {
     let truth = sequence(&[(R, 1200), (C, 400), (R, 400), (N, 400)]);
     // Two in rest; one within the tolerance before the gesture; one that goes on in other movements and one there.
-    let emitted = sequence(&[
-        (R, 100),
-        (O, 50),
-        (C, 50),
-        (R, 960),
-        (O, 20),
-        (R, 800),
-        (O, 40),
-        (R, 100),
-        (C, 280),
-    ]);
+    let rests = [(R, 100), (O, 50), (C, 50), (R, 960), (O, 20), (R, 800)];
+    let emitted = [&rests[..], &[(O, 40), (R, 100), (C, 280)]].concat();
+    let emitted = sequence(&emitted);
     let other = [
         Movement::new(MovementKind::Point, 2000..2100),
         Movement::new(MovementKind::ThumbUp, 2100..2200),
@@ -269,10 +260,8 @@ fn false_activations_are_counted_in_rest_and_in_other_movements() {
 fn flicker_is_what_is_left_after_one_change_for_each_true_one() {
     let flicker = |emitted: &[(Label, usize)]| events(&TRUTH, emitted).flicker.count;
     assert_eq!(flicker(&[(N, 59), (R, 401), (C, 400), (R, 340)]), 0);
-    assert_eq!(
-        flicker(&[(R, 460), (C, 100), (R, 20), (C, 280), (R, 340)]),
-        2
-    );
+    let dropped = [(R, 460), (C, 100), (R, 20), (C, 280), (R, 340)];
+    assert_eq!(flicker(&dropped), 2);
     // One change too many in rest is not made good by a missed gesture.
     assert_eq!(flicker(&[(R, 100), (C, 1100)]), 1);
     assert_eq!(flicker(&[(R, 1200)]), 0);

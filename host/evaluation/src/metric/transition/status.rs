@@ -36,7 +36,6 @@ pub enum TransitionStatus {
 
 impl TransitionStatus {
     /// Name in the reference's golden cases and in JSON.
-    #[must_use]
     pub const fn code(self) -> &'static str {
         match self {
             Self::Ok => "ok",
@@ -55,7 +54,6 @@ impl TransitionStatus {
     }
 
     /// Explanation for a user.
-    #[must_use]
     pub const fn reason(self) -> &'static str {
         match self {
             Self::Ok => "follows",

@@ -6,7 +6,6 @@
 pub(super) mod charts;
 pub(super) mod confusion;
 pub(super) mod overview;
-pub(super) mod people;
 pub(super) mod timeline;
 
 use maud::{Markup, Render, html};
