@@ -17,27 +17,14 @@ use serde_json::Value;
 use shared::intent::Intent;
 use small::{folder, myointent, recordings, small_preset};
 
-/// Runs `myointent-research`; returns true if it succeeds.
-fn research(arguments: &[&str]) -> bool {
-    let line = std::iter::once("myointent-research").chain(arguments.iter().copied());
-    Cli::try_parse_from(line).unwrap().run() == ExitCode::SUCCESS
-}
-
-/// Runs a cross-validation with folds of a protocol, and returns true if it succeeds.
-fn cross_validate([preset, data, out]: [&Path; 3], protocol: &str, rest: &[&str]) -> bool {
-    let [preset, data, out] = [preset, data, out].map(|path| path.to_str().unwrap());
-    let line = [
-        "cross-validate",
-        "--preset",
-        preset,
-        "--data",
-        data,
-        "--out",
-        out,
-        "--protocol",
-        protocol,
-    ];
-    research(&[&line[..], rest].concat())
+/// Runs a cross-validation of `myointent-research` with folds of a protocol, and returns true if it succeeds.
+fn cross_validate([preset, data, out]: [&Path; 3], rest: &str) -> bool {
+    let [preset, data, out] = [preset, data, out].map(Path::display);
+    let line = format!(
+        "myointent-research cross-validate --preset {preset} --data {data} --out {out} --protocol {rest}"
+    );
+    let words = line.split_whitespace();
+    Cli::try_parse_from(words).unwrap().run() == ExitCode::SUCCESS
 }
 
 fn json(path: &Path) -> Value {
@@ -58,42 +45,33 @@ fn a_teacher_is_fine_tuned_from_a_run_or_from_safetensors() {
     let preset = small_preset(&folder);
     let run = |name: &str| folder.join(name);
     let first = run("first");
-    let [data, preset, start] = [&data, &preset, &first].map(|path| path.to_str().unwrap());
-    let train = |name: &str, fold: &str, more: &[&str]| {
-        let path = run(name);
-        let line = [
-            "train",
-            "--preset",
-            preset,
-            "--data",
-            data,
-            "--run",
-            path.to_str().unwrap(),
-        ];
-        let turn = ["--protocol", "2-fold", "--fold", fold];
-        myointent(&[&line[..], &turn[..], more].concat())
+    let [data, preset, start] = [&data, &preset, &first].map(|path| path.display());
+    let train = |name: &str, rest: &str| {
+        let run = run(name);
+        let line = format!(
+            "train --preset {preset} --data {data} --run {}",
+            run.display()
+        );
+        myointent(&format!("{line} --protocol 2-fold --fold {rest}"))
     };
     let teacher = |name: &str| {
         let path = run(name);
-        assert!(myointent(&["export", "--run", path.to_str().unwrap()]));
+        assert!(myointent(&format!("export --run {}", path.display())));
         fs::read(path.join("teacher.safetensors")).unwrap()
     };
-    assert!(train("first", "1", &[]));
-    assert!(train("tuned", "1", &["--from", start]));
-    assert!(train("adapted", "1", &["--from", start, "--lora"]));
+    assert!(train("first", "1"));
+    assert!(train("tuned", &format!("1 --from {start}")));
+    assert!(train("adapted", &format!("1 --from {start} --lora")));
     assert!(teacher("tuned") != teacher("first"));
     assert!(teacher("adapted") != teacher("first"));
 
     // The start comes from fold 1, which has trained on subjects that fold 2 holds out.
-    assert!(!train("leak", "2", &["--from", start]));
+    assert!(!train("leak", &format!("2 --from {start}")));
     assert!(!run("leak").exists());
 
     let checkpoint = first.join("teacher.safetensors");
-    assert!(train(
-        "imported",
-        "1",
-        &["--from", checkpoint.to_str().unwrap()]
-    ));
+    let from = format!("1 --from {}", checkpoint.display());
+    assert!(train("imported", &from));
     assert!(
         teacher("imported") == teacher("tuned"),
         "one teacher from two kinds of files"
@@ -112,17 +90,14 @@ fn a_cross_validation_evaluates_everybody_once_for_each_seed_and_goes_on() {
         .replace("teacher_share = 0.5", "teacher_share = 0.0");
     fs::write(&other, text).unwrap();
     let out = folder.join("out");
-    let other = other.to_str().unwrap();
-    let command = |rest: &[&str]| {
-        let compared = ["--preset", other, "--seeds", "1,2", "--baselines", "ed-tcn"];
-        cross_validate(
-            [&one, &data, &out],
-            "2-fold",
-            &[&compared[..], rest].concat(),
-        )
-    };
-    assert!(!command(&["--fold", "3"]));
-    assert!(command(&["--fold", "2"]));
+    let compared = format!(
+        "--preset {} --seeds 1,2 --baselines ed-tcn",
+        other.display()
+    );
+    let command =
+        |rest: &str| cross_validate([&one, &data, &out], &format!("2-fold {compared} {rest}"));
+    assert!(!command("--fold 3"));
+    assert!(command("--fold 2"));
     assert!(
         !out.join("people.csv").exists(),
         "half of the jobs are left"
@@ -137,7 +112,7 @@ fn a_cross_validation_evaluates_everybody_once_for_each_seed_and_goes_on() {
     let before = student("small");
     assert!(before.1, "a preset with a teacher trains one");
     assert!(!student("other").1, "labels alone need no teacher");
-    assert!(command(&[]));
+    assert!(command(""));
     assert_eq!(student("small"), before);
 
     let rows = fs::read_to_string(out.join("people.csv")).unwrap();
@@ -238,10 +213,8 @@ fn a_cross_validation_scores_the_test_people_apart_by_students_that_never_saw_th
     let folder = folder("cross-validation-test-people");
     let data = roshambo(&folder, &["01", "02", "03", "04", "06"]);
     let (preset, out) = (small_preset(&folder), folder.join("out"));
-    let command = |more: &[&str]| {
-        let seeded = [&["--seeds", "1"], more].concat();
-        cross_validate([&preset, &data, &out], "2-fold", &seeded)
-    };
+    let command =
+        |more: &str| cross_validate([&preset, &data, &out], &format!("2-fold --seeds 1 {more}"));
     // Each row of people.csv gives model, look-ahead, seed, fold, subject, people and classes.
     let rows = || -> Vec<Vec<String>> {
         let text = fs::read_to_string(out.join("people.csv")).unwrap();
@@ -268,7 +241,7 @@ fn a_cross_validation_scores_the_test_people_apart_by_students_that_never_saw_th
         let weights = fs::read(run.join("student.bpk")).unwrap();
         (checkpoint.modified().unwrap(), weights)
     };
-    assert!(command(&[]));
+    assert!(command(""));
     assert!(
         rows()
             .iter()
@@ -279,7 +252,7 @@ fn a_cross_validation_scores_the_test_people_apart_by_students_that_never_saw_th
     let trained = student();
 
     // Students are not trained again to score the test people.
-    assert!(command(&["--test-people"]));
+    assert!(command("--test-people"));
     assert!(student() == trained);
     let all = rows();
     let (test, development): (Vec<_>, Vec<_>) = all.iter().partition(|row| row[5] == "test");
@@ -301,7 +274,7 @@ fn a_cross_validation_scores_the_test_people_apart_by_students_that_never_saw_th
         assert_eq!(names(&split["test"]), ["roshambo/06"]);
     }
     // Without the option the same folder has tables of development alone again.
-    assert!(command(&[]));
+    assert!(command(""));
     assert!(rows().iter().all(|row| row[5] == "development"));
 }
 
@@ -316,11 +289,7 @@ fn a_fold_of_sets_holds_out_everybody_of_one_set() {
     assert!(text.contains(sets));
     fs::write(&preset, text.replace(sets, "data_sets = []")).unwrap();
     let out = folder.join("out");
-    assert!(cross_validate(
-        [&preset, &data, &out],
-        "sets",
-        &["--seeds", "1"]
-    ));
+    assert!(cross_validate([&preset, &data, &out], "sets --seeds 1"));
     for fold in ["fold-1", "fold-2"] {
         let split = &json(&out.join("small/seed-1").join(fold).join("config.json"))["split"];
         let held_out = names(&split["held_out"]);

@@ -14,6 +14,10 @@ pub mod simulation;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use shared::intent::Vocabulary;
+use shared::model::dimensions::Dimensions;
+use shared::model::file::random::random_model;
+
 /// Returns the folder of reference numbers; without one, books the test `name` as skipped.
 #[must_use]
 pub fn golden(name: &str) -> Option<PathBuf> {
@@ -57,4 +61,22 @@ fn folder(name: &str, variable: &str, default: &str, hint: &str) -> Option<PathB
     let folder = folder.display();
     skip(name, &format!("no folder {folder} ({variable}: {hint})"));
     None
+}
+
+/// Writes a small model of random weights that has seen these people.
+///
+/// # Panics
+/// Panics if the file cannot be written.
+pub fn small_model(path: &Path, seen: &[&str], vocabulary: Vocabulary) {
+    let dimensions = Dimensions {
+        width: 32,
+        layers: 1,
+        span: 20,
+        vocabulary,
+        other: false,
+    };
+    let mut parts = random_model(dimensions, 5);
+    parts.provenance.subjects_seen = seen.iter().map(|&name| name.to_owned()).collect();
+    let bytes = parts.to_bytes().expect("a valid model");
+    std::fs::write(path, bytes).expect("a folder of the test");
 }

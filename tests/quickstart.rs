@@ -15,16 +15,9 @@ fn quickstart(folder: &Path, run: &str) -> PathBuf {
     let (data, _) = recordings(folder);
     let preset = small_preset(folder);
     let run = folder.join(run);
-    let path = |path: &Path| path.to_str().unwrap().to_owned();
-    assert!(myointent(&[
-        "quickstart",
-        "--preset",
-        &path(&preset),
-        "--data",
-        &path(&data),
-        "--run",
-        &path(&run)
-    ]));
+    let [preset, data, path] = [&preset, &data, &run].map(|path| path.display());
+    let line = format!("quickstart --preset {preset} --data {data} --run {path}");
+    assert!(myointent(&line));
     run
 }
 
@@ -96,16 +89,9 @@ fn an_integer_student_is_deterministic_and_near_the_float_student() {
     assert_eq!(rows, integer_logits(&model, &emg).unwrap());
 
     let out = folder.join("float.csv");
-    let path = |path: &Path| path.to_str().unwrap().to_owned();
-    assert!(myointent(&[
-        "predict",
-        "--run",
-        &path(&run),
-        "--recording",
-        &path(&file),
-        "--out",
-        &path(&out)
-    ]));
+    let [run, file, path] = [&run, &file, &out].map(|path| path.display());
+    let line = format!("predict --run {run} --recording {file} --out {path}");
+    assert!(myointent(&line));
     let text = fs::read_to_string(&out).unwrap();
     let float: Vec<Vec<f32>> = text
         .lines()

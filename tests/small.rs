@@ -26,10 +26,15 @@ pub fn small_preset(folder: &Path) -> PathBuf {
     path
 }
 
-/// Runs the program; returns true if it succeeds.
-pub fn myointent(arguments: &[&str]) -> bool {
-    let line = std::iter::once("myointent").chain(arguments.iter().copied());
-    Cli::try_parse_from(line).unwrap().run() == ExitCode::SUCCESS
+/// Runs the program with the words of a line.
+pub fn run(line: &str) -> ExitCode {
+    let words = std::iter::once("myointent").chain(line.split_whitespace());
+    Cli::try_parse_from(words).unwrap().run()
+}
+
+/// Runs the program with the words of a line; returns true if it succeeds.
+pub fn myointent(line: &str) -> bool {
+    run(line) == ExitCode::SUCCESS
 }
 
 /// Makes an empty folder of this test's own.

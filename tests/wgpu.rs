@@ -81,29 +81,23 @@ fn a_run_goes_through_all_steps_and_repeats() {
     let (data, _) = recordings(&folder);
     let preset = small_preset(&folder);
     let file = |run: &str| folder.join(run).join("student.intent");
-    let on_gpu = |command: &str, run: &str, more: &[&str]| {
+    let on_gpu = |command: &str, run: &str| {
         let run = folder.join(run);
-        let mut line = vec![command, "--run", run.to_str().unwrap(), "--backend", "wgpu"];
-        line.extend(more);
-        assert!(myointent(&line), "{command}");
+        let line = format!("{command} --run {} --backend wgpu", run.display());
+        assert!(myointent(&line), "{line}");
     };
     for run in ["first", "again"] {
-        let [preset, data] = [&preset, &data].map(|path| path.to_str().unwrap());
-        on_gpu("train", run, &["--preset", preset, "--data", data]);
-        on_gpu("quantize", run, &[]);
+        let [preset, data] = [&preset, &data].map(|path| path.display());
+        on_gpu(&format!("train --preset {preset} --data {data}"), run);
+        on_gpu("quantize", run);
     }
     let bytes = fs::read(file("first")).unwrap();
     assert!(Model::parse(&bytes).is_ok());
     assert_eq!(bytes, fs::read(file("again")).unwrap());
-    on_gpu("evaluate", "first", &[]);
+    on_gpu("evaluate", "first");
     assert!(folder.join("first/report.html").is_file());
     // Its weights are those of any backend.
     let run = folder.join("first");
-    assert!(myointent(&[
-        "export",
-        "--run",
-        run.to_str().unwrap(),
-        "--backend",
-        "flex"
-    ]));
+    let line = format!("export --run {} --backend flex", run.display());
+    assert!(myointent(&line));
 }

@@ -38,19 +38,11 @@ fn predict_gives_the_labels_that_evaluate_scores_of_files_of_published_sets() {
             skip(test, &format!("no {}", path.display()));
             continue;
         }
-        let labels = |flag: &[&str]| {
+        let labels = |flag: &str| {
             let out = folder.join("labels.csv");
-            let [model, path, out] = [&file, &path, &out].map(|path| path.to_str().unwrap());
-            let line = [
-                "predict",
-                "--model",
-                model,
-                "--recording",
-                path,
-                "--out",
-                out,
-            ];
-            assert!(myointent(&[&line[..], flag].concat()));
+            let [model, path, to] = [&file, &path, &out].map(|path| path.display());
+            let line = format!("predict --model {model} --recording {path} --out {to} {flag}");
+            assert!(myointent(&line));
             fs::read_to_string(out).unwrap()
         };
         let evaluated = |as_recorded| {
@@ -73,7 +65,7 @@ fn predict_gives_the_labels_that_evaluate_scores_of_files_of_published_sets() {
             );
             smooth(logits, samples, 3, settings).unwrap().reference
         };
-        for (flag, as_recorded) in [(&[][..], false), (&["--as-recorded"], true)] {
+        for (flag, as_recorded) in [("", false), ("--as-recorded", true)] {
             let table = labels(flag);
             let number = |row: &str| row.split(',').next().unwrap().parse::<i32>().unwrap();
             let predicted: Vec<i32> = table.lines().skip(1).map(number).collect();
@@ -81,11 +73,7 @@ fn predict_gives_the_labels_that_evaluate_scores_of_files_of_published_sets() {
             let expected: Vec<i32> = evaluated(as_recorded).iter().map(class).collect();
             assert_eq!(predicted, expected, "{recording} {flag:?}");
         }
-        assert_eq!(
-            labels(&[]) != labels(&["--as-recorded"]),
-            turned,
-            "{recording}"
-        );
+        assert_eq!(labels("") != labels("--as-recorded"), turned, "{recording}");
         let replayed = replay::one_recording(&path, None).unwrap();
         let library = load(&path, &LoadOptions::default()).unwrap();
         assert_eq!(replayed.samples, library.recordings[0].samples);

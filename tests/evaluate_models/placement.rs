@@ -9,15 +9,12 @@ use shared::stream::alignment::Template;
 use shared::uart_line::alignment::AlignmentState;
 use shared::units::CHANNELS;
 
-use super::{evaluate, evaluated, model};
+use super::{evaluate, evaluated, model, with_model};
 use crate::small::{folder, myointent, recordings};
 
 #[test]
 fn a_rotated_armband_changes_what_the_model_sees_and_not_the_amplitude() {
-    let folder = folder("evaluate-rotated");
-    recordings(&folder);
-    let file = folder.join("one.intent");
-    model(&file, &[], Vocabulary::Three);
+    let (folder, file) = with_model("evaluate-rotated", &[]);
     let with = |places| {
         let selection = Selection {
             worn: Worn {
@@ -43,37 +40,8 @@ fn a_rotated_armband_changes_what_the_model_sees_and_not_the_amplitude() {
 }
 
 #[test]
-fn lost_notifications_repeat_the_sample_before_them() {
-    let folder = folder("evaluate-losses");
-    recordings(&folder);
-    let file = folder.join("one.intent");
-    model(&file, &[], Vocabulary::Three);
-    let with = |lost_percent| {
-        let selection = Selection {
-            lost_percent,
-            ..Selection::default()
-        };
-        evaluated(&folder, &file, &selection)
-    };
-    let (whole, half, again) = (with(0), with(50), with(50));
-    assert_eq!(half.recordings[0].raw, again.recordings[0].raw);
-    assert_eq!(half.recordings[0].published, whole.recordings[0].published);
-    assert_ne!(whole.candidates[0].logits, half.candidates[0].logits);
-    let pairs = whole.recordings[0]
-        .raw
-        .chunks(2)
-        .zip(half.recordings[0].raw.chunks(2));
-    let lost = pairs.filter(|(sent, received)| sent != received).count();
-    let share = lost as f64 / (whole.recordings[0].raw.len() / 2) as f64;
-    assert!((0.45..0.55).contains(&share), "{share}");
-}
-
-#[test]
 fn alignment_finds_the_same_however_the_armband_is_turned_and_its_openings_are_not_scored() {
-    let folder = folder("evaluate-aligned");
-    recordings(&folder);
-    let file = folder.join("one.intent");
-    model(&file, &[], Vocabulary::Three);
+    let (folder, file) = with_model("evaluate-aligned", &[]);
     let with = |places, align| {
         let selection = Selection {
             worn: Worn {
@@ -121,26 +89,14 @@ fn alignment_finds_the_same_however_the_armband_is_turned_and_its_openings_are_n
     };
     assert!(labels(&straight) + 4 * 2 * 60 <= labels(&plain));
     let text = folder.join("people.csv");
-    assert!(evaluate(
-        &folder,
-        &[
-            "--model",
-            file.to_str().unwrap(),
-            "--rotate",
-            "any",
-            "--mirror",
-            "--align"
-        ]
-    ));
+    let line = format!("{} --rotate any --mirror --align", file.display());
+    assert!(evaluate(&folder, &line));
     assert!(fs::read_to_string(text).unwrap().contains("one, aligned"));
 }
 
 #[test]
 fn an_alignment_that_is_told_the_arm_takes_no_placement_on_the_other_one() {
-    let folder = folder("evaluate-arm-told");
-    recordings(&folder);
-    let file = folder.join("one.intent");
-    model(&file, &[], Vocabulary::Three);
+    let (folder, file) = with_model("evaluate-arm-told", &[]);
     // The second template's electrodes run the other way round: one of the two templates is for the wrong arm.
     let bytes = fs::read(&file).unwrap();
     let template = Model::parse(&bytes).unwrap().header.template.unwrap();
@@ -181,13 +137,8 @@ fn a_template_is_made_of_the_people_whom_the_model_has_seen_and_nothing_else_cha
         model(&file, seen, Vocabulary::Three);
         let bare = Model::with_template(&fs::read(&file).unwrap(), None).unwrap();
         fs::write(&file, &bare).unwrap();
-        let arguments = [
-            "template",
-            file.to_str().unwrap(),
-            "--data",
-            data.to_str().unwrap(),
-        ];
-        let done = myointent(&arguments);
+        let line = format!("template {} --data {}", file.display(), data.display());
+        let done = myointent(&line);
         let bytes = fs::read(&file).unwrap();
         assert_eq!(Model::with_template(&bytes, None).unwrap(), bare);
         done.then(|| {

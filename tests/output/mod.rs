@@ -25,7 +25,6 @@ const TAIL: usize = 12;
 /// Starts of the lines that are numbered together.
 const NUMBERED: [&str; 3] = ["$LABEL,", "$STATE,", "$ALIGN,"];
 /// Returns true if a line has a number: a label, a state, or a report of an alignment.
-#[must_use]
 pub fn is_numbered(line: &str) -> bool {
     NUMBERED.iter().any(|start| line.starts_with(start))
 }
@@ -58,7 +57,6 @@ impl Line {
     }
 
     /// Returns the number of the line.
-    #[must_use]
     pub const fn sequence(&self) -> u32 {
         match self {
             Self::Report(report) => report.sequence,
@@ -67,7 +65,6 @@ impl Line {
     }
 
     /// Returns the report, if the line is one.
-    #[must_use]
     pub const fn report(self) -> Option<Report> {
         match self {
             Self::Report(report) => Some(report),
@@ -91,47 +88,36 @@ pub struct Output {
 
 impl Output {
     /// Refers to the files in a folder.
-    #[must_use]
     pub fn new(folder: &Path) -> Self {
-        Self {
-            folder: folder.to_owned(),
-        }
+        let folder = folder.to_owned();
+        Self { folder }
     }
 
     /// Returns the path of the file with UART0's lines.
-    #[must_use]
     pub fn lines_file(&self) -> PathBuf {
         self.folder.join(LINES)
     }
 
     /// Returns the complete lines of UART0 that are reports, line ends included.
-    #[must_use]
     pub fn lines(&self) -> Vec<String> {
-        let lines = self.file(LINES);
-        let lines = lines.split_inclusive('\n').filter(|line| is_numbered(line));
-        lines
-            .filter(|l| l.ends_with('\n'))
-            .map(str::to_owned)
-            .collect()
+        self.complete(LINES, is_numbered)
     }
 
     /// Returns the bodies of the complete answers on UART0, each without `$`, checksum and line end.
     ///
     /// # Panics
     /// Panics if a checksum is wrong.
-    #[must_use]
     pub fn answers(&self) -> Vec<String> {
-        let lines = self.file(LINES);
-        let lines = lines.split_inclusive("\r\n");
-        let answers = lines.filter(|l| l.starts_with("$OK,") || l.starts_with("$ERR,"));
-        let complete = answers.filter(|l| l.ends_with("\r\n"));
+        let is_answer = |line: &str| line.starts_with("$OK,") || line.starts_with("$ERR,");
+        let answers = self.complete(LINES, is_answer);
         let body = |line: &str| {
             let framed = line.trim_end().split_once('$');
             let (body, found) = framed.and_then(|(_, rest)| rest.rsplit_once('*'))?;
             let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
             (format!("{sum:02X}") == found).then(|| body.to_owned())
         };
-        complete
+        let answers = answers.iter();
+        answers
             .map(|line| body(line).unwrap_or_else(|| panic!("{line}")))
             .collect()
     }
@@ -141,21 +127,17 @@ impl Output {
     /// # Errors
     /// Fails when a line cannot be parsed.
     pub fn emg(&self) -> anyhow::Result<Vec<EmgReport>> {
-        let lines = self.file(LINES);
-        let lines = lines.split_inclusive('\n').filter(|l| l.ends_with('\n'));
-        let emg = lines.filter(|l| l.starts_with("$EMG,"));
-        emg.map(|line| EmgReport::parse(line.as_bytes()).with_context(|| line.to_owned()))
-            .collect()
+        let lines = self.complete(LINES, |line| line.starts_with("$EMG,"));
+        let emg = |line: &String| EmgReport::parse(line.as_bytes()).with_context(|| line.clone());
+        lines.iter().map(emg).collect()
     }
 
     /// Returns the complete lines of UART0 that are comments, without line end.
-    #[must_use]
     pub fn comments(&self) -> Vec<String> {
-        let lines = self.file(LINES);
-        let lines = lines.split_inclusive('\n').filter(|l| l.starts_with('#'));
+        let lines = self.complete(LINES, |line| line.starts_with('#'));
         lines
-            .filter(|l| l.ends_with('\n'))
-            .map(|l| l.trim_end().to_owned())
+            .iter()
+            .map(|line| line.trim_end().to_owned())
             .collect()
     }
 
@@ -164,11 +146,8 @@ impl Output {
     /// # Errors
     /// Fails when a line cannot be parsed.
     pub fn reports(&self) -> anyhow::Result<Vec<Report>> {
-        Ok(self
-            .parsed()?
-            .into_iter()
-            .filter_map(Line::report)
-            .collect())
+        let lines = self.parsed()?.into_iter();
+        Ok(lines.filter_map(Line::report).collect())
     }
 
     /// Returns the reports of alignments, parsed.
@@ -176,11 +155,8 @@ impl Output {
     /// # Errors
     /// Fails when a line cannot be parsed.
     pub fn alignments(&self) -> anyhow::Result<Vec<AlignmentReport>> {
-        Ok(self
-            .parsed()?
-            .into_iter()
-            .filter_map(Line::alignment)
-            .collect())
+        let lines = self.parsed()?.into_iter();
+        Ok(lines.filter_map(Line::alignment).collect())
     }
 
     fn parsed(&self) -> anyhow::Result<Vec<Line>> {
@@ -194,14 +170,13 @@ impl Output {
     /// Fails when a line is damaged, or comes before the first start.
     pub fn lines_by_start(&self) -> anyhow::Result<Vec<Vec<Line>>> {
         let mut starts: Vec<Vec<Line>> = Vec::new();
-        let text = self.file(LINES);
-        for line in text.split_inclusive('\n').filter(|l| l.ends_with('\n')) {
+        for line in self.complete(LINES, |_| true) {
             if line.starts_with(STARTED) {
                 starts.push(Vec::new());
-            } else if NUMBERED.iter().any(|start| line.starts_with(start)) {
+            } else if is_numbered(&line) {
                 let lines = starts.last_mut();
                 let lines = lines.with_context(|| format!("before the start: {line}"))?;
-                lines.push(Line::parse(line)?);
+                lines.push(Line::parse(&line)?);
             }
         }
         Ok(starts)
@@ -219,31 +194,25 @@ impl Output {
     }
 
     /// Returns every state of the pins.
-    #[must_use]
     pub fn pins(&self) -> Vec<Pins> {
-        let text = self.file(LEVELS);
-        let lines = text.split_inclusive('\n').filter(|l| l.ends_with('\n'));
-        lines.filter_map(Pins::parse).collect()
+        let lines = self.complete(LEVELS, |_| true);
+        lines.iter().filter_map(|line| Pins::parse(line)).collect()
     }
 
     /// Returns the events in the armband's log.
-    #[must_use]
     pub fn armband_events(&self) -> Vec<Value> {
         let text = self.file(ARMBAND_LOG);
-        text.lines()
-            .filter_map(|line| serde_json::from_str(line).ok())
-            .collect()
+        let events = text.lines().map(serde_json::from_str);
+        events.filter_map(Result::ok).collect()
     }
 
     /// Returns the number of times that an event is in the armband's log.
-    #[must_use]
     pub fn event_count(&self, event: &str) -> usize {
         let events = self.armband_events();
         events.iter().filter(|line| line["event"] == event).count()
     }
 
     /// Returns the values of the virtual armband's events with this name.
-    #[must_use]
     pub fn event_values(&self, event: &str) -> Vec<String> {
         let events = self.armband_events();
         let events = events.iter().filter(|line| line["event"] == event);
@@ -254,22 +223,31 @@ impl Output {
 
     /// Returns the times at which the simulated armband began to stream, in microseconds; the virtual one does not log
     /// them.
-    #[must_use]
     pub fn streams_us(&self) -> Vec<u32> {
         self.times_us("STREAM ")
     }
 
     /// Returns the times of the injected faults, in microseconds.
-    #[must_use]
     pub fn faults_us(&self) -> Vec<u32> {
         self.times_us("FAULT ")
     }
 
     fn times_us(&self, what: &str) -> Vec<u32> {
-        let text = self.file(LEVELS);
-        let lines = text.split_inclusive('\n').filter(|l| l.ends_with('\n'));
-        let times = lines.filter_map(|line| line.strip_prefix(what));
-        times.filter_map(|us| us.trim_end().parse().ok()).collect()
+        let lines = self.complete(LEVELS, |line| line.starts_with(what));
+        let times = lines.iter().map(|line| line[what.len()..].trim_end());
+        times.filter_map(|us| us.parse().ok()).collect()
+    }
+
+    /// Complete lines of a file, line ends included.
+    fn complete(&self, name: &str, wanted: impl Fn(&str) -> bool) -> Vec<String> {
+        let text = self.file(name);
+        let lines = text
+            .split_inclusive('\n')
+            .filter(|line| line.ends_with('\n'));
+        lines
+            .filter(|line| wanted(line))
+            .map(str::to_owned)
+            .collect()
     }
 
     fn file(&self, name: &str) -> String {
@@ -279,7 +257,6 @@ impl Output {
     }
 
     /// Returns the last lines of every file, for the message of a failure.
-    #[must_use]
     pub fn tails(&self) -> String {
         let mut text = String::new();
         for name in [LINES, LEVELS, "board.out", ARMBAND_LOG, "armband.out"] {

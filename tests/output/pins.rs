@@ -21,7 +21,6 @@ pub struct Pins {
 
 impl Pins {
     /// Parses a line; returns `None` if it is of another kind or damaged.
-    #[must_use]
     pub fn parse(line: &str) -> Option<Self> {
         let mut words = line.trim_end().strip_prefix("PINS ")?.split(' ');
         let at_us = words.next()?.parse().ok()?;
@@ -55,7 +54,6 @@ impl Pins {
 
     /// Returns the microseconds since the newest byte from the controller; 0 if it was received while the line was
     /// being written.
-    #[must_use]
     pub const fn since_last_byte_us(&self) -> u32 {
         let passed = self.at_us.wrapping_sub(self.last_byte_us);
         if passed > i32::MAX as u32 { 0 } else { passed }

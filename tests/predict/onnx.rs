@@ -120,8 +120,8 @@ fn the_runtime_gives_the_logits_of_the_float_student_and_the_integers_nearly_its
     for name in ["three-class", "six-class"] {
         let shipped = format!("{}/../models/{name}.intent", env!("CARGO_MANIFEST_DIR"));
         let file = folder.join(format!("{name}.onnx"));
-        let out = file.to_str().unwrap();
-        let export = ["export", "--onnx", "--model", &shipped, "--out", out];
+        let out = file.display();
+        let export = format!("export --onnx --model {shipped} --out {out}");
         assert!(myointent(&export));
         assert!(!myointent(&export), "the file is there already");
         let bytes = fs::read(&shipped).unwrap();
@@ -170,17 +170,16 @@ fn the_student_of_a_run_is_written_as_it_was_trained() {
     let preset = small_preset(&folder);
     let (data, _) = synthetic(&folder);
     let run = folder.join("run");
-    let [preset, data, path] = [&preset, &data, &run].map(|path| path.to_str().unwrap());
-    assert!(myointent(&[
-        "train", "--preset", preset, "--data", data, "--run", path
-    ]));
-    assert!(myointent(&["export", "--onnx", "--run", path]));
+    let [preset, of, path] = [&preset, &data, &run].map(|path| path.display());
+    let train = format!("train --preset {preset} --data {of} --run {path}");
+    assert!(myointent(&train));
+    assert!(myointent(&format!("export --onnx --run {path}")));
 
     let (run_folder, config) = RunContext::find(&run).unwrap();
     let device = Device::default();
     let name = presets::distillation::NAME;
     let student = load_student(&run_folder, &config, name, &device).unwrap();
-    let own = load(Path::new(data), &LoadOptions::default()).unwrap();
+    let own = load(&data, &LoadOptions::default()).unwrap();
     let samples = &own.recordings[0].samples[..1000];
     let emg = input(samples, config.preset.preprocessing());
     let (found, _) = in_the_runtime(&python, &run.join("student.onnx"), &emg);

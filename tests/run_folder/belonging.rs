@@ -24,46 +24,46 @@ fn figures(file: &Path) -> Vec<(String, f32)> {
 }
 
 fn weights(run: &Path) -> Vec<u8> {
-    assert!(myointent(&["export", "--run", run.to_str().unwrap()]));
+    assert!(myointent(&format!("export --run {}", run.display())));
     fs::read(run.join("teacher.safetensors")).unwrap()
 }
 
 #[test]
 fn a_student_of_another_split_is_neither_evaluated_nor_quantized() {
     let bench = Bench::new("other-split");
-    let fold = |number| ["--protocol", "2-fold", "--fold", number];
-    succeeds(&bench.begin("train", "run", &fold("1")));
-    succeeds(&bench.on("quantize", "run", &[]));
-    let second = [&fold("2")[..], &["--overwrite", "--teacher-only"]].concat();
+    let fold = "--protocol 2-fold --fold";
+    succeeds(&bench.begin("train", "run", &format!("{fold} 1")));
+    succeeds(&bench.on("quantize", "run", ""));
+    let second = format!("{fold} 2 --overwrite --teacher-only");
     succeeds(&bench.begin("train", "run", &second));
     fails(
-        &bench.on("evaluate", "run", &[]),
+        &bench.on("evaluate", "run", ""),
         "student.bpk does not belong",
     );
     fails(
-        &bench.on("quantize", "run", &[]),
+        &bench.on("quantize", "run", ""),
         "student.bpk does not belong",
     );
-    succeeds(&bench.on("train", "run", &["--resume"]));
+    succeeds(&bench.on("train", "run", "--resume"));
     // The model file is still the first student's.
     fails(
-        &bench.on("evaluate", "run", &[]),
+        &bench.on("evaluate", "run", ""),
         "student.intent is not the model file",
     );
-    succeeds(&bench.on("quantize", "run", &[]));
-    succeeds(&bench.on("evaluate", "run", &[]));
+    succeeds(&bench.on("quantize", "run", ""));
+    succeeds(&bench.on("evaluate", "run", ""));
 }
 
 #[test]
 fn a_student_does_not_belong_to_a_teacher_that_it_did_not_learn_from() {
     let bench = Bench::new("other-teacher");
-    succeeds(&bench.begin("train", "run", &[]));
-    succeeds(&bench.on("quantize", "run", &[]));
+    succeeds(&bench.begin("train", "run", ""));
+    succeeds(&bench.on("quantize", "run", ""));
     let preset = bench.edited(&[("stride = 600", "stride = 300")]);
-    let only = ["--overwrite", "--teacher-only"];
-    succeeds(&bench.begin_with("train", preset.to_str().unwrap(), "run", &only));
+    let only = "--overwrite --teacher-only";
+    succeeds(&bench.begin_with("train", &preset, "run", only));
     fails(
-        &bench.on("evaluate", "run", &[]),
+        &bench.on("evaluate", "run", ""),
         "student.bpk does not belong",
     );
 }
@@ -71,13 +71,13 @@ fn a_student_does_not_belong_to_a_teacher_that_it_did_not_learn_from() {
 #[test]
 fn resume_does_not_take_the_weights_of_the_run_before() {
     let bench = Bench::new("fresh");
-    succeeds(&bench.begin("train", "run", &[]));
+    succeeds(&bench.begin("train", "run", ""));
     // A fresh start that is stopped in its first epoch.
     let (config, library) = bench.configuration(7);
     let folder = RunFolder::open(bench.path("run")).unwrap();
     drop(RunContext::begin(folder, config, library, Device::default().autodiff()).unwrap());
-    succeeds(&bench.on("train", "run", &["--resume"]));
-    succeeds(&bench.begin("train", "honest", &["--seed", "7"]));
+    succeeds(&bench.on("train", "run", "--resume"));
+    succeeds(&bench.begin("train", "honest", "--seed 7"));
     let same = weights(&bench.path("run")) == weights(&bench.path("honest"));
     assert!(same, "the resumed run has other weights");
 }
@@ -85,42 +85,41 @@ fn resume_does_not_take_the_weights_of_the_run_before() {
 #[test]
 fn resume_is_refused_with_another_configuration() {
     let bench = Bench::new("resume");
-    let seven = ["--seed", "7"];
-    let resumed = [&seven[..], &["--resume"]].concat();
     for command in ["train", "quickstart"] {
-        succeeds(&bench.begin(command, command, &seven));
-        succeeds(&bench.begin(command, command, &resumed));
+        succeeds(&bench.begin(command, command, "--seed 7"));
+        succeeds(&bench.begin(command, command, "--seed 7 --resume"));
         fails(
-            &bench.begin(command, command, &["--seed", "8", "--resume"]),
+            &bench.begin(command, command, "--seed 8 --resume"),
             "(seed 7 / 8)",
         );
     }
     // An interrupted command advises the same command with --resume.
-    let fold = ["--protocol", "2-fold", "--fold", "1"];
-    succeeds(&bench.begin("train", "fold", &fold));
-    succeeds(&bench.begin("train", "fold", &[&fold[..], &["--resume"]].concat()));
+    for resume in ["", "--resume"] {
+        let fold = format!("--protocol 2-fold --fold 1 {resume}");
+        succeeds(&bench.begin("train", "fold", &fold));
+    }
 }
 
 #[test]
 fn a_run_is_not_replaced_by_a_second_one() {
     let bench = Bench::new("second");
     for command in ["train", "quickstart"] {
-        succeeds(&bench.begin(command, command, &[]));
+        succeeds(&bench.begin(command, command, ""));
         let content = |name: &str| fs::read(bench.path(command).join(name)).unwrap();
         let before = content("config.json");
         // The same command, and one of another run.
-        for more in [&[][..], &["--seed", "7"]] {
+        for more in ["", "--seed 7"] {
             fails(&bench.begin(command, command, more), "--overwrite");
         }
         assert!(content("config.json") == before, "{command}");
-        succeeds(&bench.begin(command, command, &["--seed", "7", "--overwrite"]));
+        succeeds(&bench.begin(command, command, "--seed 7 --overwrite"));
         assert!(content("config.json") != before, "{command}");
     }
     // Files that another command has written into the same folder are not replaced.
     let foreign = bench.path("foreign");
     fs::create_dir(&foreign).unwrap();
     fs::write(foreign.join("student.intent"), "somebody's").unwrap();
-    fails(&bench.begin("quickstart", "foreign", &[]), "student.intent");
+    fails(&bench.begin("quickstart", "foreign", ""), "student.intent");
     assert_eq!(
         fs::read(foreign.join("student.intent")).unwrap(),
         b"somebody's"
@@ -134,34 +133,19 @@ fn a_model_and_a_recording_are_never_replaced_by_what_a_command_writes() {
     let model = bench.path("mine.intent");
     fs::copy(&shipped, &model).unwrap();
     let recording = bench.data.join("s1/s1_synthetic_1.csv");
-    let [shipped, model, recording, data] =
-        [&shipped, &model, &recording, &bench.data].map(|path| path.to_str().unwrap());
-    let line = |words: &[&str]| {
-        words
-            .iter()
-            .map(|&word| word.to_owned())
-            .collect::<Vec<_>>()
-    };
     let (labels, page) = (bench.path("labels.csv"), bench.path("page.html"));
-    let [labels, page] = [&labels, &page].map(|path| path.to_str().unwrap());
+    let paths = [&shipped, &model, &recording, &bench.data, &labels, &page];
+    let [shipped, model, recording, data, labels, page] = paths.map(|path| path.to_str().unwrap());
     let content = |path: &str| fs::read(path).unwrap();
     let before = [content(model), content(recording)];
 
-    let gate = |out| line(&["gate", shipped, "--other", "1", "--out", out]);
-    fails(&gate(model), "exists already");
-    let predict = |out| {
-        line(&[
-            "predict",
-            "--model",
-            shipped,
-            "--recording",
-            recording,
-            "--out",
-            out,
-        ])
-    };
+    fails(
+        &format!("gate {shipped} --other 1 --out {model}"),
+        "exists already",
+    );
+    let predict = |out| format!("predict --model {shipped} --recording {recording} --out {out}");
     fails(&predict(recording), "exists already");
-    let report = |out| line(&["report", shipped, "--data", data, "--out", out]);
+    let report = |out| format!("report {shipped} --data {data} --out {out}");
     fails(&report(recording), "exists already");
     assert!(before == [content(model), content(recording)]);
 
@@ -177,8 +161,8 @@ fn a_model_and_a_recording_are_never_replaced_by_what_a_command_writes() {
 #[test]
 fn figures_of_another_model_are_not_written_into_the_runs_own() {
     let bench = Bench::new("figures");
-    succeeds(&bench.begin("quickstart", "other", &["--seed", "7"]));
-    succeeds(&bench.begin("quickstart", "run", &[]));
+    succeeds(&bench.begin("quickstart", "other", "--seed 7"));
+    succeeds(&bench.begin("quickstart", "run", ""));
     let (own, other) = (
         bench.path("run/student.intent"),
         bench.path("other/student.intent"),
@@ -189,8 +173,9 @@ fn figures_of_another_model_are_not_written_into_the_runs_own() {
         figures(&other),
         "the test needs two models that differ"
     );
-    succeeds(&bench.on("evaluate", "run", &["--model", other.to_str().unwrap()]));
-    succeeds(&bench.on("quantize", "run", &[]));
+    let with_other = format!("--model {}", other.display());
+    succeeds(&bench.on("evaluate", "run", &with_other));
+    succeeds(&bench.on("quantize", "run", ""));
     assert_eq!(figures(&own), honest);
 }
 
@@ -198,17 +183,15 @@ fn figures_of_another_model_are_not_written_into_the_runs_own() {
 fn a_preset_without_a_teacher_trains_one_if_asked() {
     let bench = Bench::new("extra");
     let preset = bench.edited(&[("teacher_share = 0.5", "teacher_share = 0.0")]);
-    let begin = |run, more: &[&str]| {
-        succeeds(&bench.begin_with("train", preset.to_str().unwrap(), run, more));
-    };
+    let begin = |run, more| succeeds(&bench.begin_with("train", &preset, run, more));
     let has = |run: &str, name: &str| bench.path(run).join(name).exists();
-    begin("student", &[]);
+    begin("student", "");
     assert!(!has("student", "teacher.bpk") && has("student", "student.bpk"));
-    begin("both", &["--teacher"]);
+    begin("both", "--teacher");
     assert!(has("both", "teacher.bpk") && has("both", "student.bpk"));
-    begin("teacher", &["--teacher-only"]);
+    begin("teacher", "--teacher-only");
     assert!(has("teacher", "teacher.bpk") && !has("teacher", "student.bpk"));
-    succeeds(&bench.on("train", "teacher", &["--resume"]));
+    succeeds(&bench.on("train", "teacher", "--resume"));
     assert!(has("teacher", "student.bpk"));
 }
 
@@ -219,8 +202,7 @@ fn an_ensemble_goes_on_where_it_was_interrupted() {
         "temperature = 2.0",
         "temperature = 2.0\nensemble = { members = 2, epochs = 2 }",
     )]);
-    let preset = edited.to_str().unwrap();
-    succeeds(&bench.begin_with("quickstart", preset, "run", &[]));
+    succeeds(&bench.begin_with("quickstart", &edited, "run", ""));
     let run = bench.path("run");
     let content = |name: &str| fs::read(run.join(name)).unwrap();
     assert!(!run.join("teacher.bpk").exists());
@@ -233,7 +215,7 @@ fn an_ensemble_goes_on_where_it_was_interrupted() {
             fs::remove_file(run.join(format!("{name}.{ending}"))).unwrap();
         }
     }
-    succeeds(&bench.on("train", "run", &["--resume"]));
-    succeeds(&bench.on("quantize", "run", &[]));
+    succeeds(&bench.on("train", "run", "--resume"));
+    succeeds(&bench.on("quantize", "run", ""));
     assert!(content("student.intent") == whole);
 }

@@ -16,7 +16,7 @@ fn a_second_process_is_refused_while_a_run_is_being_made() {
     let (config, library) = bench.configuration(7);
     let folder = RunFolder::open(bench.path("run")).unwrap();
     let first = RunContext::begin(folder, config, library, Device::default().autodiff()).unwrap();
-    let second = bench.begin("train", "run", &["--overwrite"]);
+    let second = bench.begin("train", "run", "--overwrite");
     let second = process(&second).output().unwrap();
     let message = String::from_utf8_lossy(&second.stderr);
     assert_eq!(second.status.code(), Some(1), "{message}");
@@ -26,13 +26,13 @@ fn a_second_process_is_refused_while_a_run_is_being_made() {
         "{message}"
     );
     drop(first);
-    succeeds(&bench.begin("train", "run", &["--overwrite"]));
+    succeeds(&bench.begin("train", "run", "--overwrite"));
 }
 
 #[test]
 fn a_killed_process_leaves_no_lock() {
     let bench = Bench::new("killed");
-    let mut first = process(&bench.begin("quickstart", "run", &[]))
+    let mut first = process(&bench.begin("quickstart", "run", ""))
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()
@@ -44,7 +44,7 @@ fn a_killed_process_leaves_no_lock() {
     first.kill().unwrap();
     first.wait().unwrap();
     fs::write(bench.path("run/old.bpk.partial"), "a torn file").unwrap();
-    succeeds(&bench.begin("quickstart", "run", &["--resume"]));
+    succeeds(&bench.begin("quickstart", "run", "--resume"));
     let left = fs::read_dir(bench.path("run")).unwrap();
     let partial = left
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
@@ -56,7 +56,7 @@ fn a_killed_process_leaves_no_lock() {
 fn an_interrupted_command_advises_what_it_has() {
     let bench = Bench::new("interrupt");
     let preset = bench.edited(&[("epochs = 1", "epochs = 1000")]);
-    let line = bench.begin_with("train", preset.to_str().unwrap(), "run", &[]);
+    let line = bench.begin_with("train", &preset, "run", "");
     let mut child = process(&line)
         .stdout(Stdio::null())
         .stderr(Stdio::piped())
@@ -82,13 +82,13 @@ fn an_interrupted_command_advises_what_it_has() {
         "{message}"
     );
     // The run is not complete: there is nothing to quantize.
-    fails(&bench.on("quantize", "run", &[]), "not trained yet");
+    fails(&bench.on("quantize", "run", ""), "not trained yet");
 }
 
 #[test]
 fn a_closed_standard_error_is_no_panic() {
     let bench = Bench::new("stderr");
-    let mut child = process(&bench.begin("train", "run", &[]))
+    let mut child = process(&bench.begin("train", "run", ""))
         .stderr(Stdio::piped())
         .stdout(Stdio::null())
         .spawn()
@@ -114,7 +114,7 @@ fn the_revision_is_that_of_the_program_wherever_it_is_started() {
         return;
     }
     let revision = |run: &str, at: &Path| {
-        let line = bench.begin("train", run, &[]);
+        let line = bench.begin("train", run, "");
         assert!(
             process(&line)
                 .current_dir(at)
