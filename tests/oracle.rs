@@ -85,6 +85,7 @@ pub fn expected_lines(model: &[u8], inputs: &[Input<'_>]) -> anyhow::Result<Vec<
                 let input = pipeline::Input {
                     preprocessing: model.header.preprocessing,
                     template: model.header.template,
+                    alignment: Alignment::NONE,
                 };
                 pipeline.resume(now, encoder, smoother, input);
                 Reports::default()

@@ -13,6 +13,7 @@ use shared::model::file::{Model, ModelError};
 use shared::model::head::Head;
 use shared::model::{Encode, LookBackLogits};
 use shared::pipeline::{Input, Smoother};
+use shared::stream::alignment::Alignment;
 use shared::stream::smoother::SettingsError;
 use shared::units::Patch;
 
@@ -45,15 +46,15 @@ impl BoardEncoder {
         DeviceEncoder::new(model).map(Self)
     }
 
-    /// Uses the calibration that is kept.
-    fn calibrate(&mut self, model: &Model<'_>) -> Result<(), RecordError> {
+    /// Uses the calibration that is kept; returns the alignment under which it was learnt.
+    fn calibrate(&mut self, model: &Model<'_>) -> Result<Alignment, RecordError> {
         // No calibration is made on an nRF52832.
         if cfg!(feature = "nrf52832") {
             return Err(RecordError::Missing);
         }
         let head = from_record(flash::bytes(Region::Calibration), model)?;
         self.0.set_head(head);
-        Ok(())
+        Ok(head.alignment)
     }
 }
 
@@ -125,9 +126,10 @@ pub fn load(take: &mut dyn FnMut(Loaded)) -> Result<(), ModelRefused> {
         input: Input {
             preprocessing: model.header.preprocessing,
             template: model.header.template,
+            alignment: calibration.unwrap_or_default(),
         },
         checksum: model.checksum,
-        calibration,
+        calibration: calibration.map(|_| ()),
     });
     Ok(())
 }

@@ -23,7 +23,7 @@ mod losses;
 
 pub use self::alignment::AlignmentPhase;
 use self::alignment::Placement;
-use self::calibration::Calibration;
+use self::calibration::{Calibration, Then};
 use self::in_use::InUse;
 pub use self::in_use::{Input, Smoother};
 use crate::intent::{Intent, MAX_CLASSES};
@@ -273,23 +273,26 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         self.behind = behind;
         let patch = self.ring.before_newest(behind);
         let rows = encoder.step(self.state, patch);
+        let after = (behind * PATCH) as u32;
+        let window_end = SampleIndex(self.newest_end.0.wrapping_sub(after));
+        self.calibration
+            .again(encoder, self.state, window_end, behind);
         let window_full = self.ring.contiguous() as usize / PATCH >= WINDOW_PATCHES + behind;
         // The labels that older windows take part in were emitted under the alignment before.
         if !window_full || behind > smoother.look_ahead() {
             return None;
         }
-        let after = (behind * PATCH) as u32;
-        let window_end = SampleIndex(self.newest_end.0.wrapping_sub(after));
         let decision = smoother.push(window_end, &rows);
         if !self.calibration.is_busy() {
             return decision;
         }
-        if behind == 0
-            && self
-                .calibration
-                .push(encoder, self.state, window_end, decision)
-        {
-            self.encode_anew();
+        if behind == 0 {
+            let state = &mut *self.state;
+            match self.calibration.push(encoder, state, window_end, decision) {
+                Then::Nothing => {}
+                Then::Encode => self.encode_anew(),
+                Then::Align(profile) => self.align_by(profile),
+            }
         }
         None
     }

@@ -10,6 +10,8 @@ use recordings::synthetic::Follower;
 use shared::calibration::from_record;
 use shared::intent::Intent;
 use shared::model::file::Model;
+use shared::stream::alignment::Alignment;
+use shared::uart_line::{Kind, Report};
 use shared::units::Sample;
 
 use super::{model, page, program};
@@ -22,17 +24,21 @@ const RUN_SECONDS: usize = 48;
 const BEGUN: &str = "OK,CALIBRATE,teaching,relax,-,-,0";
 const DONE: &str = "# calibration: done, recall ";
 
+const ROUND: [Intent; 4] = [Intent::Relax, Intent::Open, Intent::Relax, Intent::Close];
+
+/// Samples of a wearer who does what each cue of so many rounds asks for, the first after four seconds, and then rests; and the cues.
+fn following(rounds: usize, after: usize) -> impl Iterator<Item = (Sample, Intent)> {
+    let cues = ROUND.repeat(rounds).into_iter();
+    let cues = cues.flat_map(|cue| repeat_n(cue, CUE));
+    let resting = |samples| repeat_n(Intent::Relax, samples);
+    let cues = resting(2 * AT).chain(cues).chain(resting(after));
+    let mut person = Follower::new("s2");
+    cues.map(move |cue| (person.sample(cue), cue))
+}
+
 /// Samples of a wearer who does what each cue of both rounds asks for, in a stream of a minute.
 fn samples() -> Vec<Sample> {
-    let round = [Intent::Relax, Intent::Open, Intent::Relax, Intent::Close];
-    let cues = round
-        .iter()
-        .chain(&round)
-        .flat_map(|cue| repeat_n(*cue, CUE));
-    let rest = |samples| repeat_n(Intent::Relax, samples);
-    let cues = rest(2 * AT).chain(cues).chain(rest(4400));
-    let mut person = Follower::new("s2");
-    cues.map(|cue| person.sample(cue)).collect()
+    following(2, 4400).map(|(sample, _)| sample).collect()
 }
 
 struct Bench {
@@ -203,6 +209,35 @@ fn replay_writes_what_the_board_writes_in_a_calibration_and_after_it() {
         .unwrap();
     assert!(found.len() > done + 50, "{}", ran.tails());
     assert_eq!(found, expected[..found.len()]);
+}
+
+#[test]
+fn an_armband_that_is_turned_or_on_the_other_arm_ends_calibrated_like_any_other() {
+    let model = model("three-class");
+    let (samples, cues): (Vec<_>, Vec<_>) = following(4, 0).unzip();
+    // Thousandths of the labels after it that are as asked.
+    let right = |placed: Alignment| {
+        let worn = samples.iter().map(|own| placed.inverse().apply(*own));
+        let worn: Vec<Sample> = worn.collect();
+        let lines = calibrated_lines(&model, &worn, 2 * AT as u64).unwrap();
+        let (_, after) = lines.split_once(DONE).expect(&lines);
+        let labels = after.split_inclusive("\r\n").filter_map(|line| {
+            let report = Report::parse(line.as_bytes()).ok()?;
+            (report.kind == Kind::Label).then_some(report)
+        });
+        let right = labels.map(|own| own.status.label() == cues[own.instant.0 as usize]);
+        let right: Vec<bool> = right.collect();
+        assert!(right.len() > 500, "{lines}");
+        1000 * right.iter().filter(|one| **one).count() / right.len()
+    };
+    let as_in_training = right(Alignment::NONE);
+    for placed in Alignment::all() {
+        let found = right(placed);
+        assert!(
+            found + 20 >= as_in_training,
+            "{found} {as_in_training} {placed:?}"
+        );
+    }
 }
 
 #[test]

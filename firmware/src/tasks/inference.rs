@@ -284,10 +284,14 @@ fn calibrate(
 ) -> Result<InferenceAnswer, Refusal> {
     match command {
         CalibrateCommand::Begin { .. } if !streams => return Err(Refusal::NoStream),
-        CalibrateCommand::Begin { others } => match pipeline.begin_calibration(now(), others) {
-            Some(reports) => enqueue(pipeline, reports),
-            None => calibration::report(CalibrationReport::of(CalibrationState::Unavailable, None)),
-        },
+        CalibrateCommand::Begin { others } => {
+            match pipeline.begin_calibration(now(), others, ARM) {
+                Some(reports) => enqueue(pipeline, reports),
+                None => {
+                    calibration::report(CalibrationReport::of(CalibrationState::Unavailable, None))
+                }
+            }
+        }
         CalibrateCommand::Cancel => {
             pipeline.cancel_calibration();
             enqueue(pipeline, Reports::default());

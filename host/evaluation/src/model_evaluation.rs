@@ -52,7 +52,7 @@ pub struct Selection {
     /// Whether alignments are told on which arm the armband is.
     pub arm_told: bool,
     /// Whether each model is also evaluated after calibration, and by what. Only people with [`SET_ASIDE`] rounds are
-    /// evaluated then, and these rounds are not scored. Not together with `align`.
+    /// evaluated then, and these rounds are not scored.
     pub calibrate: Option<Lesson>,
     /// Percent of the notifications that are lost and bridged, 0 to 66.
     pub lost_percent: u8,

@@ -15,7 +15,8 @@ use execution::run_folder::write_whole;
 #[command(
     after_help = "A round is a hold of each gesture and two of rest; two rounds are enough, half a minute. The first half of the rounds teaches,\n\
     the others judge the new head beside the model's own. It is used, learnt from all rounds, unless it loses more than 0.05 mean\n\
-    recall: then nothing is written and the exit code is 3.\n\
+    recall: then nothing is written and the exit code is 3. The first opening shows how the armband sits; the new file is for an\n\
+    armband that sits so.\n\
     docs/calibration.md says what it gains.\n\n\
     Example:\n  myointent calibrate --model models/three-class.intent --data MINE --out mine.intent"
 )]

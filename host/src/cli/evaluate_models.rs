@@ -87,8 +87,9 @@ pub(in crate::cli) struct Options {
     /// Evaluate each model also after calibration by each person's first rounds, 0 to 4: a hold of each gesture and two of rest.
     ///
     /// Four rounds are set aside and not scored, whatever the number; people without them are left out. Half of the rounds judge
-    /// whether the new head is used (docs/calibration.md).
-    #[arg(hide_short_help = true, long, value_name = "ROUNDS", requires = "data", conflicts_with = "align", value_parser = clap::value_parser!(u8).range(0..=SET_ASIDE as i64))]
+    /// whether the new head is used (docs/calibration.md). With --align the opening of the first round aligns the armband, as on
+    /// a board.
+    #[arg(hide_short_help = true, long, value_name = "ROUNDS", requires = "data", value_parser = clap::value_parser!(u8).range(0..=SET_ASIDE as i64))]
     calibrate: Option<u8>,
     /// Show six seconds of other movement to each calibration too.
     #[arg(hide_short_help = true, long, requires = "calibrate")]
@@ -152,11 +153,12 @@ pub(in crate::cli) fn run(
             turn: options.rotate,
             mirrored: options.mirror,
         },
-        align: options.align,
+        align: options.align && options.calibrate.is_none(),
         arm_told: options.arm_told,
         calibrate: options.calibrate.map(|rounds| Lesson {
             rounds: rounds.into(),
             others: options.show_others,
+            align: options.align,
         }),
         lost_percent: options.lose,
         label_lag: options.label_lag,

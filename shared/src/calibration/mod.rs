@@ -3,7 +3,7 @@
 //! ```text
 //! hidden vector, class that the wearer was asked for -> Sums -> solve -> Head -> Encoder::with_head
 //!                                                                           record -> kept over a loss of power
-//! Session: cues, what the wearer is asked for; Judgement: whether the new head is used
+//! Session: cues, what the wearer is asked for, and how the armband sits; Judgement: whether the new head is used
 //! ```
 //!
 //! The encoder stays as it is. The hidden vector of each patch that is shown, the head's input with a 1 behind it, is
@@ -25,16 +25,21 @@ mod sums;
 
 pub use judgement::Judgement;
 pub use record::{KeptHead, RECORD_BYTES, RecordError, from_record, to_record};
-pub use session::{Progress, Session};
+pub(crate) use session::REACTION;
+pub use session::{Activity, Progress, Session};
 pub(crate) use solve::solve_from;
 pub use solve::{SCRATCH, solve};
 pub use sums::{Shown, Sums};
 
 use crate::intent::Intent;
 use crate::model::head::{Head, MAX_HEAD_WIDTH};
+use crate::stream::alignment::{Alignment, NAT};
 
 /// Fewest patches of each class, and of other movement if it is shown: those that lie whole in half a second.
 pub const FEWEST_PATCHES: u32 = 9;
+/// How much further from the template than the nearest placement the one in force may be and stay, where the opening of a
+/// calibration aligns the armband.
+pub const FAVOUR: u32 = 2 * NAT;
 /// Most patches of a hold that a calibration learns from: 3 s.
 pub const MOST_PATCHES: usize = 60;
 
@@ -43,6 +48,7 @@ pub const MOST_PATCHES: usize = 60;
 pub struct Memory {
     pub(crate) sums: Sums,
     pub(crate) head: Head,
+    pub(crate) alignment: Alignment,
 }
 
 impl Memory {
@@ -50,6 +56,7 @@ impl Memory {
     pub const EMPTY: Self = Self {
         sums: Sums::EMPTY,
         head: Head::EMPTY,
+        alignment: Alignment::NONE,
     };
 
     /// Head that was learnt.
@@ -58,13 +65,19 @@ impl Memory {
         &self.head
     }
 
+    /// Alignment under which it was learnt.
+    #[must_use]
+    pub const fn alignment(&self) -> Alignment {
+        self.alignment
+    }
+
     /// Record of the head that was learnt, for the model with this CRC-32; from the start of a word. The sums are lost.
     #[must_use]
     pub fn record(&mut self, model: u32) -> &[u8] {
         let bytes = bytemuck::cast_slice_mut(&mut self.sums.products);
-        bytes
-            .first_chunk_mut()
-            .map_or(&[], |bytes| to_record(&self.head, model, bytes))
+        bytes.first_chunk_mut().map_or(&[], |bytes| {
+            to_record(&self.head, self.alignment, model, bytes)
+        })
     }
 }
 

@@ -5,7 +5,7 @@
 //! 4       version, 1
 //! 5       width
 //! 6       outputs
-//! 7       0
+//! 7       alignment under which it was learnt: places, and 8 if mirrored
 //! 8..12   CRC-32 of its model file
 //! 12..    tiles of weights, scales, biases: as in the model file
 //! end     CRC-32 of the bytes before
@@ -19,12 +19,15 @@ use crate::kernels::code_limit;
 use crate::model::dimensions::Dimensions;
 use crate::model::file::{LinearWeights, Model};
 use crate::model::head::{Head, MAX_HEAD_WIDTH, MAX_OUTPUTS, are_allowed};
-use crate::units::LOOK_BACK;
+use crate::stream::alignment::Alignment;
+use crate::units::{CHANNELS, LOOK_BACK};
 
 const MAGIC: [u8; 4] = *b"MyoC";
 const VERSION: u8 = 1;
 const HEAD_START: usize = 12;
 const CHECKSUM_BYTES: usize = 4;
+/// In the byte of the alignment: the electrodes run the other way round.
+const MIRRORED: u8 = CHANNELS as u8;
 /// Longest record: of six classes and other movement at width 64. One of three classes and other movement has 1744 bytes.
 pub const RECORD_BYTES: usize = HEAD_START
     + MAX_OUTPUTS.next_multiple_of(TILE_ROWS) * MAX_HEAD_WIDTH
@@ -61,13 +64,24 @@ pub enum RecordError {
 
 /// Head of a record, read where it is.
 #[derive(Clone, Copy, Debug)]
-pub struct KeptHead<'b>(pub(crate) LinearWeights<'b>);
+pub struct KeptHead<'b> {
+    pub(crate) weights: LinearWeights<'b>,
+    /// Alignment under which it was learnt.
+    pub alignment: Alignment,
+}
 
-/// Writes the record of a head for the model with this CRC-32; returns its bytes, a multiple of four.
+/// Writes the record of a head that was learnt under an alignment, for the model with this CRC-32; returns its bytes, a
+/// multiple of four.
 #[must_use]
-pub fn to_record<'b>(head: &Head, model: u32, bytes: &'b mut [u8; RECORD_BYTES]) -> &'b [u8] {
+pub fn to_record<'b>(
+    head: &Head,
+    alignment: Alignment,
+    model: u32,
+    bytes: &'b mut [u8; RECORD_BYTES],
+) -> &'b [u8] {
     bytes[..4].copy_from_slice(&MAGIC);
-    bytes[4..8].copy_from_slice(&[VERSION, head.width as u8, head.outputs as u8, 0]);
+    let place = alignment.turn() + if alignment.mirrored() { MIRRORED } else { 0 };
+    bytes[4..8].copy_from_slice(&[VERSION, head.width as u8, head.outputs as u8, place]);
     bytes[8..HEAD_START].copy_from_slice(&model.to_le_bytes());
     let tiles = bytemuck::cast_slice(head.tiles());
     bytes[HEAD_START..][..tiles.len()].copy_from_slice(tiles);
@@ -91,7 +105,7 @@ pub fn from_record<'b>(bytes: &'b [u8], model: &Model<'_>) -> Result<KeptHead<'b
     let (start, body) = bytes
         .split_first_chunk::<HEAD_START>()
         .ok_or(RecordError::Missing)?;
-    let [a, b, c, d, version, width, outputs, zero, found @ ..] = *start;
+    let [a, b, c, d, version, width, outputs, place, found @ ..] = *start;
     if [a, b, c, d] != MAGIC {
         return Err(RecordError::Missing);
     }
@@ -105,7 +119,7 @@ pub fn from_record<'b>(bytes: &'b [u8], model: &Model<'_>) -> Result<KeptHead<'b
         .get(..HEAD_START + end + CHECKSUM_BYTES)
         .and_then(<[u8]>::split_last_chunk)
         .ok_or(RecordError::Damaged)?;
-    if zero != 0 || crc32(covered).to_le_bytes() != *checksum {
+    if place >= 2 * MIRRORED || crc32(covered).to_le_bytes() != *checksum {
         return Err(RecordError::Damaged);
     }
     let (expected, found) = (model.checksum, u32::from_le_bytes(found));
@@ -121,10 +135,13 @@ pub fn from_record<'b>(bytes: &'b [u8], model: &Model<'_>) -> Result<KeptHead<'b
         return Err(RecordError::Damaged);
     }
     let weights = bytemuck::cast_slice(&body[..tiles]);
-    Ok(KeptHead(LinearWeights {
-        weights,
-        code_limit: code_limit(weights, width),
-        scales,
-        bias,
-    }))
+    Ok(KeptHead {
+        weights: LinearWeights {
+            weights,
+            code_limit: code_limit(weights, width),
+            scales,
+            bias,
+        },
+        alignment: Alignment::new(place, place >= MIRRORED),
+    })
 }

@@ -5,15 +5,18 @@
 //! round two, which judges:    the same without other movement; it teaches too if the learnt head is used
 //! ```
 //!
+//! The opening of round one shows too how the armband sits.
+//!
 //! Neither clock nor heap: a patch is 50 ms. Patches without a full window are not passed.
 
 use super::{Judgement, MOST_PATCHES, Shown};
 use crate::intent::Intent;
+use crate::stream::alignment::{COUNT, Profile};
 use crate::units::{CHANNELS, Sample};
 
 /// Patches of a cue that count for nothing: 1 s. Nobody follows a cue at once, and labels come up to 0.3 s late. The page of
 /// `live` leaves out the same.
-const REACTION: u32 = 20;
+pub(crate) const REACTION: u32 = 20;
 /// Patches of a hold that count: 3 s, the most that was measured (docs/calibration.md).
 const HOLD: u32 = MOST_PATCHES as u32;
 /// Patches of other movement that count: 6 s, as measured.
@@ -41,6 +44,8 @@ pub enum Progress {
     Same,
     /// The next cue begins.
     Next,
+    /// The next cue begins, after the opening of round one, which had this profile as received: the armband is aligned now.
+    Opened(Profile),
     /// The next cue begins, the first of round two: the head is learnt now.
     Taught,
     /// Both rounds are over: the head is judged.
@@ -115,16 +120,18 @@ impl Session {
         }
         let hold = core::mem::take(&mut self.hold);
         if cue == Shown::Intent(Intent::Relax) {
-            self.rest.sum += hold.sum;
-            self.rest.samples += hold.samples;
-        } else if !hold.exceeds(self.rest) {
+            self.rest.join(&hold);
+        } else if !hold.exceeds(&self.rest) {
             return Progress::Weak;
         }
         self.patch = 0;
         self.step += 1;
         // A round has a cue for each class, and a second rest.
         if self.step < self.classes + 1 + usize::from(self.others && !self.is_judging) {
-            return Progress::Next;
+            return match cue {
+                Shown::Intent(Intent::Open) if !self.is_judging => Progress::Opened(hold.profile()),
+                _ => Progress::Next,
+            };
         }
         if self.is_judging {
             return Progress::Judged;
@@ -135,26 +142,48 @@ impl Session {
     }
 }
 
-/// Activity of a stretch: the sum of |x| over samples and electrodes.
+/// Activity of a stretch: the sums of |x| of each electrode.
+///
+/// At most a minute: 128 x 12 000 x 64 is below 2^32.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-struct Activity {
-    sum: u32,
+pub struct Activity {
+    sums: [u32; CHANNELS],
     samples: u32,
 }
 
 impl Activity {
-    fn add(&mut self, sample: Sample) {
-        let counts = sample.map(|value| u32::from(value.unsigned_abs()));
-        self.sum += counts.iter().sum::<u32>();
-        self.samples += 1;
+    /// Adds a sample as received.
+    pub fn add(&mut self, sample: Sample) {
+        self.join(&Self {
+            sums: sample.map(|value| u32::from(value.unsigned_abs())),
+            samples: 1,
+        });
+    }
+
+    /// Profile of the stretch.
+    #[must_use]
+    pub fn profile(&self) -> Profile {
+        let samples = self.samples.max(1);
+        Profile::new(self.sums.map(|sum| sum * COUNT / samples))
+    }
+
+    fn join(&mut self, other: &Self) {
+        for (sum, own) in self.sums.iter_mut().zip(other.sums) {
+            *sum += own;
+        }
+        self.samples += other.samples;
+    }
+
+    fn sum(&self) -> u32 {
+        self.sums.iter().sum()
     }
 
     /// Whether the mean is at least 1.4 times that of rest: below, the alignment takes a gesture to be over. Rest counts as one
     /// count at least, as there: noise of an armband without contact is no gesture.
-    fn exceeds(self, rest: Self) -> bool {
-        let floor = rest.sum.max(rest.samples * CHANNELS as u32);
+    fn exceeds(&self, rest: &Self) -> bool {
+        let floor = rest.sum().max(rest.samples * CHANNELS as u32);
         let product = |a: u32, b: u32, factor: u64| u64::from(a) * u64::from(b) * factor;
-        product(self.sum, rest.samples, 5) >= product(floor, self.samples, 7) && self.samples > 0
+        product(self.sum(), rest.samples, 5) >= product(floor, self.samples, 7) && self.samples > 0
     }
 }
 
@@ -183,7 +212,7 @@ mod tests {
             patches += 1;
             match session.push(labels(cue)) {
                 Progress::Same => {}
-                Progress::Next | Progress::Taught => {
+                Progress::Next | Progress::Opened(_) | Progress::Taught => {
                     cues.push((cue, patches));
                     patches = 0;
                 }

@@ -211,7 +211,7 @@ fn every_machine_gives_the_same_bits() {
     }
     let head = solved(&sums, &file).unwrap();
     let mut bytes = [0; RECORD_BYTES];
-    let bytes = to_record(&head, model.checksum, &mut bytes);
+    let bytes = to_record(&head, Alignment::NONE, model.checksum, &mut bytes);
     // Without its own checksum, with which any record has the same.
     assert_eq!(
         crate::checksum::crc32(&bytes[..bytes.len() - 4]),
@@ -349,11 +349,14 @@ fn a_record_is_read_again_and_refused_with_any_byte_changed_or_missing() {
     let model = Model::parse(&file).unwrap();
     let head = solved(&sums(&shown(16, [20; 4])), &file).unwrap();
     let mut page = Aligned([0xff; RECORD_BYTES]);
-    let length = to_record(&head, model.checksum, &mut page.0).len();
+    let alignment = Alignment::new(5, true);
+    let length = to_record(&head, alignment, model.checksum, &mut page.0).len();
     let encoder = HostEncoder::new(&model).unwrap();
     let lent = encoder.with_head(&head);
     let mut read = encoder;
-    read.set_head(from_record(&page.0, &model).unwrap());
+    let kept = from_record(&page.0, &model).unwrap();
+    assert_eq!(kept.alignment, alignment);
+    read.set_head(kept);
     let (mut states, patch) = ([encoder.fresh(), encoder.fresh()], [[9; 8]; 10]);
     let [a, b] = &mut states;
     assert_eq!(lent.step(a, &patch), read.step(b, &patch));

@@ -3,9 +3,10 @@
 mod arm;
 
 use super::Pipeline;
+use crate::calibration::FAVOUR;
 use crate::model::Encode;
 use crate::stream::alignment::{
-    Aligner, Alignment, Arm, ArmDecision, Fit, GESTURES, Outcome, Poor, Progress, Template,
+    Aligner, Alignment, Arm, ArmDecision, Fit, GESTURES, Outcome, Poor, Profile, Progress, Template,
 };
 use crate::stream::preprocess::Preprocessor;
 use crate::uart_line::alignment::{AlignmentReport, AlignmentState};
@@ -18,6 +19,8 @@ pub(super) struct Placement {
     template: Option<Template>,
     /// Alignment in force.
     pub(super) current: Alignment,
+    /// Alignment of each new connection: that under which the head in use was learnt.
+    learnt: Alignment,
     /// `current` was found or given, and is not only what nothing is known against.
     is_known: bool,
     stage: Stage,
@@ -65,6 +68,11 @@ impl Placement {
     /// Forgets that an alignment is in force.
     pub(super) const fn forget(&mut self) {
         self.is_known = false;
+    }
+
+    /// Alignment of each new connection.
+    pub(super) const fn learnt(&mut self) -> &mut Alignment {
+        &mut self.learnt
     }
 }
 
@@ -125,7 +133,8 @@ impl<E: Encode> Pipeline<'_, E> {
         self.placement.template = template;
     }
 
-    /// The alignment in force; [`Alignment::NONE`] at first and after a disconnection.
+    /// The alignment in force. At first and after a disconnection that under which the head in use was learnt,
+    /// [`Alignment::NONE`] for the model's own.
     #[must_use]
     pub const fn alignment(&self) -> Alignment {
         self.placement.current
@@ -170,12 +179,13 @@ impl<E: Encode> Pipeline<'_, E> {
     /// Puts an alignment in force, such as one that was stored, and ends one in progress.
     pub fn set_alignment(&mut self, alignment: Alignment) {
         self.end_alignment();
+        self.calibration.end(CalibrationState::Cancelled);
         self.placement.news = Some(News::of(AlignmentState::Set, 0));
         self.realign(alignment);
     }
 
     /// Ends an alignment in progress, if any, without a report; returns the gestures found so far.
-    fn end_alignment(&mut self) -> Option<u8> {
+    pub(super) fn end_alignment(&mut self) -> Option<u8> {
         let stage = core::mem::take(&mut self.placement.stage);
         if matches!(stage, Stage::Arm(_)) {
             // The encoder has taken the window in other placements.
@@ -206,12 +216,12 @@ impl<E: Encode> Pipeline<'_, E> {
     pub(super) fn drop_alignment(&mut self) {
         let gestures = self.end_alignment();
         let placement = &mut self.placement;
-        if gestures.is_some() || placement.current != Alignment::NONE {
+        if gestures.is_some() || placement.current != placement.learnt {
             let gestures = gestures.unwrap_or(0);
             placement.news = Some(News::of(AlignmentState::Disconnected, gestures));
-            placement.current = Alignment::NONE;
+            placement.current = placement.learnt;
         }
-        placement.is_known = false;
+        placement.is_known = placement.learnt != Alignment::NONE;
     }
 
     /// The next sample does not follow the previous one. The armband need not have moved.
@@ -234,15 +244,31 @@ impl<E: Encode> Pipeline<'_, E> {
         let Some(patch) = placement.view.push(placement.current.apply(sample)) else {
             return;
         };
-        match aligner.push(patch, template) {
-            Progress::Waiting => {}
-            Progress::Gesture => {
-                let gestures = aligner.gestures();
-                placement.news = Some(News::of(AlignmentState::Waiting, gestures));
-            }
+        let progress = aligner.push(patch, template);
+        if progress == Progress::Gesture {
+            let gestures = aligner.gestures();
+            placement.news = Some(News::of(AlignmentState::Waiting, gestures));
+        }
+        self.proceed(progress);
+    }
+
+    /// Aligns by an opening that fills the window; its profile is as received.
+    pub(super) fn align_by(&mut self, opening: Profile) {
+        let current = self.placement.current;
+        let arm = self.calibration.arm().seen_from(current);
+        if let Some(template) = &self.placement.template {
+            let opening = opening.aligned(current);
+            let progress = Progress::of(opening, arm, u64::MAX, template, FAVOUR);
+            self.proceed(progress);
+        }
+    }
+
+    fn proceed(&mut self, progress: Progress) {
+        match progress {
+            Progress::Waiting | Progress::Gesture => {}
             Progress::Undecided(mut decision) => {
                 decision.start(self.ring.complete());
-                placement.stage = Stage::Arm(decision);
+                self.placement.stage = Stage::Arm(decision);
                 if self.model.is_none() {
                     self.interrupt_decision();
                 }
@@ -262,6 +288,10 @@ impl<E: Encode> Pipeline<'_, E> {
             Outcome::Poor(fit, Poor::Margin) => News::result(AlignmentState::PoorMargin, fit),
             Outcome::Timeout => News::of(AlignmentState::Timeout, gestures),
         });
+        // A calibration has one opening, of three seconds.
+        if let (true, Some(news)) = (self.calibration.is_busy(), &mut placement.news) {
+            news.gestures = 1;
+        }
         if let Outcome::Aligned(fit) = outcome {
             self.realign(self.placement.current.then(fit.alignment));
         }
@@ -270,7 +300,6 @@ impl<E: Encode> Pipeline<'_, E> {
     /// Rearranges all samples so far, and has the encoder take them again.
     pub(super) fn realign(&mut self, alignment: Alignment) {
         self.placement.is_known = true;
-        self.calibration.end(CalibrationState::Cancelled);
         let change = self.placement.current.inverse().then(alignment);
         if change == Alignment::NONE {
             return;
@@ -279,6 +308,7 @@ impl<E: Encode> Pipeline<'_, E> {
         self.preprocessor.rearrange(change);
         self.ring.rearrange(change);
         self.last = self.last.map(|sample| change.apply(sample));
+        self.calibration.realigned();
         self.encode_anew();
     }
 }

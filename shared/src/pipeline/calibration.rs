@@ -1,13 +1,14 @@
 //! Calibration as a part of the pipeline: the wearer's last layer, learnt while the stream goes on.
 
 use super::{Pipeline, Reports, Smoother};
-use crate::calibration::{Memory, Progress, Session};
+use crate::calibration::{Memory, Progress, REACTION, Session, Shown};
 use crate::intent::Intent;
 use crate::model::Encode;
+use crate::stream::alignment::{Arm, Profile};
 use crate::stream::safe_state::Event;
 use crate::stream::smoother::Decision;
 use crate::uart_line::calibration::{CalibrationReport, CalibrationState};
-use crate::units::{Millis, Sample, SampleIndex};
+use crate::units::{Millis, Sample, SampleIndex, WINDOW_PATCHES};
 
 /// Calibration, as far as a pipeline knows it.
 #[derive(Debug, Default)]
@@ -20,6 +21,16 @@ pub(super) struct Calibration<'s> {
     news: Option<CalibrationReport>,
 }
 
+/// What a patch asks of the pipeline.
+pub(super) enum Then {
+    /// Nothing.
+    Nothing,
+    /// To encode all samples again: the encoder's state was used for other things.
+    Encode,
+    /// To align the armband by an opening with this profile as received.
+    Align(Profile),
+}
+
 /// A calibration in progress.
 #[derive(Debug)]
 struct Course {
@@ -28,6 +39,11 @@ struct Course {
     smoother: Smoother,
     /// Newest labels of the head in use and of the learnt one.
     labels: [Option<Intent>; 2],
+    arm: Arm,
+    /// End of the opening of round one, once it is over.
+    opened: SampleIndex,
+    /// The armband was aligned by that opening.
+    is_realigned: bool,
 }
 
 impl Calibration<'_> {
@@ -49,23 +65,58 @@ impl Calibration<'_> {
         }
     }
 
-    /// Takes a step of the encoder and the label that it gave. Returns whether the encoder's state was used for other things.
+    /// The electrodes were rearranged. What was shown before is forgotten, as it was of others; the opening shows itself
+    /// again, as far as the window holds it.
+    pub(super) fn realigned(&mut self) {
+        if let (Some(course), Some(memory)) = (&mut self.course, &mut self.memory) {
+            memory.sums.clear();
+            course.is_realigned = true;
+        }
+    }
+
+    /// Takes a step of the encoder over the window, with this many patches behind it.
+    pub(super) fn again<E: Encode>(
+        &mut self,
+        encoder: &E,
+        state: &E::State,
+        window_end: SampleIndex,
+        behind: usize,
+    ) {
+        let (Some(course), Some(memory)) = (&self.course, &mut self.memory) else {
+            return;
+        };
+        let is_opening = course.is_realigned && course.opened.since(window_end) < 1 << 31;
+        // As many before it as are not counted of a cue: the encoder looks back.
+        if is_opening && behind + (REACTION as usize) < WINDOW_PATCHES {
+            let open = Shown::Intent(Intent::Open);
+            memory.sums.add(encoder.hidden(state), open);
+        }
+    }
+
+    /// What is known of the arm, for an alignment.
+    pub(super) fn arm(&self) -> Arm {
+        self.course.as_ref().map_or(Arm::Unknown, |own| own.arm)
+    }
+
+    /// Takes a step of the encoder and the label that it gave.
     pub(super) fn push<E: Encode>(
         &mut self,
         encoder: &E,
         state: &mut E::State,
         window_end: SampleIndex,
         decision: Option<Decision>,
-    ) -> bool {
+    ) -> Then {
         let (Some(course), Some(memory)) = (&mut self.course, &mut self.memory) else {
-            return false;
+            return Then::Nothing;
         };
         let Course {
             session,
             smoother,
             labels,
+            opened,
+            ..
         } = course;
-        let Memory { sums, head } = &mut **memory;
+        let Memory { sums, head, .. } = &mut **memory;
         if session.is_judging() {
             let rows = encoder.logits_by(head, state);
             let learnt = smoother.push(window_end, &rows);
@@ -77,14 +128,19 @@ impl Calibration<'_> {
             sums.add(encoder.hidden(state), session.cue());
         }
         match session.push(*labels) {
-            Progress::Same => return false,
+            Progress::Same => return Then::Nothing,
             Progress::Next => {
                 self.say_cue();
-                return false;
+                return Then::Nothing;
+            }
+            Progress::Opened(profile) => {
+                *opened = window_end;
+                self.say_cue();
+                return Then::Align(profile);
             }
             Progress::Weak => {
                 self.end(CalibrationState::Weak);
-                return false;
+                return Then::Nothing;
             }
             Progress::Taught => {
                 if encoder.solve(sums, state, head).is_ok() {
@@ -107,7 +163,7 @@ impl Calibration<'_> {
                 self.news = Some(CalibrationReport::judged(state, judgement.recalls()));
             }
         }
-        true
+        Then::Encode
     }
 
     fn say_cue(&mut self) {
@@ -131,9 +187,10 @@ impl<'s, E: Encode> Pipeline<'s, E> {
     }
 
     /// Begins a calibration, anew if one is in progress; with other movement in round one if wanted. No label is valid until it
-    /// is over. An alignment in progress is cancelled. `None` without memory, without a model, or if the model has no output
+    /// is over. An alignment in progress is cancelled: the opening of round one aligns the armband, with what is known of
+    /// the arm, whatever the alignment in force says. `None` without memory, without a model, or if the model has no output
     /// for other movement and it is wanted.
-    pub fn begin_calibration(&mut self, now: Millis, others: bool) -> Option<Reports> {
+    pub fn begin_calibration(&mut self, now: Millis, others: bool, arm: Arm) -> Option<Reports> {
         let model = self.model.as_ref()?;
         let memory = self.calibration.memory.as_mut()?;
         if others && !model.smoother.knows_other() {
@@ -148,6 +205,9 @@ impl<'s, E: Encode> Pipeline<'s, E> {
             session,
             smoother,
             labels: [None; 2],
+            arm,
+            opened: SampleIndex(0),
+            is_realigned: false,
         });
         self.calibration.say_cue();
         let mut reports = Reports::default();
@@ -155,9 +215,12 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         Some(reports)
     }
 
-    /// Ends a calibration in progress; nothing changes. Returns whether there was one.
+    /// Ends a calibration in progress; the head stays. Returns whether there was one.
     pub fn cancel_calibration(&mut self) -> bool {
         let is_running = self.calibration.course.is_some();
+        if is_running {
+            self.end_alignment();
+        }
         self.calibration.end(CalibrationState::Cancelled);
         is_running
     }
@@ -169,10 +232,13 @@ impl<'s, E: Encode> Pipeline<'s, E> {
 
     /// Memory with a head that was learnt and is to be kept; no label is valid until it is [given back](Pipeline::lend).
     pub const fn take_learnt(&mut self) -> Option<&'s mut Memory> {
-        if self.calibration.has_learnt {
-            self.calibration.memory.take()
-        } else {
-            None
+        if !self.calibration.has_learnt {
+            return None;
         }
+        let mut memory = self.calibration.memory.take();
+        if let Some(memory) = &mut memory {
+            memory.alignment = self.placement.current;
+        }
+        memory
     }
 }

@@ -27,6 +27,8 @@ pub struct Input {
     pub preprocessing: Preprocessing,
     /// Pattern of an open hand.
     pub template: Option<Template>,
+    /// Alignment under which the head was learnt; [`Alignment::NONE`] for the model's own.
+    pub alignment: Alignment,
 }
 
 impl<E: Encode> Pipeline<'_, E> {
@@ -56,7 +58,8 @@ impl<E: Encode> Pipeline<'_, E> {
     ///
     /// The wearer's normalization is kept if both models require the same preprocessing; otherwise the samples so
     /// far cannot be used, and a new window begins. The alignment is kept if it was found by the template of this model, and
-    /// otherwise dropped: what is in its place depends on how each template was measured.
+    /// otherwise dropped: what is in its place depends on how each template was measured. A head that was learnt under another
+    /// alignment than the one before brings its own.
     pub fn resume(&mut self, now: Millis, encoder: E, smoother: Smoother, input: Input) {
         self.interrupt_decision();
         if self.preprocessing != input.preprocessing {
@@ -69,6 +72,10 @@ impl<E: Encode> Pipeline<'_, E> {
             }
             self.placement.forget();
             self.set_template(input.template);
+        }
+        let learnt = core::mem::replace(self.placement.learnt(), input.alignment);
+        if learnt != input.alignment && self.alignment() != input.alignment {
+            self.set_alignment(input.alignment);
         }
         self.set_model(encoder, smoother);
         self.encode_anew();

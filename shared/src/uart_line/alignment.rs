@@ -13,9 +13,9 @@
 //!                              arms, samples were lost while the model decided
 //!          | "timeout"         nothing changed: fewer than two gestures in 30 s
 //!          | "cancelled"       nothing changed: on request
-//!          | "disconnected"    the armband may have been taken off: as in training again
+//!          | "disconnected"    the armband may have been taken off: as in training again, or as at the calibration in use
 //!          | "unavailable"     the model has no template
-//!          | "set"             `turn` and `mirrored` were given
+//!          | "set"             `turn` and `mirrored` were given, or are those of the calibration in use
 //! gestures = number            found so far
 //! turn     = "0" ... "7"       places that the armband is turned by, as in force now
 //! mirrored = "0" | "1"         whether the electrodes run the other way round, as in force now
@@ -54,7 +54,7 @@ names! {
         Timeout = "timeout",
         /// Ended on request.
         Cancelled = "cancelled",
-        /// The alignment was dropped with the connection.
+        /// The alignment was dropped with the connection; that of the calibration in use is in force.
         Disconnected = "disconnected",
         /// The model has no template.
         Unavailable = "unavailable",

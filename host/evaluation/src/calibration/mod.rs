@@ -10,15 +10,20 @@ use std::collections::btree_map::{BTreeMap, Entry};
 
 use recordings::corpus::padded;
 use serde::Serialize;
-use shared::calibration::{Judgement, MOST_PATCHES, Refusal, SCRATCH, Shown, Sums, solve};
+use shared::calibration::{
+    Activity, FAVOUR, Judgement, MOST_PATCHES, Refusal, SCRATCH, Shown, Sums, solve,
+};
+use shared::intent::Intent;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
 use shared::model::head::Head;
-use shared::units::{PATCH, WINDOW_PATCHES};
+use shared::stream::alignment::{Alignment, Arm, Outcome, Progress};
+use shared::units::{CleanSample, PATCH, WINDOW_PATCHES};
 
 pub use self::own::{FEWEST_ROUNDS, OwnCalibration, calibrate_file, calibrate_on};
 pub use self::parts::{Part, parts, rounds_of};
 use crate::inference::logits_with;
+use crate::model_evaluation::Lesson;
 use crate::{EvaluatedRecording, EvaluationError, smooth};
 
 /// Result of a calibration.
@@ -32,9 +37,12 @@ pub struct Calibration {
     pub judged: Option<[f32; 2]>,
     /// Reason why nothing was learnt; `None` if a head was.
     pub refusal: Option<String>,
+    /// Alignment that the opening of the first round gave.
+    #[serde(skip)]
+    pub alignment: Alignment,
 }
 
-/// Calibrates a model on the first `rounds` of a person's parts; without `others`, other movement is not shown.
+/// Calibrates a model on the first rounds of a person's parts, as the lesson says.
 ///
 /// # Errors
 /// When the encoder or the smoother refuses the model.
@@ -42,18 +50,35 @@ pub fn calibrate(
     model: &Model<'_>,
     recordings: &[&EvaluatedRecording],
     parts: &[Part],
-    rounds: usize,
-    others: bool,
+    lesson: Lesson,
 ) -> Result<Calibration, EvaluationError> {
+    let Lesson {
+        rounds,
+        others,
+        align,
+    } = lesson;
     if rounds == 0 {
         return Ok(Calibration::default());
     }
     let wanted = |part: &&Part| part.round < rounds && (others || part.shown != Shown::Other);
     let parts: Vec<&Part> = parts.iter().filter(wanted).collect();
+    let alignment = if align {
+        alignment(model, recordings, &parts)?
+    } else {
+        Alignment::NONE
+    };
+    let unlearnt = Calibration {
+        alignment,
+        ..Calibration::default()
+    };
     let mut hidden = BTreeMap::new();
     for part in &parts {
         if let Entry::Vacant(entry) = hidden.entry(part.recording) {
-            entry.insert(hidden_vectors(model, recordings[part.recording])?);
+            entry.insert(hidden_vectors(
+                model,
+                recordings[part.recording],
+                alignment,
+            )?);
         }
     }
     let learnt = |rounds: usize| {
@@ -72,7 +97,7 @@ pub fn calibrate(
     };
     let refused = |refusal: Refusal| Calibration {
         refusal: Some(refusal.to_string()),
-        ..Calibration::default()
+        ..unlearnt.clone()
     };
     let teaching = rounds.div_ceil(2);
     let judging: Vec<&Part> = parts
@@ -87,22 +112,22 @@ pub fn calibrate(
     if judging.is_empty() {
         return Ok(Calibration {
             head: Some(first),
-            ..Calibration::default()
+            ..unlearnt
         });
     }
-    let judgement = judge(model, &first, recordings, &judging)?;
+    let judgement = judge(model, &first, recordings, &judging, alignment)?;
     let judged = judgement.recalls();
     if !judgement.accepts() {
         return Ok(Calibration {
             judged: Some(judged),
-            ..Calibration::default()
+            ..unlearnt
         });
     }
     Ok(match learnt(rounds) {
         Ok(head) => Calibration {
             head: Some(head),
             judged: Some(judged),
-            refusal: None,
+            ..unlearnt
         },
         Err(refusal) => refused(refusal),
     })
@@ -120,14 +145,74 @@ impl Part {
     }
 }
 
+/// Alignment by the opening of the first round, as a board finds it.
+fn alignment(
+    model: &Model<'_>,
+    recordings: &[&EvaluatedRecording],
+    parts: &[&Part],
+) -> Result<Alignment, EvaluationError> {
+    let open = Shown::Intent(Intent::Open);
+    let opening = parts.iter().find(|part| part.shown == open);
+    let (Some(template), Some(part)) = (&model.header.template, opening) else {
+        return Ok(Alignment::NONE);
+    };
+    let recording = recordings[part.recording];
+    let mut activity = Activity::default();
+    let most = part.samples.start + MOST_PATCHES * PATCH;
+    let samples = part.samples.start..part.samples.end.min(most);
+    for &sample in &recording.raw[samples] {
+        activity.add(sample);
+    }
+    let profile = activity.profile();
+    let outcome = match Progress::of(profile, Arm::Unknown, u64::MAX, template, FAVOUR) {
+        Progress::Done(outcome) => outcome,
+        Progress::Undecided(mut decision) => {
+            let input = input(model, recording, Alignment::NONE);
+            let patches = &input.as_chunks::<PATCH>().0[part.start()..part.end()];
+            let encoder = HostEncoder::new(model)?;
+            let mut state = encoder.fresh();
+            let outputs = model.header.dimensions.row_outputs();
+            decision.start(patches.len());
+            loop {
+                let next = decision.next();
+                if next.is_first {
+                    state.reset();
+                }
+                let patch = patches[patches.len() - 1 - next.back];
+                let patch = patch.map(|sample| next.alignment.apply(sample));
+                let rows = encoder.step(&mut state, &patch);
+                if let Some(outcome) = decision.score(&rows, outputs) {
+                    break outcome;
+                }
+            }
+        }
+        Progress::Waiting | Progress::Gesture => return Ok(Alignment::NONE),
+    };
+    Ok(match outcome {
+        Outcome::Aligned(fit) => fit.alignment,
+        Outcome::Poor(..) | Outcome::Timeout => Alignment::NONE,
+    })
+}
+
+/// Input of a model, aligned.
+fn input(
+    model: &Model<'_>,
+    recording: &EvaluatedRecording,
+    alignment: Alignment,
+) -> Vec<CleanSample> {
+    let input = recording.input(model.header.preprocessing);
+    input.into_iter().map(|own| alignment.apply(own)).collect()
+}
+
 /// Hidden vector at each patch of a recording.
 fn hidden_vectors(
     model: &Model<'_>,
     recording: &EvaluatedRecording,
+    alignment: Alignment,
 ) -> Result<Vec<Vec<f32>>, EvaluationError> {
     let encoder = HostEncoder::new(model)?;
     let mut state = encoder.fresh();
-    let stream = padded(&recording.input(model.header.preprocessing));
+    let stream = padded(&input(model, recording, alignment));
     let (patches, _) = stream.as_chunks::<PATCH>();
     let vectors = patches.iter().map(|patch| {
         let _ = encoder.step(&mut state, patch);
@@ -142,11 +227,12 @@ fn judge(
     learnt: &Head,
     recordings: &[&EvaluatedRecording],
     parts: &[&Part],
+    alignment: Alignment,
 ) -> Result<Judgement, EvaluationError> {
     let classes = model.header.dimensions.vocabulary.classes();
     let settings = model.header.smoother.in_patches();
     let emitted = |recording: &EvaluatedRecording, head| {
-        let logits = logits_with(model, head, &recording.input(model.header.preprocessing))?;
+        let logits = logits_with(model, head, &input(model, recording, alignment))?;
         Ok::<_, EvaluationError>(smooth(&logits, recording.emg.len(), classes, settings)?.emitted)
     };
     let mut labels = BTreeMap::new();

@@ -9,7 +9,7 @@ use shared::model::file::Model;
 use shared::units::Sample;
 
 use super::{Calibration, calibrate, parts, rounds_of};
-use crate::model_evaluation::{evaluated_recordings, labelled};
+use crate::model_evaluation::{Lesson, evaluated_recordings, labelled};
 use crate::{EvaluatedRecording, EvaluationError};
 
 /// Fewest rounds: one teaches, one judges.
@@ -31,7 +31,8 @@ pub struct OwnCalibration {
 }
 
 /// Calibrates a model file on all rounds of a person (`data-set/subject`, or the part after the slash), or of the only
-/// person; with `others` on other movement too, if the recordings and the model have it.
+/// person; with `others` on other movement too, if the recordings and the model have it. The first opening aligns the armband,
+/// as on a board; the file is for an armband that sits as in the recordings.
 ///
 /// # Errors
 /// When the model is refused, it is unclear whose recordings are meant, or they hold too few rounds.
@@ -56,10 +57,10 @@ pub fn calibrate_file(
     let recordings = evaluated_recordings(&labelled, dimensions.vocabulary, &lags, |recording| {
         (recording.subject == *subject).then_some(|_: &mut Vec<Sample>| ())
     });
-    calibrate_on(file, subject, &recordings, others)
+    calibrate_on(file, subject, &recordings, others, true)
 }
 
-/// Calibrates a model file as [`calibrate_file`], on recordings of this person.
+/// Calibrates a model file as [`calibrate_file`], on recordings of this person; aligned by the first opening if wanted.
 ///
 /// # Errors
 /// When the model is refused, or the recordings hold too few rounds.
@@ -68,6 +69,7 @@ pub fn calibrate_on(
     subject: &str,
     recordings: &[EvaluatedRecording],
     others: bool,
+    align: bool,
 ) -> Result<OwnCalibration, EvaluationError> {
     let model = Model::parse(file)?;
     let dimensions = &model.header.dimensions;
@@ -78,11 +80,17 @@ pub fn calibrate_on(
     }
     let parts = parts(&recordings, dimensions.vocabulary, rounds);
     let others = others && dimensions.other && parts.iter().any(|part| part.shown == Shown::Other);
+    let lesson = Lesson {
+        rounds,
+        others,
+        align,
+    };
     let Calibration {
         head,
         judged,
         refusal,
-    } = calibrate(&model, &recordings, &parts, rounds, others)?;
+        alignment,
+    } = calibrate(&model, &recordings, &parts, lesson)?;
     if let Some(refusal) = refusal {
         return Err(EvaluationError::NotCalibrated {
             subject: subject.to_owned(),
@@ -93,6 +101,7 @@ pub fn calibrate_on(
         Some(head) => {
             let calibrated = Model::with_head(file, head)?;
             let mut parts = Model::parse(&calibrated)?.to_parts();
+            parts.align(alignment);
             let seen = &mut parts.provenance.subjects_seen;
             if !seen.iter().any(|own| own == subject) {
                 seen.push(subject.to_owned());

@@ -126,6 +126,30 @@ fn a_person_gains_and_their_file_has_another_head() {
 }
 
 #[test]
+fn a_turned_armband_gains_as_much_and_the_file_is_for_it() {
+    let file = shipped();
+    let recalls = |file: &[u8], library: &Library| {
+        let done = calibrate_file(file, library, None, false).unwrap();
+        (done.recalls, done.file)
+    };
+    let ([_, gained], _) = recalls(&file, &library(1));
+    for placed in [Alignment::new(3, false), Alignment::new(6, true)] {
+        let mut turned = library(1);
+        for sample in turned
+            .recordings
+            .iter_mut()
+            .flat_map(|own| &mut own.samples)
+        {
+            *sample = placed.inverse().apply(*sample);
+        }
+        let ([_, found], written) = recalls(&file, &turned);
+        let ([kept, _], _) = recalls(&written.unwrap(), &turned);
+        assert!(found + 0.03 > gained, "{found} {gained}");
+        assert!(kept + 0.03 > gained, "{kept} {gained}");
+    }
+}
+
+#[test]
 fn other_movement_is_shown_if_it_is_wanted_and_labelled() {
     let (file, mut library) = (shipped(), library(1));
     let calibrated = |library: &Library, others| {
@@ -188,6 +212,7 @@ fn the_same_remainder_is_judged_for_any_number_of_rounds() {
             calibrate: Some(Lesson {
                 rounds,
                 others: false,
+                align: false,
             }),
             ..Selection::default()
         };

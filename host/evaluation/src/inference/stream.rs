@@ -8,7 +8,7 @@ use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
 use shared::model::head::Head;
 use shared::pipeline::{Input, Pipeline, Smoother};
-use shared::stream::alignment::Arm;
+use shared::stream::alignment::{Alignment, Arm};
 use shared::stream::lock::LockTimes;
 use shared::stream::smoother::SettingsError;
 use shared::uart_line::Report;
@@ -142,7 +142,10 @@ impl<'s, E: Encode + Copy> Stream<'s, E> {
             return ControlFlow::Continue(());
         };
         if own.at.next_multiple_of(TOGETHER) == self.count {
-            match self.pipeline.begin_calibration(now, own.others) {
+            match self
+                .pipeline
+                .begin_calibration(now, own.others, Arm::Unknown)
+            {
                 Some(reports) => {
                     for report in reports {
                         output(Line::Report(report))?;
@@ -160,6 +163,7 @@ impl<'s, E: Encode + Copy> Stream<'s, E> {
             && let Some(head) = own.kept.take()
         {
             head.clone_from(memory.head());
+            own.input.alignment = memory.alignment();
             self.pipeline.lend(memory);
             let encoder = (own.with_head)(own.encoder, head);
             let smoother = own.smoother.clone();
@@ -205,6 +209,7 @@ impl<'s> Stream<'s, HostEncoder<'s>> {
             input: Input {
                 preprocessing: model.header.preprocessing,
                 template: model.header.template,
+                alignment: Alignment::NONE,
             },
             with_head: HostEncoder::with_head,
             recalls: None,

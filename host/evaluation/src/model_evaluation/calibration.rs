@@ -9,6 +9,7 @@ use shared::calibration::Shown;
 use shared::intent::{Intent, Vocabulary};
 use shared::model::file::Model;
 use shared::model::head::Head;
+use shared::stream::alignment::Alignment;
 
 use super::look_ahead;
 use super::named_model::NamedModel;
@@ -27,6 +28,8 @@ pub struct Lesson {
     pub rounds: usize,
     /// Whether six seconds of other movement are shown too.
     pub others: bool,
+    /// Whether the opening of the first round aligns the armband, as on a board.
+    pub align: bool,
 }
 
 /// One person's calibration of one model.
@@ -90,7 +93,7 @@ pub(super) fn calibrated(
             .par_iter()
             .map(|(subject, (places, parts))| {
                 let own = own(recordings, places);
-                let calibration = calibrate(model, &own, parts, lesson.rounds, lesson.others)?;
+                let calibration = calibrate(model, &own, parts, lesson)?;
                 let after = match &calibration.head {
                     Some(head) => daily_per_minute(model, Some(head), &daily)?,
                     None => before,
@@ -155,11 +158,14 @@ pub(super) fn calibrated_candidate(
     calibrations: &[CalibratedSubject],
 ) -> Result<Candidate, EvaluationError> {
     let own = calibrations.iter().filter(|own| own.model == name);
-    let heads: BTreeMap<&str, &Head> = own
-        .filter_map(|own| Some((&own.subject[..], own.calibration.head.as_ref()?)))
+    let people: BTreeMap<&str, &Calibration> = own
+        .map(|own| (&own.subject[..], &own.calibration))
         .collect();
     let calibrated = System::Calibrated(name.to_owned());
     candidate(calibrated, model, recordings, |own, emg| {
-        logits_with(model, heads.get(&own.subject[..]).copied(), emg)
+        let own = people.get(&own.subject[..]);
+        let alignment = own.map_or(Alignment::NONE, |own| own.alignment);
+        let emg: Vec<_> = emg.iter().map(|&one| alignment.apply(one)).collect();
+        logits_with(model, own.and_then(|own| own.head.as_ref()), &emg)
     })
 }

@@ -146,7 +146,7 @@ impl Measurement<'_> {
                 Err(error) => return Err(error),
             };
             let recordings = part.evaluated_recordings();
-            let calibrated = match calibrate_on(model, person.subject(), &recordings, true) {
+            let calibrated = match calibrate_on(model, person.subject(), &recordings, true, false) {
                 Ok(own) => Some(own.file.map_or(Ok(before), |file| values(&file))?),
                 Err(EvaluationError::FewRounds(_) | EvaluationError::NotCalibrated { .. }) => None,
                 Err(error) => return Err(error.into()),

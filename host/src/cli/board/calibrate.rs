@@ -68,7 +68,7 @@ pub(super) fn run(board: &mut Board, request: Request) -> anyhow::Result<()> {
     }
     let result = result(report);
     if matches!(request, Request::Begin { .. }) && report.state != State::Done {
-        bail!("not calibrated, nothing has changed: {result}");
+        bail!("not calibrated, the last layer is as before: {result}");
     }
     let in_use = if is_in_use {
         "a calibration"

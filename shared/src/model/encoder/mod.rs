@@ -148,7 +148,7 @@ impl<'m, const WIDTH: usize, const SLOTS: usize> Encoder<'m, WIDTH, SLOTS> {
 
     /// Uses the head of a record for its model, in place: a device's stack has no room for a second encoder.
     pub const fn set_head(&mut self, head: KeptHead<'m>) {
-        self.weights.head = head.0;
+        self.weights.head = head.weights;
     }
 
     /// Number of classes, 3, 5 or 6.

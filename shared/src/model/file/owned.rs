@@ -7,6 +7,7 @@ use super::reader::Model;
 use super::writer::{LayerParts, LinearParts, ModelParts, NormParts, ProvenanceParts};
 use crate::kernels::WEIGHT_ONE;
 use crate::kernels::packing::{unpacked, weights_of_row};
+use crate::stream::alignment::Alignment;
 use crate::units::{CHANNELS, PATCH};
 
 impl Model<'_> {
@@ -62,6 +63,22 @@ impl Model<'_> {
     }
 }
 
+impl ModelParts {
+    /// Makes the model that gives for an armband what this one gives for the armband so aligned.
+    pub fn align(&mut self, alignment: Alignment) {
+        if alignment == Alignment::NONE {
+            return;
+        }
+        let mut weights = self.embed.dequantized();
+        for sample in weights.as_chunks_mut::<CHANNELS>().0 {
+            *sample = alignment.inverse().apply(*sample);
+        }
+        let bias = core::mem::take(&mut self.embed.bias);
+        self.embed = LinearParts::quantized(&weights, bias);
+        self.template = self.template.map(|own| own.seen_through(alignment));
+    }
+}
+
 impl LinearParts {
     /// The weights as numbers, row-major `[outputs][inputs]`.
     ///
@@ -99,7 +116,10 @@ mod tests {
     use super::*;
     use crate::intent::Vocabulary;
     use crate::model::dimensions::Dimensions;
+    use crate::model::encoder::HostEncoder;
     use crate::model::file::random::random_model;
+    use crate::stream::alignment::Profile;
+    use crate::units::Patch;
 
     fn parts() -> ModelParts {
         let dimensions = Dimensions {
@@ -123,6 +143,40 @@ mod tests {
         let again = Model::parse(&file).unwrap().to_parts();
         assert_eq!(again, parts);
         assert_eq!(again.to_bytes().unwrap(), file);
+    }
+
+    #[test]
+    fn an_aligned_model_gives_for_an_armband_what_the_model_gives_for_it_aligned() {
+        let profile = Profile::new([9, 80, 700, 300, 60, 20, 500, 90]);
+        let patch: Patch =
+            core::array::from_fn(|at| core::array::from_fn(|to| (at * 31 + to * 47) as u8 % 129));
+        for alignment in Alignment::all() {
+            let mut parts = parts();
+            let files = [parts.clone(), {
+                parts.align(alignment);
+                parts
+            }];
+            let files = files.map(|own| own.to_bytes().unwrap());
+            let [model, aligned] = files.each_ref().map(|own| Model::parse(own).unwrap());
+            let [nearest, found] = [&model, &aligned].map(|own| own.header.template.unwrap());
+            assert_eq!(
+                found.fit(profile).nearest.distance,
+                nearest.fit(profile).nearest.distance
+            );
+            let logits = |model: &Model<'_>, patch: &Patch| {
+                let encoder = HostEncoder::new(model).unwrap();
+                encoder.step(&mut encoder.fresh(), patch)
+            };
+            let expected = logits(&model, &patch.map(|own| alignment.apply(own)));
+            for (row, found) in expected.iter().zip(&logits(&aligned, &patch)) {
+                for (logit, found) in row.iter().zip(found) {
+                    assert!(
+                        (logit - found).abs() < 0.05,
+                        "{logit} {found} {alignment:?}"
+                    );
+                }
+            }
+        }
     }
 
     #[test]

@@ -315,6 +315,7 @@ pub(super) fn model_of(seed: u64) -> (SmallEncoder, Smoother, Input) {
     let input = Input {
         preprocessing: Preprocessing::default(),
         template: model.header.template,
+        alignment: Alignment::NONE,
     };
     (SmallEncoder::new(&model).unwrap(), smoother, input)
 }

@@ -50,12 +50,17 @@ impl Wearer {
             said: Vec::new(),
         };
         assert!(
-            wearer.pipeline.begin_calibration(at(0), false).is_none(),
+            wearer
+                .pipeline
+                .begin_calibration(at(0), false, Arm::Unknown)
+                .is_none(),
             "no memory"
         );
         wearer.pipeline.lend(Box::leak(Box::new(Memory::EMPTY)));
         assert!(!wearer.moves(700, |cue| cue).is_empty());
-        let begun = wearer.pipeline.begin_calibration(at(wearer.index), false);
+        let begun = wearer
+            .pipeline
+            .begin_calibration(at(wearer.index), false, Arm::Unknown);
         let begun: Vec<_> = begun.unwrap().into_iter().collect();
         assert_eq!(begun[0].status, Status::Safe(Cause::Installation));
         wearer.hear();

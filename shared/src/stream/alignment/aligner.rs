@@ -3,9 +3,9 @@
 use super::arm_decision::{ArmDecision, SURE};
 use super::gesture::GestureDetector;
 use super::outcome::Outcome;
-use super::placement::Arm;
+use super::placement::{Alignment, Arm};
 use super::profile::{COUNT, Profile};
-use super::template::Template;
+use super::template::{Fit, Template};
 use crate::units::{CHANNELS, Patch};
 
 /// Openings of the hand that an alignment takes. A third gains nothing: docs/alignment.md.
@@ -82,16 +82,42 @@ impl Aligner {
             return Progress::Gesture;
         }
         let mean = self.means.map(|sum| sum / u32::from(self.gestures));
-        let profile = Profile::new(mean);
-        if let Arm::Known { mirrored } = self.arm {
-            return Progress::Done(Outcome::of(template.fit_on(mirrored, profile)));
-        }
+        Progress::of(
+            Profile::new(mean),
+            self.arm,
+            self.detector.active(),
+            template,
+            0,
+        )
+    }
+}
+
+impl Progress {
+    /// The end by the profile of openings; bits of `active` mark their patches, the newest in the lowest bit. The alignment in
+    /// force stays if it is further from the template than the nearest by less than `favour`, in the unit of [`NAT`](super::NAT).
+    #[must_use]
+    pub fn of(profile: Profile, arm: Arm, active: u64, template: &Template, favour: u32) -> Self {
         let fits = template.fit(profile);
-        let outcome = Outcome::of(fits.nearest);
-        if matches!(outcome, Outcome::Aligned(_)) && fits.lead() < SURE {
-            return Progress::Undecided(ArmDecision::new(fits, self.detector.active()));
+        let nearest = match arm {
+            Arm::Unknown => fits.nearest,
+            Arm::Known { mirrored } => template.fit_on(mirrored, profile),
+        };
+        let outcome = Outcome::of(nearest);
+        if !matches!(outcome, Outcome::Aligned(_)) {
+            return Self::Done(outcome);
         }
-        Progress::Done(outcome)
+        let in_force = template.distance(profile.values());
+        if arm != (Arm::Known { mirrored: true }) && in_force < nearest.distance + favour {
+            return Self::Done(Outcome::Aligned(Fit {
+                alignment: Alignment::NONE,
+                distance: in_force,
+                ..nearest
+            }));
+        }
+        if arm == Arm::Unknown && fits.lead() < SURE {
+            return Self::Undecided(ArmDecision::new(fits, active));
+        }
+        Self::Done(outcome)
     }
 }
 

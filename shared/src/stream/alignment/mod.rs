@@ -22,6 +22,6 @@ pub use aligner::{Aligner, GESTURES, Progress, TIMEOUT_PATCHES};
 pub use arm_decision::{ArmDecision, Next};
 pub use outcome::{Outcome, Poor};
 pub use placement::{Alignment, Arm};
-pub use profile::{OCTAVE, Profile};
+pub use profile::{COUNT, OCTAVE, Profile};
 pub use template::{Fit, Fits, NAT, PRECISION_ONE, TEMPLATE_BYTES, Template, TemplateError};
 pub use trigger::Trigger;

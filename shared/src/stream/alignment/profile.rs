@@ -1,12 +1,13 @@
 //! Profile of a gesture: the logarithm of each electrode's activity.
 
+use super::placement::Alignment;
 use crate::units::CHANNELS;
 
 /// Units of an octave, a factor of two.
 pub const OCTAVE: i16 = 256;
 
 /// Units of a count in a mean.
-pub(super) const COUNT: u32 = 64;
+pub const COUNT: u32 = 64;
 
 /// The logarithm of each electrode's mean activity, less the mean of the eight.
 ///
@@ -25,6 +26,12 @@ impl Profile {
         // The nearest, halves up.
         let mean = (sum + CHANNELS as i16 / 2).div_euclid(CHANNELS as i16);
         Self(logarithms.map(|logarithm| logarithm - mean))
+    }
+
+    /// The profile with the electrodes aligned.
+    #[must_use]
+    pub fn aligned(self, alignment: Alignment) -> Self {
+        Self(alignment.apply(self.0))
     }
 
     /// The values, electrode by electrode.

@@ -141,7 +141,7 @@ impl Template {
     /// Half the squared Mahalanobis distance of a profile, at least 0, in the unit of [`NAT`].
     ///
     /// Cost: 36 products of 32 bits with a sum of 64.
-    fn distance(&self, profile: [i16; CHANNELS]) -> u32 {
+    pub(super) fn distance(&self, profile: [i16; CHANNELS]) -> u32 {
         // At most 1794 + 2048, below 2^12.
         let deviation: [i32; CHANNELS] =
             core::array::from_fn(|at| i32::from(profile[at]) - i32::from(self.mean[at]));
@@ -196,6 +196,24 @@ impl Template {
             alignment: place(best),
             distance: nearest,
             margin: elsewhere.unwrap_or(nearest) - nearest,
+        }
+    }
+
+    /// The template that is as near to any profile as this one is to the profile so aligned.
+    #[must_use]
+    pub fn seen_through(&self, alignment: Alignment) -> Self {
+        let to = alignment.inverse().apply(core::array::from_fn(|at| at));
+        let mut precision = [0; TRIANGLE];
+        let mut next = precision.iter_mut();
+        for row in 0..CHANNELS {
+            for (column, precision) in (row..CHANNELS).zip(&mut next) {
+                let (row, column) = (to[row], to[column]);
+                *precision = self.precision(row.min(column), row.max(column));
+            }
+        }
+        Self {
+            mean: alignment.inverse().apply(self.mean),
+            precision,
         }
     }
 

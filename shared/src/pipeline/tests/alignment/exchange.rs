@@ -109,3 +109,27 @@ fn another_template_drops_the_alignment_and_another_normalization_the_window() {
     pipeline.resume(Millis(11_000), encoder, smoother, other);
     assert!(!pipeline.ring.is_full(), "samples after a median");
 }
+
+#[test]
+fn the_alignment_of_a_learnt_head_is_in_force_with_it_and_in_each_connection() {
+    let [learnt, found] = [Alignment::new(3, true), Alignment::new(1, false)];
+    let mut pipeline = real();
+    let use_head = |pipeline: &mut SmallPipeline, alignment| {
+        let _ = pipeline.suspend(Millis(0));
+        let (encoder, smoother, input) = model_of(3);
+        let input = Input { alignment, ..input };
+        pipeline.resume(Millis(0), encoder, smoother, input);
+        (pipeline.alignment(), pipeline.alignment_phase())
+    };
+    let aligned = AlignmentPhase::Aligned;
+    assert_eq!(use_head(&mut pipeline, learnt), (learnt, aligned));
+    pipeline.set_alignment(found);
+    // What was found since stays with the same head, until the connection ends.
+    assert_eq!(use_head(&mut pipeline, learnt), (found, aligned));
+    let _ = pipeline.disconnected(Millis(0));
+    assert_eq!(pipeline.alignment(), learnt);
+    assert_eq!(pipeline.alignment_phase(), aligned);
+    assert_eq!(use_head(&mut pipeline, Alignment::NONE).0, Alignment::NONE);
+    let _ = pipeline.disconnected(Millis(0));
+    assert_eq!(pipeline.alignment_phase(), AlignmentPhase::None);
+}

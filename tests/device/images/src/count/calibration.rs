@@ -7,6 +7,7 @@ use shared::intent::Intent;
 use shared::model::Encode;
 use shared::model::file::Model;
 use shared::pipeline::Pipeline;
+use shared::stream::alignment::Arm;
 use shared::stream::safe_state::Start;
 use shared::uart_line::calibration::CalibrationState;
 use shared::units::{CHANNELS, Millis, PATCH, SAMPLE_PERIOD_MS, WINDOW};
@@ -58,7 +59,9 @@ pub fn count<E: Encode + Copy>(encoder: E, model: &Model<'_>, memory: &mut Memor
     for index in 0..MOST {
         // With the next sample a patch begins, as the median lags one.
         if index == WINDOW + 1 {
-            let _ = pipeline.begin_calibration(now, false).expect("memory");
+            let _ = pipeline
+                .begin_calibration(now, false, Arm::Unknown)
+                .expect("memory");
         }
         let turn = match cue {
             Some(Shown::Intent(intent)) if intent != Intent::Relax => {
