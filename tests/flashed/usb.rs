@@ -6,6 +6,8 @@ use anyhow::{Context as _, bail, ensure};
 use nrf52::chip::Reset;
 use nrf52::time::{HZ, ms};
 use shared::uart_line::answer::{Answer, Charge};
+use shared::uart_line::command::Command;
+use shared::uart_line::imu::ImuReport;
 use shared::uart_line::line::{Line, LineReader};
 use xtask::firmware::Image;
 
@@ -219,6 +221,62 @@ fn the_host_hears_the_lines_of_the_uart_and_is_answered() -> anyhow::Result<()> 
     let whole = |text: &str| text.rfind('\n').map_or(0, |end| end + 1);
     let end = whole(&uart).min(whole(&usb));
     assert_eq!(uart[..end], usb[..end]);
+    Ok(())
+}
+
+#[test]
+fn movement_comes_by_usb_alone_where_its_host_has_asked_for_it() -> anyhow::Result<()> {
+    let test = "movement_comes_by_usb_alone_where_its_host_has_asked_for_it";
+    let Some((mut board, endpoints)) = opened(test)? else {
+        return Ok(());
+    };
+    board.wait_for("# armband FA", 10_000)?;
+    // By the UART it is refused.
+    board.send("IMU,on");
+    board.wait_for("$ERR,no-room", 1000)?;
+    board.run_ms(1000)?;
+    assert!(!heard(&board, endpoints).contains("$IMU"));
+    let ask = |board: &mut Board, command: Command| {
+        let line = command.to_string();
+        board
+            .machine
+            .chip()
+            .send_usb(endpoints.commands, line.as_bytes());
+        board.run_ms(2000)
+    };
+    let asked = board.machine.chip().usb().taken.len();
+    ask(&mut board, Command::Imu(true))?;
+    ask(&mut board, Command::Raw(true))?;
+    ask(&mut board, Command::Imu(false))?;
+    let over = board.machine.chip().usb().taken.len();
+    board.run_ms(500)?;
+    let mut reader = LineReader::new();
+    let (mut moved, mut first) = (Vec::new(), None);
+    for byte in received(&board, endpoints, asked) {
+        match reader.push(byte) {
+            Some(Ok(Line::Imu(report))) => moved.push(report),
+            Some(Ok(Line::Emg(report))) => first = first.or(Some(report.first)),
+            Some(Err(error)) => bail!("{error}"),
+            _ => {}
+        }
+    }
+    // 4 s at 50 Hz, one for every four samples.
+    assert!((180..=205).contains(&moved.len()), "{}", moved.len());
+    for (one, next) in moved.iter().zip(&moved[1..]) {
+        let notification = |report: &ImuReport| u32::from(report.imu.0[7].cast_unsigned());
+        assert_eq!(one.imu.0[..7], [16_384, 0, 0, 0, 0, 0, 2048]);
+        assert_eq!(
+            one.sample.0,
+            2 * (notification(one) + 1),
+            "one clock with the EMG"
+        );
+        assert_eq!(notification(next), notification(one) + 2);
+    }
+    let samples = moved[0].sample.0..moved[moved.len() - 1].sample.0;
+    assert!(samples.contains(&first.context("no EMG")?.0));
+    let after = received(&board, endpoints, over);
+    assert!(!String::from_utf8_lossy(&after).contains("$IMU"));
+    assert!(!board.text().contains("$IMU"));
     Ok(())
 }
 

@@ -18,6 +18,8 @@ pub mod calibration;
 pub mod heartbeat;
 #[cfg(feature = "uf2")]
 pub mod hid;
+#[cfg(feature = "uf2")]
+pub mod imu;
 pub mod model;
 pub mod packets;
 pub mod pin_state;

@@ -15,12 +15,16 @@ use shared::myo::{Action, Address, Event, Following, MyoSession, Progress};
 use shared::stream::link_sequence::Sequencer;
 use shared::uart_line::answer::{Binding, Refusal};
 use shared::uart_line::command::BindCommand;
+#[cfg(feature = "uf2")]
+use shared::uart_line::imu::ImuReport;
 use shared::units::Millis;
 
 use super::{ConnectionHandler, Link, Pace, Radio, Scanned, handles::Handles};
 use crate::binding_region;
 use crate::clock::now;
 use crate::flash::{Flash, SharedFlash};
+#[cfg(feature = "uf2")]
+use crate::messages::imu;
 use crate::messages::{
     heartbeat, model,
     packets::Packets,
@@ -207,6 +211,8 @@ impl<'q> SessionDriver<'q> {
     async fn tick(&self) {
         let mut ticker = Ticker::every(TICK);
         loop {
+            #[cfg(feature = "uf2")]
+            self.session.borrow_mut().set_imu(imu::is_wanted());
             self.handle(Event::Tick);
             // Without a model nothing is asked of the radio.
             if model::current().is_none() || self.progress.get().is_alive(now()) {
@@ -265,7 +271,13 @@ impl<'q> SessionDriver<'q> {
             Action::Keep(armband) => self.keep.signal(armband),
             Action::Gap { missing } => self.sequencer.borrow_mut().gap(missing),
             Action::StreamEnded => self.packets.push(self.sequencer.borrow_mut().end()),
+            #[cfg(feature = "uf2")]
+            Action::Imu(imu) => {
+                let sample = self.sequencer.borrow().due();
+                imu::send(ImuReport { sample, imu });
+            }
             // Never asked for: a UART has no room for it.
+            #[cfg(not(feature = "uf2"))]
             Action::Imu(_) => {}
         }
     }

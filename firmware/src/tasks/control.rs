@@ -47,10 +47,8 @@ pub async fn run(mut port: CommandPort, mut button: Button) -> ! {
                 }
                 // Refused without a stream or a model.
                 Some(Press::Twice) => {
-                    let _ = carry_out(Command::Calibrate(CalibrateCommand::Begin {
-                        others: false,
-                    }))
-                    .await;
+                    let begin = CalibrateCommand::Begin { others: false };
+                    let _ = carry_out(0, Command::Calibrate(begin)).await;
                 }
                 // An address that was given at build time stays.
                 Some(Press::Held) => drop(requests::BIND.ask(BindCommand::Begin).await),
@@ -60,7 +58,7 @@ pub async fn run(mut port: CommandPort, mut button: Button) -> ! {
                 for &byte in bytes.iter().take(count) {
                     if let Some(command) = readers[line].push(byte) {
                         let answer = match command {
-                            Ok(command) => carry_out(command).await,
+                            Ok(command) => carry_out(line, command).await,
                             Err(refusal) => Answer::Refused(refusal),
                         };
                         uart::answer(answer).await;
@@ -79,7 +77,7 @@ pub async fn run(mut port: CommandPort, mut button: Button) -> ! {
     }
 }
 
-async fn carry_out(command: Command) -> Answer<'static> {
+async fn carry_out(line: usize, command: Command) -> Answer<'static> {
     match command {
         Command::Identify => Answer::Identity(uart::identity(model::current(), armband::current())),
         #[cfg(feature = "uf2")]
@@ -96,8 +94,13 @@ async fn carry_out(command: Command) -> Answer<'static> {
             raw::switch(on);
             Answer::Raw(on)
         }
-        Command::Imu(true) => Answer::Refused(Refusal::NoRoom),
-        Command::Imu(false) => Answer::Imu(false),
+        // A board without USB has line 0 alone.
+        Command::Imu(true) if line == 0 => Answer::Refused(Refusal::NoRoom),
+        Command::Imu(on) => {
+            #[cfg(feature = "uf2")]
+            crate::messages::imu::switch(on);
+            Answer::Imu(on)
+        }
         Command::Strength(on) => {
             uart::switch_strength(on);
             Answer::Strength(on)

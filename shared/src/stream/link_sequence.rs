@@ -49,6 +49,12 @@ impl Sequencer {
         }
     }
 
+    /// Position of the next sample.
+    #[must_use]
+    pub const fn due(&self) -> SampleIndex {
+        self.next
+    }
+
     /// Skips the positions of samples that are missing before the next two.
     pub const fn gap(&mut self, missing: u32) {
         self.next = self.next.plus(missing);

@@ -174,7 +174,11 @@ impl Armband {
             ) => {
                 let from = now_us + self.begins_after_us();
                 self.link.moves = *imu == 1;
-                self.link.streams_from_us = matches!(emg, 2 | 3).then_some(from);
+                let streams = matches!(emg, 2 | 3);
+                // A stream in progress goes on.
+                if !(streams && self.streams() && self.link.sent > 0) {
+                    self.link.streams_from_us = streams.then_some(from);
+                }
             }
             (Some(Attribute::Value(Characteristic::Command)), [SET_SLEEP, 1, _]) => {}
             _ => return false,
