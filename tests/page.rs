@@ -12,10 +12,13 @@ use myointent::cli::replay;
 use recordings::synthetic::{self, SynthOptions};
 use recordings::{LoadOptions, load};
 use serde_json::{Value, json};
+use shared::calibration::Shown;
+use shared::intent::Intent;
 use shared::model::file::Model;
 use shared::myo::Address;
 use shared::uart_line::Report;
 use shared::uart_line::answer::{Answer, Identity};
+use shared::uart_line::calibration::{CalibrationReport, CalibrationState, Recalls};
 use shared::uart_line::emg::EmgReport;
 use shared::units::{Sample, SampleIndex};
 use web::SHIPPED;
@@ -26,6 +29,9 @@ use self::browser::{Browser, Kind};
 
 const VALID: &str = "document.getElementById('valid')?.dataset.valid === 'yes'";
 const CONNECTED: &str = "document.getElementById('source')?.dataset.state === 'connected'";
+
+/// Whether the page offers to save a calibrated model.
+const SAVES: &str = "!document.getElementById('save-model').hidden";
 
 /// Expression that is true once the page shows a label.
 fn label(name: &str) -> String {
@@ -98,6 +104,73 @@ fn a_files_labels_are_those_of_replay() {
     let expected = replayed(&samples);
     assert!(expected.len() > 200, "{}", expected.len());
     assert_eq!(played(&path, &bytes, samples.len()), expected);
+}
+
+/// Messages of a tab since the last call.
+fn taken(tab: &mut Tab) -> Vec<Value> {
+    serde_json::from_str(&tab.take()).unwrap()
+}
+
+#[test]
+fn the_simulated_arm_follows_a_calibration_whose_model_is_used_saved_and_taken_back() {
+    let mut tab = Tab::open(0.0, &Wanted::Demo, &[], None);
+    let mut now = 0.0;
+    let mut run = |tab: &mut Tab, seconds: u32| {
+        for _ in 0..seconds * 100 {
+            now += 10.0;
+            tab.tick(now);
+        }
+        taken(tab)
+    };
+    run(&mut tab, 5);
+    tab.request(5000.0, br#"{"do":"calibrate","wish":"save"}"#);
+    assert_eq!(taken(&mut tab), [json!({}); 0]);
+    tab.request(5000.0, br#"{"do":"calibrate","wish":"begin"}"#);
+    let messages = run(&mut tab, 34);
+    let said: Vec<_> = messages
+        .iter()
+        .filter(|message| message["type"] == "calibration")
+        .map(|message| {
+            (
+                message["state"].as_str().unwrap(),
+                message["cue"].as_str(),
+                message["left"].as_f64(),
+            )
+        })
+        .collect();
+    let round = |state, left: f64| {
+        let cues = ["relax", "open", "relax", "close"]
+            .into_iter()
+            .zip([0.0, 4.0, 8.0, 12.0]);
+        cues.map(move |(cue, passed)| (state, Some(cue), Some(left - passed)))
+    };
+    let expected = round("teaching", 32.0).chain(round("judging", 16.0));
+    let expected: Vec<_> = expected.chain([("done", None, None)]).collect();
+    assert_eq!(said, expected);
+    let done = messages
+        .iter()
+        .rfind(|message| message["type"] == "calibration")
+        .unwrap();
+    assert!(done["learnt"].as_u64().unwrap() > 700, "{done}");
+    assert_eq!(done["in_use"], true);
+    // The labels go on, and are those of the saved model from a beginning on.
+    assert!(
+        run(&mut tab, 3)
+            .iter()
+            .any(|message| message["valid"] == true)
+    );
+    tab.request(42_000.0, br#"{"do":"calibrate","wish":"save"}"#);
+    let saved = &taken(&mut tab)[0];
+    assert_eq!(saved["name"], "calibrated.intent");
+    let file: Vec<u8> = serde_json::from_value(saved["bytes"].clone()).unwrap();
+    let model = Model::parse(&file).unwrap();
+    assert_ne!(model.checksum, Model::parse(&shipped()).unwrap().checksum);
+    tab.request(42_000.0, br#"{"do":"calibrate","wish":"forget"}"#);
+    let forgotten = &taken(&mut tab)[0];
+    assert_eq!(
+        (&forgotten["state"], &forgotten["in_use"]),
+        (&json!("idle"), &json!(false))
+    );
 }
 
 /// Path of the one file, or why there is none. MYOINTENT_PAGE names another one, of a release.
@@ -187,7 +260,20 @@ fn devices() -> String {
         firmware: None,
         battery: Some(77),
     });
-    let board = json!({ "lines": lines, "period": 10, "identity": identity.to_string() });
+    let begun = [Intent::Relax, Intent::Open]
+        .map(|cue| CalibrationReport::of(CalibrationState::Teaching, Some(Shown::Intent(cue))));
+    let done = CalibrationReport {
+        recalls: Some(Recalls {
+            before: 761,
+            learnt: 840,
+        }),
+        ..CalibrationReport::of(CalibrationState::Done, None)
+    };
+    let calibration = [CalibrationReport::default(), begun[0], begun[1], done];
+    let answers = calibration.map(|report| Answer::Calibration(report, report == done).to_string());
+    let board = json!({
+        "lines": lines, "period": 10, "identity": identity.to_string(), "calibration": answers,
+    });
     let armband = json!({ "pairs": pairs, "period": 10 });
     let fakes = include_str!("page/devices.js");
     format!("{{ const BOARD = {board}; const ARMBAND = {armband};\n{fakes} }}")
@@ -218,6 +304,25 @@ fn the_file_shows_the_simulated_arm_without_a_server_and_takes_recordings() {
     browser.press("m");
     browser.press("a");
     browser.wait_for("document.getElementById('placement').textContent.startsWith('Aligned')");
+
+    // A calibration leads through half a minute; its model is saved, and opened again.
+    browser.press("c");
+    browser.wait_for("document.getElementById('calibrating-task').textContent === 'Make a fist'");
+    browser.screenshot(&picture("page-calibrating.png"));
+    browser
+        .wait_for("document.getElementById('calibrated').textContent.startsWith('Calibrated: ')");
+    browser.value("(create => URL.createObjectURL = (blob) => create.call(URL, window.saved = blob))(URL.createObjectURL)");
+    browser.value("document.getElementById('save-model').click()");
+    browser.wait_for("window.saved?.size > 80000");
+    browser.screenshot(&picture("page-calibrated.png"));
+    browser.value("document.getElementById('forget').click()");
+    browser.wait_for("document.getElementById('forget').hidden");
+    browser.value(
+        "(() => { const data = new DataTransfer(); data.items.add(new File([window.saved], 'mine.intent')); \
+         document.body.dispatchEvent(new DragEvent('drop', { dataTransfer: data, bubbles: true, cancelable: true })); })()",
+    );
+    browser.wait_for("document.getElementById('valid').dataset.valid !== 'yes'");
+    browser.wait_for(&format!("{CONNECTED} && {VALID}"));
 
     // A recording is dropped; and a file that is none says why.
     let mut text = String::from("gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n");
@@ -351,6 +456,15 @@ fn a_board_streams_into_the_file_and_may_be_unplugged() {
     );
     browser.press("a");
     browser.wait_for("port.written.includes('$ALIGN,begin')");
+    // It calibrates itself.
+    browser.press("c");
+    browser.wait_for(
+        "document.getElementById('calibrated').textContent.startsWith('Calibrated: 84 %')",
+    );
+    browser.value("document.getElementById('forget').click()");
+    browser
+        .wait_for("document.getElementById('calibrated').textContent.startsWith('Not calibrated')");
+    assert_eq!(browser.value(SAVES), false);
     browser.value("port.pull()");
     browser.wait_for("document.getElementById('source').dataset.state === 'lost'");
     browser.wait_for("!document.getElementById('empty').hidden");

@@ -1,5 +1,5 @@
 // Fakes of Web Bluetooth and Web Serial, stricter than a browser: whatever a browser may refuse, they refuse.
-// A test sets BOARD: { lines, period }, and ARMBAND: { pairs, period }.
+// A test sets BOARD: { lines, period, identity, calibration }, and ARMBAND: { pairs, period }.
 
 const refuse = (name, text) => {
   throw new DOMException(text, name);
@@ -15,6 +15,8 @@ class Port {
   #controller = null;
   #timer = null;
   #isReady = false;
+  /** Its next answers about the calibration; the last one stays. */
+  #calibration = BOARD.calibration.slice(0, 1);
   readable = null;
   writable = null;
 
@@ -35,6 +37,10 @@ class Port {
     needs(/^(\$[^\r\n]+\*[0-9A-F]{2}\r\n)+$/.test(text), "DataError", `no command: ${text}`);
     if (text.startsWith("$IDENTIFY")) {
       this.#send(BOARD.identity);
+    }
+    if (text.startsWith("$CALIBRATE")) {
+      this.#calibration = { begin: BOARD.calibration.slice(1), forget: BOARD.calibration.slice(0, 1) }[text.slice(11).split("*")[0]] ?? this.#calibration;
+      this.#send(this.#calibration.length > 1 ? this.#calibration.shift() : this.#calibration[0]);
     }
     if (text.startsWith("$RAW,on") && this.#timer === null && this.#isReady) {
       let next = 0;

@@ -4,6 +4,7 @@ import { Agreement } from "./agreement.js";
 import { Armband } from "./armband.js";
 import { Empty } from "./empty.js";
 import "./help.js";
+import { Calibration } from "./calibration.js";
 import { CHANNELS, CLASSES, SampleHistory } from "./history.js";
 import { Clock, RATE } from "./clock.js";
 import { connect } from "./link.js";
@@ -12,7 +13,7 @@ import { Panel } from "./panel.js";
 import { Placement } from "./placement.js";
 import { Rates } from "./rates.js";
 import { Session } from "./session.js";
-import { save } from "./save.js";
+import { download, save } from "./save.js";
 import { Steps } from "./steps.js";
 import { keep, kept } from "./stored.js";
 import { choose, fill, said, t } from "./texts.js";
@@ -28,6 +29,7 @@ const now = new Now();
 const panel = new Panel();
 const rates = new Rates();
 const traces = new Traces(find("traces"));
+const calibration = new Calibration(say);
 const armband = new Armband(find("armband"));
 const agreement = new Agreement();
 const placement = new Placement(armband, say);
@@ -69,7 +71,7 @@ const TAKE = {
     connected = message.connected;
     panel.source(connected ? "connected" : "lost", message.detail ? `${name}: ${said(message.detail)}` : name);
     document.body.dataset.kind = message.kind;
-    find("align").disabled = !connected;
+    find("align").disabled = find("calibrate").disabled = !connected;
     if (!connected) {
       noStream();
     }
@@ -111,6 +113,7 @@ const TAKE = {
     report = message;
     history.report(message);
     panel.report(message);
+    panel.strength(message.strength);
     if (!repeats) {
       count(message);
     }
@@ -121,6 +124,8 @@ const TAKE = {
     placement.take(message, isOld);
     aligns(message.state === "waiting");
   },
+  calibration: (message) => calibration.take(message),
+  file: ({ name, bytes }) => download(name, new Uint8Array(bytes)),
   mark: ({ sample, text }) => history.marks.push({ sample, text: said(text) }),
   session(message) {
     history.cue(message.from ?? history.end ?? 0, message.cue);
@@ -153,7 +158,7 @@ function lost(text, advice) {
   connected = false;
   empty.gone(advice);
   panel.source("lost", text);
-  find("align").disabled = true;
+  find("align").disabled = find("calibrate").disabled = true;
   noStream();
 }
 
@@ -163,6 +168,7 @@ function noStream() {
   history.placed = 0;
   TAKE.electrodes({ faults: new Array(CHANNELS).fill(null) });
   placement.clear();
+  calibration.take(null);
   aligns(false);
 }
 
@@ -290,7 +296,7 @@ addEventListener("keydown", (event) => {
   if (session.isAsking) {
     return;
   }
-  const keys = { " ": "pause", m: "mark", s: "save", a: "align", u: "undo", w: "wearer" };
+  const keys = { " ": "pause", m: "mark", s: "save", a: "align", c: "calibrate", u: "undo", w: "wearer" };
   const id = keys[event.key.toLowerCase()];
   if (id && !(event.key === " " && event.target instanceof HTMLButtonElement)) {
     event.preventDefault();
@@ -317,6 +323,7 @@ function edge() {
 
 function frame() {
   session.frame(position());
+  calibration.frame();
   const [at, label] = paused === null ? [(history.end ?? 1) - 1, report] : [paused, history.labelAt(paused)];
   now.show(history, at, label, noReport, connected || paused !== null);
   wearer.show(now.label, now.judged, aligning);

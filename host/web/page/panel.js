@@ -26,6 +26,12 @@ export class Panel {
     this.number("lost", lost ? t("lost.all", { n: resets, lost, bridged, resets }) : "0");
   }
 
+  /** Strength of the contraction in percent of the wearer's own range; null where it is unknown. */
+  strength(percent) {
+    find("strong").hidden = percent === null;
+    find("strength").value = percent ?? 0;
+  }
+
   number(id, text) {
     write(find(id), text);
   }

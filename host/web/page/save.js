@@ -12,9 +12,10 @@ export function save(history, kind) {
   return t(key, { seconds: fixed(seconds, 1), name });
 }
 
-function download(name, text) {
+/** Hands a file to the user. */
+export function download(name, content) {
   const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([text], { type: "text/csv" }));
+  link.href = URL.createObjectURL(new Blob([content]));
   link.download = name;
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);

@@ -1,8 +1,6 @@
 //! An armband without a board. The Myo session of the firmware makes the decisions, and the device's pipeline makes the
 //! labels.
 
-use shared::model::encoder::HostEncoder;
-use shared::model::file::Model;
 use shared::myo::{self, Action, MyoSession, Phase, Settings};
 use shared::pipeline::Reports;
 use shared::units::{Millis, Sample, SampleIndex};
@@ -38,9 +36,9 @@ pub struct Now {
 }
 
 /// Session with an armband.
-pub struct Armband<'r> {
+pub struct Armband {
     session: MyoSession,
-    scored: ScoredPipeline<'r, HostEncoder<'r>>,
+    scored: ScoredPipeline,
     /// Where this runs, and what the armband is called there; none for its address.
     here: &'static str,
     name: Option<String>,
@@ -52,18 +50,17 @@ pub struct Armband<'r> {
     published: Option<(Event, Event)>,
 }
 
-impl<'r> Armband<'r> {
+impl Armband {
     /// State before the first event. The settings name an armband, or none for the one with the strongest signal, and say whether
     /// movement is wanted. Emits the model and the pipeline's state.
     pub fn begin(
         settings: Settings,
         (here, name): (&'static str, Option<String>),
-        model: &Model<'_>,
-        mut scored: ScoredPipeline<'r, HostEncoder<'r>>,
+        mut scored: ScoredPipeline,
         at: f64,
         emit: &mut dyn FnMut(Event),
     ) -> Self {
-        emit(Event::of_model(model));
+        emit(Event::of_model(scored.model()));
         emit(Event::of_report(at, &scored.state_report()));
         let session = MyoSession::new(Settings {
             follow_strongest: true,
@@ -80,9 +77,9 @@ impl<'r> Armband<'r> {
         }
     }
 
-    /// Begins, cancels or sets an alignment.
-    pub fn request(&mut self, at: f64, request: &SourceRequest, emit: &mut dyn FnMut(Event)) {
-        self.scored.request(at, request, emit);
+    /// Does what is asked for.
+    pub fn request(&mut self, now: Now, request: &SourceRequest, emit: &mut dyn FnMut(Event)) {
+        self.scored.request(now.session, now.at, request, emit);
     }
 
     /// Handles an event of the radio, or a tick. The answer to an action needs a call of its own.
@@ -134,7 +131,7 @@ impl<'r> Armband<'r> {
             truth: None,
         }));
         for sample in pair {
-            let found = self.scored.sample(now.session, self.next, sample);
+            let found = self.scored.sample(now.session, now.at, self.next, sample);
             found.events(now.at, &mut |event| output(Output::Event(event)));
             self.next = self.next.plus(1);
         }

@@ -1,9 +1,9 @@
 //! A board: its line, and beside it the scores of a model on this computer.
 
-use shared::model::Encode;
 use shared::uart_line::command::Command;
 use shared::units::Millis;
 
+use crate::calibration::Calibration;
 use crate::dialogue::{BoardEvent, Dialogue, Losses};
 use crate::event::Event;
 use crate::scored_pipeline::ScoredPipeline;
@@ -12,9 +12,10 @@ use crate::scored_pipeline::ScoredPipeline;
 pub const NOTHING_YET: &str = "open; nothing heard yet";
 
 /// Connection to a board.
-pub struct Board<'c, 'r, E: Encode> {
+pub struct Board<'c> {
     dialogue: Dialogue,
-    scored: Option<&'c mut ScoredPipeline<'r, E>>,
+    scored: Option<&'c mut ScoredPipeline>,
+    calibration: Calibration,
     /// State that viewers know; empty while the board is heard.
     published: &'static str,
 }
@@ -28,18 +29,19 @@ pub struct Change {
     pub is_silent: bool,
 }
 
-impl<'c, 'r, E: Encode> Board<'c, 'r, E> {
+impl<'c> Board<'c> {
     /// State at the beginning of a connection; continues the losses of earlier ones. With `imu` the board is asked for the
     /// armband's movement too.
     pub fn new(
         now: Millis,
         losses: Losses,
         imu: bool,
-        scored: Option<&'c mut ScoredPipeline<'r, E>>,
+        scored: Option<&'c mut ScoredPipeline>,
     ) -> Self {
         Self {
             dialogue: Dialogue::new(now, losses, imu),
             scored,
+            calibration: Calibration::default(),
             published: NOTHING_YET,
         }
     }
@@ -57,17 +59,35 @@ impl<'c, 'r, E: Encode> Board<'c, 'r, E> {
     /// Takes received bytes and emits what they say; `at` is the time in the events.
     pub fn bytes(&mut self, now: Millis, at: f64, bytes: &[u8], emit: &mut dyn FnMut(Event)) {
         let Self {
-            dialogue, scored, ..
+            dialogue,
+            scored,
+            calibration,
+            ..
         } = self;
         dialogue.bytes(now, at, bytes, |event| {
-            let Some(scored) = scored else {
-                if let BoardEvent::Publish(event) = event {
-                    emit(event);
+            match event {
+                BoardEvent::Publish(event) => {
+                    if let (Event::Board { model, .. }, Some(scored)) = (&event, &scored) {
+                        let own = scored.model();
+                        if *model == Some(format!("{:08x}", own.checksum)) {
+                            calibration.know(own.header.dimensions.vocabulary.classes());
+                        }
+                    }
+                    return emit(event);
                 }
+                BoardEvent::Calibration(report, in_use) => {
+                    if let Some(event) = calibration.event(at, report, in_use) {
+                        emit(event);
+                    }
+                    return;
+                }
+                _ => {}
+            }
+            let Some(scored) = scored else {
                 return;
             };
             match event {
-                BoardEvent::Publish(event) => emit(event),
+                BoardEvent::Publish(_) | BoardEvent::Calibration(..) => {}
                 BoardEvent::Restart => drop(scored.disconnected(now)),
                 BoardEvent::Alignment(alignment) => scored.set_alignment(alignment),
                 BoardEvent::Samples(report, missing) => {
@@ -78,7 +98,7 @@ impl<'c, 'r, E: Encode> Board<'c, 'r, E> {
                     }
                     let mut index = report.first;
                     for sample in report.samples {
-                        if let Some(scores) = scored.sample(now, index, sample).scores {
+                        if let Some(scores) = scored.sample(now, at, index, sample).scores {
                             emit(scores);
                         }
                         index = index.plus(1);

@@ -4,6 +4,7 @@ mod schedule;
 
 use shared::stream::alignment::Alignment;
 use shared::uart_line::answer::Answer;
+use shared::uart_line::calibration::CalibrationReport;
 use shared::uart_line::command::Command;
 use shared::uart_line::emg::EmgReport;
 use shared::uart_line::line::{Line, LineReader};
@@ -24,6 +25,8 @@ pub enum BoardEvent {
     Samples(EmgReport, Option<u32>),
     /// Alignment in force on the board.
     Alignment(Alignment),
+    /// State of the calibration, and whether one is in use.
+    Calibration(CalibrationReport, bool),
     /// Restart of the board: its counts begin anew.
     Restart,
 }
@@ -173,6 +176,10 @@ impl State {
                 self.schedule.follows(binding.following);
                 Event::of_binding(&binding)
             }
+            Line::Answer(Answer::Calibration(report, in_use)) => {
+                self.schedule.calibrates(report.state);
+                return output(BoardEvent::Calibration(report, in_use));
+            }
             Line::Answer(Answer::Identity(identity)) => Event::of_identity(&identity),
             Line::Answer(Answer::Counts(counts)) => Event::of_counts(&counts),
             // Refusal of a viewer's request: an alignment or a pairing.
@@ -190,7 +197,6 @@ impl State {
                 | Answer::Gate(_)
                 | Answer::Lock(_)
                 | Answer::Hid(_)
-                | Answer::Calibration(..)
                 | Answer::Install(_),
             )
             | Line::Calibration(_) => return,

@@ -148,6 +148,23 @@ pub enum Event {
         distance: Option<u32>,
         margin: Option<u32>,
     },
+    /// State of a calibration.
+    Calibration {
+        at: f64,
+        state: &'static str,
+        /// What the wearer is asked for, for how many seconds, and what comes next; null where unknown.
+        cue: Option<&'static str>,
+        seconds: Option<f64>,
+        next: Option<&'static str>,
+        /// Seconds from the beginning of the cue to the end.
+        left: Option<f64>,
+        /// Recall in round two in thousandths, of the head before and of the learnt one; only with a result.
+        before: Option<u32>,
+        learnt: Option<u32>,
+        in_use: bool,
+    },
+    /// File to save.
+    File { name: &'static str, bytes: Vec<u8> },
     /// Probability of each class at an instant, sent when its label is decided.
     Scores { instant: u32, scores: Vec<f32> },
     /// Mark of a viewer at a sample, or the restart of a recording.
@@ -204,6 +221,7 @@ pub enum Topic {
     Report,
     Alignment,
     Electrodes,
+    Calibration,
     Session,
     Lead,
     Kept,
@@ -224,6 +242,7 @@ impl Event {
             Self::Report { .. } => Topic::Report,
             Self::Alignment { .. } => Topic::Alignment,
             Self::Electrodes { .. } => Topic::Electrodes,
+            Self::Calibration { .. } => Topic::Calibration,
             Self::Session { .. } => Topic::Session,
             Self::Lead { .. } => Topic::Lead,
             Self::Kept(_) => Topic::Kept,

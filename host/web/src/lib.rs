@@ -13,6 +13,7 @@
 
 pub mod armband;
 pub mod board;
+pub mod calibration;
 pub mod demo;
 mod dialogue;
 pub mod electrodes;
@@ -32,7 +33,6 @@ mod shared_cue;
 pub mod tab;
 
 pub use self::dialogue::Losses;
-pub use self::scores::EncoderOutputs;
 pub use self::shared_cue::SharedCue;
 /// Shipped three-class model.
 pub use models::THREE_CLASS as SHIPPED;

@@ -1,7 +1,7 @@
 //! Files of the page, compiled into the program that serves it.
 
 /// Path, MIME type and text of each file.
-pub const FILES: [(&str, &str, &str); 43] = [
+pub const FILES: [(&str, &str, &str); 44] = [
     ("", HTML, include_str!("../page/index.html")),
     (
         "icon.svg",
@@ -44,6 +44,11 @@ pub const FILES: [(&str, &str, &str); 43] = [
     ("live.js", SCRIPT, include_str!("../page/live.js")),
     ("agreement.js", SCRIPT, include_str!("../page/agreement.js")),
     ("armband.js", SCRIPT, include_str!("../page/armband.js")),
+    (
+        "calibration.js",
+        SCRIPT,
+        include_str!("../page/calibration.js"),
+    ),
     ("clock.js", SCRIPT, include_str!("../page/clock.js")),
     ("empty.js", SCRIPT, include_str!("../page/empty.js")),
     ("ending.js", SCRIPT, include_str!("../page/ending.js")),

@@ -31,6 +31,8 @@ pub struct Person {
     cues: Cues,
     /// Samples since the alignment in progress began.
     aligning: Option<usize>,
+    /// What a calibration in progress asks for.
+    calibrating: Option<Intent>,
 }
 
 impl Person {
@@ -40,6 +42,7 @@ impl Person {
             follower,
             cues,
             aligning: None,
+            calibrating: None,
         }
     }
 
@@ -47,6 +50,11 @@ impl Person {
     pub fn align(&mut self, is_aligning: bool) -> bool {
         self.aligning = is_aligning.then(|| self.aligning.unwrap_or(0));
         self.aligning == Some(SETTLED)
+    }
+
+    /// Tells what a calibration in progress asks for.
+    pub const fn calibrate(&mut self, cue: Option<Intent>) {
+        self.calibrating = cue;
     }
 
     /// Returns the next samples, from `first` on, and their cues; none where a session has its own. Waits for a session that is
@@ -62,10 +70,13 @@ impl Person {
         };
         let mut cues = [None; COUNT];
         let samples = std::array::from_fn(|place| {
-            let own = match (&mut self.aligning, &self.cues) {
-                (Some(samples), _) => Some(opening(samples)),
-                (None, Cues::List(list)) => Some(list[(first.0 as usize + place) % list.len()]),
-                (None, Cues::Session(_)) => None,
+            let own = match (&mut self.aligning, self.calibrating, &self.cues) {
+                (Some(samples), ..) => Some(opening(samples)),
+                (None, Some(cue), _) => Some(cue),
+                (None, None, Cues::List(list)) => {
+                    Some(list[(first.0 as usize + place) % list.len()])
+                }
+                (None, None, Cues::Session(_)) => None,
             };
             cues[place] = own;
             match (own, session) {

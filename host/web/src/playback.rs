@@ -3,8 +3,6 @@
 use std::time::Duration;
 
 use shared::intent::Intent;
-use shared::model::encoder::HostEncoder;
-use shared::model::file::Model;
 use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample, SampleIndex};
 
 use crate::event::Event;
@@ -70,30 +68,32 @@ impl SampleSource {
         }
     }
 
-    /// Tells a person whether an alignment is in progress. Returns whether it has to begin anew, because the person has come to
-    /// rest: an alignment that begins in a gesture could take that for an opening.
-    fn align(&mut self, is_aligning: bool) -> bool {
+    /// Tells a person whether an alignment is in progress, and what a calibration asks for. Returns whether the alignment has to
+    /// begin anew, because the person has come to rest: one that begins in a gesture could take that for an opening.
+    fn ask(&mut self, is_aligning: bool, calibration: Option<Intent>) -> bool {
         match self {
             Self::Recording { .. } => false,
-            Self::Person(person) => person.align(is_aligning),
+            Self::Person(person) => {
+                person.calibrate(calibration);
+                person.align(is_aligning)
+            }
         }
     }
 }
 
 /// Samples and the pipeline that labels them.
-pub struct Playback<'r> {
+pub struct Playback {
     samples: SampleSource,
-    scored: ScoredPipeline<'r, HostEncoder<'r>>,
+    scored: ScoredPipeline,
     next: SampleIndex,
 }
 
-impl<'r> Playback<'r> {
+impl Playback {
     /// State before the first sample. Emits the source, the model and the pipeline's state.
     pub fn begin(
         (kind, name): (&'static str, String),
         samples: SampleSource,
-        model: &Model<'_>,
-        mut scored: ScoredPipeline<'r, HostEncoder<'r>>,
+        mut scored: ScoredPipeline,
         at: f64,
         emit: &mut dyn FnMut(Event),
     ) -> Self {
@@ -104,7 +104,7 @@ impl<'r> Playback<'r> {
             detail: String::new(),
             steps: Vec::new(),
         });
-        emit(Event::of_model(model));
+        emit(Event::of_model(scored.model()));
         emit(Event::of_report(at, &scored.state_report()));
         let next = SampleIndex(0);
         Self {
@@ -114,14 +114,20 @@ impl<'r> Playback<'r> {
         }
     }
 
-    /// Begins, cancels or sets an alignment.
+    /// Does what is asked for.
     pub fn request(&mut self, at: f64, request: &SourceRequest, emit: &mut dyn FnMut(Event)) {
-        self.scored.request(at, request, emit);
+        self.scored.request(self.now(), at, request, emit);
+    }
+
+    /// Time of the device's clock, which starts with the first sample.
+    const fn now(&self) -> Millis {
+        Millis(self.next.0.wrapping_mul(SAMPLE_PERIOD_MS))
     }
 
     /// Emits the samples of the next notification, and what the pipeline makes of them.
     pub fn step(&mut self, at: f64, emit: &mut dyn FnMut(Event)) {
-        if self.samples.align(self.scored.is_aligning()) {
+        let (is_aligning, cue) = (self.scored.is_aligning(), self.scored.cue());
+        if self.samples.ask(is_aligning, cue) {
             self.scored.begin_alignment();
         }
         let Notification { emg, truth, again } = self.samples.next(self.next);
@@ -136,10 +142,9 @@ impl<'r> Playback<'r> {
             emg: emg.clone(),
             truth,
         });
-        // The device's clock starts with the first sample.
-        let now = Millis(self.next.0.wrapping_mul(SAMPLE_PERIOD_MS));
+        let now = self.now();
         for sample in emg {
-            let output = self.scored.sample(now, self.next, sample);
+            let output = self.scored.sample(now, at, self.next, sample);
             output.events(at, emit);
             self.next = self.next.plus(1);
         }

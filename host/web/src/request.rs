@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 use shared::stream::alignment::{Alignment, Arm};
+use shared::uart_line::calibration::CalibrateCommand;
 use shared::uart_line::command::{AlignCommand, BindCommand, Command};
 use shared::units::CHANNELS;
 
@@ -36,6 +37,12 @@ pub enum ViewerMessage {
         /// Whether the armband is on the other arm.
         mirrored: bool,
     },
+    /// Begin or end a calibration, or take it back.
+    Calibrate {
+        /// Command.
+        #[serde(rename = "wish")]
+        command: CalibrationWish,
+    },
     /// Begin a pairing on the board.
     Bind,
     /// Control the recording session.
@@ -60,6 +67,7 @@ impl ViewerMessage {
             Self::Align => "align",
             Self::Cancel => "cancel",
             Self::Place { .. } => "place",
+            Self::Calibrate { .. } => "calibrate",
             Self::Bind => "bind",
             Self::Session {
                 command: SessionCommand::Install,
@@ -77,8 +85,34 @@ impl ViewerMessage {
             Self::Place { turn, mirrored } if usize::from(turn) < CHANNELS => {
                 SourceRequest::SetAlignment(Alignment::new(turn, mirrored))
             }
+            Self::Calibrate { command } => command.for_source(),
             Self::Bind => SourceRequest::Bind,
             _ => return None,
+        })
+    }
+}
+
+/// What a viewer wants of a calibration.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CalibrationWish {
+    /// Begin one.
+    Begin,
+    /// End the one in progress.
+    Cancel,
+    /// Use the model's own last layer.
+    Forget,
+    /// Save the calibrated model as a file.
+    Save,
+}
+
+impl CalibrationWish {
+    const fn for_source(self) -> SourceRequest {
+        SourceRequest::Calibrate(match self {
+            Self::Begin => CalibrateCommand::Begin { others: false },
+            Self::Cancel => CalibrateCommand::Cancel,
+            Self::Forget => CalibrateCommand::Forget,
+            Self::Save => return SourceRequest::SaveModel,
         })
     }
 }
@@ -112,6 +146,10 @@ pub enum SourceRequest {
     CancelAlignment,
     /// Put an alignment in force that is known.
     SetAlignment(Alignment),
+    /// Begin, end or forget a calibration.
+    Calibrate(CalibrateCommand),
+    /// Give the file of the calibrated model; without a board only, which keeps the calibration itself.
+    SaveModel,
     /// Begin a pairing; boards only.
     Bind,
     /// Install this model; boards only.
@@ -119,14 +157,15 @@ pub enum SourceRequest {
 }
 
 impl SourceRequest {
-    /// Command that asks a board for it; none for an installation, which is a dialogue of its own.
+    /// Command that asks a board for it; none for an installation, which is a dialogue of its own, and for a model.
     pub const fn command(&self) -> Option<Command> {
         Some(match self {
             Self::Align => Command::Align(AlignCommand::Begin(Arm::Unknown)),
             Self::CancelAlignment => Command::Align(AlignCommand::Cancel),
             Self::SetAlignment(known) => Command::Align(AlignCommand::Set(*known)),
+            Self::Calibrate(command) => Command::Calibrate(*command),
             Self::Bind => Command::Bind(BindCommand::Begin),
-            Self::Install(_) => return None,
+            Self::Install(_) | Self::SaveModel => return None,
         })
     }
 }

@@ -2,27 +2,51 @@
 
 use std::cell::RefCell;
 
-use shared::model::Encode;
-use shared::model::file::Model;
-use shared::pipeline::{AlignmentPhase, Pipeline, Reports};
+use shared::calibration::{Memory, Shown};
+use shared::intent::Intent;
+use shared::model::encoder::HostEncoder;
+use shared::model::file::{Model, ModelError};
+use shared::model::head::Head;
+use shared::pipeline::{AlignmentPhase, Input, Pipeline, Reports, Smoother};
 use shared::stream::alignment::{Alignment, Arm};
-use shared::stream::smoother::{Settings, SettingsError};
+use shared::stream::smoother::SettingsError;
 use shared::uart_line::Report;
 use shared::uart_line::alignment::AlignmentReport;
+use shared::uart_line::calibration::{CalibrateCommand, CalibrationReport, CalibrationState};
 use shared::units::{Millis, PATCH, Sample, SampleIndex};
 
+use crate::calibration::Calibration;
 use crate::event::Event;
 use crate::request::SourceRequest;
 use crate::scores::{EncoderOutputs, ObservedEncoder};
 
-/// Pipeline whose encoder is observed.
-pub struct ScoredPipeline<'r, E: Encode> {
-    pipeline: Pipeline<'r, ObservedEncoder<'r, E>>,
-    outputs: &'r RefCell<EncoderOutputs>,
-    settings: Settings,
-    columns: usize,
+/// Person in the list of those whom a calibrated model has seen: nobody here asks for a name.
+const WEARER: &str = "own/wearer";
+
+/// Pipeline whose encoder is observed. What it borrows lasts as long as the program, which has one for each source.
+pub struct ScoredPipeline {
+    pipeline: Pipeline<'static, ObservedEncoder>,
+    outputs: &'static RefCell<EncoderOutputs>,
+    model: Model<'static>,
+    file: &'static [u8],
+    encoder: HostEncoder<'static>,
+    smoother: Smoother,
+    calibration: Calibration,
+    /// Head that was learnt and is in use.
+    head: Option<&'static Head>,
     /// Sample with which the newest output came.
     last: Option<SampleIndex>,
+}
+
+/// Reason why a model is not run.
+#[derive(Debug, thiserror::Error)]
+pub enum Refused {
+    /// The file is refused.
+    #[error("the model is refused: {0}")]
+    Model(#[from] ModelError),
+    /// The smoother refuses the settings of the model.
+    #[error("the model is refused: {0}")]
+    Settings(#[from] SettingsError),
 }
 
 /// Results of one sample.
@@ -31,6 +55,8 @@ pub struct SampleOutput {
     pub reports: Reports,
     /// News of an alignment.
     pub alignment: Option<AlignmentReport>,
+    /// News of a calibration.
+    pub calibration: Option<Event>,
     /// Scores of an instant.
     pub scores: Option<Event>,
 }
@@ -44,31 +70,45 @@ impl SampleOutput {
         if let Some(report) = self.alignment {
             emit(Event::of_alignment(at, &report));
         }
-        if let Some(scores) = self.scores {
-            emit(scores);
+        for event in [self.calibration, self.scores].into_iter().flatten() {
+            emit(event);
         }
     }
 }
 
-impl<'r, E: Encode> ScoredPipeline<'r, E> {
-    /// Creates the pipeline of a model; `encoder` must be made from the same model.
+impl ScoredPipeline {
+    /// Creates the pipeline of a model file.
     ///
     /// # Errors
-    /// When the smoother refuses the settings of the model.
-    pub fn new(
-        model: &Model<'_>,
-        encoder: E,
-        state: &'r mut E::State,
-        outputs: &'r RefCell<EncoderOutputs>,
-    ) -> Result<Self, SettingsError> {
-        let dimensions = model.header.dimensions;
+    /// When the model is refused.
+    pub fn open(file: &[u8]) -> Result<Self, Refused> {
+        let file = file.to_vec().leak();
+        let model = Model::parse(file)?;
+        let encoder = HostEncoder::new(&model)?;
+        let outputs = Box::leak(Box::default());
+        let state = Box::leak(Box::new(encoder.fresh()));
+        let observed = ObservedEncoder::new(encoder, outputs);
+        let mut pipeline = Pipeline::of_model(&model, observed, state)?;
+        pipeline.lend(Box::leak(Box::new(Memory::EMPTY)));
+        let classes = encoder.classes();
+        let mut calibration = Calibration::default();
+        calibration.know(classes);
         Ok(Self {
-            pipeline: Pipeline::of_model(model, ObservedEncoder::new(encoder, outputs), state)?,
+            pipeline,
             outputs,
-            settings: model.header.smoother.in_patches(),
-            columns: dimensions.vocabulary.classes() + usize::from(dimensions.other),
+            file,
+            smoother: Smoother::new(model.header.smoother.in_patches(), classes)?,
+            calibration,
+            model,
+            encoder,
+            head: None,
             last: None,
         })
+    }
+
+    /// The model.
+    pub const fn model(&self) -> &Model<'static> {
+        &self.model
     }
 
     /// Report of the present state.
@@ -76,31 +116,66 @@ impl<'r, E: Encode> ScoredPipeline<'r, E> {
         self.pipeline.state_report()
     }
 
-    /// Takes a sample with its index.
-    pub fn sample(&mut self, now: Millis, index: SampleIndex, sample: Sample) -> SampleOutput {
+    /// Takes a sample with its index; `at` is the time in the events.
+    pub fn sample(
+        &mut self,
+        now: Millis,
+        at: f64,
+        index: SampleIndex,
+        sample: Sample,
+    ) -> SampleOutput {
         let reports = self.pipeline.sample(now, sample);
         SampleOutput {
             reports,
             alignment: self.pipeline.take_alignment_report(),
+            calibration: self.calibrated(now, at),
             scores: self.scores(index),
         }
     }
 
     /// Scores of the instant whose label is due with a sample.
     fn scores(&mut self, index: SampleIndex) -> Option<Event> {
-        let scores = self
-            .outputs
-            .borrow_mut()
-            .take(&self.settings, self.columns)?;
+        let dimensions = self.model.header.dimensions;
+        let settings = self.model.header.smoother.in_patches();
+        let columns = dimensions.vocabulary.classes() + usize::from(dimensions.other);
+        let scores = self.outputs.borrow_mut().take(&settings, columns)?;
         let last = self.last.replace(index);
         // After a change of the alignment the encoder takes the window again, a patch with each sample. Only the pipeline knows
         // their instants, and their scores were shown before.
         if last.is_some_and(|last| index.since(last) < PATCH as u32) {
             return None;
         }
-        let behind = (self.settings.look_ahead * PATCH) as u32 + 1;
+        let behind = (settings.look_ahead * PATCH) as u32 + 1;
         let instant = index.0.checked_sub(behind)?;
         Some(Event::Scores { instant, scores })
+    }
+
+    /// Takes the news of a calibration, and puts a head in use that was learnt.
+    fn calibrated(&mut self, now: Millis, at: f64) -> Option<Event> {
+        let mut report = self.pipeline.take_calibration_report()?;
+        if let Some(memory) = self.pipeline.take_learnt() {
+            let head: &Head = Box::leak(Box::new(memory.head().clone()));
+            self.pipeline.lend(memory);
+            self.put(now, Some(head));
+            report.state = CalibrationState::Done;
+        }
+        self.calibration.event(at, report, self.head.is_some())
+    }
+
+    /// Puts a head in use; none for the model's own.
+    fn put(&mut self, now: Millis, head: Option<&'static Head>) {
+        let encoder = head.map_or(self.encoder, |head| self.encoder.with_head(head));
+        let header = &self.model.header;
+        let input = Input {
+            preprocessing: header.preprocessing,
+            template: header.template,
+        };
+        let observed = ObservedEncoder::new(encoder, self.outputs);
+        let _ = self.pipeline.suspend(now);
+        self.pipeline
+            .resume(now, observed, self.smoother.clone(), input);
+        self.head = head;
+        self.last = None;
     }
 
     /// Reports that samples are missing before the next one.
@@ -124,23 +199,91 @@ impl<'r, E: Encode> ScoredPipeline<'r, E> {
         matches!(self.pipeline.alignment_phase(), AlignmentPhase::Waiting)
     }
 
+    /// Class that a calibration in progress asks for.
+    pub fn cue(&self) -> Option<Intent> {
+        match self.calibration.cue()? {
+            Shown::Intent(intent) => Some(intent),
+            Shown::Other => None,
+        }
+    }
+
     /// Begins an alignment, anew if one is in progress.
     pub fn begin_alignment(&mut self) {
         self.pipeline.begin_alignment(Arm::Unknown);
     }
 
-    /// Begins, cancels or sets an alignment.
-    pub fn request(&mut self, at: f64, request: &SourceRequest, emit: &mut dyn FnMut(Event)) {
+    /// Does what is asked for: an alignment, a calibration, or the file of a calibrated model.
+    pub fn request(
+        &mut self,
+        now: Millis,
+        at: f64,
+        request: &SourceRequest,
+        emit: &mut dyn FnMut(Event),
+    ) {
         match request {
             SourceRequest::Align => self.begin_alignment(),
             SourceRequest::CancelAlignment => self.pipeline.cancel_alignment(),
             SourceRequest::SetAlignment(alignment) => self.set_alignment(*alignment),
+            SourceRequest::Calibrate(command) => self.calibrate(now, at, *command, emit),
+            SourceRequest::SaveModel => {
+                if let Some(bytes) = self.calibrated_file() {
+                    let name = "calibrated.intent";
+                    emit(Event::File { name, bytes });
+                }
+            }
             // There is no board.
             SourceRequest::Bind | SourceRequest::Install(_) => {}
         }
         if let Some(report) = self.pipeline.take_alignment_report() {
             emit(Event::of_alignment(at, &report));
         }
+        if let Some(event) = self.calibrated(now, at) {
+            emit(event);
+        }
+    }
+
+    fn calibrate(
+        &mut self,
+        now: Millis,
+        at: f64,
+        command: CalibrateCommand,
+        emit: &mut dyn FnMut(Event),
+    ) {
+        let say = |own: &mut Self, state| {
+            let report = CalibrationReport::of(state, None);
+            own.calibration.event(at, report, own.head.is_some())
+        };
+        match command {
+            CalibrateCommand::Begin { others } => {
+                let begun = self.pipeline.begin_calibration(now, others);
+                if begun.is_none() {
+                    say(self, CalibrationState::Unavailable).map(emit);
+                    return;
+                }
+                for report in begun.into_iter().flatten() {
+                    emit(Event::of_report(at, &report));
+                }
+            }
+            CalibrateCommand::Cancel => drop(self.pipeline.cancel_calibration()),
+            CalibrateCommand::Forget if self.head.is_some() => {
+                self.pipeline.cancel_calibration();
+                self.put(now, None);
+                let _ = self.pipeline.take_calibration_report();
+                say(self, CalibrationState::Idle).map(emit);
+            }
+            CalibrateCommand::Forget | CalibrateCommand::State => {}
+        }
+    }
+
+    /// Model file with the head in use, as `myointent calibrate` writes it; none for the model's own head.
+    fn calibrated_file(&self) -> Option<Vec<u8>> {
+        let file = Model::with_head(self.file, self.head?).ok()?;
+        let mut parts = Model::parse(&file).ok()?.to_parts();
+        let seen = &mut parts.provenance.subjects_seen;
+        if !seen.iter().any(|own| own == WEARER) {
+            seen.push(WEARER.to_owned());
+        }
+        parts.to_bytes().ok()
     }
 
     /// Puts an alignment in force that was found elsewhere.

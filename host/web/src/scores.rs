@@ -3,6 +3,9 @@
 use std::cell::RefCell;
 use std::collections::VecDeque;
 
+use shared::calibration::{Refusal, Sums};
+use shared::model::encoder::HostEncoder;
+use shared::model::head::Head;
 use shared::model::{Encode, LookBackLogits};
 use shared::stream::smoother::{AggregationMode, Settings};
 use shared::units::{LOOK_BACK, Patch};
@@ -67,19 +70,22 @@ fn softmax(logits: impl Iterator<Item = f32> + Clone) -> Vec<f32> {
 
 /// Encoder whose outputs are kept for the scores.
 #[derive(Debug)]
-pub struct ObservedEncoder<'o, E> {
-    encoder: E,
-    outputs: &'o RefCell<EncoderOutputs>,
+pub struct ObservedEncoder {
+    encoder: HostEncoder<'static>,
+    outputs: &'static RefCell<EncoderOutputs>,
 }
 
-impl<'o, E> ObservedEncoder<'o, E> {
-    pub const fn new(encoder: E, outputs: &'o RefCell<EncoderOutputs>) -> Self {
+impl ObservedEncoder {
+    pub const fn new(
+        encoder: HostEncoder<'static>,
+        outputs: &'static RefCell<EncoderOutputs>,
+    ) -> Self {
         Self { encoder, outputs }
     }
 }
 
-impl<E: Encode> Encode for ObservedEncoder<'_, E> {
-    type State = E::State;
+impl Encode for ObservedEncoder {
+    type State = <HostEncoder<'static> as Encode>::State;
 
     fn classes(&self) -> usize {
         self.encoder.classes()
@@ -98,6 +104,18 @@ impl<E: Encode> Encode for ObservedEncoder<'_, E> {
         let rows = self.encoder.step(state, patch);
         self.outputs.borrow_mut().push(rows);
         rows
+    }
+
+    fn hidden<'s>(&self, state: &'s Self::State) -> &'s [f32] {
+        self.encoder.hidden(state)
+    }
+
+    fn logits_by(&self, head: &Head, state: &mut Self::State) -> LookBackLogits {
+        self.encoder.logits_by(head, state)
+    }
+
+    fn solve(&self, sums: &Sums, state: &mut Self::State, head: &mut Head) -> Result<(), Refusal> {
+        self.encoder.solve(sums, state, head)
     }
 }
 

@@ -7,12 +7,10 @@
 //!
 //! Every output is an element of a JSON array. Time is an argument, in ms of the worker's clock.
 
-use std::cell::RefCell;
 use std::path::Path;
 
 use recordings::{LoadOptions, Recording, load_bytes};
 use serde::{Deserialize, Serialize};
-use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
 use shared::myo::{self, Action, Address, Characteristic, Uuid};
 use shared::uart_line::command::Command;
@@ -119,18 +117,18 @@ enum Running {
     /// Nothing: the source was refused.
     Nothing,
     Playback {
-        playback: Playback<'static>,
+        playback: Playback,
         /// Time of the next notification.
         due: f64,
     },
     Board {
-        board: Board<'static, 'static, HostEncoder<'static>>,
-        model: &'static Model<'static>,
+        board: Board<'static>,
+        model: Model<'static>,
         /// Whether the board runs the page's model: then its scores are shown.
         is_same: bool,
     },
     Armband {
-        armband: Armband<'static>,
+        armband: Armband,
         /// Time of the next tick.
         due: f64,
         /// Whether the session scans, and finds the chosen armband with the next tick.
@@ -197,16 +195,8 @@ impl Tab {
         file: &[u8],
         model: Option<&[u8]>,
     ) -> Result<Running, String> {
-        // One source for each worker: they last as long as the worker.
-        let bytes = model.unwrap_or(SHIPPED).to_vec().leak();
-        let refused = |error: &dyn std::fmt::Display| format!("the model is refused: {error}");
-        let model = Model::parse(bytes).map_err(|error| refused(&error))?;
-        let model: &'static Model<'static> = Box::leak(Box::new(model));
-        let encoder = HostEncoder::new(model).map_err(|error| refused(&error))?;
-        let state = Box::leak(Box::new(encoder.fresh()));
-        let scores = Box::leak(Box::new(RefCell::default()));
         let scored =
-            ScoredPipeline::new(model, encoder, state, scores).map_err(|error| refused(&error))?;
+            ScoredPipeline::open(model.unwrap_or(SHIPPED)).map_err(|error| error.to_string())?;
         let outputs = &mut self.outputs;
         let mut emit = |event: Event| outputs.push(&event);
         Ok(match wanted {
@@ -214,7 +204,7 @@ impl Tab {
                 let person = Person::new(demo::follower(), Cues::List(demo::cues()));
                 let named = ("demo", "synthetic, of nobody".to_owned());
                 let samples = SampleSource::Person(Box::new(person));
-                let playback = Playback::begin(named, samples, model, scored, now, &mut emit);
+                let playback = Playback::begin(named, samples, scored, now, &mut emit);
                 Running::Playback { playback, due: now }
             }
             Wanted::Recording { name } => {
@@ -224,13 +214,14 @@ impl Tab {
                     samples: recording.samples,
                     labels: recording.labels,
                 };
-                let playback = Playback::begin(named, samples, model, scored, now, &mut emit);
+                let playback = Playback::begin(named, samples, scored, now, &mut emit);
                 Running::Playback { playback, due: now }
             }
             Wanted::Port => {
                 outputs.push(&port_state(false, board::NOTHING_YET, Vec::new()));
                 let leave = Command::Raw(false).to_string();
                 outputs.push(&ForDevice::Leave { leave });
+                let model = *scored.model();
                 let scored = Box::leak(Box::new(scored));
                 Running::Board {
                     board: Board::new(millis(now), Losses::default(), false, Some(scored)),
@@ -245,7 +236,6 @@ impl Tab {
                         ..myo::Settings::default()
                     },
                     ("this browser", Some(name.clone())),
-                    model,
                     scored,
                     now,
                     &mut emit,
@@ -355,7 +345,7 @@ impl Tab {
         match &mut self.running {
             Running::Nothing => {}
             Running::Playback { playback, .. } => playback.request(now, request, emit),
-            Running::Armband { armband, .. } => armband.request(now, request, emit),
+            Running::Armband { armband, .. } => armband.request(time(now), request, emit),
             Running::Board { .. } => {
                 let line = request.command().map(|command| command.to_string());
                 if let Some(line) = line {
@@ -379,11 +369,7 @@ impl Tab {
             return;
         };
         let outputs = &mut self.outputs;
-        let time = Now {
-            session: millis(now),
-            at: now,
-        };
-        armband.handle(time, event, &mut |output| match output {
+        armband.handle(time(now), event, &mut |output| match output {
             Output::Event(event) => outputs.push(&event),
             Output::Radio(Action::Scan) => *scans = true,
             Output::Radio(Action::StopScan) => *scans = false,
@@ -393,6 +379,14 @@ impl Tab {
                 }
             }
         });
+    }
+}
+
+/// Time of an armband's session.
+fn time(now: f64) -> Now {
+    Now {
+        session: millis(now),
+        at: now,
     }
 }
 

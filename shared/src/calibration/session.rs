@@ -100,6 +100,19 @@ impl Session {
         &self.judgement
     }
 
+    /// Cues from this one on: each with its patches, and whether it is of round two.
+    pub fn coming(&self) -> impl Iterator<Item = (Shown, u32, bool)> {
+        let mut next = Some(self.clone());
+        core::iter::from_fn(move || {
+            let session = next.as_mut()?;
+            let coming = (session.cue(), session.patches(), session.is_judging);
+            if session.next_cue() == Progress::Judged {
+                next = None;
+            }
+            Some(coming)
+        })
+    }
+
     /// Takes a sample as received, for the activity of the hold.
     pub fn sample(&mut self, sample: Sample) {
         if self.counts() {
@@ -114,8 +127,7 @@ impl Session {
             self.judgement.add(asked, labels);
         }
         self.patch += 1;
-        let counted = if cue == Shown::Other { OTHERS } else { HOLD };
-        if self.patch < REACTION + counted {
+        if self.patch < self.patches() {
             return Progress::Same;
         }
         let hold = core::mem::take(&mut self.hold);
@@ -124,6 +136,20 @@ impl Session {
         } else if !hold.exceeds(&self.rest) {
             return Progress::Weak;
         }
+        self.next_cue()
+    }
+
+    /// Patches of the cue.
+    fn patches(&self) -> u32 {
+        let counted = if self.cue() == Shown::Other {
+            OTHERS
+        } else {
+            HOLD
+        };
+        REACTION + counted
+    }
+
+    fn next_cue(&mut self) -> Progress {
         self.patch = 0;
         self.step += 1;
         // A round has a cue for each class, and a second rest.
@@ -239,7 +265,10 @@ mod tests {
             (5, true, &[Close, WaveIn, WaveOut]),
         ] {
             let mut session = Session::new(classes, others);
+            let coming = session.coming().map(|(cue, patches, _)| (cue, patches));
+            let coming: Vec<_> = coming.collect();
             let (cues, end) = run(&mut session, strong, as_asked);
+            assert_eq!(coming, cues);
             let round = [Relax, Open, Relax].iter().chain(gestures);
             let round: Vec<_> = round.map(|own| (Shown::Intent(*own), 80)).collect();
             let other = others.then_some((OTHER, 140));

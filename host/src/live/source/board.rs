@@ -2,16 +2,11 @@
 
 mod advice;
 
-use std::cell::RefCell;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use anyhow::Context as _;
 use serial2::SerialPort;
-use shared::model::Encode;
-use shared::model::encoder::HostEncoder;
-use shared::model::file::Model;
 use shared::uart_line::command::Command;
 use shared::units::Millis;
 use web::Losses;
@@ -59,31 +54,21 @@ impl BoardSource {
 
     /// Shows the board until it is stopped, or returns a model to install.
     fn show(&self, context: &Context, losses: &mut Losses) -> anyhow::Result<Option<Vec<u8>>> {
-        let Some(bytes) = &self.model else {
-            return Ok(self.read::<HostEncoder<'_>>(context, losses, None));
-        };
-        let model = Model::parse(bytes).context("the model is refused")?;
-        let encoder = HostEncoder::new(&model)?;
-        let outputs = RefCell::default();
-        let mut state = encoder.fresh();
-        let scored = ScoredPipeline::new(&model, encoder, &mut state, &outputs)?;
-        context.hub.publish(&Event::of_model(&model));
-        Ok(self.read(context, losses, Some(scored)))
-    }
-
-    fn read<E: Encode>(
-        &self,
-        context: &Context,
-        losses: &mut Losses,
-        mut scored: Option<ScoredPipeline<'_, E>>,
-    ) -> Option<Vec<u8>> {
+        let mut scored = self
+            .model
+            .as_deref()
+            .map(ScoredPipeline::open)
+            .transpose()?;
+        if let Some(scored) = &scored {
+            context.hub.publish(&Event::of_model(scored.model()));
+        }
         let mut missing = (String::new(), Vec::new());
         while !context.stop.requested() {
             let ended = match port::open(&self.path, WAIT, WRITE) {
                 Ok(port) => {
                     missing.0.clear();
                     if let model @ Some(_) = early_installation(context) {
-                        return model;
+                        return Ok(model);
                     }
                     self.publish(context, false, NOTHING_YET, Vec::new());
                     let session = BoardConnection {
@@ -102,7 +87,7 @@ impl BoardSource {
             }
             context.hub.forget_stream();
             let error = match ended {
-                ConnectionEnd::Installs(model) => return Some(model),
+                ConnectionEnd::Installs(model) => return Ok(Some(model)),
                 ConnectionEnd::Lost(error) => error,
             };
             let Advice { why, steps } = Advice::of(&error, &self.path, &existing());
@@ -114,7 +99,7 @@ impl BoardSource {
             }
             wait(context, AGAIN);
         }
-        None
+        Ok(None)
     }
 
     fn publish(&self, context: &Context, connected: bool, detail: &str, steps: Vec<String>) {
@@ -154,13 +139,13 @@ impl From<std::io::Error> for ConnectionEnd {
 }
 
 /// State of one connection.
-struct BoardConnection<'c, 'r, E: Encode> {
+struct BoardConnection<'c> {
     context: &'c Context,
     port: SerialPort,
-    board: Board<'c, 'r, E>,
+    board: Board<'c>,
 }
 
-impl<E: Encode> BoardConnection<'_, '_, E> {
+impl BoardConnection<'_> {
     /// Runs until the port is lost or needed, or the program is stopped. Also returns the losses on the line.
     fn run(mut self, source: &BoardSource) -> (ConnectionEnd, Losses) {
         let hub = &self.context.hub;

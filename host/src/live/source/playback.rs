@@ -1,11 +1,7 @@
 //! A recording or a simulated person, through the device's pipeline in real time.
 
-use std::cell::RefCell;
 use std::time::Instant;
 
-use anyhow::Context as _;
-use shared::model::encoder::HostEncoder;
-use shared::model::file::Model;
 use web::playback::{LATE, PERIOD, Playback, SampleSource};
 use web::scored_pipeline::ScoredPipeline;
 
@@ -29,14 +25,9 @@ impl PlaybackSource {
     /// When the model is refused.
     pub(crate) fn run(self, context: &Context) -> anyhow::Result<()> {
         let hub = &context.hub;
-        let model = Model::parse(&self.model).context("the model is refused")?;
-        let encoder = HostEncoder::new(&model)?;
-        let outputs = RefCell::default();
-        let mut state = encoder.fresh();
-        let scored = ScoredPipeline::new(&model, encoder, &mut state, &outputs)?;
+        let scored = ScoredPipeline::open(&self.model)?;
         let emit = &mut |event| hub.publish(&event);
-        let mut playback =
-            Playback::begin(self.named, self.samples, &model, scored, hub.now(), emit);
+        let mut playback = Playback::begin(self.named, self.samples, scored, hub.now(), emit);
         let mut due = Instant::now();
         while !context.stop.requested() {
             let now = Instant::now();

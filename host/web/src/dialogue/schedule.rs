@@ -1,6 +1,7 @@
 //! Schedule of the commands to a board.
 
 use shared::myo::Following;
+use shared::uart_line::calibration::{CalibrateCommand, CalibrationState};
 use shared::uart_line::command::{AlignCommand, BindCommand, Command};
 use shared::units::Millis;
 
@@ -11,6 +12,8 @@ const COUNTERS_MS: u32 = 2_000;
 pub const IDENTIFY_MS: u32 = 10_000;
 /// Period of the questions for the binding while the board follows no armband.
 const UNBOUND_MS: u32 = 1_000;
+/// Period of the questions for a calibration in progress: a cue is shown that late.
+const CALIBRATES_MS: u32 = 200;
 /// Time without samples after which the raw stream is asked for again: the board may have restarted.
 const RAW_MS: u32 = 1_000;
 
@@ -22,7 +25,9 @@ pub struct CommandSchedule {
     identify: Option<Millis>,
     align: Option<Millis>,
     bind: Option<Millis>,
+    calibrate: Option<Millis>,
     is_unbound: bool,
+    is_calibrating: bool,
     /// Whether movement is wanted, and is to be asked for now.
     imu: (bool, bool),
 }
@@ -58,6 +63,15 @@ impl CommandSchedule {
             self.bind = Some(now);
             return Some(Command::Bind(BindCommand::State));
         }
+        let calibration = if self.is_calibrating {
+            CALIBRATES_MS
+        } else {
+            IDENTIFY_MS
+        };
+        if due(self.calibrate, calibration) {
+            self.calibrate = Some(now);
+            return Some(Command::Calibrate(CalibrateCommand::State));
+        }
         if due(samples, RAW_MS) && due(self.raw, RAW_MS) {
             self.raw = Some(now);
             self.imu.1 = self.imu.0;
@@ -73,10 +87,17 @@ impl CommandSchedule {
         None
     }
 
-    /// Asks for alignment and binding again after a restart of the board.
+    /// Records how far a calibration is.
+    pub const fn calibrates(&mut self, state: CalibrationState) {
+        use CalibrationState::{Judging, Keeping, Teaching};
+        self.is_calibrating = matches!(state, Teaching | Judging | Keeping);
+    }
+
+    /// Asks for alignment, binding and calibration again after a restart of the board.
     pub fn restart(&mut self) {
         self.align = None;
         self.bind = None;
+        self.calibrate = None;
     }
 
     /// Records which armband the board follows.

@@ -6,6 +6,7 @@ use proptest::prelude::*;
 use shared::myo::{Address, Following, Imu};
 use shared::stream::safe_state::{Cause, Status};
 use shared::uart_line::answer::Binding;
+use shared::uart_line::calibration::CalibrateCommand;
 use shared::uart_line::command::{AlignCommand, BindCommand};
 use shared::uart_line::imu::ImuReport;
 use shared::uart_line::{Counters, Kind, Report};
@@ -105,6 +106,7 @@ fn the_board_is_asked_in_turn_and_for_samples_again_while_none_come() {
         (0, Command::Identify),
         (0, Command::Align(AlignCommand::State)),
         (0, Command::Bind(BindCommand::State)),
+        (0, Command::Calibrate(CalibrateCommand::State)),
         (0, Command::Raw(true)),
         (0, Command::Counters),
         (1_000, Command::Raw(true)),

@@ -12,13 +12,10 @@ mod link;
 #[cfg(test)]
 mod tests;
 
-use std::cell::RefCell;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
-use anyhow::{Context as _, bail};
-use shared::model::encoder::HostEncoder;
-use shared::model::file::Model;
+use anyhow::bail;
 use shared::myo::{self, Action, Address};
 use tokio::sync::mpsc::UnboundedSender;
 use web::armband::{Armband, Now, Output};
@@ -50,11 +47,7 @@ impl ArmbandSource {
 
     fn run_on(&self, radio: &Radio, context: &Context) -> anyhow::Result<()> {
         let hub = &context.hub;
-        let model = Model::parse(&self.model).context("the model is refused")?;
-        let encoder = HostEncoder::new(&model)?;
-        let outputs = RefCell::default();
-        let mut state = encoder.fresh();
-        let scored = ScoredPipeline::new(&model, encoder, &mut state, &outputs)?;
+        let scored = ScoredPipeline::open(&self.model)?;
         let here = ("this computer", None);
         let emit = &mut |event| hub.publish(&event);
         let settings = myo::Settings {
@@ -62,7 +55,7 @@ impl ArmbandSource {
             imu: context.imu,
             ..myo::Settings::default()
         };
-        let mut armband = Armband::begin(settings, here, &model, scored, hub.now(), emit);
+        let mut armband = Armband::begin(settings, here, scored, hub.now(), emit);
         let output = &mut |output| match output {
             Output::Event(event) => hub.publish(&event),
             Output::Radio(Action::StreamEnded) => hub.forget_stream(),
@@ -76,7 +69,7 @@ impl ArmbandSource {
                 at: hub.now(),
             };
             while let Ok(request) = context.requests.try_recv() {
-                armband.request(hub.now(), &request, emit);
+                armband.request(now(), &request, emit);
             }
             let wait = due.saturating_duration_since(Instant::now());
             match radio.events.recv_timeout(wait) {

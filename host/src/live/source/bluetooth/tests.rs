@@ -207,15 +207,10 @@ fn recording() -> Vec<Sample> {
 
 /// Instants and labels of the device's pipeline.
 fn labels(samples: &[Sample]) -> Vec<Value> {
-    // On the heap, which aligns it as a model requires.
-    let file = SHIPPED.to_vec();
-    let model = Model::parse(&file).unwrap();
-    let encoder = HostEncoder::new(&model).unwrap();
-    let (outputs, mut state) = (RefCell::default(), encoder.fresh());
-    let mut scored = ScoredPipeline::new(&model, encoder, &mut state, &outputs).unwrap();
+    let mut scored = ScoredPipeline::open(SHIPPED).unwrap();
     let reports = samples.iter().enumerate().flat_map(|(place, &sample)| {
         scored
-            .sample(Millis(0), SampleIndex(place as u32), sample)
+            .sample(Millis(0), 0.0, SampleIndex(place as u32), sample)
             .reports
     });
     let shown = reports.map(|report| {
