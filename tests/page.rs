@@ -10,7 +10,7 @@ use std::sync::LazyLock;
 
 use myointent::cli::replay;
 use recordings::synthetic::{self, SynthOptions};
-use recordings::{LoadOptions, load};
+use recordings::{LoadOptions, load, load_bytes};
 use serde_json::{Value, json};
 use shared::calibration::Shown;
 use shared::intent::Intent;
@@ -29,6 +29,9 @@ use self::browser::{Browser, Kind};
 
 const VALID: &str = "document.getElementById('valid')?.dataset.valid === 'yes'";
 const CONNECTED: &str = "document.getElementById('source')?.dataset.state === 'connected'";
+
+/// Keeps what is saved, for the test to read.
+const CATCH: &str = "(create => URL.createObjectURL = (blob) => create.call(URL, window.saved = blob))(URL.createObjectURL) && null";
 
 /// Whether the page offers to save a calibrated model.
 const SAVES: &str = "!document.getElementById('save-model').hidden";
@@ -123,9 +126,9 @@ fn the_simulated_arm_follows_a_calibration_whose_model_is_used_saved_and_taken_b
         taken(tab)
     };
     run(&mut tab, 5);
-    tab.request(5000.0, br#"{"do":"calibrate","wish":"save"}"#);
+    tab.request(5000.0, br#"{"do":"calibrate","wish":"save"}"#, &[]);
     assert_eq!(taken(&mut tab), [json!({}); 0]);
-    tab.request(5000.0, br#"{"do":"calibrate","wish":"begin"}"#);
+    tab.request(5000.0, br#"{"do":"calibrate","wish":"begin"}"#, &[]);
     let messages = run(&mut tab, 34);
     let said: Vec<_> = messages
         .iter()
@@ -159,18 +162,126 @@ fn the_simulated_arm_follows_a_calibration_whose_model_is_used_saved_and_taken_b
             .iter()
             .any(|message| message["valid"] == true)
     );
-    tab.request(42_000.0, br#"{"do":"calibrate","wish":"save"}"#);
+    tab.request(42_000.0, br#"{"do":"calibrate","wish":"save"}"#, &[]);
     let saved = &taken(&mut tab)[0];
     assert_eq!(saved["name"], "calibrated.intent");
-    let file: Vec<u8> = serde_json::from_value(saved["bytes"].clone()).unwrap();
+    let content = saved["content"].as_str().unwrap();
+    let file: Vec<u8> = content.chars().map(|letter| letter as u8).collect();
     let model = Model::parse(&file).unwrap();
     assert_ne!(model.checksum, Model::parse(&shipped()).unwrap().checksum);
-    tab.request(42_000.0, br#"{"do":"calibrate","wish":"forget"}"#);
+    tab.request(42_000.0, br#"{"do":"calibrate","wish":"forget"}"#, &[]);
     let forgotten = &taken(&mut tab)[0];
     assert_eq!(
         (&forgotten["state"], &forgotten["in_use"]),
         (&json!("idle"), &json!(false))
     );
+}
+
+/// Loads recordings from the files that a tab gives: their samples and labels.
+fn given(messages: &[Value]) -> Vec<recordings::Recording> {
+    let files = messages.iter().filter(|message| message["type"] == "file");
+    let read = files.map(|file| {
+        let [name, content] = ["name", "content"].map(|field| file[field].as_str().unwrap());
+        let library = load_bytes(Path::new(name), content.as_bytes(), &LoadOptions::default());
+        library.unwrap().recordings.remove(0)
+    });
+    read.collect()
+}
+
+#[test]
+fn a_session_is_recorded_and_what_a_killed_tab_had_written_becomes_the_same_recordings() {
+    let mut tab = Tab::open(0.0, &Wanted::Demo, &[], None);
+    let mut now = 0.0;
+    let mut run = |tab: &mut Tab, seconds: u32| {
+        let mut messages = Vec::new();
+        for _ in 0..seconds * 100 {
+            now += 10.0;
+            tab.tick(now);
+            messages.extend(taken(tab));
+        }
+        (now, messages)
+    };
+    let (now, _) = run(&mut tab, 1);
+    let record = json!({ "do": "record", "person": "anna", "protocol": "quick", "time": 1.75e12 });
+    tab.request(now, record.to_string().as_bytes(), &[]);
+    let (now, _) = run(&mut tab, 1);
+    tab.request(now, br#"{"do":"session","wish":"begin"}"#, &[]);
+    let (now, messages) = run(&mut tab, 60);
+    let views: Vec<_> = messages
+        .iter()
+        .filter(|message| message["type"] == "session")
+        .collect();
+    let seen = |cue: &str| {
+        views
+            .iter()
+            .any(|view| view["phase"] == "cued" && view["cue"] == cue)
+    };
+    assert!(seen("open") && seen("close") && seen("point"), "{views:?}");
+    let written = |messages: &[Value]| -> String {
+        let lines = messages
+            .iter()
+            .filter_map(|message| message["journal"].as_str());
+        lines.collect()
+    };
+    let journal = written(&messages);
+    let name = messages
+        .iter()
+        .find_map(|message| message["name"].as_str())
+        .unwrap();
+    assert_eq!(name, "anna_20250615T150641Z_quick");
+    tab.request(now, br#"{"do":"session","wish":"finish"}"#, &[]);
+    let over = taken(&mut tab);
+    let kept = over
+        .iter()
+        .find(|message| message["type"] == "kept")
+        .unwrap();
+    assert_eq!(kept["folder"], "anna");
+    assert_eq!(kept["files"], json!([format!("{name}_1.csv")]));
+    tab.request(now, br#"{"do":"keep"}"#, &[]);
+    let whole = given(&taken(&mut tab));
+    assert_eq!(whole[0].subject, "synthetic/anna");
+    assert!(
+        whole[0].samples.len() > 59 * 200,
+        "{}",
+        whole[0].samples.len()
+    );
+    let labels = |recording: &recordings::Recording| {
+        Intent::ALL.map(|intent| {
+            recording
+                .labels
+                .iter()
+                .filter(|own| **own == Some(intent))
+                .count()
+        })
+    };
+    let [relax, open, close, ..] = labels(&whole[0]);
+    assert!(
+        relax > 3000 && open > 500 && close > 500,
+        "{:?}",
+        labels(&whole[0])
+    );
+
+    // Another tab has the journal without its end, which was not written yet.
+    let mut later = Tab::open(0.0, &Wanted::Demo, &[], None);
+    let recover = json!({ "do": "recover", "name": name }).to_string();
+    later.request(
+        1.0,
+        recover.as_bytes(),
+        &journal.as_bytes()[..journal.len() - 7],
+    );
+    later.request(1.0, br#"{"do":"keep"}"#, &[]);
+    let messages = taken(&mut later);
+    let found = messages
+        .iter()
+        .find(|message| message["type"] == "kept")
+        .unwrap();
+    assert_eq!(found["files"], kept["files"]);
+    let read = given(&messages);
+    let count = read[0].samples.len();
+    assert!(count > whole[0].samples.len() - 60, "{count}");
+    assert_eq!(read[0].samples, whole[0].samples[..count]);
+    later.request(1.0, recover.as_bytes(), b"no journal");
+    assert_eq!(taken(&mut later)[0]["type"], "refused");
 }
 
 /// Path of the one file, or why there is none. MYOINTENT_PAGE names another one, of a release.
@@ -311,7 +422,7 @@ fn the_file_shows_the_simulated_arm_without_a_server_and_takes_recordings() {
     browser.screenshot(&picture("page-calibrating.png"));
     browser
         .wait_for("document.getElementById('calibrated').textContent.startsWith('Calibrated: ')");
-    browser.value("(create => URL.createObjectURL = (blob) => create.call(URL, window.saved = blob))(URL.createObjectURL)");
+    browser.value(CATCH);
     browser.value("document.getElementById('save-model').click()");
     browser.wait_for("window.saved?.size > 80000");
     browser.screenshot(&picture("page-calibrated.png"));
@@ -474,6 +585,51 @@ fn a_board_streams_into_the_file_and_may_be_unplugged() {
     browser.value("document.getElementById('use-demo').click()");
     browser.wait_for("port.written.includes('$RAW,off') && port.readable === null");
     browser.wait_for(&format!("{CONNECTED} && {VALID}"));
+    assert_eq!(browser.complaints, [""; 0]);
+}
+
+#[test]
+fn a_session_is_recorded_in_the_file_and_a_tab_that_is_killed_loses_nothing() {
+    let name = "a_session_is_recorded_in_the_file_and_a_tab_that_is_killed_loses_nothing";
+    let Some(mut browser) = open(Kind::Chromium, name, "") else {
+        return;
+    };
+    browser.wait_for(VALID);
+    click(&mut browser, "use-record");
+    browser.value("document.getElementById('person').value = 'anna'");
+    click(&mut browser, "record-now");
+    browser.wait_for("document.body.dataset.mode === 'record'");
+    browser.frames(20);
+    browser.press("Enter");
+    browser.wait_for("document.getElementById('session').dataset.phase === 'cued' && document.getElementById('task').textContent === 'Make a fist'");
+    let picture = Path::new(env!("CARGO_TARGET_TMPDIR")).join("page-session.png");
+    browser.screenshot(&picture);
+    browser.value("location.reload()");
+    browser.wait_for(VALID);
+    browser.value(CATCH);
+    click(&mut browser, "use-record");
+    browser.wait_for("document.getElementById('kept-list').childElementCount === 1");
+    assert_eq!(
+        browser.value("document.getElementById('person').value"),
+        "anna"
+    );
+    browser.value("document.querySelector('#kept-list button').click()");
+    browser.wait_for("window.saved?.size > 50000");
+    let text = browser.value("window.saved.text()");
+    let text = text.as_str().unwrap();
+    let library = load_bytes(
+        Path::new("anna_1.csv"),
+        text.as_bytes(),
+        &LoadOptions::default(),
+    );
+    let recording = library.unwrap().recordings.remove(0);
+    assert!(
+        recording.samples.len() > 10 * 200,
+        "{}",
+        recording.samples.len()
+    );
+    browser.value("window.confirm = () => true; document.querySelector('#kept-list button:last-child').click()");
+    browser.wait_for("document.getElementById('kept-before').hidden");
     assert_eq!(browser.complaints, [""; 0]);
 }
 

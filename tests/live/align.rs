@@ -113,7 +113,7 @@ fn the_page_says_what_an_alignment_changed_and_offers_a_worse_one_back() {
     browser.wait_for("!document.getElementById('undo').hidden");
     browser.open(live.url());
     browser.wait_for("document.getElementById('undo')?.hidden === false");
-    assert_eq!(browser.text("undo").trim(), "Undo: as in training U");
+    assert_eq!(browser.text("undo").trim(), "Undo: in its usual place U");
     browser.press("u");
     other.find("alignment", |message| placed(message) == (0, false));
     browser.wait_for("document.getElementById('undo').hidden");

@@ -166,7 +166,7 @@ fn pictures_of_a_session() {
         return;
     };
     let folder = tempfile::tempdir().unwrap();
-    let text = myointent::record::protocol::text("quick-six").unwrap();
+    let text = web::record::protocol::text("quick-six").unwrap();
     let live = record(folder.path(), Source::Demo, &text, 1);
     browser.look(1440, 900, "light", "no-preference");
     browser.open(live.url());

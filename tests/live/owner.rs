@@ -12,7 +12,6 @@ use std::time::{Duration, Instant};
 
 use bytemuck::cast_slice;
 use myointent::live::{self, Live, Options, RecordOptions, Source};
-use myointent::record::protocol::Protocol;
 use myointent_tests::bench::{Bridge, Run, Scenario, python};
 use recordings::synthetic::Follower;
 use serde_json::json;
@@ -20,6 +19,7 @@ use shared::intent::Intent;
 use shared::stream::alignment::Alignment;
 use shared::units::Sample;
 use training::backend::BackendArguments;
+use web::record::protocol::Protocol;
 
 use super::browser::Browser;
 use super::record::{pictures, step};

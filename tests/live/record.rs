@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use myointent::live::{self, Live, Options, RecordOptions, Source};
-use myointent::record::protocol::Protocol;
 use recordings::{LoadOptions, Recording, load};
 use serde_json::Value;
 use shared::units::Sample;
 use training::backend::BackendArguments;
+use web::record::protocol::Protocol;
 
 use super::synthetic;
 use super::viewer::Viewer;

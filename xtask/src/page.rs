@@ -69,20 +69,32 @@ pub fn build(install: bool) -> Result<String> {
     ensure!(status.success(), "the page's module did not build");
     let module = cross_target().join(WEB).join(PROFILE).join("web.wasm");
     let module = fs::read(&module).with_context(|| format!("{}", module.display()))?;
-    let mut packed = GzEncoder::new(Vec::new(), Compression::best());
-    packed.write_all(&module)?;
     let folder = workspace().join("host/web/page");
     let read = |name: &str| {
         let path = folder.join(name);
         fs::read_to_string(&path).with_context(|| format!("{} cannot be read", path.display()))
     };
-    page(&read, &packed.finish()?)
+    page(&read, &module)
 }
+
+/// Bytes compressed by gzip, in base64.
+fn packed(bytes: &[u8]) -> Result<String> {
+    let mut packed = GzEncoder::new(Vec::new(), Compression::best());
+    packed.write_all(bytes)?;
+    Ok(STANDARD.encode(packed.finish()?))
+}
+
+/// Script that unpacks the page's script, whose hash the policy has, and runs it.
+const LOADER: &str = r#"const packed = Uint8Array.from(atob(document.getElementById("script").textContent), (letter) => letter.charCodeAt(0));
+const script = document.createElement("script");
+script.type = "module";
+script.textContent = await new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
+document.head.append(script);"#;
 
 /// Reads a file of the page by its name.
 type Read<'r> = &'r dyn Fn(&str) -> Result<String>;
 
-/// Puts everything into `index.html`; the module is compressed by gzip.
+/// Puts everything into `index.html`; script and module are compressed by gzip.
 fn page(read: Read<'_>, module: &[u8]) -> Result<String> {
     let mut text = read("index.html")?;
     let mut styles = String::new();
@@ -100,13 +112,14 @@ fn page(read: Read<'_>, module: &[u8]) -> Result<String> {
         ensure!(!part.contains("</"), "a script or style has `</` in it");
     }
     let policy = format!(
-        "default-src 'none'; script-src 'sha256-{}' 'wasm-unsafe-eval'; style-src 'sha256-{}'; img-src data:; \
+        "default-src 'none'; script-src 'sha256-{}' 'sha256-{}' 'wasm-unsafe-eval'; style-src 'sha256-{}'; img-src data:; \
          worker-src blob:; base-uri 'none'; form-action 'none'",
+        hash(LOADER),
         hash(&bundle),
         hash(&styles),
     );
     let icon_data = STANDARD.encode(read(&icon)?);
-    let module = STANDARD.encode(module);
+    let (bundle, module) = (packed(bundle.as_bytes())?, packed(module)?);
     let parts = [
         (
             "<meta charset=\"utf-8\">\n".to_owned(),
@@ -120,12 +133,13 @@ fn page(read: Read<'_>, module: &[u8]) -> Result<String> {
         ),
         (
             format!("<script type=\"module\" src=\"{script}\"></script>"),
-            format!("<style>{styles}</style>\n<script type=\"module\">{bundle}</script>"),
+            format!("<style>{styles}</style>\n<script type=\"module\">{LOADER}</script>"),
         ),
         (
             "</body>".to_owned(),
             format!(
                 "<script type=\"text/plain\" id=\"worker\">{worker}</script>\n\
+                 <script type=\"text/plain\" id=\"script\">{bundle}</script>\n\
                  <script type=\"text/plain\" id=\"program\">{module}</script>\n</body>"
             ),
         ),
@@ -253,7 +267,11 @@ mod tests {
         let page = page(&files, &[0, 255]).unwrap();
         assert!(!page.contains("src=\""), "{page}");
         assert!(!page.contains("stylesheet"), "{page}");
-        assert!(page.contains("id=\"program\">AP8=</script>"), "{page}");
+        for part in ["script", "program"] {
+            // The first bytes of gzip.
+            let begun = format!("id=\"{part}\">H4sI");
+            assert!(page.contains(&begun), "{page}");
+        }
         // The digest of `p { }`, by sha256sum and base64.
         assert!(
             page.contains("style-src 'sha256-2H5CUCvyo5cSkj1YhUngR72ks13QrmBjgN+zz/lp2DY='"),

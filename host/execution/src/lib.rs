@@ -14,6 +14,7 @@ pub mod printable;
 pub mod progress;
 #[cfg(not(target_family = "wasm"))]
 pub mod run_folder;
+pub mod utc;
 
 /// Revision of the source that the program was built from.
 pub mod revision {

@@ -21,7 +21,6 @@ pub use durable::write_whole;
 pub use error::RunError;
 pub use json::{EpochMetrics, Stamped};
 use lock::Lock;
-pub use lock::utc;
 
 /// Ending of a checkpoint's name.
 const CHECKPOINT: &str = ".checkpoint";

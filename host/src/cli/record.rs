@@ -11,11 +11,11 @@ use super::arguments::{AS_RECORDED, IMU};
 use super::live::{SourceArguments, listen, serve};
 use super::read_model;
 use crate::live::{Options, RecordOptions};
-use crate::record::protocol::{self, BUILT_IN, Course, Protocol};
 use crate::record::{self, Conversion};
 use execution::progress;
 #[cfg(feature = "train")]
 use training::backend::BackendArguments;
+use web::record::protocol::{self, BUILT_IN, Course, Protocol};
 
 /// Arguments of `record`.
 #[derive(Debug, Args)]

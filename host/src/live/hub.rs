@@ -170,6 +170,7 @@ impl Hub {
         for topic in [
             Topic::Report,
             Topic::Alignment,
+            Topic::Calibration,
             Topic::Electrodes,
             Topic::Board,
             Topic::Binding,

@@ -1,35 +1,22 @@
 //! Conversion of a journal to recordings, at the end of a session or at the next start.
-//!
-//! Recordings have ReactEMG's csv layout, with further columns that its readers ignore. `gt` is the label of the muscle.
-//! Columns after the channels: `sample`, the index in the stream; `cue`; `trial`, the attempt; `used`, 0 if the trial is not
-//! used; `bridged`, 1 if the sample is missing and repeats the one before; `movement`, the name of another movement where cue
-//! or label is -2; `turn` and `mirrored`, the placement of the armband: the reader aligns the channels by it, as the board
-//! does. Movement is in a file beside them ([`recordings::imu`]).
 
-use std::fmt::Write as _;
 use std::fs;
 use std::io;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use shared::units::{CHANNELS, SAMPLE_RATE_HZ, Sample};
+use shared::units::Sample;
+use web::record::assembly::assemble;
+use web::record::csv::{csv, pieces};
+use web::record::quality::{Finding, Quality, judge};
 
 use super::RecordError;
-use super::assembly::{Assembly, Part, assemble};
 use super::journal::{ENDING, SECOND, open};
-use super::quality::{Finding, Quality, judge};
 use execution::run_folder::write_whole;
-use recordings::description::own::{
-    MIRRORED_COLUMN, MOVEMENT_COLUMN, MUSCLE_COLUMN, RECORDER_COLUMNS, TURN_COLUMN,
-};
-use recordings::labels::motion::{GroundTruth, Motion};
+use recordings::labels::motion::GroundTruth;
 use recordings::{LoadOptions, imu, load};
 
 /// File extension of a journal that the disk has damaged.
 const DAMAGED: &str = "journal.damaged";
-
-/// Greatest number of samples of a recording: an hour, a third of what readers take from one file.
-const LONGEST: usize = 3600 * SAMPLE_RATE_HZ as usize;
 
 /// Recordings made of a session.
 #[derive(Clone, PartialEq, Debug)]
@@ -66,15 +53,7 @@ pub(crate) fn convert(journal: &Path) -> Result<Conversion, RecordError> {
     let (lock, header, contents) = open(journal)?;
     let assembly = assemble(&contents.entries);
     let mut files = Vec::new();
-    let cued = assembly
-        .parts
-        .iter()
-        .filter(|part| part.cues.iter().any(|cue| *cue != Motion::Unknown));
-    let pieces = cued.flat_map(|part| {
-        let files = part.files(LONGEST).into_iter();
-        files.map(move |samples| (part, samples))
-    });
-    for (number, (part, piece)) in (1..).zip(pieces) {
+    for (number, (part, piece)) in (1..).zip(pieces(&assembly)) {
         let path = file(journal, number);
         let text = csv(&assembly, part, piece.clone(), header.synthetic);
         write(journal, &path, &text)?;
@@ -138,51 +117,6 @@ fn write(journal: &Path, path: &Path, text: &str) -> Result<(), RecordError> {
 fn file(journal: &Path, number: usize) -> PathBuf {
     let stem = journal.file_stem().unwrap_or_default().to_string_lossy();
     journal.with_file_name(format!("{stem}_{number}.csv"))
-}
-
-/// Formats samples of a part as csv; `synthetic` marks them as such.
-fn csv(assembly: &Assembly, part: &Part, samples: Range<usize>, synthetic: bool) -> String {
-    let channels: String = (0..CHANNELS)
-        .map(|channel| format!(",emg_{channel}"))
-        .collect();
-    let muscle = if synthetic {
-        format!(",{MUSCLE_COLUMN}")
-    } else {
-        String::new()
-    };
-    let mut text = format!(
-        "gt{channels},{},{MOVEMENT_COLUMN},{TURN_COLUMN},{MIRRORED_COLUMN}{muscle}\n",
-        RECORDER_COLUMNS.join(",")
-    );
-    for at in samples {
-        let (motion, cue) = (part.motions[at], part.cues[at]);
-        text += &motion.number().to_string();
-        for value in part.samples[at] {
-            // Writing to a string cannot fail.
-            let _ = write!(text, ",{value}");
-        }
-        let trial = part.trials[at];
-        let used = u8::from(!assembly.rejected.contains_key(&trial));
-        let placement = part.placements[at];
-        let bridged = u8::from(part.bridged[at]);
-        let movement = [motion, cue]
-            .into_iter()
-            .find(|motion| matches!(motion, Motion::Other(_)));
-        let _ = write!(
-            text,
-            ",{},{},{trial},{used},{bridged},{},{},{}",
-            part.index[at],
-            cue.number(),
-            movement.map_or("", Motion::name),
-            placement.turn(),
-            u8::from(placement.mirrored())
-        );
-        if synthetic {
-            let _ = write!(text, ",{}", motion.number());
-        }
-        text.push('\n');
-    }
-    text
 }
 
 /// Makes recordings of all journals in a person's folder that no session writes: their sessions were killed, or the disk was

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 
 use shared::units::{CHANNELS, Sample};
 
-use super::assembly::{Assembly, Part};
-use super::quality::{Quality, judge};
 use recordings::description::own::{MOVEMENT_COLUMN, RECORDER_COLUMNS};
 use recordings::labels::cued::follow;
 use recordings::labels::motion::{Motion, motions};
 use recordings::{DataSet, Library, Recording};
+use web::record::assembly::{Assembly, Part};
+use web::record::quality::{Quality, judge};
 
 /// Guided recordings of a person.
 #[derive(Clone, PartialEq, Debug)]

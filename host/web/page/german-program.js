@@ -72,7 +72,7 @@ export const GERMAN_PROGRAM = {
   "no other movement is held back, so its margin cannot be chosen: record other movement, or leave --other-per-minute out": "es ist keine andere Bewegung zurückgehalten: andere Bewegung aufnehmen oder --other-per-minute weglassen",
   "other movement raises {1} labels a minute of what is held back at the highest margin, at most {2} are wanted. Nothing was written, go on with the old model": "andere Bewegung löst auch beim größten Abstand {1}-mal je Minute etwas aus, höchstens {2}-mal war gewünscht. Nichts wurde geschrieben, das alte Modell bleibt",
   "{1}. Nothing was written, go on with the old model": "{1}. Nichts wurde geschrieben, das alte Modell bleibt",
-  "interrupted; nothing was written": "unterbrochen; nichts wurde geschrieben", "the model file is refused": "die Modelldatei wird abgelehnt", "the model is refused": "das Modell wird abgelehnt",
+  "interrupted; nothing was written": "unterbrochen; nichts wurde geschrieben", "the model file is refused": "die Modelldatei wird abgelehnt",
   "the tuned weights make no model file; nothing was written": "aus den angepassten Gewichten wird keine Modelldatei; nichts wurde geschrieben",
   "{1} and {2} seem exchanged{3}: with the two exchanged the model before has {4} balanced accuracy instead of {5}. Exchange the two in the labels. If the labels are right, the armband sits turned half way round: turn it, or align it (docs/alignment.md), and record again": "{1} und {2} scheinen vertauscht{3}: vertauscht hätte das Modell davor Treffer von {4} statt {5}. Die beiden in der Beschriftung tauschen. Stimmt sie, sitzt das Armband halb herum gedreht: drehen oder ausrichten (docs/alignment.md) und neu aufnehmen",
   // Installing.
@@ -83,7 +83,7 @@ export const GERMAN_PROGRAM = {
   "{1} was lost: is the board still connected?": "{1} ging verloren: ist die Platine noch verbunden?",
   "no answer on {1}: is it the board's port, is the board powered, and does no other program read it?": "keine Antwort an {1}: ist es der Anschluss der Platine, hat sie Strom, und liest kein anderes Programm mit?",
   "{1}: expected the answer to {2}, found {3}: close every other program that uses the port, and ask again": "{1}: erwartet war die Antwort auf {2}, es kam {3}: jedes andere Programm an diesem Anschluss schließen und noch einmal fragen",
-  "the board refuses: {1}": "die Platine lehnt ab: {1}",
+  "a UART has no room for it: ask over the board's USB": "ein UART hat keinen Platz dafür: über das USB der Platine fragen", "the board refuses: {1}": "die Platine lehnt ab: {1}",
   "the board cannot run this model, and is safe; it says: {1}": "die Platine kann dieses Modell nicht ausführen und ist sicher; sie sagt: {1}",
   "the board gets no further than block {1} of {2}, begun {3} times: it restarts, or asks for the same blocks again and again; check its power supply": "die Platine kommt nicht über Block {1} von {2} hinaus, {3}-mal begonnen: sie startet neu oder fragt immer wieder dasselbe; ihre Stromversorgung prüfen",
   "the board says that all is installed, but {1}, expected {2}: close every other program that uses the port": "die Platine sagt, alles sei aufgespielt, aber {1}, erwartet war {2}: jedes andere Programm an diesem Anschluss schließen",
@@ -111,7 +111,7 @@ export const GERMAN_PROGRAM = {
   "another page leads, and this one watches": "eine andere Seite führt, und diese schaut zu",
   "not done, because the program is busy or ends: ask again": "nicht erledigt, das Programm ist beschäftigt oder endet: noch einmal versuchen",
   // Sources.
-  "synthetic, of nobody": "künstlich, von niemandem", "any armband": "irgendeines", "this computer": "dieser Computer", "this browser": "dieser Browser", "it has no recording": "darin ist keine Aufnahme", "the model is refused: {1}": "das Modell wird abgelehnt: {1}", "the recording begins again": "die Aufnahme beginnt von vorn",
+  "simulated arm": "simulierter Arm", "any armband": "irgendeines", "this computer": "dieser Computer", "this browser": "dieser Browser", "it has no recording": "darin ist keine Aufnahme", "the model is refused: {1}": "das Modell wird abgelehnt: {1}", "the recording begins again": "die Aufnahme beginnt von vorn",
   "open; nothing heard yet": "offen; noch nichts gehört", "{1}; looking for it again": "{1}; wird wieder gesucht",
   "no line for 5 s: is the board still powered?": "seit 5 s keine Zeile: hat die Platine noch Strom?",
   "no line of a board for 5 s: is this its port, and does no other program read it?": "seit 5 s keine Zeile einer Platine: ist es ihr Anschluss, und liest kein anderes Programm mit?",

@@ -4,7 +4,7 @@ import { Socket } from "./socket.js";
 import { Tab } from "./tab.js";
 
 /**
- * The link to the stream. It calls `begun()` before another stream, `opened()`, `take(messages)`, and `closed(text, [title,
+ * The link to the stream. It calls `begun()` before another stream, `opened()`, `take(messages)`, `records(session)`, and `closed(text, [title,
  * step])`, which returns the ms until it tries again; `say(message)` asks for something.
  */
 export const connect = (calls) => (document.getElementById("program") ? new Tab(calls) : new Socket(calls));

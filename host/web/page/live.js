@@ -52,6 +52,8 @@ let noReport = t("no.label.yet");
 let paused = null;
 let held = null;
 let marks = 0;
+/** Whether this page has asked for files. */
+let saves = false;
 let aligning = false;
 let skipped = 0;
 let dropped = 0;
@@ -62,8 +64,7 @@ let drawn = null;
 const TAKE = {
   hello(message) {
     clock.hello(message.now);
-    session.hello(message);
-    traces.scores = !message.record;
+    records(message);
   },
   pong: (message) => clock.pong(message.sent, message.now),
   source(message) {
@@ -125,7 +126,12 @@ const TAKE = {
     aligns(message.state === "waiting");
   },
   calibration: (message) => calibration.take(message),
-  file: ({ name, bytes }) => download(name, new Uint8Array(bytes)),
+  file({ name, content }) {
+    // All viewers of a program get it, and one has asked.
+    if (saves || find("program")) {
+      download(name, Uint8Array.from(content, (letter) => letter.charCodeAt(0)));
+    }
+  },
   mark: ({ sample, text }) => history.marks.push({ sample, text: said(text) }),
   session(message) {
     history.cue(message.from ?? history.end ?? 0, message.cue);
@@ -153,6 +159,12 @@ const TAKE = {
     lost(t("source.ended"), [t("empty.ended"), t("empty.again")]);
   },
 };
+
+/** A session is recorded from now on, or none. */
+function records(message) {
+  session.hello(message);
+  traces.scores = !message.record;
+}
 
 function lost(text, advice) {
   connected = false;
@@ -237,6 +249,7 @@ function isBefore(message, end) {
 }
 
 function say(message) {
+  saves ||= message.wish === "save";
   link?.say(message);
 }
 
@@ -283,7 +296,7 @@ function letters(on) {
 letters(kept("always", "letters") !== "off");
 
 addEventListener("keydown", (event) => {
-  if (document.body.dataset.letters === "off" && /^[a-z0-9]$/i.test(event.key)) {
+  if (event.target.closest?.("#recording") || document.body.dataset.letters === "off" && /^[a-z0-9]$/i.test(event.key)) {
     return;
   }
   if (event.ctrlKey || event.metaKey || event.altKey || event.repeat && event.key === " ") {
@@ -373,5 +386,5 @@ setInterval(numbers, 1000);
 setInterval(() => still.matches || activity(), 100);
 setInterval(() => now.speak(), 2000);
 setInterval(ping, 10_000);
-link = connect({ begun, opened, take, closed });
+link = connect({ begun, opened, take, closed, records });
 requestAnimationFrame(frame);

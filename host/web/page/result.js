@@ -69,7 +69,7 @@ export class Result {
       item.append(made("b", t(severity)), made("span", said(text)), made("span", said(advice), "quiet"));
       return item;
     }));
-    this.next = good ? "tune" : "again";
+    this.next = !find("keep").hidden ? "keep" : good ? "tune" : "again";
     this.#scores([]);
     this.#taken(null);
     find("tuned").textContent = "";

@@ -259,6 +259,7 @@ export class Session {
     };
     const watches = this.#watches();
     find("pause").disabled = find("language").disabled = running;
+    find("calibrate").hidden = running;
     for (const id of BUTTONS) {
       find(id).hidden = !shown[id];
       find(id).disabled = watches || id === "repeat" && !view.can_repeat;
@@ -266,7 +267,7 @@ export class Session {
     find("again").disabled = watches || this.#result.isInstalling || view.phase !== "over";
     find("tune").disabled = watches || this.#result.isTuning || this.#result.isInstalling;
     find("install").disabled = watches || this.#result.isInstalling;
-    for (const id of ["tune", "again", "install"]) {
+    for (const id of ["keep", "tune", "again", "install"]) {
       find(id).classList.toggle("main", id === this.#result.next);
     }
     write(find("watching"), watches ? t("watching") : "");

@@ -76,6 +76,8 @@ export class Steps {
   #steps() {
     const { source, binding, alignment, session, kept, tuning, installing } = this.#known;
     const board = source?.kind === "port";
+    // The program inside the page neither tunes nor installs.
+    const inside = !find("sources").hidden;
     const begun = session && session.phase !== "waiting";
     const percent = ({ steps, of }) => `${Math.floor((100 * steps) / (of || 1))} %`;
     const judged = tuning?.state === "better" || tuning?.state === "worse";
@@ -87,9 +89,9 @@ export class Steps {
       board && ["bind", this.#follows(), binding?.state === "pairing" ? t("step.listening") : binding?.armband ?? ""],
       (board || source?.kind === "bluetooth") && ["align", aligned || this.#skipped || begun, aligned ? placement(alignment) : this.#skipped || begun ? t("step.left") : ""],
       ["record", kept?.good || judged, kept ? (t(kept.good ? "step.good" : "step.not.good")) : ""],
-      ["tune", judged, tuning?.state === "running" ? percent(tuning) : tuning?.state === "failed" ? t("step.failed") : ""],
-      ["compare", judged, compared ? t("step.compared", { before: fixed(balanced.before, 2), after: fixed(balanced.after, 2) }) : ""],
-      board && ["install", installing?.state === "done", installing?.state === "running" ? percent({ steps: installing.blocks, of: installing.of }) : installing?.state === "failed" ? t("step.failed") : ""],
+      !inside && ["tune", judged, tuning?.state === "running" ? percent(tuning) : tuning?.state === "failed" ? t("step.failed") : ""],
+      !inside && ["compare", judged, compared ? t("step.compared", { before: fixed(balanced.before, 2), after: fixed(balanced.after, 2) }) : ""],
+      board && !inside && ["install", installing?.state === "done", installing?.state === "running" ? percent({ steps: installing.blocks, of: installing.of }) : installing?.state === "failed" ? t("step.failed") : ""],
     ];
     return all.filter(Boolean);
   }

@@ -1,5 +1,6 @@
 // The program inside this page: a worker runs the pipeline, and the browser reaches the devices.
 
+import { Recordings } from "./recordings.js";
 import { Sources } from "./sources.js";
 import { t } from "./texts.js";
 
@@ -13,6 +14,7 @@ export class Tab {
   #worker = null;
   #device = null;
   #turn = 0;
+  #recordings = new Recordings(this);
 
   constructor(calls) {
     this.#calls = calls;
@@ -20,8 +22,14 @@ export class Tab {
     sources.begin();
   }
 
-  say(message) {
-    this.#worker?.postMessage({ request: JSON.stringify(message) });
+  /** Passes on a message, and the journal that it is about. */
+  say(message, file) {
+    this.#worker?.postMessage({ request: JSON.stringify(message), file });
+  }
+
+  /** Shows the session that is recorded from now on. */
+  records() {
+    this.#calls.records({ you: 1, record: true });
   }
 
   /** Takes a model file, for the sources from now on. */
@@ -57,7 +65,11 @@ export class Tab {
         device?.run(heard, () => this.#lost(worker, t("source.unplugged")));
       }
       for (const message of messages.filter(({ type }) => !type)) {
-        device?.take(message);
+        if (message.journal) {
+          this.#recordings.append(message);
+        } else {
+          device?.take(message);
+        }
       }
     };
     worker.onerror = () => this.#lost(worker, t("source.stopped"));

@@ -39,6 +39,10 @@ onmessage = ({ data }) => {
       throw error;
     }));
   } else if (program) {
+    if (data.file) {
+      give(encoder.encode(data.file));
+      program.file();
+    }
     give(data.heard ?? encoder.encode(data.request));
     call(data.heard ? "heard" : "request");
   }

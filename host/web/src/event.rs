@@ -13,7 +13,7 @@ use shared::uart_line::answer::{Binding, Counts, Identity};
 use shared::units::{CHANNELS, Sample};
 
 use crate::outcome::{InstallationState, SessionResult, TuningState};
-use crate::session::View;
+use crate::record::session::View;
 
 /// Greatest number of characters of a mark.
 const MAX_MARK: usize = 80;
@@ -163,8 +163,8 @@ pub enum Event {
         learnt: Option<u32>,
         in_use: bool,
     },
-    /// File to save.
-    File { name: &'static str, bytes: Vec<u8> },
+    /// File to save; each letter of the content is a byte.
+    File { name: String, content: String },
     /// Probability of each class at an instant, sent when its label is decided.
     Scores { instant: u32, scores: Vec<f32> },
     /// Mark of a viewer at a sample, or the restart of a recording.

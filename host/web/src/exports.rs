@@ -34,7 +34,7 @@ extern "C" fn output() -> *const u8 {
     STATE.with_borrow(|state| state.output.as_ptr())
 }
 
-/// Takes the bytes of a recording's file.
+/// Takes the bytes of a file: a recording to open, or a journal for the next request.
 #[unsafe(no_mangle)]
 extern "C" fn file() {
     STATE.with_borrow_mut(|state| state.file = std::mem::take(&mut state.input));
@@ -62,25 +62,26 @@ extern "C" fn open(now: f64) -> usize {
 /// Lets time pass. Returns the length of the outputs.
 #[unsafe(no_mangle)]
 extern "C" fn tick(now: f64) -> usize {
-    with(|tab, _| tab.tick(now))
+    with(|tab, _, _| tab.tick(now))
 }
 
 /// Takes what a device has sent. Returns the length of the outputs.
 #[unsafe(no_mangle)]
 extern "C" fn heard(now: f64) -> usize {
-    with(|tab, bytes| tab.heard(now, bytes))
+    with(|tab, bytes, _| tab.heard(now, bytes))
 }
 
 /// Takes a message of the page. Returns the length of the outputs.
 #[unsafe(no_mangle)]
 extern "C" fn request(now: f64) -> usize {
-    with(|tab, bytes| tab.request(now, bytes))
+    with(|tab, bytes, file| tab.request(now, bytes, file))
 }
 
-fn with(act: impl FnOnce(&mut Tab, &[u8])) -> usize {
+fn with(act: impl FnOnce(&mut Tab, &[u8], &[u8])) -> usize {
     STATE.with_borrow_mut(|state| {
         if let Some(tab) = &mut state.tab {
-            act(tab, &state.input);
+            act(tab, &state.input, &state.file);
+            state.file.clear();
         }
         state.take()
     })

@@ -25,10 +25,10 @@ pub mod page;
 pub mod person;
 pub mod playback;
 pub mod radio;
+pub mod record;
 pub mod request;
 pub mod scored_pipeline;
 mod scores;
-pub mod session;
 mod shared_cue;
 pub mod tab;
 

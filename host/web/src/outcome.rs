@@ -3,6 +3,8 @@
 use recordings::Severity;
 use serde::Serialize;
 
+use crate::record::quality::Quality;
+
 /// Finding as text, with its severity.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 #[expect(missing_docs, reason = "names of the page's messages")]
@@ -28,6 +30,31 @@ pub struct SessionResult {
     pub inspect: String,
     pub personalize: String,
     pub install: String,
+}
+
+impl SessionResult {
+    /// Result of recordings of this quality, with the commands that inspect them, tune a model on them, and install it.
+    pub fn of(
+        quality: &Quality,
+        bad: usize,
+        folder: String,
+        files: Vec<String>,
+        [inspect, personalize, install]: [String; 3],
+    ) -> Self {
+        let counts = quality.counts.iter();
+        Self {
+            good: quality.is_good_enough(),
+            seconds: quality.seconds,
+            folder,
+            files,
+            counts: counts.map(|(&class, &count)| (class, count)).collect(),
+            bad,
+            findings: quality.findings.iter().map(FindingText::from).collect(),
+            inspect,
+            personalize,
+            install,
+        }
+    }
 }
 
 /// Measure of both models on the part held back.

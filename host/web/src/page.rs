@@ -1,7 +1,7 @@
 //! Files of the page, compiled into the program that serves it.
 
 /// Path, MIME type and text of each file.
-pub const FILES: [(&str, &str, &str); 44] = [
+pub const FILES: [(&str, &str, &str); 46] = [
     ("", HTML, include_str!("../page/index.html")),
     (
         "icon.svg",
@@ -59,6 +59,12 @@ pub const FILES: [(&str, &str, &str); 44] = [
     ("history.js", SCRIPT, include_str!("../page/history.js")),
     ("placement.js", SCRIPT, include_str!("../page/placement.js")),
     ("rates.js", SCRIPT, include_str!("../page/rates.js")),
+    (
+        "recordings.js",
+        SCRIPT,
+        include_str!("../page/recordings.js"),
+    ),
+    ("store.js", SCRIPT, include_str!("../page/store.js")),
     ("result.js", SCRIPT, include_str!("../page/result.js")),
     ("rows.js", SCRIPT, include_str!("../page/rows.js")),
     ("save.js", SCRIPT, include_str!("../page/save.js")),

@@ -46,6 +46,11 @@ impl Person {
         }
     }
 
+    /// Follows a session from now on.
+    pub fn follow(&mut self, cue: SharedCue) {
+        self.cues = Cues::Session(cue);
+    }
+
     /// Tells whether an alignment is in progress. Returns whether the person has come to rest for it with the last sample.
     pub fn align(&mut self, is_aligning: bool) -> bool {
         self.aligning = is_aligning.then(|| self.aligning.unwrap_or(0));

@@ -5,6 +5,7 @@ use std::time::Duration;
 use shared::intent::Intent;
 use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample, SampleIndex};
 
+use crate::SharedCue;
 use crate::event::Event;
 use crate::person::Person;
 use crate::request::SourceRequest;
@@ -117,6 +118,14 @@ impl Playback {
     /// Does what is asked for.
     pub fn request(&mut self, at: f64, request: &SourceRequest, emit: &mut dyn FnMut(Event)) {
         self.scored.request(self.now(), at, request, emit);
+    }
+
+    /// Has a simulated person follow a session.
+    pub fn follow(&mut self, cue: SharedCue) {
+        if let SampleSource::Person(person) = &mut self.samples {
+            cue.read(self.next);
+            person.follow(cue);
+        }
     }
 
     /// Time of the device's clock, which starts with the first sample.

@@ -227,8 +227,9 @@ impl ScoredPipeline {
             SourceRequest::Calibrate(command) => self.calibrate(now, at, *command, emit),
             SourceRequest::SaveModel => {
                 if let Some(bytes) = self.calibrated_file() {
-                    let name = "calibrated.intent";
-                    emit(Event::File { name, bytes });
+                    let name = "calibrated.intent".to_owned();
+                    let content = bytes.into_iter().map(char::from).collect();
+                    emit(Event::File { name, content });
                 }
             }
             // There is no board.

@@ -7,8 +7,11 @@
 //!
 //! Every output is an element of a JSON array. Time is an argument, in ms of the worker's clock.
 
+mod recording;
+
 use std::path::Path;
 
+use recordings::labels::motion::Motion;
 use recordings::{LoadOptions, Recording, load_bytes};
 use serde::{Deserialize, Serialize};
 use shared::model::file::Model;
@@ -19,13 +22,18 @@ use shared::units::Millis;
 use crate::armband::{Armband, Now, Output};
 use crate::board::{self, Board};
 use crate::dialogue::Losses;
+use crate::electrodes::Electrodes;
 use crate::event::Event;
 use crate::person::{Cues, Person};
 use crate::playback::{LATE, PERIOD, Playback, SampleSource};
 use crate::radio::{RadioEvent, advertising_data};
+use crate::record::journal::Header;
+use crate::record::session::{self, Input};
 use crate::request::{SourceRequest, UNKNOWN, ViewerMessage};
 use crate::scored_pipeline::ScoredPipeline;
-use crate::{SHIPPED, demo, radio};
+use crate::{SHIPPED, SharedCue, demo, radio};
+
+use self::recording::{Files, RecordedSession, RecordingRequest};
 
 /// Address that stands for the armband that the wearer has chosen: a browser names none.
 const CHOSEN: [u8; 6] = [1, 0, 0, 0, 0, 0xc0];
@@ -136,26 +144,63 @@ enum Running {
     },
 }
 
-/// Source of a page. A page that changes its source begins another one, in another worker.
+/// Source of a page, and the session that it records. A page that changes its source begins another one, in another worker.
 pub struct Tab {
     running: Running,
     outputs: Outputs,
+    /// How the source is called in a journal, and whether its samples are synthetic.
+    source: (String, bool),
 }
 
-/// Outputs that were not taken yet, as elements of a JSON array.
+/// Outputs that were not taken yet, and the session that takes part in the events.
 #[derive(Default)]
-struct Outputs(String);
+struct Outputs {
+    /// Elements of a JSON array.
+    text: String,
+    electrodes: Electrodes,
+    recording: Option<RecordedSession>,
+    /// Recordings made last.
+    files: Option<Files>,
+}
 
 impl Outputs {
-    fn push(&mut self, output: &impl Serialize) {
+    fn push(text: &mut String, output: &impl Serialize) {
         // Maps with keys of text alone: they can be written.
-        let Ok(text) = serde_json::to_string(output) else {
+        let Ok(output) = serde_json::to_string(output) else {
             return;
         };
-        if !self.0.is_empty() {
-            self.0.push(',');
+        if !text.is_empty() {
+            text.push(',');
         }
-        self.0 += &text;
+        *text += &output;
+    }
+
+    fn device(&mut self, output: &ForDevice) {
+        Self::push(&mut self.text, output);
+    }
+
+    fn event(&mut self, now: f64, event: &Event) {
+        Self::push(&mut self.text, event);
+        if let Some(faults) = self.electrodes.take(event) {
+            Self::push(&mut self.text, &faults);
+        }
+        if let Some(recording) = &mut self.recording {
+            recording.event(millis(now), event);
+        }
+    }
+
+    /// Gives what is new of the session.
+    fn changes(&mut self) {
+        if let Some(recording) = &mut self.recording
+            && let Some(files) = recording.changes(&mut self.text)
+        {
+            self.made(files);
+        }
+    }
+
+    fn made(&mut self, files: Files) {
+        Self::push(&mut self.text, &Event::Kept(files.result.clone()));
+        self.files = Some(files);
     }
 }
 
@@ -165,8 +210,14 @@ impl Tab {
         let mut tab = Self {
             running: Running::Nothing,
             outputs: Outputs::default(),
+            source: match wanted {
+                Wanted::Demo => ("demo".to_owned(), true),
+                Wanted::Recording { name } => (format!("replay of {name}"), false),
+                Wanted::Port => (format!("port {PORT}"), false),
+                Wanted::Bluetooth { name } => (format!("{name} over Bluetooth"), false),
+            },
         };
-        tab.outputs.push(&Event::hello(now, 1, false));
+        tab.outputs.event(now, &Event::hello(now, 1, false));
         match tab.run(now, wanted, file, model) {
             Ok(running) => tab.running = running,
             Err(why) => {
@@ -176,13 +227,16 @@ impl Tab {
                     Wanted::Port => ("port", PORT.to_owned()),
                     Wanted::Bluetooth { name } => ("bluetooth", name.clone()),
                 };
-                tab.outputs.push(&Event::Source {
-                    kind,
-                    name,
-                    connected: false,
-                    detail: why,
-                    steps: Vec::new(),
-                });
+                tab.outputs.event(
+                    now,
+                    &Event::Source {
+                        kind,
+                        name,
+                        connected: false,
+                        detail: why,
+                        steps: Vec::new(),
+                    },
+                );
             }
         }
         tab
@@ -198,11 +252,11 @@ impl Tab {
         let scored =
             ScoredPipeline::open(model.unwrap_or(SHIPPED)).map_err(|error| error.to_string())?;
         let outputs = &mut self.outputs;
-        let mut emit = |event: Event| outputs.push(&event);
+        let mut emit = |event: Event| outputs.event(now, &event);
         Ok(match wanted {
             Wanted::Demo => {
                 let person = Person::new(demo::follower(), Cues::List(demo::cues()));
-                let named = ("demo", "synthetic, of nobody".to_owned());
+                let named = ("demo", "simulated arm".to_owned());
                 let samples = SampleSource::Person(Box::new(person));
                 let playback = Playback::begin(named, samples, scored, now, &mut emit);
                 Running::Playback { playback, due: now }
@@ -218,9 +272,9 @@ impl Tab {
                 Running::Playback { playback, due: now }
             }
             Wanted::Port => {
-                outputs.push(&port_state(false, board::NOTHING_YET, Vec::new()));
+                outputs.event(now, &port_state(false, board::NOTHING_YET, Vec::new()));
                 let leave = Command::Raw(false).to_string();
-                outputs.push(&ForDevice::Leave { leave });
+                outputs.device(&ForDevice::Leave { leave });
                 let model = *scored.model();
                 let scored = Box::leak(Box::new(scored));
                 Running::Board {
@@ -248,6 +302,9 @@ impl Tab {
 
     /// Lets time pass; to be called every 10 ms.
     pub fn tick(&mut self, now: f64) {
+        if let Some(recording) = &mut self.outputs.recording {
+            recording.handle(millis(now), Input::Tick);
+        }
         let outputs = &mut self.outputs;
         match &mut self.running {
             Running::Nothing => {}
@@ -256,14 +313,14 @@ impl Tab {
                     *due = now;
                 }
                 while *due <= now {
-                    playback.step(*due, &mut |event| outputs.push(&event));
+                    playback.step(*due, &mut |event| outputs.event(now, &event));
                     *due += PERIOD.as_secs_f64() * 1000.0;
                 }
             }
             Running::Board { board, .. } => {
                 while let Some(command) = board.command(millis(now)) {
                     let line = command.to_string();
-                    outputs.push(&ForDevice::Line { line });
+                    outputs.device(&ForDevice::Line { line });
                 }
                 if let Some(change) = board.change(millis(now)) {
                     let steps = if change.is_silent {
@@ -271,7 +328,10 @@ impl Tab {
                     } else {
                         Vec::new()
                     };
-                    outputs.push(&port_state(change.state.is_empty(), change.state, steps));
+                    outputs.event(
+                        now,
+                        &port_state(change.state.is_empty(), change.state, steps),
+                    );
                 }
             }
             Running::Armband { due, scans, .. } => {
@@ -300,11 +360,11 @@ impl Tab {
                         let was_same = *is_same;
                         *is_same = *runs == Some(format!("{:08x}", model.checksum));
                         if *is_same && !was_same {
-                            outputs.push(&Event::of_model(model));
+                            outputs.event(now, &Event::of_model(model));
                         }
                     }
                     if *is_same || !matches!(event, Event::Scores { .. }) {
-                        outputs.push(&event);
+                        outputs.event(now, &event);
                     }
                 });
             }
@@ -317,31 +377,87 @@ impl Tab {
         }
     }
 
-    /// Takes a message of the page.
-    pub fn request(&mut self, now: f64, text: &[u8]) {
+    /// Takes a message of the page; `file` is the journal that it is about, or empty.
+    pub fn request(&mut self, now: f64, text: &[u8], file: &[u8]) {
+        if let Ok(request) = serde_json::from_slice(text) {
+            return self.record(now, request, file);
+        }
         let Ok(message) = serde_json::from_slice::<ViewerMessage>(text) else {
-            return self.refuse("");
+            return self.refuse(now, "");
         };
         match message {
-            ViewerMessage::Ping { sent } => self.outputs.push(&Event::Pong { sent, now }),
+            ViewerMessage::Ping { sent } => self.outputs.event(now, &Event::Pong { sent, now }),
             ViewerMessage::Mark { sample, text } => {
-                self.outputs.push(&Event::of_mark(sample, &text));
+                self.outputs.event(now, &Event::of_mark(sample, &text));
+            }
+            ViewerMessage::Session { command } => {
+                let recording = self.outputs.recording.as_mut();
+                if !recording.is_some_and(|own| own.command(millis(now), now, command)) {
+                    self.refuse(now, message.name());
+                }
+            }
+            ViewerMessage::Gesture { ref class } => {
+                let motion = Motion::from_name(class);
+                match (&mut self.outputs.recording, motion) {
+                    (Some(recording), Some(motion)) => {
+                        recording.handle(millis(now), Input::Action(session::Action::Mark(motion)));
+                    }
+                    _ => self.refuse(now, message.name()),
+                }
             }
             message => match message.for_source() {
                 Some(request) => self.source(now, &request),
-                None => self.refuse(message.name()),
+                None => self.refuse(now, message.name()),
             },
+        }
+    }
+
+    fn record(&mut self, now: f64, request: RecordingRequest, file: &[u8]) {
+        match request {
+            RecordingRequest::Record {
+                person,
+                protocol,
+                time,
+            } => {
+                let cue = SharedCue::default();
+                let (source, synthetic) = self.source.clone();
+                let header = Header {
+                    person,
+                    protocol,
+                    source,
+                    synthetic,
+                    ..Header::default()
+                };
+                let Some(recording) = RecordedSession::new(header, time - now, cue.clone()) else {
+                    return self.refuse(now, "record");
+                };
+                if let Running::Playback { playback, .. } = &mut self.running {
+                    playback.follow(cue);
+                }
+                self.outputs.recording = Some(recording);
+            }
+            RecordingRequest::Recover { name } => match Files::of(&name, file) {
+                Some(files) => self.outputs.made(files),
+                None => self.refuse(now, "recover"),
+            },
+            RecordingRequest::Keep => {
+                for (name, content) in self.outputs.files.iter().flat_map(|own| &own.files) {
+                    let (name, content) = (name.clone(), content.clone());
+                    Outputs::push(&mut self.outputs.text, &Event::File { name, content });
+                }
+            }
         }
     }
 
     /// Returns the outputs since the last call as a JSON array.
     pub fn take(&mut self) -> String {
-        format!("[{}]", std::mem::take(&mut self.outputs.0))
+        self.outputs.changes();
+        format!("[{}]", std::mem::take(&mut self.outputs.text))
     }
 
     fn source(&mut self, now: f64, request: &SourceRequest) {
         let outputs = &mut self.outputs;
-        let emit = &mut |event| outputs.push(&event);
+        let emit = &mut |event| outputs.event(now, &event);
         match &mut self.running {
             Running::Nothing => {}
             Running::Playback { playback, .. } => playback.request(now, request, emit),
@@ -349,15 +465,15 @@ impl Tab {
             Running::Board { .. } => {
                 let line = request.command().map(|command| command.to_string());
                 if let Some(line) = line {
-                    outputs.push(&ForDevice::Line { line });
+                    outputs.device(&ForDevice::Line { line });
                 }
             }
         }
     }
 
-    fn refuse(&mut self, request: &'static str) {
+    fn refuse(&mut self, now: f64, request: &'static str) {
         let text = UNKNOWN;
-        self.outputs.push(&Event::Refused { request, text });
+        self.outputs.event(now, &Event::Refused { request, text });
     }
 
     fn radio(&mut self, now: f64, event: &RadioEvent) {
@@ -370,12 +486,12 @@ impl Tab {
         };
         let outputs = &mut self.outputs;
         armband.handle(time(now), event, &mut |output| match output {
-            Output::Event(event) => outputs.push(&event),
+            Output::Event(event) => outputs.event(now, &event),
             Output::Radio(Action::Scan) => *scans = true,
             Output::Radio(Action::StopScan) => *scans = false,
             Output::Radio(action) => {
                 if let Some(action) = ForRadio::of(action) {
-                    outputs.push(&ForDevice::Radio(action));
+                    outputs.device(&ForDevice::Radio(action));
                 }
             }
         });

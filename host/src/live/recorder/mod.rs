@@ -10,22 +10,21 @@ use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender};
 use std::time::Duration;
 
-use shared::stream::alignment::Alignment;
-use shared::units::{Millis, Sample, SampleIndex};
+use shared::units::Millis;
 #[cfg(feature = "train")]
 use training::backend::Device;
 
 use self::tuning::TuningProgress;
 use super::hub::Hub;
 use super::source::Stop;
-use crate::record::journal::{Entry, Journal};
-use crate::record::protocol::Protocol;
-use crate::record::session::{Action, Input, Session};
+use crate::record::journal::Journal;
 use web::SharedCue;
 use web::event::Event;
 use web::outcome::InstallationState;
+use web::record::guided::Guided;
+use web::record::protocol::Protocol;
+use web::record::session::{Action, HoldReason, Input, View};
 use web::request::SourceRequest;
-use web::session::{HoldReason, View};
 
 /// Longest wait for samples between two checks for requests: too short to notice.
 const WAIT: Duration = Duration::from_millis(20);
@@ -89,12 +88,9 @@ pub(super) struct Recorder {
 /// State of a running recorder.
 struct RunningRecorder {
     recorder: Recorder,
-    session: Session,
-    journal: Option<Journal>,
+    guided: Guided<Journal>,
     /// View that viewers know; none after a change of the texts.
     published: Option<View>,
-    /// Placement of the armband, as the board is aligned.
-    placement: Alignment,
     trouble: String,
     /// Warning about the journal, shown until the person continues.
     notice: String,
@@ -125,13 +121,11 @@ impl Recorder {
         requests: &Receiver<RecorderRequest>,
         stop: &Stop,
     ) -> anyhow::Result<()> {
-        let session = Session::new(self.options.protocol.clone());
+        let guided = Guided::new(self.options.protocol.clone(), self.cue.clone());
         let mut running = RunningRecorder {
             recorder: self,
-            session,
-            journal: None,
+            guided,
             published: None,
-            placement: Alignment::NONE,
             trouble: String::new(),
             notice: String::new(),
             unconverted: Vec::new(),
@@ -170,7 +164,7 @@ impl Recorder {
                 }
             }
         }
-        if running.journal.is_some() {
+        if running.guided.journal().is_some() {
             running.handle_request(RecorderRequest::Action(Action::Finish));
             running.publish_changes();
         }
@@ -179,66 +173,23 @@ impl Recorder {
 }
 
 impl RunningRecorder {
+    /// Whether a session is written.
+    fn records(&mut self) -> bool {
+        self.guided.journal().is_some()
+    }
+
     fn now(&self) -> Millis {
         self.recorder.hub.millis()
     }
 
     fn handle_event(&mut self, event: Event) {
         let now = self.now();
-        match event {
-            Event::Samples { first, emg, .. } => self.samples(now, SampleIndex(first), &emg),
-            Event::Imu { sample, imu, .. } if self.session.is_running() => {
-                if let Some(journal) = &mut self.journal {
-                    journal.imu(SampleIndex(sample), imu);
-                }
-            }
-            Event::Source {
-                connected: false, ..
-            } => {
-                self.set_placement(Alignment::NONE);
-                self.handle(now, Input::Hold(HoldReason::SourceLost));
-            }
-            Event::Alignment { turn, mirrored, .. } => {
-                self.set_placement(Alignment::new(turn, mirrored))
-            }
-            _ => {}
-        }
-    }
-
-    /// Sets the placement of the armband from the next sample on.
-    fn set_placement(&mut self, placement: Alignment) {
-        if self.placement != placement {
-            self.placement = placement;
-            self.write_placement();
-        }
-    }
-
-    fn write_placement(&mut self) {
-        let (turn, mirrored) = (self.placement.turn(), self.placement.mirrored());
-        if let Some(journal) = &mut self.journal {
-            journal.entry(&Entry::Placement { turn, mirrored });
-        }
-    }
-
-    fn samples(&mut self, now: Millis, first: SampleIndex, emg: &[Sample]) {
-        let before = self.session.is_running();
-        let count = emg.len() as u32;
-        self.session.handle(now, Input::Samples { first, count });
-        self.write_outputs();
-        // Samples that end a session belong to it; samples that hold it belong to another stream.
-        let is_kept = self.session.is_running() || before && self.session.is_over();
-        if let Some(journal) = &mut self.journal
-            && is_kept
-        {
-            journal.samples(first, emg);
-        }
+        self.guided.event(now, &event);
         self.end_if_over();
-        self.recorder.cue.read(first.plus(count));
     }
 
     fn handle(&mut self, now: Millis, input: Input) {
-        self.session.handle(now, input);
-        self.write_outputs();
+        self.guided.handle(now, input);
         self.end_if_over();
     }
 
@@ -246,7 +197,7 @@ impl RunningRecorder {
         let now = self.now();
         match request {
             RecorderRequest::Action(action) => {
-                if action == Action::Begin && self.journal.is_none() && !self.create() {
+                if action == Action::Begin && !self.records() && !self.create() {
                     return;
                 }
                 if action == Action::Begin {
@@ -255,22 +206,24 @@ impl RunningRecorder {
                 self.handle(now, Input::Action(action));
             }
             RecorderRequest::LeaderLeft => self.handle(now, Input::Hold(HoldReason::LeaderLeft)),
-            RecorderRequest::NewSession if self.session.is_over() => {
-                self.session = Session::new(self.recorder.options.protocol.clone());
+            RecorderRequest::NewSession if self.guided.session().is_over() => {
+                let protocol = self.recorder.options.protocol.clone();
+                self.guided.restart(protocol);
                 self.trouble.clear();
                 self.notice.clear();
                 self.recorder.hub.forget_session();
             }
-            RecorderRequest::Tune if self.tuning.is_none() && self.journal.is_none() => self.tune(),
-            RecorderRequest::Install if self.journal.is_none() => self.install(),
+            RecorderRequest::Tune if self.tuning.is_none() && !self.records() => self.tune(),
+            RecorderRequest::Install if !self.records() => self.install(),
             RecorderRequest::NewSession | RecorderRequest::Tune | RecorderRequest::Install => {}
         }
     }
 
     /// Begins an unattended session when samples come, and continues it after a hold. Returns whether it is over.
     fn advance_unattended(&mut self) -> anyhow::Result<bool> {
-        let is_over = self.session.is_over() && self.journal.is_none();
-        if !is_over && !self.session.is_running() && self.session.has_stream() {
+        let is_over = self.guided.session().is_over() && !self.records();
+        let session = self.guided.session();
+        if !is_over && !session.is_running() && session.has_stream() {
             self.handle_request(RecorderRequest::Action(Action::Begin));
         }
         anyhow::ensure!(self.trouble.is_empty(), "{}", self.trouble);
@@ -279,7 +232,7 @@ impl RunningRecorder {
 
     /// Tells viewers about changes.
     pub(super) fn publish_changes(&mut self) {
-        let view = self.session.view();
+        let view = self.guided.session().view();
         if self.published.as_ref() != Some(&view) {
             let texts = [&self.trouble, &self.notice];
             let trouble = texts.into_iter().find(|text| !text.is_empty());

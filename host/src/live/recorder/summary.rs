@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use super::Recorder;
 use crate::record;
-use web::outcome::FindingText;
 use web::outcome::SessionResult;
 
 /// Describes what was kept, with the next commands.
@@ -16,28 +15,22 @@ pub(super) fn summary(conversion: &record::Conversion, recorder: &Recorder) -> S
     let folder = recorder.folder();
     let data = quoted(&folder);
     let out = free_path(&folder, &recorder.options.person);
-    let counts = conversion.quality.counts.iter();
-    SessionResult {
-        good: conversion.quality.is_good_enough(),
-        seconds: conversion.quality.seconds,
-        folder: folder.display().to_string(),
-        files: conversion.files.iter().map(name).collect(),
-        counts: counts.map(|(&class, &count)| (class, count)).collect(),
-        bad: conversion.rejected,
-        findings: conversion
-            .quality
-            .findings
-            .iter()
-            .map(FindingText::from)
-            .collect(),
-        inspect: format!("myointent data inspect {data}"),
-        personalize: format!(
+    let commands = [
+        format!("myointent data inspect {data}"),
+        format!(
             "myointent personalize --model {} --data {data} --out {}",
             quoted(&recorder.options.model),
             quoted(&out)
         ),
-        install: install_command(recorder, &out),
-    }
+        install_command(recorder, &out),
+    ];
+    SessionResult::of(
+        &conversion.quality,
+        conversion.rejected,
+        folder.display().to_string(),
+        conversion.files.iter().map(name).collect(),
+        commands,
+    )
 }
 
 /// Command that installs a model on a board.

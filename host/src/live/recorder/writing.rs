@@ -7,21 +7,20 @@ use super::summary::summary;
 use super::{RecordOptions, RunningRecorder, Unconverted};
 use crate::record::RecordError;
 use crate::record::convert;
-use crate::record::journal::{ENDING, Entry, FlushOutcome, Header, Journal};
-use crate::record::session::{Action, Input, Output};
+use crate::record::journal::{ENDING, FlushOutcome, Journal};
 use execution::progress;
-use execution::run_folder::utc;
-use recordings::labels::motion::Motion;
+use execution::utc::utc;
 use web::event::Event;
-use web::session::HoldReason;
+use web::record::journal::Header;
+use web::record::session::{Action, HoldReason, Input};
 
 impl RunningRecorder {
     /// Creates a journal. Returns false on failure, which viewers are told.
     pub(super) fn create(&mut self) -> bool {
-        if self.session.is_over() {
+        if self.guided.session().is_over() {
             return false;
         }
-        if !self.session.has_stream() {
+        if !self.guided.session().has_stream() {
             "no samples have come yet: begin when the traces move".clone_into(&mut self.trouble);
             self.published = None;
             return false;
@@ -51,8 +50,7 @@ impl RunningRecorder {
             .and_then(|()| Journal::create(&path, header).map_err(|error| error.to_string()));
         match journal {
             Ok(journal) => {
-                self.journal = Some(journal);
-                self.write_placement();
+                self.guided.write_to(journal);
                 self.trouble.clear();
                 true
             }
@@ -64,24 +62,9 @@ impl RunningRecorder {
         }
     }
 
-    /// Writes the session's outputs to the journal, and passes cues to the demo.
-    pub(super) fn write_outputs(&mut self) {
-        while let Some(output) = self.session.poll() {
-            if let Output::Cue { cue, .. } = output {
-                self.recorder.cue.set(cue.unwrap_or(Motion::RELAX));
-            }
-            if let Output::Pause | Output::Over = output {
-                self.recorder.cue.set(Motion::RELAX);
-            }
-            if let Some(journal) = &mut self.journal {
-                journal.entry(&Entry::of(output));
-            }
-        }
-    }
-
     pub(super) fn flush(&mut self) {
         let now = self.now();
-        let Some(journal) = &mut self.journal else {
+        let Some(journal) = self.guided.journal() else {
             return;
         };
         match journal.flush(now) {
@@ -144,10 +127,10 @@ impl RunningRecorder {
     }
 
     pub(super) fn end_if_over(&mut self) {
-        if !self.session.is_over() {
+        if !self.guided.session().is_over() {
             return;
         }
-        let Some(journal) = self.journal.take() else {
+        let Some(journal) = self.guided.journal().take() else {
             return;
         };
         // Told before the journal is closed, which takes a moment.

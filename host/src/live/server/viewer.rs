@@ -9,12 +9,12 @@ use recordings::labels::motion::Motion;
 use tokio::sync::broadcast::error::TryRecvError;
 use tokio::time::{MissedTickBehavior, interval, interval_at, timeout};
 use web::event::{Event, ViewerId};
+use web::record::session::Action;
 use web::request::{SessionCommand, UNKNOWN, ViewerMessage};
 
 use super::ServerState;
 use crate::live::hub::{Message, Subscription};
 use crate::live::recorder::RecorderRequest;
-use crate::record::session::Action;
 
 /// Time for which messages are collected: half a frame of a screen.
 const COLLECT: Duration = Duration::from_millis(8);

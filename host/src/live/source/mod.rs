@@ -99,7 +99,7 @@ impl Source {
                 playback("replay", name, of(*recording), model).run(context)
             }
             Self::Demo => {
-                let name = "synthetic, of nobody".to_owned();
+                let name = "simulated arm".to_owned();
                 let follower = demo::follower();
                 let person = match guide {
                     Some(Guide { cue, earlier, .. }) => {

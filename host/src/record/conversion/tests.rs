@@ -5,13 +5,15 @@ use shared::myo::Imu;
 use shared::units::{Millis, Sample, SampleIndex};
 
 use super::*;
-use crate::record::journal::{Entry, Header, Journal, read};
-use crate::record::protocol::Protocol;
-use crate::record::quality::Finding;
-use crate::record::session::{Action, Input, Output, Session};
+use crate::record::journal::Journal;
 use crate::record::{PersonQuality, quality_by_person};
+use recordings::labels::motion::Motion;
 use recordings::synthetic::Follower;
 use recordings::{DataSet, MovementKind};
+use web::record::guided::Lines as _;
+use web::record::journal::{Entry, Header, read};
+use web::record::protocol::Protocol;
+use web::record::session::{Action, Input, Output, Session};
 
 const SHORT: &str = "rounds = 2\npause = 1\nsequence = [\"relax\", \"open\", \"relax\", \"close\", \"relax\"]\n\
     [seconds]\nrelax = 2\nopen = 2\nclose = 2\n";

@@ -9,10 +9,10 @@ use std::path::{Path, PathBuf};
 
 use shared::myo::Imu;
 use shared::units::{Millis, Sample, SampleIndex};
+use web::record::guided::Lines;
+use web::record::journal::{Contents, Entry, FORMAT, Header, Writer, read};
 
-use super::entry::FORMAT;
 use super::name::{create_unnamed, free_name, is_named, lock, set_name};
-use super::{Contents, Entry, Header, Writer, read};
 use crate::record::error::{RecordError, folder};
 
 /// Greatest length of a journal in bytes: 20 hours.
@@ -41,8 +41,6 @@ pub(crate) enum FlushOutcome {
 pub(crate) struct Journal {
     path: PathBuf,
     writer: Writer<File>,
-    /// Entries that each round repeats: without them the rest of a damaged journal has no meaning.
-    repeated: Vec<Entry>,
     synced: Option<Millis>,
     /// Time of the last attempt to write the file anew; none after a success.
     refused: Option<Millis>,
@@ -61,8 +59,7 @@ impl Journal {
         lock(path, &file)?;
         let mut writer = Writer::new(file);
         header.format = FORMAT;
-        let begin = Entry::Begin(header);
-        writer.entry(&begin);
+        writer.entry(&Entry::Begin(header));
         let named = writer.flush().and_then(|()| set_name(&unnamed, path));
         named.map_err(|error| {
             let _ = fs::remove_file(&unnamed);
@@ -71,7 +68,6 @@ impl Journal {
         Ok(Self {
             path: path.to_owned(),
             writer,
-            repeated: vec![begin],
             synced: None,
             refused: None,
         })
@@ -80,29 +76,6 @@ impl Journal {
     /// Path of the file.
     pub(crate) fn path(&self) -> &Path {
         &self.path
-    }
-
-    /// Takes samples; [`flush`](Self::flush) writes them, a tenth of a second at a time.
-    pub(crate) fn samples(&mut self, first: SampleIndex, samples: &[Sample]) {
-        self.writer.samples(first, samples);
-    }
-
-    /// Takes movement, which is written with the samples around it.
-    pub(crate) fn imu(&mut self, due: SampleIndex, imu: Imu) {
-        self.writer.imu(due, imu);
-    }
-
-    /// Takes an entry of another kind.
-    pub(crate) fn entry(&mut self, entry: &Entry) {
-        match entry {
-            Entry::Round { .. } => self.repeated.iter().for_each(|own| self.writer.entry(own)),
-            Entry::Placement { .. } => {
-                self.repeated.truncate(1);
-                self.repeated.push(entry.clone());
-            }
-            _ => {}
-        }
-        self.writer.entry(entry);
     }
 
     /// Whether the session has to end: a longer journal could not be read.
@@ -197,6 +170,21 @@ impl Journal {
         self.writer.redirect(file);
         self.path = path;
         Ok(())
+    }
+}
+
+/// [`flush`](Journal::flush) writes what it takes, samples a tenth of a second at a time.
+impl Lines for Journal {
+    fn samples(&mut self, first: SampleIndex, samples: &[Sample]) {
+        self.writer.samples(first, samples);
+    }
+
+    fn imu(&mut self, due: SampleIndex, imu: Imu) {
+        self.writer.imu(due, imu);
+    }
+
+    fn entry(&mut self, entry: &Entry) {
+        self.writer.entry(entry);
     }
 }
 

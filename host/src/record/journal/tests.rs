@@ -9,7 +9,9 @@ use shared::units::{CHANNELS, Millis, Sample, SampleIndex};
 
 use super::*;
 use crate::record::RecordError;
-use crate::record::session::{Output, RejectReason};
+use web::record::guided::Lines as _;
+use web::record::journal::{Contents, Entry, Header, Writer, read};
+use web::record::session::{Output, RejectReason};
 
 fn header() -> Header {
     Header {

@@ -1,12 +1,12 @@
 //! Inputs and outputs of a session.
 
+use super::HoldReason;
 use recordings::labels::motion::Motion;
 use shared::units::SampleIndex;
-use web::session::HoldReason;
 
 /// Input of a session.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Input {
+pub enum Input {
     /// Samples from the source.
     Samples {
         /// Index of the first sample.
@@ -24,7 +24,7 @@ pub(crate) enum Input {
 
 /// Action of the person.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Action {
+pub enum Action {
     /// Begin or continue.
     Begin,
     /// Reject the last trial and repeat it.
@@ -40,7 +40,7 @@ pub(crate) enum Action {
 /// Reason why a trial is not used.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub(crate) enum RejectReason {
+pub enum RejectReason {
     /// The person rejected it.
     Person,
     /// The trial was interrupted.
@@ -51,7 +51,7 @@ pub(crate) enum RejectReason {
 
 /// Output for the journal.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Output {
+pub enum Output {
     /// Round: a new recording begins at a sample.
     Round {
         /// Number of the round, from 1.

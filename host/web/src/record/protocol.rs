@@ -4,6 +4,8 @@
 //! by keys. A cue block is a rest and the gestures up to the next rest; it is repeated as a whole. A gesture is an intent or
 //! another movement: a named one (`point`), or `other`, whatever the person does.
 
+mod error;
+
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use std::path::Path;
@@ -11,12 +13,13 @@ use std::path::Path;
 use serde::Deserialize;
 use shared::units::SAMPLE_RATE_HZ;
 
-use super::RecordError;
 use execution::bounded_read;
 use recordings::labels::motion::Motion;
 
+pub use self::error::ProtocolError;
+
 /// Built-in protocols: name and TOML text.
-pub(crate) const BUILT_IN: [(&str, &str); 6] = [
+pub const BUILT_IN: [(&str, &str); 6] = [
     ("quick", include_str!("../../protocols/quick.toml")),
     (
         "quick-five",
@@ -40,23 +43,23 @@ const MOST_STEPS: usize = 500;
 
 /// Step of a cue block: a motion and its duration.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) struct Step {
+pub struct Step {
     /// The motion.
-    pub(crate) motion: Motion,
+    pub motion: Motion,
     /// Duration in samples.
-    pub(crate) samples: u32,
+    pub samples: u32,
 }
 
 /// Rest and the gestures after it; the last block of a round is only a rest.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(crate) struct CueBlock {
+pub struct CueBlock {
     /// Steps: at least one, rest first.
-    pub(crate) steps: Vec<Step>,
+    pub steps: Vec<Step>,
 }
 
 /// Course of a session.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(crate) enum Course {
+pub enum Course {
     /// Cue blocks in order, in each of several rounds.
     Guided {
         /// Number of rounds, at least one.
@@ -75,11 +78,11 @@ pub(crate) enum Course {
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Protocol {
     /// Name of the built-in protocol or of the file.
-    pub(crate) name: String,
+    pub name: String,
     /// Samples of pause before each round.
-    pub(crate) pause: u32,
+    pub pause: u32,
     /// Course of the session.
-    pub(crate) course: Course,
+    pub course: Course,
 }
 
 /// Keys of a protocol's TOML file.
@@ -98,16 +101,16 @@ impl Protocol {
     ///
     /// # Errors
     /// When there is no such protocol, or it is invalid.
-    pub(crate) fn find(name: &str) -> Result<Self, RecordError> {
+    pub fn find(name: &str) -> Result<Self, ProtocolError> {
         Self::parse(name, &text(name)?)
     }
 
     /// Parses the text of a protocol; `name` is for messages.
     ///
     /// # Errors
-    /// [`RecordError::Toml`] with line and column, or the first reason why the protocol is impossible.
-    pub fn parse(name: &str, text: &str) -> Result<Self, RecordError> {
-        let file: ProtocolFile = toml::from_str(text).map_err(|error| RecordError::Toml {
+    /// [`ProtocolError::Toml`] with line and column, or the first reason why the protocol is impossible.
+    pub fn parse(name: &str, text: &str) -> Result<Self, ProtocolError> {
+        let file: ProtocolFile = toml::from_str(text).map_err(|error| ProtocolError::Toml {
             name: name.to_owned(),
             error: error.to_string().trim_end().to_owned(),
         })?;
@@ -123,17 +126,17 @@ impl Protocol {
     }
 
     /// Whether the person chooses the gestures.
-    pub(crate) const fn is_free(&self) -> bool {
+    pub const fn is_free(&self) -> bool {
         matches!(self.course, Course::Free { .. })
     }
 
     /// Names of the motions of the protocol, in the order of [`Motion::named`].
-    pub(crate) fn names(&self) -> Vec<&'static str> {
+    pub fn names(&self) -> Vec<&'static str> {
         self.motions().into_iter().map(Motion::name).collect()
     }
 
     /// Motions of the protocol, in the order of [`Motion::named`].
-    pub(crate) fn motions(&self) -> Vec<Motion> {
+    pub fn motions(&self) -> Vec<Motion> {
         let is_used = |motion: &Motion| match &self.course {
             Course::Guided { blocks, .. } => {
                 let mut steps = blocks.iter().flat_map(|block| &block.steps);
@@ -145,7 +148,7 @@ impl Protocol {
     }
 
     /// Samples of the session without a repeated block; none if it is free.
-    pub(crate) fn samples(&self) -> Option<u64> {
+    pub fn samples(&self) -> Option<u64> {
         let Course::Guided { rounds, blocks } = &self.course else {
             return None;
         };
@@ -159,18 +162,18 @@ impl Protocol {
 ///
 /// # Errors
 /// When there is no such protocol or the file cannot be read.
-pub fn text(name: &str) -> Result<String, RecordError> {
+pub fn text(name: &str) -> Result<String, ProtocolError> {
     if let Some((_, text)) = BUILT_IN.iter().find(|(known, _)| *known == name) {
         return Ok((*text).to_owned());
     }
     let path = Path::new(name);
     if !path.exists() {
-        return Err(RecordError::UnknownProtocol {
+        return Err(ProtocolError::UnknownProtocol {
             name: name.to_owned(),
         });
     }
     bounded_read::read_text(path, bounded_read::PRESET).map_err(|error| {
-        RecordError::UnreadableProtocol {
+        ProtocolError::UnreadableProtocol {
             name: name.to_owned(),
             error: error.to_string(),
         }
@@ -179,7 +182,7 @@ pub fn text(name: &str) -> Result<String, RecordError> {
 
 impl ProtocolFile {
     /// Course that the keys describe; `name` is for messages.
-    fn course(&self, name: &str) -> Result<Course, RecordError> {
+    fn course(&self, name: &str) -> Result<Course, ProtocolError> {
         let found = match (&self.sequence, &self.gestures) {
             (Some(sequence), None) => return self.guided(name, sequence),
             (None, Some(gestures)) => return self.free(name, gestures),
@@ -187,10 +190,10 @@ impl ProtocolFile {
             (None, None) => "neither",
         };
         let name = name.to_owned();
-        Err(RecordError::Course { name, found })
+        Err(ProtocolError::Course { name, found })
     }
 
-    fn guided(&self, name: &str, sequence: &[String]) -> Result<Course, RecordError> {
+    fn guided(&self, name: &str, sequence: &[String]) -> Result<Course, ProtocolError> {
         let rounds = self.rounds.unwrap_or(1);
         bounded(
             name,
@@ -210,7 +213,7 @@ impl ProtocolFile {
             named(name, motion)?;
             bounded(name, &format!("seconds of {motion}"), value, &SECONDS)?;
         }
-        let ends = || RecordError::Ends {
+        let ends = || ProtocolError::Ends {
             name: name.to_owned(),
         };
         let mut blocks: Vec<CueBlock> = Vec::new();
@@ -218,14 +221,14 @@ impl ProtocolFile {
         for found in sequence {
             let motion = named(name, found)?;
             if last == Some(motion) {
-                return Err(RecordError::Twice {
+                return Err(ProtocolError::Twice {
                     name: name.to_owned(),
                     class: motion.name(),
                 });
             }
             last = Some(motion);
             let Some(&own) = seconds.get(motion.name()) else {
-                return Err(RecordError::NoSeconds {
+                return Err(ProtocolError::NoSeconds {
                     name: name.to_owned(),
                     missing: motion.name(),
                 });
@@ -246,14 +249,14 @@ impl ProtocolFile {
         Ok(Course::Guided { rounds, blocks })
     }
 
-    fn free(&self, name: &str, motions: &[String]) -> Result<Course, RecordError> {
+    fn free(&self, name: &str, motions: &[String]) -> Result<Course, ProtocolError> {
         for (key, given) in [
             ("rounds", self.rounds.is_some()),
             ("seconds", self.seconds.is_some()),
         ] {
             if given {
                 let name = name.to_owned();
-                return Err(RecordError::Meaningless { name, key });
+                return Err(ProtocolError::Meaningless { name, key });
             }
         }
         let found = motions.iter().map(|motion| named(name, motion));
@@ -265,16 +268,16 @@ impl ProtocolFile {
             || gestures.len() != motions.len()
         {
             let name = name.to_owned();
-            return Err(RecordError::Gestures { name });
+            return Err(ProtocolError::Gestures { name });
         }
         Ok(Course::Free { gestures })
     }
 }
 
 /// Motion that is called `found` in the protocol `name`.
-fn named(name: &str, found: &str) -> Result<Motion, RecordError> {
+fn named(name: &str, found: &str) -> Result<Motion, ProtocolError> {
     let motion = Motion::from_name(found).filter(|motion| *motion != Motion::Unknown);
-    motion.ok_or_else(|| RecordError::Motion {
+    motion.ok_or_else(|| ProtocolError::Motion {
         name: name.to_owned(),
         found: found.to_owned(),
     })
@@ -286,11 +289,11 @@ fn bounded(
     what: &str,
     found: f64,
     range: &RangeInclusive<f64>,
-) -> Result<f64, RecordError> {
+) -> Result<f64, ProtocolError> {
     if range.contains(&found) {
         return Ok(found);
     }
-    Err(RecordError::Number {
+    Err(ProtocolError::Number {
         name: name.to_owned(),
         what: what.to_owned(),
         least: *range.start(),

@@ -19,11 +19,11 @@ use std::collections::VecDeque;
 
 use recordings::labels::motion::Motion;
 use shared::units::{Millis, SampleIndex};
-use web::session::HoldReason;
 
-pub(crate) use self::continuity::{Continuity, GapDetector, has_reached};
-pub(crate) use self::input::{Action, Input, Output, RejectReason};
+pub use self::continuity::{Continuity, GapDetector, has_reached};
+pub use self::input::{Action, Input, Output, RejectReason};
 use self::schedule::RoundSchedule;
+pub use self::view::{HoldReason, UpcomingStep, View};
 use super::protocol::Protocol;
 
 /// Time without samples after which a session is held: longer than delays of a busy PC.
@@ -51,7 +51,7 @@ enum Phase {
 
 /// Recording session.
 #[derive(Debug)]
-pub(crate) struct Session {
+pub struct Session {
     protocol: Protocol,
     phase: Phase,
     schedule: RoundSchedule,
@@ -72,7 +72,7 @@ pub(crate) struct Session {
 
 impl Session {
     /// Creates a session that waits for its beginning.
-    pub(crate) fn new(protocol: Protocol) -> Self {
+    pub fn new(protocol: Protocol) -> Self {
         Self {
             schedule: RoundSchedule::new(&protocol.course),
             protocol,
@@ -91,7 +91,7 @@ impl Session {
     }
 
     /// Takes an input. Drain [`poll`](Self::poll) before the next call.
-    pub(crate) fn handle(&mut self, now: Millis, input: Input) {
+    pub fn handle(&mut self, now: Millis, input: Input) {
         match input {
             Input::Samples { first, count } => self.samples(now, first, count),
             Input::Tick => {
@@ -114,22 +114,22 @@ impl Session {
     }
 
     /// Returns the next output.
-    pub(crate) fn poll(&mut self) -> Option<Output> {
+    pub fn poll(&mut self) -> Option<Output> {
         self.outputs.pop_front()
     }
 
     /// Whether samples are kept: from the countdown of a round on, but not while the session waits.
-    pub(crate) const fn is_running(&self) -> bool {
+    pub const fn is_running(&self) -> bool {
         matches!(self.phase, Phase::Ready { .. } | Phase::Cued { .. })
     }
 
     /// Whether samples have come, so that a session can begin.
-    pub(crate) const fn has_stream(&self) -> bool {
+    pub const fn has_stream(&self) -> bool {
         self.stream.next().is_some()
     }
 
     /// Whether the session has ended.
-    pub(crate) const fn is_over(&self) -> bool {
+    pub const fn is_over(&self) -> bool {
         matches!(self.phase, Phase::Over)
     }
 

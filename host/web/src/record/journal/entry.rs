@@ -14,37 +14,37 @@ use crate::record::session::{Output, RejectReason};
 
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 /// Version of the format described here.
-pub(in crate::record) const FORMAT: u32 = 3;
+pub const FORMAT: u32 = 3;
 /// Beginning of the JSON of a line, with the space before it.
 const JSON: &[u8] = b" {\"is\":\"";
 
 /// Description of a session.
-#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
-pub(crate) struct Header {
+#[derive(Clone, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
+pub struct Header {
     /// Version of the journal's format.
-    pub(crate) format: u32,
+    pub format: u32,
     /// Version of the program.
-    pub(crate) version: String,
+    pub version: String,
     /// Time of the beginning, UTC.
-    pub(crate) began: String,
+    pub began: String,
     /// Name of the person.
-    pub(crate) person: String,
+    pub person: String,
     /// Name of the protocol.
-    pub(crate) protocol: String,
+    pub protocol: String,
     /// Motions of the protocol.
-    pub(crate) classes: Vec<String>,
+    pub classes: Vec<String>,
     /// Whether the session is free: the person names the gestures.
-    pub(crate) free: bool,
+    pub free: bool,
     /// Source of the samples.
-    pub(crate) source: String,
+    pub source: String,
     /// Whether the samples are synthetic.
-    pub(crate) synthetic: bool,
+    pub synthetic: bool,
 }
 
 /// Entry of a journal.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(tag = "is", rename_all = "kebab-case", deny_unknown_fields)]
-pub(crate) enum Entry {
+pub enum Entry {
     /// Header, the first line.
     Begin(Header),
     /// Consecutive samples, 16 hexadecimal digits each.
@@ -103,11 +103,11 @@ pub(crate) enum Entry {
 }
 
 /// An entry of a line, with the line's number, if it has one.
-pub(super) type Numbered = (Option<u32>, Entry);
+pub type Numbered = (Option<u32>, Entry);
 
 impl Entry {
     /// Entry for an output of a session.
-    pub(crate) fn of(output: Output) -> Self {
+    pub fn of(output: Output) -> Self {
         match output {
             Output::Round { number, at } => Self::Round { number, at: at.0 },
             Output::Cue { at, cue, trial } => Self::Cue {
@@ -122,7 +122,7 @@ impl Entry {
     }
 
     /// Entry of consecutive samples from an index on.
-    pub(crate) fn samples(first: SampleIndex, samples: &[Sample]) -> Self {
+    pub fn samples(first: SampleIndex, samples: &[Sample]) -> Self {
         let mut emg = String::with_capacity(samples.len() * 2 * CHANNELS);
         for value in samples.iter().flatten() {
             // Writing to a string cannot fail.
@@ -133,7 +133,7 @@ impl Entry {
     }
 
     /// Decodes the samples of their digits; none if the text is malformed.
-    pub(crate) fn decoded(emg: &str) -> Option<Vec<Sample>> {
+    pub fn decoded(emg: &str) -> Option<Vec<Sample>> {
         let value = |pair: &[u8; 2]| {
             let text = std::str::from_utf8(pair).ok()?;
             u8::from_str_radix(text, 16).ok().map(u8::cast_signed)
@@ -145,13 +145,13 @@ impl Entry {
     }
 
     /// Motion of a cue by its name; unknown without one.
-    pub(crate) fn motion(cue: Option<&String>) -> Motion {
+    pub fn motion(cue: Option<&String>) -> Motion {
         cue.and_then(|name| Motion::from_name(name))
             .unwrap_or(Motion::Unknown)
     }
 
     /// Formats the line of a number, with its end.
-    pub(super) fn line(&self, number: u32) -> String {
+    pub fn line(&self, number: u32) -> String {
         // Strings, numbers and lists of strings always become JSON.
         let json = serde_json::to_string(self).unwrap_or_default();
         let text = format!("{number} {json}");
@@ -174,7 +174,7 @@ impl Entry {
     }
 
     /// The whole entries in the bytes of a line, with their places: several where ends of lines are damaged.
-    pub(super) fn whole(line: &[u8]) -> Vec<(Range<usize>, Numbered)> {
+    pub fn whole(line: &[u8]) -> Vec<(Range<usize>, Numbered)> {
         if let Some(entry) = Self::parse(line) {
             return vec![(0..line.len(), entry)];
         }
@@ -205,7 +205,7 @@ impl Entry {
     }
 
     /// Whether bytes are the beginning of a line: its checksum, and JSON as far as they reach.
-    pub(super) fn is_begun(bytes: &[u8]) -> bool {
+    pub fn is_begun(bytes: &[u8]) -> bool {
         let (checksum, rest) = bytes.split_at(bytes.len().min(8));
         let rest = rest.strip_prefix(b" ").unwrap_or(rest);
         let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();

@@ -3,10 +3,10 @@
 use recordings::labels::motion::Motion;
 use shared::units::SampleIndex;
 
+use super::HoldReason;
 use super::input::{Output, RejectReason};
 use super::{Phase, Session};
 use crate::record::protocol::{Course, Step};
-use web::session::HoldReason;
 
 impl Session {
     pub(super) const fn is_guided(&self) -> bool {

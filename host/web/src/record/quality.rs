@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use crate::outcome::FindingText;
 use shared::units::{CHANNELS, SAMPLE_PERIOD_MS};
-use web::outcome::FindingText;
 
 use super::assembly::{Assembly, Part};
 use recordings::Severity;
@@ -25,7 +25,7 @@ const LEAST_CONTRAST: f64 = 0.4;
 
 /// Flaw of a session.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
-pub(crate) enum Finding {
+pub enum Finding {
     /// No sample was recorded.
     #[error("nothing was recorded")]
     Nothing,
@@ -104,7 +104,7 @@ pub(crate) enum Finding {
 
 impl Finding {
     /// Severity of the finding.
-    pub(crate) fn severity(&self) -> Severity {
+    pub fn severity(&self) -> Severity {
         match self {
             Self::Nothing | Self::Silent { .. } | Self::NoContrast { .. } => Severity::Serious,
             Self::Seldom { found, .. } if *found < FEWEST => Severity::Serious,
@@ -116,7 +116,7 @@ impl Finding {
     }
 
     /// Advice to the person.
-    pub(crate) const fn advice(&self) -> &'static str {
+    pub const fn advice(&self) -> &'static str {
         match self {
             Self::Nothing => "begin the session and do what it asks for to its end",
             Self::Seldom { .. } => {
@@ -156,25 +156,25 @@ impl From<&Finding> for FindingText {
 
 /// Quality of recordings.
 #[derive(Clone, PartialEq, Debug)]
-pub(crate) struct Quality {
+pub struct Quality {
     /// Findings, the worst first.
-    pub(crate) findings: Vec<Finding>,
+    pub findings: Vec<Finding>,
     /// Number of labelled stretches of each class.
-    pub(crate) counts: BTreeMap<&'static str, usize>,
+    pub counts: BTreeMap<&'static str, usize>,
     /// Duration of all recordings in seconds.
-    pub(crate) seconds: f64,
+    pub seconds: f64,
 }
 
 impl Quality {
     /// Whether nothing serious was found.
-    pub(crate) fn is_good_enough(&self) -> bool {
+    pub fn is_good_enough(&self) -> bool {
         let mut findings = self.findings.iter();
         findings.all(|finding| finding.severity() < Severity::Serious)
     }
 }
 
 /// Judges the recordings of one session, or all of a person's together.
-pub(crate) fn judge(assembly: &Assembly) -> Quality {
+pub fn judge(assembly: &Assembly) -> Quality {
     let samples: usize = assembly.parts.iter().map(|part| part.samples.len()).sum();
     let seconds = samples as f64 * f64::from(SAMPLE_PERIOD_MS) / 1000.0;
     let mut findings = Vec::new();

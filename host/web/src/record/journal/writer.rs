@@ -8,13 +8,13 @@ use shared::units::{Sample, SampleIndex};
 use super::Entry;
 
 /// Samples in a line: a tenth of a second. A killed process loses so much, and the samples on their way here.
-pub(in crate::record) const TOGETHER: usize = 20;
+pub const TOGETHER: usize = 20;
 /// Bytes that are kept while the output takes nothing: more than an hour of samples.
 const MOST_PENDING: usize = 16 << 20;
 
 /// Writer of a journal's lines.
 #[derive(Debug)]
-pub(crate) struct Writer<W> {
+pub struct Writer<W> {
     out: W,
     /// Bytes not yet taken; begins within a line if the output took a part of it.
     pending: Vec<u8>,
@@ -24,11 +24,13 @@ pub(crate) struct Writer<W> {
     samples: Vec<Sample>,
     /// Movement since the last line, with the index of the sample that was due.
     movement: Vec<(u32, [i16; 10])>,
+    /// Entries that each round repeats: without them the rest of a damaged journal has no meaning.
+    repeated: Vec<Entry>,
 }
 
 impl<W: Write> Writer<W> {
     /// Creates a writer to an empty file.
-    pub(crate) const fn new(out: W) -> Self {
+    pub const fn new(out: W) -> Self {
         Self {
             out,
             pending: Vec::new(),
@@ -36,11 +38,12 @@ impl<W: Write> Writer<W> {
             first: SampleIndex(0),
             samples: Vec::new(),
             movement: Vec::new(),
+            repeated: Vec::new(),
         }
     }
 
     /// Takes consecutive samples. Beyond the limit they are dropped, which leaves a gap in their index.
-    pub(crate) fn samples(&mut self, first: SampleIndex, samples: &[Sample]) {
+    pub fn samples(&mut self, first: SampleIndex, samples: &[Sample]) {
         if self.pending.len() > MOST_PENDING {
             return;
         }
@@ -58,13 +61,26 @@ impl<W: Write> Writer<W> {
     }
 
     /// Takes movement; it is written behind the next line of samples.
-    pub(crate) fn imu(&mut self, due: SampleIndex, imu: Imu) {
+    pub fn imu(&mut self, due: SampleIndex, imu: Imu) {
         self.movement.push((due.0, imu.0));
     }
 
     /// Takes an entry of another kind, after the samples before it.
-    pub(crate) fn entry(&mut self, entry: &Entry) {
+    pub fn entry(&mut self, entry: &Entry) {
         self.close();
+        match entry {
+            Entry::Begin(_) => self.repeated = vec![entry.clone()],
+            Entry::Placement { .. } => {
+                self.repeated.truncate(1);
+                self.repeated.push(entry.clone());
+            }
+            Entry::Round { .. } => {
+                for own in self.repeated.clone() {
+                    self.line(&own);
+                }
+            }
+            _ => {}
+        }
         self.line(entry);
     }
 
@@ -75,7 +91,7 @@ impl<W: Write> Writer<W> {
     }
 
     /// Ends the line of samples, and that of movement.
-    pub(crate) fn close(&mut self) {
+    pub fn close(&mut self) {
         if !self.samples.is_empty() {
             let entry = Entry::samples(self.first, &self.samples);
             self.samples.clear();
@@ -91,7 +107,7 @@ impl<W: Write> Writer<W> {
     ///
     /// # Errors
     /// When the output takes no more. Bytes not yet taken are kept for the next call.
-    pub(crate) fn flush(&mut self) -> io::Result<()> {
+    pub fn flush(&mut self) -> io::Result<()> {
         while !self.pending.is_empty() {
             match self.out.write(&self.pending) {
                 Ok(0) => return Err(ErrorKind::WriteZero.into()),
@@ -104,17 +120,17 @@ impl<W: Write> Writer<W> {
     }
 
     /// Continues in another output that has all bytes taken so far.
-    pub(crate) fn redirect(&mut self, out: W) {
+    pub fn redirect(&mut self, out: W) {
         self.out = out;
     }
 
     /// Number of bytes not yet taken.
-    pub(crate) const fn pending(&self) -> usize {
+    pub const fn pending(&self) -> usize {
         self.pending.len()
     }
 
     /// Output of the writer.
-    pub(crate) const fn get_ref(&self) -> &W {
+    pub const fn get_ref(&self) -> &W {
         &self.out
     }
 }

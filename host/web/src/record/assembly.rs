@@ -21,45 +21,45 @@ const REST_AROUND: usize = 100;
 
 /// Recording; each list but `movement` and `holds` has one entry a sample.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub(crate) struct Part {
+pub struct Part {
     /// Samples as received; a bridged one repeats the one before.
-    pub(crate) samples: Vec<Sample>,
+    pub samples: Vec<Sample>,
     /// Index in the stream.
-    pub(crate) index: Vec<u32>,
+    pub index: Vec<u32>,
     /// Whether the sample never came.
-    pub(crate) bridged: Vec<bool>,
+    pub bridged: Vec<bool>,
     /// Placement of the armband, as the board was aligned.
-    pub(crate) placements: Vec<Alignment>,
+    pub placements: Vec<Alignment>,
     /// Cue; unknown where nothing is asked for.
-    pub(crate) cues: Vec<Motion>,
+    pub cues: Vec<Motion>,
     /// Number of the attempt; 0 outside of trials.
-    pub(crate) trials: Vec<u32>,
+    pub trials: Vec<u32>,
     /// Motion that the muscle shows; unknown if the trial is not used.
-    pub(crate) motions: Vec<Motion>,
+    pub motions: Vec<Motion>,
     /// Movement of the armband, at the offset of the sample that was due.
-    pub(crate) movement: Vec<(usize, Imu)>,
+    pub movement: Vec<(usize, Imu)>,
     /// Holds of the trials that are used.
-    pub(crate) holds: Vec<Hold>,
+    pub holds: Vec<Hold>,
 }
 
 /// Recordings of a session.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub(crate) struct Assembly {
+pub struct Assembly {
     /// Recordings in order; none is empty.
-    pub(crate) parts: Vec<Part>,
+    pub parts: Vec<Part>,
     /// Trials that are not used, by their number, with the reason.
-    pub(crate) rejected: BTreeMap<u32, RejectReason>,
+    pub rejected: BTreeMap<u32, RejectReason>,
     /// Number of samples known to be missing.
-    pub(crate) lost: u64,
+    pub lost: u64,
     /// Number of lines of the journal that are lost, and of samples in them.
-    pub(crate) damaged: (u32, u64),
+    pub damaged: (u32, u64),
     /// Whether the session came to its end.
-    pub(crate) complete: bool,
+    pub complete: bool,
 }
 
 impl Assembly {
     /// Classes that every model has, and the motions of the cues.
-    pub(crate) fn asked(&self) -> Vec<Motion> {
+    pub fn asked(&self) -> Vec<Motion> {
         let always = [Intent::Relax, Intent::Open, Intent::Close].map(Motion::Intent);
         let cues = self.parts.iter().flat_map(|part| &part.cues);
         let is_asked =
@@ -69,7 +69,7 @@ impl Assembly {
 }
 
 /// Assembles the recordings of a journal.
-pub(crate) fn assemble(entries: &[Entry]) -> Assembly {
+pub fn assemble(entries: &[Entry]) -> Assembly {
     let mut assembly = Assembly::default();
     let mut stream = GapDetector::default();
     let mut stretch = Stretch::default();
@@ -255,7 +255,7 @@ impl Stretch {
 
 impl Part {
     /// Splits the recording into files of at most `most` samples. A file ends within a rest, if its second half has one.
-    pub(crate) fn files(&self, most: usize) -> Vec<Range<usize>> {
+    pub fn files(&self, most: usize) -> Vec<Range<usize>> {
         let mut files = Vec::new();
         let mut start = 0;
         while self.samples.len() - start > most {

@@ -7,7 +7,7 @@ const BRIDGED: u32 = 5;
 
 /// Relation of samples to those before.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Continuity {
+pub enum Continuity {
     /// Samples follow without a gap, or are the first.
     Next,
     /// Samples follow a gap of this many, which is bridged.
@@ -19,22 +19,22 @@ pub(crate) enum Continuity {
 }
 
 /// Whether a stream that has come to `index` has reached the sample `at`; correct across a wrap.
-pub(crate) const fn has_reached(index: SampleIndex, at: SampleIndex) -> bool {
+pub const fn has_reached(index: SampleIndex, at: SampleIndex) -> bool {
     index.0.wrapping_sub(at.0) <= u32::MAX / 2
 }
 
 /// Detector of gaps: the index that is due.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub(crate) struct GapDetector(Option<SampleIndex>);
+pub struct GapDetector(Option<SampleIndex>);
 
 impl GapDetector {
     /// Index that is due; none before the first sample.
-    pub(crate) const fn next(self) -> Option<SampleIndex> {
+    pub const fn next(self) -> Option<SampleIndex> {
         self.0
     }
 
     /// Takes consecutive samples and returns how they follow those before.
-    pub(crate) fn take(&mut self, first: SampleIndex, count: u32) -> Continuity {
+    pub fn take(&mut self, first: SampleIndex, count: u32) -> Continuity {
         let due = self.0.replace(first.plus(count));
         let Some(due) = due else {
             return Continuity::Next;
