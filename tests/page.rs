@@ -239,7 +239,6 @@ fn a_session_is_recorded_and_what_a_killed_tab_had_written_becomes_the_same_reco
     assert_eq!(kept["files"], json!([format!("{name}_1.csv")]));
     tab.request(now, br#"{"do":"keep"}"#, &[]);
     let whole = given(&taken(&mut tab));
-    assert_eq!(whole[0].subject, "synthetic/anna");
     assert!(
         whole[0].samples.len() > 59 * 200,
         "{}",

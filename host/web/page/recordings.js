@@ -68,6 +68,8 @@ export class Recordings {
       this.#tab.say({ do: "record", person, protocol: find("protocol").value, time: Date.now() });
       this.#tab.records();
       this.#dialog.close();
+      // The keys are the session's.
+      find("use-record").blur();
     }
   }
 

@@ -155,20 +155,22 @@ impl ScoredPipeline {
         let mut report = self.pipeline.take_calibration_report()?;
         if let Some(memory) = self.pipeline.take_learnt() {
             let head: &Head = Box::leak(Box::new(memory.head().clone()));
+            let alignment = memory.alignment();
             self.pipeline.lend(memory);
-            self.put(now, Some(head));
+            self.put(now, Some(head), alignment);
             report.state = CalibrationState::Done;
         }
         self.calibration.event(at, report, self.head.is_some())
     }
 
-    /// Puts a head in use; none for the model's own.
-    fn put(&mut self, now: Millis, head: Option<&'static Head>) {
+    /// Puts a head in use, with the alignment under which it was learnt; none for the model's own.
+    fn put(&mut self, now: Millis, head: Option<&'static Head>, alignment: Alignment) {
         let encoder = head.map_or(self.encoder, |head| self.encoder.with_head(head));
         let header = &self.model.header;
         let input = Input {
             preprocessing: header.preprocessing,
             template: header.template,
+            alignment,
         };
         let observed = ObservedEncoder::new(encoder, self.outputs);
         let _ = self.pipeline.suspend(now);
@@ -256,7 +258,7 @@ impl ScoredPipeline {
         };
         match command {
             CalibrateCommand::Begin { others } => {
-                let begun = self.pipeline.begin_calibration(now, others);
+                let begun = self.pipeline.begin_calibration(now, others, Arm::Unknown);
                 if begun.is_none() {
                     say(self, CalibrationState::Unavailable).map(emit);
                     return;
@@ -268,7 +270,7 @@ impl ScoredPipeline {
             CalibrateCommand::Cancel => drop(self.pipeline.cancel_calibration()),
             CalibrateCommand::Forget if self.head.is_some() => {
                 self.pipeline.cancel_calibration();
-                self.put(now, None);
+                self.put(now, None, Alignment::NONE);
                 let _ = self.pipeline.take_calibration_report();
                 say(self, CalibrationState::Idle).map(emit);
             }

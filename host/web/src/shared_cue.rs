@@ -56,10 +56,15 @@ impl SharedCue {
     /// Gesture asked for at a sample. Waits while the sample is too far ahead of the reader, at most for `patience`.
     pub fn at(&self, sample: SampleIndex, patience: Duration) -> Motion {
         let is_ahead = |state: &mut State| sample.since(state.unread) > AHEAD;
+        let mut state = self.state();
+        // A browser's worker has no clock to wait with, and reads each sample at once.
+        if !is_ahead(&mut state) {
+            return state.motion;
+        }
         let waited = self
             .0
             .has_read
-            .wait_timeout_while(self.state(), patience, is_ahead);
+            .wait_timeout_while(state, patience, is_ahead);
         waited.unwrap_or_else(PoisonError::into_inner).0.motion
     }
 

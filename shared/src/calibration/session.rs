@@ -136,7 +136,12 @@ impl Session {
         } else if !hold.exceeds(&self.rest) {
             return Progress::Weak;
         }
-        self.next_cue()
+        match self.next_cue() {
+            Progress::Next if cue == Shown::Intent(Intent::Open) && !self.is_judging => {
+                Progress::Opened(hold.profile())
+            }
+            next => next,
+        }
     }
 
     /// Patches of the cue.
@@ -154,10 +159,7 @@ impl Session {
         self.step += 1;
         // A round has a cue for each class, and a second rest.
         if self.step < self.classes + 1 + usize::from(self.others && !self.is_judging) {
-            return match cue {
-                Shown::Intent(Intent::Open) if !self.is_judging => Progress::Opened(hold.profile()),
-                _ => Progress::Next,
-            };
+            return Progress::Next;
         }
         if self.is_judging {
             return Progress::Judged;

@@ -44,10 +44,13 @@ fn a_gesture_is_recognised_when_its_label_begins_and_is_held() {
     assert_eq!(verdict(&half_of_it_with_the_tolerance), recognised(250));
 }
 
+/// Name, emitted labels with their samples, and what becomes of the gesture.
+type Case = (&'static str, &'static [(Label, usize)], Verdict);
+
 #[test]
 fn each_missed_gesture_has_its_reason() {
     use Verdict::{NoLabel, NotHeld, OtherLabel};
-    let cases: [(&str, &[(Label, usize)], Verdict); 10] = [
+    let cases: [Case; 10] = [
         ("none", &[(R, 1200)], NoLabel),
         // The label that was there before tells the user nothing.
         ("there before", &[(C, 1200)], NoLabel),
