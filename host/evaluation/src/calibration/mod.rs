@@ -221,7 +221,7 @@ fn hidden_vectors(
     Ok(vectors.collect::<Vec<_>>().split_off(WINDOW_PATCHES))
 }
 
-/// Judges a learnt head beside the model's own by the samples in these parts, as emitted.
+/// Judges a learnt head, aligned, beside the model's own, not aligned, by the samples in these parts, as emitted.
 fn judge(
     model: &Model<'_>,
     learnt: &Head,
@@ -231,7 +231,7 @@ fn judge(
 ) -> Result<Judgement, EvaluationError> {
     let classes = model.header.dimensions.vocabulary.classes();
     let settings = model.header.smoother.in_patches();
-    let emitted = |recording: &EvaluatedRecording, head| {
+    let emitted = |recording: &EvaluatedRecording, head, alignment| {
         let logits = logits_with(model, head, &input(model, recording, alignment))?;
         Ok::<_, EvaluationError>(smooth(&logits, recording.emg.len(), classes, settings)?.emitted)
     };
@@ -243,7 +243,10 @@ fn judge(
         };
         if let Entry::Vacant(entry) = labels.entry(part.recording) {
             let recording = recordings[part.recording];
-            entry.insert([emitted(recording, None)?, emitted(recording, Some(learnt))?]);
+            entry.insert([
+                emitted(recording, None, Alignment::NONE)?,
+                emitted(recording, Some(learnt), alignment)?,
+            ]);
         }
         let both = labels[&part.recording].each_ref();
         for sample in part.samples.clone() {
