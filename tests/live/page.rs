@@ -231,7 +231,7 @@ const FRAMES: &str = "new Promise((done) => { const gaps = []; let last = perfor
     requestAnimationFrame(frame); })";
 
 #[test]
-#[ignore = "a measurement: prints the delay from sample to screen with four more viewers (docs/live.md)"]
+#[ignore = "a measurement: prints the delay from sample to screen with four more viewers"]
 fn sample_to_screen_with_four_more_viewers() {
     let Some(mut browser) = Browser::start("sample_to_screen_with_four_more_viewers") else {
         return;
