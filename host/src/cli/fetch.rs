@@ -184,9 +184,6 @@ fn published() -> Table {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::mpsc;
-    use std::time::Duration;
-
     use super::*;
 
     /// Writes a tar archive of these files.
