@@ -293,6 +293,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
                 Then::Encode => self.encode_anew(),
                 Then::Align(profile) => self.align_by(profile),
             }
+            self.undo_alignment();
         }
         None
     }
@@ -347,7 +348,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         self.behind = 0;
         self.label = None;
         self.hold_lock(true);
-        self.calibration.end(CalibrationState::Interrupted);
+        self.end_calibration(CalibrationState::Interrupted);
         self.interrupt_alignment();
         self.restart_model();
     }

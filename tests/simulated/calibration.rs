@@ -241,6 +241,33 @@ fn an_armband_that_is_turned_or_on_the_other_arm_ends_calibrated_like_any_other(
 }
 
 #[test]
+fn a_calibration_that_ends_without_a_head_leaves_the_alignment_as_it_was() {
+    let placed = Alignment::new(3, true);
+    let turned = samples().into_iter();
+    let bench = Bench {
+        samples: turned.map(|own| placed.inverse().apply(own)).collect(),
+        ..Bench::new()
+    };
+    // In the first closing: the opening has aligned the armband.
+    let at = AT + 7 * CUE / 4;
+    let commands = [
+        (AT, "CALIBRATE,begin"),
+        (at, "ALIGN,state"),
+        (at + 1, "CALIBRATE,cancel"),
+        (at + 200, "ALIGN,state"),
+    ];
+    let ran = bench.run(&[], "", &commands).unwrap();
+    ran.check(false).unwrap();
+    let expected = [
+        BEGUN,
+        "OK,ALIGN,3,1",
+        "OK,CALIBRATE,cancelled,close,-,-,0",
+        "OK,ALIGN,0,0",
+    ];
+    assert_eq!(ran.answers(), expected);
+}
+
+#[test]
 fn lost_packets_are_borne_and_a_gap_ends_a_calibration_without_a_change() {
     let bench = Bench::new();
     let drops: Vec<_> = (410..3800)

@@ -156,7 +156,7 @@ impl<E: Encode> Pipeline<'_, E> {
     /// arm, whatever the alignment in force says.
     pub fn begin_alignment(&mut self, arm: Arm) {
         self.end_alignment();
-        self.calibration.end(CalibrationState::Cancelled);
+        self.end_calibration(CalibrationState::Cancelled);
         let placement = &mut self.placement;
         placement.view = View::default();
         let state = if placement.template.is_some() {
@@ -179,7 +179,7 @@ impl<E: Encode> Pipeline<'_, E> {
     /// Puts an alignment in force, such as one that was stored, and ends one in progress.
     pub fn set_alignment(&mut self, alignment: Alignment) {
         self.end_alignment();
-        self.calibration.end(CalibrationState::Cancelled);
+        self.end_calibration(CalibrationState::Cancelled);
         self.placement.news = Some(News::of(AlignmentState::Set, 0));
         self.realign(alignment);
     }

@@ -4,7 +4,7 @@ use super::{Pipeline, Reports, Smoother};
 use crate::calibration::{Memory, Progress, REACTION, Session, Shown};
 use crate::intent::Intent;
 use crate::model::Encode;
-use crate::stream::alignment::{Arm, Profile};
+use crate::stream::alignment::{Alignment, Arm, Profile};
 use crate::stream::safe_state::Event;
 use crate::stream::smoother::Decision;
 use crate::uart_line::calibration::{CalibrationReport, CalibrationState};
@@ -19,6 +19,8 @@ pub(super) struct Calibration<'s> {
     /// A head was learnt, and is not in use yet.
     has_learnt: bool,
     news: Option<CalibrationReport>,
+    /// Alignment from before a calibration that ended without a head: to be put in force again.
+    before: Option<Alignment>,
 }
 
 /// What a patch asks of the pipeline.
@@ -44,6 +46,8 @@ struct Course {
     opened: SampleIndex,
     /// The armband was aligned by that opening.
     is_realigned: bool,
+    /// Alignment in force when the calibration began.
+    before: Alignment,
 }
 
 impl Calibration<'_> {
@@ -59,8 +63,9 @@ impl Calibration<'_> {
     }
 
     /// Ends a calibration in progress: nothing changes.
-    pub(super) fn end(&mut self, state: CalibrationState) {
+    fn end(&mut self, state: CalibrationState) {
         if let Some(course) = self.course.take() {
+            self.before = Some(course.before);
             self.news = Some(CalibrationReport::of(state, Some(course.session.cue())));
         }
     }
@@ -159,7 +164,8 @@ impl Calibration<'_> {
                 } else {
                     CalibrationState::Unusable
                 };
-                self.course = None;
+                let ended = self.course.take().filter(|_| !self.has_learnt);
+                self.before = ended.map(|course| course.before);
                 self.news = Some(CalibrationReport::judged(state, judgement.recalls()));
             }
         }
@@ -208,6 +214,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
             arm,
             opened: SampleIndex(0),
             is_realigned: false,
+            before: self.placement.current,
         });
         self.calibration.say_cue();
         let mut reports = Reports::default();
@@ -221,8 +228,23 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         if is_running {
             self.end_alignment();
         }
-        self.calibration.end(CalibrationState::Cancelled);
+        self.end_calibration(CalibrationState::Cancelled);
         is_running
+    }
+
+    /// Ends a calibration in progress: head and alignment are those from before it.
+    pub(super) fn end_calibration(&mut self, state: CalibrationState) {
+        self.calibration.end(state);
+        self.undo_alignment();
+    }
+
+    /// Puts the alignment from before a calibration in force again that ended without a head.
+    pub(super) fn undo_alignment(&mut self) {
+        if let Some(before) = self.calibration.before.take()
+            && before != self.placement.current
+        {
+            self.set_alignment(before);
+        }
     }
 
     /// The newest report about the calibration since the last call; to be called after every other method.

@@ -47,7 +47,7 @@ impl<E: Encode> Pipeline<'_, E> {
         let mut reports = self.tick(now);
         self.model = None;
         self.hold_lock(true);
-        self.calibration.end(CalibrationState::Interrupted);
+        self.end_calibration(CalibrationState::Interrupted);
         self.cancel_alignment();
         self.handle(now, event, &mut reports);
         reports
