@@ -127,7 +127,7 @@ fn the_simulated_arm_follows_a_calibration_whose_model_is_used_saved_and_taken_b
     };
     run(&mut tab, 5);
     tab.request(5000.0, br#"{"do":"calibrate","wish":"save"}"#, &[]);
-    assert_eq!(taken(&mut tab), [json!({}); 0]);
+    assert!(taken(&mut tab).is_empty());
     tab.request(5000.0, br#"{"do":"calibrate","wish":"begin"}"#, &[]);
     let messages = run(&mut tab, 34);
     let said: Vec<_> = messages
