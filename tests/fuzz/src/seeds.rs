@@ -82,7 +82,13 @@ fn record() -> Vec<u8> {
     let file = smallest(17);
     let model = Model::parse(&file).expect("a model");
     let head = Head::of(&model).expect("a narrow model");
-    calibration::to_record(&head, Alignment::new(3, true), model.checksum, &mut [0; calibration::RECORD_BYTES]).to_vec()
+    calibration::to_record(
+        &head,
+        Alignment::new(3, true),
+        model.checksum,
+        &mut [0; calibration::RECORD_BYTES],
+    )
+    .to_vec()
 }
 
 fn advertisements() -> Vec<Vec<u8>> {
