@@ -55,7 +55,8 @@ class RecordingsTest(unittest.TestCase):
 
     def test_movement_beside_a_recording_is_an_array_and_a_damaged_file_is_refused(self):
         for name in ("a", "b"):
-            rows = [f"0,{at},1,2,3,4,5,6,{ord(name)}" for at in range(-50, 50)] * 8
+            emg = np.random.default_rng(ord(name)).normal(size=(800, 8)) * 9
+            rows = [",".join(str(value) for value in (0, *sample)) for sample in emg.astype(int).tolist()]
             (self.folder / f"{name}.csv").write_text(HEADER + "\n".join(rows) + "\n")
         head = "row,w,x,y,z,acceleration_x,acceleration_y,acceleration_z,turn_x,turn_y,turn_z\n"
         movement = self.folder / "b.imu"
