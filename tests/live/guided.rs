@@ -7,7 +7,7 @@ use recordings::{LoadOptions, load};
 use serde_json::Value;
 
 use super::browser::Browser;
-use super::record::{SHORT, pictures, record, step};
+use super::record::{pictures, record, short_with_point, step};
 use super::viewer::Viewer;
 
 #[test]
@@ -17,11 +17,7 @@ fn a_guided_session_in_a_browser_ends_with_a_tuned_model() {
         return;
     };
     let folder = tempfile::tempdir().unwrap();
-    // With a movement that means nothing in each round.
-    let protocol = SHORT
-        .replace("\"relax\"]", "\"relax\", \"point\", \"relax\"]")
-        .replace("[seconds]", "[seconds]\npoint = 3");
-    let live = record(folder.path(), Source::Demo, &protocol, 8);
+    let live = record(folder.path(), Source::Demo, &short_with_point(), 8);
     browser.look(1440, 900, "light", "no-preference");
     browser.open(live.url());
     browser.wait_for("document.getElementById('source')?.dataset.state === 'connected'");

@@ -109,6 +109,13 @@ pub fn step(name: &str, state: &str) -> String {
     format!("document.getElementById('step-{name}')?.dataset.state === '{state}'")
 }
 
+/// The short protocol with a movement that means nothing in each round.
+pub fn short_with_point() -> String {
+    SHORT
+        .replace("\"relax\"]", "\"relax\", \"point\", \"relax\"]")
+        .replace("[seconds]", "[seconds]\npoint = 3")
+}
+
 /// Builds an expression that is true if an element can be seen.
 pub fn is_seen(id: &str) -> String {
     format!("document.getElementById('{id}')?.offsetParent instanceof Element")

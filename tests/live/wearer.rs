@@ -5,7 +5,7 @@ use myointent::live::Source;
 use super::browser::Browser;
 use super::demo_page;
 use super::page::VALID;
-use super::record::{SHORT, pictures, record};
+use super::record::{pictures, record, short_with_point};
 use super::sizes::WINDOWS;
 
 /// The parts of the view that are not in view as a whole, or cover each other.
@@ -85,10 +85,7 @@ fn in_a_session_the_wearer_sees_what_is_asked_for_and_no_verdict_of_movement_tha
         return;
     };
     let folder = tempfile::tempdir().unwrap();
-    let protocol = SHORT
-        .replace("\"relax\"]", "\"relax\", \"point\", \"relax\"]")
-        .replace("[seconds]", "[seconds]\npoint = 3");
-    let live = record(folder.path(), Source::Demo, &protocol, 2);
+    let live = record(folder.path(), Source::Demo, &short_with_point(), 2);
     browser.look(1366, 768, "light", "no-preference");
     browser.open(live.url());
     browser.wait_for(
