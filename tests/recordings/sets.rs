@@ -12,7 +12,7 @@ use shared::intent::Intent;
 
 use super::read;
 
-/// What is read of a set; `sets.toml` has those of all.
+/// Contents of a set as they are read; `sets.toml` has those of all.
 #[derive(Deserialize, PartialEq, Debug)]
 struct Contents {
     people: usize,

@@ -13,7 +13,7 @@ use super::pin_state::PinState;
 
 static SETTINGS: Mutex<CriticalSectionRawMutex, Cell<Settings>> =
     Mutex::new(Cell::new(Settings::OFF));
-/// What the pins show.
+/// State that the pins show.
 static SHOWN: Mutex<CriticalSectionRawMutex, Cell<PinState>> =
     Mutex::new(Cell::new(PinState::SAFE));
 static CHANGED: Signal<CriticalSectionRawMutex, ()> = Signal::new();

@@ -152,7 +152,7 @@ pub enum Event {
     Calibration {
         at: f64,
         state: &'static str,
-        /// What the wearer is asked for, for how many seconds, and what comes next; null where unknown.
+        /// Cue of the wearer, its seconds, and the next one; null where unknown.
         cue: Option<&'static str>,
         seconds: Option<f64>,
         next: Option<&'static str>,

@@ -31,7 +31,7 @@ pub struct Person {
     cues: Cues,
     /// Samples since the alignment in progress began.
     aligning: Option<usize>,
-    /// What a calibration in progress asks for.
+    /// Gesture that a calibration in progress asks for.
     calibrating: Option<Intent>,
 }
 

@@ -92,7 +92,7 @@ impl ViewerMessage {
     }
 }
 
-/// What a viewer wants of a calibration.
+/// Command of a viewer to a calibration.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CalibrationWish {

@@ -61,7 +61,7 @@ pub fn descriptor(devices: [bool; Device::ALL.len()], bytes: &mut [u8; DESCRIPTO
     &bytes[..length]
 }
 
-/// What the computer is told of a device.
+/// Report of a device to the computer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Report {
     device: Device,
@@ -114,7 +114,7 @@ const fn signed(size: u8, is_negative: bool) -> u8 {
 /// Finds which reports are to be sent.
 #[derive(Clone, Copy, Default, Debug)]
 pub struct Reporter {
-    /// What was sent last, where something is pressed.
+    /// Output that is pressed, with the report sent last; none while nothing is pressed.
     pressed: Option<(Output, Report)>,
     /// Whether that is released before anything else.
     is_interrupted: bool,

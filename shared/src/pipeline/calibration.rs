@@ -23,7 +23,7 @@ pub(super) struct Calibration<'s> {
     before: Option<Alignment>,
 }
 
-/// What a patch asks of the pipeline.
+/// Task that a patch leaves to the pipeline.
 pub(super) enum Then {
     /// Nothing.
     Nothing,
@@ -98,7 +98,7 @@ impl Calibration<'_> {
         }
     }
 
-    /// What is known of the arm, for an alignment.
+    /// Knowledge of the arm, for an alignment.
     pub(super) fn arm(&self) -> Arm {
         self.course.as_ref().map_or(Arm::Unknown, |own| own.arm)
     }

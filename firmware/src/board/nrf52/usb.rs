@@ -142,7 +142,7 @@ async fn run_once(usb: Peri<'_, USBD>) {
 struct Bus {
     is_configured: Cell<bool>,
     is_suspended: Cell<bool>,
-    /// What was pressed is to be released: the host has gone, or sleeps.
+    /// Whether to release what is pressed: the host has gone, or sleeps.
     interrupted: Cell<bool>,
 }
 

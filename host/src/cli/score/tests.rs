@@ -42,7 +42,7 @@ fn a_failed_transition_is_shown_with_its_reason() {
     assert_eq!(report["offset_ms"]["signed"]["mean"], 50.0);
 }
 
-/// What the program prints of these files.
+/// Scores of these files as the program prints them.
 fn scored(truth: &Path, prediction: &Path, more: &[&str]) -> String {
     let [truth, prediction] = [truth, prediction].map(|path| path.to_str().unwrap());
     let line = [

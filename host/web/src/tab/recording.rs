@@ -19,7 +19,7 @@ use crate::record::quality::judge;
 use crate::record::session::{Action, Input, View};
 use crate::request::SessionCommand;
 
-/// What a page asks of its recordings.
+/// Request of a page about its recordings.
 #[derive(Deserialize)]
 #[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
 pub enum RecordingRequest {
