@@ -603,7 +603,9 @@ fn a_session_is_recorded_in_the_file_and_a_tab_that_is_killed_loses_nothing() {
     browser.wait_for("document.getElementById('session').dataset.phase === 'cued' && document.getElementById('task').textContent === 'Make a fist'");
     let picture = Path::new(env!("CARGO_TARGET_TMPDIR")).join("page-session.png");
     browser.screenshot(&picture);
-    browser.value("location.reload()");
+    // The page before stays valid for a moment.
+    browser.value("window.isBefore = true; location.reload()");
+    browser.wait_for("window.isBefore === undefined");
     browser.wait_for(VALID);
     browser.value(CATCH);
     click(&mut browser, "use-record");
