@@ -1,4 +1,4 @@
-//! The compiler that builds for the Cortex-M4F, or for a browser, on this machine.
+//! The compiler that builds for the Cortex-M4F, for a browser or for 64-bit ARM, on this machine.
 //!
 //! First choice: the target that rustup downloads. Where there is no such download, Debian's packages:
 //! a compiler and the sources of its libraries, which cargo then builds for the target.
@@ -15,6 +15,12 @@ pub const TARGET: &str = "thumbv7em-none-eabihf";
 /// The target of the page that needs no program.
 pub const WEB: &str = "wasm32-unknown-unknown";
 
+/// The target of small computers, such as a Raspberry Pi.
+pub const ARM: &str = "aarch64-unknown-linux-gnu";
+/// Debian's linker for it, and what it needs.
+const ARM_LINKER: &str = "aarch64-linux-gnu-gcc";
+const ARM_PACKAGES: [&str; 2] = ["gcc-aarch64-linux-gnu", "libc6-dev-arm64-cross"];
+
 /// Debian's packages of compiler, cargo, sources of `core` and clippy.
 const DEBIAN_PACKAGES: [&str; 4] = ["rustc-web", "cargo-web", "rust-web-src", "rust-web-clippy"];
 const DEBIAN_CARGO: &str = "/usr/bin/cargo";
@@ -27,9 +33,9 @@ const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
 pub enum Toolchain {
     /// rustup has the libraries for the target.
     Rustup,
-    /// Debian's compiler builds the libraries from source and links with the given `rust-lld`.
+    /// Debian's compiler builds the libraries from source and uses the given linker.
     Debian {
-        /// The linker, which is in no package of Debian's: that of rustup's toolchain.
+        /// The linker: `rust-lld`, which is in no package of Debian's, of rustup's toolchain, or a compiler.
         linker: PathBuf,
     },
 }
@@ -42,7 +48,11 @@ pub fn find(target: &str, install: bool) -> Result<Toolchain> {
     if rustup_has(target) {
         return Ok(Toolchain::Rustup);
     }
-    let missing = debian::missing(&DEBIAN_PACKAGES);
+    let mut packages = DEBIAN_PACKAGES.to_vec();
+    if target == ARM {
+        packages.extend(ARM_PACKAGES);
+    }
+    let missing = debian::missing(&packages);
     if !missing.is_empty() {
         let command = debian::install_command(&missing);
         ensure!(
@@ -52,9 +62,11 @@ pub fn find(target: &str, install: bool) -> Result<Toolchain> {
         );
         debian::install(&missing)?;
     }
-    Ok(Toolchain::Debian {
-        linker: rust_lld()?,
-    })
+    let linker = match target {
+        TARGET | WEB => rust_lld()?,
+        _ => ARM_LINKER.into(),
+    };
+    Ok(Toolchain::Debian { linker })
 }
 
 /// Runs the firmware on a board, by cargo with these further arguments. First checks what cargo would find missing only
@@ -83,32 +95,45 @@ pub fn run_on_board(arguments: &[String]) -> Result<()> {
 impl Toolchain {
     /// A cargo command for a target with this toolchain; the package is to be added.
     pub fn cargo(&self, subcommand: &str, target: &str) -> Command {
-        let mut cargo = match self {
-            Self::Rustup => Command::new(env!("CARGO")),
-            Self::Debian { .. } if subcommand == "clippy" => Command::new(DEBIAN_CLIPPY),
-            Self::Debian { .. } => Command::new(DEBIAN_CARGO),
+        let program = match self {
+            Self::Rustup => env!("CARGO"),
+            Self::Debian { .. } if subcommand == "clippy" => DEBIAN_CLIPPY,
+            Self::Debian { .. } => DEBIAN_CARGO,
         };
-        cargo.args([subcommand, "--target", target]);
-        if let Self::Debian { linker } = self {
-            // build-std is unstable; RUSTC_BOOTSTRAP permits it on a stable compiler.
-            let libraries = if target == WEB {
-                "build-std=std,panic_abort"
-            } else {
-                "build-std=core,alloc"
-            };
+        let mut cargo = Command::new(program);
+        cargo.arg(subcommand);
+        self.build_for(target, &mut cargo);
+        cargo
+    }
+
+    /// Has a command that builds, cargo or one that calls it, build for a target.
+    pub fn build_for(&self, target: &str, command: &mut Command) {
+        command.args(["--target", target]);
+        let linker = match self {
+            Self::Debian { linker } => Some(linker.as_path()),
+            Self::Rustup => (target == ARM).then(|| Path::new(ARM_LINKER)),
+        };
+        if let Some(linker) = linker {
             let name = target.to_uppercase().replace('-', "_");
-            cargo
+            command.env(format!("CARGO_TARGET_{name}_LINKER"), linker);
+        }
+        if let Self::Debian { .. } = self {
+            // build-std is unstable; RUSTC_BOOTSTRAP permits it on a stable compiler.
+            let libraries = match target {
+                TARGET => "build-std=core,alloc",
+                WEB => "build-std=std,panic_abort",
+                _ => "build-std=std,panic_abort,panic_unwind",
+            };
+            command
                 .args(["-Z", libraries])
                 .env("RUSTC_BOOTSTRAP", "1")
-                .env("RUSTC", DEBIAN_RUSTC)
-                .env(format!("CARGO_TARGET_{name}_LINKER"), linker);
+                .env("RUSTC", DEBIAN_RUSTC);
             // Set by the cargo that runs this program, for rustup's compiler.
             for name in ["RUSTUP_TOOLCHAIN", "RUSTC_WRAPPER", "RUSTDOC"] {
-                cargo.env_remove(name);
+                command.env_remove(name);
             }
-            cargo.env("CARGO", DEBIAN_CARGO);
+            command.env("CARGO", DEBIAN_CARGO);
         }
-        cargo
     }
 }
 

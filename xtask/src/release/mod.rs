@@ -13,7 +13,8 @@ use sha2::{Digest as _, Sha256};
 use shared::uf2::Uf2;
 
 use crate::firmware::Image;
-use crate::{merge, page, target, uf2, workspace};
+use crate::toolchain::{self, ARM};
+use crate::{cross_target, merge, page, target, uf2, workspace};
 
 /// List of the checksums.
 const SUMS: &str = "SHA256SUMS";
@@ -29,6 +30,8 @@ enum Part {
     Program,
     /// The Python package for this system.
     Wheel,
+    /// The Python package for 64-bit ARM, built on another Linux.
+    ArmWheel,
     /// Licences and packages of all that is linked, what the files are, checksums of the folder.
     Papers,
 }
@@ -65,7 +68,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         match part {
             Part::Boards => boards(out, arguments.install)?,
             Part::Program => program(out)?,
-            Part::Wheel => wheel(out)?,
+            Part::Wheel => wheel(out, &mut maturin())?,
+            Part::ArmWheel => {
+                let mut maturin = maturin();
+                maturin.env("CARGO_TARGET_DIR", cross_target());
+                toolchain::find(ARM, arguments.install)?.build_for(ARM, &mut maturin);
+                wheel(out, &mut maturin)?;
+            }
             Part::Papers => papers(out)?,
         }
     }
@@ -128,10 +137,20 @@ fn program(out: &Path) -> Result<()> {
     let built = target()
         .join("release")
         .join(format!("myointent{EXE_SUFFIX}"));
-    let file = out.join(format!("myointent-{}{EXE_SUFFIX}", system()?));
+    let file = out.join(program_name(&system()?));
     fs::copy(&built, &file).with_context(|| format!("{} cannot be kept", built.display()))?;
     println!("{}", file.display());
     Ok(())
+}
+
+/// Name of the program's file for a target triple, which `cargo binstall` downloads.
+fn program_name(target: &str) -> String {
+    let suffix = if target.contains("windows") {
+        ".exe"
+    } else {
+        ""
+    };
+    format!("myointent-{target}{suffix}")
 }
 
 /// Target triple of this system.
@@ -143,22 +162,22 @@ fn system() -> Result<String> {
     Ok(host.context("rustc names no host")?.to_owned())
 }
 
-/// By the `maturin` of the package's tests, or the one on the path.
-fn wheel(out: &Path) -> Result<()> {
+/// The `maturin` of the package's tests, or the one on the path, as it builds a wheel.
+fn maturin() -> Command {
     let own = target().join("python/bin/maturin");
-    let maturin = if own.is_file() { own } else { "maturin".into() };
-    let package = workspace().join("host/python");
-    fs::write(
-        package.join("LICENSES.txt"),
-        packages::licences(&packages::linked()?)?,
-    )?;
-    let mut maturin = Command::new(maturin);
+    let mut maturin = Command::new(if own.is_file() { own } else { "maturin".into() });
+    maturin.args(["build", "--release", "--locked"]);
     maturin
-        .args(["build", "--release", "--locked", "--manifest-path"])
-        .arg(package.join("Cargo.toml"))
-        .arg("--out")
-        .arg(out);
-    done(&mut maturin)
+}
+
+fn wheel(out: &Path, maturin: &mut Command) -> Result<()> {
+    let package = workspace().join("host/python");
+    let licences = packages::licences(&packages::linked()?)?;
+    fs::write(package.join("LICENSES.txt"), licences)?;
+    maturin
+        .arg("--manifest-path")
+        .arg(package.join("Cargo.toml"));
+    done(maturin.arg("--out").arg(out))
 }
 
 fn papers(out: &Path) -> Result<()> {
@@ -231,6 +250,39 @@ mod tests {
              d87e42502bf2a39712923d588549e047bda4b35dd0ae606380dfb3cff969d836  b\n"
         );
         fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn cargo_binstall_downloads_a_file_of_the_release() {
+        let manifest = include_str!("../../../host/Cargo.toml");
+        let metadata = |key: &str| {
+            let mut lines = manifest.lines();
+            let value = lines.find_map(|line| line.strip_prefix(key)?.strip_prefix(" = \""));
+            value.and_then(|own| own.strip_suffix('"')).unwrap()
+        };
+        assert_eq!(metadata("pkg-fmt"), "bin");
+        let version = env!("CARGO_PKG_VERSION");
+        let url = metadata("pkg-url").replace("{ version }", version);
+        let url = url.replace("{ repo }", env!("CARGO_PKG_REPOSITORY"));
+        let files = include_str!("../../../.github/release.md");
+        for (target, suffix) in [
+            ("x86_64-unknown-linux-gnu", ""),
+            ("aarch64-unknown-linux-gnu", ""),
+            ("aarch64-apple-darwin", ""),
+            ("x86_64-apple-darwin", ""),
+            ("x86_64-pc-windows-msvc", ".exe"),
+        ] {
+            let url = url.replace("{ bin }", "myointent");
+            let url = url.replace("{ target }", target);
+            let url = url.replace("{ binary-ext }", suffix);
+            let name = program_name(target);
+            let repository = "https://github.com/myointent/myointent";
+            assert_eq!(
+                url,
+                format!("{repository}/releases/download/v{version}/{name}")
+            );
+            assert!(files.contains(&format!("`{name}`")), "{name}");
+        }
     }
 
     #[test]
