@@ -237,6 +237,14 @@ mod tests {
     }
 
     #[test]
+    fn the_changelog_has_this_version() {
+        let changelog = include_str!("../../../CHANGELOG.md");
+        let done = changelog.replace("\n## Unreleased\n", "\n");
+        let version = env!("CARGO_PKG_VERSION");
+        agree(&format!("v{version}"), version, &done).unwrap();
+    }
+
+    #[test]
     fn sums_are_those_of_sha256sum_and_leave_themselves_out() {
         let folder = env::temp_dir().join(format!("xtask-release-{}", std::process::id()));
         fs::create_dir_all(&folder).unwrap();
