@@ -9,6 +9,8 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use myointent::cli::replay;
+use myointent_tests::chip::{self, Board, Setting};
+use nrf52::time::HZ;
 use recordings::synthetic::{self, SynthOptions};
 use recordings::{LoadOptions, load, load_bytes};
 use serde_json::{Value, json};
@@ -24,6 +26,7 @@ use shared::units::{Sample, SampleIndex};
 use web::SHIPPED;
 use web::event::Event;
 use web::tab::{Tab, Wanted};
+use xtask::firmware::Image;
 
 use self::browser::{Browser, Kind};
 
@@ -333,6 +336,13 @@ fn click(browser: &mut Browser, id: &str) {
 }
 
 /// Script with fakes of both kinds of devices.
+/// The fakes of devices, with what they play.
+fn fakes(board: &Value, pairs: &[&[i8]]) -> String {
+    let armband = json!({ "pairs": pairs, "period": 10 });
+    let fakes = include_str!("page/devices.js");
+    format!("{{ const BOARD = {board}; const ARMBAND = {armband};\n{fakes} }}")
+}
+
 fn devices() -> String {
     let samples = samples(60);
     let pairs: Vec<&[i8]> = samples
@@ -384,9 +394,7 @@ fn devices() -> String {
     let board = json!({
         "lines": lines, "period": 10, "identity": identity.to_string(), "calibration": answers,
     });
-    let armband = json!({ "pairs": pairs, "period": 10 });
-    let fakes = include_str!("page/devices.js");
-    format!("{{ const BOARD = {board}; const ARMBAND = {armband};\n{fakes} }}")
+    fakes(&board, &pairs)
 }
 
 #[test]
@@ -585,6 +593,77 @@ fn a_board_streams_into_the_file_and_may_be_unplugged() {
     browser.wait_for("port.written.includes('$RAW,off') && port.readable === null");
     browser.wait_for(&format!("{CONNECTED} && {VALID}"));
     assert_eq!(browser.complaints, [""; 0]);
+}
+
+#[test]
+fn a_dropped_model_is_installed_on_the_emulated_board() -> anyhow::Result<()> {
+    let name = "a_dropped_model_is_installed_on_the_emulated_board";
+    let Some(image) = chip::image(name, Image::Nrf52840S140) else {
+        return Ok(());
+    };
+    let Some(mut browser) = open(Kind::Chromium, name, &fakes(&Value::Null, &[])) else {
+        return Ok(());
+    };
+    let samples = samples(120);
+    let setting = Setting {
+        samples,
+        ..Setting::default()
+    };
+    let mut board = Board::new(Image::Nrf52840S140, image, setting);
+    browser.wait_for(CONNECTED);
+    click(&mut browser, "use-board");
+    // The cable: the chip's time goes on while the page is asked.
+    let mut passed = (0, 0);
+    let mut until = |browser: &mut Browser, expression: &str| -> anyhow::Result<()> {
+        let end = board.machine.now() + 120 * HZ;
+        loop {
+            let line = board.text_from(passed.0);
+            let heard = json!(line);
+            let turn = format!(
+                "[port.hear({heard}), port.written.slice({}), {expression}]",
+                passed.1
+            );
+            let value = browser.value(&turn);
+            let written = value[1].as_str().unwrap();
+            passed = (passed.0 + line.len(), passed.1 + written.len());
+            board.send_bytes(written.bytes());
+            if value[2] == true {
+                return Ok(());
+            }
+            anyhow::ensure!(
+                board.machine.now() < end,
+                "not in 120 s of the board: {expression}"
+            );
+            board.run_ms(20)?;
+        }
+    };
+    let scores = |count| {
+        format!("{CONNECTED} && document.getElementById('legend').childElementCount === {count}")
+    };
+    browser.wait_for("window.port?.readable != null");
+    until(&mut browser, &scores(4))?;
+    let model =
+        std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/five-class.intent"))?;
+    let bytes = json!(model);
+    browser.value(&format!(
+        "(() => {{ window.confirm = () => true; const data = new DataTransfer(); \
+         data.items.add(new File([Uint8Array.from({bytes})], 'five.intent')); \
+         document.body.dispatchEvent(new DragEvent('drop', {{ dataTransfer: data, bubbles: true, cancelable: true }})); }})()"
+    ));
+    until(
+        &mut browser,
+        "!document.getElementById('onto-board').hidden",
+    )?;
+    until(
+        &mut browser,
+        "document.getElementById('notice').textContent.startsWith('Installed')",
+    )?;
+    // Its scores are those of the new model, and its labels go on.
+    until(&mut browser, &format!("{} && {VALID}", scores(6)))?;
+    let memory = board.machine.chip().bus.memory.clone();
+    assert_eq!(memory.read(chip::MODEL, model.len() as u32), Some(model));
+    assert_eq!(browser.complaints, [""; 0]);
+    Ok(())
 }
 
 #[test]

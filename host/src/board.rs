@@ -6,19 +6,18 @@ mod install;
 pub(crate) mod port;
 mod usb;
 
-pub use self::install::{ModelFile, install};
+pub use self::install::install;
+pub use web::installer::{InstallError, ModelFile};
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use serial2::SerialPort;
-use shared::model::file::ModelError;
 use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
 use shared::uart_line::answer::{Answer, Charge, Refusal};
 use shared::uart_line::command::{Command, NOBODY_HEARD};
 use shared::uart_line::line::{Line, LineReader};
-use shared::uf2::MODEL_REGION;
 
 /// Longest time that one read waits for bytes.
 const WAIT: Duration = Duration::from_millis(20);
@@ -71,57 +70,12 @@ pub enum BoardError {
     /// The board refuses.
     #[error("the board refuses: {0}")]
     Refused(#[from] Refusal),
-    /// The board cannot run a model.
-    #[error("the board cannot run this model, and is safe; it says: {reason}")]
-    Model {
-        /// Reason in the board's own words.
-        reason: String,
-    },
-    /// An installation makes no progress.
-    #[error(
-        "the board gets no further than block {furthest} of {of}, begun {begins} times: it restarts, or asks for the same blocks again and again; check its power supply"
-    )]
-    NoProgress {
-        /// Greatest number of blocks that the board had.
-        furthest: u32,
-        /// Number of blocks in the file.
-        of: u32,
-        /// Number of times the installation was begun without progress.
-        begins: u32,
-    },
-    /// The board says that the model is installed, but runs another one.
-    #[error(
-        "the board says that all is installed, but {}, expected {expected:08x}: close every other program that uses the port",
-        runs(*.found)
-    )]
-    OtherModel {
-        /// CRC-32 of the file.
-        expected: u32,
-        /// CRC-32 of the board's model; `None` if it runs no model.
-        found: Option<u32>,
-    },
     /// The caller stopped the installation.
     #[error("stopped before the board had all of it")]
     Stopped,
-    /// The file is not a model file, or no board has room for the model.
-    #[error("no board can run this file, and nothing was sent: {0}")]
-    Unfit(#[from] ModelError),
-    /// The file is longer than a board's flash region.
-    #[error(
-        "{length} bytes, a board has room for {}, and nothing was sent: train a smaller model",
-        MODEL_REGION.len()
-    )]
-    Long {
-        /// Length of the file in bytes.
-        length: usize,
-    },
-}
-
-fn runs(model: Option<u32>) -> String {
-    match model {
-        Some(model) => format!("runs model {model:08x}"),
-        None => "runs none".to_owned(),
-    }
+    /// The installation failed.
+    #[error(transparent)]
+    Install(#[from] InstallError),
 }
 
 /// Connection to a board on a serial port.
@@ -130,8 +84,6 @@ pub struct Board {
     path: PathBuf,
     port: SerialPort,
     reader: LineReader,
-    /// Reason why the board has refused a model, in its own words.
-    reason: Option<String>,
     /// Report of an alignment that ended as soon as it began; cleared by the next command.
     unavailable: Option<AlignmentReport>,
     /// Whether a pairing has ended because no armband was heard.
@@ -152,7 +104,6 @@ impl Board {
             path: path.to_owned(),
             port,
             reader: LineReader::new(),
-            reason: None,
             unavailable: None,
             has_heard_nobody: false,
         })
@@ -171,9 +122,7 @@ impl Board {
         let (mut refused, mut other) = (None, None);
         self.unavailable = None;
         for _ in 0..ATTEMPTS {
-            self.port
-                .write_all(command.to_string().as_bytes())
-                .map_err(|source| self.lost(source))?;
+            self.send(command)?;
             let answer = self.wait(ANSWER, |line| match line {
                 Line::Answer(answer) if !answer.answers(command) => {
                     other = Some(answer.to_string());
@@ -210,6 +159,13 @@ impl Board {
         })
     }
 
+    fn send(&self, command: Command) -> Result<(), BoardError> {
+        let line = command.to_string();
+        self.port
+            .write_all(line.as_bytes())
+            .map_err(|source| self.lost(source))
+    }
+
     /// Asks how the board's own battery is charged; none if it does not measure that, or is older than the question.
     ///
     /// # Errors
@@ -244,9 +200,6 @@ impl Board {
                     // A damaged line is dropped: its command is sent again.
                     if let Some(Ok(line)) = self.reader.push(byte[0]) {
                         match line {
-                            Line::Comment(text) if text.starts_with(" model refused: ") => {
-                                self.reason = Some(text.trim().to_owned());
-                            }
                             Line::Comment(_) if line.to_string() == NOBODY_HEARD => {
                                 self.has_heard_nobody = true;
                             }

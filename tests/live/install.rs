@@ -6,7 +6,7 @@ use std::process::{Child, Command as Process, ExitCode, Stdio};
 use std::time::{Duration, Instant};
 
 use clap::Parser as _;
-use myointent::board::{BoardError, ModelFile, install};
+use myointent::board::{BoardError, InstallError, ModelFile, install};
 use myointent::cli::Cli;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -268,7 +268,7 @@ fn a_file_that_no_board_can_run_is_refused_before_anything_is_sent() {
         b"",
         b"a file",
     ] {
-        assert!(matches!(ModelFile::new(wrong), Err(BoardError::Unfit(_))));
+        assert!(matches!(ModelFile::new(wrong), Err(InstallError::Unfit(_))));
     }
     assert!(ModelFile::new(&new).is_ok());
 }

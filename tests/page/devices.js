@@ -1,5 +1,6 @@
 // Fakes of Web Bluetooth and Web Serial, stricter than a browser: whatever a browser may refuse, they refuse.
-// A test sets BOARD: { lines, period, identity, calibration }, and ARMBAND: { pairs, period }.
+// A test sets BOARD: { lines, period, identity, calibration }, null for a board that the test plays itself with `written`
+// and `hear`; and ARMBAND: { pairs, period }.
 
 const refuse = (name, text) => {
   throw new DOMException(text, name);
@@ -16,7 +17,7 @@ class Port {
   #timer = null;
   #isReady = false;
   /** Its next answers about the calibration; the last one stays. */
-  #calibration = BOARD.calibration.slice(0, 1);
+  #calibration = BOARD?.calibration.slice(0, 1);
   readable = null;
   writable = null;
 
@@ -35,17 +36,23 @@ class Port {
   #command(text) {
     this.written += text;
     needs(/^(\$[^\r\n]+\*[0-9A-F]{2}\r\n)+$/.test(text), "DataError", `no command: ${text}`);
+    if (BOARD) {
+      this.#answer(text);
+    }
+  }
+
+  #answer(text) {
     if (text.startsWith("$IDENTIFY")) {
-      this.#send(BOARD.identity);
+      this.hear(BOARD.identity);
     }
     if (text.startsWith("$CALIBRATE")) {
       this.#calibration = { begin: BOARD.calibration.slice(1), forget: BOARD.calibration.slice(0, 1) }[text.slice(11).split("*")[0]] ?? this.#calibration;
-      this.#send(this.#calibration.length > 1 ? this.#calibration.shift() : this.#calibration[0]);
+      this.hear(this.#calibration.length > 1 ? this.#calibration.shift() : this.#calibration[0]);
     }
     if (text.startsWith("$RAW,on") && this.#timer === null && this.#isReady) {
       let next = 0;
       this.#timer = setInterval(() => {
-        this.#send(BOARD.lines[next]);
+        this.hear(BOARD.lines[next]);
         next += 1;
         if (next === BOARD.lines.length) {
           clearInterval(this.#timer);
@@ -58,7 +65,7 @@ class Port {
   }
 
   /** Sends a text, cut where a cable would cut it: anywhere. */
-  #send(text) {
+  hear(text) {
     const bytes = new TextEncoder().encode(text);
     const cut = bytes.length >> 1;
     for (const part of [bytes.slice(0, cut), bytes.slice(cut)]) {

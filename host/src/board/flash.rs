@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use shared::uf2::{MODEL_REGION, PROGRAM_REGION, Uf2, Uf2Error};
 
 use super::drive::{Drive, FIRST};
-use super::{BoardError, ModelFile};
+use super::{BoardError, InstallError, ModelFile};
 pub use search::{PATIENCE, Search};
 
 /// Board with USB that there is firmware for.
@@ -135,7 +135,7 @@ pub enum FlashError {
         path: PathBuf,
         /// Reason of the refusal.
         #[source]
-        source: BoardError,
+        source: InstallError,
     },
     /// The model does not fit, or no board can run it.
     #[error(transparent)]
@@ -283,11 +283,12 @@ impl Content {
             }
         }
         if let Some(model) = model {
-            let checked = ModelFile::new(model)?;
-            file.put_model(checked.bytes())
-                .map_err(|_| BoardError::Long {
+            let checked = ModelFile::new(model).map_err(BoardError::from)?;
+            file.put_model(checked.bytes()).map_err(|_| {
+                BoardError::from(InstallError::Long {
                     length: model.len(),
-                })?;
+                })
+            })?;
         }
         let held = file.bytes(MODEL_REGION);
         let model = match ModelFile::new(&held) {

@@ -46,6 +46,7 @@ export const ENGLISH_SESSION = {
   "note": "note", "warning": "warning", "serious": "please fix",
   "tuning.running": "Tuning:", "tuning.better": "The tuned model is kept:", "tuning.worse": "The old model stays:", "tuning.failed": "Not tuned:",
   "installing.running": "Installing:", "installing.done": "Installed:", "installing.failed": "Not installed:",
+  "install.sure": "Install {name} on the board? Its outputs are safe until it has all of it.",
   "copy": "Copy", "copy.what": "Copy: {what}", "copied": "Copied", "selected": "Selected",
   "cmd.same": "the same as the button, in a terminal", "cmd.put": "put it on the board", "cmd.look": "or look at it first", "cmd.inspect": "look at all recordings of this person",
   "h.title": "Record of sessions", "h.person": "Person: {name}", "h.print": "Print", "h.none": "No session is kept in this folder yet.", "h.back": "Back",

@@ -78,6 +78,8 @@ export const GERMAN_PROGRAM = {
   // Installing.
   "waiting for the board": "wartet auf die Platine", "outputs are safe until the board has all of it": "die Ausgänge sind sicher, bis die Platine alles hat", "a model is being installed": "ein Modell wird aufgespielt",
   "model {1} is on the board and in use": "Modell {1} ist auf der Platine und gilt",
+  "the model is on the board and in use": "das Modell ist auf der Platine und gilt",
+  "no answer: is the board powered, and does no other program read its port?": "keine Antwort: hat die Platine Strom, und liest kein anderes Programm mit?",
   "{1}. Install again: it goes on where this one ended": "{1}. Noch einmal aufspielen: es geht weiter, wo dieses endete",
   "{1} cannot be opened: is it the board's port, and may this user open it?": "{1} lässt sich nicht öffnen: ist es der Anschluss der Platine, und darf dieser Benutzer es?",
   "{1} was lost: is the board still connected?": "{1} ging verloren: ist die Platine noch verbunden?",

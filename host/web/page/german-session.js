@@ -46,6 +46,7 @@ export const GERMAN_SESSION = {
   "note": "Hinweis", "warning": "Warnung", "serious": "bitte beheben",
   "tuning.running": "Anpassen:", "tuning.better": "Das angepasste Modell bleibt:", "tuning.worse": "Das alte Modell bleibt:", "tuning.failed": "Nicht angepasst:",
   "installing.running": "Aufspielen:", "installing.done": "Aufgespielt:", "installing.failed": "Nicht aufgespielt:",
+  "install.sure": "{name} auf die Platine spielen? Ihre Ausgänge sind sicher, bis sie alles hat.",
   "copy": "Kopieren", "copy.what": "Kopieren: {what}", "copied": "Kopiert", "selected": "Markiert",
   "cmd.same": "dasselbe wie der Knopf, im Terminal", "cmd.put": "auf die Platine spielen", "cmd.look": "oder zuerst ansehen", "cmd.inspect": "alle Aufnahmen dieser Person ansehen",
   "h.title": "Protokoll der Sitzungen", "h.person": "Person: {name}", "h.print": "Drucken", "h.none": "In diesem Ordner ist noch keine Sitzung.", "h.back": "Zurück",

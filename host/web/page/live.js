@@ -147,7 +147,14 @@ const TAKE = {
   lead: (message) => session.lead(message),
   kept: (message) => session.kept(message),
   tuning: (message) => session.tuning(message),
-  installing: (message) => session.installing(message),
+  installing(message) {
+    session.installing(message);
+    const { state, text, blocks, of } = message;
+    find("onto-board").hidden = find("sources").hidden || state !== "running";
+    find("onto-board").max = of || 1;
+    find("onto-board").value = blocks;
+    panel.notice(`${t(`installing.${state}`)} ${said(text)}`, state === "running" ? undefined : PASSING);
+  },
   comment: (message) => panel.number("comment", said(message.text)),
   refused: (message) => panel.notice(t("refused", { text: said(message.text) }), PASSING),
   skipped(message) {
@@ -170,7 +177,7 @@ function lost(text, advice) {
   connected = false;
   empty.gone(advice);
   panel.source("lost", text);
-  find("align").disabled = find("calibrate").disabled = true;
+  find("align").disabled = find("calibrate").disabled = find("onto-board").hidden = true;
   noStream();
 }
 

@@ -62,7 +62,11 @@ export class Sources {
     const bytes = new Uint8Array(await file.arrayBuffer());
     if (isModel(file.name)) {
       this.#tab.model(bytes);
-      this.begin();
+      if (document.body.dataset.kind !== "port" || find("source").dataset.state !== "connected") {
+        this.begin();
+      } else if (confirm(t("install.sure", { name: file.name }))) {
+        this.#tab.say({ do: "install" }, bytes);
+      }
     } else {
       this.#tab.open({ source: "recording", name: file.name }, { file: bytes });
     }

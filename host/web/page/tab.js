@@ -22,7 +22,7 @@ export class Tab {
     sources.begin();
   }
 
-  /** Passes on a message, and the journal that it is about. */
+  /** Passes on a message, and the journal or model that it is about. */
   say(message, file) {
     this.#worker?.postMessage({ request: JSON.stringify(message), file });
   }

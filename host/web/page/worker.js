@@ -40,7 +40,7 @@ onmessage = ({ data }) => {
     }));
   } else if (program) {
     if (data.file) {
-      give(encoder.encode(data.file));
+      give(typeof data.file === "string" ? encoder.encode(data.file) : data.file);
       program.file();
     }
     give(data.heard ?? encoder.encode(data.request));

@@ -6,6 +6,8 @@ use shared::units::Millis;
 use crate::calibration::Calibration;
 use crate::dialogue::{BoardEvent, Dialogue, Losses};
 use crate::event::Event;
+use crate::installer::{Installer, ModelFile};
+use crate::outcome::InstallationState;
 use crate::scored_pipeline::ScoredPipeline;
 
 /// State of a board before its first line.
@@ -49,6 +51,26 @@ impl<'c> Board<'c> {
     /// Losses on the line so far.
     pub const fn losses(&self) -> Losses {
         self.dialogue.losses()
+    }
+
+    /// Installs a model. Emits why it cannot.
+    pub fn install(&mut self, now: Millis, file: &[u8], emit: &mut dyn FnMut(Event)) {
+        match ModelFile::new(file) {
+            Ok(file) => self.dialogue.install(Installer::new(file, now)),
+            Err(error) => emit(Event::Installing(InstallationState::failed(&error))),
+        }
+    }
+
+    /// Emits what is new of an installation. Returns the file once the board runs it.
+    pub fn installation(&mut self, emit: &mut dyn FnMut(Event)) -> Option<&[u8]> {
+        let (state, file) = self.dialogue.installation()?;
+        emit(Event::Installing(state));
+        file
+    }
+
+    /// Takes another model for the scores.
+    pub fn score(&mut self, scored: &'c mut ScoredPipeline) {
+        self.scored = Some(scored);
     }
 
     /// Returns the next command that is due; to be called until no command is.

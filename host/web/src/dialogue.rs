@@ -12,6 +12,8 @@ use shared::units::{Millis, SampleIndex};
 
 use self::schedule::CommandSchedule;
 use crate::event::Event;
+use crate::installer::Installer;
+use crate::outcome::InstallationState;
 
 /// Time without a line after which no board is connected. A board answers every command.
 const SILENCE_MS: u32 = 5_000;
@@ -53,6 +55,8 @@ struct State {
     next_sample: Option<SampleIndex>,
     losses: Losses,
     reported: Option<Losses>,
+    /// Installation in progress or ended, and what viewers know of it.
+    installer: Option<(Installer, Option<InstallationState>)>,
 }
 
 /// Losses on the line.
@@ -78,6 +82,7 @@ impl Dialogue {
             next_sample: None,
             losses,
             reported: None,
+            installer: None,
         };
         let reader = LineReader::new();
         Self { reader, state }
@@ -97,8 +102,30 @@ impl Dialogue {
         self.state.last_line.is_some()
     }
 
+    /// Begins an installation. The board is asked for nothing else until it ends.
+    pub fn install(&mut self, installer: Installer) {
+        self.state.installer = Some((installer, None));
+    }
+
+    /// Returns what is new of the installation, and the file once it is in use.
+    pub fn installation(&mut self) -> Option<(InstallationState, Option<&[u8]>)> {
+        let (installer, known) = self.state.installer.as_mut()?;
+        let state = InstallationState::of(installer);
+        if known.as_ref() == Some(&state) {
+            return None;
+        }
+        *known = Some(state.clone());
+        let is_done = matches!(installer.end(), Some(Ok(())));
+        Some((state, is_done.then(|| installer.file())))
+    }
+
     /// Returns the next command that is due; to be called until no command is.
     pub fn command(&mut self, now: Millis) -> Option<Command> {
+        if let Some((installer, _)) = &mut self.state.installer
+            && installer.end().is_none()
+        {
+            return installer.command(now);
+        }
         self.state.schedule.command(now, self.state.last_samples)
     }
 
@@ -137,6 +164,9 @@ impl Dialogue {
 impl State {
     fn line(&mut self, now: Millis, at: f64, line: Line<'_>, output: &mut impl FnMut(BoardEvent)) {
         self.last_line = Some(now);
+        if let Some((installer, _)) = &mut self.installer {
+            installer.line(now, &line);
+        }
         let event = match line {
             Line::Report(report) => {
                 self.number(report.sequence, output);

@@ -20,6 +20,7 @@ pub mod electrodes;
 pub mod event;
 #[cfg(target_family = "wasm")]
 mod exports;
+pub mod installer;
 pub mod outcome;
 pub mod page;
 pub mod person;

@@ -3,6 +3,7 @@
 use recordings::Severity;
 use serde::Serialize;
 
+use crate::installer::Installer;
 use crate::record::quality::Quality;
 
 /// Finding as text, with its severity.
@@ -92,7 +93,7 @@ pub struct InstallationState {
     pub state: &'static str,
     /// Explanation and advice.
     pub text: String,
-    /// Number of blocks that the board has, and of all; 0 of 0 before the board was asked.
+    /// Part that the board has, and the whole; 0 of 0 before its first answer.
     pub blocks: u32,
     pub of: u32,
 }
@@ -107,4 +108,33 @@ impl InstallationState {
             of: 0,
         }
     }
+
+    /// State of an installation; its progress in whole percent.
+    pub fn of(installer: &Installer) -> Self {
+        let of = installer.of();
+        let percent = 100 * installer.blocks().unwrap_or(0) / of.max(1);
+        let (state, text) = match installer.end() {
+            None => ("running", SAFE.to_owned()),
+            Some(Ok(())) => ("done", "the model is on the board and in use".to_owned()),
+            Some(Err(error)) => return Self::failed(error),
+        };
+        Self {
+            state,
+            text,
+            blocks: percent,
+            of: if installer.blocks().is_some() { 100 } else { 0 },
+        }
+    }
+
+    /// State of an installation that has failed, or cannot begin.
+    pub fn failed(error: &dyn std::error::Error) -> Self {
+        Self {
+            state: "failed",
+            text: format!("{error}. Install again: it goes on where this one ended"),
+            ..Self::running("")
+        }
+    }
 }
+
+/// What a wearer knows of an installation in progress.
+const SAFE: &str = "outputs are safe until the board has all of it";

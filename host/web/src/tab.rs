@@ -318,10 +318,6 @@ impl Tab {
                 }
             }
             Running::Board { board, .. } => {
-                while let Some(command) = board.command(millis(now)) {
-                    let line = command.to_string();
-                    outputs.device(&ForDevice::Line { line });
-                }
                 if let Some(change) = board.change(millis(now)) {
                     let steps = if change.is_silent {
                         board::silent(PORT)
@@ -333,6 +329,7 @@ impl Tab {
                         &port_state(change.state.is_empty(), change.state, steps),
                     );
                 }
+                self.commands(now);
             }
             Running::Armband { due, scans, .. } => {
                 if now >= *due {
@@ -343,6 +340,28 @@ impl Tab {
                     self.handle(now, myo::Event::Tick);
                 }
             }
+        }
+    }
+
+    /// Sends the board the commands that are due, and says how an installation goes.
+    fn commands(&mut self, now: f64) {
+        let Running::Board {
+            board,
+            model,
+            is_same,
+        } = &mut self.running
+        else {
+            return;
+        };
+        let outputs = &mut self.outputs;
+        while let Some(command) = board.command(millis(now)) {
+            let line = command.to_string();
+            outputs.device(&ForDevice::Line { line });
+        }
+        let installed = board.installation(&mut |event| outputs.event(now, &event));
+        if let Some(Ok(scored)) = installed.map(ScoredPipeline::open) {
+            (*model, *is_same) = (*scored.model(), false);
+            board.score(Box::leak(Box::new(scored)));
         }
     }
 
@@ -367,6 +386,7 @@ impl Tab {
                         outputs.event(now, &event);
                     }
                 });
+                self.commands(now);
             }
             Running::Armband { .. } => {
                 if let Ok(event) = serde_json::from_slice(bytes) {
@@ -377,7 +397,7 @@ impl Tab {
         }
     }
 
-    /// Takes a message of the page; `file` is the journal that it is about, or empty.
+    /// Takes a message of the page; `file` is the journal or model that it is about, or empty.
     pub fn request(&mut self, now: f64, text: &[u8], file: &[u8]) {
         if let Ok(request) = serde_json::from_slice(text) {
             return self.record(now, request, file);
@@ -440,6 +460,16 @@ impl Tab {
                 Some(files) => self.outputs.made(files),
                 None => self.refuse(now, "recover"),
             },
+            RecordingRequest::Install => {
+                let outputs = &mut self.outputs;
+                match &mut self.running {
+                    Running::Board { board, .. } => {
+                        board.install(millis(now), file, &mut |event| outputs.event(now, &event));
+                        self.commands(now);
+                    }
+                    _ => self.refuse(now, "install"),
+                }
+            }
             RecordingRequest::Keep => {
                 for (name, content) in self.outputs.files.iter().flat_map(|own| &own.files) {
                     let (name, content) = (name.clone(), content.clone());

@@ -156,7 +156,10 @@ fn a_wrong_file_or_a_wrong_board_is_refused() {
     assert!(matches!(foreign, FlashError::Foreign { .. }), "{foreign}");
     let unfit = content(&release, Some(b"no model")).unwrap_err();
     assert!(
-        matches!(unfit, FlashError::Model(BoardError::Unfit(_))),
+        matches!(
+            unfit,
+            FlashError::Model(BoardError::Install(InstallError::Unfit(_)))
+        ),
         "{unfit}"
     );
 

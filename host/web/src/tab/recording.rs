@@ -19,7 +19,7 @@ use crate::record::quality::judge;
 use crate::record::session::{Action, Input, View};
 use crate::request::SessionCommand;
 
-/// Request of a page about its recordings.
+/// Request of a page about its files.
 #[derive(Deserialize)]
 #[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
 pub enum RecordingRequest {
@@ -37,6 +37,8 @@ pub enum RecordingRequest {
         /// Name of the journal.
         name: String,
     },
+    /// Install the model, whose bytes were given as a file, on the board.
+    Install,
     /// Give the newest recordings as files.
     Keep,
 }
