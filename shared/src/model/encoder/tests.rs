@@ -189,22 +189,6 @@ fn a_window_of_fewer_patches_than_the_receptive_field_does_not_suffice() {
 }
 
 #[test]
-fn a_reset_state_is_a_fresh_one() {
-    let (_, bytes) = random((16, 2, 27), 3);
-    let encoder = encoder(&bytes);
-    let (mut state, _) = recomputed(&encoder, &noisy_patches(70, 1));
-    state.reset();
-    let mut fresh = encoder.fresh();
-    for patch in noisy_patches(30, 2) {
-        let [reset, fresh] = [
-            encoder.step(&mut state, &patch),
-            encoder.step(&mut fresh, &patch),
-        ];
-        assert_eq!(bits(&[reset]), bits(&[fresh]));
-    }
-}
-
-#[test]
 fn the_state_of_a_device_has_its_stated_size() {
     let bytes = size_of::<DeviceState>();
     // Keys and values: 54 x 64 i16 and 54 x 4 scales each; then two indices.

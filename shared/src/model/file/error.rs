@@ -3,9 +3,9 @@
 use super::decimal::Decimal;
 use super::names::{Excerpt, TensorName};
 use super::{ALIGNMENT, FORMAT_VERSION, LARGEST, MAGIC};
-use crate::model::dimensions::{HEADS, MAX_LAYERS, MAX_SPAN, MAX_WIDTH, MIN_WIDTH};
+use crate::model::dimensions::{MAX_WIDTH, MIN_WIDTH};
 use crate::stream::alignment::TemplateError;
-use crate::units::{LOOK_BACK, MAX_ENTRY_MARGIN, MAX_HOLD, PATCH, SAMPLE_RATE_HZ, WINDOW_PATCHES};
+use crate::units::{LOOK_BACK, MAX_ENTRY_MARGIN, WINDOW_PATCHES};
 
 /// Why bytes are not a model for this program.
 #[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
@@ -69,23 +69,17 @@ pub enum ModelError {
         /// The file's width.
         found: usize,
     },
-    /// Unsupported number of attention heads.
-    #[error("{found} attention heads, this build has {HEADS}: train with {HEADS}")]
-    Heads {
-        /// The file's heads.
+    /// A number of the header out of its range.
+    #[error("{what} {found}, expected {least} to {most}: train or export it for this program")]
+    OutOfRange {
+        /// Name of the number.
+        what: &'static str,
+        /// The file's number.
         found: usize,
-    },
-    /// Unsupported number of layers.
-    #[error("{found} layers, expected 1 to {MAX_LAYERS}: train with fewer")]
-    Layers {
-        /// The file's layers.
-        found: usize,
-    },
-    /// Unsupported attention span.
-    #[error("attention span {found}, expected 1 to {MAX_SPAN}: train with a shorter span")]
-    Span {
-        /// The file's span.
-        found: usize,
+        /// Smallest number that is supported.
+        least: usize,
+        /// Largest number that is supported.
+        most: usize,
     },
     /// The logits would depend on more patches than the window has.
     #[error(
@@ -96,29 +90,11 @@ pub enum ModelError {
         /// Patches that the look-back outputs depend on.
         found: usize,
     },
-    /// Unsupported number of samples per patch.
-    #[error("patches of {found} samples, this build cuts {PATCH}: train with {PATCH}")]
-    Patch {
-        /// The file's patch.
-        found: usize,
-    },
-    /// Unsupported number of look-back rows.
-    #[error("{found} look-back rows, this build reads {LOOK_BACK}: train with {LOOK_BACK}")]
-    LookBack {
-        /// The file's rows.
-        found: usize,
-    },
     /// Unsupported number of classes.
     #[error("{found} classes, expected 3, 5 or 6: train one of the three vocabularies")]
     Classes {
         /// The file's classes.
         found: usize,
-    },
-    /// Unknown companding.
-    #[error("companding {found}, expected 0 (linear) or 1 (square root): update this program")]
-    Companding {
-        /// The file's code.
-        found: u8,
     },
     /// Number of class names.
     #[error("{found} class names for {expected} classes: export the model again")]
@@ -140,47 +116,11 @@ pub enum ModelError {
         /// The file's name.
         found: Excerpt,
     },
-    /// Unsupported sample rate.
-    #[error("{found} samples per second, the line runs at {SAMPLE_RATE_HZ}: train at that rate")]
-    SampleRate {
-        /// The file's rate.
-        found: u32,
-    },
     /// Unsupported width of the median.
     #[error("median of {found} samples, expected 3, or 1 for none: train with either")]
     MedianWidth {
         /// The file's width.
         found: u8,
-    },
-    /// Unsupported divisor of samples.
-    #[error("samples divided by {found}, the line divides by 128: train with that preprocessing")]
-    Divisor {
-        /// The file's divisor.
-        found: u8,
-    },
-    /// Unknown aggregation mode.
-    #[error(
-        "smoother aggregation mode {found}, expected 0 or 2 (all rows), 1 or 3 (same instant): update this program"
-    )]
-    AggregationMode {
-        /// The file's code.
-        found: u8,
-    },
-    /// Unsupported look-ahead.
-    #[error("look-ahead {found} samples, expected whole patches up to {most}: export with one")]
-    LookAhead {
-        /// Longest look-ahead.
-        most: usize,
-        /// The file's look-ahead.
-        found: usize,
-    },
-    /// Unsupported hold.
-    #[error(
-        "hold {found} samples, expected whole patches, 10 to {MAX_HOLD} samples: export with one"
-    )]
-    Hold {
-        /// The file's hold.
-        found: usize,
     },
     /// The alignment template is damaged.
     #[error("alignment template: {0}")]

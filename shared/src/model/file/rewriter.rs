@@ -7,6 +7,7 @@ use super::{
     error::ModelError,
     owned::linear,
     reader::Model,
+    wire_aggregation::WireAggregation,
     wire_header::WireHeader,
     writer::{append, append_tensor, bytes_of, prefix, seal},
 };
@@ -50,7 +51,8 @@ impl Model<'_> {
             });
             header.other_margin = other.or(default);
             if let Some(reaction) = reaction {
-                header.aggregation = header.aggregation.with(reaction.early());
+                let (mode, _) = header.aggregation.interpret();
+                header.aggregation = WireAggregation::new(mode, Some(reaction.early()));
             }
         })
     }

@@ -1,110 +1,52 @@
 //! The aggregation mode as a postcard enum: modes with early labels have their margins behind it, those with caution one
 //! more.
-//!
-//! Written by hand so that a file with a mode that is not known is refused with the mode's number.
 
-use core::fmt;
-
-use serde::de::{EnumAccess, VariantAccess, Visitor};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use crate::stream::smoother::{AggregationMode, Early};
 
-/// Added to the mode of files with early labels; twice with caution.
-const EARLY: u8 = 2;
-
-/// Mode, and margins where labels are early: four, or five with caution.
-#[derive(Clone, Copy)]
-pub(super) struct WireAggregation {
-    mode: u8,
-    early: Option<Early>,
+/// Mode, and the margins of early labels in the order of [`Early::margins`].
+#[derive(Clone, Copy, Serialize, Deserialize)]
+pub(super) enum WireAggregation {
+    AllRowsFrom,
+    SameInstant,
+    AllRowsFromEarly([f32; 4]),
+    SameInstantEarly([f32; 4]),
+    AllRowsFromCautious([f32; 5]),
+    SameInstantCautious([f32; 5]),
 }
 
 impl WireAggregation {
     #[cfg(any(test, feature = "write"))]
     pub(super) fn new(aggregation: AggregationMode, early: Option<Early>) -> Self {
-        let mode = match aggregation {
-            AggregationMode::AllRowsFrom => 0,
-            AggregationMode::SameInstant => 1,
-        };
-        let plain = Self { mode, early: None };
-        early.map_or(plain, |early| plain.with(early))
-    }
-
-    /// The mode with early labels.
-    #[cfg(any(test, feature = "write"))]
-    pub(super) fn with(self, early: Early) -> Self {
-        let kind = if early.caution == 0.0 {
-            EARLY
-        } else {
-            2 * EARLY
-        };
-        Self {
-            mode: self.mode % EARLY + kind,
-            early: Some(early),
-        }
-    }
-
-    /// The mode and the margins, unchecked; the number of a mode that is not known.
-    pub(super) fn interpret(self) -> Result<(AggregationMode, Option<Early>), u8> {
-        match self.mode % EARLY {
-            _ if self.mode >= 3 * EARLY => Err(self.mode),
-            0 => Ok((AggregationMode::AllRowsFrom, self.early)),
-            _ => Ok((AggregationMode::SameInstant, self.early)),
-        }
-    }
-
-    #[cfg(test)]
-    pub(super) const fn of_mode(mode: u8) -> Self {
-        Self { mode, early: None }
-    }
-}
-
-impl Serialize for WireAggregation {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let (name, mode) = ("", u32::from(self.mode));
-        let Some(early) = self.early else {
-            return serializer.serialize_unit_variant(name, mode, name);
-        };
-        let margins = early.margins();
-        let [without @ .., _] = margins;
-        if self.mode < 2 * EARLY {
-            serializer.serialize_newtype_variant(name, mode, name, &without)
-        } else {
-            serializer.serialize_newtype_variant(name, mode, name, &margins)
-        }
-    }
-}
-
-impl<'de> Deserialize<'de> for WireAggregation {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_enum("", &[], Mode)
-    }
-}
-
-struct Mode;
-
-impl<'de> Visitor<'de> for Mode {
-    type Value = WireAggregation;
-
-    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("an aggregation mode")
-    }
-
-    fn visit_enum<A: EnumAccess<'de>>(self, data: A) -> Result<WireAggregation, A::Error> {
-        let (mode, behind) = data.variant::<u8>()?;
-        let margins = match mode / EARLY {
-            1 => {
-                let [entry, other, relax, leave] = behind.newtype_variant()?;
-                Some([entry, other, relax, leave, 0.0])
+        let margins = early.map(Early::margins);
+        match (aggregation, margins) {
+            (AggregationMode::AllRowsFrom, None) => Self::AllRowsFrom,
+            (AggregationMode::SameInstant, None) => Self::SameInstant,
+            (AggregationMode::AllRowsFrom, Some([without @ .., 0.0])) => {
+                Self::AllRowsFromEarly(without)
             }
-            2 => Some(behind.newtype_variant()?),
-            _ => {
-                behind.unit_variant()?;
-                None
+            (AggregationMode::SameInstant, Some([without @ .., 0.0])) => {
+                Self::SameInstantEarly(without)
             }
+            (AggregationMode::AllRowsFrom, Some(all)) => Self::AllRowsFromCautious(all),
+            (AggregationMode::SameInstant, Some(all)) => Self::SameInstantCautious(all),
+        }
+    }
+
+    /// The mode and the margins, unchecked.
+    pub(super) fn interpret(self) -> (AggregationMode, Option<Early>) {
+        let [all, same] = [AggregationMode::AllRowsFrom, AggregationMode::SameInstant];
+        let without = |[entry, other, relax, leave]: [f32; 4]| {
+            Some(Early::new([entry, other, relax, leave, 0.0]))
         };
-        let early = margins.map(Early::new);
-        Ok(WireAggregation { mode, early })
+        match self {
+            Self::AllRowsFrom => (all, None),
+            Self::SameInstant => (same, None),
+            Self::AllRowsFromEarly(margins) => (all, without(margins)),
+            Self::SameInstantEarly(margins) => (same, without(margins)),
+            Self::AllRowsFromCautious(margins) => (all, Some(Early::new(margins))),
+            Self::SameInstantCautious(margins) => (same, Some(Early::new(margins))),
+        }
     }
 }

@@ -1,5 +1,7 @@
 //! The header as a postcard message.
 
+use core::ops::RangeInclusive;
+
 use serde::{Deserialize, Serialize};
 
 use super::error::ModelError;
@@ -100,25 +102,21 @@ impl<'m> WireHeader<'m> {
     /// Checks every field and returns the header.
     pub fn interpret(self) -> Result<Header<'m>, ModelError> {
         let dimensions = self.dimensions()?;
+        within("companding", self.companding.into(), 0..=1)?;
         let companding = match self.companding {
             0 => Companding::Linear,
-            1 => Companding::SquareRoot,
-            found => return Err(ModelError::Companding { found }),
+            _ => Companding::SquareRoot,
         };
         self.check_class_names(dimensions.vocabulary)?;
-        if self.sample_rate_hz != SAMPLE_RATE_HZ {
-            return Err(ModelError::SampleRate {
-                found: self.sample_rate_hz,
-            });
-        }
+        exactly(
+            "sample rate",
+            self.sample_rate_hz as usize,
+            SAMPLE_RATE_HZ as usize,
+        )?;
         let median = Median::of_width(self.median_width).ok_or(ModelError::MedianWidth {
             found: self.median_width,
         })?;
-        if self.divisor != DIVISOR {
-            return Err(ModelError::Divisor {
-                found: self.divisor,
-            });
-        }
+        exactly("divisor", self.divisor.into(), DIVISOR.into())?;
         Ok(Header {
             dimensions,
             companding,
@@ -164,25 +162,15 @@ impl<'m> WireHeader<'m> {
         if !(MIN_WIDTH..=MAX_WIDTH).contains(&width) || !width.is_multiple_of(8) {
             return Err(ModelError::Width { found: width });
         }
-        if heads != HEADS {
-            return Err(ModelError::Heads { found: heads });
-        }
-        if layers == 0 || layers > MAX_LAYERS {
-            return Err(ModelError::Layers { found: layers });
-        }
-        if span == 0 || span > MAX_SPAN {
-            return Err(ModelError::Span { found: span });
-        }
+        exactly("attention heads", heads, HEADS)?;
+        within("layers", layers, 1..=MAX_LAYERS)?;
+        within("attention span", span, 1..=MAX_SPAN)?;
         let seen = patches_needed(layers, span);
         if seen > WINDOW_PATCHES {
             return Err(ModelError::ReceptiveField { found: seen });
         }
-        if patch != PATCH {
-            return Err(ModelError::Patch { found: patch });
-        }
-        if look_back != LOOK_BACK {
-            return Err(ModelError::LookBack { found: look_back });
-        }
+        exactly("samples of a patch", patch, PATCH)?;
+        exactly("look-back rows", look_back, LOOK_BACK)?;
         let classes = usize::from(self.classes);
         let vocabulary =
             Vocabulary::with_classes(classes).ok_or(ModelError::Classes { found: classes })?;
@@ -214,20 +202,16 @@ impl<'m> WireHeader<'m> {
     }
 
     fn smoother(&self) -> Result<SmootherDefaults, ModelError> {
-        let (aggregation, early) = self
-            .aggregation
-            .interpret()
-            .map_err(|found| ModelError::AggregationMode { found })?;
+        let (aggregation, early) = self.aggregation.interpret();
         let [look_ahead, hold] = [self.look_ahead, self.hold].map(usize::from);
-        if look_ahead > LOOK_AHEAD || !look_ahead.is_multiple_of(PATCH) {
-            return Err(ModelError::LookAhead {
-                most: LOOK_AHEAD,
-                found: look_ahead,
-            });
-        }
-        if hold == 0 || hold > MAX_HOLD || !hold.is_multiple_of(PATCH) {
-            return Err(ModelError::Hold { found: hold });
-        }
+        // In whole patches.
+        within("look-ahead", look_ahead, 0..=LOOK_AHEAD)?;
+        within("hold", hold, PATCH..=MAX_HOLD)?;
+        exactly(
+            "samples beyond a patch",
+            (look_ahead % PATCH).max(hold % PATCH),
+            0,
+        )?;
         let mut margins = self.entry_margins.into_iter();
         if let Some(found) = margins.find(|margin| !(0.0..=MAX_ENTRY_MARGIN).contains(margin)) {
             return Err(ModelError::EntryMargin { found });
@@ -249,4 +233,28 @@ impl<'m> WireHeader<'m> {
             early,
         })
     }
+}
+
+/// Refuses a number outside of its range.
+fn within(
+    what: &'static str,
+    found: usize,
+    range: RangeInclusive<usize>,
+) -> Result<(), ModelError> {
+    let (least, most) = range.into_inner();
+    if (least..=most).contains(&found) {
+        Ok(())
+    } else {
+        Err(ModelError::OutOfRange {
+            what,
+            found,
+            least,
+            most,
+        })
+    }
+}
+
+/// Refuses any number but one.
+fn exactly(what: &'static str, found: usize, expected: usize) -> Result<(), ModelError> {
+    within(what, found, expected..=expected)
 }

@@ -3,47 +3,66 @@
 use super::*;
 
 #[test]
-fn every_dimension_has_its_refusal() {
+fn every_number_has_its_range() {
+    let refused = |what, found, least, most, change: &dyn Fn(&mut WireHeader<'_>)| {
+        let expected = ModelError::OutOfRange {
+            what,
+            found,
+            least,
+            most,
+        };
+        assert_eq!(header_refusal(change), expected);
+    };
+    refused("attention heads", 8, 4, 4, &|header| header.heads = 8);
+    refused("layers", 0, 1, 3, &|header| header.layers = 0);
+    refused("layers", 4, 1, 3, &|header| header.layers = 4);
+    refused("attention span", 0, 1, 32, &|header| header.span = 0);
+    refused("attention span", 33, 1, 32, &|header| header.span = 33);
+    refused("samples of a patch", 20, 10, 10, &|header| {
+        header.patch = 20
+    });
+    refused("look-back rows", 5, 6, 6, &|header| header.look_back = 5);
+    refused("companding", 2, 0, 1, &|header| header.companding = 2);
+    refused("sample rate", 2000, 200, 200, &|header| {
+        header.sample_rate_hz = 2000
+    });
+    refused("divisor", 127, 128, 128, &|header| header.divisor = 127);
+    refused("look-ahead", 60, 0, 50, &|header| header.look_ahead = 60);
+    refused("hold", 0, 10, 200, &|header| header.hold = 0);
+    refused("hold", 210, 10, 200, &|header| header.hold = 210);
+    let beyond = "samples beyond a patch";
+    refused(beyond, 5, 0, 0, &|header| header.look_ahead = 45);
+    refused(beyond, 5, 0, 0, &|header| header.hold = 15);
+}
+
+#[test]
+fn every_other_field_has_its_refusal() {
     for width in [0, 8, 20, 136, 65_528] {
-        assert_eq!(
-            header_refusal(|header| header.width = width),
-            ModelError::Width {
-                found: width.into()
-            }
-        );
+        let found = width.into();
+        refuses(|header| header.width = width, ModelError::Width { found });
     }
-    assert_eq!(
-        header_refusal(|header| header.heads = 8),
-        ModelError::Heads { found: 8 }
-    );
-    for layers in [0, 4] {
-        assert_eq!(
-            header_refusal(|header| header.layers = layers),
-            ModelError::Layers {
-                found: layers.into()
-            }
-        );
-    }
-    for span in [0, 33] {
-        assert_eq!(
-            header_refusal(|header| header.span = span),
-            ModelError::Span { found: span.into() }
-        );
-    }
-    assert_eq!(
-        header_refusal(|header| header.patch = 20),
-        ModelError::Patch { found: 20 }
-    );
-    assert_eq!(
-        header_refusal(|header| header.look_back = 5),
-        ModelError::LookBack { found: 5 }
-    );
     for classes in [0, 2, 4, 7] {
-        assert_eq!(
-            header_refusal(|header| header.classes = classes),
-            ModelError::Classes {
-                found: classes.into()
-            }
+        let found = classes.into();
+        refuses(
+            |header| header.classes = classes,
+            ModelError::Classes { found },
+        );
+    }
+    for found in [0, 2, 5] {
+        refuses(
+            |header| header.median_width = found,
+            ModelError::MedianWidth { found },
+        );
+    }
+    let found = 50.5;
+    refuses(
+        |header| header.entry_margins[2] = found,
+        ModelError::EntryMargin { found },
+    );
+    for found in [-50.5, 50.5, f32::INFINITY] {
+        refuses(
+            |header| header.other_margin = Some(found),
+            ModelError::OtherMargin { found },
         );
     }
 }
@@ -51,8 +70,10 @@ fn every_dimension_has_its_refusal() {
 #[test]
 fn a_receptive_field_longer_than_the_window_is_refused() {
     // 2 x 28 + 1 patches and five more of look-back are 62.
-    let refused = header_refusal(|header| (header.layers, header.span) = (2, 29));
-    assert_eq!(refused, ModelError::ReceptiveField { found: 62 });
+    refuses(
+        |header| (header.layers, header.span) = (2, 29),
+        ModelError::ReceptiveField { found: 62 },
+    );
     // 60 fit; what fails then is the first tensor of the layer that the file does not have.
     let refused = header_refusal(|header| (header.layers, header.span) = (2, 28));
     assert!(
@@ -62,65 +83,14 @@ fn a_receptive_field_longer_than_the_window_is_refused() {
 }
 
 #[test]
-fn every_other_header_field_has_its_refusal() {
-    assert_eq!(
-        header_refusal(|header| header.companding = 2),
-        ModelError::Companding { found: 2 }
-    );
-    assert_eq!(
-        header_refusal(|header| header.sample_rate_hz = 2000),
-        ModelError::SampleRate { found: 2000 }
-    );
-    for found in [0, 2, 5] {
-        assert_eq!(
-            header_refusal(|header| header.median_width = found),
-            ModelError::MedianWidth { found }
-        );
-    }
-    assert_eq!(
-        header_refusal(|header| header.divisor = 127),
-        ModelError::Divisor { found: 127 }
-    );
-    assert_eq!(
-        header_refusal(|header| header.aggregation = WireAggregation::of_mode(6)),
-        ModelError::AggregationMode { found: 6 }
-    );
-    assert_eq!(
-        header_refusal(|header| header.entry_margins[2] = 50.5),
-        ModelError::EntryMargin { found: 50.5 }
-    );
-    for found in [-50.5, 50.5, f32::INFINITY] {
-        assert_eq!(
-            header_refusal(|header| header.other_margin = Some(found)),
-            ModelError::OtherMargin { found }
-        );
-    }
-    for look_ahead in [45, 60] {
-        assert_eq!(
-            header_refusal(|header| header.look_ahead = look_ahead),
-            ModelError::LookAhead {
-                most: 50,
-                found: look_ahead.into()
-            }
-        );
-    }
-    for hold in [0, 15, 210, 65_530] {
-        assert_eq!(
-            header_refusal(|header| header.hold = hold),
-            ModelError::Hold { found: hold.into() }
-        );
-    }
-}
-
-#[test]
 fn class_names_must_be_the_vocabulary_in_order() {
     let two = list(["relax", "open"]);
-    assert_eq!(
-        header_refusal(|header| header.class_names = &two),
+    refuses(
+        |header| header.class_names = &two,
         ModelError::ClassCount {
             expected: 3,
-            found: 2
-        }
+            found: 2,
+        },
     );
     let swapped = list(["relax", "close", "open"]);
     assert_eq!(
@@ -159,9 +129,10 @@ fn malformed_lists_and_texts_are_named() {
     }
     let whole = small().emit();
     let cut = sealed(&whole[..PREFIX_BYTES + 20]);
+    let field = "header";
     assert_eq!(
         Model::parse(&cut).unwrap_err(),
-        ModelError::Header { field: "header" }
+        ModelError::Header { field }
     );
 }
 

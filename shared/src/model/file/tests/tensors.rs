@@ -1,50 +1,33 @@
 //! Refusals of the tensors, and their rounding.
 
 use super::*;
-
-/// Numbers of this size in every scale of the head make logits overflow to infinity, and a difference of two of
-/// them NaN.
-#[test]
-fn numbers_that_could_overflow_an_output_are_refused() {
-    for value in [1e30, 3e38, 101.0] {
-        let refused = refusal(|parts| parts.head.scales.fill(value)).to_string();
-        assert!(refused.starts_with("head.scales holds"), "{refused}");
-    }
-    let refused = refusal(|parts| parts.final_norm.bias[1] = -1e9).to_string();
-    assert!(refused.starts_with("final_norm.bias holds"), "{refused}");
-}
+use alloc::format;
 
 #[test]
 fn tensors_of_a_wrong_length_are_named() {
-    let name = |layer, group, part| TensorName { layer, group, part };
-    assert_eq!(
-        refusal(|parts| parts.embed.weights.truncate(1279)),
-        ModelError::WeightLength {
-            tensor: name(None, "embed", "weights"),
-            expected: 1280,
-            found: 1279
-        }
-    );
-    assert_eq!(
-        refusal(|parts| parts.layers[0].qkv.scales.push(1.0)),
-        ModelError::WeightLength {
-            tensor: name(Some(0), "qkv", "scales"),
-            expected: 192,
-            found: 196
-        }
-    );
-    assert_eq!(
-        refusal(|parts| parts.layers[0].relative_bias.truncate(19)).to_string(),
-        "layers[0].relative_bias has 76 bytes, expected 80: export the model again"
-    );
-    assert_eq!(
-        refusal(|parts| parts.final_norm.gain.clear()),
-        ModelError::WeightLength {
-            tensor: name(None, "final_norm", "gain"),
-            expected: 64,
-            found: 0
-        }
-    );
+    for (refused, expected) in [
+        (
+            refusal(|parts| parts.embed.weights.truncate(1279)),
+            "embed.weights has 1279 bytes, expected 1280",
+        ),
+        (
+            refusal(|parts| parts.layers[0].qkv.scales.push(1.0)),
+            "layers[0].qkv.scales has 196 bytes, expected 192",
+        ),
+        (
+            refusal(|parts| parts.layers[0].relative_bias.truncate(19)),
+            "layers[0].relative_bias has 76 bytes, expected 80",
+        ),
+        (
+            refusal(|parts| parts.final_norm.gain.clear()),
+            "final_norm.gain has 0 bytes, expected 64",
+        ),
+    ] {
+        assert_eq!(
+            refused.to_string(),
+            format!("{expected}: export the model again")
+        );
+    }
 }
 
 #[test]
@@ -68,12 +51,7 @@ fn missing_and_surplus_tensors_are_refused() {
 }
 
 #[test]
-fn a_scale_of_zero_is_refused_unless_its_row_is_zero() {
-    let message = refusal(|parts| parts.layers[0].qkv.scales[7] = 0.0).to_string();
-    assert!(
-        message.starts_with("layers[0].qkv.scales holds 0 at 7"),
-        "{message}"
-    );
+fn a_scale_may_be_zero_if_its_row_is_zero() {
     // As the quantizer writes a row of zeros.
     let mut parts = small();
     let columns = parts.dimensions.width;
@@ -87,35 +65,40 @@ fn a_scale_of_zero_is_refused_unless_its_row_is_zero() {
 
 #[test]
 fn numbers_that_would_break_the_arithmetic_are_refused() {
-    let tensor = |layer, group, part| TensorName { layer, group, part };
-    assert_eq!(
-        refusal(|parts| parts.head.scales[2] = -0.5),
-        ModelError::Scale {
-            tensor: tensor(None, "head", "scales"),
-            index: 2,
-            found: -0.5
-        }
-    );
-    assert_eq!(
-        refusal(|parts| parts.embed.scales[1] = f32::INFINITY),
-        ModelError::Number {
-            tensor: tensor(None, "embed", "scales"),
-            index: 1,
-            found: f32::INFINITY
-        }
-    );
-    assert_eq!(
-        refusal(|parts| parts.layers[0].relative_bias[3] = f32::NAN).to_string(),
-        "layers[0].relative_bias holds NaN at 3, expected a number from -100 to 100: train the model again"
-    );
-    assert_eq!(
-        refusal(|parts| parts.layers[0].norm2.gain[0] = f32::NEG_INFINITY),
-        ModelError::Number {
-            tensor: tensor(Some(0), "norm2", "gain"),
-            index: 0,
-            found: f32::NEG_INFINITY
-        }
-    );
+    for (refused, expected) in [
+        (
+            refusal(|parts| parts.head.scales[2] = -0.5),
+            "head.scales holds -0.5 at 2, ",
+        ),
+        (
+            refusal(|parts| parts.embed.scales[1] = f32::INFINITY),
+            "embed.scales holds inf at 1, ",
+        ),
+        (
+            refusal(|parts| parts.layers[0].relative_bias[3] = f32::NAN),
+            "layers[0].relative_bias holds NaN at 3, expected a number from -100 to 100: train the model again",
+        ),
+        (
+            refusal(|parts| parts.layers[0].norm2.gain[0] = f32::NEG_INFINITY),
+            "layers[0].norm2.gain holds -inf at 0, ",
+        ),
+        (
+            refusal(|parts| parts.layers[0].qkv.scales[7] = 0.0),
+            "layers[0].qkv.scales holds 0 at 7",
+        ),
+        // Numbers of this size in every scale of the head make logits overflow to infinity, and a difference of two of
+        // them NaN.
+        (
+            refusal(|parts| parts.head.scales.fill(101.0)),
+            "head.scales holds 101 at 0",
+        ),
+        (
+            refusal(|parts| parts.final_norm.bias[1] = -1e9),
+            "final_norm.bias holds -1000000000 at 1",
+        ),
+    ] {
+        assert!(refused.to_string().starts_with(expected), "{refused}");
+    }
 }
 
 #[test]
