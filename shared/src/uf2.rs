@@ -317,6 +317,6 @@ mod tests {
             assert!(gap.iter().all(|byte| *byte == 0xff));
         }
         assert_eq!((bytes[256], bytes[768], bytes.len()), (1, 2, 1024));
-        assert_eq!(all.bytes(PROGRAM_REGION), []);
+        assert!(all.bytes(PROGRAM_REGION).is_empty());
     }
 }

@@ -97,13 +97,6 @@ mod tests {
 
     proptest! {
         #[test]
-        fn every_armband_is_read_back(bytes: [u8; 6], random: bool) {
-            let kind = if random { AddressKind::Random } else { AddressKind::Public };
-            let armband = Address { kind, bytes };
-            prop_assert_eq!(from_record(&to_record(armband)), Some(armband));
-        }
-
-        #[test]
         fn bits_that_were_not_programmed_are_no_other_armband(bytes: [u8; 6], lost: [u8; 16]) {
             let armband = Address { kind: AddressKind::Public, bytes };
             let mut record = to_record(armband);

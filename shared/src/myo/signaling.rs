@@ -123,15 +123,16 @@ mod tests {
     #[test]
     fn responses_other_channels_and_packets_without_an_identifier_are_not_answered() {
         for code in [0x01, 0x03, 0x07, 0x0b, 0x13, 0x15, 0x16, 0x18, 0x1a] {
-            assert_eq!(given(&[6, 0, 5, 0, code, 9, 2, 0, 0, 0]), [], "{code:#x}");
+            let packet = [6, 0, 5, 0, code, 9, 2, 0, 0, 0];
+            assert!(given(&packet).is_empty(), "{code:#x}");
         }
         for (place, value) in [(2, 4), (2, 6), (3, 1), (5, 0)] {
             let mut packet = REQUEST;
             packet[place] = value;
-            assert_eq!(given(&packet), [], "{packet:x?}");
+            assert!(given(&packet).is_empty(), "{packet:x?}");
         }
         for end in 0..6 {
-            assert_eq!(given(&REQUEST[..end]), [], "{end} bytes");
+            assert!(given(&REQUEST[..end]).is_empty(), "{end} bytes");
         }
     }
 }

@@ -182,34 +182,6 @@ fn six_lost_samples_reset_the_window() {
     );
 }
 
-/// Streams 20 s in which of every `of` notifications the first `lost` are lost; says whether the state was
-/// ever valid.
-fn ever_valid(lost: u32, of: u32) -> bool {
-    let mut pipeline = pipeline();
-    let mut valid = false;
-    for notification in 0..2000 {
-        let index = 2 * notification;
-        if notification % of < lost && notification > 0 {
-            continue;
-        }
-        let missing = index - pipeline.next.0;
-        if missing > 0 {
-            pipeline.gap(at(index), missing);
-        }
-        feed(&mut pipeline, index, 2, 1);
-        valid |= pipeline.status().valid();
-    }
-    assert_eq!(pipeline.counters.lost, 2000 / of * lost * 2 - 2);
-    valid
-}
-
-#[test]
-fn a_window_that_is_mostly_invented_is_not_valid() {
-    assert!(ever_valid(1, 100));
-    assert!(!ever_valid(1, 2));
-    assert!(!ever_valid(2, 3));
-}
-
 #[test]
 fn the_quota_of_bridged_samples_is_exact_and_has_its_own_cause() {
     // Gaps of five samples with one sample between them.

@@ -135,27 +135,6 @@ fn two_openings_align_and_later_labels_are_those_of_an_armband_in_place() {
 }
 
 #[test]
-fn sequence_numbers_are_one_count() {
-    let mut pipeline = real();
-    let mut sequences = Vec::from([pipeline.state_report().sequence]);
-    pipeline.begin_alignment(Arm::Unknown);
-    for (index, &sample) in (0..).zip(&stream(Alignment::NONE, 1600)) {
-        sequences.extend(
-            pipeline
-                .sample(at(index), sample)
-                .into_iter()
-                .map(|report| report.sequence),
-        );
-        sequences.extend(
-            pipeline
-                .take_alignment_report()
-                .map(|report| report.sequence),
-        );
-    }
-    assert!(sequences.iter().copied().eq(0..sequences.len() as u32));
-}
-
-#[test]
 fn a_gap_keeps_the_alignment_and_a_disconnection_drops_it() {
     let worn = Alignment::new(2, true);
     let mut pipeline = real();
@@ -200,17 +179,6 @@ fn without_a_template_nothing_begins_and_on_request_it_ends() {
     );
     let (_, news) = run(&mut pipeline, &stream(Alignment::NONE, 1600), 0);
     assert_eq!(news, []);
-}
-
-#[test]
-fn an_alignment_is_seen_from_the_one_in_force() {
-    let worn = Alignment::new(5, true);
-    let mut pipeline = real();
-    // One place off.
-    pipeline.set_alignment(Alignment::new(4, true));
-    pipeline.begin_alignment(Arm::Unknown);
-    run(&mut pipeline, &stream(worn, 1600), 0);
-    assert_eq!(pipeline.alignment(), worn);
 }
 
 proptest! {

@@ -264,21 +264,6 @@ fn without_a_model_nobody_decides() {
 }
 
 #[test]
-fn after_an_interrupted_decision_two_more_openings_align() {
-    let start = begins(sided(false));
-    let worn = Alignment::new(7, true);
-    let samples = stream(worn, 4000);
-    let mut pipeline = sided(false);
-    pipeline.begin_alignment(Arm::Unknown);
-    run(&mut pipeline, &samples, 0..start + 60);
-    let _ = pipeline.gap(at(start as u32 + 70), 10);
-    assert_eq!(pipeline.alignment(), Alignment::NONE);
-    pipeline.begin_alignment(Arm::Unknown);
-    run(&mut pipeline, &samples, start + 70..4000);
-    assert_eq!(pipeline.alignment(), worn);
-}
-
-#[test]
 fn a_window_that_is_not_full_is_taken_as_far_as_it_goes() {
     // A gap just before the second opening.
     let worn = Alignment::new(1, true);

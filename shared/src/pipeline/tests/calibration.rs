@@ -132,16 +132,6 @@ fn who_follows_the_cues_gets_a_head_and_no_label_meanwhile() {
 }
 
 #[test]
-fn who_does_nothing_is_told_and_labels_go_on() {
-    let mut wearer = Wearer::new(3);
-    let reports = wearer.moves(1700, |_| Shown::Intent(Intent::Relax));
-    assert_eq!(wearer.said.len(), 3);
-    assert_eq!((wearer.last(), wearer.said[2].cue), ("weak", Some(GESTURE)));
-    assert!(reports[0].status.valid());
-    assert!(wearer.pipeline.take_learnt().is_none());
-}
-
-#[test]
 fn a_head_that_is_worse_in_round_two_is_given_up() {
     // The gestures are exchanged in round two. A model whose own head does better there than none.
     let mut worse = 0;

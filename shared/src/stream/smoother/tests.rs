@@ -74,9 +74,11 @@ proptest! {
     }
 
     #[test]
-    fn a_restart_forgets_all_windows(
+    fn a_restart_forgets_all_windows_and_the_label(
         settings in any_settings(), before in any_windows(), after in any_windows(),
     ) {
+        // The label before counts where a class needs a margin.
+        let settings = Settings { entry_margins: [2.0; 6], ..settings };
         let mut fresh = Smoother::<CLASSES, ROWS>::new(settings, CLASSES).unwrap();
         let mut used = fresh.clone();
         for window in &before {
@@ -106,25 +108,6 @@ fn classes(settings: Settings, used: usize, windows: &[[f32; CLASSES]]) -> Vec<O
         .map(|row| smoother.push(SampleIndex(0), &[*row; ROWS]))
         .map(|decision| decision.map(|decision| decision.class))
         .collect()
-}
-
-#[test]
-fn without_look_ahead_the_newest_row_decides_at_once() {
-    let settings = Settings {
-        look_ahead: 0,
-        ..PLAIN
-    };
-    let rows = [[0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 2.0, 0.0]];
-    assert_eq!(classes(settings, CLASSES, &rows), [Some(1), Some(2)]);
-}
-
-#[test]
-fn the_hold_counts_from_the_first_window_not_from_the_first_label() {
-    let settings = Settings { hold: 2, ..PLAIN };
-    let labels = classes(settings, CLASSES, &[[0.0, 0.0, 0.0, 1.0]; 9]);
-    let mut expected = vec![None; 6];
-    expected.extend([Some(3), None, Some(3)]);
-    assert_eq!(labels, expected);
 }
 
 #[test]
@@ -180,27 +163,6 @@ fn another_class_without_its_margin_keeps_the_label_unless_rest_has_more() {
     assert_eq!(gated(2.0, &[first, over, between]), [1, 0, 0]);
 }
 
-#[test]
-fn a_margin_is_one_of_means_whatever_the_number_of_rows() {
-    for (aggregation, look_ahead) in [
-        (AggregationMode::AllRowsFrom, 5),
-        (AggregationMode::SameInstant, 5),
-        (AggregationMode::AllRowsFrom, 2),
-    ] {
-        let enters = |logit: f32| {
-            let settings = Settings {
-                aggregation,
-                look_ahead,
-                entry_margins: [2.0; 6],
-                ..PLAIN
-            };
-            let labels = classes(settings, CLASSES, &[[0.0, logit, 0.0, 0.0]; ROWS]);
-            labels.into_iter().flatten().last() == Some(1)
-        };
-        assert!(enters(2.0) && !enters(1.9), "{aggregation:?} {look_ahead}");
-    }
-}
-
 /// Labels of a smoother of three classes whose last column is movement outside the vocabulary.
 fn gated_from_other(margin: f32, rows: &[[f32; CLASSES]]) -> Vec<usize> {
     let settings = Settings {
@@ -227,41 +189,6 @@ fn movement_outside_the_vocabulary_lets_no_class_in_and_ends_none() {
     assert_eq!(gated_from_other(0.5, &[clear, another]), [1, 1]);
     assert_eq!(gated_from_other(0.1, &[near]), [1]);
     assert_eq!(gated_from_other(-7.0, &[below]), [1]);
-}
-
-#[test]
-fn the_margin_over_other_movement_is_one_of_means() {
-    let enters = |logit: f32| {
-        let settings = Settings {
-            other_margin: Some(2.0),
-            ..PLAIN
-        };
-        let row = [-9.0, logit, -9.0, 0.0];
-        let labels = classes(settings, CLASSES - 1, &[row; ROWS]);
-        labels.into_iter().flatten().last() == Some(1)
-    };
-    assert!(enters(2.0) && !enters(1.9));
-}
-
-#[test]
-fn a_restart_forgets_the_label() {
-    let settings = Settings {
-        look_ahead: 0,
-        entry_margins: [2.0; 6],
-        ..PLAIN
-    };
-    let mut smoother = Smoother::<CLASSES, ROWS>::new(settings, CLASSES).unwrap();
-    let mut class = |row: [f32; CLASSES], restart: bool| {
-        if restart {
-            smoother.restart();
-        }
-        let decision = smoother.push(SampleIndex(0), &[row; ROWS]);
-        decision.map(|decision| decision.class)
-    };
-    let (strong, weak) = ([0.0, 3.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0]);
-    assert_eq!(class(strong, false), Some(1));
-    assert_eq!(class(weak, false), Some(1));
-    assert_eq!(class(weak, true), Some(0));
 }
 
 #[test]

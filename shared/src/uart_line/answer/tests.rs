@@ -168,21 +168,6 @@ const IDENTITY_BODY: &str =
     "OK,IDENTIFY,0.1.0,0123456789ab,nrf52840-s140,5f3a0c11,FA:12:34:56:78:9A,1.5.1970,80";
 
 #[test]
-fn an_identity_is_read_field_by_field() {
-    let text = line(IDENTITY_BODY);
-    let Ok(Answer::Identity(identity)) = Answer::parse(text.as_bytes()) else {
-        panic!("{text}");
-    };
-    assert_eq!(identity.version, "0.1.0");
-    assert_eq!(identity.revision, "0123456789ab");
-    assert_eq!(identity.image, "nrf52840-s140");
-    assert_eq!(identity.model, Some(0x5f3a_0c11));
-    assert_eq!(identity.armband.unwrap().to_string(), "FA:12:34:56:78:9A");
-    assert_eq!(identity.firmware.unwrap().patch, 1970);
-    assert_eq!(identity.battery, Some(80));
-}
-
-#[test]
 fn each_wrong_field_of_an_identity_is_named() {
     for (from, to, field) in [
         (",0.1.0,", ",,", "version"),

@@ -219,12 +219,6 @@ proptest! {
     }
 
     #[test]
-    fn arbitrary_bytes_never_panic_and_are_answered_once_a_line(bytes: Vec<u8>) {
-        let lines = bytes.iter().filter(|&&byte| byte == b'$').count();
-        prop_assert!(read(&bytes).len() <= lines);
-    }
-
-    #[test]
     fn a_command_that_is_cut_is_none_and_the_next_one_is_read(
         command in command(), kept: prop::sample::Index, plug: bool,
     ) {

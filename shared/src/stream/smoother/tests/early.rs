@@ -189,37 +189,6 @@ proptest! {
             prop_assert_eq!(decision, expected, "window {}", number);
         }
     }
-
-    #[test]
-    fn a_label_stays_for_the_hold_and_is_what_the_whole_look_ahead_says_unless_later_windows_say_more(
-        (settings, early) in any_early(), windows in any_intents(),
-    ) {
-        let mut smoother = Smoother::<CLASSES, ROWS>::new(settings, USED).unwrap();
-        let mut twin = Twin { settings, early, windows: vec![], class: 0, change: None, label: None, otherwise: 0.0 };
-        let mut changed: Option<[usize; 2]> = None;
-        let mut label = 0;
-        for (number, window) in windows.iter().enumerate() {
-            twin.class = label;
-            twin.take(*window);
-            let end = SampleIndex(number as u32 * settings.row_samples);
-            let Some(decision) = smoother.push(end, window) else {
-                continue;
-            };
-            let instant = (decision.instant.0 / settings.row_samples) as usize;
-            let may_change = changed.is_none_or(|[_, window]| number - window >= settings.hold);
-            if decision.class != label {
-                prop_assert!(may_change, "changed again at window {}", number);
-                prop_assert!(changed.is_none_or(|[last, _]| instant > last), "looked back");
-                changed = Some([instant, number]);
-            }
-            let oldest = number - settings.look_ahead;
-            let is_over = changed.is_none_or(|[last, window]| last < oldest && window < number);
-            if may_change && is_over {
-                prop_assert_eq!(decision.class, twin.asked(oldest), "window {}", number);
-            }
-            label = decision.class;
-        }
-    }
 }
 
 /// Gates that a wearer may put in place: none, and all named ones.
