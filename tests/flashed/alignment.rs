@@ -4,22 +4,17 @@
 //! The lines are compared with the shared pipeline's, whose alignment begins at the same sample as on the
 //! board.
 
-use myointent::cli::replay::one_recording;
 use myointent_tests::chip::{self, Board, Setting};
 use myointent_tests::oracle::{Input, expected_lines};
-use myointent_tests::output::{Output, Pins};
-use recordings::{Recording, runs};
-use shared::intent::{Intent, Vocabulary};
+use myointent_tests::output::Output;
+use shared::intent::Vocabulary;
 use shared::model::dimensions::Dimensions;
 use shared::model::file::random::random_model;
 use shared::model::noise::Noise;
 use shared::stream::alignment::{Alignment, Arm, PRECISION_ONE, Template};
-use shared::uart_line::Report;
-use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
+use shared::uart_line::alignment::AlignmentState;
 use shared::units::{CHANNELS, Sample};
 use xtask::firmware::Image;
-
-use super::labels::recording;
 
 /// Mean of an open hand that is the same on both arms, in 1/256 octaves.
 const SYMMETRICAL: [i16; CHANNELS] = [400, 200, 0, -200, -300, -200, 0, 200];
@@ -68,22 +63,17 @@ fn worn(samples: &[Sample], placement: Alignment) -> Vec<Sample> {
         .collect()
 }
 
-/// Lines that a board wrote in a stream with an alignment.
-struct Aligned {
-    news: Vec<AlignmentReport>,
-    reports: Vec<Report>,
-    pins: Vec<Pins>,
-}
-
-/// Streams; presses the button before the first gesture. Compares all lines; returns what the board wrote. None where the
-/// image cannot be built.
-fn align(test: &str, model: Vec<u8>, samples: &[Sample]) -> anyhow::Result<Option<Aligned>> {
+#[test]
+fn an_opening_that_does_not_tell_the_arm_is_decided_by_the_model_and_the_lines_equal_the_pipelines()
+-> anyhow::Result<()> {
+    let test = "an_opening_that_does_not_tell_the_arm_is_decided_by_the_model_and_the_lines_equal_the_pipelines";
     let Some(image) = chip::image(test, Image::Nrf52840S140) else {
-        return Ok(None);
+        return Ok(());
     };
+    let samples = worn(&two_openings(), Alignment::new(3, false));
     let setting = Setting {
-        model: model.clone(),
-        samples: samples.to_vec(),
+        model: model(),
+        samples: samples.clone(),
         ..Setting::default()
     };
     let mut board = Board::new(Image::Nrf52840S140, image, setting);
@@ -107,50 +97,10 @@ fn align(test: &str, model: Vec<u8>, samples: &[Sample]) -> anyhow::Result<Optio
         Input::Samples(after),
         Input::Disconnected,
     ];
-    let expected = expected_lines(&model, &inputs)?;
+    let expected = expected_lines(&model(), &inputs)?;
     assert_eq!(output.lines(), expected, "{}", output.tails());
     output.check(false)?;
-    let reports = output.reports()?;
-    let pins = output.pins();
-    Ok(Some(Aligned {
-        news,
-        reports,
-        pins,
-    }))
-}
-
-/// Returns the first two openings of the hand in a recording, with rest before, between and after them, then its first
-/// seconds.
-fn two_openings_of(recording: &Recording, seconds: usize) -> Vec<Sample> {
-    let all = runs(&recording.labels);
-    let labelled = |wanted| all.iter().filter(move |run| run.label == Some(wanted));
-    let rest = labelled(Intent::Relax).find(|run| run.samples() >= 200);
-    let rest = rest.expect("a second of rest").start;
-    let rest = &recording.samples[rest..rest + 200];
-    let mut stream = rest.to_vec();
-    for run in labelled(Intent::Open).take(2) {
-        // People move earlier or later than their labels.
-        stream.extend(&recording.samples[run.start.saturating_sub(100)..run.end + 100]);
-        stream.extend(rest);
-    }
-    stream.extend(&recording.samples[..seconds * 200]);
-    stream.truncate(stream.len() / 2 * 2);
-    stream
-}
-
-#[test]
-fn an_opening_that_does_not_tell_the_arm_is_decided_by_the_model_and_the_lines_equal_the_pipelines()
--> anyhow::Result<()> {
-    let test = "an_opening_that_does_not_tell_the_arm_is_decided_by_the_model_and_the_lines_equal_the_pipelines";
-    let samples = worn(&two_openings(), Alignment::new(3, false));
-    let Some(Aligned {
-        news,
-        reports,
-        pins,
-    }) = align(test, model(), &samples)?
-    else {
-        return Ok(());
-    };
+    let (reports, pins) = (output.reports()?, output.pins());
     // The second gesture ends at 1400 and is over 20 samples later; then the encoder takes a patch with each of 106 samples.
     let decided = news[2].emitted.0;
     assert!((1520..1560).contains(&decided), "decided at {decided}");
@@ -183,33 +133,5 @@ fn an_opening_that_does_not_tell_the_arm_is_decided_by_the_model_and_the_lines_e
     assert!(led.len() >= 5 && !led[0] && led.len() % 2 == 1, "{led:?}");
     let valid = pins.into_iter().rfind(|pins| pins.valid);
     assert!(valid.is_some_and(|pins| pins.alignment_led));
-    Ok(())
-}
-
-#[test]
-fn a_recorded_persons_turned_armband_is_aligned_and_the_lines_equal_the_pipelines()
--> anyhow::Result<()> {
-    let test = "a_recorded_persons_turned_armband_is_aligned_and_the_lines_equal_the_pipelines";
-    let Some(path) = recording(test, "roshambo/data/subject02_session01_emg.npy") else {
-        return Ok(());
-    };
-    let recording = one_recording(&path, None)?;
-    let placement = Alignment::new(3, false);
-    let samples = worn(&two_openings_of(&recording, 5), placement);
-    let Some(Aligned { news, reports, .. }) = align(test, chip::model(), &samples)? else {
-        return Ok(());
-    };
-    let aligned: Vec<_> = news
-        .iter()
-        .filter(|news| news.state == AlignmentState::Aligned)
-        .collect();
-    assert_eq!(aligned.len(), 1, "{news:?}");
-    // One place beside it counts as right: people differ by that much.
-    let places = aligned[0].alignment.places_from(placement);
-    assert!(places.is_some_and(|places| places <= 1), "{}", aligned[0]);
-    let open = reports
-        .into_iter()
-        .any(|report| report.emitted > aligned[0].emitted && report.status.label() == Intent::Open);
-    assert!(open, "no open hand after it");
     Ok(())
 }

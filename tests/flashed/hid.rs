@@ -4,7 +4,7 @@ use anyhow::{Context as _, ensure};
 use nrf52::Incident;
 use nrf52::chip::Reset;
 use nrf52::time::ms;
-use shared::hid::{DESCRIPTOR_BYTES, HidCommand, Output, Settings, descriptor, record};
+use shared::hid::{DESCRIPTOR_BYTES, descriptor};
 use shared::intent::Intent;
 use xtask::firmware::Image;
 
@@ -14,14 +14,10 @@ use super::start::starts;
 use super::usb::{Endpoints, control, plug};
 use myointent_tests::chip::{self, Board, Setting};
 
-/// The page of the outputs, as in `memory.x`.
-const PAGE: u32 = 0x8_0000;
 /// Milliseconds after a hang within which the computer has the release, as docs/board.md says.
 const RELEASED_MS: u64 = 250;
 /// Milliseconds after a hang within which the board leaves the bus.
 const DETACHED_MS: u64 = 2100;
-/// A page's erasure in parts, and words.
-const MOST_OPERATIONS: usize = 40;
 const PRESSED: &[u8] = &[1, 0, 0x2c];
 const RELEASED: &[u8] = &[1, 0, 0];
 
@@ -310,57 +306,4 @@ fn a_core_that_is_late_presses_the_key_again_when_the_label_is_valid_again() -> 
     }
     assert_eq!(starts(&board)[1..], [Reset::Power], "{}", board.text());
     Ok(())
-}
-
-#[test]
-fn power_that_fails_while_outputs_are_written_leaves_old_ones_or_new_ones_or_none()
--> anyhow::Result<()> {
-    let test = "power_that_fails_while_outputs_are_written_leaves_old_ones_or_new_ones_or_none";
-    let kept = |board: &Board| {
-        let page = board
-            .machine
-            .chip()
-            .bus
-            .memory
-            .read(PAGE, record::RECORD_BYTES as u32);
-        record::from_record(
-            page.as_deref()
-                .and_then(<[u8]>::first_chunk)
-                .expect("a page"),
-        )
-    };
-    let set = |name| HidCommand::Set(Intent::Close, Output::from_name(name));
-    let old = Settings::OFF
-        .after(set("key:space"))
-        .after(HidCommand::Switch(true));
-    let new = old.after(set("button:3"));
-    for operation in 0..MOST_OPERATIONS {
-        let Some(mut board) = closing(test, Image::Xiao, 60)? else {
-            return Ok(());
-        };
-        use_space(&mut board)?;
-        assert_eq!(kept(&board), Some(old));
-        board.machine.chip().nvmc.power_fails_after = Some(operation);
-        board.send("HID,set,close,button:3");
-        board.run_ms(1500)?;
-        if board.machine.chip().nvmc.power_fails_after.is_some() {
-            assert!(
-                operation > 9,
-                "{operation} operations of flash:\n{}",
-                board.text()
-            );
-            return Ok(());
-        }
-        let found = kept(&board);
-        assert!(
-            [None, Some(old), Some(new)].contains(&found),
-            "{operation}: {found:?}"
-        );
-        // What is kept is what is in force, and can be changed.
-        let answer = format!("$OK,HID,{}", if found.is_some() { "on" } else { "off" });
-        ask(&mut board, "HID,state", &answer)?;
-        ask(&mut board, "HID,set,close,button:3", "button:3")?;
-        assert_eq!(kept(&board).map(|kept| kept.outputs), Some(new.outputs));
-    }
-    anyhow::bail!("more than {MOST_OPERATIONS} operations for a page")
 }

@@ -3,12 +3,11 @@
 use std::collections::BTreeMap;
 
 use anyhow::{Context as _, ensure};
-use nrf52::Image as Flashed;
 use nrf52::chip::APPROTECT;
 use xtask::firmware::Image;
 use xtask::merge::{Part, merged};
 
-use myointent_tests::chip::{self, Board, MODEL, Setting};
+use myointent_tests::chip::{self, MODEL};
 
 /// Base address of UICR.
 const UICR: u32 = 0x1000_1000;
@@ -94,40 +93,5 @@ fn the_merged_file_holds_every_region_and_nothing_else() -> anyhow::Result<()> {
     let access = take(&mut found, UICR + APPROTECT, 4)?;
     assert_eq!(access, [0x5a, 0, 0, 0]);
     assert!(found.is_empty(), "{} bytes more", found.len());
-    Ok(())
-}
-
-#[test]
-fn a_board_starts_from_the_merged_file() -> anyhow::Result<()> {
-    let test = "a_board_starts_from_the_merged_file";
-    let Some(elf) = chip::elf(test, Image::Nrf52840S140) else {
-        return Ok(());
-    };
-    let model = chip::model();
-    let parts = [
-        Part::program(&elf)?,
-        Part::model(&model, &elf)?,
-        Part::access(),
-    ];
-    let found = read(&merged(&parts)?)?;
-    let (flash, uicr): (Vec<_>, Vec<_>) = found.into_iter().partition(|(at, _)| *at < UICR);
-    let first = flash.first().context("an empty file")?.0;
-    let mut content = vec![0xff; (flash.last().context("an empty file")?.0 - first + 1) as usize];
-    for (address, byte) in flash {
-        content[(address - first) as usize] = byte;
-    }
-    // No other file is flashed: neither a model nor UICR, and no armband is bound.
-    let setting = Setting {
-        model: Vec::new(),
-        page: Vec::new(),
-        is_blank: true,
-        ..Setting::default()
-    };
-    let mut board = Board::new(Image::Nrf52840S140, Flashed::raw(first, content), setting);
-    let word: Vec<u8> = uicr.iter().map(|(_, byte)| *byte).collect();
-    let word = u32::from_le_bytes(word.try_into().expect("a word"));
-    board.machine.chip().program_uicr(APPROTECT, word);
-    board.wait_for("# follows no armband", 2000)?;
-    assert!(!board.text().contains("refused"), "{}", board.text());
     Ok(())
 }

@@ -306,41 +306,6 @@ fn a_host_that_does_not_read_delays_no_label_and_no_watchdog() -> anyhow::Result
 }
 
 #[test]
-fn a_cable_that_is_pulled_in_a_line_leaves_whole_lines_behind_it() -> anyhow::Result<()> {
-    let test = "a_cable_that_is_pulled_in_a_line_leaves_whole_lines_behind_it";
-    let Some((mut board, _)) = opened(test)? else {
-        return Ok(());
-    };
-    board.run_ms(2000)?;
-    board.machine.chip().suspend_usb(true);
-    board.run_ms(1000)?;
-    board.machine.chip().suspend_usb(false);
-    board.run_ms(300)?;
-    board.machine.chip().read_usb(false);
-    board.run_ms(300)?;
-    board.machine.chip().plug_usb(false);
-    board.run_ms(1500)?;
-    let before = board.machine.chip().usb().taken.len();
-    let endpoints = plug(&mut board)?;
-    set_port(&mut board, 115_200, true)?;
-    board.run_ms(1000)?;
-    let (mut reader, mut labels, mut errors) = (LineReader::new(), 0, 0);
-    for byte in received(&board, endpoints, before) {
-        match reader.push(byte) {
-            Some(Ok(Line::Report(_))) => labels += 1,
-            Some(Err(_)) => errors += 1,
-            _ => {}
-        }
-    }
-    assert!(
-        labels >= 8 && errors <= 1,
-        "{labels} lines, {errors} damaged"
-    );
-    assert_eq!(starts(&board)[1..], [Reset::Power], "{}", board.text());
-    Ok(())
-}
-
-#[test]
 fn a_port_that_is_closed_at_1200_baud_restarts_into_the_boot_loader() -> anyhow::Result<()> {
     let test = "a_port_that_is_closed_at_1200_baud_restarts_into_the_boot_loader";
     let Some((mut board, _)) = opened(test)? else {

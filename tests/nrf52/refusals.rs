@@ -24,15 +24,6 @@ const PPI: u32 = 0x4001_f000;
 const P0: u32 = 0x5000_0000;
 const UICR: u32 = 0x1000_1000;
 
-/// Returns the refusal that ends a program without a SoftDevice.
-fn refused(program: Program) -> (String, What) {
-    let mut machine = program.machine(Model::Nrf52840, None);
-    let refusal = machine
-        .run(ms(10))
-        .expect_err("the program has to be refused");
-    (refusal.subject, refusal.what)
-}
-
 /// Runs programs, each of which is refused in these words; without words it runs.
 fn each<const N: usize>(model: Model, kind: Option<Kind>, cases: [(Program, &str); N]) {
     for (number, (program, words)) in cases.into_iter().enumerate() {

@@ -265,36 +265,6 @@ fn a_calibration_that_ends_without_a_head_leaves_the_alignment_as_it_was() {
 }
 
 #[test]
-fn lost_packets_are_borne_and_a_gap_ends_a_calibration_without_a_change() {
-    let bench = Bench::new();
-    let drops: Vec<_> = (410..3800)
-        .step_by(90)
-        .map(|at| format!("{{ at = {at}, do = \"drop\" }}"))
-        .collect();
-    let few = bench.calibrate(&format!("armband = [{}]", drops.join(", ")));
-    assert!(
-        few.answers()[1].starts_with("OK,CALIBRATE,done,"),
-        "{:#?}",
-        few.answers()
-    );
-    let gap = bench.calibrate("armband = [{ at = 1000, do = \"drop\", count = 10 }]");
-    assert_eq!(gap.answers()[1], "OK,CALIBRATE,interrupted,open,-,-,0");
-    assert_eq!(
-        states(&gap),
-        ["boot", "valid", "installation", "gap", "valid"]
-    );
-    let away = bench.calibrate("armband = [{ at = 2000, do = \"vanish\", for_ms = 2000 }]");
-    assert!(
-        away.answers()[1].starts_with("OK,CALIBRATE,interrupted,"),
-        "{:#?}",
-        away.answers()
-    );
-    for ran in [gap, away] {
-        assert!(ran.calibration.is_empty());
-    }
-}
-
-#[test]
 fn an_armband_that_comes_late_is_waited_for_by_the_wearer_and_its_first_window_by_the_board() {
     let bench = Bench::new();
     // At the first notification there is no window: cues begin with it.
