@@ -5,26 +5,24 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use anyhow::Context as _;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use execution::interrupt::Interrupt;
 use execution::run_folder::{RunFolder, write_whole};
 use recordings::split::predefined::is_test;
-use recordings::{Library, LoadOptions, load};
+use recordings::{LoadOptions, load};
 use shared::model::file::Model;
 use training::backend::BackendArguments;
-use training::run::personalize::TuningSettings;
 use training::run::quantize::MODEL;
 
-use crate::personalization::{Measured, Measurement, curves, people, rule};
+use crate::personalization::{Measured, Measurement, curves, people};
 
 /// Arguments of `personalization`.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Each model is tuned, and calibrated as by `myointent calibrate`, for each person whom it has not seen, test people left out,\n\
-    on the first half of the holds of each motion, and judged on the other half; what is judged is the same for all amounts. Then as\n\
-    `myointent personalize` does it: a third of the amount is held back, and the old model is kept unless the new one is not worse on\n\
-    it. An amount is of gestures and rest; other movement is learned from with `inf` only. A file for each person is kept in the\n\
-    folder: an interrupted command continues.\n\n\
+    on the first half of the holds of each motion, and judged on the other half; what is judged is the same for all amounts. An amount\n\
+    is of gestures and rest; other movement is learned from with `inf` only. A file for each person is kept in the folder: an\n\
+    interrupted command continues.\n\n\
     Example:\n  \
     myointent-research personalization runs/cross-validation/cpu/seed-42/fold-* --data DIR"
 )]
@@ -43,38 +41,11 @@ pub(super) struct Arguments {
         default_value = "30,60,120,180,300"
     )]
     amounts: Vec<f64>,
-    /// People to measure: all, or every other one of each data set, so that settings can be chosen on one half and
-    /// reported on the other.
-    #[arg(long, value_enum, default_value_t = Half::All)]
-    half: Half,
-    /// Leave out what `personalize` keeps and writes, which takes as long again.
-    #[arg(long)]
-    without_rule: bool,
-    /// Data sets to leave out, separated by commas.
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
-    without: Vec<String>,
-    /// Steps of the tuning.
-    #[arg(long, default_value_t = TuningSettings::default().steps)]
-    steps: usize,
-    /// Peak learning rate.
-    #[arg(long, default_value_t = TuningSettings::default().learning_rate)]
-    learning_rate: f64,
-    /// Share of the shipped model's outputs in the targets (learning without forgetting), 0 to 1.
-    #[arg(long, default_value_t = TuningSettings::default().keep)]
-    keep: f64,
     /// Folder of a file for each person and of the tables.
     #[arg(long, value_name = "DIR", default_value = "runs/personalization")]
     out: PathBuf,
     #[command(flatten)]
     backend: BackendArguments,
-}
-
-/// People who are measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Half {
-    All,
-    First,
-    Second,
 }
 
 /// Measures all people, prints and writes the tables.
@@ -86,22 +57,15 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let device = arguments.backend.device()?;
     let library = load(&arguments.data, &LoadOptions::default())?;
     let interrupt = Interrupt::listen();
-    let settings = TuningSettings {
-        steps: arguments.steps,
-        learning_rate: arguments.learning_rate,
-        keep: arguments.keep,
-        ..TuningSettings::default()
-    };
     let measurement = Measurement {
         folder: &folder,
         library: &library,
         amounts: &arguments.amounts,
-        settings: &settings,
-        with_rule: !arguments.without_rule,
         device,
         interrupt: &interrupt,
     };
-    let wanted = wanted(&library, arguments);
+    let subjects = library.subjects();
+    let wanted: Vec<_> = subjects.into_iter().filter(|own| !is_test(own)).collect();
     let mut measured: Vec<Measured> = Vec::new();
     let mut tried = BTreeSet::new();
     for run in &arguments.runs {
@@ -116,10 +80,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         }
     }
     measured.sort_by(|a, b| a.subject.cmp(&b.subject));
-    let mut tables = curves(&measured, &arguments.amounts).to_vec();
-    if !arguments.without_rule {
-        tables.push(rule(&measured, &arguments.amounts));
-    }
+    let tables = curves(&measured, &arguments.amounts);
     let mut out = std::io::stdout().lock();
     for table in &tables {
         writeln!(out, "{}", table.plain())?;
@@ -132,30 +93,4 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     )?;
     writeln!(out, "{}", folder.file("people.csv").display())?;
     Ok(())
-}
-
-/// Selects the people to measure.
-fn wanted(library: &Library, arguments: &Arguments) -> Vec<String> {
-    let set = |subject: &str| subject.split_once('/').map_or("", |own| own.0).to_owned();
-    let mut wanted = Vec::new();
-    let mut last = (String::new(), 0);
-    for subject in library.subjects() {
-        if is_test(&subject) || arguments.without.contains(&set(&subject)) {
-            continue;
-        }
-        last = if last.0 == set(&subject) {
-            (last.0, last.1 + 1)
-        } else {
-            (set(&subject), 0)
-        };
-        let chosen = match arguments.half {
-            Half::All => true,
-            Half::First => last.1 % 2 == 0,
-            Half::Second => last.1 % 2 == 1,
-        };
-        if chosen {
-            wanted.push(subject);
-        }
-    }
-    wanted
 }

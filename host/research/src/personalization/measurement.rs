@@ -12,10 +12,7 @@ use execution::interrupt::Interrupt;
 use execution::progress;
 use execution::run_folder::{RunError, RunFolder};
 use recordings::Library;
-use training::run::personalize::{
-    ABOVE_CONSTANT, Part, Person, PersonalizeError, TuningSettings, exchange, judge,
-    judge_constant, tune, worse,
-};
+use training::run::personalize::{Part, Person, PersonalizeError, TuningSettings, judge, tune};
 
 /// Measures that are kept, in this order.
 pub(crate) const MEASURES: [Measure; 5] = [
@@ -36,9 +33,6 @@ pub(crate) struct Measurement<'a> {
     pub(crate) library: &'a Library,
     /// Amounts to learn from, in seconds; infinity for all of the part.
     pub(crate) amounts: &'a [f64],
-    pub(crate) settings: &'a TuningSettings,
-    /// Whether to measure also the choice of `personalize` between the old and the new model.
-    pub(crate) with_rule: bool,
     pub(crate) device: Device,
     pub(crate) interrupt: &'a Interrupt,
 }
@@ -65,19 +59,6 @@ pub(crate) struct Amount {
     pub(crate) tuned: Values,
     /// Values after `calibrate` on all of this amount, with the old head where it keeps it; none with too few holds.
     pub(crate) calibrated: Option<Values>,
-    /// Outcome of `personalize` on this amount, if it was measured.
-    pub(crate) ruled: Option<Outcome>,
-}
-
-/// Outcome of `personalize`, which holds back a third of the recordings.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) enum Outcome {
-    /// The recordings are too short.
-    Refused,
-    /// The old model is kept.
-    Kept,
-    /// The new model is written, with these values.
-    Written(Values),
 }
 
 impl Measurement<'_> {
@@ -118,16 +99,7 @@ impl Measurement<'_> {
         let (pool, judged) = person.whole().halves()?;
         let shipped = judge("", model, &judged)?;
         let values = |file: &[u8]| judge("", file, &judged).map(|score| values(&score));
-        let tuned = |part: &Part<'_>| {
-            tune(
-                model,
-                part,
-                self.settings,
-                &self.device,
-                self.interrupt,
-                |_, _| (),
-            )
-        };
+        let settings = TuningSettings::default();
         let before = self::values(&shipped);
         let amount = |seconds: f64| {
             let part = if seconds.is_finite() {
@@ -139,7 +111,15 @@ impl Measurement<'_> {
             if seconds.is_finite() && part.seconds() < 0.95 * seconds {
                 return Ok(None);
             }
-            let file = match tuned(&part) {
+            let tuned = tune(
+                model,
+                &part,
+                &settings,
+                &self.device,
+                self.interrupt,
+                |_, _| (),
+            );
+            let file = match tuned {
                 Ok(file) => file,
                 // A few seconds may have no change to learn from.
                 Err(PersonalizeError::NoChange) => return Ok(None),
@@ -151,27 +131,9 @@ impl Measurement<'_> {
                 Err(EvaluationError::FewRounds(_) | EvaluationError::NotCalibrated { .. }) => None,
                 Err(error) => return Err(error.into()),
             };
-            let ruled = match part.divided() {
-                _ if !self.with_rule => None,
-                Err(_) => Some(Outcome::Refused),
-                Ok((first, held_back)) => {
-                    let file = tuned(&first)?;
-                    let [old, new] = [model, &file].map(|file| judge("", file, &held_back));
-                    let vocabulary = Model::parse(model)?.header.dimensions.vocabulary;
-                    let constant = judge_constant(&held_back, vocabulary)?;
-                    let is_kept = exchange(model, person)?.is_some_and(|found| found.is_mutual)
-                        || worse(&old?, &new?, &constant).is_some();
-                    Some(if is_kept {
-                        Outcome::Kept
-                    } else {
-                        Outcome::Written(values(&file)?)
-                    })
-                }
-            };
             Ok(Some(Amount {
                 tuned: values(&file)?,
                 calibrated,
-                ruled,
             }))
         };
         let amounts: Result<_, PersonalizeError> =
@@ -205,9 +167,7 @@ impl Measurement<'_> {
             model,
             recordings,
             self.amounts,
-            self.settings,
-            self.with_rule,
-            ABOVE_CONSTANT,
+            TuningSettings::default(),
             MEASURES.map(Measure::name),
         ))
     }

@@ -4,4 +4,4 @@ mod measurement;
 mod tables;
 
 pub(crate) use measurement::{Measured, Measurement, MeasurementError};
-pub(crate) use tables::{curves, people, rule};
+pub(crate) use tables::{curves, people};

@@ -3,7 +3,7 @@
 use evaluation::report::Table;
 use evaluation::{ALL, Difference, Measure};
 
-use super::measurement::{Amount, MEASURES, Measured, Outcome, Values};
+use super::measurement::{Amount, MEASURES, Measured, Values};
 
 /// Columns that name a row.
 const ROW: [&str; 4] = ["recordings", "classes", "seconds", "n"];
@@ -57,58 +57,18 @@ fn named(seconds: f64) -> String {
     }
 }
 
-/// Table of the gain of `personalize`, in the same form: the old model counts where it keeps or refuses.
-pub(crate) fn rule(people: &[Measured], amounts: &[f64]) -> Table {
-    let caption = "What personalize leaves less shipped, on a part that it has not seen; refused: too short to hold a third back; kept: the old model";
-    let names = MEASURES.iter().map(|measure| measure.name().to_owned());
-    let header = ROW.map(str::to_owned).into_iter();
-    let more = ["balanced worse", "TA worse", "refused", "kept"].map(str::to_owned);
-    let mut table = Table::new(caption, header.chain(names).chain(more));
-    for (set, group) in sets(people) {
-        for (at, &seconds) in amounts.iter().enumerate() {
-            let mut own = rows(people, (&set, &group), at);
-            own.retain(|(_, amount)| amount.ruled.is_some());
-            let count = |wanted: fn(&Outcome) -> bool| {
-                let outcomes = own.iter().filter_map(|(_, amount)| amount.ruled.as_ref());
-                outcomes
-                    .filter(|outcome| wanted(outcome))
-                    .count()
-                    .to_string()
-            };
-            let pairs: Vec<(&str, Values, Values)> = own
-                .iter()
-                .map(|(person, amount)| {
-                    let after = match amount.ruled {
-                        Some(Outcome::Written(values)) => values,
-                        _ => person.before,
-                    };
-                    (&person.subject[..], person.before, after)
-                })
-                .collect();
-            let start = [set.clone(), group.clone(), named(seconds)];
-            push(&mut table, start, &pairs);
-            if let Some(row) = table.rows.last_mut().filter(|_| !pairs.is_empty()) {
-                row.push(count(|outcome| matches!(outcome, Outcome::Refused)));
-                row.push(count(|outcome| matches!(outcome, Outcome::Kept)));
-            }
-        }
-    }
-    table
-}
-
 /// Table with a row for each person and amount.
 pub(crate) fn people(people: &[Measured], amounts: &[f64]) -> Table {
     let of = |what: &'static str| {
         let name = move |measure: &Measure| format!("{what} {}", measure.name());
         MEASURES.iter().map(name)
     };
-    let start = ["subject", "classes", "judged seconds", "seconds", "outcome"].map(str::to_owned);
+    let start = ["subject", "classes", "judged seconds", "seconds"].map(str::to_owned);
     let header = start.into_iter();
     let header = header
         .chain(of("before"))
         .chain(of("tuned"))
-        .chain(of("calibrated"))
-        .chain(of("written"));
+        .chain(of("calibrated"));
     let mut table = Table::new("", header);
     let cell = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:.4}"));
     for person in people {
@@ -116,21 +76,14 @@ pub(crate) fn people(people: &[Measured], amounts: &[f64]) -> Table {
             let Some(amount) = amount else {
                 continue;
             };
-            let (outcome, written) = match amount.ruled {
-                None => ("", [None; MEASURES.len()]),
-                Some(Outcome::Refused) => ("refused", person.before),
-                Some(Outcome::Kept) => ("kept", person.before),
-                Some(Outcome::Written(values)) => ("written", values),
-            };
             let start = [
                 person.subject.clone(),
                 person.group.clone(),
                 format!("{:.1}", person.judged_seconds),
                 named(seconds),
-                outcome.to_owned(),
             ];
             let calibrated = amount.calibrated.unwrap_or([None; MEASURES.len()]);
-            let values = [person.before, amount.tuned, calibrated, written];
+            let values = [person.before, amount.tuned, calibrated];
             table.push(
                 start
                     .into_iter()
@@ -227,7 +180,6 @@ mod tests {
                 Some(Amount {
                     tuned: value(0.5 + gain),
                     calibrated: Some(value(0.6)),
-                    ruled: Some(Outcome::Kept),
                 }),
             ],
         }
@@ -243,7 +195,7 @@ mod tests {
         ];
         let amounts = [30.0, f64::INFINITY];
         let [tuned, calibrated, both] = curves(&people, &amounts);
-        for table in [&tuned, &calibrated, &both, &rule(&people, &amounts)] {
+        for table in [&tuned, &calibrated, &both] {
             let names: Vec<_> = table.rows.iter().map(|row| &row[..4]).collect();
             let expected = [
                 ["one", "all 3", "all", "2"],

@@ -20,7 +20,7 @@ const EXPLAINED: f64 = 0.1;
 ///
 /// # Errors
 /// When the model is refused.
-pub fn exchange(file: &[u8], person: &Person) -> Result<Option<Exchange>, PersonalizeError> {
+pub(super) fn exchange(file: &[u8], person: &Person) -> Result<Option<Exchange>, PersonalizeError> {
     let model = Model::parse(file)?;
     let published = |own: &Own| {
         let mut recording = own.evaluated.clone();

@@ -137,20 +137,6 @@ pub fn judge(name: &str, file: &[u8], part: &Part<'_>) -> Result<Score, Personal
     Judgement::new(name, file, part)?.score()
 }
 
-/// Scores a constant label, relax.
-///
-/// # Errors
-/// As [`judge`].
-pub fn judge_constant(part: &Part<'_>, vocabulary: Vocabulary) -> Result<Score, PersonalizeError> {
-    let recordings = part.evaluated_recordings();
-    only(
-        &constant(&recordings),
-        &recordings,
-        vocabulary,
-        LookAhead::None,
-    )
-}
-
 fn only(
     candidate: &Candidate,
     recordings: &[EvaluatedRecording],

@@ -15,13 +15,13 @@ use burn::tensor::Device;
 use shared::model::file::Model;
 
 pub use self::error::{Exchange, PersonalizeError};
-pub use self::exchange::exchange;
+use self::exchange::exchange;
 use self::judgement::Judgement;
-pub use self::judgement::{judge, judge_constant};
+pub use self::judgement::judge;
 pub use self::part::Part;
 pub use self::person::Person;
-use self::rule::is_constant;
-pub use self::rule::{ABOVE_CONSTANT, Worse, worse};
+pub use self::rule::Worse;
+use self::rule::{is_constant, worse};
 pub use self::tuning::{TuningSettings, tune};
 use crate::run::StepError;
 use evaluation::Score;

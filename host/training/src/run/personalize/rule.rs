@@ -13,7 +13,7 @@ const NEVER_LOWER: [(Measure, &str); 3] = [
     (Measure::Recognition, "the share of gestures recognised"),
 ];
 /// Gain of balanced accuracy over always saying relax that a model needs.
-pub const ABOVE_CONSTANT: f64 = 0.2;
+const ABOVE_CONSTANT: f64 = 0.2;
 /// Additional false activations a minute of rest that are allowed.
 const MORE_AT_REST: f64 = 2.0;
 /// Additional share of other movements that may raise a label.
@@ -83,7 +83,7 @@ pub enum Worse {
 /// accuracy nor transition accuracy nor the share of gestures recognised is lower, and if it raises few more labels: 2 a
 /// minute of rest, for a tenth of the other movements, and a tenth more in their time. The part held back is short, so a single label must not decide.
 #[must_use]
-pub fn worse(old: &Score, new: &Score, constant: &Score) -> Option<Worse> {
+pub(super) fn worse(old: &Score, new: &Score, constant: &Score) -> Option<Worse> {
     if is_constant(new, constant) {
         return Some(Worse::Constant {
             found: balanced(new),
