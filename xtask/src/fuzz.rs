@@ -42,10 +42,6 @@ pub struct Arguments {
     /// A target to run, instead of all; may be given again.
     #[arg(long, value_name = "NAME")]
     target: Vec<String>,
-    /// Guided by branches alone, without the operands of comparisons: two to three times as fast, and as good for a target
-    /// that compares with no number of the input.
-    #[arg(long)]
-    branches: bool,
     /// Writes the seeds of all targets to tests/fuzz/corpus, and runs none.
     #[arg(long)]
     seeds: bool,
@@ -59,7 +55,7 @@ pub struct Arguments {
 /// # Errors
 /// When a target found an input that fails, or cannot be built.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let program = program::build(!arguments.branches)?;
+    let program = program::build()?;
     if arguments.seeds {
         let written = Command::new(&program)
             .env("MYOINTENT_FUZZ_SEEDS", sources().join("corpus"))

@@ -29,7 +29,10 @@ pub mod vectors;
 use std::{
     env,
     path::{Path, PathBuf},
+    process::Command,
 };
+
+use anyhow::{Context as _, Result};
 
 /// The folder of the workspace.
 fn workspace() -> PathBuf {
@@ -46,4 +49,13 @@ fn target() -> PathBuf {
 /// other's products.
 fn cross_target() -> PathBuf {
     target().join("cross")
+}
+
+/// Target triple of this system, as rustc names it.
+fn host() -> Result<String> {
+    let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let output = Command::new(rustc).arg("-vV").output()?;
+    let text = String::from_utf8(output.stdout)?;
+    let host = text.lines().find_map(|line| line.strip_prefix("host: "));
+    Ok(host.context("rustc names no host")?.to_owned())
 }

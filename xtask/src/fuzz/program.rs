@@ -8,15 +8,14 @@ use std::{
 
 use anyhow::{Context as _, Result, ensure};
 
-/// Compiler flags that count branches; those of `cargo fuzz`.
-const BRANCHES: [&str; 4] = [
+/// Compiler flags that count branches, and show libFuzzer the operands of comparisons; those of `cargo fuzz`.
+const FLAGS: [&str; 5] = [
     "-Cpasses=sancov-module",
     "-Cllvm-args=-sanitizer-coverage-level=4",
     "-Cllvm-args=-sanitizer-coverage-inline-8bit-counters",
     "-Cllvm-args=-sanitizer-coverage-pc-table",
+    "-Cllvm-args=-sanitizer-coverage-trace-compares",
 ];
-/// Compiler flag that shows libFuzzer the operands of comparisons.
-const COMPARISONS: &str = "-Cllvm-args=-sanitizer-coverage-trace-compares";
 
 /// Returns the folder of the targets.
 pub(super) fn sources() -> PathBuf {
@@ -28,26 +27,19 @@ pub(super) fn folder() -> PathBuf {
     crate::target().join("fuzz")
 }
 
-/// Compiles it; without `comparisons`, libFuzzer is guided by branches alone.
-pub(super) fn build(comparisons: bool) -> Result<PathBuf> {
-    let host = host()?;
+/// Compiles it.
+pub(super) fn build() -> Result<PathBuf> {
+    let host = crate::host()?;
     let compiler = env::var_os("CXX").unwrap_or_else(|| "c++".into());
     ensure!(
         Command::new(&compiler).arg("--version").output().is_ok(),
         "no C++ compiler, which libFuzzer is compiled with: apt-get install g++"
     );
     let mut flags = env::var("RUSTFLAGS").unwrap_or_default();
-    for flag in BRANCHES
-        .into_iter()
-        .chain(comparisons.then_some(COMPARISONS))
-    {
+    for flag in FLAGS {
         flags = format!("{flags} {flag}");
     }
-    let folder = if comparisons {
-        folder()
-    } else {
-        folder().join("branches")
-    };
+    let folder = folder();
     let built = Command::new(env!("CARGO"))
         // With a target named, the flags are not those of build scripts and macros.
         .args(["build", "--quiet", "--locked", "--release", "--target"])
@@ -61,15 +53,6 @@ pub(super) fn build(comparisons: bool) -> Result<PathBuf> {
         .context("cargo cannot be run")?;
     ensure!(built.success(), "the fuzz targets cannot be built");
     Ok(folder.join(host).join("release/myointent-fuzz"))
-}
-
-/// The platform that this program runs on, as rustc names it.
-fn host() -> Result<String> {
-    let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-    let output = Command::new(rustc).arg("-vV").output()?;
-    let text = String::from_utf8(output.stdout)?;
-    let host = text.lines().find_map(|line| line.strip_prefix("host: "));
-    Ok(host.context("rustc names no host")?.to_owned())
 }
 
 /// Target that the program offers.

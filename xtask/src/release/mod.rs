@@ -137,7 +137,7 @@ fn program(out: &Path) -> Result<()> {
     let built = target()
         .join("release")
         .join(format!("myointent{EXE_SUFFIX}"));
-    let file = out.join(program_name(&system()?));
+    let file = out.join(program_name(&crate::host()?));
     fs::copy(&built, &file).with_context(|| format!("{} cannot be kept", built.display()))?;
     println!("{}", file.display());
     Ok(())
@@ -151,15 +151,6 @@ fn program_name(target: &str) -> String {
         ""
     };
     format!("myointent-{target}{suffix}")
-}
-
-/// Target triple of this system.
-fn system() -> Result<String> {
-    let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-    let output = Command::new(rustc).arg("-vV").output()?;
-    let text = String::from_utf8(output.stdout)?;
-    let host = text.lines().find_map(|line| line.strip_prefix("host: "));
-    Ok(host.context("rustc names no host")?.to_owned())
 }
 
 /// The `maturin` of the package's tests, or the one on the path, as it builds a wheel.
