@@ -55,20 +55,6 @@ fn a_student_of_another_split_is_neither_evaluated_nor_quantized() {
 }
 
 #[test]
-fn a_student_does_not_belong_to_a_teacher_that_it_did_not_learn_from() {
-    let bench = Bench::new("other-teacher");
-    succeeds(&bench.begin("train", "run", ""));
-    succeeds(&bench.on("quantize", "run", ""));
-    let preset = bench.edited(&[("stride = 600", "stride = 300")]);
-    let only = "--overwrite --teacher-only";
-    succeeds(&bench.begin_with("train", &preset, "run", only));
-    fails(
-        &bench.on("evaluate", "run", ""),
-        "student.bpk does not belong",
-    );
-}
-
-#[test]
 fn resume_does_not_take_the_weights_of_the_run_before() {
     let bench = Bench::new("fresh");
     succeeds(&bench.begin("train", "run", ""));

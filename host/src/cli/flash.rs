@@ -175,5 +175,5 @@ fn following(board: &mut Board) -> Result<Following, BoardError> {
     })
 }
 
-#[cfg(test)]
+#[cfg(all(test, target_os = "linux"))]
 mod tests;

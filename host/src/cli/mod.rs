@@ -14,8 +14,6 @@ mod fetch;
 mod flash;
 mod gate;
 mod info;
-#[cfg(all(test, feature = "train"))]
-mod killed;
 mod live;
 mod output;
 mod predict;

@@ -3,7 +3,7 @@
 use std::io::{BufWriter, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use anyhow::{Context as _, bail};
 use clap::Args;
@@ -14,7 +14,7 @@ use shared::model::head::Head;
 use shared::stream::alignment::Arm;
 use shared::uart_line::line::Line;
 use shared::uart_line::{Kind, Report};
-use shared::units::{CHANNELS, Millis, SAMPLE_RATE_HZ, Sample, WINDOW};
+use shared::units::{CHANNELS, SAMPLE_RATE_HZ, Sample, WINDOW};
 
 use crate::cli::arguments::{AS_RECORDED, log_doubts, mirrored};
 use crate::cli::read_model;
@@ -47,9 +47,6 @@ pub struct Arguments {
     name: Option<String>,
     #[arg(hide_short_help = true, long, help = AS_RECORDED)]
     as_recorded: bool,
-    /// Replay in real time.
-    #[arg(long)]
-    real_time: bool,
     /// Begin an alignment with the first sample: the wearer opens the hand twice, with rest before and after.
     #[arg(long, conflicts_with = "speed")]
     align: bool,
@@ -70,7 +67,7 @@ pub struct Arguments {
     #[arg(long, conflicts_with = "speed")]
     strength: bool,
     /// Print how many times faster than real time the pipeline runs, instead of the lines.
-    #[arg(long, conflicts_with = "real_time")]
+    #[arg(long)]
     speed: bool,
 }
 
@@ -103,7 +100,6 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     let arm = arguments.mirrored.unwrap_or_default();
     let start = Start {
-        real_time: arguments.real_time.then(Instant::now),
         align: arguments.align.then_some(arm),
         lock: arguments.lock,
         strength: arguments.strength,
@@ -115,12 +111,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut labels = 0_usize;
     replay(&model, &recording.samples, start, |line| {
         labels += usize::from(line.starts_with("$LABEL") || line.contains(LOCKED));
-        out.write_all(line.as_bytes())?;
-        if arguments.real_time {
-            out.flush()
-        } else {
-            Ok(())
-        }
+        out.write_all(line.as_bytes())
     })?;
     out.flush()?;
     if labels == 0 {
@@ -183,8 +174,6 @@ fn lines_from(model: &[u8], samples: &[Sample], start: Start) -> anyhow::Result<
 /// Beginning of a replay.
 #[derive(Clone, Copy, Default)]
 struct Start {
-    /// Time of the first sample, if samples come in real time.
-    real_time: Option<Instant>,
     /// Arm of an alignment that begins with the first sample.
     align: Option<Arm>,
     /// Whether labels are locked.
@@ -218,22 +207,20 @@ fn replay(
     if let Some(Lesson { at, others }) = start.calibrate {
         stream.calibrate(model, at, others, &mut memory)?;
     }
-    let wait = |now: Millis| {
-        if let Some(start) = start.real_time {
-            let due = start + Duration::from_millis(now.0.into());
-            std::thread::sleep(due.saturating_duration_since(Instant::now()));
-        }
-    };
-    let written = stream.push(samples, wait, |line| {
-        let line = match line {
-            Line::Report(report) if !start.strength => Line::Report(report.without_strength()),
-            line => line,
-        };
-        match output(&line.to_string()) {
-            Ok(()) => ControlFlow::Continue(()),
-            Err(error) => ControlFlow::Break(error),
-        }
-    });
+    let written = stream.push(
+        samples,
+        |_| (),
+        |line| {
+            let line = match line {
+                Line::Report(report) if !start.strength => Line::Report(report.without_strength()),
+                line => line,
+            };
+            match output(&line.to_string()) {
+                Ok(()) => ControlFlow::Continue(()),
+                Err(error) => ControlFlow::Break(error),
+            }
+        },
+    );
     match written {
         ControlFlow::Continue(()) => Ok(()),
         ControlFlow::Break(error) => Err(error.into()),
@@ -354,22 +341,6 @@ mod tests {
         assert!(strong.iter().all(|report| report.strength == zero));
         let stripped = strong.into_iter().map(Report::without_strength);
         assert_eq!(stripped.collect::<Vec<_>>(), plain);
-    }
-
-    #[test]
-    fn a_lock_shows_no_label_without_its_sign() {
-        let found = |lock| {
-            let lines = shipped(Start {
-                lock,
-                ..Start::default()
-            });
-            let labels = lines.iter().filter(|line| line.starts_with("$LABEL"));
-            let locked = lines.iter().filter(|line| line.contains(LOCKED));
-            (labels.count(), locked.count())
-        };
-        let (labels, locked) = found(false);
-        assert!(labels > 0 && locked == 0, "{labels} {locked}");
-        assert_eq!(found(true), (0, 1));
     }
 
     #[test]

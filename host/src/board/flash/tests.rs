@@ -40,25 +40,6 @@ fn content(image: &[u8], model: Option<&[u8]>) -> Result<Content, FlashError> {
 }
 
 #[test]
-fn a_touched_board_shows_its_drive_takes_the_file_and_answers() {
-    let fake = Fake::start("xiao");
-    let search = fake.search();
-    let content = content(&image(PROGRAM_TEXT), None).unwrap();
-    let mut touched = None;
-    let drive = search
-        .drive(|port| touched = Some(port.to_owned()))
-        .unwrap();
-    assert_eq!(touched, search.port);
-    let board = content.fits(&drive, None).unwrap();
-    assert_eq!(board.image, "xiao");
-    drive.write(&content.file()).unwrap();
-    assert_eq!(
-        search.started(&content, board).unwrap(),
-        search.port.clone().unwrap()
-    );
-}
-
-#[test]
 fn a_board_that_runs_something_else_afterwards_is_not_taken_for_done() {
     let fake = Fake::start("feather");
     let mut search = fake.search();
@@ -282,7 +263,7 @@ fn firmware_without_a_model_needs_one_on_the_board() {
 }
 
 /// Port that no user may open: the system checks who writes there.
-pub(crate) const CLOSED: &str = "/proc/sys/kernel/ostype";
+const CLOSED: &str = "/proc/sys/kernel/ostype";
 
 #[test]
 fn a_port_that_this_user_may_not_open_is_said_before_anything_is_written_and_after() {

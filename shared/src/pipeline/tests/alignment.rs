@@ -25,19 +25,10 @@ const SETTINGS: Settings = Settings {
 
 /// A pipeline of a random model with the template of a ramp round the arm.
 pub(super) fn real() -> SmallPipeline {
-    let dimensions = Dimensions {
-        width: 16,
-        layers: 2,
-        span: 27,
-        vocabulary: Vocabulary::Three,
-        other: false,
-    };
-    let bytes: &'static [u8] = random_model(dimensions, 3).to_bytes().unwrap().leak();
-    let model = Model::parse(bytes).unwrap();
-    let encoder = SmallEncoder::new(&model).unwrap();
+    let (encoder, _, input) = model_of(3);
     let state: &'static mut EncoderState<16, 54> = Box::leak(Box::new(encoder.fresh()));
     let mut pipeline = Pipeline::new(encoder, state, SETTINGS, Start::Boot).unwrap();
-    pipeline.set_template(model.header.template);
+    pipeline.set_template(input.template);
     pipeline
 }
 
