@@ -10,7 +10,7 @@ mod usb;
 use nrf52::What;
 use nrf52::chip::Model;
 use nrf52::softdevice::Kind;
-use nrf52::time::{ms, us};
+use nrf52::time::ms;
 use program::Program;
 
 const CLOCK: u32 = 0x4000_0000;
@@ -173,31 +173,6 @@ fn programs_that_make_pulses() {
             ),
         ],
     );
-}
-
-#[test]
-fn a_pulse_has_its_length_in_each_period_until_the_one_in_which_it_is_stopped() {
-    let run = |high_us, program: fn(Program) -> Program| {
-        let program = program(with_pulse(high_us).store(PWM + 0x008, 1));
-        let mut machine = program.machine(Model::Nrf52840, None);
-        machine.run(ms(5)).expect("nothing to refuse");
-        let chip = machine.chip();
-        let pulses = chip.changes.iter().filter(|(_, pin, _)| *pin == 6);
-        pulses
-            .map(|(at, _, level)| (*at, *level))
-            .collect::<Vec<_>>()
-    };
-    let found = run(300, |program| program);
-    let edges: Vec<u64> = found.windows(2).map(|two| two[1].0 - two[0].0).collect();
-    // The first change is that from a floating pin to a low one.
-    assert_eq!(edges[1..6], [300, 700, 300, 700, 300].map(us));
-    let stopped = run(300, |program| program.store(PWM + 0x004, 1));
-    assert_eq!(stopped.len(), 3, "{stopped:?}");
-    assert_eq!(stopped.last().map(|last| last.1), Some(Some(false)));
-    assert_eq!(run(0, |program| program).len(), 1);
-    let whole = run(1000, |program| program);
-    assert_eq!(whole.last().map(|last| last.1), Some(Some(true)));
-    assert_eq!(whole.len(), 2, "{whole:?}");
 }
 
 #[test]

@@ -123,15 +123,4 @@ mod tests {
         }
         assert_eq!(bytes_of_row(&[0.0; 12]), [0; 12]);
     }
-
-    #[test]
-    fn unpacked_tiles_are_the_matrix_again() {
-        for (rows, columns) in [(1, 4), (4, 8), (5, 8), (18, 80), (7, 12)] {
-            let matrix: Vec<i8> = (0..rows * columns)
-                .map(|at| (at * 37 % 251) as i8)
-                .collect();
-            assert_eq!(unpacked(&packed(&matrix, columns), rows, columns), matrix);
-        }
-        assert!(unpacked(&[0; 20], 1, 4).is_empty());
-    }
 }

@@ -240,22 +240,3 @@ fn the_low_frequency_clock_runs_from_the_oscillator_until_its_crystal_does() {
     assert_eq!(started_after_ms(Some(us(9500))), [Some(1), Some(10)]);
     assert_eq!(started_after_ms(None), [Some(1), None]);
 }
-
-#[test]
-fn the_source_of_a_clock_that_was_stopped_may_change() {
-    let mut chip = Chip::new(Model::Nrf52840, 1);
-    chip.write(LFCLKSTART, 4, 1);
-    chip.advance(ms(1));
-    chip.write(LFCLKSTOP, 4, 1);
-    chip.write(LFCLKSRC, 4, 1);
-    assert_eq!(chip.bus.refused, None);
-    // The watchdog keeps it running.
-    chip.write(LFCLKSRC, 4, 0);
-    chip.write(LFCLKSTART, 4, 1);
-    chip.write(WDT, 4, 1);
-    chip.advance(ms(3));
-    chip.write(LFCLKSTOP, 4, 1);
-    chip.write(LFCLKSRC, 4, 1);
-    let refused = chip.bus.refused.take().map(|(at, _)| at);
-    assert_eq!(refused, Some(LFCLKSRC));
-}

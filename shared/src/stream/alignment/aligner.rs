@@ -125,7 +125,7 @@ impl Progress {
 mod tests {
     use super::*;
     use crate::stream::alignment::template::tests::{template, template_about, template_of};
-    use crate::stream::alignment::{Alignment, Fits, NAT, Poor};
+    use crate::stream::alignment::{Alignment, NAT, Poor};
     use crate::units::PATCH;
 
     /// Means whose profile is the test template's: 20 counts x 2^(mean / 256), less 1.
@@ -222,36 +222,6 @@ mod tests {
                     assert!(fits.lead() < NAT / 10, "{fits:?}");
                 }
                 other => panic!("{alignment:?}: {other:?}"),
-            }
-        }
-    }
-
-    #[test]
-    fn the_arm_that_is_told_is_kept_whatever_the_template_says() {
-        for (template, open) in [symmetrical(), (template(), OPEN)] {
-            for alignment in Alignment::all() {
-                let worn = alignment.inverse().apply(open);
-                for mirrored in [false, true] {
-                    let arm = Arm::Known { mirrored };
-                    match two(arm, &template, worn) {
-                        Progress::Done(Outcome::Aligned(fit) | Outcome::Poor(fit, _)) => {
-                            let Fits { nearest, other_arm } = template
-                                .fit(Profile::new(worn.map(|value| u32::from(value) * COUNT)));
-                            let expected = [nearest, other_arm]
-                                .into_iter()
-                                .find(|fit| fit.alignment.mirrored() == mirrored);
-                            assert_eq!(Some(fit.alignment), expected.map(|fit| fit.alignment));
-                        }
-                        other => panic!("{alignment:?}: {other:?}"),
-                    }
-                }
-                let arm = Arm::Known {
-                    mirrored: alignment.mirrored(),
-                };
-                match two(arm, &template, worn) {
-                    Progress::Done(Outcome::Aligned(fit)) => assert_eq!(fit.alignment, alignment),
-                    other => panic!("{alignment:?}: {other:?}"),
-                }
             }
         }
     }

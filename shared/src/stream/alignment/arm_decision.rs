@@ -162,8 +162,6 @@ fn evidence(logits: &[f32]) -> f32 {
 mod tests {
     use super::*;
     use crate::stream::alignment::{Fit, Poor};
-    use crate::units::{PATCH, WINDOW_PATCHES};
-    use alloc::vec::Vec;
 
     const NEAREST: Fit = Fit {
         alignment: Alignment::new(3, false),
@@ -239,51 +237,6 @@ mod tests {
         let fits = Fits { other_arm, ..FITS };
         let found = outcome(fits, ACTIVE, [-9.0, 9.0]);
         assert_eq!(found, Some(Outcome::Poor(other_arm, Poor::Margin)));
-    }
-
-    #[test]
-    fn rows_count_that_refer_to_patches_wholly_within_an_opening() {
-        // Of the window's patches, the third and the fourth of the newest.
-        let mut decision = ArmDecision::new(FITS, 0b1_1100);
-        decision.start(20);
-        let mut counted = Vec::new();
-        for _ in 0..19 {
-            let before = decision.rows;
-            decision.score(&rows(1.0), 3);
-            counted.push(decision.rows - before);
-        }
-        assert_eq!(counted[..16], [0; 16]);
-        assert_eq!(counted[16..], [1, 2, 2]);
-    }
-
-    #[test]
-    fn both_placements_are_judged_by_the_same_patches_and_all_are_in_the_window() {
-        for complete in 1..=WINDOW_PATCHES {
-            for filled in 0..PATCH {
-                // A window that completes a patch with every tenth sample, patches numbered from 0.
-                let mut decision = ArmDecision::new(FITS, ACTIVE);
-                decision.start(complete);
-                let mut newest = complete - 1;
-                let mut taken = Vec::new();
-                for sample in 1.. {
-                    if (filled + sample) % PATCH == 0 {
-                        newest += 1;
-                        decision.patch_completed();
-                    }
-                    let next = decision.next();
-                    assert!(next.back < WINDOW_PATCHES - 1, "{complete} {filled}");
-                    taken.push((next.alignment, newest - next.back));
-                    if decision.score(&rows(0.0), 3).is_some() {
-                        break;
-                    }
-                }
-                let patches = complete.min(53);
-                let expected = [NEAREST, OTHER_ARM].into_iter().flat_map(|fit| {
-                    (complete - patches..complete).map(move |patch| (fit.alignment, patch))
-                });
-                assert!(taken.iter().copied().eq(expected), "{complete} {filled}");
-            }
-        }
     }
 
     #[test]

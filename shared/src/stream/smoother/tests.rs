@@ -153,16 +153,6 @@ fn a_class_needs_its_margin_to_enter_and_none_to_stay_or_to_leave() {
     assert_eq!(gated(3.0, &[strong]), [1], "the margin itself is enough");
 }
 
-#[test]
-fn another_class_without_its_margin_keeps_the_label_unless_rest_has_more() {
-    let first = [0.0, 5.0, 0.0, 0.0];
-    let between = [0.0, 1.0, 2.0, 0.0];
-    let over = [1.5, 1.0, 2.0, 0.0];
-    let second = [0.0, 0.0, 5.0, 0.0];
-    assert_eq!(gated(2.0, &[first, between, second]), [1, 1, 2]);
-    assert_eq!(gated(2.0, &[first, over, between]), [1, 0, 0]);
-}
-
 /// Labels of a smoother of three classes whose last column is movement outside the vocabulary.
 fn gated_from_other(margin: f32, rows: &[[f32; CLASSES]]) -> Vec<usize> {
     let settings = Settings {

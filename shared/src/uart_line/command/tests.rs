@@ -33,12 +33,6 @@ fn a_line_ends_with_cr_or_lf_or_both_and_is_answered_once() {
 }
 
 #[test]
-fn bytes_outside_a_line_are_ignored_and_a_dollar_begins_anew() {
-    let noise = b"\xff\x00IDENTIFY*04\r\n\n\r*$IDE$IDENTIFY*04\r\n";
-    assert_eq!(read(noise), [Ok(Command::Identify)]);
-}
-
-#[test]
 fn what_is_wrong_is_named() {
     for (line, refusal) in [
         ("$IDENTIFY*05\r\n", Refusal::Checksum(0x04)),
