@@ -22,8 +22,6 @@ pub enum Input<'s> {
     Silence(Millis),
     /// The button is pressed, or a command begins an alignment that is told this of the arm.
     Align(Arm),
-    /// A command ends an alignment in progress.
-    CancelAlignment,
     /// A command puts this alignment in force.
     SetAlignment(Alignment),
     /// A command changes the confidence gate.
@@ -92,10 +90,6 @@ pub fn expected_lines(model: &[u8], inputs: &[Input<'_>]) -> anyhow::Result<Vec<
             }
             Input::Align(arm) => {
                 pipeline.begin_alignment(arm);
-                Reports::default()
-            }
-            Input::CancelAlignment => {
-                pipeline.cancel_alignment();
                 Reports::default()
             }
         };

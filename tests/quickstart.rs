@@ -6,8 +6,6 @@ mod small;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use evaluation::inference::{input, integer_logits};
-use myointent::cli::replay;
 use shared::model::file::Model;
 use small::{folder, myointent, recordings, small_preset};
 
@@ -74,42 +72,4 @@ fn the_same_seed_gives_the_same_model_file_bit_for_bit() {
     let once = fs::read(quickstart(&folder, "once").join("student.intent")).unwrap();
     let again = fs::read(quickstart(&folder, "again").join("student.intent")).unwrap();
     assert!(once == again, "two runs of one seed differ");
-}
-
-#[test]
-fn an_integer_student_is_deterministic_and_near_the_float_student() {
-    let folder = folder("twins");
-    let run = quickstart(&folder, "run");
-    let (_, file) = recordings(&folder);
-    let bytes = fs::read(run.join("student.intent")).unwrap();
-    let model = Model::parse(&bytes).unwrap();
-    let recording = replay::one_recording(&file, None).unwrap();
-    let emg = input(&recording.samples, model.header.preprocessing);
-    let rows = integer_logits(&model, &emg).unwrap();
-    assert_eq!(rows, integer_logits(&model, &emg).unwrap());
-
-    let out = folder.join("float.csv");
-    let [run, file, path] = [&run, &file, &out].map(|path| path.display());
-    let line = format!("predict --run {run} --recording {file} --out {path}");
-    assert!(myointent(&line));
-    let text = fs::read_to_string(&out).unwrap();
-    let float: Vec<Vec<f32>> = text
-        .lines()
-        .skip(1)
-        .map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect())
-        .collect();
-    assert_eq!(float.len(), emg.len());
-    let (mut largest, mut worst) = (0.0_f32, 0.0_f32);
-    for (patch, rows) in rows.iter().enumerate() {
-        for class in 0..3 {
-            let logit = float[patch * 10][class + 2];
-            largest = largest.max(logit.abs());
-            worst = worst.max((logit - rows[0][class]).abs());
-        }
-    }
-    // Weights keep 7 bits: the error is a few hundredths of the largest logit.
-    assert!(
-        worst < 0.05 * largest + 0.02,
-        "off by {worst}, logits up to {largest}"
-    );
 }

@@ -48,23 +48,6 @@ fn bytes_that_come_while_a_page_is_erased_do_not_end_the_receiver() -> anyhow::R
 }
 
 #[test]
-fn a_command_that_comes_while_a_page_is_erased_is_answered() -> anyhow::Result<()> {
-    let test = "a_command_that_comes_while_a_page_is_erased_is_answered";
-    let Some(mut board) = board(test, Image::Nrf52840S140) else {
-        return Ok(());
-    };
-    board.run_ms(500)?;
-    board.send(&format!("BIND,set,{OTHER}"));
-    // 17 ms.
-    board.send_bytes(repeat_n(b'x', 200));
-    board.send("IDENTIFY");
-    board.wait_for("$OK,IDENTIFY", 1000)?;
-    assert_eq!(bound(&board), Address::parse(OTHER).ok());
-    assert!(!board.text().contains("lost"), "{}", board.text());
-    Ok(())
-}
-
-#[test]
 fn a_command_is_answered_after_a_million_bytes_of_noise() -> anyhow::Result<()> {
     let test = "a_command_is_answered_after_a_million_bytes_of_noise";
     // Whether RXDRDY comes for a byte without its stop bit no specification says.

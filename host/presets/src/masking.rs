@@ -182,27 +182,3 @@ pub fn poisson_spans(window: usize, masked: usize, rng: &mut impl RngExt) -> Vec
     }
     mask
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
-    use shared::units::WINDOW;
-
-    fn count(mask: &[bool]) -> usize {
-        mask.iter().filter(|&&masked| masked).count()
-    }
-
-    #[test]
-    fn only_the_self_supervised_task_blocks_attention() {
-        let mut rng = ChaCha8Rng::seed_from_u64(4);
-        for task in [Task::Intent, Task::Emg, Task::Joint] {
-            assert!(!task.draw(WINDOW, None, &mut rng).blocked);
-        }
-        let masks = Task::SelfSupervised.draw(WINDOW, None, &mut rng);
-        assert!(masks.blocked);
-        assert_eq!(count(&masks.intent), 0);
-        assert!((120..390).contains(&count(&masks.emg)));
-    }
-}

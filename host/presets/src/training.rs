@@ -67,14 +67,3 @@ impl LearningRate {
         self.peak * left / total.saturating_sub(warm_up).max(1) as f64
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_constant_rate_is_constant_from_the_first_step_on() {
-        let schedule = LearningRate::new(1e-4, LrSchedule::Constant, 10);
-        assert!([0, 5, 10, 100].map(|step| schedule.rate(step)) == [1e-4; 4]);
-    }
-}

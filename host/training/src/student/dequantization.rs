@@ -77,7 +77,6 @@ mod tests {
 
     use super::*;
     use crate::inference::student_logits;
-    use crate::student::quantization::quantize;
     use evaluation::inference::integer_logits;
 
     fn parts() -> ModelParts {
@@ -89,51 +88,6 @@ mod tests {
             other: true,
         };
         random_model(dimensions, 3)
-    }
-
-    /// Quantizes a student into a file that otherwise equals `parts`.
-    fn quantized(student: &Student, config: &StudentConfig, parts: &ModelParts) -> Vec<u8> {
-        let smoother = (parts.smoother, parts.preprocessing);
-        let vocabulary = parts.dimensions.vocabulary;
-        let (template, provenance) = (parts.template, parts.provenance.clone());
-        quantize(student, config, vocabulary, smoother, template, provenance).unwrap()
-    }
-
-    #[test]
-    fn a_model_dequantized_and_quantized_again_is_the_same_within_half_a_unit_of_its_weights() {
-        let shipped = include_bytes!("../../../../models/three-class.intent").to_vec();
-        let shipped = Model::parse(&shipped).unwrap().to_parts();
-        for parts in [parts(), shipped] {
-            let (student, config) = dequantize(&parts, &Device::default());
-            let file = quantized(&student, &config, &parts);
-            let mut again = Model::parse(&file).unwrap().to_parts();
-            let mut original = parts.clone();
-            let pairs = linear_maps(&mut again)
-                .into_iter()
-                .zip(linear_maps(&mut original));
-            for (own, other) in pairs {
-                let columns = own.weights.len() / own.scales.len();
-                let weights = other.dequantized();
-                let rows = weights.chunks(columns).zip(&own.scales);
-                let weights = rows.flat_map(|(row, scale)| row.iter().map(move |w| (w, scale)));
-                for ((weight, scale), found) in weights.zip(own.dequantized()) {
-                    assert!((weight - found).abs() <= 0.501 * scale, "{weight} {found}");
-                }
-                *own = other.clone();
-            }
-            assert!(parts == again, "more than weights differ");
-        }
-    }
-
-    /// Collects all linear maps.
-    fn linear_maps(parts: &mut ModelParts) -> Vec<&mut LinearParts> {
-        let layers = parts.layers.iter_mut();
-        let layers =
-            layers.flat_map(|own| [&mut own.qkv, &mut own.out, &mut own.ff1, &mut own.ff2]);
-        [&mut parts.embed, &mut parts.head]
-            .into_iter()
-            .chain(layers)
-            .collect()
     }
 
     #[test]
