@@ -16,7 +16,7 @@ use shared::units::SAMPLE_RATE_HZ;
 use execution::bounded_read;
 use recordings::labels::motion::Motion;
 
-pub use self::error::ProtocolError;
+pub use self::error::{Fault, ProtocolError};
 
 /// Built-in protocols: name and TOML text.
 pub const BUILT_IN: [(&str, &str); 6] = [
@@ -108,20 +108,23 @@ impl Protocol {
     /// Parses the text of a protocol; `name` is for messages.
     ///
     /// # Errors
-    /// [`ProtocolError::Toml`] with line and column, or the first reason why the protocol is impossible.
+    /// [`Fault::Toml`] with line and column, or the first reason why the protocol is impossible.
     pub fn parse(name: &str, text: &str) -> Result<Self, ProtocolError> {
-        let file: ProtocolFile = toml::from_str(text).map_err(|error| ProtocolError::Toml {
-            name: name.to_owned(),
-            error: error.to_string().trim_end().to_owned(),
-        })?;
         let stem = Path::new(name).file_stem().unwrap_or_default();
+        Self::named(stem.to_string_lossy().into_owned(), text)
+            .map_err(|fault| ProtocolError::Impossible(name.to_owned(), fault))
+    }
+
+    fn named(name: String, text: &str) -> Result<Self, Fault> {
+        let file: ProtocolFile = toml::from_str(text)
+            .map_err(|error| Fault::Toml(error.to_string().trim_end().to_owned()))?;
         let protocol = Self {
-            name: stem.to_string_lossy().into_owned(),
-            course: file.course(name)?,
-            pause: samples(bounded(name, "pause", file.pause, &PAUSE)?),
+            name,
+            course: file.course()?,
+            pause: samples(bounded("pause", file.pause, &PAUSE)?),
         };
         let hours = protocol.samples().unwrap_or(0) as f64 / f64::from(3600 * SAMPLE_RATE_HZ);
-        bounded(name, "hours of a session", hours, &HOURS)?;
+        bounded("hours of a session", hours, &HOURS)?;
         Ok(protocol)
     }
 
@@ -168,98 +171,67 @@ pub fn text(name: &str) -> Result<String, ProtocolError> {
     }
     let path = Path::new(name);
     if !path.exists() {
-        return Err(ProtocolError::UnknownProtocol {
-            name: name.to_owned(),
-        });
+        return Err(ProtocolError::UnknownProtocol(name.to_owned()));
     }
-    bounded_read::read_text(path, bounded_read::PRESET).map_err(|error| {
-        ProtocolError::UnreadableProtocol {
-            name: name.to_owned(),
-            error: error.to_string(),
-        }
-    })
+    bounded_read::read_text(path, bounded_read::PRESET)
+        .map_err(|error| ProtocolError::UnreadableProtocol(name.to_owned(), error.to_string()))
 }
 
 impl ProtocolFile {
-    /// Course that the keys describe; `name` is for messages.
-    fn course(&self, name: &str) -> Result<Course, ProtocolError> {
-        let found = match (&self.sequence, &self.gestures) {
-            (Some(sequence), None) => return self.guided(name, sequence),
-            (None, Some(gestures)) => return self.free(name, gestures),
-            (Some(_), Some(_)) => "both",
-            (None, None) => "neither",
-        };
-        let name = name.to_owned();
-        Err(ProtocolError::Course { name, found })
+    /// Course that the keys describe.
+    fn course(&self) -> Result<Course, Fault> {
+        match (&self.sequence, &self.gestures) {
+            (Some(sequence), None) => self.guided(sequence),
+            (None, Some(gestures)) => self.free(gestures),
+            (Some(_), Some(_)) => Err(Fault::Course("both")),
+            (None, None) => Err(Fault::Course("neither")),
+        }
     }
 
-    fn guided(&self, name: &str, sequence: &[String]) -> Result<Course, ProtocolError> {
+    fn guided(&self, sequence: &[String]) -> Result<Course, Fault> {
         let rounds = self.rounds.unwrap_or(1);
-        bounded(
-            name,
-            "rounds",
-            f64::from(rounds),
-            &(1.0..=f64::from(MOST_ROUNDS)),
-        )?;
-        bounded(
-            name,
-            "motions in the sequence",
-            sequence.len() as f64,
-            &(3.0..=MOST_STEPS as f64),
-        )?;
+        bounded("rounds", f64::from(rounds), &(1.0..=f64::from(MOST_ROUNDS)))?;
+        let steps = 3.0..=MOST_STEPS as f64;
+        bounded("motions in the sequence", sequence.len() as f64, &steps)?;
         let none = BTreeMap::new();
         let seconds = self.seconds.as_ref().unwrap_or(&none);
         for (motion, &value) in seconds {
-            named(name, motion)?;
-            bounded(name, &format!("seconds of {motion}"), value, &SECONDS)?;
+            named(motion)?;
+            bounded(&format!("seconds of {motion}"), value, &SECONDS)?;
         }
-        let ends = || ProtocolError::Ends {
-            name: name.to_owned(),
-        };
         let mut blocks: Vec<CueBlock> = Vec::new();
         let mut last = None;
         for found in sequence {
-            let motion = named(name, found)?;
+            let motion = named(found)?;
             if last == Some(motion) {
-                return Err(ProtocolError::Twice {
-                    name: name.to_owned(),
-                    class: motion.name(),
-                });
+                return Err(Fault::Twice(motion.name()));
             }
             last = Some(motion);
-            let Some(&own) = seconds.get(motion.name()) else {
-                return Err(ProtocolError::NoSeconds {
-                    name: name.to_owned(),
-                    missing: motion.name(),
-                });
-            };
-            let step = Step {
-                motion,
-                samples: samples(own),
-            };
+            let own = seconds.get(motion.name());
+            let samples = samples(*own.ok_or(Fault::NoSeconds(motion.name()))?);
+            let step = Step { motion, samples };
             match blocks.last_mut() {
                 Some(block) if motion != Motion::RELAX => block.steps.push(step),
-                None if motion != Motion::RELAX => return Err(ends()),
+                None if motion != Motion::RELAX => return Err(Fault::Ends),
                 _ => blocks.push(CueBlock { steps: vec![step] }),
             }
         }
         if last != Some(Motion::RELAX) {
-            return Err(ends());
+            return Err(Fault::Ends);
         }
         Ok(Course::Guided { rounds, blocks })
     }
 
-    fn free(&self, name: &str, motions: &[String]) -> Result<Course, ProtocolError> {
+    fn free(&self, motions: &[String]) -> Result<Course, Fault> {
         for (key, given) in [
             ("rounds", self.rounds.is_some()),
             ("seconds", self.seconds.is_some()),
         ] {
             if given {
-                let name = name.to_owned();
-                return Err(ProtocolError::Meaningless { name, key });
+                return Err(Fault::Meaningless(key));
             }
         }
-        let found = motions.iter().map(|motion| named(name, motion));
+        let found = motions.iter().map(|motion| named(motion));
         let found: Vec<Motion> = found.collect::<Result<_, _>>()?;
         let is_used = |motion: &Motion| found.contains(motion);
         let gestures: Vec<Motion> = Motion::named().filter(is_used).collect();
@@ -267,39 +239,25 @@ impl ProtocolFile {
             || gestures.len() < 2
             || gestures.len() != motions.len()
         {
-            let name = name.to_owned();
-            return Err(ProtocolError::Gestures { name });
+            return Err(Fault::Gestures);
         }
         Ok(Course::Free { gestures })
     }
 }
 
-/// Motion that is called `found` in the protocol `name`.
-fn named(name: &str, found: &str) -> Result<Motion, ProtocolError> {
+/// Motion of this name.
+fn named(found: &str) -> Result<Motion, Fault> {
     let motion = Motion::from_name(found).filter(|motion| *motion != Motion::Unknown);
-    motion.ok_or_else(|| ProtocolError::Motion {
-        name: name.to_owned(),
-        found: found.to_owned(),
-    })
+    motion.ok_or_else(|| Fault::Motion(found.to_owned()))
 }
 
-/// Checks a number of the protocol `name` and returns it.
-fn bounded(
-    name: &str,
-    what: &str,
-    found: f64,
-    range: &RangeInclusive<f64>,
-) -> Result<f64, ProtocolError> {
+/// Checks a number and returns it.
+fn bounded(what: &str, found: f64, range: &RangeInclusive<f64>) -> Result<f64, Fault> {
     if range.contains(&found) {
         return Ok(found);
     }
-    Err(ProtocolError::Number {
-        name: name.to_owned(),
-        what: what.to_owned(),
-        least: *range.start(),
-        most: *range.end(),
-        found,
-    })
+    let what = what.to_owned();
+    Err(Fault::Number(what, *range.start(), *range.end(), found))
 }
 
 /// Converts seconds within bounds to samples.
