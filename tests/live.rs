@@ -1,5 +1,26 @@
 //! `myointent live`: the page and its messages, lines of JSON, a board on a pseudo-terminal, and the page in a browser.
 
+/// Starts Chromium; without it, the test is booked as skipped and ends.
+macro_rules! start {
+    () => {
+        match $crate::browser::Browser::start($crate::browser::Kind::Chromium) {
+            Some(browser) => browser,
+            None => return,
+        }
+    };
+}
+
+/// Opens a page in Chromium, in a window of 1440 x 900 that is light and moves.
+macro_rules! open {
+    ($live:expr) => {{
+        let mut browser = start!();
+        let live = $live;
+        browser.look(1440, 900, "light", "no-preference");
+        browser.open(live.url());
+        (browser, live)
+    }};
+}
+
 // Tests start by name: this one, which takes minutes, comes first, and the others run beside it.
 #[cfg(target_os = "linux")]
 #[path = "live/owner.rs"]
@@ -26,9 +47,6 @@ mod cuts;
 mod empty;
 #[path = "live/firefox.rs"]
 mod firefox;
-#[cfg(target_os = "linux")]
-#[path = "live/firmware.rs"]
-mod firmware;
 #[path = "live/guided.rs"]
 mod guided;
 #[cfg(target_os = "linux")]
@@ -82,8 +100,6 @@ use myointent::live::{self, Live, Options, Source};
 use recordings::Recording;
 use recordings::synthetic::{self, SynthOptions};
 
-use self::browser::Browser;
-
 /// Starts the page of a source, on any free port of this machine.
 fn serve(source: Source) -> Live {
     live::start(Options {
@@ -94,15 +110,6 @@ fn serve(source: Source) -> Live {
         record: None,
     })
     .unwrap()
-}
-
-/// Opens the page of the demo in a browser; none where there is no browser.
-fn demo_page(test: &str) -> Option<(Browser, Live)> {
-    let mut browser = Browser::start(test)?;
-    let live = serve(Source::Demo);
-    browser.look(1440, 900, "light", "no-preference");
-    browser.open(live.url());
-    Some((browser, live))
 }
 
 fn shipped() -> Vec<u8> {

@@ -24,24 +24,18 @@ use shared::uart_line::calibration::{CalibrationReport, CalibrationState, Recall
 use shared::uart_line::emg::EmgReport;
 use shared::units::{Sample, SampleIndex};
 use web::SHIPPED;
+use web::engine::{Engine, Wanted};
 use web::event::Event;
-use web::tab::{Tab, Wanted};
 use xtask::firmware::Image;
 
-use self::browser::{Browser, Kind};
-
-const VALID: &str = "document.getElementById('valid')?.dataset.valid === 'yes'";
-const CONNECTED: &str = "document.getElementById('source')?.dataset.state === 'connected'";
-
-/// Keeps what is saved, for the test to read.
-const CATCH: &str = "(create => URL.createObjectURL = (blob) => create.call(URL, window.saved = blob))(URL.createObjectURL) && null";
+use self::browser::{Browser, CATCH, CONNECTED, FITS, Kind, LOST, VALID};
 
 /// Whether the page offers to save a calibrated model.
-const SAVES: &str = "!document.getElementById('save-model').hidden";
+const SAVES: &str = "!$save-model.hidden";
 
 /// Expression that is true once the page shows a label.
 fn label(name: &str) -> String {
-    format!("{VALID} && document.getElementById('label').textContent === '{name}'")
+    format!("{VALID} && $label.textContent === '{name}'")
 }
 
 /// The shipped model, on the heap, which aligns it as a model requires.
@@ -81,13 +75,12 @@ fn replayed(samples: &[Sample]) -> Vec<Value> {
 /// Reports of a tab that plays a recording's file, up to its end.
 fn played(name: &Path, bytes: &[u8], samples: usize) -> Vec<Value> {
     let name = name.to_str().unwrap().to_owned();
-    let mut tab = Tab::open(0.0, &Wanted::Recording { name }, bytes, None);
+    let mut tab = Engine::open(0.0, &Wanted::Recording { name }, bytes, None);
     let mut reports = Vec::new();
     let notifications = samples.div_ceil(2);
     for tick in 0..notifications {
         tab.tick(tick as f64 * 10.0);
-        let messages: Vec<Value> = serde_json::from_str(&tab.take()).unwrap();
-        let found = messages
+        let found = taken(&mut tab)
             .into_iter()
             .filter(|message| message["type"] == "report");
         reports.extend(found.map(message));
@@ -113,15 +106,16 @@ fn a_files_labels_are_those_of_replay() {
 }
 
 /// Messages of a tab since the last call.
-fn taken(tab: &mut Tab) -> Vec<Value> {
-    serde_json::from_str(&tab.take()).unwrap()
+fn taken(tab: &mut Engine) -> Vec<Value> {
+    let outputs = tab.take().into_iter();
+    outputs.map(|output| json!(output)).collect()
 }
 
 #[test]
 fn the_simulated_arm_follows_a_calibration_whose_model_is_used_saved_and_taken_back() {
-    let mut tab = Tab::open(0.0, &Wanted::Demo, &[], None);
+    let mut tab = Engine::open(0.0, &Wanted::Demo, &[], None);
     let mut now = 0.0;
-    let mut run = |tab: &mut Tab, seconds: u32| {
+    let mut run = |tab: &mut Engine, seconds: u32| {
         for _ in 0..seconds * 100 {
             now += 10.0;
             tab.tick(now);
@@ -193,9 +187,9 @@ fn given(messages: &[Value]) -> Vec<recordings::Recording> {
 
 #[test]
 fn a_session_is_recorded_and_what_a_killed_tab_had_written_becomes_the_same_recordings() {
-    let mut tab = Tab::open(0.0, &Wanted::Demo, &[], None);
+    let mut tab = Engine::open(0.0, &Wanted::Demo, &[], None);
     let mut now = 0.0;
-    let mut run = |tab: &mut Tab, seconds: u32| {
+    let mut run = |tab: &mut Engine, seconds: u32| {
         let mut messages = Vec::new();
         for _ in 0..seconds * 100 {
             now += 10.0;
@@ -264,7 +258,7 @@ fn a_session_is_recorded_and_what_a_killed_tab_had_written_becomes_the_same_reco
     );
 
     // Another tab has the journal without its end, which was not written yet.
-    let mut later = Tab::open(0.0, &Wanted::Demo, &[], None);
+    let mut later = Engine::open(0.0, &Wanted::Demo, &[], None);
     let recover = json!({ "do": "recover", "name": name }).to_string();
     later.request(
         1.0,
@@ -298,12 +292,13 @@ static FILE: LazyLock<Result<PathBuf, String>> = LazyLock::new(|| {
 });
 
 /// Opens the file in a browser, after a script; none where something is missing, which is booked as skipped.
-fn open(kind: Kind, name: &str, script: &str) -> Option<Browser> {
-    let mut browser = Browser::start_kind(kind, name)?;
+fn open(kind: Kind, script: &str) -> Option<Browser> {
+    let mut browser = Browser::start(kind)?;
     let path = match &*FILE {
         Ok(path) => path,
         Err(error) => {
-            myointent_tests::skip(name, error);
+            let name = std::thread::current().name().unwrap_or("a test").to_owned();
+            myointent_tests::skip(&name, error);
             return None;
         }
     };
@@ -325,7 +320,7 @@ fn open(kind: Kind, name: &str, script: &str) -> Option<Browser> {
 /// Clicks an element as a user does: a chooser needs that.
 fn click(browser: &mut Browser, id: &str) {
     let place = browser.value(&format!(
-        "(({{ x, y, width, height }}) => [x + width / 2, y + height / 2])(document.getElementById('{id}').getBoundingClientRect())"
+        "(({{ x, y, width, height }}) => [x + width / 2, y + height / 2])(${id}.getBoundingClientRect())"
     ));
     for kind in ["mousePressed", "mouseReleased"] {
         browser.command(
@@ -335,14 +330,14 @@ fn click(browser: &mut Browser, id: &str) {
     }
 }
 
-/// Script with fakes of both kinds of devices.
-/// The fakes of devices, with what they play.
+/// Script with fakes of devices, and what they play.
 fn fakes(board: &Value, pairs: &[&[i8]]) -> String {
     let armband = json!({ "pairs": pairs, "period": 10 });
     let fakes = include_str!("page/devices.js");
     format!("{{ const BOARD = {board}; const ARMBAND = {armband};\n{fakes} }}")
 }
 
+/// Script with fakes of both kinds of devices.
 fn devices() -> String {
     let samples = samples(60);
     let pairs: Vec<&[i8]> = samples
@@ -399,8 +394,7 @@ fn devices() -> String {
 
 #[test]
 fn the_file_shows_the_simulated_arm_without_a_server_and_takes_recordings() {
-    let name = "the_file_shows_the_simulated_arm_without_a_server_and_takes_recordings";
-    let Some(mut browser) = open(Kind::Chromium, name, "") else {
+    let Some(mut browser) = open(Kind::Chromium, "") else {
         return;
     };
     browser.wait_for(VALID);
@@ -408,38 +402,36 @@ fn the_file_shows_the_simulated_arm_without_a_server_and_takes_recordings() {
     for class in ["open", "relax", "close"] {
         browser.wait_for(&label(class));
     }
-    browser.wait_for("document.getElementById('agrees').dataset.state === 'right'");
-    browser.wait_for("Number(document.getElementById('rate').textContent) > 190");
+    browser.wait_for("$agrees.dataset.state === 'right'");
+    browser.wait_for("Number($rate.textContent) > 190");
     let picture = |name: &str| Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     browser.screenshot(&picture("page.png"));
-    let fits = "document.documentElement.scrollWidth <= innerWidth";
     browser.look(390, 844, "dark", "no-preference");
     browser.screenshot(&picture("page-phone.png"));
-    assert_eq!(browser.value(fits), true, "wider than the window");
+    assert!(browser.is(FITS), "wider than the window");
     browser.look(1440, 900, "light", "no-preference");
 
     // The page's own messages: a mark, and an alignment that the simulated arm takes part in.
     browser.press("m");
     browser.press("a");
-    browser.wait_for("document.getElementById('placement').textContent.startsWith('Aligned')");
+    browser.wait_for("$placement.textContent.startsWith('Aligned')");
 
     // A calibration leads through half a minute; its model is saved, and opened again.
     browser.press("c");
-    browser.wait_for("document.getElementById('calibrating-task').textContent === 'Make a fist'");
+    browser.wait_for("$calibrating-task.textContent === 'Make a fist'");
     browser.screenshot(&picture("page-calibrating.png"));
-    browser
-        .wait_for("document.getElementById('calibrated').textContent.startsWith('Calibrated: ')");
+    browser.wait_for("$calibrated.textContent.startsWith('Calibrated: ')");
     browser.value(CATCH);
-    browser.value("document.getElementById('save-model').click()");
+    browser.value("$save-model.click()");
     browser.wait_for("window.saved?.size > 80000");
     browser.screenshot(&picture("page-calibrated.png"));
-    browser.value("document.getElementById('forget').click()");
-    browser.wait_for("document.getElementById('forget').hidden");
+    browser.value("$forget.click()");
+    browser.wait_for("$forget.hidden");
     browser.value(
         "(() => { const data = new DataTransfer(); data.items.add(new File([window.saved], 'mine.intent')); \
          document.body.dispatchEvent(new DragEvent('drop', { dataTransfer: data, bubbles: true, cancelable: true })); })()",
     );
-    browser.wait_for("document.getElementById('valid').dataset.valid !== 'yes'");
+    browser.wait_for("$valid.dataset.valid !== 'yes'");
     browser.wait_for(&format!("{CONNECTED} && {VALID}"));
 
     // A recording is dropped; and a file that is none says why.
@@ -457,14 +449,14 @@ fn the_file_shows_the_simulated_arm_without_a_server_and_takes_recordings() {
     };
     browser.value(&drop(&text));
     browser.wait_for(&format!(
-        "{CONNECTED} && document.getElementById('source').textContent.includes('mine') && {VALID} && \
-         document.getElementById('truth').lastChild.textContent === 'open'"
+        "{CONNECTED} && $source.textContent.includes('mine') && {VALID} && \
+         $truth.lastChild.textContent === 'open'"
     ));
     browser.value(&drop("no recording"));
-    browser.wait_for("document.getElementById('source').dataset.state === 'lost'");
+    browser.wait_for(LOST);
     let why = browser.text("source");
     assert!(why.contains("mine.csv"), "{why}");
-    browser.value("document.getElementById('use-demo').click()");
+    browser.value("$use-demo.click()");
     browser.wait_for(&format!("{CONNECTED} && {VALID}"));
     assert_eq!(browser.complaints, [""; 0]);
 }
@@ -475,7 +467,7 @@ fn play(name: &Path, bytes: &[u8], samples: usize) -> String {
     let ticks = samples.div_ceil(2);
     format!(
         "(async () => {{
-            const packed = Uint8Array.from(atob(document.getElementById('program').textContent), (letter) => letter.charCodeAt(0));
+            const packed = Uint8Array.from(atob($program.textContent), (letter) => letter.charCodeAt(0));
             const code = new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream('gzip')));
             const {{ instance: {{ exports: program }} }} = await WebAssembly.instantiate(await code.arrayBuffer());
             const give = (bytes) => {{
@@ -501,7 +493,7 @@ fn in_a_browser_labels_of_four_sets_are_those_of_replay() {
     let Some(data) = myointent_tests::data(name) else {
         return;
     };
-    let Some(mut browser) = open(Kind::Chromium, name, "") else {
+    let Some(mut browser) = open(Kind::Chromium, "") else {
         return;
     };
     // Of these, one file is a whole recording: a page has no other beside it.
@@ -527,26 +519,23 @@ fn in_a_browser_labels_of_four_sets_are_those_of_replay() {
 
 #[test]
 fn an_armband_streams_into_the_file_and_is_found_again() {
-    let name = "an_armband_streams_into_the_file_and_is_found_again";
-    let Some(mut browser) = open(Kind::Chromium, name, &devices()) else {
+    let Some(mut browser) = open(Kind::Chromium, &devices()) else {
         return;
     };
     browser.wait_for(CONNECTED);
     click(&mut browser, "use-bluetooth");
-    let streams = format!(
-        "{CONNECTED} && document.getElementById('source').textContent === 'armband: Simulated Myo'"
-    );
+    let streams = format!("{CONNECTED} && $source.textContent === 'armband: Simulated Myo'");
     browser.wait_for(&streams);
     browser.wait_for(&label("open"));
     browser.wait_for(&label("close"));
     assert_eq!(browser.text("battery"), "80 %");
     browser.value("device.gatt.disconnect()");
-    browser.wait_for("document.getElementById('source').dataset.state === 'lost'");
+    browser.wait_for(LOST);
     browser.wait_for(&streams);
     browser.wait_for(VALID);
     assert_eq!(browser.value("device.gatt.connections"), 2);
     // Another source lets go of the armband.
-    browser.value("document.getElementById('use-demo').click()");
+    browser.value("$use-demo.click()");
     browser.wait_for("!device.gatt.connected");
     browser.wait_for(&format!("{CONNECTED} && {VALID}"));
     assert_eq!(browser.complaints, [""; 0]);
@@ -554,42 +543,35 @@ fn an_armband_streams_into_the_file_and_is_found_again() {
 
 #[test]
 fn a_board_streams_into_the_file_and_may_be_unplugged() {
-    let name = "a_board_streams_into_the_file_and_may_be_unplugged";
-    let Some(mut browser) = open(Kind::Chromium, name, &devices()) else {
+    let Some(mut browser) = open(Kind::Chromium, &devices()) else {
         return;
     };
     browser.wait_for(CONNECTED);
     click(&mut browser, "use-board");
     browser.wait_for(&format!(
-        "{CONNECTED} && document.getElementById('source').textContent === 'board on USB'"
+        "{CONNECTED} && $source.textContent === 'board on USB'"
     ));
     browser.wait_for(&label("open"));
     browser.wait_for(&label("close"));
-    browser.wait_for("document.getElementById('battery').textContent === '77 %'");
+    browser.wait_for("$battery.textContent === '77 %'");
     assert_eq!(browser.text("line"), "0 samples, 0 lines");
     // It runs the page's model: three classes and other movement have scores.
-    assert_eq!(
-        browser.value("document.getElementById('legend').childElementCount"),
-        4
-    );
+    assert_eq!(browser.value("$legend.childElementCount"), 4);
     browser.press("a");
     browser.wait_for("port.written.includes('$ALIGN,begin')");
     // It calibrates itself.
     browser.press("c");
-    browser.wait_for(
-        "document.getElementById('calibrated').textContent.startsWith('Calibrated: 84 %')",
-    );
-    browser.value("document.getElementById('forget').click()");
-    browser
-        .wait_for("document.getElementById('calibrated').textContent.startsWith('Not calibrated')");
-    assert_eq!(browser.value(SAVES), false);
+    browser.wait_for("$calibrated.textContent.startsWith('Calibrated: 84 %')");
+    browser.value("$forget.click()");
+    browser.wait_for("$calibrated.textContent.startsWith('Not calibrated')");
+    assert!(!browser.is(SAVES));
     browser.value("port.pull()");
-    browser.wait_for("document.getElementById('source').dataset.state === 'lost'");
-    browser.wait_for("!document.getElementById('empty').hidden");
+    browser.wait_for(LOST);
+    browser.wait_for("!$empty.hidden");
     // It is chosen again, and another source turns its raw stream off.
     click(&mut browser, "use-board");
     browser.wait_for(&format!("{CONNECTED} && {VALID}"));
-    browser.value("document.getElementById('use-demo').click()");
+    browser.value("$use-demo.click()");
     browser.wait_for("port.written.includes('$RAW,off') && port.readable === null");
     browser.wait_for(&format!("{CONNECTED} && {VALID}"));
     assert_eq!(browser.complaints, [""; 0]);
@@ -601,7 +583,7 @@ fn a_dropped_model_is_installed_on_the_emulated_board() -> anyhow::Result<()> {
     let Some(image) = chip::image(name, Image::Nrf52840S140) else {
         return Ok(());
     };
-    let Some(mut browser) = open(Kind::Chromium, name, &fakes(&Value::Null, &[])) else {
+    let Some(mut browser) = open(Kind::Chromium, &fakes(&Value::Null, &[])) else {
         return Ok(());
     };
     let samples = samples(120);
@@ -637,9 +619,7 @@ fn a_dropped_model_is_installed_on_the_emulated_board() -> anyhow::Result<()> {
             board.run_ms(20)?;
         }
     };
-    let scores = |count| {
-        format!("{CONNECTED} && document.getElementById('legend').childElementCount === {count}")
-    };
+    let scores = |count| format!("{CONNECTED} && $legend.childElementCount === {count}");
     browser.wait_for("window.port?.readable != null");
     until(&mut browser, &scores(4))?;
     let model =
@@ -650,14 +630,8 @@ fn a_dropped_model_is_installed_on_the_emulated_board() -> anyhow::Result<()> {
          data.items.add(new File([Uint8Array.from({bytes})], 'five.intent')); \
          document.body.dispatchEvent(new DragEvent('drop', {{ dataTransfer: data, bubbles: true, cancelable: true }})); }})()"
     ));
-    until(
-        &mut browser,
-        "!document.getElementById('onto-board').hidden",
-    )?;
-    until(
-        &mut browser,
-        "document.getElementById('notice').textContent.startsWith('Installed')",
-    )?;
+    until(&mut browser, "!$onto-board.hidden")?;
+    until(&mut browser, "$notice.textContent.startsWith('Installed')")?;
     // Its scores are those of the new model, and its labels go on.
     until(&mut browser, &format!("{} && {VALID}", scores(6)))?;
     let memory = board.machine.chip().bus.memory.clone();
@@ -668,18 +642,17 @@ fn a_dropped_model_is_installed_on_the_emulated_board() -> anyhow::Result<()> {
 
 #[test]
 fn a_session_is_recorded_in_the_file_and_a_tab_that_is_killed_loses_nothing() {
-    let name = "a_session_is_recorded_in_the_file_and_a_tab_that_is_killed_loses_nothing";
-    let Some(mut browser) = open(Kind::Chromium, name, "") else {
+    let Some(mut browser) = open(Kind::Chromium, "") else {
         return;
     };
     browser.wait_for(VALID);
     click(&mut browser, "use-record");
-    browser.value("document.getElementById('person').value = 'anna'");
+    browser.value("$person.value = 'anna'");
     click(&mut browser, "record-now");
     browser.wait_for("document.body.dataset.mode === 'record'");
     browser.frames(20);
     browser.press("Enter");
-    browser.wait_for("document.getElementById('session').dataset.phase === 'cued' && document.getElementById('task').textContent === 'Make a fist'");
+    browser.wait_for("$session.dataset.phase === 'cued' && $task.textContent === 'Make a fist'");
     let picture = Path::new(env!("CARGO_TARGET_TMPDIR")).join("page-session.png");
     browser.screenshot(&picture);
     // The page before stays valid for a moment.
@@ -688,11 +661,8 @@ fn a_session_is_recorded_in_the_file_and_a_tab_that_is_killed_loses_nothing() {
     browser.wait_for(VALID);
     browser.value(CATCH);
     click(&mut browser, "use-record");
-    browser.wait_for("document.getElementById('kept-list').childElementCount === 1");
-    assert_eq!(
-        browser.value("document.getElementById('person').value"),
-        "anna"
-    );
+    browser.wait_for("$kept-list.childElementCount === 1");
+    assert_eq!(browser.value("$person.value"), "anna");
     browser.value("document.querySelector('#kept-list button').click()");
     browser.wait_for("window.saved?.size > 50000");
     let text = browser.value("window.saved.text()");
@@ -709,22 +679,18 @@ fn a_session_is_recorded_in_the_file_and_a_tab_that_is_killed_loses_nothing() {
         recording.samples.len()
     );
     browser.value("window.confirm = () => true; document.querySelector('#kept-list button:last-child').click()");
-    browser.wait_for("document.getElementById('kept-before').hidden");
+    browser.wait_for("$kept-before.hidden");
     assert_eq!(browser.complaints, [""; 0]);
 }
 
 #[test]
 fn a_browser_without_bluetooth_says_so_and_shows_the_simulated_arm() {
-    let name = "a_browser_without_bluetooth_says_so_and_shows_the_simulated_arm";
-    let Some(mut browser) = open(Kind::Firefox, name, "") else {
+    let Some(mut browser) = open(Kind::Firefox, "") else {
         return;
     };
     browser.wait_for(&label("open"));
     // Firefox has no Web Bluetooth; its newer versions have Web Serial.
-    assert_eq!(
-        browser.value("document.getElementById('use-bluetooth').disabled"),
-        true
-    );
+    assert!(browser.is("$use-bluetooth.disabled"));
     assert!(browser.text("lacks").contains("Chrome and Edge"));
     assert_eq!(browser.complaints, [""; 0]);
 }

@@ -4,11 +4,9 @@ use std::process::Command;
 
 use myointent::live::Source;
 
-use super::browser::Browser;
+use super::browser::VALID;
 use super::record::{SHORT, record};
-use super::{demo_page, serve};
-
-const VALID: &str = "document.getElementById('valid')?.dataset.valid === 'yes'";
+use super::serve;
 
 /// Controls smaller than 24 px, by id or text (WCAG 2.2, target size).
 const SMALL: &str = "[...document.querySelectorAll('button, summary, a, input')].filter((one) => one.checkVisibility()) \
@@ -24,10 +22,7 @@ const LOUD: &str = "[...document.querySelectorAll('[aria-live=assertive], [role=
 
 #[test]
 fn controls_have_names_and_sizes_and_no_region_interrupts_a_reader() {
-    let name = "controls_have_names_and_sizes_and_no_region_interrupts_a_reader";
-    let Some(mut browser) = Browser::start(name) else {
-        return;
-    };
+    let mut browser = start!();
     let folder = tempfile::tempdir().unwrap();
     for live in [
         serve(Source::Demo),
@@ -48,22 +43,15 @@ fn controls_have_names_and_sizes_and_no_region_interrupts_a_reader() {
 
 #[test]
 fn a_screen_reader_hears_label_and_cue_and_not_every_tenth_of_a_second() {
-    let name = "a_screen_reader_hears_label_and_cue_and_not_every_tenth_of_a_second";
-    let Some((mut browser, live)) = demo_page(name) else {
-        return;
-    };
+    let (mut browser, live) = open!(serve(Source::Demo));
     browser.wait_for(VALID);
-    browser.wait_for(
-        "/^asked: \\w+; label: \\w+/.test(document.getElementById('spoken').textContent)",
-    );
-    let spoken = "document.getElementById('spoken').getAttribute('role')";
-    assert_eq!(browser.value(spoken), "status");
-    let silent = "document.getElementById('label').closest('[role=status], [aria-live]') === null";
-    assert_eq!(browser.value(silent), true);
+    browser.wait_for("/^asked: \\w+; label: \\w+/.test($spoken.textContent)");
+    assert!(browser.is("$spoken.getAttribute('role') === 'status'"));
+    assert!(browser.is("$label.closest('[role=status], [aria-live]') === null"));
     // Seven seconds in which the label changes several times.
     let changes = browser.value(
         "new Promise((done) => { let count = 0; \
-         new MutationObserver(() => { count += 1; }).observe(document.getElementById('spoken'), { childList: true, characterData: true, subtree: true }); \
+         new MutationObserver(() => { count += 1; }).observe($spoken, { childList: true, characterData: true, subtree: true }); \
          setTimeout(() => done(count), 7000); })",
     );
     assert!(changes.as_u64().unwrap() <= 4, "{changes}");
@@ -72,10 +60,7 @@ fn a_screen_reader_hears_label_and_cue_and_not_every_tenth_of_a_second() {
 
 #[test]
 fn without_motion_two_pictures_300_ms_apart_are_equal() {
-    let Some(mut browser) = Browser::start("without_motion_two_pictures_300_ms_apart_are_equal")
-    else {
-        return;
-    };
+    let mut browser = start!();
     let live = serve(Source::Demo);
     browser.look(1440, 900, "light", "reduce");
     browser.open(live.url());
@@ -83,7 +68,7 @@ fn without_motion_two_pictures_300_ms_apart_are_equal() {
     // A second step between the two is allowed, but not in most of the pairs.
     let equal = browser.value(
         "(async () => { let equal = 0; \
-         const picture = () => document.getElementById('traces').toDataURL() + document.getElementById('armband').innerHTML; \
+         const picture = () => $traces.toDataURL() + $armband.innerHTML; \
          for (let pair = 0; pair < 10; pair += 1) { const before = picture(); \
            await new Promise((done) => setTimeout(done, 300)); equal += picture() === before ? 1 : 0; } \
          return equal; })()",
@@ -104,9 +89,7 @@ fn axe_finds_nothing() {
         myointent_tests::skip("axe_finds_nothing", "npm cannot install axe-core");
         return;
     }
-    let Some(mut browser) = Browser::start("axe_finds_nothing") else {
-        return;
-    };
+    let mut browser = start!();
     let axe = folder.path().join("node_modules/axe-core/axe.min.js");
     let axe = std::fs::read_to_string(axe).unwrap();
     let findings = "axe.run().then(({ violations }) => violations.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.html).join(' ')}`).join('\\n'))";
@@ -119,16 +102,14 @@ fn axe_finds_nothing() {
         for scheme in ["light", "dark"] {
             browser.look(1440, 900, scheme, "reduce");
             browser.open(live.url());
-            browser.wait_for(&format!(
-                "document.getElementById('empty')?.hidden === false || {VALID}"
-            ));
-            browser.value(&axe);
+            browser.wait_for(&format!("$empty?.hidden === false || {VALID}"));
+            browser.run(&axe);
             assert_eq!(browser.value(findings), "", "{scheme} {}", live.url());
             browser.value("location.hash = 'wearer'");
             assert_eq!(browser.value(findings), "", "{scheme}, the wearer's view");
             browser.open(&format!("{}sessions", live.url()));
-            browser.wait_for("/[^…]$/.test(document.getElementById('state')?.textContent ?? '')");
-            browser.value(&axe);
+            browser.wait_for("/[^…]$/.test($state?.textContent ?? '')");
+            browser.run(&axe);
             assert_eq!(browser.value(findings), "", "{scheme}, the record");
         }
         live.stop().unwrap();

@@ -116,163 +116,58 @@ const fn locking(locked: bool) -> Locking {
 }
 
 /// Returns commands, each with answers to other commands that come before its own answer, and its own answer.
+#[rustfmt::skip]
 fn late() -> Vec<(Command, Vec<Answer<'static>>, Answer<'static>)> {
+    use Answer::{Alignment as Placed, Gate as Of, Raw, Refused};
+    use Command::{Align, Bind, Gate as Set, Hid, Install, Lock};
     let [mine, other] = ["FA:12:34:56:78:9A", "FA:12:34:56:78:9B"].map(armband);
     let bound = |address| binding(Following::Bound(address));
-    let turned = Alignment::new(3, true);
-    let begin = Command::Align(AlignCommand::Begin(Arm::Unknown));
-    let cancel = Command::Align(AlignCommand::Cancel);
-    let [begun, cancelled, was_set] =
-        [Accepted::Begin, Accepted::Cancel, Accepted::Set].map(Answer::Align);
+    let [nobody, pairing, strongest] = [Following::Nobody, Following::Pairing, Following::Strongest].map(binding);
     // The line does not say which alignment is set.
-    let set = Command::Align(AlignCommand::Set(turned));
-    let refused = |refusals: &[Refusal]| -> Vec<_> {
-        let refusals = refusals.iter().copied();
-        refusals.map(Answer::Refused).collect()
-    };
-    let transfer = Transfer {
-        length: 84_729,
-        checksum: 7,
-    };
+    let turned = Alignment::new(3, true);
+    let [begin, cancel, set] = [AlignCommand::Begin(Arm::Unknown), AlignCommand::Cancel, AlignCommand::Set(turned)].map(Align);
+    let [begun, cancelled, was_set] = [Accepted::Begin, Accepted::Cancel, Accepted::Set].map(Answer::Align);
+    let [no_model, no_stream, built_in, length, block, not_begun, model, flash] = [
+        Refusal::NoModel, Refusal::NoStream, Refusal::BuiltIn, Refusal::Length,
+        Refusal::Block, Refusal::NotBegun, Refusal::Model, Refusal::Flash,
+    ].map(Refused);
+    let refusals = vec![no_model, no_stream, built_in, length, block, not_begun, model, flash];
+    let transfer = Transfer { length: 84_729, checksum: 7 };
     let next = |block| Answer::Install(Progress::Next(block));
-    let (nobody, pairing) = (binding(Following::Nobody), binding(Following::Pairing));
     let counts = Answer::Counts(Counts::default());
-    let line = |command| {
-        let others = [
-            Refusal::NoModel,
-            Refusal::NoStream,
-            Refusal::BuiltIn,
-            Refusal::Length,
-            Refusal::Block,
-            Refusal::NotBegun,
-            Refusal::Model,
-            Refusal::Flash,
-        ];
-        (command, refused(&others))
-    };
-    let mut all = Vec::new();
-    for ((command, others), own) in [
-        (line(Command::Identify), identity(7)),
-        (line(Command::Counters), counts),
-        (line(Command::Raw(true)), Answer::Raw(true)),
-    ] {
-        all.push((command, others, own));
-    }
-    all.extend([
-        (
-            Command::Identify,
-            vec![counts, next(1), nobody],
-            identity(7),
-        ),
-        (
-            Command::Counters,
-            vec![identity(7), Answer::Gate(gate(1))],
-            counts,
-        ),
-        (
-            Command::Raw(true),
-            vec![Answer::Raw(false)],
-            Answer::Raw(true),
-        ),
-        (
-            Command::Raw(false),
-            vec![Answer::Raw(true)],
-            Answer::Raw(false),
-        ),
-        (
-            begin,
-            vec![cancelled, was_set, Answer::Alignment(turned)],
-            begun,
-        ),
-        (
-            begin,
-            refused(&[Refusal::BuiltIn, Refusal::Flash, Refusal::Length]),
-            begun,
-        ),
+    let lock = |locked| Answer::Lock(Some(locking(locked)));
+    vec![
+        (Command::Identify, refusals.clone(), identity(7)),
+        (Command::Counters, refusals.clone(), counts),
+        (Command::Raw(true), refusals, Raw(true)),
+        (Command::Identify, vec![counts, next(1), nobody], identity(7)),
+        (Command::Counters, vec![identity(7), Of(gate(1))], counts),
+        (Command::Raw(true), vec![Raw(false)], Raw(true)),
+        (Command::Raw(false), vec![Raw(true)], Raw(false)),
+        (begin, vec![cancelled, was_set, Placed(turned)], begun),
+        (begin, vec![built_in, flash, length], begun),
         (cancel, vec![begun, was_set], cancelled),
+        (cancel, vec![no_stream, built_in], cancelled),
+        (set, vec![begun, cancelled, Placed(turned)], was_set),
+        (Align(AlignCommand::State), vec![begun, was_set, no_stream], Placed(turned)),
+        (Bind(BindCommand::Begin), vec![bound(mine), nobody], pairing),
+        (Bind(BindCommand::Set(mine)), vec![nobody, pairing, bound(other)], bound(mine)),
+        (Bind(BindCommand::Forget), vec![pairing, bound(mine)], nobody),
+        (Bind(BindCommand::Forget), vec![bound(mine)], strongest),
+        (Bind(BindCommand::State), vec![counts, no_stream], bound(mine)),
+        (Set(GateCommand::Set(gate(150))), vec![Of(Gate::default()), Of(gate(50))], Of(gate(150))),
+        (Set(GateCommand::Set(gate(150))), vec![no_stream, built_in, flash], Of(gate(150))),
+        (Set(GateCommand::State), vec![nobody, identity(7)], Of(gate(1))),
+        (Lock(LockCommand::Set(LockTimes::USUAL)), vec![Answer::Lock(None), counts], lock(true)),
+        (Lock(LockCommand::Hold { is_locked: false }), vec![lock(true)], lock(false)),
         (
-            cancel,
-            refused(&[Refusal::NoStream, Refusal::BuiltIn]),
-            cancelled,
-        ),
-        (
-            set,
-            vec![begun, cancelled, Answer::Alignment(turned)],
-            was_set,
-        ),
-        (
-            Command::Align(AlignCommand::State),
-            vec![begun, was_set, Answer::Refused(Refusal::NoStream)],
-            Answer::Alignment(turned),
-        ),
-        (
-            Command::Bind(BindCommand::Begin),
-            vec![bound(mine), nobody],
-            pairing,
-        ),
-        (
-            Command::Bind(BindCommand::Set(mine)),
-            vec![nobody, pairing, bound(other)],
-            bound(mine),
-        ),
-        (
-            Command::Bind(BindCommand::Forget),
-            vec![pairing, bound(mine)],
-            nobody,
-        ),
-        (
-            Command::Bind(BindCommand::Forget),
-            vec![bound(mine)],
-            binding(Following::Strongest),
-        ),
-        (
-            Command::Bind(BindCommand::State),
-            vec![counts, Answer::Refused(Refusal::NoStream)],
-            bound(mine),
-        ),
-        (
-            Command::Gate(GateCommand::Set(gate(150))),
-            vec![Answer::Gate(Gate::default()), Answer::Gate(gate(50))],
-            Answer::Gate(gate(150)),
-        ),
-        (
-            Command::Gate(GateCommand::Set(gate(150))),
-            refused(&[Refusal::NoStream, Refusal::BuiltIn, Refusal::Flash]),
-            Answer::Gate(gate(150)),
-        ),
-        (
-            Command::Gate(GateCommand::State),
-            vec![nobody, identity(7)],
-            Answer::Gate(gate(1)),
-        ),
-        (
-            Command::Lock(LockCommand::Set(LockTimes::USUAL)),
-            vec![Answer::Lock(None), counts],
-            Answer::Lock(Some(locking(true))),
-        ),
-        (
-            Command::Lock(LockCommand::Hold { is_locked: false }),
-            vec![Answer::Lock(Some(locking(true)))],
-            Answer::Lock(Some(locking(false))),
-        ),
-        (
-            Command::Hid(HidCommand::Switch(true)),
-            vec![Answer::Hid(hid::Settings::OFF), counts],
+            Hid(HidCommand::Switch(true)), vec![Answer::Hid(hid::Settings::OFF), counts],
             Answer::Hid(hid::Settings::OFF.after(HidCommand::Switch(true))),
         ),
-        (Command::Install(transfer), vec![counts, nobody], next(0)),
-        (
-            Command::Install(transfer),
-            refused(&[Refusal::NotBegun, Refusal::NoStream, Refusal::Model]),
-            next(0),
-        ),
-        (
-            Command::Block(0, Block::ERASED),
-            vec![Answer::Refused(Refusal::Length), Answer::Raw(true)],
-            next(64),
-        ),
-    ]);
-    all
+        (Install(transfer), vec![counts, nobody], next(0)),
+        (Install(transfer), vec![not_begun, no_stream, model], next(0)),
+        (Command::Block(0, Block::ERASED), vec![length, Raw(true)], next(64)),
+    ]
 }
 
 #[test]

@@ -18,6 +18,16 @@ pub use xtask::browser::Kind;
 /// Longest wait for a start on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
 
+/// Whether the page shows a label, and whether its source is connected or lost.
+pub const VALID: &str = "$valid?.dataset.valid === 'yes'";
+pub const CONNECTED: &str = "$source?.dataset.state === 'connected'";
+pub const LOST: &str = "$source?.dataset.state === 'lost'";
+/// Whether nothing is wider than the window.
+pub const FITS: &str = "document.documentElement.scrollWidth <= innerWidth";
+
+/// Keeps what the page saves, for the test to read.
+pub const CATCH: &str = "(create => URL.createObjectURL = (blob) => create.call(URL, window.saved = blob))(URL.createObjectURL) && null";
+
 /// Browser with one page.
 pub struct Browser {
     kind: Kind,
@@ -32,17 +42,13 @@ pub struct Browser {
 }
 
 impl Browser {
-    /// Starts Chromium. Without it, returns `None` and books the test `name` as skipped.
-    pub fn start(name: &str) -> Option<Self> {
-        Self::start_kind(Kind::Chromium, name)
-    }
-
-    /// Starts a browser of a kind. Without it, returns `None` and books the test `name` as skipped.
-    pub fn start_kind(kind: Kind, name: &str) -> Option<Self> {
+    /// Starts a browser of a kind. Without it, returns `None` and books the test of this thread as skipped.
+    pub fn start(kind: Kind) -> Option<Self> {
         let program = match kind.find() {
             Ok(program) => program,
             Err(error) => {
-                myointent_tests::skip(name, &format!("{error:#}"));
+                let name = std::thread::current().name().unwrap_or("a test").to_owned();
+                myointent_tests::skip(&name, &format!("{error:#}"));
                 return None;
             }
         };
@@ -148,12 +154,22 @@ impl Browser {
         };
     }
 
-    /// Returns the value of an expression of the page's script.
+    /// Returns the value of an expression of the page's script, in which `$id` is the element of that id.
     pub fn value(&mut self, expression: &str) -> Value {
+        self.run(&elements(expression))
+    }
+
+    /// Returns the value of a script as it is.
+    pub fn run(&mut self, expression: &str) -> Value {
         match self.kind {
             Kind::Chromium => self.evaluate_chromium(expression),
             Kind::Firefox => self.evaluate_firefox(expression),
         }
+    }
+
+    /// Whether an expression is true.
+    pub fn is(&mut self, expression: &str) -> bool {
+        self.value(expression) == true
     }
 
     /// Waits until the page has drawn `count` frames.
@@ -166,16 +182,14 @@ impl Browser {
 
     /// Returns the text of an element.
     pub fn text(&mut self, id: &str) -> String {
-        let text = self.value(&format!(
-            "document.getElementById('{id}')?.textContent ?? ''"
-        ));
+        let text = self.value(&format!("${id}?.textContent ?? ''"));
         text.as_str().unwrap().to_owned()
     }
 
     /// Waits until an expression is true.
     pub fn wait_for(&mut self, expression: &str) {
         let end = Instant::now() + PATIENCE;
-        while self.value(expression) != true {
+        while !self.is(expression) {
             assert!(
                 Instant::now() < end,
                 "not within {PATIENCE:?}: {expression}"
@@ -216,6 +230,20 @@ impl Drop for Browser {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
+}
+
+/// Replaces `$id` by the element of that id.
+fn elements(text: &str) -> String {
+    let mut parts = text.split('$');
+    let mut whole = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let end = part.find(|letter: char| !(letter.is_ascii_lowercase() || letter == '-'));
+        whole += &match part.split_at(end.unwrap_or(part.len())) {
+            ("", rest) => format!("${rest}"),
+            (id, rest) => format!("document.getElementById('{id}'){rest}"),
+        };
+    }
+    whole
 }
 
 /// Reads the port, which the browser prints.

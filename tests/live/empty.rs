@@ -1,39 +1,26 @@
 //! Page without a stream: what is missing, and what to do about it, step by step.
 
-use myointent::live::{Live, Source};
+use myointent::live::Source;
 use shared::myo::{Address, Following};
 
 use super::board::{Board, Damage};
-use super::browser::Browser;
+use super::browser::{Browser, LOST, VALID};
 use super::record::pictures;
 use super::scripted::{Scripted, binding, identity};
 use super::serve;
 
-const SHOWN: &str = "document.getElementById('empty')?.hidden === false";
-
-fn open(browser: &mut Browser, live: &Live) {
-    browser.look(1440, 900, "light", "no-preference");
-    browser.open(live.url());
-}
-
 /// Waits until what is missing is named, and returns it with its steps.
 fn missing(browser: &mut Browser, title: &str) -> String {
-    browser.wait_for(&format!(
-        "{SHOWN} && document.getElementById('empty-title').textContent.includes('{title}')"
-    ));
+    let is_named = format!("$empty-title.textContent.includes('{title}')");
+    browser.wait_for(&format!("$empty?.hidden === false && {is_named}"));
     browser.text("empty")
 }
 
 #[test]
 fn a_port_that_is_not_there_is_named_with_what_to_do() {
-    let Some(mut browser) = Browser::start("a_port_that_is_not_there_is_named_with_what_to_do")
-    else {
-        return;
-    };
     let folder = tempfile::tempdir().unwrap();
     let link = folder.path().join("board");
-    let live = serve(Source::Port(link.clone()));
-    open(&mut browser, &live);
+    let (mut browser, live) = open!(serve(Source::Port(link.clone())));
     let text = missing(&mut browser, "there is no port");
     for part in ["USB cable", "port", "myointent live --demo"] {
         assert!(text.contains(part), "{part}: {text}");
@@ -44,8 +31,12 @@ fn a_port_that_is_not_there_is_named_with_what_to_do() {
 
     // It is gone as soon as there is something to see, and back when that is gone.
     let board = Board::start(&link, Damage::None);
-    browser.wait_for("document.getElementById('empty').hidden");
+    browser.wait_for(&format!("$empty.hidden && {VALID}"));
+    browser.wait_for("$battery.textContent === '80 %'");
+    assert!(browser.text("legend").contains("--model FILE"));
     drop(board);
+    // The words come with the message, and the label goes with the next frame.
+    browser.wait_for(&format!("{LOST} && $label.textContent === '–'"));
     missing(&mut browser, "looking for it again");
 
     // A file is no port.
@@ -65,7 +56,7 @@ fn quiet(browser: &mut Browser, following: Following, title: &str) -> String {
         identity(7).to_string() + &binding(following).to_string()
     });
     let live = serve(Source::Port(link));
-    open(browser, &live);
+    browser.open(live.url());
     let text = missing(browser, title);
     live.stop().unwrap();
     board.end();
@@ -74,10 +65,8 @@ fn quiet(browser: &mut Browser, following: Following, title: &str) -> String {
 
 #[test]
 fn a_board_whose_armband_sleeps_or_is_not_bound_yet_says_what_to_do() {
-    let name = "a_board_whose_armband_sleeps_or_is_not_bound_yet_says_what_to_do";
-    let Some(mut browser) = Browser::start(name) else {
-        return;
-    };
+    let mut browser = start!();
+    browser.look(1440, 900, "light", "no-preference");
     let armband = Address::parse("FA:12:34:56:78:9A").unwrap();
     let asleep = quiet(&mut browser, Following::Bound(armband), "FA:12:34:56:78:9A");
     assert!(asleep.contains("move the hand"), "{asleep}");

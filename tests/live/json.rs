@@ -198,35 +198,6 @@ fn with_an_address_there_is_a_page_too() {
     assert!(program.child.wait().unwrap().success());
 }
 
-#[cfg(target_os = "linux")]
-#[test]
-fn a_board_has_lines_and_its_raw_stream_is_off_in_the_end() {
-    use super::board::{Board, Damage};
-
-    let folder = tempfile::tempdir().unwrap();
-    let port = folder.path().join("board");
-    let model = folder.path().join("model.intent");
-    std::fs::write(&model, shipped()).unwrap();
-    let board = Board::start(&port, Damage::None);
-    let mut program = Program::start(&format!(
-        "--json --port {} --model {}",
-        port.display(),
-        model.display()
-    ));
-    assert_eq!(program.find("board")["image"], "test");
-    program.find("samples");
-    program.find("report");
-    program.find("scores");
-    assert!(board.is_raw());
-    let (status, said) = ended(program.close());
-    assert!(status.success(), "{said}");
-    let end = Instant::now() + PATIENCE;
-    while board.is_raw() {
-        assert!(Instant::now() < end, "the raw stream is still on");
-        std::thread::sleep(Duration::from_millis(10));
-    }
-}
-
 #[test]
 fn what_goes_wrong_is_said_on_standard_error_and_by_the_exit_code() {
     let folder = tempfile::tempdir().unwrap();

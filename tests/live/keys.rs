@@ -2,34 +2,23 @@
 
 use myointent::live::Source;
 
-use super::browser::Browser;
-use super::record::{SHORT, pictures, record, step};
-use super::{demo_page, serve, synthetic};
+use super::browser::{Browser, CONNECTED, VALID};
+use super::record::{SHORT, phase, pictures, record, step};
+use super::{serve, synthetic};
 
-/// Whether a phase of the session is shown.
-fn phase(name: &str) -> String {
-    format!("document.getElementById('session')?.dataset.phase === '{name}'")
-}
-
-const ASKS: &str = "document.getElementById('ending')?.open === true";
+const ASKS: &str = "$ending?.open === true";
 
 #[test]
 fn in_a_session_space_has_the_task_wait_and_e_asks_first() {
-    let name = "in_a_session_space_has_the_task_wait_and_e_asks_first";
-    let Some(mut browser) = Browser::start(name) else {
-        return;
-    };
     let folder = tempfile::tempdir().unwrap();
-    let live = record(folder.path(), Source::Demo, SHORT, 1);
-    browser.look(1440, 900, "light", "no-preference");
-    browser.open(live.url());
+    let (mut browser, live) = open!(record(folder.path(), Source::Demo, SHORT, 1));
     browser.wait_for(&phase("waiting"));
-    browser.wait_for("document.getElementById('source').dataset.state === 'connected'");
+    browser.wait_for(CONNECTED);
     // A picture that was frozen before moves again with the session.
     browser.press(" ");
     browser.press("Enter");
     browser.wait_for(&phase("ready"));
-    let paused = "document.getElementById('pause').ariaPressed";
+    let paused = "$pause.ariaPressed";
     browser.wait_for(&format!("{paused} === 'false'"));
     browser.press(" ");
     browser.wait_for(&phase("held"));
@@ -46,104 +35,76 @@ fn in_a_session_space_has_the_task_wait_and_e_asks_first() {
     browser.press("m");
     browser.press("Escape");
     browser.wait_for(&phase("ready"));
-    assert_eq!(browser.value(ASKS), false);
+    assert!(!browser.is(ASKS));
     browser.press("e");
     browser.wait_for(ASKS);
     browser.press("e");
     browser.wait_for(&phase("over"));
-    assert_eq!(browser.value(ASKS), false);
+    assert!(!browser.is(ASKS));
     // What is not good enough is recorded again, before anything else.
-    browser.wait_for("document.getElementById('again').classList.contains('main')");
-    assert_eq!(browser.value(&step("record", "now")), true);
+    browser.wait_for("$again.classList.contains('main')");
+    assert!(browser.is(&step("record", "now")));
     assert_eq!(browser.complaints, [""; 0]);
     live.stop().unwrap();
 }
 
 #[test]
 fn a_paused_page_shows_the_label_and_cue_of_where_it_is() {
-    let name = "a_paused_page_shows_the_label_and_cue_of_where_it_is";
-    let Some(mut browser) = Browser::start(name) else {
-        return;
-    };
-    let live = serve(Source::Replay(Box::new(synthetic(60))));
-    browser.look(1440, 900, "light", "no-preference");
-    browser.open(live.url());
+    let (mut browser, live) = open!(serve(Source::Replay(Box::new(synthetic(60)))));
     // A gesture, and rest before it.
-    browser.wait_for("document.getElementById('valid')?.dataset.valid === 'yes' && document.getElementById('label').textContent === 'relax'");
-    browser.wait_for("document.getElementById('label')?.textContent !== 'relax'");
+    browser.wait_for(&format!("{VALID} && $label.textContent === 'relax'"));
+    browser.wait_for("$label?.textContent !== 'relax'");
     browser.press(" ");
-    let shown = |browser: &mut Browser| {
+    let mut shown = |key: &str| {
+        browser.press(key);
         browser.frames(2);
-        (
-            browser.text("label"),
-            browser.value("document.getElementById('truth').lastChild.textContent"),
-        )
+        [browser.text("label"), browser.text("truth")]
     };
-    let mut labels = vec![shown(&mut browser)];
-    for _ in 0..5 {
-        browser.press("ArrowLeft");
-        labels.push(shown(&mut browser));
-    }
+    let mut labels = vec![shown("Shift")];
+    labels.extend((0..5).map(|_| shown("ArrowLeft")));
     assert!(
-        labels.iter().any(|(label, _)| label == "relax"),
+        labels.iter().any(|[label, _]| label == "relax"),
         "{labels:?}"
     );
     assert!(
-        labels.iter().any(|(_, cue)| cue != &labels[0].1),
+        labels.iter().any(|[_, cue]| *cue != labels[0][1]),
         "{labels:?}"
     );
-    let back: Vec<_> = (0..5)
-        .map(|_| {
-            browser.press("ArrowRight");
-            shown(&mut browser)
-        })
-        .collect();
+    let back: Vec<_> = (0..5).map(|_| shown("ArrowRight")).collect();
     assert!(labels.iter().rev().skip(1).eq(&back), "{labels:?} {back:?}");
     live.stop().unwrap();
 }
 
 #[test]
-fn keys_of_one_letter_can_be_switched_off() {
-    let name = "keys_of_one_letter_can_be_switched_off";
-    let Some((mut browser, live)) = demo_page(name) else {
-        return;
-    };
-    let pressed = |browser: &mut Browser, key: &str| {
-        browser.press(key);
+fn keys_of_one_letter_can_be_switched_off_and_that_something_was_saved_is_not_said_for_ever() {
+    let (mut browser, live) = open!(serve(Source::Demo));
+    browser.wait_for(VALID);
+    let pressed = |browser: &mut Browser| {
+        browser.press("w");
         browser.value("location.hash")
     };
-    browser.wait_for("document.getElementById('valid')?.dataset.valid === 'yes'");
-    assert_eq!(pressed(&mut browser, "w"), "#wearer");
-    assert_eq!(pressed(&mut browser, "w"), "");
-    browser.value("document.getElementById('letters').click()");
-    assert_eq!(pressed(&mut browser, "w"), "");
+    assert_eq!(pressed(&mut browser), "#wearer");
+    assert_eq!(pressed(&mut browser), "");
+    browser.value("$letters.click()");
+    assert_eq!(pressed(&mut browser), "");
     // The page keeps it.
     browser.open(live.url());
-    browser.wait_for("document.getElementById('valid')?.dataset.valid === 'yes'");
-    assert_eq!(pressed(&mut browser, "w"), "");
-    browser.value("document.getElementById('letters').click()");
-    assert_eq!(pressed(&mut browser, "w"), "#wearer");
-    live.stop().unwrap();
-}
+    browser.wait_for(VALID);
+    assert_eq!(pressed(&mut browser), "");
+    browser.value("$letters.click()");
+    assert_eq!(pressed(&mut browser), "#wearer");
 
-#[test]
-fn that_something_was_saved_is_not_said_for_ever() {
-    let name = "that_something_was_saved_is_not_said_for_ever";
-    let Some((mut browser, live)) = demo_page(name) else {
-        return;
-    };
-    browser.wait_for("document.getElementById('valid')?.dataset.valid === 'yes'");
     browser.press("s");
-    browser.wait_for("document.getElementById('notice').textContent.startsWith('saved')");
+    browser.wait_for("$notice.textContent.startsWith('saved')");
     browser.frames(60);
     // Nobody takes it for a person's.
     assert!(browser.text("notice").contains(": simulated_"));
-    browser.wait_for("document.getElementById('notice').textContent === ''");
+    browser.wait_for("$notice.textContent === ''");
     live.stop().unwrap();
 }
 
 /// Whether the left fifth of the picture of the first electrode has a line.
-const IS_FULL: &str = "(() => { const c = document.getElementById('traces'); if (!c) return false; const left = 60; \
+const IS_FULL: &str = "(() => { const c = $traces; if (!c) return false; const left = 60; \
     const dots = c.getContext('2d').getImageData(left, 4, (c.width - left) / 5, 40).data; \
     const [r, g, b] = [0x1f, 0x5f, 0x8b]; let found = 0; \
     for (let at = 0; at < dots.length; at += 4) { \
@@ -152,15 +113,12 @@ const IS_FULL: &str = "(() => { const c = document.getElementById('traces'); if 
 
 #[test]
 fn a_page_that_is_loaded_again_shows_the_last_seconds_at_once() {
-    let name = "a_page_that_is_loaded_again_shows_the_last_seconds_at_once";
-    let Some((mut browser, live)) = demo_page(name) else {
-        return;
-    };
+    let (mut browser, live) = open!(serve(Source::Demo));
     browser.wait_for(IS_FULL);
     browser.open(live.url());
-    browser.wait_for("document.getElementById('source')?.dataset.state === 'connected'");
+    browser.wait_for(CONNECTED);
     browser.frames(10);
-    assert_eq!(browser.value(IS_FULL), true);
+    assert!(browser.is(IS_FULL));
     assert_ne!(browser.text("label"), "–");
     browser.screenshot(&pictures().join("loaded-again.png"));
     assert_eq!(browser.complaints, [""; 0]);

@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 
 use myointent::live::Source;
 
-use super::browser::Browser;
-use super::page::VALID;
+use super::browser::{Browser, VALID};
 use super::record::{SHORT, pictures, record};
 use super::serve;
 use super::viewer::Viewer;
@@ -129,14 +128,11 @@ fn no_text_of_the_page_stands_outside_of_the_tables() {
 /// Files of the program whose texts the page shows.
 const SPEAKERS: [&str; 24] = [
     "host/src/board.rs",
-    "host/src/live/recorder/mod.rs",
-    "host/src/live/recorder/tuning.rs",
-    "host/src/live/recorder/writing.rs",
-    "host/src/live/server/viewer.rs",
-    "host/src/live/source/bluetooth/mod.rs",
-    "host/src/live/source/board.rs",
-    "host/src/live/source/board/advice.rs",
-    "host/src/live/source/mod.rs",
+    "host/src/live/line.rs",
+    "host/src/live/line/advice.rs",
+    "host/src/live/storage/mod.rs",
+    "host/src/live/storage/tuning.rs",
+    "host/src/live/stream.rs",
     "host/src/record/error.rs",
     "host/training/src/run/personalize/error.rs",
     "host/training/src/run/personalize/mod.rs",
@@ -145,23 +141,26 @@ const SPEAKERS: [&str; 24] = [
     "host/web/src/armband.rs",
     "host/web/src/board.rs",
     "host/web/src/dialogue.rs",
+    "host/web/src/engine.rs",
+    "host/web/src/engine/opening.rs",
+    "host/web/src/engine/recording.rs",
+    "host/web/src/installer.rs",
+    "host/web/src/outcome.rs",
     "host/web/src/playback.rs",
     "host/web/src/record/quality.rs",
     "host/web/src/request.rs",
     "host/web/src/scored_pipeline.rs",
-    "host/web/src/tab.rs",
-    "host/web/src/tab/recording.rs",
     "shared/src/uart_line/refusal.rs",
 ];
 
 /// Texts of these files that are written elsewhere, to the terminal or into a journal.
 const ELSEWHERE: [&str; 9] = [
-    "replay of {}",
-    "any armband over Bluetooth",
-    "{} over Bluetooth",
+    "the model is refused",
     "this program was built without Bluetooth",
+    "replay of {}",
+    "{} over Bluetooth",
     " model refused: ",
-    "Bluetooth has ended",
+    "the storage ended; what was recorded is in the journal",
     "gestures that the model does not have, counted as none: {}",
     "{}: {} s to tune on, {} s held back{}",
     ", a quarter at a time: a third is too short to judge",
@@ -242,19 +241,14 @@ fn ask_for_german(browser: &mut Browser) {
 
 #[test]
 fn each_state_of_a_german_page_is_german() {
-    let name = "each_state_of_a_german_page_is_german";
-    let Some(mut browser) = Browser::start(name) else {
-        return;
-    };
+    let mut browser = start!();
     ask_for_german(&mut browser);
     let folder = tempfile::tempdir().unwrap();
 
     // A port that is not there.
     let live = serve(Source::Port(folder.path().join("board")));
     browser.open(live.url());
-    browser.wait_for(&format!(
-        "{GERMAN} && !document.getElementById('empty').hidden"
-    ));
+    browser.wait_for(&format!("{GERMAN} && !$empty.hidden"));
     assert_eq!(english(&mut browser), "");
     browser.screenshot(&pictures().join("german-port.png"));
     live.stop().unwrap();
@@ -265,25 +259,25 @@ fn each_state_of_a_german_page_is_german() {
     browser.open(live.url());
     browser.wait_for(&format!("{GERMAN} && {VALID}"));
     browser.press("Enter");
-    browser.wait_for("!document.getElementById('trouble').hidden");
+    browser.wait_for("!$trouble.hidden");
     assert_eq!(english(&mut browser), "");
     std::fs::remove_file(folder.path().join("anna")).unwrap();
     browser.press("Enter");
-    browser.wait_for("document.getElementById('session').dataset.phase === 'cued'");
+    browser.wait_for("$session.dataset.phase === 'cued'");
     browser.press("h");
-    browser.wait_for("document.getElementById('session').dataset.phase === 'held'");
+    browser.wait_for("$session.dataset.phase === 'held'");
     assert_eq!(english(&mut browser), "");
     browser.press("e");
-    browser.wait_for("document.getElementById('ending').open");
+    browser.wait_for("$ending.open");
     assert_eq!(english(&mut browser), "");
     browser.press("e");
-    browser.wait_for("!document.getElementById('result').hidden");
+    browser.wait_for("!$result.hidden");
     assert_eq!(english(&mut browser), "");
     browser.screenshot(&pictures().join("german-result.png"));
 
     // A tuning that fails, and a request that is refused.
     browser.press("t");
-    browser.wait_for("document.getElementById('tuned').dataset.state === 'failed'");
+    browser.wait_for("$tuned.dataset.state === 'failed'");
     assert_eq!(english(&mut browser), "");
     let mut other = Viewer::connect(live.url());
     other.say(r#"{"do":"mark","sample":1,"text":"Marke"}"#);
@@ -296,10 +290,7 @@ fn each_state_of_a_german_page_is_german() {
 
 #[test]
 fn the_page_is_german_where_the_browser_or_the_viewer_asks_for_it() {
-    let name = "the_page_is_german_where_the_browser_or_the_viewer_asks_for_it";
-    let Some(mut browser) = Browser::start(name) else {
-        return;
-    };
+    let mut browser = start!();
     browser.look(1440, 900, "light", "no-preference");
     let folder = tempfile::tempdir().unwrap();
     let live = serve(Source::Demo);
@@ -308,17 +299,17 @@ fn the_page_is_german_where_the_browser_or_the_viewer_asks_for_it() {
     assert_eq!(browser.value(UNEQUAL), "");
     assert_eq!(browser.value("document.documentElement?.lang"), "en");
     // By the switch, and kept.
-    browser.value("document.getElementById('language').click()");
+    browser.value("$language.click()");
     let german = "document.documentElement?.lang === 'de' && ".to_owned() + VALID;
     browser.wait_for(&german);
     browser.open(live.url());
     browser.wait_for(&german);
-    browser.wait_for("document.getElementById('label').textContent === 'Faust'");
-    browser.wait_for("!document.getElementById('share').hidden");
+    browser.wait_for("$label.textContent === 'Faust'");
+    browser.wait_for("!$share.hidden");
     assert_eq!(english(&mut browser), "");
     browser.screenshot(&pictures().join("german.png"));
     live.stop().unwrap();
-    browser.wait_for("document.getElementById('empty').hidden === false");
+    browser.wait_for("$empty.hidden === false");
     assert_eq!(english(&mut browser), "");
 
     // By the browser's language, on the page of a session and its record.
@@ -328,12 +319,11 @@ fn the_page_is_german_where_the_browser_or_the_viewer_asks_for_it() {
     browser.wait_for(&german);
     assert_eq!(english(&mut browser), "");
     browser.press("Enter");
-    browser.wait_for("document.getElementById('task').textContent === 'Die Hand weit öffnen'");
+    browser.wait_for("$task.textContent === 'Die Hand weit öffnen'");
     assert_eq!(english(&mut browser), "");
     browser.screenshot(&pictures().join("german-session.png"));
     browser.open(&format!("{}sessions", live.url()));
-    browser
-        .wait_for("document.getElementById('state')?.textContent.startsWith('In diesem Ordner')");
+    browser.wait_for("$state?.textContent.startsWith('In diesem Ordner')");
     assert_eq!(english(&mut browser), "");
     assert_eq!(browser.complaints, [""; 0]);
     live.stop().unwrap();

@@ -21,7 +21,7 @@ use shared::units::Sample;
 use training::backend::BackendArguments;
 use web::record::protocol::Protocol;
 
-use super::browser::Browser;
+use super::browser::{Browser, Kind, VALID};
 use super::record::{pictures, step};
 use super::shipped;
 use super::viewer::Viewer;
@@ -185,7 +185,7 @@ fn photograph(browser: &mut Browser, folder: &Path, name: &str) {
 #[test]
 fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> {
     let name = "from_a_turned_armband_to_ones_own_model_on_the_board";
-    let (Some(python), Some(mut browser)) = (python(name), Browser::start(name)) else {
+    let (Some(python), Some(mut browser)) = (python(name), Browser::start(Kind::Chromium)) else {
         return Ok(());
     };
     let folder = tempfile::tempdir()?;
@@ -208,7 +208,6 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     let muscles = File::options().append(true).open(run.recording())?;
     let line = Bridge::start(run)?;
     let port = line.port().to_owned();
-    let valid = "document.getElementById('valid')?.dataset.valid === 'yes'";
 
     // Bind it, on the page of `record`.
     let protocol = Protocol::parse("session.toml", SESSION)?;
@@ -237,14 +236,14 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     let bound = bound.seconds(SLOWED);
     // Samples from before the stream would come with it, and late.
     let worn = wearer.wear(muscles);
-    reach(&mut browser, valid, |_| {});
+    reach(&mut browser, VALID, |_| {});
 
     // Align it.
     reach(&mut browser, &step("align", "now"), |_| {});
     let aligned = Part::begin();
-    let placed = "document.getElementById('placement').textContent";
-    let waiting = "document.getElementById('align').getAttribute('aria-pressed') === 'true'";
-    let ended = "document.getElementById('align').getAttribute('aria-pressed') === 'false'";
+    let placed = "$placement.textContent";
+    let waiting = "$align.getAttribute('aria-pressed') === 'true'";
+    let ended = "$align.getAttribute('aria-pressed') === 'false'";
     let mut attempts = 0;
     let text = loop {
         attempts += 1;
@@ -261,7 +260,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
         }
     };
     assert_eq!(text, "Aligned: turned by 3 places");
-    assert_eq!(browser.value(&step("align", "done")), true);
+    assert!(browser.is(&step("align", "done")));
     assert!(browser.text("step-align").contains("turned by 3 places"));
     let aligned = aligned.seconds(SLOWED);
     // For the picture.
@@ -272,12 +271,11 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
 
     // Record it, and tune a model on it.
     let follows = wearer.follow(&live);
-    let phase =
-        |phase: &str| format!("document.getElementById('session').dataset.phase === '{phase}'");
+    let phase = |phase: &str| format!("$session.dataset.phase === '{phase}'");
     browser.wait_for(&phase("waiting"));
     let recorded = Part::begin();
     browser.press("Enter");
-    let fist = "document.getElementById('task').textContent === 'Make a fist'";
+    let fist = "$task.textContent === 'Make a fist'";
     let go_on = |browser: &mut Browser| {
         if browser.value(&phase("held")) == true {
             browser.press("Enter");
@@ -287,7 +285,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     wait(1.0);
     photograph(&mut browser, folder.path(), "owner-session.png");
     reach(&mut browser, &phase("over"), go_on);
-    browser.wait_for("!document.getElementById('result').hidden");
+    browser.wait_for("!$result.hidden");
     let recorded = recorded.seconds(SLOWED);
     let verdict = browser.text("verdict");
     assert!(
@@ -299,8 +297,8 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     browser.look(1440, 1060, "light", "no-preference");
     let tuned = Part::begin();
     browser.press("t");
-    browser.wait_for("Boolean(document.getElementById('tuned').dataset.state)");
-    let state = "document.getElementById('tuned').dataset.state";
+    browser.wait_for("Boolean($tuned.dataset.state)");
+    let state = "$tuned.dataset.state";
     reach(&mut browser, &format!("{state} !== 'running'"), |_| {});
     // The computer's clock is not slowed down.
     let tuned = tuned.seconds(1);
@@ -311,7 +309,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     // On the board, without a restart.
     let installed = Part::begin();
     browser.press("i");
-    let state = "document.getElementById('installed').dataset.state";
+    let state = "$installed.dataset.state";
     browser.wait_for(&format!("{state} === 'running'"));
     reach(&mut browser, &format!("{state} !== 'running'"), |_| {});
     let installed = installed.seconds(SLOWED);
@@ -323,10 +321,10 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     );
 
     // Check the labels, on an armband that is aligned as before.
-    reach(&mut browser, valid, |_| {});
+    reach(&mut browser, VALID, |_| {});
     let text = browser.value(placed);
     assert_eq!(text, "In force: turned by 3 places");
-    let shown = "document.getElementById('label').textContent.toLowerCase()";
+    let shown = "$label.textContent.toLowerCase()";
     for intent in [Intent::Open, Intent::Close] {
         for asked in [intent, Intent::Relax] {
             wearer.asked(asked);

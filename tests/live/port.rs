@@ -59,23 +59,6 @@ fn a_board_is_asked_what_it_is_and_shown_with_samples_labels_and_scores() {
 }
 
 #[test]
-fn a_board_without_a_model_on_the_pc_has_labels_and_no_scores() {
-    let folder = tempfile::tempdir().unwrap();
-    let board = Board::start(&link(&folder), Damage::None);
-    let live = serve(&link(&folder), None);
-    let mut viewer = Viewer::connect(live.url());
-    let mut labels = 0;
-    while labels < 20 {
-        let message = viewer.next().unwrap();
-        assert_ne!(message["type"], "scores");
-        assert_ne!(message["type"], "model");
-        labels += u32::from(message["type"] == "report" && message["valid"] == true);
-    }
-    live.stop().unwrap();
-    drop(board);
-}
-
-#[test]
 fn a_board_that_is_lost_is_found_again_and_viewers_are_told_both() {
     let folder = tempfile::tempdir().unwrap();
     let live = serve(&link(&folder), None);

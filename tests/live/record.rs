@@ -104,9 +104,14 @@ pub fn assert_equal(files: &[Numbered], source: &[Sample]) -> usize {
     files.iter().map(BTreeMap::len).sum()
 }
 
+/// Builds an expression that is true if the session is in a phase.
+pub fn phase(name: &str) -> String {
+    format!("$session?.dataset.phase === '{name}'")
+}
+
 /// Builds an expression that is true if a step is in the state `done`, `now` or `next`.
 pub fn step(name: &str, state: &str) -> String {
-    format!("document.getElementById('step-{name}')?.dataset.state === '{state}'")
+    format!("$step-{name}?.dataset.state === '{state}'")
 }
 
 /// The short protocol with a movement that means nothing in each round.
@@ -118,7 +123,7 @@ pub fn short_with_point() -> String {
 
 /// Builds an expression that is true if an element can be seen.
 pub fn is_seen(id: &str) -> String {
-    format!("document.getElementById('{id}')?.offsetParent instanceof Element")
+    format!("${id}?.offsetParent instanceof Element")
 }
 
 /// Folder for pictures of the page, for a person to look at.

@@ -2,13 +2,10 @@
 
 use std::time::{Duration, Instant};
 
-use myointent::cli::replay;
 use myointent::live::Source;
-use serde_json::Value;
-use shared::uart_line::{Kind, Report};
 
+use super::serve;
 use super::viewer::{Viewer, get, request};
-use super::{serve, shipped, synthetic};
 
 #[test]
 fn the_page_is_served_to_this_machine_and_to_no_other_name_or_origin() {
@@ -73,90 +70,6 @@ fn for_other_machines_the_address_has_a_token() {
     live.stop().unwrap();
 }
 
-/// Line of a message, as its fields.
-fn line(message: &Value) -> (bool, u64, u64, u64, String, bool) {
-    (
-        message["is_label"].as_bool().unwrap(),
-        message["number"].as_u64().unwrap(),
-        message["instant"].as_u64().unwrap(),
-        message["emitted"].as_u64().unwrap(),
-        message["label"].as_str().unwrap().to_owned(),
-        message["valid"].as_bool().unwrap(),
-    )
-}
-
-#[test]
-fn viewers_of_a_recording_see_its_samples_and_the_labels_of_replay() {
-    let recording = synthetic(6);
-    let lines = replay::lines(&shipped(), &recording.samples).unwrap();
-    let expected = lines.lines().map(|line| {
-        let report = Report::parse(format!("{line}\r\n").as_bytes()).unwrap();
-        (
-            report.kind == Kind::Label,
-            u64::from(report.sequence),
-            u64::from(report.instant.0),
-            u64::from(report.emitted.0),
-            report.status.label().name().to_owned(),
-            report.status.valid(),
-        )
-    });
-    let expected: Vec<_> = expected.collect();
-
-    let live = serve(Source::Replay(Box::new(recording.clone())));
-    let mut viewers = [Viewer::connect(live.url()), Viewer::connect(live.url())];
-    for viewer in &mut viewers {
-        assert_eq!(viewer.next().unwrap()["type"], "hello");
-        let source = viewer.find("source", |_| true);
-        assert_eq!(
-            (&source["kind"], &source["connected"]),
-            (&"replay".into(), &true.into())
-        );
-        assert_eq!(
-            viewer.find("model", |_| true)["classes"],
-            serde_json::json!(["relax", "open", "close"])
-        );
-        let (mut found, mut next, mut scores) = (Vec::new(), None, 0);
-        loop {
-            let message = viewer.next().unwrap();
-            match message["type"].as_str().unwrap() {
-                "samples" => {
-                    let first = message["first"].as_u64().unwrap();
-                    assert!(
-                        next.is_none_or(|next| next == first),
-                        "{first}, not {next:?}"
-                    );
-                    let emg = serde_json::to_value(&recording.samples[first as usize..][..2]);
-                    assert_eq!(message["emg"], emg.unwrap());
-                    assert_eq!(message["truth"].as_array().unwrap().len(), 2);
-                    next = Some(first + 2);
-                }
-                "report" => found.push(line(&message)),
-                "scores" => {
-                    let values = message["scores"].as_array().unwrap().iter();
-                    let sum: f64 = values.map(|value| value.as_f64().unwrap()).sum();
-                    assert!((sum - 1.0).abs() < 1e-4, "{message}");
-                    assert_eq!(
-                        message["instant"].as_u64().unwrap() % 10,
-                        8 + 1,
-                        "{message}"
-                    );
-                    scores += 1;
-                }
-                "mark" => break,
-                _ => {}
-            }
-        }
-        assert_eq!(next, Some(recording.samples.len() as u64));
-        // A viewer is told the state at the start, and every line since.
-        let begun = expected.iter().position(|line| *line == found[0]).unwrap();
-        assert!(begun <= 1, "came late");
-        assert_eq!(found, expected[begun..]);
-        // Scores come for every patch, once there are the six outputs that a label depends on.
-        assert!((113..=114).contains(&scores), "{scores}");
-    }
-    live.stop().unwrap();
-}
-
 #[test]
 fn a_mark_is_shown_to_all_and_an_alignment_can_be_begun_and_ended() {
     let live = serve(Source::Demo);
@@ -198,52 +111,6 @@ fn who_says_what_no_page_says_is_put_out_and_the_others_stay() {
     live.stop().unwrap();
 }
 
-/// Sends a message, and reads why it is refused.
-fn refused(viewer: &mut Viewer, said: &str) -> String {
-    viewer.say(said);
-    let wanted: Value = serde_json::from_str(said).unwrap();
-    let refused = viewer.find("refused", |message| message["do"] == wanted["do"]);
-    refused["text"].as_str().unwrap().to_owned()
-}
-
-const BIND: &str = r#"{"do":"bind"}"#;
-const BEGIN: &str = r#"{"do":"session","wish":"begin"}"#;
-const GESTURE: &str = r#"{"do":"gesture","class":"open"}"#;
-
-#[test]
-fn without_a_board_or_a_session_what_needs_one_is_refused_with_the_reason() {
-    let live = serve(Source::Demo);
-    let mut viewer = Viewer::connect(live.url());
-    for said in [BIND, BEGIN, GESTURE] {
-        let text = refused(&mut viewer, said);
-        assert!(text.contains("`myointent record"), "{text}");
-    }
-    live.stop().unwrap();
-}
-
-#[test]
-fn one_viewer_is_heard_until_it_leaves_and_the_others_watch() {
-    let live = serve(Source::Demo);
-    let [mut one, mut other] = [(); 2].map(|()| Viewer::connect(live.url()));
-    // The time may be asked for by everybody.
-    other.say(r#"{"do":"ping","sent":1}"#);
-    other.find("pong", |_| true);
-    one.say(r#"{"do":"align"}"#);
-    other.find("lead", |message| message["viewer"].is_number());
-    for said in [
-        r#"{"do":"cancel"}"#,
-        r#"{"do":"mark","sample":1,"text":""}"#,
-    ] {
-        let text = refused(&mut other, said);
-        assert!(text.contains("another page leads"), "{text}");
-    }
-    drop(one);
-    other.find("lead", |message| message["viewer"].is_null());
-    other.say(r#"{"do":"cancel"}"#);
-    other.find("alignment", |message| message["state"] == "cancelled");
-    live.stop().unwrap();
-}
-
 #[test]
 fn more_viewers_than_there_is_room_for_are_refused_until_one_leaves() {
     let live = serve(Source::Demo);
@@ -268,19 +135,4 @@ fn when_the_program_ends_viewers_are_told_and_the_port_is_free() {
     while viewer.next().is_some() {}
     let address = url.trim_start_matches("http://").trim_end_matches('/');
     assert!(std::net::TcpStream::connect(address).is_err());
-}
-
-#[test]
-fn a_damaged_model_is_refused_before_anything_is_served() {
-    let mut model = shipped();
-    model[100] ^= 1;
-    let error = myointent::live::start(myointent::live::Options {
-        source: Source::Demo,
-        model: Some(model),
-        listen: "127.0.0.1:0".parse().unwrap(),
-        imu: false,
-        record: None,
-    })
-    .unwrap_err();
-    assert!(format!("{error:#}").contains("checksum"), "{error:#}");
 }

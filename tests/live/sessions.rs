@@ -4,9 +4,8 @@ use myointent::live::{Live, Source};
 use serde_json::{Value, json};
 use shared::model::file::Model;
 
-use super::browser::{self, Browser};
+use super::browser::{self, Browser, FITS, Kind};
 use super::record::{SHORT, pictures, reach, record, recorded, wish};
-use super::sizes::FITS;
 use super::viewer::{Viewer, get};
 use super::{serve, shipped};
 
@@ -20,7 +19,6 @@ fn sessions(live: &Live) -> Value {
 
 #[test]
 fn the_sessions_of_a_person_are_listed_with_their_numbers_and_print_on_one_page() {
-    let name = "the_sessions_of_a_person_are_listed_with_their_numbers_and_print_on_one_page";
     let folder = tempfile::tempdir().unwrap();
     let live = record(folder.path(), Source::Demo, SHORT, 16);
     assert_eq!(sessions(&live)["sessions"], json!([]));
@@ -45,11 +43,11 @@ fn the_sessions_of_a_person_are_listed_with_their_numbers_and_print_on_one_page(
     // Nothing but gestures was asked for.
     assert_eq!(session["raised"], Value::Null);
 
-    if let Some(mut browser) = Browser::start(name) {
+    if let Some(mut browser) = Browser::start(Kind::Chromium) {
         browser.look(1366, 768, "dark", "no-preference");
         browser.open(live.url());
-        browser.wait_for("document.getElementById('history')?.checkVisibility()");
-        let record = browser.value("document.getElementById('history').href");
+        browser.wait_for("$history?.checkVisibility()");
+        let record = browser.value("$history.href");
         browser.open(record.as_str().unwrap());
         browser.wait_for("document.querySelectorAll('#sessions tbody tr').length === 1");
         let row = "[...document.querySelectorAll('#sessions tbody td')].map((cell) => cell.textContent).join('|')";
@@ -64,7 +62,7 @@ fn the_sessions_of_a_person_are_listed_with_their_numbers_and_print_on_one_page(
         assert!(browser.text("model").ends_with(&model));
         for (name, width, height) in [("wide", 1366, 768), ("phone", 390, 844)] {
             browser.look(width, height, "light", "no-preference");
-            assert_eq!(browser.value(FITS), true, "{name}");
+            assert!(browser.is(FITS), "{name}");
             browser.screenshot(&pictures().join(format!("sessions-{name}.png")));
         }
         // Printed, it is one page without buttons, dark on white.
@@ -78,7 +76,7 @@ fn the_sessions_of_a_person_are_listed_with_their_numbers_and_print_on_one_page(
         // Nothing is wider than A4 within its margins: 178 mm.
         browser.look(673, 900, "dark", "no-preference");
         browser.command("Emulation.setEmulatedMedia", json!({ "media": "print" }));
-        assert_eq!(browser.value(FITS), true, "paper");
+        assert!(browser.is(FITS), "paper");
         let buttons = "[...document.querySelectorAll('button, a')].filter((one) => one.checkVisibility()).length";
         assert_eq!(browser.value(buttons), 0);
         assert_eq!(

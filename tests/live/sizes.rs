@@ -2,8 +2,8 @@
 
 use myointent::live::Source;
 
-use super::browser::Browser;
-use super::record::{SHORT, pictures, record};
+use super::browser::{Browser, FITS, VALID};
+use super::record::{SHORT, phase, pictures, record};
 use super::serve;
 
 /// Name, width and height of each window; the zoomed ones are 1440 x 900 and 1366 x 768 at 200 %.
@@ -33,8 +33,6 @@ const HALF_EMPTY: &str = "[...document.querySelectorAll('main section, main .lea
         const lowest = Math.max(...inner.map((one) => one.getBoundingClientRect().bottom)); \
         return card.getBoundingClientRect().bottom - lowest > 60; }).map((card) => card.className).join()";
 
-pub const FITS: &str = "document.documentElement.scrollWidth <= innerWidth";
-
 /// Distances of the header's content and the cards' from the edges of the window, left and right.
 const EDGES: &str = "(() => { const edge = (first, last) => [first.getBoundingClientRect().left, innerWidth - last.getBoundingClientRect().right].map(Math.round).join(); \
     const head = edge(document.querySelector('h1'), document.querySelector('header > .page')); \
@@ -44,59 +42,45 @@ const EDGES: &str = "(() => { const edge = (first, last) => [first.getBoundingCl
     const right = Math.min(...shown.map((card) => innerWidth - card.getBoundingClientRect().right)); \
     return head === [left, right].map(Math.round).join(); })()";
 
+/// Checks a window in which these elements have to be in view.
+fn check(browser: &mut Browser, name: &str, ids: &[&str]) {
+    browser.frames(20);
+    browser.screenshot(&pictures().join(format!("{name}.png")));
+    assert_eq!(hidden(browser, ids), "", "{name}");
+    assert!(browser.is(FITS), "{name}");
+    assert_eq!(browser.value(HALF_EMPTY), "", "{name}");
+}
+
 #[test]
 fn label_and_cue_are_in_view_in_windows_of_all_sizes() {
-    let Some(mut browser) = Browser::start("label_and_cue_are_in_view_in_windows_of_all_sizes")
-    else {
-        return;
-    };
-    let live = serve(Source::Demo);
+    let (mut browser, live) = open!(serve(Source::Demo));
     for (name, width, height) in WINDOWS {
         browser.look(width, height, "light", "no-preference");
         browser.open(live.url());
-        browser.wait_for("document.getElementById('valid')?.dataset.valid === 'yes' && !document.getElementById('truth').hidden");
-        browser.frames(20);
-        browser.screenshot(&pictures().join(format!("size-{name}.png")));
-        let picture = if name == "phone" {
-            vec!["label", "truth", "agrees"]
-        } else {
-            vec!["label", "truth", "agrees", "traces"]
-        };
-        assert_eq!(hidden(&mut browser, &picture), "", "{name}");
-        assert_eq!(browser.value(FITS), true, "{name}");
-        assert_eq!(browser.value(HALF_EMPTY), "", "{name}");
-        if width > 860 {
-            assert_eq!(browser.value(EDGES), true, "{name}");
-        }
+        browser.wait_for(&format!("{VALID} && !$truth.hidden"));
+        let ids = ["label", "truth", "agrees", "traces"];
+        let shown = ids.len() - usize::from(name == "phone");
+        check(&mut browser, &format!("size-{name}"), &ids[..shown]);
+        assert!(width <= 860 || browser.is(EDGES), "{name}");
     }
     live.stop().unwrap();
 }
 
 #[test]
 fn task_and_label_are_in_view_in_a_session_in_windows_of_all_sizes() {
-    let name = "task_and_label_are_in_view_in_a_session_in_windows_of_all_sizes";
-    let Some(mut browser) = Browser::start(name) else {
-        return;
-    };
     let folder = tempfile::tempdir().unwrap();
     let protocol = SHORT.replace("rounds = 2", "rounds = 8");
-    let live = record(folder.path(), Source::Demo, &protocol, 1);
-    browser.look(1440, 900, "light", "no-preference");
-    browser.open(live.url());
-    browser.wait_for("document.getElementById('session')?.dataset.phase === 'waiting' && document.getElementById('valid').dataset.valid === 'yes'");
+    let (mut browser, live) = open!(record(folder.path(), Source::Demo, &protocol, 1));
+    browser.wait_for(&format!("{} && {VALID}", phase("waiting")));
     browser.press("Enter");
     for (name, width, height) in WINDOWS {
         browser.look(width, height, "light", "no-preference");
-        browser.wait_for("document.getElementById('session').dataset.phase === 'cued'");
-        browser.frames(20);
-        browser.screenshot(&pictures().join(format!("session-{name}.png")));
-        assert_eq!(
-            hidden(&mut browser, &["task", "label", "agrees"]),
-            "",
-            "{name}"
+        browser.wait_for(&phase("cued"));
+        check(
+            &mut browser,
+            &format!("session-{name}"),
+            &["task", "label", "agrees"],
         );
-        assert_eq!(browser.value(FITS), true, "{name}");
-        assert_eq!(browser.value(HALF_EMPTY), "", "{name}");
     }
     live.stop().unwrap();
 }

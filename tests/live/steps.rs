@@ -3,15 +3,12 @@
 use myointent::live::Source;
 
 use super::board::Board;
-use super::browser::Browser;
+use super::browser::FITS;
 use super::record::{SHORT, is_seen, pictures, record, step};
 
 #[test]
 fn a_new_board_is_bound_from_the_page_and_the_steps_lead_to_the_recording() {
-    let name = "a_new_board_is_bound_from_the_page_and_the_steps_lead_to_the_recording";
-    let Some(mut browser) = Browser::start(name) else {
-        return;
-    };
+    let mut browser = start!();
     let folder = tempfile::tempdir().unwrap();
     let link = folder.path().join("board");
     let board = Board::unbound(&link);
@@ -22,23 +19,21 @@ fn a_new_board_is_bound_from_the_page_and_the_steps_lead_to_the_recording() {
     // The board follows no armband: binding is the step now, and nothing can be recorded.
     browser.wait_for(&step("bind", "now"));
     browser.wait_for(&is_seen("bind"));
-    assert_eq!(browser.value(&step("connect", "done")), true);
+    assert!(browser.is(&step("connect", "done")));
     for next in ["align", "record", "tune", "compare", "install"] {
-        assert_eq!(browser.value(&step(next, "next")), true, "{next}");
+        assert!(browser.is(&step(next, "next")), "{next}");
     }
     let now = "document.querySelector('[aria-current=step]').id";
     assert_eq!(browser.value(now), "step-bind");
-    assert_eq!(browser.value(&is_seen("begin")), false);
+    assert!(!browser.is(&is_seen("begin")));
     assert!(browser.text("setup-hint").contains("follows none yet"));
     browser.screenshot(&pictures().join("steps-bind.png"));
 
     // The page says that a pairing heard no armband.
     browser.press("b");
-    let listening = "document.getElementById('setup-task').textContent.startsWith('Listening')";
+    let listening = "$setup-task.textContent.startsWith('Listening')";
     browser.wait_for(listening);
-    browser.wait_for(
-        "document.getElementById('setup-hint').textContent.startsWith('No armband was heard')",
-    );
+    browser.wait_for("$setup-hint.textContent.startsWith('No armband was heard')");
     browser.press("b");
     browser.wait_for(listening);
     browser.wait_for(&step("bind", "done"));
@@ -48,18 +43,17 @@ fn a_new_board_is_bound_from_the_page_and_the_steps_lead_to_the_recording() {
     browser.wait_for(&step("align", "now"));
     browser.wait_for(&is_seen("align-now"));
     browser.screenshot(&pictures().join("steps-align.png"));
-    let fits = "document.documentElement.scrollWidth <= innerWidth";
     browser.look(390, 844, "dark", "reduce");
-    assert_eq!(browser.value(fits), true, "wider than the window");
+    assert!(browser.is(FITS), "wider than the window");
     browser.screenshot(&pictures().join("steps-phone.png"));
     browser.look(1440, 900, "light", "reduce");
     browser.press("a");
-    let waiting = "document.getElementById('setup-task').textContent.startsWith('Open the')";
+    let waiting = "$setup-task.textContent.startsWith('Open the')";
     browser.wait_for(waiting);
     // The page says that an alignment failed, and it may be begun again.
     browser.press("a");
-    browser.wait_for("document.getElementById('setup-hint').textContent.startsWith('Alignment ended; nothing changed')");
-    assert_eq!(browser.value(&step("align", "now")), true);
+    browser.wait_for("$setup-hint.textContent.startsWith('Alignment ended; nothing changed')");
+    assert!(browser.is(&step("align", "now")));
     browser.press("a");
     browser.wait_for(waiting);
     browser.press("k");
@@ -69,14 +63,14 @@ fn a_new_board_is_bound_from_the_page_and_the_steps_lead_to_the_recording() {
     browser.open(live.url());
     browser.wait_for(&step("align", "done"));
     browser.wait_for(&step("record", "now"));
-    assert_eq!(browser.value(&is_seen("setup")), false);
-    assert_eq!(browser.value(&is_seen("begin")), true);
+    assert!(!browser.is(&is_seen("setup")));
+    assert!(browser.is(&is_seen("begin")));
     browser.press("Enter");
-    browser.wait_for("document.getElementById('session').dataset.phase === 'ready'");
+    browser.wait_for("$session.dataset.phase === 'ready'");
     browser.press("e");
     browser.press("e");
     // Nothing was recorded: the next step is another session.
-    browser.wait_for("!document.getElementById('result').hidden");
+    browser.wait_for("!$result.hidden");
     browser.wait_for(&step("record", "now"));
     browser.wait_for(&step("tune", "next"));
     let main = "document.querySelector('#result button.main').id";

@@ -1,15 +1,12 @@
 //! Distribution of events from one source to all viewers. A slow viewer loses messages; the source never waits for one.
 
 use std::collections::{BTreeMap, VecDeque};
-use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-use shared::units::Millis;
 use tokio::sync::broadcast;
 
-use web::electrodes::Electrodes;
-use web::event::{Event, Topic};
+use web::event::{Event, Topic, ViewerId};
 
 /// Number of messages that a viewer may be behind: 4 s of samples.
 const BEHIND: usize = 512;
@@ -19,6 +16,9 @@ const RECENT: usize = 500;
 
 /// Message as JSON.
 pub(crate) type Message = Arc<str>;
+
+/// Viewer that a message is for, none for all; and the message.
+pub(crate) type Addressed = (Option<ViewerId>, Message);
 
 /// Distributor of events to all present viewers.
 #[derive(Debug)]
@@ -31,10 +31,7 @@ pub(crate) struct Hub {
 struct State {
     newest: BTreeMap<Topic, Message>,
     recent: Recent,
-    electrodes: Electrodes,
-    /// Recorder, which receives every event it needs without loss.
-    recorder: Option<Sender<Event>>,
-    sender: broadcast::Sender<Message>,
+    sender: broadcast::Sender<Addressed>,
 }
 
 /// Samples, scores, reports and marks of the last seconds, in order.
@@ -81,7 +78,7 @@ pub(crate) struct Subscription {
     /// Newest message of each topic, and for a new viewer those of the last seconds; sent first.
     pub(crate) known: Vec<Message>,
     /// Messages that follow, without a gap.
-    pub(crate) following: broadcast::Receiver<Message>,
+    pub(crate) following: broadcast::Receiver<Addressed>,
 }
 
 impl State {
@@ -91,6 +88,28 @@ impl State {
             following: self.sender.subscribe(),
         }
     }
+
+    /// Forgets what is known about labels, placement and board: there is no stream, or another one begins.
+    fn forget_stream(&mut self) {
+        for topic in [
+            Topic::Report,
+            Topic::Alignment,
+            Topic::Calibration,
+            Topic::Electrodes,
+            Topic::Board,
+            Topic::Binding,
+            Topic::Counts,
+        ] {
+            self.newest.remove(&topic);
+        }
+        self.recent = Recent::default();
+    }
+}
+
+/// Message of an event.
+pub(crate) fn json(event: &Event) -> Message {
+    // Maps with keys of text alone: they can be written.
+    serde_json::to_string(event).unwrap_or_default().into()
 }
 
 impl Hub {
@@ -98,8 +117,6 @@ impl Hub {
         let state = State {
             newest: BTreeMap::new(),
             recent: Recent::default(),
-            electrodes: Electrodes::default(),
-            recorder: None,
             sender: broadcast::channel(BEHIND).0,
         };
         Self {
@@ -114,80 +131,32 @@ impl Hub {
         (self.began.elapsed().as_secs_f64() * 10_000.0).round() / 10.0
     }
 
-    /// Milliseconds since the hub was created, as a wrapping clock like a board's.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "wraps after 49 days, as this clock may"
-    )]
-    pub(crate) fn millis(&self) -> Millis {
-        Millis(self.now() as u64 as u32)
-    }
-
-    /// Hands samples, sources and alignments to a recorder as well. The queue is not bounded: the recorder is faster than
-    /// the samples.
-    pub(crate) fn attach_recorder(&self, recorder: Sender<Event>) {
-        self.lock().recorder = Some(recorder);
-    }
-
-    /// Sends an event to all viewers, and with samples what they say of the electrodes.
+    /// Sends an event to all viewers.
     pub(crate) fn publish(&self, event: &Event) {
-        self.send(event);
-        let faults = self.lock().electrodes.take(event);
-        if let Some(faults) = faults {
-            self.send(&faults);
-        }
-    }
-
-    fn send(&self, event: &Event) {
-        let Ok(text) = serde_json::to_string(event) else {
-            return;
-        };
-        let message: Message = text.into();
+        let message = json(event);
         let mut state = self.lock();
-        let is_recorded = matches!(
-            event,
-            Event::Samples { .. }
-                | Event::Imu { .. }
-                | Event::Source { .. }
-                | Event::Alignment { .. }
-        );
-        if let Some(recorder) = state.recorder.as_ref().filter(|_| is_recorded) {
-            // The recorder may have ended.
-            let _ = recorder.send(event.clone());
+        match event {
+            Event::Source {
+                connected: false, ..
+            } => state.forget_stream(),
+            Event::Session { view, .. } if view.phase == "waiting" => {
+                for topic in [Topic::Kept, Topic::Tuning, Topic::Installing] {
+                    state.newest.remove(&topic);
+                }
+            }
+            _ => {}
         }
         if let Some(topic) = event.topic() {
             state.newest.insert(topic, message.clone());
         }
         state.recent.push(event, &message);
         // There may be no viewer.
-        let _ = state.sender.send(message);
+        let _ = state.sender.send((None, message));
     }
 
-    /// Forgets what is known about labels, placement and board of the stream before; a new one begins.
-    pub(crate) fn forget_stream(&self) {
-        let mut state = self.lock();
-        for topic in [
-            Topic::Report,
-            Topic::Alignment,
-            Topic::Calibration,
-            Topic::Electrodes,
-            Topic::Board,
-            Topic::Binding,
-            Topic::Counts,
-        ] {
-            state.newest.remove(&topic);
-        }
-        state.recent = Recent::default();
-        state.electrodes = Electrodes::default();
-    }
-
-    /// Forgets the results of the session before; a new one begins.
-    pub(crate) fn forget_session(&self) {
-        let mut state = self.lock();
-        for topic in [Topic::Kept, Topic::Tuning, Topic::Installing] {
-            state.newest.remove(&topic);
-        }
+    /// Sends an event to one viewer.
+    pub(crate) fn answer(&self, viewer: ViewerId, event: &Event) {
+        let _ = self.lock().sender.send((Some(viewer), json(event)));
     }
 
     /// Subscribes a new viewer.
@@ -225,7 +194,6 @@ impl Hub {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tokio::sync::broadcast::error::TryRecvError;
 
     fn mark(sample: u32) -> Event {
         let text = String::new();
@@ -254,7 +222,7 @@ mod tests {
         let known: Vec<&str> = viewer.known.iter().map(|message| &**message).collect();
         assert_eq!(known, expected);
         hub.publish(&mark(7));
-        let next = viewer.following.try_recv().unwrap();
+        let (_, next) = viewer.following.try_recv().unwrap();
         assert_eq!(&*next, r#"{"type":"mark","sample":7,"text":""}"#);
     }
 
@@ -296,24 +264,13 @@ mod tests {
         assert_eq!(known.len(), RECENT + 1);
         assert!(known[0].contains(r#""first":1,"#), "{}", known[0]);
         assert!(known[RECENT].contains(r#""number":2,"#));
-        hub.forget_stream();
-        assert_eq!(hub.subscribe().known.len(), 0);
-    }
-
-    #[test]
-    fn a_slow_viewer_loses_messages_and_holds_up_nobody() {
-        let hub = Hub::new();
-        let mut slow = hub.subscribe().following;
-        let mut fast = hub.subscribe().following;
-        for sample in 0..3 * BEHIND as u32 {
-            hub.publish(&mark(sample));
-            assert!(fast.try_recv().unwrap().contains(&format!(":{sample},")));
-        }
-        assert_eq!(
-            slow.try_recv(),
-            Err(TryRecvError::Lagged(2 * BEHIND as u64))
-        );
-        let oldest = format!(":{},", 2 * BEHIND);
-        assert!(slow.try_recv().unwrap().contains(&oldest));
+        hub.publish(&Event::Source {
+            kind: "demo",
+            name: String::new(),
+            connected: false,
+            detail: String::new(),
+            steps: Vec::new(),
+        });
+        assert_eq!(hub.subscribe().known.len(), 1);
     }
 }

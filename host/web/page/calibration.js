@@ -1,16 +1,9 @@
 // Calibration: leads the wearer through half a minute, says what it gained, takes it back, and saves the model.
 
+import { find, write } from "./dom.js";
 import { draw, words } from "./gestures.js";
 import { classOf } from "./history.js";
 import { named, t } from "./texts.js";
-
-const find = (id) => document.getElementById(id);
-
-function write(node, text) {
-  if (node.textContent !== text) {
-    node.textContent = text;
-  }
-}
 
 export class Calibration {
   #message = null;

@@ -1,8 +1,7 @@
 // What to do while there is nothing to see: a heading, and steps.
 
+import { find, made } from "./dom.js";
 import { said, t } from "./texts.js";
-
-const find = (id) => document.getElementById(id);
 
 /** Time without samples after which an armband is taken to be asleep, in ms. */
 const QUIET = 3000;
@@ -45,11 +44,7 @@ export class Empty {
     this.#shown = text;
     find("empty").hidden = title === "";
     find("empty-title").textContent = title;
-    find("empty-steps").replaceChildren(...steps.map((step) => {
-      const item = document.createElement("li");
-      item.textContent = step;
-      return item;
-    }));
+    find("empty-steps").replaceChildren(...steps.map((step) => made("li", step)));
     // A page with the program inside has a button for it.
     find("empty-demo").hidden = !demo || !find("sources").hidden;
   }

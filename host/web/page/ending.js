@@ -1,8 +1,7 @@
 // Question before a session ends: the session waits meanwhile, and goes on if the answer is no.
 
+import { find } from "./dom.js";
 import { t } from "./texts.js";
-
-const find = (id) => document.getElementById(id);
 
 export class Ending {
   #say;

@@ -111,7 +111,6 @@ export const GERMAN_PROGRAM = {
   "there is no board here: `myointent record --port PATH` has one": "hier ist keine Platine: `myointent record --port PATH` hat eine",
   "there is no such request: load the page again, it may be of another version": "das gibt es nicht: die Seite neu laden, sie kann von einer anderen Version sein",
   "another page leads, and this one watches": "eine andere Seite führt, und diese schaut zu",
-  "not done, because the program is busy or ends: ask again": "nicht erledigt, das Programm ist beschäftigt oder endet: noch einmal versuchen",
   // Sources.
   "simulated arm": "simulierter Arm", "any armband": "irgendeines", "this computer": "dieser Computer", "this browser": "dieser Browser", "it has no recording": "darin ist keine Aufnahme", "the model is refused: {1}": "das Modell wird abgelehnt: {1}", "the recording begins again": "die Aufnahme beginnt von vorn",
   "open; nothing heard yet": "offen; noch nichts gehört", "{1}; looking for it again": "{1}; wird wieder gesucht",

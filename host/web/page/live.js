@@ -2,6 +2,7 @@
 
 import { Agreement } from "./agreement.js";
 import { Armband } from "./armband.js";
+import { find } from "./dom.js";
 import { Empty } from "./empty.js";
 import "./help.js";
 import { Calibration } from "./calibration.js";
@@ -20,7 +21,6 @@ import { choose, fill, said, t } from "./texts.js";
 import { Traces } from "./traces.js";
 import { Wearer } from "./wearer.js";
 
-const find = (id) => document.getElementById(id);
 // Before anything is shown.
 fill();
 const clock = new Clock();
@@ -64,7 +64,8 @@ let drawn = null;
 const TAKE = {
   hello(message) {
     clock.hello(message.now);
-    records(message);
+    session.hello(message);
+    traces.scores = !message.record;
   },
   pong: (message) => clock.pong(message.sent, message.now),
   source(message) {
@@ -166,12 +167,6 @@ const TAKE = {
     lost(t("source.ended"), [t("empty.ended"), t("empty.again")]);
   },
 };
-
-/** A session is recorded from now on, or none. */
-function records(message) {
-  session.hello(message);
-  traces.scores = !message.record;
-}
 
 function lost(text, advice) {
   connected = false;
@@ -393,5 +388,5 @@ setInterval(numbers, 1000);
 setInterval(() => still.matches || activity(), 100);
 setInterval(() => now.speak(), 2000);
 setInterval(ping, 10_000);
-link = connect({ begun, opened, take, closed, records });
+link = connect({ begun, opened, take, closed });
 requestAnimationFrame(frame);

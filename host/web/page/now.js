@@ -1,18 +1,11 @@
 // Label and cue side by side, and whether they agree: in the picture, in words, and for a screen reader.
 
 import { judge, percent } from "./agreement.js";
+import { find, write } from "./dom.js";
 import { named, t } from "./texts.js";
 
 /** Sign and word of each state of the agreement. */
 const SIGNS = { right: ["✓", t("as.asked")], wrong: ["✗", t("not.as.asked")], soon: ["…", t("changing")] };
-
-const find = (id) => document.getElementById(id);
-
-function write(node, text) {
-  if (node.textContent !== text) {
-    node.textContent = text;
-  }
-}
 
 /** Why there is no label, in words. */
 export const causeText = (cause) => named("cause", cause);

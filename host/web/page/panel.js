@@ -1,14 +1,7 @@
 // Numbers and texts around the traces. Only what has changed is written to the document.
 
+import { find, made, write } from "./dom.js";
 import { named, t } from "./texts.js";
-
-const find = (id) => document.getElementById(id);
-
-function write(node, text) {
-  if (node.textContent !== text) {
-    node.textContent = text;
-  }
-}
 
 export class Panel {
   #passing = 0;
@@ -39,9 +32,8 @@ export class Panel {
   legend(model) {
     const names = model ? [...model.classes, ...(model.other ? ["other"] : [])] : [];
     const entries = names.map((name) => {
-      const entry = document.createElement("span");
-      entry.className = name;
-      entry.append(document.createElement("i"), name === "other" ? t("other.movement") : named("class", name));
+      const entry = made("span", "", { className: name });
+      entry.append(made("i"), name === "other" ? t("other.movement") : named("class", name));
       return entry;
     });
     find("legend").replaceChildren(...(entries.length ? entries : [t(find("sources").hidden ? "no.scores" : "no.scores.here")]));

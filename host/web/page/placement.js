@@ -1,5 +1,6 @@
 // How the armband sits: what an alignment changed, how to take that back, and whether labels are worse since.
 
+import { find, write } from "./dom.js";
 import { keep, kept } from "./stored.js";
 import { fixed, named, t } from "./texts.js";
 
@@ -9,14 +10,6 @@ const FIRST = 10;
 const MOST = 100;
 /** Per cent of the labels that must be worse. */
 const LESS = 15;
-
-const find = (id) => document.getElementById(id);
-
-function write(node, text) {
-  if (node.textContent !== text) {
-    node.textContent = text;
-  }
-}
 
 const NONE = { turn: 0, mirrored: false };
 const same = (one, other) => one.turn === other.turn && one.mirrored === other.mirrored;

@@ -1,21 +1,12 @@
 // Recording in the page that needs no program: who, by which protocol, and the sessions that this browser keeps.
 
+import { button, find, made } from "./dom.js";
 import { Store } from "./store.js";
 import { keep, kept } from "./stored.js";
 import { t } from "./texts.js";
 
 const PERSON = "person";
 const PROTOCOLS = ["quick", "quick-five", "quick-six", "daily", "paper", "free"];
-
-const find = (id) => document.getElementById(id);
-
-function button(text, action) {
-  const made = document.createElement("button");
-  made.type = "button";
-  made.textContent = text;
-  made.addEventListener("click", action);
-  return made;
-}
 
 export class Recordings {
   #tab;
@@ -53,10 +44,8 @@ export class Recordings {
     const names = await this.#store.names().catch(() => []);
     find("kept-before").hidden = names.length === 0;
     find("kept-list").replaceChildren(...names.reverse().map((name) => {
-      const item = document.createElement("li");
-      const text = document.createElement("span");
-      text.textContent = name;
-      item.append(text, button(t("keep"), () => this.#recover(name)), button(t("delete"), () => this.#remove(name)));
+      const item = made("li");
+      item.append(made("span", name), button(t("keep"), () => this.#recover(name)), button(t("delete"), () => this.#remove(name)));
       return item;
     }));
   }
@@ -66,7 +55,6 @@ export class Recordings {
       const person = find("person").value;
       keep("always", PERSON, person);
       this.#tab.say({ do: "record", person, protocol: find("protocol").value, time: Date.now() });
-      this.#tab.records();
       this.#dialog.close();
       // The keys are the session's.
       find("use-record").blur();

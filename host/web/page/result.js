@@ -1,23 +1,13 @@
 // Result of a session: whether it is good enough, why not, and what comes next.
 
+import { button, find, made } from "./dom.js";
 import { fixed, named, said, t } from "./texts.js";
-
-const find = (id) => document.getElementById(id);
-
-function made(name, text, className = "") {
-  const node = document.createElement(name);
-  node.textContent = text;
-  node.className = className;
-  return node;
-}
 
 /** A command with what it does, and a button that copies it; without leave to, it is selected. */
 function command(text, what) {
-  const box = made("div", "", "command");
-  const [code, copy] = [made("code", text), made("button", t("copy"))];
-  copy.type = "button";
-  copy.setAttribute("aria-label", t("copy.what", { what }));
-  copy.addEventListener("click", async () => {
+  const box = made("div", "", { className: "command" });
+  const code = made("code", text);
+  const copy = button(t("copy"), async () => {
     try {
       await navigator.clipboard.writeText(text);
       copy.textContent = t("copied");
@@ -26,17 +16,17 @@ function command(text, what) {
       copy.textContent = t("selected");
     }
   });
-  box.append(made("span", what, "quiet"), code, copy);
+  copy.ariaLabel = t("copy.what", { what });
+  box.append(made("span", what, { className: "quiet" }), code, copy);
   return box;
 }
 
 /** Two bars for a measure, before and after, on a scale of their own; the numbers stand beside them. */
 function bars(before, after) {
-  const cell = made("td", "", "bars");
-  cell.setAttribute("aria-hidden", "true");
+  const cell = made("td", "", { className: "bars", ariaHidden: "true" });
   const whole = Math.max(1, before ?? 0, after ?? 0);
   cell.append(...[before, after].map((value) => {
-    const bar = document.createElement("i");
+    const bar = made("i");
     bar.style.width = `${(100 * (value ?? 0)) / whole}%`;
     return bar;
   }));
@@ -65,8 +55,8 @@ export class Result {
     const unused = bad ? t("unused", { n: bad }) : "";
     find("amount").textContent = t("kept", { n: files.length, seconds: fixed(seconds, 0), each, unused, folder });
     find("findings").replaceChildren(...findings.map(({ severity, text, advice }) => {
-      const item = made("li", "", severity);
-      item.append(made("b", t(severity)), made("span", said(text)), made("span", said(advice), "quiet"));
+      const item = made("li", "", { className: severity });
+      item.append(made("b", t(severity)), made("span", said(text)), made("span", said(advice), { className: "quiet" }));
       return item;
     }));
     this.next = !find("keep").hidden ? "keep" : good ? "tune" : "again";
@@ -138,11 +128,9 @@ export class Result {
   #scores(rows) {
     find("scores").hidden = rows.length === 0;
     find("scores").tBodies[0].replaceChildren(...rows.map(({ measure, before, after }) => {
-      const row = document.createElement("tr");
+      const row = made("tr");
       const digits = measure.includes("minute") ? 1 : 3;
-      const head = made("th", said(measure));
-      head.scope = "row";
-      row.append(head, made("td", number(before, digits)), made("td", number(after, digits)), bars(before, after));
+      row.append(made("th", said(measure), { scope: "row" }), made("td", number(before, digits)), made("td", number(after, digits)), bars(before, after));
       return row;
     }));
   }

@@ -1,5 +1,6 @@
 // Saves a history as a csv file.
 
+import { made } from "./dom.js";
 import { csv } from "./history.js";
 import { fixed, t } from "./texts.js";
 
@@ -14,9 +15,7 @@ export function save(history, kind) {
 
 /** Hands a file to the user. */
 export function download(name, content) {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([content]));
-  link.download = name;
+  const link = made("a", "", { href: URL.createObjectURL(new Blob([content])), download: name });
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }

@@ -1,6 +1,7 @@
 // A recording session: what to do now, what comes next and how long. The program leads; the page shows and passes on keys.
 
 import { RATE } from "./clock.js";
+import { button, find, made, write } from "./dom.js";
 import { Ending } from "./ending.js";
 import { draw, words } from "./gestures.js";
 import { Result } from "./result.js";
@@ -12,14 +13,7 @@ const BUTTONS = ["begin", "repeat", "hold", "finish"];
 /** Gestures by the number of their key. */
 const MARKS = [...CLASSES, "other"];
 
-const find = (id) => document.getElementById(id);
 const still = matchMedia("(prefers-reduced-motion: reduce)");
-
-function write(node, text) {
-  if (node.textContent !== text) {
-    node.textContent = text;
-  }
-}
 
 function clockTime(samples) {
   const seconds = Math.max(0, Math.ceil(samples / RATE));
@@ -208,36 +202,29 @@ export class Session {
 
   #coming() {
     const chips = this.#view.coming.map(({ cue, samples }) => {
-      const chip = document.createElement("li");
+      const chip = made("li", `${named("class", cue)} ${t("seconds", { n: samples / RATE })}`);
       chip.dataset.label = classOf(cue);
-      chip.textContent = `${named("class", cue)} ${t("seconds", { n: samples / RATE })}`;
       return chip;
     });
     find("coming").replaceChildren(...chips);
   }
 
   #marks() {
-    const { free, classes, cue, phase } = this.#view;
+    const { free, classes, cue } = this.#view;
     find("marks").hidden = !free;
     if (!free) {
       return;
     }
     if (!find("marks").childElementCount) {
       find("marks").append(...classes.map((name) => {
-        const button = document.createElement("button");
-        button.type = "button";
-        button.dataset.label = name;
-        button.append(named("class", name), " ");
-        const key = document.createElement("kbd");
-        key.textContent = MARKS.indexOf(name);
-        button.append(key);
-        button.addEventListener("click", () => this.#say({ do: "gesture", class: name }));
-        return button;
+        const mark = button(`${named("class", name)} `, () => this.#say({ do: "gesture", class: name }));
+        mark.dataset.label = name;
+        mark.append(made("kbd", MARKS.indexOf(name)));
+        return mark;
       }));
     }
-    for (const button of find("marks").children) {
-      button.disabled = phase !== "cued" || this.#watches();
-      button.setAttribute("aria-pressed", String(button.dataset.label === cue));
+    for (const mark of find("marks").children) {
+      mark.setAttribute("aria-pressed", String(mark.dataset.label === cue));
     }
   }
 
@@ -271,8 +258,8 @@ export class Session {
       find(id).classList.toggle("main", id === this.#result.next);
     }
     write(find("watching"), watches ? t("watching") : "");
-    for (const button of find("marks").children) {
-      button.disabled = view.phase !== "cued" || watches;
+    for (const mark of find("marks").children) {
+      mark.disabled = view.phase !== "cued" || watches;
     }
   }
 }

@@ -1,8 +1,7 @@
 // Record of a person's sessions, to read and to print: a row each.
 
+import { find, made } from "./dom.js";
 import { choose, fill, fixed, language, t } from "./texts.js";
-
-const find = (id) => document.getElementById(id);
 
 const known = (value, digits) => (value === null ? t("unknown") : fixed(value, digits));
 const share = (value) => (value === null ? t("unknown") : t("percent", { share: Math.round(100 * value) }));
@@ -23,10 +22,9 @@ const COLUMNS = [
 ];
 
 function cell(name, key, text) {
-  const made = document.createElement(name);
-  made.textContent = text;
-  made.dataset.column = t(key);
-  return made;
+  const own = made(name, text);
+  own.dataset.column = t(key);
+  return own;
 }
 
 function show({ person, model, version, sessions }) {
@@ -46,7 +44,7 @@ function show({ person, model, version, sessions }) {
     return head;
   }));
   table.tBodies[0].replaceChildren(...sessions.map((session) => {
-    const row = document.createElement("tr");
+    const row = made("tr");
     row.append(...COLUMNS.map(([key, text]) => cell("td", key, text(session))));
     return row;
   }));

@@ -1,10 +1,9 @@
 // Choice of a source, where the program is inside this page: buttons, a file that is dropped, and what this browser lacks.
 
 import { Radio } from "./bluetooth.js";
+import { find } from "./dom.js";
 import { Board } from "./serial.js";
 import { t } from "./texts.js";
-
-const find = (id) => document.getElementById(id);
 
 /** Whether a model, which serves all sources from now on, and not a recording. */
 const isModel = (name) => name.toLowerCase().endsWith(".intent");

@@ -1,5 +1,6 @@
 // Steps to a model of one's own: which are done, which one is now; and what connecting, binding and aligning ask for.
 
+import { find, made, write } from "./dom.js";
 import { outcome, placement } from "./placement.js";
 import { keep, kept } from "./stored.js";
 import { fixed, said, t } from "./texts.js";
@@ -10,16 +11,7 @@ const FAILED = ["poor-distance", "poor-margin", "timeout", "cancelled", "unavail
 
 const SKIPPED = "alignment is skipped";
 
-const find = (id) => document.getElementById(id);
-
 const sentence = (text) => `${text[0].toUpperCase()}${text.slice(1)}.`;
-
-function made(name, text, className = "") {
-  const node = document.createElement(name);
-  node.textContent = text;
-  node.className = className;
-  return node;
-}
 
 export class Steps {
   /** The newest message of each of these types. */
@@ -112,14 +104,9 @@ export class Steps {
     }
     this.#shown = text;
     find("steps").replaceChildren(...steps.map(([name, done, detail]) => {
-      const item = document.createElement("li");
-      const state = done ? "done" : name === now ? "now" : "next";
-      item.id = `step-${name}`;
-      item.dataset.state = state;
-      if (state === "now") {
-        item.setAttribute("aria-current", "step");
-      }
-      item.append(made("b", t(`step.${name}`)), made("span", done ? t("step.done") : "", "unseen"), made("span", detail, "detail"));
+      const item = made("li", "", { id: `step-${name}`, ariaCurrent: name === now && !done ? "step" : null });
+      item.dataset.state = done ? "done" : name === now ? "now" : "next";
+      item.append(made("b", t(`step.${name}`)), made("span", done ? t("step.done") : "", { className: "unseen" }), made("span", detail, { className: "detail" }));
       return item;
     }));
     this.#ask(now);
@@ -160,11 +147,8 @@ export class Steps {
     const asked = this.#asked(now);
     find("setup").hidden = !asked;
     const [task, hint, buttons, main] = asked ?? ["", "", [], null];
-    for (const [id, text] of [["setup-task", task], ["setup-hint", hint]]) {
-      if (find(id).textContent !== text) {
-        find(id).textContent = text;
-      }
-    }
+    write(find("setup-task"), task);
+    write(find("setup-hint"), hint);
     for (const id of ["bind", "align-now", "skip"]) {
       find(id).hidden = !buttons.includes(id);
       find(id).classList.toggle("main", id === main);

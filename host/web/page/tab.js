@@ -1,10 +1,11 @@
 // The program inside this page: a worker runs the pipeline, and the browser reaches the devices.
 
+import { find } from "./dom.js";
 import { Recordings } from "./recordings.js";
 import { Sources } from "./sources.js";
 import { t } from "./texts.js";
 
-const text = (id) => document.getElementById(id).textContent;
+const text = (id) => find(id).textContent;
 
 export class Tab {
   #calls;
@@ -25,11 +26,6 @@ export class Tab {
   /** Passes on a message, and the journal or model that it is about. */
   say(message, file) {
     this.#worker?.postMessage({ request: JSON.stringify(message), file });
-  }
-
-  /** Shows the session that is recorded from now on. */
-  records() {
-    this.#calls.records({ you: 1, record: true });
   }
 
   /** Takes a model file, for the sources from now on. */

@@ -1,19 +1,12 @@
 // View for the person who wears the armband, on one screen: what to do now, a hand, one word and one colour. The hand is the
 // labelled one; in a session the one that is asked for, with the time that is left and what comes next.
 
+import { find, write } from "./dom.js";
 import { classOf } from "./history.js";
 import { draw, words } from "./gestures.js";
 import { named, t } from "./texts.js";
 
 const ADDRESS = "#wearer";
-
-const find = (id) => document.getElementById(id);
-
-function write(node, text) {
-  if (node.textContent !== text) {
-    node.textContent = text;
-  }
-}
 
 export class Wearer {
   constructor() {

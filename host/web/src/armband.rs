@@ -22,7 +22,7 @@ const STEPS: [&str; 3] = [
 pub enum Output {
     /// Event for viewers.
     Event(Event),
-    /// Action of the radio, or the end of the stream.
+    /// Action of the radio.
     Radio(Action),
 }
 
@@ -109,7 +109,6 @@ impl Armband {
                 let reports = self.scored.disconnected(now.session);
                 report(now, reports, output);
                 self.streams = false;
-                output(Output::Radio(action));
             }
             Action::Imu(imu) => output(Output::Event(Event::Imu {
                 at: now.at,

@@ -14,9 +14,12 @@ use crate::scored_pipeline::ScoredPipeline;
 pub const NOTHING_YET: &str = "open; nothing heard yet";
 
 /// Connection to a board.
-pub struct Board<'c> {
+pub struct Board {
     dialogue: Dialogue,
-    scored: Option<&'c mut ScoredPipeline>,
+    imu: bool,
+    scored: Option<ScoredPipeline>,
+    /// Whether scores are shown always, and now.
+    has_scores: (bool, bool),
     calibration: Calibration,
     /// State that viewers know; empty while the board is heard.
     published: &'static str,
@@ -31,26 +34,31 @@ pub struct Change {
     pub is_silent: bool,
 }
 
-impl<'c> Board<'c> {
-    /// State at the beginning of a connection; continues the losses of earlier ones. With `imu` the board is asked for the
-    /// armband's movement too.
-    pub fn new(
-        now: Millis,
-        losses: Losses,
-        imu: bool,
-        scored: Option<&'c mut ScoredPipeline>,
-    ) -> Self {
+impl Board {
+    /// State before the first connection. Scores are shown always, or once the board runs the model; with `imu` the board is asked
+    /// for the armband's movement too.
+    pub fn new(now: Millis, imu: bool, scored: Option<ScoredPipeline>, always: bool) -> Self {
         Self {
-            dialogue: Dialogue::new(now, losses, imu),
+            dialogue: Dialogue::new(now, Losses::default(), imu),
+            imu,
             scored,
+            has_scores: (always, always),
             calibration: Calibration::default(),
             published: NOTHING_YET,
         }
     }
 
-    /// Losses on the line so far.
-    pub const fn losses(&self) -> Losses {
-        self.dialogue.losses()
+    /// Begins a connection; continues the losses of earlier ones.
+    pub fn connected(&mut self, now: Millis) {
+        self.dialogue = Dialogue::new(now, self.dialogue.losses(), self.imu);
+        self.calibration = Calibration::default();
+        self.published = NOTHING_YET;
+    }
+
+    /// Shows the scores of another model. Returns the event that describes it.
+    pub fn set_model(&mut self, scored: ScoredPipeline) -> Event {
+        self.has_scores.1 = true;
+        Event::of_model(self.scored.insert(scored).model())
     }
 
     /// Installs a model. Emits why it cannot.
@@ -68,11 +76,6 @@ impl<'c> Board<'c> {
         file
     }
 
-    /// Takes another model for the scores.
-    pub fn score(&mut self, scored: &'c mut ScoredPipeline) {
-        self.scored = Some(scored);
-    }
-
     /// Returns the next command that is due; to be called until no command is.
     pub fn command(&mut self, now: Millis) -> Option<Command> {
         self.dialogue.command(now)
@@ -83,6 +86,7 @@ impl<'c> Board<'c> {
         let Self {
             dialogue,
             scored,
+            has_scores,
             calibration,
             ..
         } = self;
@@ -91,8 +95,14 @@ impl<'c> Board<'c> {
                 BoardEvent::Publish(event) => {
                     if let (Event::Board { model, .. }, Some(scored)) = (&event, &scored) {
                         let own = scored.model();
-                        if *model == Some(format!("{:08x}", own.checksum)) {
+                        let is_same = *model == Some(format!("{:08x}", own.checksum));
+                        if is_same {
                             calibration.know(own.header.dimensions.vocabulary.classes());
+                        }
+                        let before = has_scores.1;
+                        has_scores.1 = has_scores.0 || is_same;
+                        if has_scores.1 && !before {
+                            emit(Event::of_model(own));
                         }
                     }
                     return emit(event);
@@ -120,7 +130,8 @@ impl<'c> Board<'c> {
                     }
                     let mut index = report.first;
                     for sample in report.samples {
-                        if let Some(scores) = scored.sample(now, at, index, sample).scores {
+                        let output = scored.sample(now, at, index, sample);
+                        if let Some(scores) = output.scores.filter(|_| has_scores.1) {
                             emit(scores);
                         }
                         index = index.plus(1);
@@ -154,6 +165,13 @@ impl<'c> Board<'c> {
             scored.disconnected(now);
         }
     }
+}
+
+/// Commands that turn off what the program has turned on, to be sent before the port is closed.
+pub fn leave(imu: bool) -> String {
+    let imu = imu.then_some(Command::Imu(false));
+    let commands = [Command::Raw(false)].into_iter().chain(imu);
+    commands.map(|command| command.to_string()).collect()
 }
 
 /// Advice for a port on which no board is heard, or no longer.

@@ -24,8 +24,6 @@ pub fn cues() -> Vec<Intent> {
 
 #[cfg(test)]
 mod tests {
-    use std::time::Duration;
-
     use evaluation::{EvaluatedRecording, LookAhead, gestures, integer_candidate};
     use recordings::Recording;
     use recordings::labels::compensation::Compensation;
@@ -59,7 +57,7 @@ mod tests {
         recording.samples.clear();
         recording.labels.clear();
         for index in 0..MINUTES * minute {
-            let ([sample], [cue]) = person.next(SampleIndex(index as u32), Duration::ZERO);
+            let ([sample], [cue]) = person.next(SampleIndex(index as u32));
             recording.samples.push(sample);
             recording.labels.push(cue);
         }
@@ -100,7 +98,7 @@ mod tests {
             if person.align(is_aligning) || index.0 == begin {
                 pipeline.begin_alignment(Arm::Unknown);
             }
-            let ([sample], _) = person.next(index, Duration::ZERO);
+            let ([sample], _) = person.next(index);
             let now = Millis(index.0 * SAMPLE_PERIOD_MS);
             let _ = pipeline.sample(now, sample);
             match pipeline.take_alignment_report().map(|report| report.state) {

@@ -3,7 +3,7 @@
 
 use std::cell::RefCell;
 
-use crate::tab::{Tab, Wanted};
+use crate::engine::{Engine, Wanted};
 
 /// State of the module.
 #[derive(Default)]
@@ -11,7 +11,7 @@ struct State {
     input: Vec<u8>,
     file: Vec<u8>,
     model: Option<Vec<u8>>,
-    tab: Option<Tab>,
+    engine: Option<Engine>,
     output: String,
 }
 
@@ -54,7 +54,7 @@ extern "C" fn open(now: f64) -> usize {
             return 0;
         };
         let file = std::mem::take(&mut state.file);
-        state.tab = Some(Tab::open(now, &wanted, &file, state.model.as_deref()));
+        state.engine = Some(Engine::open(now, &wanted, &file, state.model.as_deref()));
         state.take()
     })
 }
@@ -62,25 +62,25 @@ extern "C" fn open(now: f64) -> usize {
 /// Lets time pass. Returns the length of the outputs.
 #[unsafe(no_mangle)]
 extern "C" fn tick(now: f64) -> usize {
-    with(|tab, _, _| tab.tick(now))
+    with(|engine, _, _| engine.tick(now))
 }
 
 /// Takes what a device has sent. Returns the length of the outputs.
 #[unsafe(no_mangle)]
 extern "C" fn heard(now: f64) -> usize {
-    with(|tab, bytes, _| tab.heard(now, bytes))
+    with(|engine, bytes, _| engine.heard(now, bytes))
 }
 
 /// Takes a message of the page. Returns the length of the outputs.
 #[unsafe(no_mangle)]
 extern "C" fn request(now: f64) -> usize {
-    with(|tab, bytes, file| tab.request(now, bytes, file))
+    with(|engine, bytes, file| engine.request(now, bytes, file))
 }
 
-fn with(act: impl FnOnce(&mut Tab, &[u8], &[u8])) -> usize {
+fn with(act: impl FnOnce(&mut Engine, &[u8], &[u8])) -> usize {
     STATE.with_borrow_mut(|state| {
-        if let Some(tab) = &mut state.tab {
-            act(tab, &state.input, &state.file);
+        if let Some(engine) = &mut state.engine {
+            act(engine, &state.input, &state.file);
             state.file.clear();
         }
         state.take()
@@ -89,7 +89,9 @@ fn with(act: impl FnOnce(&mut Tab, &[u8], &[u8])) -> usize {
 
 impl State {
     fn take(&mut self) -> usize {
-        self.output = self.tab.as_mut().map(Tab::take).unwrap_or_default();
+        let outputs = self.engine.as_mut().map(Engine::take).unwrap_or_default();
+        // Maps with keys of text alone: they can be written.
+        self.output = serde_json::to_string(&outputs).unwrap_or_default();
         self.output.len()
     }
 }

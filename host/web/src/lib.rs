@@ -5,8 +5,7 @@
 //!                                    <- requests -
 //! ```
 //!
-//! `myointent live` runs the sources on a thread and serves the page; in the page that needs no program, [`tab`] runs them
-//! in a worker.
+//! [`engine`] runs a source, on a thread of `myointent live` or in a worker of the page that needs no program.
 
 #![deny(missing_docs)]
 #![deny(unsafe_code)]
@@ -16,7 +15,8 @@ pub mod board;
 pub mod calibration;
 pub mod demo;
 mod dialogue;
-pub mod electrodes;
+mod electrodes;
+pub mod engine;
 pub mod event;
 #[cfg(target_family = "wasm")]
 mod exports;
@@ -30,10 +30,6 @@ pub mod record;
 pub mod request;
 pub mod scored_pipeline;
 mod scores;
-mod shared_cue;
-pub mod tab;
 
-pub use self::dialogue::Losses;
-pub use self::shared_cue::SharedCue;
 /// Shipped three-class model.
 pub use models::THREE_CLASS as SHIPPED;

@@ -1,12 +1,9 @@
 //! Simulated person of the demo: follows cues, and opens the hand twice for an alignment.
 
-use std::time::Duration;
-
+use recordings::labels::motion::Motion;
 use recordings::synthetic::Follower;
 use shared::intent::Intent;
 use shared::units::{Sample, SampleIndex};
-
-use crate::SharedCue;
 
 /// Samples for which the person rests before each opening, and for which it then holds the hand open.
 const REST: usize = 240;
@@ -20,8 +17,8 @@ const SETTLED: usize = 200;
 pub enum Cues {
     /// Cue of each sample, repeated.
     List(Vec<Intent>),
-    /// Recording session.
-    Session(SharedCue),
+    /// What a recording session asks for.
+    Session(Motion),
 }
 
 /// Simulated person, and what it was asked for.
@@ -46,8 +43,8 @@ impl Person {
         }
     }
 
-    /// Follows a session from now on.
-    pub fn follow(&mut self, cue: SharedCue) {
+    /// Tells what a recording session asks for.
+    pub fn ask(&mut self, cue: Motion) {
         self.cues = Cues::Session(cue);
     }
 
@@ -62,15 +59,13 @@ impl Person {
         self.calibrating = cue;
     }
 
-    /// Returns the next samples, from `first` on, and their cues; none where a session has its own. Waits for a session that is
-    /// behind, at most for `patience`.
+    /// Returns the next samples, from `first` on, and their cues; none where a session has its own.
     pub fn next<const COUNT: usize>(
         &mut self,
         first: SampleIndex,
-        patience: Duration,
     ) -> ([Sample; COUNT], [Option<Intent>; COUNT]) {
-        let session = match &self.cues {
-            Cues::Session(cue) => Some(cue.at(first, patience)),
+        let session = match self.cues {
+            Cues::Session(cue) => Some(cue),
             Cues::List(_) => None,
         };
         let mut cues = [None; COUNT];

@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
+use recordings::labels::motion::Motion;
 use shared::intent::Intent;
 use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample, SampleIndex};
 
-use crate::SharedCue;
 use crate::event::Event;
 use crate::person::Person;
 use crate::request::SourceRequest;
@@ -58,7 +58,7 @@ impl SampleSource {
                 }
             }
             Self::Person(person) => {
-                let (emg, cues) = person.next::<TOGETHER>(first, LATE);
+                let (emg, cues) = person.next::<TOGETHER>(first);
                 let names = || cues.map(|cue| cue.map(Intent::name)).to_vec();
                 Notification {
                     emg: emg.to_vec(),
@@ -120,11 +120,10 @@ impl Playback {
         self.scored.request(self.now(), at, request, emit);
     }
 
-    /// Has a simulated person follow a session.
-    pub fn follow(&mut self, cue: SharedCue) {
+    /// Tells a simulated person what a session asks for.
+    pub fn ask(&mut self, cue: Motion) {
         if let SampleSource::Person(person) = &mut self.samples {
-            cue.read(self.next);
-            person.follow(cue);
+            person.ask(cue);
         }
     }
 

@@ -1,7 +1,7 @@
 //! Events of a Bluetooth stack, with their bytes.
 
-use serde::{Deserialize, Deserializer, Serializer};
-use shared::myo::{Address, Characteristic, Event, Found, Uuid};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use shared::myo::{Action, Address, Characteristic, Event, Found, Uuid};
 
 /// Event of the stack: an [`Event`] that owns its bytes, or the loss of the adapter.
 #[derive(Clone, PartialEq, Eq, Debug, Deserialize)]
@@ -110,8 +110,48 @@ fn found<'d, D: Deserializer<'d>>(input: D) -> Result<Found, D::Error> {
 }
 
 /// Writes the UUID of a characteristic.
-pub(crate) fn uuid<S: Serializer>(of: &Characteristic, output: S) -> Result<S::Ok, S::Error> {
+fn uuid<S: Serializer>(of: &Characteristic, output: S) -> Result<S::Ok, S::Error> {
     output.serialize_str(&text_of(of.uuid()))
+}
+
+/// Action for the browser's Bluetooth. There is no scan: the wearer has chosen the armband.
+#[derive(Serialize)]
+#[serde(tag = "radio", rename_all = "snake_case")]
+pub(crate) enum ForRadio {
+    Connect,
+    Discover,
+    Disconnect,
+    Read {
+        #[serde(serialize_with = "uuid")]
+        characteristic: Characteristic,
+    },
+    Subscribe {
+        #[serde(serialize_with = "uuid")]
+        characteristic: Characteristic,
+    },
+    Write {
+        #[serde(serialize_with = "uuid")]
+        characteristic: Characteristic,
+        bytes: Vec<u8>,
+    },
+}
+
+impl ForRadio {
+    /// Action of a session for the browser; none for what the browser has no part in.
+    pub(crate) fn of(action: Action) -> Option<Self> {
+        Some(match action {
+            Action::Connect(_) => Self::Connect,
+            Action::Discover => Self::Discover,
+            Action::Disconnect => Self::Disconnect,
+            Action::Read(characteristic) => Self::Read { characteristic },
+            Action::Subscribe(characteristic) => Self::Subscribe { characteristic },
+            Action::Write(characteristic, payload) => Self::Write {
+                characteristic,
+                bytes: payload.as_slice().to_vec(),
+            },
+            _ => return None,
+        })
+    }
 }
 
 #[cfg(test)]

@@ -6,6 +6,8 @@ use shared::uart_line::calibration::CalibrateCommand;
 use shared::uart_line::command::{AlignCommand, BindCommand, Command};
 use shared::units::CHANNELS;
 
+use crate::record::session::Action;
+
 /// Reason to refuse a message that is none of these.
 pub const UNKNOWN: &str =
     "there is no such request: load the page again, it may be of another version";
@@ -56,6 +58,24 @@ pub enum ViewerMessage {
         /// Name of the motion.
         class: String,
     },
+    /// Prepare a session, which the browser keeps; without a program only, as the next ones.
+    Record {
+        /// Name of the person.
+        person: String,
+        /// Name of a built-in protocol.
+        protocol: String,
+        /// Time now, in ms since 1970.
+        time: f64,
+    },
+    /// Make recordings of a journal that the browser has kept, whose bytes were given as a file.
+    Recover {
+        /// Name of the journal.
+        name: String,
+    },
+    /// Install the model, whose bytes were given as a file, on the board.
+    Install,
+    /// Give the newest recordings as files.
+    Keep,
 }
 
 impl ViewerMessage {
@@ -69,11 +89,15 @@ impl ViewerMessage {
             Self::Place { .. } => "place",
             Self::Calibrate { .. } => "calibrate",
             Self::Bind => "bind",
-            Self::Session {
+            Self::Install
+            | Self::Session {
                 command: SessionCommand::Install,
             } => "install",
             Self::Session { .. } => "session",
             Self::Gesture { .. } => "gesture",
+            Self::Record { .. } => "record",
+            Self::Recover { .. } => "recover",
+            Self::Keep => "keep",
         }
     }
 
@@ -121,20 +145,15 @@ impl CalibrationWish {
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SessionCommand {
-    /// Begin or go on.
-    Begin,
-    /// Repeat the last trial.
-    Repeat,
-    /// Have the session wait.
-    Hold,
-    /// End the session.
-    Finish,
     /// Begin another session.
     Again,
     /// Tune a model on the recordings.
     Tune,
     /// Install the tuned model on the board.
     Install,
+    /// Act on the session in progress.
+    #[serde(untagged)]
+    Action(Action),
 }
 
 /// Request to a source.
@@ -152,12 +171,10 @@ pub enum SourceRequest {
     SaveModel,
     /// Begin a pairing; boards only.
     Bind,
-    /// Install this model; boards only.
-    Install(Vec<u8>),
 }
 
 impl SourceRequest {
-    /// Command that asks a board for it; none for an installation, which is a dialogue of its own, and for a model.
+    /// Command that asks a board for it; none for a model.
     pub const fn command(&self) -> Option<Command> {
         Some(match self {
             Self::Align => Command::Align(AlignCommand::Begin(Arm::Unknown)),
@@ -165,7 +182,7 @@ impl SourceRequest {
             Self::SetAlignment(known) => Command::Align(AlignCommand::Set(*known)),
             Self::Calibrate(command) => Command::Calibrate(*command),
             Self::Bind => Command::Bind(BindCommand::Begin),
-            Self::Install(_) | Self::SaveModel => return None,
+            Self::SaveModel => return None,
         })
     }
 }

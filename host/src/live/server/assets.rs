@@ -57,7 +57,7 @@ mod tests {
         for (path, kind, _) in FILES {
             let response = answer(path, "127.0.0.1:8377");
             assert_eq!(response.status(), StatusCode::OK);
-            assert_eq!(response.headers()[CONTENT_TYPE], kind);
+            assert_eq!(response.headers()[CONTENT_TYPE], *kind);
             let policy = response.headers()[CONTENT_SECURITY_POLICY]
                 .to_str()
                 .unwrap();
@@ -118,7 +118,7 @@ mod tests {
         // All colours that rules give to text, and those of the classes.
         let mut texts: BTreeSet<&str> = classes.iter().copied().collect();
         for (_, kind, text) in FILES {
-            if kind == CSS {
+            if *kind == CSS {
                 let rules = text.split(['{', '}', ';']);
                 let colours = rules.filter_map(|rule| rule.trim().strip_prefix("color: var(--"));
                 texts.extend(colours.map(|colour| colour.trim_end_matches(')')));

@@ -5,9 +5,9 @@ mod assets;
 mod viewer;
 
 use std::net::TcpListener;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::SyncSender;
-use std::sync::{Arc, MutexGuard, PoisonError};
+use std::sync::mpsc::Sender;
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -22,10 +22,8 @@ use tokio::sync::{Mutex, Semaphore, watch};
 
 use self::access::{Access, Denied};
 use super::hub::Hub;
-use super::recorder::RecorderRequest;
+use super::stream::Input;
 use crate::record::HistoryOf;
-use web::event::ViewerId;
-use web::request::SourceRequest;
 
 /// Greatest number of viewers.
 const MOST_VIEWERS: usize = 16;
@@ -34,35 +32,17 @@ const MAX_REQUEST_BYTES: usize = 1024;
 /// Time that viewers have to take the last message.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Channels for the requests of viewers.
-#[derive(Debug)]
-pub(crate) struct Requests {
-    pub(crate) source: SyncSender<SourceRequest>,
-    /// Channel to the recorder; none for `live`.
-    pub(crate) recorder: Option<SyncSender<RecorderRequest>>,
-}
-
 /// State that all connections share.
 #[derive(Debug)]
 struct ServerState {
     hub: Arc<Hub>,
     access: Access,
-    has_board: bool,
-    requests: Requests,
+    inputs: Sender<Input>,
     /// Sessions of the person who is recorded; none for `live`. Read by one viewer at a time.
     history: Option<Mutex<Arc<HistoryOf>>>,
-    /// Viewer whose requests are done; none until one asks.
-    leader: std::sync::Mutex<Option<ViewerId>>,
     ids: AtomicU64,
     viewers: Arc<Semaphore>,
     stop: watch::Receiver<bool>,
-}
-
-impl ServerState {
-    fn leader(&self) -> MutexGuard<'_, Option<ViewerId>> {
-        // A panic leaves nothing half-changed.
-        self.leader.lock().unwrap_or_else(PoisonError::into_inner)
-    }
 }
 
 /// Thread of the server.
@@ -80,9 +60,8 @@ impl Server {
     pub(crate) fn start(
         listener: TcpListener,
         access: Access,
-        has_board: bool,
         hub: Arc<Hub>,
-        requests: Requests,
+        inputs: Sender<Input>,
         history: Option<HistoryOf>,
     ) -> std::io::Result<Self> {
         let runtime = tokio::runtime::Builder::new_current_thread()
@@ -98,10 +77,8 @@ impl Server {
         let state = ServerState {
             hub,
             access,
-            has_board,
-            requests,
+            inputs,
             history: history.map(|own| Mutex::new(Arc::new(own))),
-            leader: std::sync::Mutex::default(),
             ids: AtomicU64::new(1),
             viewers: Arc::new(Semaphore::new(MOST_VIEWERS)),
             stop: stopped.clone(),

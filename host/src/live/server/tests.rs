@@ -1,7 +1,7 @@
 //! A viewer that does not read, beside a viewer that reads.
 
 use std::net::TcpStream;
-use std::sync::mpsc::sync_channel;
+use std::sync::mpsc::channel;
 use std::time::Duration;
 
 use tungstenite::{Message, WebSocket};
@@ -47,12 +47,8 @@ fn a_viewer_that_does_not_read_is_left_behind_and_told_so_and_the_other_misses_n
     let access = Access::new(listener.local_addr().unwrap());
     let url = access.url();
     let hub = Arc::new(Hub::new());
-    let (requests, _kept) = sync_channel(1);
-    let requests = Requests {
-        source: requests,
-        recorder: None,
-    };
-    let server = Server::start(listener, access, false, hub.clone(), requests, None).unwrap();
+    let (inputs, _kept) = channel();
+    let server = Server::start(listener, access, hub.clone(), inputs, None).unwrap();
     let [mut slow, mut fast] = [(); 2].map(|()| connect(&url));
     for socket in [&mut slow, &mut fast] {
         assert_eq!(read(socket), (vec![], 0), "hello");

@@ -10,8 +10,7 @@ use crate::record::{PersonQuality, quality_by_person};
 use recordings::labels::motion::Motion;
 use recordings::synthetic::Follower;
 use recordings::{DataSet, MovementKind};
-use web::record::guided::Lines as _;
-use web::record::journal::{Entry, Header, read};
+use web::record::journal::{Entry, FORMAT, Header, read};
 use web::record::protocol::Protocol;
 use web::record::session::{Action, Input, Output, Session};
 
@@ -42,17 +41,15 @@ fn record_moved(
 ) -> Vec<Sample> {
     let protocol = Protocol::parse("short.toml", protocol).unwrap();
     let header = Header {
-        format: 0,
-        version: "0.1.0".into(),
-        began: "2026-11-22T11:03:23Z".into(),
+        format: FORMAT,
         person: "anna".into(),
         protocol: protocol.name.clone(),
         classes: protocol.names().into_iter().map(str::to_owned).collect(),
-        free: false,
-        source: "demo".into(),
         synthetic,
+        ..Header::default()
     };
-    let mut journal = Journal::create(path, header).unwrap();
+    let mut journal = Journal::create(path, "").unwrap();
+    journal.writer().entry(&Entry::Begin(header));
     let mut session = Session::new(protocol);
     // Each file has another person: equal recordings count once.
     let mut person = Follower::new(path.file_stem().unwrap().to_str().unwrap());
@@ -75,12 +72,12 @@ fn record_moved(
             if let Output::Cue { cue, .. } = output {
                 cued = cue.unwrap_or(Motion::RELAX);
             }
-            journal.entry(&Entry::of(output));
+            journal.writer().entry(&Entry::of(output));
         }
-        journal.samples(first, &samples);
+        journal.writer().samples(first, &samples);
         if moved && pair % 2 == 0 {
             let due = first.plus(2);
-            journal.imu(due, movement(due));
+            journal.writer().imu(due, movement(due));
         }
         sent.extend(samples);
         if session.is_over() {
@@ -334,19 +331,17 @@ fn a_session_of_hours_becomes_recordings_that_can_be_read() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("anna_1.journal");
     let header = Header {
-        format: 0,
-        version: "0.1.0".into(),
-        began: "2026-11-22T11:03:23Z".into(),
+        format: FORMAT,
         person: "anna".into(),
         protocol: "free".into(),
         classes: vec!["relax".into(), "open".into()],
         free: true,
-        source: "demo".into(),
-        synthetic: false,
+        ..Header::default()
     };
-    let mut journal = Journal::create(&path, header).unwrap();
+    let mut journal = Journal::create(&path, "").unwrap();
+    journal.writer().entry(&Entry::Begin(header));
     let first = SampleIndex(0);
-    journal.entry(&Entry::of(Output::Round {
+    journal.writer().entry(&Entry::of(Output::Round {
         number: 1,
         at: first,
     }));
@@ -357,7 +352,9 @@ fn a_session_of_hours_becomes_recordings_that_can_be_read() {
         let gesture = trial % 8 == 0;
         let intent = if gesture { Intent::Open } else { Intent::Relax };
         let cue = Some(intent.into());
-        journal.entry(&Entry::of(Output::Cue { at, cue, trial }));
+        journal
+            .writer()
+            .entry(&Entry::of(Output::Cue { at, cue, trial }));
         let level = if gesture { 117_u64 } else { 100 };
         let sample = |of: usize| -> Sample {
             std::array::from_fn(|channel| {
@@ -368,7 +365,7 @@ fn a_session_of_hours_becomes_recordings_that_can_be_read() {
             })
         };
         let samples: Vec<Sample> = (0..together).map(sample).collect();
-        journal.entry(&Entry::samples(at, &samples));
+        journal.writer().entry(&Entry::samples(at, &samples));
         let _ = journal.flush(Millis(at.0));
     }
     let _ = journal.close();
@@ -398,17 +395,14 @@ fn a_journal_that_is_being_begun_is_not_taken_by_another_start() {
         for number in 0..1000 {
             let path = person.join(format!("anna_{number}.journal"));
             let header = Header {
-                format: 0,
-                version: "0.1.0".into(),
-                began: "2026-11-22T11:03:23Z".into(),
+                format: FORMAT,
                 person: "anna".into(),
                 protocol: "free".into(),
                 classes: vec!["relax".into()],
                 free: true,
-                source: "demo".into(),
-                synthetic: false,
+                ..Header::default()
             };
-            let journal = Journal::create(&path, header);
+            let journal = Journal::create(&path, &Entry::Begin(header).line(0));
             let is_there = path.exists();
             recovering.store(
                 journal.is_ok() && is_there,

@@ -7,20 +7,16 @@ use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read as _, Seek as _};
 use std::path::{Path, PathBuf};
 
-use shared::myo::Imu;
-use shared::units::{Millis, Sample, SampleIndex};
-use web::record::guided::Lines;
+use shared::units::Millis;
 use web::record::journal::{Contents, Entry, FORMAT, Header, Writer, read};
 
 use super::name::{create_unnamed, free_name, is_named, lock, set_name};
 use crate::record::error::{RecordError, folder};
 
-/// Greatest length of a journal in bytes: 20 hours.
-pub(in crate::record) const LARGEST: u64 = 256 << 20;
+/// Greatest length of a journal in bytes.
+pub(in crate::record) const LARGEST: u64 = web::record::journal::LARGEST as u64;
 /// Pause between two synchronizations to the disk: a power failure loses so much.
 const SYNC_MS: u32 = 1_000;
-/// Length in bytes at which a session has to end, so that data waiting for the disk still fits.
-const FULL: u64 = LARGEST - (32 << 20);
 /// Least number of bytes of a second of samples.
 pub(in crate::record) const SECOND: usize = 3_500;
 
@@ -47,19 +43,18 @@ pub(crate) struct Journal {
 }
 
 impl Journal {
-    /// Creates a file with its first line.
+    /// Creates a file with its first lines.
     ///
     /// It is locked before it gets its name, so that another start, which takes unlocked journals, cannot take it.
     ///
     /// # Errors
     /// When a file of that name exists or the file cannot be written.
-    pub(crate) fn create(path: &Path, mut header: Header) -> Result<Self, RecordError> {
+    pub(crate) fn create(path: &Path, lines: &str) -> Result<Self, RecordError> {
         let failed = RecordError::io(path);
         let (unnamed, file) = create_unnamed(path).map_err(failed)?;
         lock(path, &file)?;
         let mut writer = Writer::new(file);
-        header.format = FORMAT;
-        writer.entry(&Entry::Begin(header));
+        writer.text(lines);
         let named = writer.flush().and_then(|()| set_name(&unnamed, path));
         named.map_err(|error| {
             let _ = fs::remove_file(&unnamed);
@@ -78,10 +73,15 @@ impl Journal {
         &self.path
     }
 
-    /// Whether the session has to end: a longer journal could not be read.
-    pub(crate) fn is_full(&self) -> bool {
-        let length = self.writer.get_ref().metadata();
-        length.is_ok_and(|file| file.len() > FULL)
+    /// Takes whole lines; [`flush`](Self::flush) writes them.
+    pub(crate) fn append(&mut self, lines: &str) {
+        self.writer.text(lines);
+    }
+
+    /// Writer of lines, for tests.
+    #[cfg(test)]
+    pub(in crate::record) const fn writer(&mut self) -> &mut Writer<File> {
+        &mut self.writer
     }
 
     /// Writes pending lines, and once a second synchronizes them to the disk. Writes the file anew if it has lost its name.
@@ -170,21 +170,6 @@ impl Journal {
         self.writer.redirect(file);
         self.path = path;
         Ok(())
-    }
-}
-
-/// [`flush`](Journal::flush) writes what it takes, samples a tenth of a second at a time.
-impl Lines for Journal {
-    fn samples(&mut self, first: SampleIndex, samples: &[Sample]) {
-        self.writer.samples(first, samples);
-    }
-
-    fn imu(&mut self, due: SampleIndex, imu: Imu) {
-        self.writer.imu(due, imu);
-    }
-
-    fn entry(&mut self, entry: &Entry) {
-        self.writer.entry(entry);
     }
 }
 

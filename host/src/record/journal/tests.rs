@@ -1,21 +1,21 @@
 mod damage;
 
+use std::cell::Cell;
 use std::io::{self, Write};
-#[cfg(unix)]
 use std::path::Path;
+use std::rc::Rc;
 
 use shared::intent::Intent;
 use shared::units::{CHANNELS, Millis, Sample, SampleIndex};
 
 use super::*;
 use crate::record::RecordError;
-use web::record::guided::Lines as _;
-use web::record::journal::{Contents, Entry, Header, Writer, read};
+use web::record::journal::{Contents, Entry, FORMAT, Header, Writer, read};
 use web::record::session::{Output, RejectReason};
 
 fn header() -> Header {
     Header {
-        format: 0,
+        format: FORMAT,
         version: "0.1.0".into(),
         began: "2026-11-22T11:03:23Z".into(),
         person: "anna".into(),
@@ -25,6 +25,13 @@ fn header() -> Header {
         source: "demo".into(),
         synthetic: true,
     }
+}
+
+/// Creates a journal with its header.
+fn create(path: &Path) -> Result<Journal, RecordError> {
+    let mut journal = Journal::create(path, "")?;
+    journal.writer().entry(&Entry::Begin(header()));
+    Ok(journal)
 }
 
 fn sample(at: u32) -> Sample {
@@ -96,17 +103,16 @@ fn cut_at_any_byte_all_lines_before_the_cut_are_whole() {
 
 /// Disk with limited room, which takes a few bytes at a time.
 struct Disk {
-    room: usize,
+    room: Rc<Cell<usize>>,
     bytes: Vec<u8>,
 }
 
 impl Write for Disk {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let taken = bytes.len().min(self.room).min(7);
+        let taken = bytes.len().min(self.room.get() - self.bytes.len()).min(7);
         if taken == 0 {
             return Err(io::ErrorKind::StorageFull.into());
         }
-        self.room -= taken;
         self.bytes.extend_from_slice(&bytes[..taken]);
         Ok(taken)
     }
@@ -117,57 +123,27 @@ impl Write for Disk {
 }
 
 #[test]
-fn a_disk_that_was_full_and_has_room_again_misses_nothing() {
+fn what_a_full_disk_took_can_be_read_and_what_it_did_not_take_is_written_when_it_has_room() {
     let whole = journal(130);
-    for room in 0..whole.len() {
-        let mut disk = Disk {
-            room,
+    for full in 0..whole.len() {
+        let room = Rc::new(Cell::new(full));
+        let mut writer = Writer::new(Disk {
+            room: room.clone(),
             bytes: Vec::new(),
-        };
-        let mut writer = Writer::new(&mut disk);
+        });
         writer.entry(&Entry::Begin(header()));
         fill(&mut writer, 130);
         let error = writer.flush().unwrap_err();
         assert_eq!(error.kind(), io::ErrorKind::StorageFull);
-        // The written part can be read.
-        let lines = whole[..room].iter().filter(|&&byte| byte == b'\n').count();
+        let lines = whole[..full].iter().filter(|&&byte| byte == b'\n').count();
         assert_eq!(read(&writer.get_ref().bytes).entries.len(), lines);
-        drop(writer);
-        assert_eq!(disk.bytes, whole[..room]);
-    }
-}
-
-#[test]
-fn what_a_full_disk_did_not_take_is_written_when_it_has_room() {
-    let whole = journal(130);
-    for room in [0, 1, 100, 1000, whole.len() - 1] {
-        let mut bytes = Vec::new();
-        // The room grows by a byte, so that every line is cut somewhere.
-        struct Growing<'b>(&'b mut Vec<u8>, std::rc::Rc<std::cell::Cell<usize>>);
-        impl Write for Growing<'_> {
-            fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-                let taken = bytes.len().min(self.1.get() - self.0.len());
-                if taken == 0 {
-                    return Err(io::ErrorKind::StorageFull.into());
-                }
-                self.0.extend_from_slice(&bytes[..taken]);
-                Ok(taken)
-            }
-            fn flush(&mut self) -> io::Result<()> {
-                Ok(())
-            }
-        }
-        let limit = std::rc::Rc::new(std::cell::Cell::new(room));
-        let mut writer = Writer::new(Growing(&mut bytes, limit.clone()));
-        writer.entry(&Entry::Begin(header()));
-        fill(&mut writer, 130);
-        writer.flush().unwrap_err();
-        limit.set(room + 10);
+        assert_eq!(writer.get_ref().bytes, whole[..full]);
+        // The room grows by a few bytes, so that every line is cut somewhere.
+        room.set(full + 10);
         let _ = writer.flush();
-        limit.set(usize::MAX);
+        room.set(usize::MAX);
         writer.flush().unwrap();
-        drop(writer);
-        assert_eq!(bytes, whole, "{room}");
+        assert_eq!(writer.get_ref().bytes, whole, "{full}");
     }
 }
 
@@ -175,13 +151,10 @@ fn what_a_full_disk_did_not_take_is_written_when_it_has_room() {
 fn a_journal_is_new_and_one_session_s_alone() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.journal");
-    let mut journal = Journal::create(&path, header()).unwrap();
-    journal.samples(SampleIndex(5), &[sample(5); 30]);
+    let mut journal = create(&path).unwrap();
+    journal.writer().samples(SampleIndex(5), &[sample(5); 30]);
     journal.flush(Millis(0)).unwrap();
-    assert!(matches!(
-        Journal::create(&path, header()),
-        Err(RecordError::Io { .. })
-    ));
+    assert!(matches!(create(&path), Err(RecordError::Io { .. })));
     assert!(matches!(open(&path), Err(RecordError::Busy { .. })));
     journal.close().unwrap();
     let (_lock, found, contents) = open(&path).unwrap();
@@ -199,10 +172,10 @@ fn written_around(trouble: impl FnOnce(&Path)) -> usize {
     let folder = root.path().join("anna");
     std::fs::create_dir(&folder).unwrap();
     let path = folder.join("anna_1.journal");
-    let mut journal = Journal::create(&path, header()).unwrap();
+    let mut journal = create(&path).unwrap();
     let write = |journal: &mut Journal, from: u32| {
         for at in from..from + 40 {
-            journal.samples(SampleIndex(at), &[sample(at)]);
+            journal.writer().samples(SampleIndex(at), &[sample(at)]);
         }
         // A loss of the name is checked later.
         let _ = journal.flush(Millis(50 * from));
@@ -268,14 +241,14 @@ fn a_folder_that_cannot_be_written_is_tried_again_and_at_the_end_the_journal_is_
     let folder = root.path().join("anna");
     let begin = |name: &str| {
         fs::create_dir(&folder).unwrap();
-        let mut journal = Journal::create(&folder.join(name), header()).unwrap();
-        journal.samples(SampleIndex(0), &[sample(0); 20]);
+        let mut journal = create(&folder.join(name)).unwrap();
+        journal.writer().samples(SampleIndex(0), &[sample(0); 20]);
         assert_eq!(journal.flush(Millis(0)).unwrap(), FlushOutcome::InPlace);
         fs::remove_dir_all(&folder).unwrap();
         fs::write(&folder, "somebody's").unwrap();
         let refused = journal.flush(Millis(20)).unwrap_err();
         assert!(matches!(refused, RecordError::Gone { .. }), "{refused}");
-        journal.samples(SampleIndex(20), &[sample(20); 20]);
+        journal.writer().samples(SampleIndex(20), &[sample(20); 20]);
         journal
     };
     let mut journal = begin("a.journal");
@@ -299,18 +272,6 @@ fn a_folder_that_cannot_be_written_is_tried_again_and_at_the_end_the_journal_is_
     assert_eq!(samples(&open(found).unwrap().2).len(), 40);
     fs::remove_file(found).unwrap();
     assert_eq!(fs::read(&folder).unwrap(), b"somebody's");
-}
-
-#[test]
-fn a_journal_is_full_before_it_is_too_long_to_be_read() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("a.journal");
-    let journal = Journal::create(&path, header()).unwrap();
-    let file = std::fs::File::options().append(true).open(&path).unwrap();
-    file.set_len(200 << 20).unwrap();
-    assert!(!journal.is_full());
-    file.set_len(230 << 20).unwrap();
-    assert!(journal.is_full());
 }
 
 #[test]

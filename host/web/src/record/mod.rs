@@ -5,12 +5,9 @@
 //! a file      sans-IO    append-    labels of   whether it is    a model of
 //!                        only       the muscle  good enough      one's own
 //! ```
-//!
-//! [`guided`] drives a session: samples of a source go in, cues for the page come out.
 
 pub mod assembly;
 pub mod csv;
-pub mod guided;
 pub mod journal;
 pub mod protocol;
 pub mod quality;

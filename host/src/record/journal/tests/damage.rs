@@ -136,11 +136,11 @@ fn a_journal_of_an_earlier_program_whose_lines_have_no_numbers_is_read() {
 fn a_damaged_first_line_leaves_the_session_whose_it_is() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.journal");
-    let mut journal = Journal::create(&path, header()).unwrap();
+    let mut journal = create(&path).unwrap();
     let (turn, mirrored) = (3, true);
-    journal.entry(&Entry::Placement { turn, mirrored });
-    journal.entry(&Entry::Round { number: 1, at: 0 });
-    journal.samples(SampleIndex(0), &[sample(0); 20]);
+    journal.writer().entry(&Entry::Placement { turn, mirrored });
+    journal.writer().entry(&Entry::Round { number: 1, at: 0 });
+    journal.writer().samples(SampleIndex(0), &[sample(0); 20]);
     journal.close().unwrap();
     let mut bytes = std::fs::read(&path).unwrap();
     bytes[12] ^= 1;

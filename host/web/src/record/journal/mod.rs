@@ -9,6 +9,11 @@ pub use self::entry::{Entry, Header};
 pub use self::writer::TOGETHER;
 pub use self::writer::Writer;
 
+/// Greatest length of a journal in bytes: 20 hours.
+pub const LARGEST: usize = 256 << 20;
+/// Length in bytes at which a session has to end, so that data that are still to be written fit.
+pub const FULL: usize = LARGEST - (32 << 20);
+
 /// Contents of a journal.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Contents {

@@ -90,6 +90,11 @@ impl<W: Write> Writer<W> {
         self.lines += 1;
     }
 
+    /// Takes whole lines, which have their numbers.
+    pub fn text(&mut self, lines: &str) {
+        self.pending.extend_from_slice(lines.as_bytes());
+    }
+
     /// Ends the line of samples, and that of movement.
     pub fn close(&mut self) {
         if !self.samples.is_empty() {

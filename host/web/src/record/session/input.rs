@@ -23,7 +23,8 @@ pub enum Input {
 }
 
 /// Action of the person.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Action {
     /// Begin or continue.
     Begin,
@@ -34,6 +35,7 @@ pub enum Action {
     /// End the session.
     Finish,
     /// Name the gesture done from now on, in a free session.
+    #[serde(skip)]
     Mark(Motion),
 }
 

@@ -1,10 +1,9 @@
 //! Tuning of the model on the person's recordings, as `myointent personalize` does it, on a thread of its own.
 
 use std::path::Path;
-use std::sync::mpsc;
 
-use super::RunningRecorder;
-use super::summary::{free_path, install_command};
+use super::{Keeper, free_path};
+use crate::live::stream::Input;
 use evaluation::Measure;
 use execution::interrupt::Interrupt;
 use execution::run_folder::write_whole;
@@ -29,69 +28,44 @@ const SHOWN: [(Measure, &str); 6] = [
 /// Message for viewers, and the model file if it is kept.
 type Outcome = (TuningState, Option<Vec<u8>>);
 
-/// Message from the tuning thread.
-#[derive(Debug)]
-pub(super) enum TuningProgress {
-    /// Number of steps done, and of all.
-    Steps(usize, usize),
-    /// Result.
-    Ended(Outcome),
-}
-
-impl RunningRecorder {
-    /// Starts the tuning thread.
+impl Keeper {
+    /// Starts the tuning thread, unless one runs. It tells its progress and result.
     pub(super) fn tune(&mut self) {
-        let folder = self.recorder.folder();
-        let model = self.recorder.model.clone();
-        let device = self.recorder.options.device.clone();
-        let (sender, receiver) = mpsc::channel();
-        let installs = self.recorder.port.is_some();
-        self.tuned = None;
-        let out = free_path(&folder, &self.recorder.options.person);
-        let next = vec![
-            install_command(&self.recorder, &out),
-            format!(
-                "myointent live {} --model {}",
-                self.recorder.option,
-                out.display()
-            ),
-        ];
-        let work = move || {
-            // The recorder may have ended.
-            let report = |step, of| drop(sender.send(TuningProgress::Steps(step, of)));
-            let ended = match tune(&model, &folder, &device, report) {
-                Ok(done) => outcome(done, &out, next, installs),
-                Err(error) => (failed(error), None),
-            };
-            let _ = sender.send(TuningProgress::Ended(ended));
-        };
-        let thread = std::thread::Builder::new().name("tuning".to_owned());
-        let state = match thread.spawn(work) {
-            Ok(_) => {
-                self.tuning = Some(receiver);
-                running(0, TuningSettings::default().steps)
-            }
-            Err(error) => failed(error.to_string()),
-        };
-        self.recorder.hub.publish(&Event::Tuning(state));
-    }
-
-    /// Tells viewers the progress and the result.
-    pub(super) fn publish_tuning(&mut self) {
-        while let Some(progress) = self
+        if self
             .tuning
             .as_ref()
-            .and_then(|tuning| tuning.try_recv().ok())
+            .is_some_and(|thread| !thread.is_finished())
         {
-            let state = match progress {
-                TuningProgress::Steps(steps, of) => running(steps, of),
-                TuningProgress::Ended((state, tuned)) => {
-                    self.tuning = None;
-                    self.tuned = tuned;
-                    state
+            return;
+        }
+        let (folder, model) = (self.folder.clone(), self.model.clone());
+        let device = self.options.device.clone();
+        let installs = self.port.is_some();
+        let out = free_path(&folder, &self.options.person);
+        let next = vec![
+            self.install_command(&out),
+            format!("myointent live {} --model {}", self.option, out.display()),
+        ];
+        let inputs = self.inputs.clone();
+        // An engine that has ended needs nothing.
+        let tell = move |state| drop(inputs.send(Input::Event(Event::Tuning(state))));
+        let (inputs, report) = (self.inputs.clone(), tell.clone());
+        let work = move || {
+            let steps = |step, of| report(running(step, of));
+            match tune(&model, &folder, &device, steps) {
+                Ok(done) => {
+                    let (state, tuned) = outcome(done, &out, next, installs);
+                    let _ = tuned.map(|tuned| inputs.send(Input::Tuned(tuned)));
+                    report(state);
                 }
-            };
-            self.recorder.hub.publish(&Event::Tuning(state));
+                Err(error) => report(failed(error)),
+            }
+        };
+        tell(running(0, TuningSettings::default().steps));
+        let thread = std::thread::Builder::new().name("tuning".to_owned());
+        match thread.spawn(work) {
+            Ok(thread) => self.tuning = Some(thread),
+            Err(error) => tell(failed(error.to_string())),
         }
     }
 }

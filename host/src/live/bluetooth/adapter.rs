@@ -2,26 +2,25 @@
 
 use std::collections::HashMap;
 use std::future::{Future, pending};
-use std::sync::mpsc::{self, Sender};
+use std::sync::mpsc::Sender;
 
 use anyhow::Context as _;
 use btleplug::api::{Central as _, CentralEvent, Manager as _, Peripheral as _, ScanFilter};
 use btleplug::platform::{self, Manager, PeripheralId};
 use futures_util::StreamExt as _;
 use shared::myo::{Action, Address, Uuid};
-use tokio::sync::mpsc::{UnboundedReceiver, unbounded_channel};
+use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 
-use super::Radio;
 use super::link::{Link, Notifications, characteristic, on_air};
+use crate::live::stream::Input;
 use web::radio::{RadioEvent, advertising_data};
 
 /// Signal strength that stands for an unknown one, as in the session.
 const RSSI_UNKNOWN: i8 = 127;
 
-/// Starts the stack on a thread of its own.
-pub(super) fn open() -> anyhow::Result<Radio> {
+/// Starts the stack on a thread of its own. It carries out actions in order, and ends with their channel.
+pub(in crate::live) fn open(sender: Sender<Input>) -> anyhow::Result<UnboundedSender<Action>> {
     let (actions, wanted) = unbounded_channel();
-    let (sender, events) = mpsc::channel();
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_all()
         .build()?;
@@ -30,17 +29,15 @@ pub(super) fn open() -> anyhow::Result<Radio> {
         .spawn(move || {
             if let Err(error) = runtime.block_on(run(wanted, &sender)) {
                 // The session may have ended.
-                let _ = sender.send(RadioEvent::Gone(format!("{error:#}")));
+                let why = RadioEvent::Gone(format!("{error:#}"));
+                let _ = sender.send(Input::Radio(why));
             }
         })?;
-    Ok(Radio { actions, events })
+    Ok(actions)
 }
 
 /// Carries out actions until their channel ends.
-async fn run(
-    mut wanted: UnboundedReceiver<Action>,
-    sender: &Sender<RadioEvent>,
-) -> anyhow::Result<()> {
+async fn run(mut wanted: UnboundedReceiver<Action>, sender: &Sender<Input>) -> anyhow::Result<()> {
     let manager = Manager::new().await.context("no Bluetooth service")?;
     let adapters = manager.adapters().await?;
     let central = adapters
@@ -71,7 +68,7 @@ async fn run(
         };
         if let Some(event) = event {
             // A session that has ended closes the other channel too.
-            let _ = sender.send(event);
+            let _ = sender.send(Input::Radio(event));
         }
     }
 }

@@ -1,0 +1,607 @@
+//! A source of a stream, the session that is recorded of it, and what a page asks of both; without I/O.
+//!
+//! ```text
+//! pages    -- requests -->  Engine  -- messages { "type": .. } -------------------->  pages
+//! devices  -- bytes ----->          -- { "line": .. }, { "radio": .. } ------------>  serial port, Bluetooth
+//! storage  -- what became of it ->  -- { "name": .., "journal": .. } -------------->  a disk, or a browser's
+//! ```
+//!
+//! `myointent live` and `record` run it on a thread; in the page that needs no program it runs in a worker, which passes the
+//! same messages as JSON. Time is an argument, in ms of any clock.
+
+mod opening;
+mod recording;
+
+use std::collections::BTreeMap;
+
+use recordings::labels::motion::Motion;
+use serde::{Serialize, Serializer};
+use shared::myo::{self, Action, Uuid};
+use shared::units::Millis;
+
+use crate::armband::{self, Armband, Now};
+use crate::board::{self, Board};
+use crate::electrodes::Electrodes;
+use crate::event::{Event, Topic, ViewerId};
+use crate::outcome::SessionResult;
+use crate::playback::{LATE, Playback};
+use crate::radio::{ForRadio, RadioEvent, advertising_data};
+use crate::record::journal::Header;
+use crate::record::protocol::Protocol;
+use crate::record::session::{self, HoldReason, Input};
+use crate::request::{SessionCommand, SourceRequest, UNKNOWN, ViewerMessage};
+use crate::scored_pipeline::{Refused, ScoredPipeline};
+
+use self::opening::chosen;
+pub use self::opening::{Settings, Wanted};
+use self::recording::{Files, RecordedSession};
+
+/// Pause between two ticks of an armband's session in ms, as on a board.
+const TICK_MS: f64 = 50.0;
+
+/// Longest pause between two calls of [`Engine::tick`] in ms.
+pub const WAIT_MS: f64 = 10.0;
+
+const WATCHES: &str = "another page leads, and this one watches";
+const NO_SESSION: &str = "no session is recorded here: `myointent record` has a page for it";
+const NO_BOARD: &str = "there is no board here: `myointent record --port PATH` has one";
+
+/// Output of an engine.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+#[serde(untagged)]
+pub enum Output {
+    /// Event for all viewers.
+    Event(Event),
+    /// Event for one viewer.
+    #[serde(serialize_with = "answer")]
+    Answer(ViewerId, Event),
+    /// Command to the board.
+    Line {
+        /// Line to send.
+        line: String,
+    },
+    /// Commands to the board, to be sent before its port is closed.
+    Leave {
+        /// Lines to send.
+        leave: String,
+    },
+    /// Action of the radio.
+    #[serde(serialize_with = "for_radio")]
+    Radio(Action),
+    /// New lines of a journal, to be kept.
+    Journal(Lines),
+    /// Tune a model on the recordings; never without a program.
+    #[serde(skip)]
+    Tune,
+    /// Install the tuned model on the board; never without a program.
+    #[serde(skip)]
+    Install,
+}
+
+/// New lines of a journal.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize)]
+pub struct Lines {
+    /// Name of the journal: `anna_20261122T110323Z_quick`.
+    pub name: String,
+    /// Whole lines.
+    pub journal: String,
+    /// Whether they are the first ones.
+    #[serde(skip)]
+    pub begins: bool,
+    /// Whether they are the last ones.
+    #[serde(skip)]
+    pub is_over: bool,
+}
+
+/// What became of a journal's lines.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Stored {
+    /// The journal cannot be begun, with the reason.
+    Refused(String),
+    /// It is written again.
+    Written,
+    /// It had lost its name and was written anew, with a notice.
+    Anew(String),
+    /// It cannot be written at the moment, with advice.
+    Failed(HoldReason, String),
+    /// It is left without recordings, with advice.
+    Left(String),
+    /// Recordings were made of it.
+    Kept(SessionResult),
+}
+
+fn answer<S: Serializer>(_: &ViewerId, event: &Event, output: S) -> Result<S::Ok, S::Error> {
+    event.serialize(output)
+}
+
+fn for_radio<S: Serializer>(action: &Action, output: S) -> Result<S::Ok, S::Error> {
+    ForRadio::of(*action).serialize(output)
+}
+
+/// Source that runs.
+#[derive(Default)]
+#[expect(clippy::large_enum_variant, reason = "an engine has one")]
+enum Running {
+    /// Nothing: the source was refused.
+    #[default]
+    Nothing,
+    Playback {
+        playback: Playback,
+        /// Time of the next notification, and the time between two.
+        due: f64,
+        period: f64,
+    },
+    Board {
+        board: Board,
+        port: String,
+        /// Whether the port is open: what is asked for before is not done after.
+        is_open: bool,
+    },
+    Armband {
+        armband: Armband,
+        /// Time of the next tick.
+        due: f64,
+        /// Whether the session scans for the armband that the wearer has chosen, which the next tick finds; none for a radio that
+        /// scans itself.
+        scans: Option<bool>,
+    },
+}
+
+/// Source, the session that is recorded of it, and the page that leads. Without a source until one is opened.
+#[derive(Default)]
+pub struct Engine {
+    running: Running,
+    outputs: Outputs,
+    /// Description of the source for a journal, and whether its samples are synthetic.
+    source: (String, bool),
+    /// Viewer whose requests are done; none until one asks.
+    leader: Option<ViewerId>,
+}
+
+/// Outputs that were not taken yet, and the session that takes part in the events.
+#[derive(Default)]
+struct Outputs {
+    waiting: Vec<Output>,
+    /// Newest event of each topic.
+    newest: BTreeMap<Topic, Event>,
+    electrodes: Electrodes,
+    recording: Option<RecordedSession>,
+    /// Recordings made last.
+    files: Option<Files>,
+}
+
+impl Outputs {
+    fn event(&mut self, now: f64, event: Event) {
+        if let Some(recording) = &mut self.recording {
+            recording.event(millis(now), &event);
+        }
+        let faults = self.electrodes.take(&event);
+        for event in std::iter::once(event).chain(faults) {
+            if let Some(topic) = event.topic() {
+                self.newest.insert(topic, event.clone());
+            }
+            self.waiting.push(Output::Event(event));
+        }
+    }
+
+    fn made(&mut self, files: Files) {
+        let kept = Event::Kept(files.result.clone());
+        self.waiting.push(Output::Event(kept));
+        self.files = Some(files);
+    }
+}
+
+impl Engine {
+    /// Time until the next call of [`Engine::tick`] in ms.
+    pub fn wait(&self, now: f64) -> f64 {
+        match &self.running {
+            Running::Playback { due, .. } => (due - now).clamp(0.0, WAIT_MS),
+            _ => WAIT_MS,
+        }
+    }
+
+    /// Lets time pass.
+    pub fn tick(&mut self, now: f64) {
+        if let Some(recording) = &mut self.outputs.recording {
+            recording.handle(millis(now), Input::Tick);
+        }
+        let outputs = &mut self.outputs;
+        match &mut self.running {
+            Running::Nothing => {}
+            Running::Playback {
+                playback,
+                due,
+                period,
+            } => {
+                if now - *due > LATE.as_secs_f64() * 1000.0 {
+                    *due = now;
+                }
+                while *due <= now {
+                    if let Some(recording) = &outputs.recording {
+                        playback.ask(recording.cue());
+                    }
+                    playback.step(*due, &mut |event| outputs.event(now, event));
+                    *due += *period;
+                }
+            }
+            Running::Board { is_open: false, .. } => {}
+            Running::Board { board, port, .. } => {
+                if let Some(change) = board.change(millis(now)) {
+                    let steps = if change.is_silent {
+                        board::silent(port)
+                    } else {
+                        Vec::new()
+                    };
+                    let is_heard = change.state.is_empty();
+                    let state = source("port", port, is_heard, change.state.to_owned(), steps);
+                    outputs.event(now, state);
+                }
+                self.commands(now);
+            }
+            Running::Armband { due, scans, .. } => {
+                if now >= *due {
+                    *due = now + TICK_MS;
+                    if *scans == Some(true) {
+                        *scans = Some(false);
+                        self.radio(now, &advertisement());
+                    }
+                    self.handle(now, myo::Event::Tick);
+                }
+            }
+        }
+    }
+
+    /// Sends the board the commands that are due, and says how an installation goes.
+    fn commands(&mut self, now: f64) {
+        let Running::Board { board, .. } = &mut self.running else {
+            return;
+        };
+        let outputs = &mut self.outputs;
+        while let Some(command) = board.command(millis(now)) {
+            let line = command.to_string();
+            outputs.waiting.push(Output::Line { line });
+        }
+        let installed = board.installation(&mut |event| outputs.event(now, event));
+        if let Some(Ok(scored)) = installed.map(ScoredPipeline::open) {
+            let model = board.set_model(scored);
+            outputs.event(now, model);
+        }
+    }
+
+    /// Begins the dialogue with the board: its port is open.
+    pub fn connected(&mut self, now: f64) {
+        if let Running::Board {
+            board,
+            port,
+            is_open,
+            ..
+        } = &mut self.running
+        {
+            *is_open = true;
+            board.connected(millis(now));
+            let state = source("port", port, false, board::NOTHING_YET.to_owned(), vec![]);
+            self.outputs.event(now, state);
+        }
+    }
+
+    /// Takes that the board's port cannot be used, with the reason and steps that help.
+    pub fn lost(&mut self, now: f64, why: String, steps: Vec<String>) {
+        if let Running::Board {
+            board,
+            port,
+            is_open,
+            ..
+        } = &mut self.running
+        {
+            *is_open = false;
+            board.ended(millis(now));
+            let state = source("port", port, false, why, steps);
+            self.outputs.event(now, state);
+        }
+    }
+
+    /// Shows the scores of this model beside the board's labels.
+    ///
+    /// # Errors
+    /// When the model is refused.
+    pub fn set_model(&mut self, now: f64, model: &[u8]) -> Result<(), Refused> {
+        if let Running::Board { board, .. } = &mut self.running {
+            let model = board.set_model(ScoredPipeline::open(model)?);
+            self.outputs.event(now, model);
+        }
+        Ok(())
+    }
+
+    /// Takes what a device has sent: bytes of a board, or an event of a browser's Bluetooth as JSON. What is neither is dropped.
+    pub fn heard(&mut self, now: f64, bytes: &[u8]) {
+        match &mut self.running {
+            Running::Board { board, .. } => {
+                let outputs = &mut self.outputs;
+                board.bytes(millis(now), now, bytes, &mut |event| {
+                    outputs.event(now, event)
+                });
+            }
+            Running::Armband { .. } => {
+                if let Ok(event) = serde_json::from_slice(bytes) {
+                    self.radio(now, &event);
+                }
+            }
+            Running::Nothing | Running::Playback { .. } => {}
+        }
+    }
+
+    /// Takes an event of the radio.
+    pub fn radio(&mut self, now: f64, event: &RadioEvent) {
+        self.handle(now, event.as_event());
+    }
+
+    /// Takes an event of something else, for all viewers.
+    pub fn event(&mut self, now: f64, event: Event) {
+        self.outputs.event(now, event);
+    }
+
+    /// Takes a message of the only page, as JSON; `file` is the journal or model that it is about, or empty.
+    pub fn request(&mut self, now: f64, text: &[u8], file: &[u8]) {
+        let Ok(message) = serde_json::from_slice::<ViewerMessage>(text) else {
+            return self.refuse(1, "", UNKNOWN);
+        };
+        let result = match &message {
+            ViewerMessage::Record {
+                person,
+                protocol,
+                time,
+            } => self.prepare(now, person, protocol, *time),
+            ViewerMessage::Recover { name } => match Files::of(name, file) {
+                Some(files) => {
+                    self.outputs.made(files);
+                    Ok(())
+                }
+                None => Err(UNKNOWN),
+            },
+            ViewerMessage::Install => match &mut self.running {
+                Running::Board { board, .. } => {
+                    let outputs = &mut self.outputs;
+                    board.install(millis(now), file, &mut |event| outputs.event(now, event));
+                    self.commands(now);
+                    Ok(())
+                }
+                _ => Err(NO_BOARD),
+            },
+            ViewerMessage::Keep => {
+                let files = self.outputs.files.iter().flat_map(|own| own.files.clone());
+                let files = files.map(|(name, content)| Event::File { name, content });
+                self.outputs.waiting.extend(files.map(Output::Event));
+                Ok(())
+            }
+            message => self.act(now, 1, message),
+        };
+        if let Err(why) = result {
+            self.refuse(1, message.name(), why);
+        }
+    }
+
+    /// Takes a message of one of several viewers: the first to send a request has the lead until it leaves, and all others watch.
+    pub fn request_of(&mut self, now: f64, viewer: ViewerId, message: &ViewerMessage) {
+        let is_ping = matches!(message, ViewerMessage::Ping { .. });
+        if !is_ping && self.leader.is_none() {
+            self.leader = Some(viewer);
+            self.lead(now);
+        }
+        let result = if is_ping || self.leader == Some(viewer) {
+            self.act(now, viewer, message)
+        } else {
+            Err(WATCHES)
+        };
+        if let Err(why) = result {
+            self.refuse(viewer, message.name(), why);
+        }
+    }
+
+    /// Takes that a viewer has left.
+    pub fn left(&mut self, now: f64, viewer: ViewerId) {
+        if self.leader.take_if(|leader| *leader == viewer).is_some() {
+            self.lead(now);
+            if let Some(recording) = &mut self.outputs.recording {
+                recording.handle(millis(now), Input::Hold(HoldReason::LeaderLeft));
+            }
+        }
+    }
+
+    fn lead(&mut self, now: f64) {
+        let viewer = self.leader;
+        self.outputs.event(now, Event::Lead { viewer });
+    }
+
+    fn refuse(&mut self, viewer: ViewerId, request: &'static str, text: &'static str) {
+        let refused = Event::Refused { request, text };
+        self.outputs.waiting.push(Output::Answer(viewer, refused));
+    }
+
+    /// Does what a message asks for.
+    ///
+    /// # Errors
+    /// The reason why it is not done, in words.
+    fn act(
+        &mut self,
+        now: f64,
+        viewer: ViewerId,
+        message: &ViewerMessage,
+    ) -> Result<(), &'static str> {
+        let recording = self.outputs.recording.as_mut().ok_or(NO_SESSION);
+        match message {
+            ViewerMessage::Ping { sent } => {
+                let pong = Event::Pong { sent: *sent, now };
+                self.outputs.waiting.push(Output::Answer(viewer, pong));
+            }
+            ViewerMessage::Mark { sample, text } => {
+                self.outputs.event(now, Event::of_mark(*sample, text));
+            }
+            ViewerMessage::Session { command } => match command {
+                SessionCommand::Action(action) => recording?.act(now, *action),
+                SessionCommand::Again => recording?.restart(),
+                SessionCommand::Tune => self.outputs.waiting.extend(recording?.job(Output::Tune)?),
+                SessionCommand::Install => {
+                    let install = recording?.job(Output::Install)?;
+                    self.outputs.waiting.extend(install);
+                }
+            },
+            ViewerMessage::Gesture { class } => match Motion::from_name(class) {
+                None | Some(Motion::Unknown) => return Err(UNKNOWN),
+                Some(motion) => recording?.act(now, session::Action::Mark(motion)),
+            },
+            ViewerMessage::Bind if !matches!(self.running, Running::Board { .. }) => {
+                return Err(NO_BOARD);
+            }
+            message => self.source(now, &message.for_source().ok_or(UNKNOWN)?),
+        }
+        Ok(())
+    }
+
+    fn source(&mut self, now: f64, request: &SourceRequest) {
+        let outputs = &mut self.outputs;
+        let emit = &mut |event| outputs.event(now, event);
+        match &mut self.running {
+            Running::Nothing | Running::Board { is_open: false, .. } => {}
+            Running::Playback { playback, .. } => playback.request(now, request, emit),
+            Running::Armband { armband, .. } => armband.request(time(now), request, emit),
+            Running::Board { .. } => {
+                if let Some(command) = request.command() {
+                    let line = command.to_string();
+                    outputs.waiting.push(Output::Line { line });
+                }
+            }
+        }
+    }
+
+    /// Prepares a session that the page keeps.
+    fn prepare(
+        &mut self,
+        now: f64,
+        person: &str,
+        protocol: &str,
+        time: f64,
+    ) -> Result<(), &'static str> {
+        let protocol = Protocol::find(protocol).map_err(|_| UNKNOWN)?;
+        self.record(now, person.to_owned(), protocol, time, true);
+        self.outputs.event(now, Event::hello(now, 1, true));
+        let known = self.outputs.newest.values().cloned();
+        self.outputs.waiting.extend(known.map(Output::Event));
+        Ok(())
+    }
+
+    /// Prepares a session. `time` is the present time in ms since 1970. Recordings are made here at its end, or else by who stores
+    /// the journal.
+    pub fn record(
+        &mut self,
+        now: f64,
+        person: String,
+        protocol: Protocol,
+        time: f64,
+        makes_files: bool,
+    ) {
+        let (source, synthetic) = self.source.clone();
+        let header = Header {
+            person,
+            source,
+            synthetic,
+            ..Header::default()
+        };
+        let recording = RecordedSession::new(header, protocol, time - now, makes_files);
+        self.outputs.recording = Some(recording);
+    }
+
+    /// Takes what became of lines of the journal.
+    pub fn stored(&mut self, now: f64, stored: Stored) {
+        if let Stored::Kept(result) = stored {
+            self.outputs.event(now, Event::Kept(result));
+        } else if let Some(recording) = &mut self.outputs.recording {
+            recording.stored(millis(now), stored);
+        }
+    }
+
+    /// Leads through a session that nobody looks at: begins it when samples come, and continues it after a hold. Returns whether
+    /// it is over.
+    ///
+    /// # Errors
+    /// The trouble that keeps it from being recorded.
+    pub fn lead_unattended(&mut self, now: f64) -> Result<bool, String> {
+        let recording = self.outputs.recording.as_mut();
+        recording.map_or(Ok(false), |own| own.lead_unattended(now))
+    }
+
+    /// Ends the session that is recorded.
+    pub fn finish(&mut self, now: f64) {
+        if let Some(recording) = &mut self.outputs.recording {
+            recording.finish(now);
+        }
+    }
+
+    /// Returns the outputs since the last call.
+    pub fn take(&mut self) -> Vec<Output> {
+        let outputs = &mut self.outputs;
+        if let Some(recording) = &mut outputs.recording
+            && let Some(files) = recording.changes(&mut outputs.waiting)
+        {
+            outputs.made(files);
+        }
+        std::mem::take(&mut outputs.waiting)
+    }
+
+    fn handle(&mut self, now: f64, event: myo::Event<'_>) {
+        let Running::Armband { armband, scans, .. } = &mut self.running else {
+            return;
+        };
+        let outputs = &mut self.outputs;
+        armband.handle(
+            time(now),
+            event,
+            &mut |output| match (output, &mut *scans) {
+                (armband::Output::Event(event), _) => outputs.event(now, event),
+                (armband::Output::Radio(Action::Scan), Some(scans)) => *scans = true,
+                (armband::Output::Radio(Action::StopScan), Some(scans)) => *scans = false,
+                (armband::Output::Radio(action), _) => outputs.waiting.push(Output::Radio(action)),
+            },
+        );
+    }
+}
+
+/// Time of an armband's session.
+fn time(now: f64) -> Now {
+    Now {
+        session: millis(now),
+        at: now,
+    }
+}
+
+/// Time as a wrapping clock like a board's.
+fn millis(now: f64) -> Millis {
+    Millis(now as u64 as u32)
+}
+
+/// Advertisement of the armband that the wearer has chosen.
+fn advertisement() -> RadioEvent {
+    RadioEvent::Advertisement {
+        address: chosen(),
+        rssi: 127,
+        data: advertising_data([Uuid::CONTROL.to_le_bytes()]),
+    }
+}
+
+fn source(
+    kind: &'static str,
+    name: &str,
+    connected: bool,
+    detail: String,
+    steps: Vec<String>,
+) -> Event {
+    Event::Source {
+        kind,
+        name: name.to_owned(),
+        connected,
+        detail,
+        steps,
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,346 @@
+//! A session that is recorded: its samples go to its journal, whose new lines are given away; cues go to a simulated person.
+
+use std::time::{Duration, SystemTime};
+
+use execution::utc::utc;
+use recordings::labels::motion::Motion;
+use shared::stream::alignment::Alignment;
+use shared::units::{Millis, Sample, SampleIndex};
+
+use super::{Lines, Output, Stored, millis};
+use crate::event::Event;
+use crate::outcome::SessionResult;
+use crate::record::assembly::assemble;
+use crate::record::csv::{csv, pieces};
+use crate::record::journal::{Entry, FORMAT, FULL, Header, Writer, read};
+use crate::record::protocol::Protocol;
+use crate::record::quality::judge;
+use crate::record::session::{self, Action, HoldReason, Input, Session, View};
+use crate::request::UNKNOWN;
+
+/// Session with its journal.
+pub(super) struct RecordedSession {
+    session: Session,
+    /// Journal of the session; none before its beginning and after its end.
+    journal: Option<Writer<Vec<u8>>>,
+    /// Placement of the armband, as it is aligned.
+    placement: Alignment,
+    /// What a simulated person is asked for.
+    cue: Motion,
+    protocol: Protocol,
+    header: Header,
+    /// Name of the journal.
+    name: String,
+    /// View that viewers know; none after a change of the texts.
+    published: Option<View>,
+    /// Error that keeps the session from being written, and a warning that stays until the person continues.
+    trouble: String,
+    notice: String,
+    /// Bytes of the journal that were given away.
+    given: usize,
+    /// Time since 1970 when the clock of the engine began, in ms.
+    epoch: f64,
+    makes_files: bool,
+}
+
+impl RecordedSession {
+    /// A session that waits for its beginning.
+    pub(super) fn new(header: Header, protocol: Protocol, epoch: f64, makes_files: bool) -> Self {
+        Self {
+            session: Session::new(protocol.clone()),
+            journal: None,
+            placement: Alignment::NONE,
+            cue: Motion::RELAX,
+            header: Header {
+                format: FORMAT,
+                version: env!("CARGO_PKG_VERSION").to_owned(),
+                protocol: protocol.name.clone(),
+                classes: protocol.names().into_iter().map(str::to_owned).collect(),
+                free: protocol.is_free(),
+                ..header
+            },
+            protocol,
+            name: String::new(),
+            published: None,
+            trouble: String::new(),
+            notice: String::new(),
+            given: 0,
+            epoch,
+            makes_files,
+        }
+    }
+
+    /// What a simulated person is asked for.
+    pub(super) const fn cue(&self) -> Motion {
+        self.cue
+    }
+
+    /// Takes an event of the source.
+    pub(super) fn event(&mut self, now: Millis, event: &Event) {
+        match event {
+            Event::Samples { first, emg, .. } => self.samples(now, SampleIndex(*first), emg),
+            Event::Imu { sample, imu, .. } if self.session.is_running() => {
+                if let Some(journal) = &mut self.journal {
+                    journal.imu(SampleIndex(*sample), *imu);
+                }
+            }
+            Event::Source {
+                connected: false, ..
+            } => {
+                self.place(Alignment::NONE);
+                self.handle(now, Input::Hold(HoldReason::SourceLost));
+            }
+            Event::Alignment { turn, mirrored, .. } => self.place(Alignment::new(*turn, *mirrored)),
+            _ => {}
+        }
+    }
+
+    /// Takes an input of the session.
+    pub(super) fn handle(&mut self, now: Millis, input: Input) {
+        self.session.handle(now, input);
+        while let Some(output) = self.session.poll() {
+            match output {
+                session::Output::Cue { cue, .. } => self.cue = cue.unwrap_or(Motion::RELAX),
+                session::Output::Pause | session::Output::Over => self.cue = Motion::RELAX,
+                _ => {}
+            }
+            self.entry(&Entry::of(output));
+        }
+    }
+
+    fn entry(&mut self, entry: &Entry) {
+        if let Some(journal) = &mut self.journal {
+            journal.entry(entry);
+        }
+    }
+
+    /// Sets the placement of the armband from the next sample on.
+    fn place(&mut self, placement: Alignment) {
+        if self.placement != placement {
+            self.placement = placement;
+            self.write_placement();
+        }
+    }
+
+    fn write_placement(&mut self) {
+        let (turn, mirrored) = (self.placement.turn(), self.placement.mirrored());
+        self.entry(&Entry::Placement { turn, mirrored });
+    }
+
+    fn samples(&mut self, now: Millis, first: SampleIndex, emg: &[Sample]) {
+        let before = self.session.is_running();
+        let count = emg.len() as u32;
+        self.handle(now, Input::Samples { first, count });
+        // Samples that end a session belong to it; samples that hold it belong to another stream.
+        let is_kept = self.session.is_running() || before && self.session.is_over();
+        if let Some(journal) = &mut self.journal
+            && is_kept
+        {
+            journal.samples(first, emg);
+        }
+    }
+
+    /// Carries out an action of the person.
+    pub(super) fn act(&mut self, now: f64, action: Action) {
+        if action == Action::Begin {
+            if self.journal.is_none() && !self.begin(now) {
+                return;
+            }
+            self.notice.clear();
+        }
+        self.handle(millis(now), Input::Action(action));
+    }
+
+    /// Begins a journal; false if that is not possible.
+    fn begin(&mut self, now: f64) -> bool {
+        if self.session.is_over() {
+            return false;
+        }
+        self.published = None;
+        if !self.session.has_stream() {
+            "no samples have come yet: begin when the traces move".clone_into(&mut self.trouble);
+            return false;
+        }
+        self.trouble.clear();
+        self.given = 0;
+        let since = Duration::try_from_secs_f64((self.epoch + now) / 1000.0);
+        self.header.began = utc(SystemTime::UNIX_EPOCH + since.unwrap_or_default());
+        let began = self.header.began.chars();
+        let stamp: String = began.filter(char::is_ascii_alphanumeric).collect();
+        self.name = format!("{}_{stamp}_{}", self.header.person, self.header.protocol);
+        self.journal = Some(Writer::new(Vec::new()));
+        self.entry(&Entry::Begin(self.header.clone()));
+        self.write_placement();
+        true
+    }
+
+    /// Waits for the beginning of another session, once this one is over.
+    pub(super) fn restart(&mut self) {
+        if self.session.is_over() {
+            self.session = Session::new(self.protocol.clone());
+            self.trouble.clear();
+            self.notice.clear();
+        }
+    }
+
+    /// Work of the program on what was recorded; none while a session is written.
+    ///
+    /// # Errors
+    /// Where there is no program.
+    pub(super) fn job(&self, job: Output) -> Result<Option<Output>, &'static str> {
+        let job = self.journal.is_none().then_some(job);
+        if self.makes_files {
+            Err(UNKNOWN)
+        } else {
+            Ok(job)
+        }
+    }
+
+    /// Takes what became of the journal's lines.
+    pub(super) fn stored(&mut self, now: Millis, stored: Stored) {
+        let before = (self.trouble.clone(), self.notice.clone());
+        match stored {
+            Stored::Refused(text) => {
+                self.journal = None;
+                self.session = Session::new(self.protocol.clone());
+                self.cue = Motion::RELAX;
+                self.trouble = text;
+            }
+            Stored::Written => self.trouble.clear(),
+            Stored::Anew(text) => {
+                self.trouble.clear();
+                self.notice = text;
+                self.handle(now, Input::Hold(HoldReason::Gone));
+            }
+            Stored::Failed(reason, text) => {
+                // While waiting, the error only says that it will be tried again: the first one stays.
+                if self.trouble.is_empty() {
+                    self.trouble = text;
+                }
+                self.handle(now, Input::Hold(reason));
+            }
+            Stored::Left(text) => self.trouble = text,
+            Stored::Kept(_) => {}
+        }
+        if before != (self.trouble.clone(), self.notice.clone()) {
+            self.published = None;
+        }
+    }
+
+    /// Begins the session when samples come, and continues it after a hold. Returns whether it is over.
+    ///
+    /// # Errors
+    /// The trouble that keeps it from being recorded.
+    pub(super) fn lead_unattended(&mut self, now: f64) -> Result<bool, String> {
+        let session = &self.session;
+        if !session.is_over() && !session.is_running() && session.has_stream() {
+            self.act(now, Action::Begin);
+        }
+        if self.trouble.is_empty() {
+            Ok(self.session.is_over() && self.journal.is_none())
+        } else {
+            Err(self.trouble.clone())
+        }
+    }
+
+    /// Ends the session that is written.
+    pub(super) fn finish(&mut self, now: f64) {
+        if self.journal.is_some() {
+            self.act(now, Action::Finish);
+        }
+    }
+
+    /// Gives what is new: lines of the journal, the view, and recordings once the session is over.
+    pub(super) fn changes(&mut self, outputs: &mut Vec<Output>) -> Option<Files> {
+        let is_over = self.session.is_over();
+        let mut files = None;
+        if let Some(writer) = &mut self.journal {
+            if is_over {
+                writer.close();
+            }
+            // A list of bytes takes all.
+            let _ = writer.flush();
+            let bytes = writer.get_ref();
+            let new = if self.makes_files {
+                &bytes[self.given..]
+            } else {
+                bytes
+            };
+            let journal = String::from_utf8_lossy(new).into_owned();
+            let begins = self.given == 0;
+            self.given += new.len();
+            if !journal.is_empty() || is_over {
+                let name = self.name.clone();
+                outputs.push(Output::Journal(Lines {
+                    name,
+                    journal,
+                    begins,
+                    is_over,
+                }));
+            }
+            if self.makes_files && is_over {
+                files = Files::of(&self.name, bytes);
+            } else if !self.makes_files {
+                writer.redirect(Vec::new());
+            }
+            if is_over {
+                self.journal = None;
+            } else if self.given > FULL {
+                "a session cannot last longer: it is ended and kept; record another one"
+                    .clone_into(&mut self.notice);
+                self.published = None;
+                // The clock has no part in it.
+                self.handle(Millis(0), Input::Action(Action::Finish));
+            }
+        }
+        let view = self.session.view();
+        if self.published.as_ref() != Some(&view) {
+            self.published = Some(view.clone());
+            let texts = [&self.trouble, &self.notice];
+            let trouble = texts.into_iter().find(|text| !text.is_empty());
+            outputs.push(Output::Event(Event::Session {
+                view,
+                trouble: trouble.cloned().unwrap_or_default(),
+            }));
+        }
+        files
+    }
+}
+
+/// Recordings made of a journal, and what is said of them.
+pub(super) struct Files {
+    /// Names and contents.
+    pub(super) files: Vec<(String, String)>,
+    pub(super) result: SessionResult,
+}
+
+impl Files {
+    /// Makes recordings of a journal; none if it has no header.
+    pub(super) fn of(name: &str, journal: &[u8]) -> Option<Self> {
+        let contents = read(journal);
+        let mut entries = contents.entries.iter();
+        let header = entries.find_map(|entry| match entry {
+            Entry::Begin(header) => Some(header),
+            _ => None,
+        })?;
+        let assembly = assemble(&contents.entries);
+        let files = (1..).zip(pieces(&assembly)).map(|(number, (part, piece))| {
+            let text = csv(&assembly, part, piece, header.synthetic);
+            (format!("{name}_{number}.csv"), text)
+        });
+        let files: Vec<_> = files.collect();
+        let quality = judge(&assembly);
+        let person = &header.person;
+        let names = files.iter().map(|(name, _)| name.clone()).collect();
+        let commands = [
+            format!("myointent data inspect {person}"),
+            format!(
+                "myointent personalize --model models/three-class.intent --data {person} --out {person}.intent"
+            ),
+            String::new(),
+        ];
+        let bad = assembly.rejected.len();
+        let result = SessionResult::of(&quality, bad, person.clone(), names, commands);
+        Some(Self { files, result })
+    }
+}
