@@ -37,7 +37,7 @@ pub(super) struct RecordedSession {
     trouble: String,
     notice: String,
     /// Bytes of the journal that were given away.
-    given: usize,
+    pub(super) given: usize,
     /// Time since 1970 when the clock of the engine began, in ms.
     epoch: f64,
     makes_files: bool,

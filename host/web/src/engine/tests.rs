@@ -8,6 +8,7 @@ use shared::units::{Sample, SampleIndex};
 
 use super::*;
 use crate::SHIPPED;
+use crate::record::journal::FULL;
 
 const SETTINGS: Settings<'static> = Settings {
     now: 0.0,
@@ -322,6 +323,20 @@ fn what_becomes_of_the_journal_holds_the_session_and_is_told() {
     assert!(lines(&over).last().unwrap().is_over);
     // While it was written there was nothing to tune on.
     assert!(wish(&mut engine, 2050.0, 1, "tune").contains(&Output::Tune));
+}
+
+#[test]
+fn a_session_ends_before_its_journal_is_too_long_to_be_read() {
+    let mut engine = recording_engine();
+    wish(&mut engine, 1000.0, 1, "begin");
+    engine.outputs.recording.as_mut().unwrap().given = FULL;
+    let outputs = run(&mut engine, 1010, 1300);
+    let (phase, _, trouble) = view(&outputs);
+    assert_eq!(phase, "over");
+    assert!(
+        trouble.starts_with("a session cannot last longer"),
+        "{trouble}"
+    );
 }
 
 #[test]
