@@ -320,6 +320,7 @@ impl Engine {
                 board.bytes(millis(now), now, bytes, &mut |event| {
                     outputs.event(now, event)
                 });
+                self.commands(now);
             }
             Running::Armband { .. } => {
                 if let Ok(event) = serde_json::from_slice(bytes) {
