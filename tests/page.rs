@@ -665,6 +665,9 @@ fn a_session_is_recorded_in_the_file_and_a_tab_that_is_killed_loses_nothing() {
     assert_eq!(browser.value("$person.value"), "anna");
     browser.value("document.querySelector('#kept-list button').click()");
     browser.wait_for("window.saved?.size > 50000");
+    let verdict = browser.text("kept-verdict");
+    assert!(verdict.starts_with("Not good enough yet\n"), "{verdict}");
+    assert!(verdict.contains(" s kept: "), "{verdict}");
     let text = browser.value("window.saved.text()");
     let text = text.as_str().unwrap();
     let library = load_bytes(

@@ -76,7 +76,7 @@ fn a_paused_page_shows_the_label_and_cue_of_where_it_is() {
 }
 
 #[test]
-fn keys_of_one_letter_can_be_switched_off_and_that_something_was_saved_is_not_said_for_ever() {
+fn keys_of_one_letter_and_the_right_hand_can_be_switched_off_and_a_notice_passes() {
     let (mut browser, live) = open!(serve(Source::Demo));
     browser.wait_for(VALID);
     let pressed = |browser: &mut Browser| {
@@ -85,14 +85,18 @@ fn keys_of_one_letter_can_be_switched_off_and_that_something_was_saved_is_not_sa
     };
     assert_eq!(pressed(&mut browser), "#wearer");
     assert_eq!(pressed(&mut browser), "");
-    browser.value("$letters.click()");
+    browser.value("$letters.click(), $drawn.click()");
     assert_eq!(pressed(&mut browser), "");
-    // The page keeps it.
+    // The page keeps them.
     browser.open(live.url());
     browser.wait_for(VALID);
     assert_eq!(pressed(&mut browser), "");
     browser.value("$letters.click()");
     assert_eq!(pressed(&mut browser), "#wearer");
+    assert_eq!(
+        browser.value("getComputedStyle(document.querySelector('#worn .hand')).transform"),
+        "matrix(-1, 0, 0, 1, 0, 0)"
+    );
 
     browser.press("s");
     browser.wait_for("$notice.textContent.startsWith('saved')");

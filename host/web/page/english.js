@@ -3,6 +3,7 @@
 export const ENGLISH = {
   "language": "Deutsch",
   "language.what": "Zeigt diese Seite auf Deutsch; sie wird neu geladen",
+  "drawn.right": "Right hand", "drawn.left": "Left hand", "drawn.what": "The hand that the pictures show",
   "letters.on": "Keys: on", "letters.off": "Keys: off", "letters.what": "Whether keys of one letter do what the buttons say; speech input types letters",
   "title": "live", "title.record": "record",
   "source.connecting": "connecting to the program", "source.demo": "demo: {name}", "source.replay": "recording: {name}",

@@ -3,6 +3,7 @@
 export const GERMAN = {
   "language": "English",
   "language.what": "Shows this page in English; it is loaded again",
+  "drawn.right": "Rechte Hand", "drawn.left": "Linke Hand", "drawn.what": "Welche Hand die Bilder zeigen",
   "letters.on": "Tasten: an", "letters.off": "Tasten: aus", "letters.what": "Ob einzelne Buchstaben wie die Schaltflächen wirken; eine Spracheingabe tippt Buchstaben",
   "title": "live", "title.record": "Aufnahme",
   "source.connecting": "verbindet sich mit dem Programm", "source.demo": "Vorführung: {name}", "source.replay": "Aufnahme: {name}",

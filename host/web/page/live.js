@@ -281,21 +281,24 @@ const actions = {
   },
   align: () => say({ do: aligning ? "cancel" : "align" }),
   language: choose,
-  letters: () => letters(document.body.dataset.letters !== "on"),
 };
 
 for (const [id, action] of Object.entries(actions)) {
   find(id).addEventListener("click", action);
 }
 
-/** Switches the keys of a single letter or digit on or off: speech input types them (WCAG 2.1.4). */
-function letters(on) {
-  document.body.dataset.letters = on ? "on" : "off";
-  find("letters").textContent = t(on ? "letters.on" : "letters.off");
-  keep("always", "letters", document.body.dataset.letters);
-}
+/** Settings that the browser keeps: keys of a single letter or digit, which speech input types (WCAG 2.1.4); the hand that is drawn. */
+const SETTINGS = { letters: ["on", "off"], drawn: ["right", "left"] };
 
-letters(kept("always", "letters") !== "off");
+for (const [name, [first, other]] of Object.entries(SETTINGS)) {
+  const set = (value) => {
+    document.body.dataset[name] = value;
+    find(name).textContent = t(`${name}.${value}`);
+    keep("always", name, value);
+  };
+  find(name).addEventListener("click", () => set(document.body.dataset[name] === first ? other : first));
+  set(kept("always", name) === other ? other : first);
+}
 
 addEventListener("keydown", (event) => {
   if (event.target.closest?.("#recording") || document.body.dataset.letters === "off" && /^[a-z0-9]$/i.test(event.key)) {

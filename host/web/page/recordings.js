@@ -36,6 +36,7 @@ export class Recordings {
 
   async #open() {
     find("record-now").disabled = !["demo", "port", "bluetooth"].includes(document.body.dataset.kind);
+    find("kept-verdict").textContent = "";
     this.#dialog.showModal();
     await this.#list();
   }

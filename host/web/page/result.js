@@ -59,6 +59,9 @@ export class Result {
       item.append(made("b", t(severity)), made("span", said(text)), made("span", said(advice), { className: "quiet" }));
       return item;
     }));
+    // Of a session that was kept before, the dialog alone is shown.
+    const lines = [...find("findings").children].map(({ children }) => [...children].map((part) => part.textContent).join(" "));
+    find("kept-verdict").textContent = [find("verdict").textContent, find("amount").textContent, ...lines].join("\n");
     this.next = !find("keep").hidden ? "keep" : good ? "tune" : "again";
     this.#scores([]);
     this.#taken(null);
