@@ -14,12 +14,11 @@ use tokio::sync::mpsc::UnboundedSender;
 use web::SHIPPED;
 use web::engine::{Engine, Output, Settings, Stored};
 use web::event::{Event, ViewerId};
-use web::outcome::InstallationState;
 use web::radio::RadioEvent;
 use web::request::ViewerMessage;
 
 use super::hub::Hub;
-use super::line::{Line, ToBoard};
+use super::line::Line;
 use super::storage::{Storage, Work};
 use super::{RecordOptions, Source};
 
@@ -38,8 +37,6 @@ pub(crate) enum Input {
     Lost(String, Vec<String>),
     /// Bytes of the board.
     Heard(Vec<u8>),
-    /// The board runs this model now.
-    Model(Vec<u8>),
     /// Event of the Bluetooth stack.
     #[cfg_attr(
         not(any(test, feature = "bluetooth")),
@@ -51,7 +48,7 @@ pub(crate) enum Input {
     /// Model that was tuned on the recordings.
     #[cfg_attr(not(feature = "train"), expect(dead_code, reason = "of the tune step"))]
     Tuned(Vec<u8>),
-    /// Event of a tuning or an installation.
+    /// Event of a tuning.
     Event(Event),
     /// End of the program.
     Stop,
@@ -244,7 +241,6 @@ impl Running {
             Input::Opened => engine.connected(now),
             Input::Lost(why, steps) => engine.lost(now, why, steps),
             Input::Heard(bytes) => engine.heard(now, &bytes),
-            Input::Model(model) => engine.set_model(now, &model)?,
             Input::Radio(RadioEvent::Gone(why)) => bail!("Bluetooth: {why}"),
             Input::Radio(event) => engine.radio(now, &event),
             Input::Stored(stored) => engine.stored(now, stored),
@@ -266,15 +262,14 @@ impl Running {
                     self.store(Work::Tune);
                 }
                 Output::Install => {
-                    if let (Some(tuned), Device::Board(line)) = (&self.tuned, &self.device) {
-                        let begun = InstallationState::running("waiting for the board");
-                        self.hub.publish(&Event::Installing(begun));
-                        line.send(ToBoard::Install(tuned.clone()));
+                    if let Some(tuned) = &self.tuned {
+                        // The page offers it where there is a board.
+                        let _ = self.engine.install(self.hub.now(), tuned);
                     }
                 }
                 Output::Line { line } => {
                     if let Device::Board(board) = &self.device {
-                        board.send(ToBoard::Line(line));
+                        board.send(line);
                     }
                 }
                 Output::Radio(action) => {

@@ -48,9 +48,9 @@ impl Board {
         }
     }
 
-    /// Begins a connection; continues the losses of earlier ones.
+    /// Begins a connection; continues the losses of earlier ones, and an installation.
     pub fn connected(&mut self, now: Millis) {
-        self.dialogue = Dialogue::new(now, self.dialogue.losses(), self.imu);
+        self.dialogue.connected(now, self.imu);
         self.calibration = Calibration::default();
         self.published = NOTHING_YET;
     }
@@ -67,6 +67,11 @@ impl Board {
             Ok(file) => self.dialogue.install(Installer::new(file, now)),
             Err(error) => emit(Event::Installing(InstallationState::failed(&error))),
         }
+    }
+
+    /// Lets time pass without a connection.
+    pub fn wait(&mut self, now: Millis) {
+        self.dialogue.wait(now);
     }
 
     /// Emits what is new of an installation. Returns the file once the board runs it.

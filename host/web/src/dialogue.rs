@@ -88,8 +88,21 @@ impl Dialogue {
         Self { reader, state }
     }
 
-    pub const fn losses(&self) -> Losses {
-        self.state.losses
+    /// Begins a connection anew.
+    pub fn connected(&mut self, now: Millis, imu: bool) {
+        let installer = self.state.installer.take();
+        *self = Self::new(now, self.state.losses, imu);
+        self.state.installer = installer;
+        if let Some((installer, _)) = &mut self.state.installer {
+            installer.connected(now);
+        }
+    }
+
+    /// Lets time pass without a connection.
+    pub fn wait(&mut self, now: Millis) {
+        if let Some((installer, _)) = &mut self.state.installer {
+            installer.wait(now);
+        }
     }
 
     /// Whether no line has come for 5 s.

@@ -30,7 +30,7 @@ use crate::record::journal::Header;
 use crate::record::protocol::Protocol;
 use crate::record::session::{self, HoldReason, Input};
 use crate::request::{SessionCommand, SourceRequest, UNKNOWN, ViewerMessage};
-use crate::scored_pipeline::{Refused, ScoredPipeline};
+use crate::scored_pipeline::ScoredPipeline;
 
 use self::opening::chosen;
 pub use self::opening::{Settings, Wanted};
@@ -224,7 +224,7 @@ impl Engine {
                     *due += *period;
                 }
             }
-            Running::Board { is_open: false, .. } => {}
+            Running::Board { is_open: false, .. } => self.commands(now),
             Running::Board { board, port, .. } => {
                 if let Some(change) = board.change(millis(now)) {
                     let steps = if change.is_silent {
@@ -253,19 +253,37 @@ impl Engine {
 
     /// Sends the board the commands that are due, and says how an installation goes.
     fn commands(&mut self, now: f64) {
-        let Running::Board { board, .. } = &mut self.running else {
+        let Running::Board { board, is_open, .. } = &mut self.running else {
             return;
         };
         let outputs = &mut self.outputs;
-        while let Some(command) = board.command(millis(now)) {
-            let line = command.to_string();
-            outputs.waiting.push(Output::Line { line });
+        if *is_open {
+            while let Some(command) = board.command(millis(now)) {
+                let line = command.to_string();
+                outputs.waiting.push(Output::Line { line });
+            }
+        } else {
+            board.wait(millis(now));
         }
         let installed = board.installation(&mut |event| outputs.event(now, event));
         if let Some(Ok(scored)) = installed.map(ScoredPipeline::open) {
             let model = board.set_model(scored);
             outputs.event(now, model);
         }
+    }
+
+    /// Installs a model on the board.
+    ///
+    /// # Errors
+    /// There is no board.
+    pub fn install(&mut self, now: f64, file: &[u8]) -> Result<(), &'static str> {
+        let Running::Board { board, .. } = &mut self.running else {
+            return Err(NO_BOARD);
+        };
+        let outputs = &mut self.outputs;
+        board.install(millis(now), file, &mut |event| outputs.event(now, event));
+        self.commands(now);
+        Ok(())
     }
 
     /// Begins the dialogue with the board: its port is open.
@@ -298,18 +316,6 @@ impl Engine {
             let state = source("port", port, false, why, steps);
             self.outputs.event(now, state);
         }
-    }
-
-    /// Shows the scores of this model beside the board's labels.
-    ///
-    /// # Errors
-    /// When the model is refused.
-    pub fn set_model(&mut self, now: f64, model: &[u8]) -> Result<(), Refused> {
-        if let Running::Board { board, .. } = &mut self.running {
-            let model = board.set_model(ScoredPipeline::open(model)?);
-            self.outputs.event(now, model);
-        }
-        Ok(())
     }
 
     /// Takes what a device has sent: bytes of a board, or an event of a browser's Bluetooth as JSON. What is neither is dropped.
@@ -359,15 +365,7 @@ impl Engine {
                 }
                 None => Err(UNKNOWN),
             },
-            ViewerMessage::Install => match &mut self.running {
-                Running::Board { board, .. } => {
-                    let outputs = &mut self.outputs;
-                    board.install(millis(now), file, &mut |event| outputs.event(now, event));
-                    self.commands(now);
-                    Ok(())
-                }
-                _ => Err(NO_BOARD),
-            },
+            ViewerMessage::Install => self.install(now, file),
             ViewerMessage::Keep => {
                 let files = self.outputs.files.iter().flat_map(|own| own.files.clone());
                 let files = files.map(|(name, content)| Event::File { name, content });

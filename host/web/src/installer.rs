@@ -205,6 +205,12 @@ impl Installer {
         self.transfer.blocks()
     }
 
+    /// CRC-32 of the file.
+    #[must_use]
+    pub const fn checksum(&self) -> u32 {
+        self.transfer.checksum
+    }
+
     /// The file that is installed.
     #[must_use]
     pub fn file(&self) -> &[u8] {
@@ -219,13 +225,32 @@ impl Installer {
 
     /// Begins again with a board that was lost. Returns false if it is given up.
     pub fn resume(&mut self, now: Millis) -> bool {
-        let is_exhausted =
-            self.budget.furthest.is_none() || now.elapsed_since(self.budget.since) > PATIENCE_MS;
-        if !is_exhausted {
+        let goes_on = self.budget.furthest.is_some() && !self.is_late(now);
+        if goes_on {
             (self.may_begin_again, self.doubts) = (true, 0);
             self.begin();
         }
-        !is_exhausted
+        goes_on
+    }
+
+    /// Continues on a new connection.
+    pub fn connected(&mut self, now: Millis) {
+        self.wait(now);
+        if self.end.is_none() && !self.resume(now) {
+            // The board that was waited for.
+            self.ask(Question::Begin);
+        }
+    }
+
+    /// Lets time pass without a connection.
+    pub fn wait(&mut self, now: Millis) {
+        if self.end.is_none() && self.budget.furthest.is_some() && self.is_late(now) {
+            self.fail(InstallError::Silent);
+        }
+    }
+
+    fn is_late(&self, now: Millis) -> bool {
+        now.elapsed_since(self.budget.since) > PATIENCE_MS
     }
 
     /// Returns the command that is due.

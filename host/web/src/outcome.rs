@@ -115,7 +115,13 @@ impl InstallationState {
         let percent = 100 * installer.blocks().unwrap_or(0) / of.max(1);
         let (state, text) = match installer.end() {
             None => ("running", SAFE.to_owned()),
-            Some(Ok(())) => ("done", "the model is on the board and in use".to_owned()),
+            Some(Ok(())) => {
+                let model = installer.checksum();
+                (
+                    "done",
+                    format!("model {model:08x} is on the board and in use"),
+                )
+            }
             Some(Err(error)) => return Self::failed(error),
         };
         Self {

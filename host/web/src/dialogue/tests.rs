@@ -67,7 +67,7 @@ fn lost_samples_and_lines_are_counted() {
         missing: 2,
         samples: 8,
     };
-    assert_eq!(dialogue.losses(), expected);
+    assert_eq!(dialogue.state.losses, expected);
 }
 
 #[test]
@@ -76,7 +76,7 @@ fn a_restarted_board_begins_another_stream_and_nothing_is_missing() {
     let lines = [report(70_000), emg(9_000), report(0), emg(0), emg(2)];
     let found = events(&mut dialogue, lines.concat().as_bytes());
     assert!(found.contains(&BoardEvent::Restart));
-    assert_eq!(dialogue.losses(), Losses::default());
+    assert_eq!(dialogue.state.losses, Losses::default());
     // The stream counts as new even if the line of its start is lost.
     assert_eq!(missing(&mut dialogue, &[emg(0)]), [None]);
 }
@@ -86,7 +86,7 @@ fn numbers_go_on_over_their_wrap() {
     let mut dialogue = dialogue();
     let lines = [report(u32::MAX), report(0), emg(u32::MAX - 1), emg(0)];
     assert_eq!(missing(&mut dialogue, &lines), [None, Some(0)]);
-    assert_eq!(dialogue.losses(), Losses::default());
+    assert_eq!(dialogue.state.losses, Losses::default());
 }
 
 #[test]
@@ -212,7 +212,7 @@ proptest! {
         }
         prop_assert_eq!(last, Some(100));
         // Losses before the first heard line are unknown.
-        let Losses { samples, .. } = dialogue.losses();
+        let Losses { samples, .. } = dialogue.state.losses;
         prop_assert!(received + samples <= 102 && received >= 60, "{received} {samples}");
         if from > 60 {
             prop_assert_eq!(received + samples, 102);

@@ -1,13 +1,17 @@
 use std::collections::VecDeque;
 
 use recordings::synthetic::{self, SynthOptions};
+use shared::installation::Progress;
+use shared::model::file::Model;
 use shared::myo::{Address, Characteristic};
 use shared::stream::alignment::Alignment;
-use shared::uart_line::command::{AlignCommand, Command};
+use shared::uart_line::answer::{Answer, Identity, Refusal};
+use shared::uart_line::command::{AlignCommand, Command, CommandReader};
 use shared::units::{Sample, SampleIndex};
 
 use super::*;
 use crate::SHIPPED;
+use crate::outcome::InstallationState;
 use crate::record::journal::FULL;
 
 const SETTINGS: Settings<'static> = Settings {
@@ -400,6 +404,101 @@ fn a_board_is_told_a_placement_once_its_port_is_open() {
     let refused = |outputs: &[Output], why| matches!(outputs, [Output::Answer(1, Event::Refused { text, .. })] if *text == why);
     assert!(refused(&place(&mut engine, 8), UNKNOWN));
     assert!(refused(&wish(&mut engine, 0.0, 1, "begin"), NO_SESSION));
+}
+
+/// Answers the commands of the outputs as a board with the shipped model does. Returns the states of the installation, and the
+/// commands that it takes.
+fn answer(
+    engine: &mut Engine,
+    now: f64,
+    taken: Result<Progress, Refusal>,
+) -> (Vec<InstallationState>, usize) {
+    let (mut states, mut begins) = (Vec::new(), 0);
+    loop {
+        engine.tick(now);
+        let mut heard = String::new();
+        for output in engine.take() {
+            match output {
+                Output::Event(Event::Installing(state)) => states.push(state),
+                Output::Line { line } => {
+                    let mut reader = CommandReader::new();
+                    let command = line.bytes().find_map(|byte| reader.push(byte));
+                    // On the heap, which aligns it as a model requires.
+                    let file = SHIPPED.to_vec();
+                    let checksum = Model::parse(&file).unwrap().checksum;
+                    heard += &match command.unwrap().unwrap() {
+                        Command::Identify => Answer::Identity(Identity {
+                            model: Some(checksum),
+                            version: "0.1.0",
+                            revision: "0123456789ab",
+                            image: "test",
+                            armband: None,
+                            firmware: None,
+                            battery: None,
+                        }),
+                        Command::Install(_) => {
+                            begins += 1;
+                            taken.map_or_else(Answer::Refused, Answer::Install)
+                        }
+                        _ => continue,
+                    }
+                    .to_string();
+                }
+                _ => {}
+            }
+        }
+        if heard.is_empty() {
+            return (states, begins);
+        }
+        engine.heard(now, heard.as_bytes());
+    }
+}
+
+#[test]
+fn an_installation_waits_for_the_board_goes_on_after_a_loss_and_says_how_it_ends() {
+    let mut engine = Engine::default();
+    engine.board(&SETTINGS, "x".to_owned(), true).unwrap();
+    let file = SHIPPED.to_vec();
+    let refused = engine.install(0.0, &file[..999]);
+    assert_eq!(refused, Ok(()));
+    let state = |outputs: &[Output]| match outputs {
+        [Output::Event(Event::Installing(state))] => (state.state, state.text.clone()),
+        outputs => panic!("{outputs:?}"),
+    };
+    let (failed, why) = state(&engine.take());
+    assert!(
+        failed == "failed" && why.starts_with("no board can run this file"),
+        "{why}"
+    );
+    // Nothing is sent before the port is open, or while it is lost.
+    engine.install(0.0, &file).unwrap();
+    assert_eq!(state(&engine.take()).0, "running");
+    engine.tick(40_000.0);
+    assert_eq!(engine.take(), []);
+    for begun in [40_000.0, 60_000.0] {
+        engine.connected(begun);
+        let (states, begins) = answer(&mut engine, begun, Ok(Progress::Next(0)));
+        assert_eq!(begins, 1);
+        assert!(states.iter().all(|state| state.state == "running"));
+        engine.lost(begun, "pulled".to_owned(), Vec::new());
+        engine.take();
+    }
+    engine.connected(61_000.0);
+    let (states, _) = answer(&mut engine, 61_000.0, Ok(Progress::Installed));
+    let last = states.last().unwrap();
+    assert_eq!((last.state, last.blocks, last.of), ("done", 100, 100));
+    // A board that is lost for good is given up, and one that refuses has its words.
+    engine.install(62_000.0, &file).unwrap();
+    answer(&mut engine, 62_000.0, Ok(Progress::Next(0)));
+    engine.lost(62_000.0, "pulled".to_owned(), Vec::new());
+    engine.take();
+    engine.tick(93_000.0);
+    assert_eq!(state(&engine.take()).0, "failed");
+    engine.connected(94_000.0);
+    engine.install(94_000.0, &file).unwrap();
+    let (states, _) = answer(&mut engine, 94_000.0, Err(Refusal::Length));
+    let last = states.last().unwrap();
+    assert!(last.text.starts_with("the board refuses: "), "{last:?}");
 }
 
 #[test]
