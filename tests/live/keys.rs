@@ -93,9 +93,8 @@ fn keys_of_one_letter_and_the_right_hand_can_be_switched_off_and_a_notice_passes
     assert_eq!(pressed(&mut browser), "");
     browser.value("$letters.click()");
     assert_eq!(pressed(&mut browser), "#wearer");
-    assert_eq!(
-        browser.value("getComputedStyle(document.querySelector('#worn .hand')).transform"),
-        "matrix(-1, 0, 0, 1, 0, 0)"
+    browser.wait_for(
+        "getComputedStyle(document.querySelector('#worn .hand')).transform === 'matrix(-1, 0, 0, 1, 0, 0)'",
     );
 
     browser.press("s");

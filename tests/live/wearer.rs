@@ -8,7 +8,7 @@ use super::serve;
 use super::sizes::WINDOWS;
 
 /// The parts of the view that are not in view as a whole, or cover each other.
-pub const HIDDEN: &str = "(() => { const ids = ['worn-do', 'worn-hand', 'worn-word', 'worn-sign', 'worn-back']; \
+pub const HIDDEN: &str = "(() => { const ids = ['worn-do', 'worn-hand', 'worn-word', 'worn-sign', 'worn-back', 'drawn']; \
     const boxes = ids.map((id) => [id, document.getElementById(id).getBoundingClientRect()]); \
     const outside = boxes.filter(([, box]) => !(box.height > 0 && box.top >= 0 && box.bottom <= innerHeight && box.left >= 0 && box.right <= innerWidth)); \
     const covered = boxes.filter(([, one], at) => boxes.slice(at + 1).some(([, other]) => \
