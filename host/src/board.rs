@@ -18,6 +18,7 @@ use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
 use shared::uart_line::answer::{Answer, Charge, Refusal};
 use shared::uart_line::command::{Command, NOBODY_HEARD};
 use shared::uart_line::line::{Line, LineReader};
+use web::installer::asks_again;
 
 /// Longest time that one read waits for bytes.
 const WAIT: Duration = Duration::from_millis(20);
@@ -134,15 +135,7 @@ impl Board {
             })?;
             match answer {
                 Some(Ok(answer)) => return Ok(answer),
-                // The board answers so to a line that was damaged on the way.
-                Some(Err(
-                    refusal @ (Refusal::Checksum(_)
-                    | Refusal::Frame
-                    | Refusal::TooLong
-                    | Refusal::Block
-                    | Refusal::Flash
-                    | Refusal::Busy),
-                )) => refused = Some(refusal),
+                Some(Err(refusal)) if asks_again(refusal) => refused = Some(refusal),
                 None => {}
                 Some(Err(refusal)) => return Err(refusal.into()),
             }

@@ -75,6 +75,20 @@ pub enum InstallError {
     },
 }
 
+/// Whether a board asks for the line again: it was damaged on the way, or comes too early.
+#[must_use]
+pub const fn asks_again(refusal: Refusal) -> bool {
+    matches!(
+        refusal,
+        Refusal::Checksum(_)
+            | Refusal::Frame
+            | Refusal::TooLong
+            | Refusal::Block
+            | Refusal::Flash
+            | Refusal::Busy
+    )
+}
+
 /// Model file that a board can run.
 #[derive(Clone, Copy, Debug)]
 pub struct ModelFile<'f> {
@@ -303,18 +317,7 @@ impl Installer {
 
     fn answer(&mut self, now: Millis, answer: &Answer<'_>) {
         match (self.question, answer) {
-            // The board answers so to a line that was damaged on the way.
-            (
-                _,
-                Answer::Refused(
-                    refusal @ (Refusal::Checksum(_)
-                    | Refusal::Frame
-                    | Refusal::TooLong
-                    | Refusal::Block
-                    | Refusal::Flash
-                    | Refusal::Busy),
-                ),
-            ) => {
+            (_, Answer::Refused(refusal)) if asks_again(*refusal) => {
                 self.refused = Some(*refusal);
                 self.sent = None;
             }
