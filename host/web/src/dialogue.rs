@@ -122,14 +122,20 @@ impl Dialogue {
 
     /// Returns what is new of the installation, and the file once it is in use.
     pub fn installation(&mut self) -> Option<(InstallationState, Option<&[u8]>)> {
-        let (installer, known) = self.state.installer.as_mut()?;
-        let state = InstallationState::of(installer);
-        if known.as_ref() == Some(&state) {
+        let state = &mut self.state;
+        let (installer, known) = state.installer.as_mut()?;
+        let told = InstallationState::of(installer);
+        if known.as_ref() == Some(&told) {
             return None;
         }
-        *known = Some(state.clone());
+        *known = Some(told.clone());
         let is_done = matches!(installer.end(), Some(Ok(())));
-        Some((state, is_done.then(|| installer.file())))
+        if is_done {
+            // What holds with the new model is asked for and told.
+            state.schedule.restart();
+            state.alignment = None;
+        }
+        Some((told, is_done.then(|| installer.file())))
     }
 
     /// Returns the next command that is due; to be called until no command is.
