@@ -55,7 +55,9 @@ impl Keeper {
             match tune(&model, &folder, &device, steps) {
                 Ok(done) => {
                     let (state, tuned) = outcome(done, &out, next, installs);
-                    let _ = tuned.map(|tuned| inputs.send(Input::Tuned(tuned)));
+                    if let Some(tuned) = tuned {
+                        let _ = inputs.send(Input::Tuned(tuned));
+                    }
                     report(state);
                 }
                 Err(error) => report(failed(error)),
