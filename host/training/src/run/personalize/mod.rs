@@ -52,7 +52,7 @@ pub struct Personalized {
 }
 
 impl Personalized {
-    /// Reason why the new model is worse than the old one ([`worse`]); none if it is not.
+    /// Reason why the new model is worse than the old one (`worse`); none if it is not.
     #[must_use]
     pub fn worse(&self) -> Option<Worse> {
         let [old, new, constant] = &self.scores;
