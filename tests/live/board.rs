@@ -27,8 +27,8 @@ use super::{shipped, synthetic};
 
 /// Time between two notifications: a quarter of an armband's period.
 const PACE: Duration = Duration::from_micros(2500);
-/// Number of notifications that a pairing lasts: 2 s.
-const PAIRING: usize = 800;
+/// Number of notifications that a pairing lasts: 5 s, so that a busy machine sees it.
+const PAIRING: usize = 2000;
 
 /// Damage to the board's bytes on their way.
 #[derive(Clone, Copy)]
