@@ -43,7 +43,7 @@ pub(crate) enum Input {
         expect(dead_code, reason = "of the adapter")
     )]
     Radio(RadioEvent),
-    /// What became of the journal.
+    /// Outcome of the journal's lines.
     Stored(Stored),
     /// Model that was tuned on the recordings.
     #[cfg_attr(not(feature = "train"), expect(dead_code, reason = "of the tune step"))]

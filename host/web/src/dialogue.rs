@@ -124,6 +124,10 @@ impl Dialogue {
     pub fn installation(&mut self) -> Option<(InstallationState, Option<&[u8]>)> {
         let state = &mut self.state;
         let (installer, known) = state.installer.as_mut()?;
+        if known.as_ref().is_some_and(|known| known.state != "running") {
+            // Its end was told: this is asked every 10 ms.
+            return None;
+        }
         let told = InstallationState::of(installer);
         if known.as_ref() == Some(&told) {
             return None;

@@ -93,7 +93,7 @@ pub struct Lines {
     pub is_over: bool,
 }
 
-/// What became of a journal's lines.
+/// Outcome of keeping a journal's lines.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Stored {
     /// The journal cannot be begun, with the reason.

@@ -99,36 +99,29 @@ pub struct InstallationState {
 }
 
 impl InstallationState {
-    /// State of an installation before the board's first answer.
-    pub fn running(text: &str) -> Self {
-        Self {
-            state: "running",
-            text: text.to_owned(),
-            blocks: 0,
-            of: 0,
-        }
-    }
-
     /// State of an installation; its progress in whole percent.
     pub fn of(installer: &Installer) -> Self {
-        let of = installer.of();
-        let percent = 100 * installer.blocks().unwrap_or(0) / of.max(1);
         let (state, text) = match installer.end() {
-            None => ("running", SAFE.to_owned()),
-            Some(Ok(())) => {
-                let model = installer.checksum();
-                (
-                    "done",
-                    format!("model {model:08x} is on the board and in use"),
-                )
-            }
+            None => (
+                "running",
+                "outputs are safe until the board has all of it".to_owned(),
+            ),
+            Some(Ok(())) => (
+                "done",
+                format!(
+                    "model {:08x} is on the board and in use",
+                    installer.checksum()
+                ),
+            ),
             Some(Err(error)) => return Self::failed(error),
         };
+        let percent = |blocks| (100 * blocks / installer.of().max(1), 100);
+        let (blocks, of) = installer.blocks().map_or((0, 0), percent);
         Self {
             state,
             text,
-            blocks: percent,
-            of: if installer.blocks().is_some() { 100 } else { 0 },
+            blocks,
+            of,
         }
     }
 
@@ -137,10 +130,8 @@ impl InstallationState {
         Self {
             state: "failed",
             text: format!("{error}. Install again: it goes on where this one ended"),
-            ..Self::running("")
+            blocks: 0,
+            of: 0,
         }
     }
 }
-
-/// What a wearer knows of an installation in progress.
-const SAFE: &str = "outputs are safe until the board has all of it";

@@ -17,7 +17,7 @@ const SETTLED: usize = 200;
 pub enum Cues {
     /// Cue of each sample, repeated.
     List(Vec<Intent>),
-    /// What a recording session asks for.
+    /// Motion that a recording session asks for.
     Session(Motion),
 }
 

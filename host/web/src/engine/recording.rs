@@ -25,7 +25,7 @@ pub(super) struct RecordedSession {
     journal: Option<Writer<Vec<u8>>>,
     /// Placement of the armband, as it is aligned.
     placement: Alignment,
-    /// What a simulated person is asked for.
+    /// Motion that a simulated person is asked for.
     cue: Motion,
     protocol: Protocol,
     header: Header,
@@ -70,7 +70,7 @@ impl RecordedSession {
         }
     }
 
-    /// What a simulated person is asked for.
+    /// Motion that a simulated person is asked for.
     pub(super) const fn cue(&self) -> Motion {
         self.cue
     }
