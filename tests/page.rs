@@ -257,13 +257,42 @@ fn a_session_is_recorded_and_what_a_killed_tab_had_written_becomes_the_same_reco
         labels(&whole[0])
     );
 
-    // Another tab has the journal without its end, which was not written yet.
+    // A note and a score are kept beside it, before and after its end.
+    tab.request(now, br#"{"do":"note","text":"a loose band"}"#, &[]);
+    let noted = taken(&mut tab);
+    let lines = written(&noted);
+    assert_eq!(noted.last().unwrap()["remarks"][0]["text"], "a loose band");
+    tab.request(now, br#"{"do":"blocks","begin":true}"#, &[]);
+    let (now, played) = run(&mut tab, 70);
+    let ended = played.iter().rfind(|message| message["type"] == "blocks");
+    let ended = ended.unwrap();
+    assert_eq!(ended["state"], "done");
+    // The simulated arm does what is asked for.
+    assert!(ended["moved"].as_u64().unwrap() > 7, "{ended}");
+    let lines = lines + &written(&played);
+    tab.request(now, br#"{"do":"keep"}"#, &[]);
+    let notes = |messages: &[Value]| {
+        let file = messages
+            .iter()
+            .find(|own| own["name"] == format!("{name}.notes"));
+        let notes = file.unwrap()["content"].as_str().unwrap();
+        notes
+            .lines()
+            .map(|line| serde_json::from_str(line).unwrap())
+            .collect::<Vec<Value>>()
+    };
+    let kept_notes = notes(&taken(&mut tab));
+    assert_eq!(kept_notes[0]["text"], "a loose band");
+    assert_eq!(kept_notes[1]["score"], ended["moved"]);
+    assert_eq!(kept_notes[1]["unit"], "blocks in 60 s");
+
+    // Another tab has the journal without its end, which was not written yet, and the notes.
     let mut later = Engine::open(0.0, &Wanted::Demo, &[], None);
     let recover = json!({ "do": "recover", "name": name }).to_string();
     later.request(
         1.0,
         recover.as_bytes(),
-        &journal.as_bytes()[..journal.len() - 7],
+        (lines.clone() + &journal[..journal.len() - 7]).as_bytes(),
     );
     later.request(1.0, br#"{"do":"keep"}"#, &[]);
     let messages = taken(&mut later);
@@ -272,12 +301,22 @@ fn a_session_is_recorded_and_what_a_killed_tab_had_written_becomes_the_same_reco
         .find(|message| message["type"] == "kept")
         .unwrap();
     assert_eq!(found["files"], kept["files"]);
+    assert_eq!(notes(&messages), kept_notes);
+    let messages: Vec<_> = messages
+        .into_iter()
+        .filter(|own| own["name"] != format!("{name}.notes"))
+        .collect();
     let read = given(&messages);
     let count = read[0].samples.len();
     assert!(count > whole[0].samples.len() - 60, "{count}");
     assert_eq!(read[0].samples, whole[0].samples[..count]);
     later.request(1.0, recover.as_bytes(), b"no journal");
     assert_eq!(taken(&mut later)[0]["type"], "refused");
+    // A session that never began has its notes alone.
+    later.request(1.0, recover.as_bytes(), lines.as_bytes());
+    later.request(1.0, br#"{"do":"keep"}"#, &[]);
+    let messages = taken(&mut later);
+    assert_eq!((messages.len(), notes(&messages)), (1, kept_notes));
 }
 
 /// Path of the one file, or why there is none. MYOINTENT_PAGE names another one, of a release.
@@ -411,6 +450,18 @@ fn the_file_shows_the_simulated_arm_without_a_server_and_takes_recordings() {
     assert!(browser.is(FITS), "wider than the window");
     browser.look(1440, 900, "light", "no-preference");
 
+    // A task that measures, by a key: the simulated arm moves blocks.
+    browser.press("p");
+    browser.wait_for("$guide-task.textContent === 'Make a fist'");
+    browser.wait_for("Number($guide-count.textContent) > 1");
+    browser.screenshot(&picture("page-blocks.png"));
+    browser.press("w");
+    browser.wait_for("Number($worn-word.textContent) > 2");
+    browser.screenshot(&picture("page-blocks-worn.png"));
+    browser.press("w");
+    browser.press("p");
+    browser.wait_for("$guide.hidden && $played.textContent.startsWith('Ended')");
+
     // The page's own messages: a mark, and an alignment that the simulated arm takes part in.
     browser.press("m");
     browser.press("a");
@@ -418,7 +469,7 @@ fn the_file_shows_the_simulated_arm_without_a_server_and_takes_recordings() {
 
     // A calibration leads through half a minute; its model is saved, and opened again.
     browser.press("c");
-    browser.wait_for("$calibrating-task.textContent === 'Make a fist'");
+    browser.wait_for("$guide-task.textContent === 'Make a fist'");
     browser.screenshot(&picture("page-calibrating.png"));
     browser.wait_for("$calibrated.textContent.startsWith('Calibrated: ')");
     browser.value(CATCH);
@@ -655,6 +706,18 @@ fn a_session_is_recorded_in_the_file_and_a_tab_that_is_killed_loses_nothing() {
     browser.wait_for("$session.dataset.phase === 'cued' && $task.textContent === 'Make a fist'");
     let picture = Path::new(env!("CARGO_TARGET_TMPDIR")).join("page-session.png");
     browser.screenshot(&picture);
+    // A note, whose letters are no keys of the page.
+    browser.value("$note.focus()");
+    for letter in ["a", "p", "h"] {
+        browser.command(
+            "Input.dispatchKeyEvent",
+            json!({ "type": "keyDown", "key": letter, "text": letter }),
+        );
+    }
+    assert_eq!(browser.value("$note.value"), "aph");
+    browser.value("document.querySelector('#note-form button').click()");
+    browser.wait_for("$remarks.textContent === 'aph' && $note.value === ''");
+    assert!(browser.is("$session.dataset.phase === 'cued' && $guide.hidden"));
     // The page before stays valid for a moment.
     browser.value("window.isBefore = true; location.reload()");
     browser.wait_for("window.isBefore === undefined");

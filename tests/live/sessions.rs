@@ -27,6 +27,11 @@ fn the_sessions_of_a_person_are_listed_with_their_numbers_and_print_on_one_page(
     wish(&mut leader, "begin");
     reach(&mut leader, |message| message["phase"] == "over");
     leader.find("kept", |_| true);
+    // A note, and a task that measures.
+    leader.say(r#"{"do":"note","text":"a loose band"}"#);
+    leader.say(r#"{"do":"blocks","begin":true}"#);
+    let ended = leader.find("blocks", |message| message["state"] == "done");
+    leader.find("remarks", |message| message["remarks"][1].is_object());
     let found = sessions(&live);
     let [session] = &found["sessions"].as_array().unwrap()[..] else {
         panic!("{found}");
@@ -40,6 +45,10 @@ fn the_sessions_of_a_person_are_listed_with_their_numbers_and_print_on_one_page(
     let reaction = session["reaction"].as_f64().unwrap();
     assert!((50.0..1000.0).contains(&reaction), "{session}");
     assert!(session["flicker"].is_f64() && session["false_activations"].is_f64());
+    let remarks = &session["remarks"];
+    assert_eq!(remarks[0]["text"], "a loose band");
+    assert_eq!(remarks[1]["score"], ended["moved"]);
+    assert!(ended["moved"].as_u64().unwrap() > 7, "{ended}");
     // Nothing but gestures was asked for.
     assert_eq!(session["raised"], Value::Null);
 
@@ -49,8 +58,14 @@ fn the_sessions_of_a_person_are_listed_with_their_numbers_and_print_on_one_page(
         browser.wait_for("$history?.checkVisibility()");
         let record = browser.value("$history.href");
         browser.open(record.as_str().unwrap());
-        browser.wait_for("document.querySelectorAll('#sessions tbody tr').length === 1");
-        let row = "[...document.querySelectorAll('#sessions tbody td')].map((cell) => cell.textContent).join('|')";
+        browser.wait_for("document.querySelectorAll('#sessions tbody tr').length === 3");
+        let said = browser.value("document.querySelector('#sessions tbody').innerText");
+        let said = said.as_str().unwrap();
+        assert!(
+            said.contains("a loose band") && said.contains(" blocks in 60 s"),
+            "{said}"
+        );
+        let row = "[...document.querySelectorAll('#sessions tbody tr:first-child td')].map((cell) => cell.textContent).join('|')";
         let row = browser.value(row);
         let row = row.as_str().unwrap();
         assert!(

@@ -257,6 +257,7 @@ impl Running {
                 Output::Event(event) => self.hub.publish(&event),
                 Output::Answer(viewer, event) => self.hub.answer(viewer, &event),
                 Output::Journal(lines) => self.store(Work::Lines(lines)),
+                Output::Remark(lines) => self.store(Work::Remark(lines)),
                 Output::Tune => {
                     self.tuned = None;
                     self.store(Work::Tune);

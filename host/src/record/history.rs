@@ -9,6 +9,7 @@ use recordings::{DataSet, Library, LoadOptions, load};
 use serde::Serialize;
 use shared::model::file::Model;
 use shared::units::SAMPLE_RATE_HZ;
+use web::record::remark::{NOTES, Remark};
 
 /// A person's sessions, the earliest first.
 #[derive(Debug, PartialEq, Serialize)]
@@ -39,6 +40,8 @@ struct SessionRecord {
     false_activations: Option<f64>,
     /// Share of the movements that mean nothing which raise a label, 0 to 1.
     raised: Option<f64>,
+    /// Notes and scores, in order.
+    remarks: Vec<Remark>,
 }
 
 /// Folder of the recordings, person, and the model that labels them.
@@ -56,16 +59,23 @@ impl HistoryOf {
     /// When recordings or model cannot be read.
     pub(crate) fn read(&self) -> anyhow::Result<History> {
         let folder = self.folder.join(&self.person);
-        let has_recordings = folder.read_dir().is_ok_and(|entries| {
-            let is_csv = |path: PathBuf| path.extension().is_some_and(|ending| ending == "csv");
-            entries.flatten().any(|entry| is_csv(entry.path()))
-        });
+        let entries = folder.read_dir().into_iter().flatten().flatten();
+        let paths: Vec<_> = entries.map(|entry| entry.path()).collect();
+        let has = |path: &&PathBuf, own| path.extension().is_some_and(|ending| ending == own);
         let mut sessions = BTreeMap::new();
-        if has_recordings {
+        if paths.iter().any(|path| has(&path, "csv")) {
             let mut library = load(&folder, &LoadOptions::default())?;
             sessions = by_session(&mut library);
             if !sessions.is_empty() {
                 self.score(&library, &mut sessions)?;
+            }
+        }
+        for path in paths.iter().filter(|path| has(path, NOTES)) {
+            let remarks = Remark::read(&std::fs::read_to_string(path)?);
+            if let Some((id, began, protocol)) = stem(path).and_then(named) {
+                let session = sessions.entry(subject(&id)).or_default();
+                (session.began, session.protocol) = (began, protocol);
+                session.remarks = remarks;
             }
         }
         Ok(History {
@@ -118,11 +128,11 @@ impl HistoryOf {
 fn by_session(library: &mut Library) -> BTreeMap<String, SessionRecord> {
     let mut sessions: BTreeMap<String, SessionRecord> = BTreeMap::new();
     library.recordings.retain_mut(|recording| {
-        let Some((id, began, protocol)) = named(&recording.path) else {
+        let session = stem(&recording.path).and_then(|stem| stem.rsplit_once('_'));
+        let Some((id, began, protocol)) = session.and_then(|(session, _)| named(session)) else {
             return false;
         };
-        // Never a person's of a published set.
-        recording.subject = format!("session/{id}");
+        recording.subject = subject(&id);
         let session = sessions.entry(recording.subject.clone()).or_default();
         session.began = began;
         session.protocol = protocol;
@@ -133,11 +143,19 @@ fn by_session(library: &mut Library) -> BTreeMap<String, SessionRecord> {
     sessions
 }
 
-/// Session of a file's name, `anna_20261122T110323Z_quick_1.csv`: `20261122T110323Z_quick`, time and protocol.
-fn named(path: &Path) -> Option<(String, String, String)> {
-    let stem = path.file_stem()?.to_str()?;
-    let (_, session) = stem.split_once('_')?;
-    let (id, _) = session.rsplit_once('_')?;
+/// Subject of a session: never a person's of a published set.
+fn subject(id: &str) -> String {
+    format!("session/{id}")
+}
+
+/// Name of a file without its extension.
+fn stem(path: &Path) -> Option<&str> {
+    path.file_stem()?.to_str()
+}
+
+/// Session of a name, `anna_20261122T110323Z_quick`: `20261122T110323Z_quick`, time and protocol.
+fn named(session: &str) -> Option<(String, String, String)> {
+    let (_, id) = session.split_once('_')?;
     let (stamp, protocol) = id.split_once('_')?;
     let digits = stamp.strip_suffix('Z')?.replace('T', "");
     if digits.len() != 14 || !digits.bytes().all(|digit| digit.is_ascii_digit()) {
@@ -155,15 +173,14 @@ mod tests {
 
     #[test]
     fn a_file_says_when_its_session_began_and_by_which_protocol() {
-        let name = Path::new("recordings/anna/anna_20261122T110323Z_quick-five_12.csv");
-        let (id, began, protocol) = named(name).unwrap();
+        let (id, began, protocol) = named("anna_20261122T110323Z_quick-five").unwrap();
         assert_eq!(id, "20261122T110323Z_quick-five");
         assert_eq!(
             (&*began, &*protocol),
             ("2026-11-22T11:03:23Z", "quick-five")
         );
-        for other in ["anna.csv", "anna_1.csv", "anna_2026_quick_1.csv"] {
-            assert_eq!(named(Path::new(other)), None, "{other}");
+        for other in ["anna", "anna_1", "anna_2026_quick"] {
+            assert_eq!(named(other), None, "{other}");
         }
     }
 

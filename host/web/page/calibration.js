@@ -1,8 +1,7 @@
 // Calibration: leads the wearer through half a minute, says what it gained, takes it back, and saves the model.
 
 import { find, write } from "./dom.js";
-import { draw, words } from "./gestures.js";
-import { classOf } from "./history.js";
+import { lead, pace } from "./guide.js";
 import { named, t } from "./texts.js";
 
 export class Calibration {
@@ -28,17 +27,9 @@ export class Calibration {
     this.#began = performance.now();
     const { state, cue, next, before, learnt, in_use: inUse } = message ?? { state: "idle", cue: null, in_use: false };
     const { isRunning } = this;
-    find("calibrating").hidden = !isRunning;
+    lead(this, isRunning ? cue : null, t(cue === "relax" ? "how.relax" : "how.gesture"), next);
     find("calibrate").setAttribute("aria-pressed", String(isRunning));
     write(find("calibrate").firstElementChild, t(isRunning ? "calibrate.stop" : "calibrate"));
-    if (isRunning) {
-      find("calibrating").dataset.label = classOf(cue);
-      draw(find("calibrating-hand"), cue);
-      write(find("calibrating-task"), words(cue));
-      write(find("calibrating-hint"), t(cue === "relax" ? "how.relax" : "how.gesture"));
-      draw(find("calibrating-next"), next);
-      write(find("calibrating-then"), next ? words(next) : "");
-    }
     const percent = (thousandths) => Math.round(thousandths / 10);
     const numbers = learnt === null || learnt === undefined ? {} : { before: percent(before), after: percent(learnt) };
     const result = { cue: cue ? named("class", cue) : "", ...numbers };
@@ -55,9 +46,9 @@ export class Calibration {
     }
     const { seconds, left, state } = this.#message;
     const passed = (performance.now() - this.#began) / 1000;
-    write(find("calibrating-count"), seconds === null ? "" : String(Math.max(0, Math.ceil(seconds - passed))));
-    find("calibrating-bar").style.width = seconds === null ? "0" : `${Math.max(0, 100 - (100 * passed) / seconds)}%`;
+    const count = seconds === null ? "" : String(Math.max(0, Math.ceil(seconds - passed)));
     const round = t(`calibrated.${state}`);
-    write(find("calibrating-left"), left === null ? round : t("calibrate.left", { round, n: Math.max(0, Math.ceil(left - passed)) }));
+    const words = left === null ? round : t("calibrate.left", { round, n: Math.max(0, Math.ceil(left - passed)) });
+    pace(count, words, seconds === null ? 0 : 1 - passed / seconds);
   }
 }

@@ -52,7 +52,7 @@ export const ENGLISH_SESSION = {
   "h.title": "Record of sessions", "h.person": "Person: {name}", "h.print": "Print", "h.none": "No session is kept in this folder yet.", "h.back": "Back",
   "h.date": "Date", "h.protocol": "Protocol", "h.minutes": "Minutes", "h.gestures": "Gestures", "h.right": "Recognised as asked", "h.reaction": "Recognition delay, ms", "h.steady": "Unwanted changes, a minute", "h.false": "Movement seen at rest, a minute", "h.raised": "Other movement taken for a gesture",
   "h.model": "Recognised by model {model}, myointent {version}.", "h.trend": "Recognised as asked: {from} on {began}, {to} on {ended}, {n} sessions.",
-  "h.what": "Recognised as asked: share of the gestures that were recognised and held, and nothing else. Recognition delay: median from the onset of the muscle; missed: fewer than half of the gestures were recognised. Unwanted changes: beyond those asked for; 0 is steady. Other movement: share of the movements that mean nothing in which a gesture was recognised.",
+  "h.what": "Blocks: a fist and then an open hand, each recognised for 0.2 s, in the 60 s from the first fist. Recognised as asked: share of the gestures that were recognised and held, and nothing else. Recognition delay: median from the onset of the muscle; missed: fewer than half of the gestures were recognised. Unwanted changes: beyond those asked for; 0 is steady. Other movement: share of the movements that mean nothing in which a gesture was recognised.",
   "h.not.medical": "Research software, not a medical device.", "h.failed": "The sessions cannot be read: {text}", "h.wait": "Reading the recordings …",
   "h.missed": "missed", "h.simulated": "{protocol}, simulated", "percent": "{share} %",
 };

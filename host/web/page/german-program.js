@@ -25,6 +25,7 @@ export const GERMAN_PROGRAM = {
   // Writing a session.
   "no samples have come yet: begin when the traces move": "noch kam kein Messwert: beginnen, wenn sich die Kurven bewegen",
   "the recording cannot begin: {1}": "die Aufnahme kann nicht beginnen: {1}",
+  "the note is not kept: {1}: {2}": "die Notiz ist nicht gespeichert: {1}: {2}",
   "a session cannot last longer: it is ended and kept; record another one": "länger kann eine Sitzung nicht dauern: sie ist beendet und bleibt; eine weitere aufnehmen",
   "{1} was deleted, moved or replaced: all of the session was written anew to {2}. If it was moved, what was written before is in the moved file, too": "{1} wurde gelöscht, verschoben oder ersetzt: die ganze Sitzung steht neu in {2}. Wurde sie verschoben, steht das Bisherige auch in der verschobenen Datei",
   "{1}; what was recorded is kept while this program runs, and writing is tried again": "{1}; was aufgenommen ist, bleibt, solange dieses Programm läuft, und das Schreiben wird wieder versucht",

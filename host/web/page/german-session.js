@@ -52,7 +52,7 @@ export const GERMAN_SESSION = {
   "h.title": "Protokoll der Sitzungen", "h.person": "Person: {name}", "h.print": "Drucken", "h.none": "In diesem Ordner ist noch keine Sitzung.", "h.back": "Zurück",
   "h.date": "Datum", "h.protocol": "Ablauf", "h.minutes": "Minuten", "h.gestures": "Gesten", "h.right": "Wie verlangt erkannt", "h.reaction": "Verzögerung, ms", "h.steady": "Ungewollte Wechsel je Minute", "h.false": "In Ruhe Erkanntes je Minute", "h.raised": "Andere Bewegung als Geste erkannt",
   "h.model": "Erkannt vom Modell {model}, myointent {version}.", "h.trend": "Wie verlangt erkannt: {from} am {began}, {to} am {ended}, {n} Sitzungen.",
-  "h.what": "Wie verlangt erkannt: Anteil der Gesten, bei denen das Richtige erkannt wurde und blieb, und nichts anderes. Verzögerung: Median vom Einsetzen des Muskels; verfehlt: weniger als die Hälfte der Gesten wurde erkannt. Ungewollte Wechsel: über das Verlangte hinaus; 0 ist ruhig. Andere Bewegung: Anteil der Bewegungen ohne Bedeutung, in denen eine Geste erkannt wurde.",
+  "h.what": "Klötze: eine Faust und danach eine offene Hand, jede 0,2 s lang erkannt, in den 60 s von der ersten Faust an. Wie verlangt erkannt: Anteil der Gesten, bei denen das Richtige erkannt wurde und blieb, und nichts anderes. Verzögerung: Median vom Einsetzen des Muskels; verfehlt: weniger als die Hälfte der Gesten wurde erkannt. Ungewollte Wechsel: über das Verlangte hinaus; 0 ist ruhig. Andere Bewegung: Anteil der Bewegungen ohne Bedeutung, in denen eine Geste erkannt wurde.",
   "h.not.medical": "Forschungssoftware, kein Medizinprodukt.", "h.failed": "Die Sitzungen sind nicht lesbar: {text}", "h.wait": "Liest die Aufnahmen …",
   "h.missed": "verfehlt", "h.simulated": "{protocol}, simuliert", "percent": "{share} %",
 };

@@ -2,6 +2,7 @@
 
 import { Agreement } from "./agreement.js";
 import { Armband } from "./armband.js";
+import { Blocks } from "./blocks.js";
 import { find } from "./dom.js";
 import { Empty } from "./empty.js";
 import "./help.js";
@@ -9,6 +10,7 @@ import { Calibration } from "./calibration.js";
 import { CHANNELS, CLASSES, SampleHistory } from "./history.js";
 import { Clock, RATE } from "./clock.js";
 import { connect } from "./link.js";
+import { Notes } from "./notes.js";
 import { Now } from "./now.js";
 import { Panel } from "./panel.js";
 import { Placement } from "./placement.js";
@@ -30,6 +32,8 @@ const panel = new Panel();
 const rates = new Rates();
 const traces = new Traces(find("traces"));
 const calibration = new Calibration(say);
+const blocks = new Blocks(say);
+const notes = new Notes(say);
 const armband = new Armband(find("armband"));
 const agreement = new Agreement();
 const placement = new Placement(armband, say);
@@ -65,6 +69,7 @@ const TAKE = {
   hello(message) {
     clock.hello(message.now);
     session.hello(message);
+    notes.take({ remarks: [] });
     traces.scores = !message.record;
   },
   pong: (message) => clock.pong(message.sent, message.now),
@@ -73,7 +78,7 @@ const TAKE = {
     connected = message.connected;
     panel.source(connected ? "connected" : "lost", message.detail ? `${name}: ${said(message.detail)}` : name);
     document.body.dataset.kind = message.kind;
-    find("align").disabled = find("calibrate").disabled = !connected;
+    find("align").disabled = find("calibrate").disabled = find("play").disabled = !connected;
     if (!connected) {
       noStream();
     }
@@ -127,6 +132,8 @@ const TAKE = {
     aligns(message.state === "waiting");
   },
   calibration: (message) => calibration.take(message),
+  blocks: (message) => blocks.take(message),
+  remarks: (message) => notes.take(message),
   file({ name, content }) {
     // All viewers of a program get it, and one has asked.
     if (saves || find("program")) {
@@ -172,7 +179,7 @@ function lost(text, advice) {
   connected = false;
   empty.gone(advice);
   panel.source("lost", text);
-  find("align").disabled = find("calibrate").disabled = find("onto-board").hidden = true;
+  find("align").disabled = find("calibrate").disabled = find("play").disabled = find("onto-board").hidden = true;
   noStream();
 }
 
@@ -183,6 +190,7 @@ function noStream() {
   TAKE.electrodes({ faults: new Array(CHANNELS).fill(null) });
   placement.clear();
   calibration.take(null);
+  blocks.take(null);
   aligns(false);
 }
 
@@ -301,7 +309,7 @@ for (const [name, [first, other]] of Object.entries(SETTINGS)) {
 }
 
 addEventListener("keydown", (event) => {
-  if (event.target.closest?.("#recording") || document.body.dataset.letters === "off" && /^[a-z0-9]$/i.test(event.key)) {
+  if (event.target.closest?.("#recording,input") || document.body.dataset.letters === "off" && /^[a-z0-9]$/i.test(event.key)) {
     return;
   }
   if (event.ctrlKey || event.metaKey || event.altKey || event.repeat && event.key === " ") {
@@ -314,7 +322,7 @@ addEventListener("keydown", (event) => {
   if (session.isAsking) {
     return;
   }
-  const keys = { " ": "pause", m: "mark", s: "save", a: "align", c: "calibrate", u: "undo", w: "wearer" };
+  const keys = { " ": "pause", m: "mark", s: "save", a: "align", c: "calibrate", p: "play", u: "undo", w: "wearer" };
   const id = keys[event.key.toLowerCase()];
   if (id && !(event.key === " " && event.target instanceof HTMLButtonElement)) {
     event.preventDefault();
@@ -342,6 +350,7 @@ function edge() {
 function frame() {
   session.frame(position());
   calibration.frame();
+  blocks.frame();
   const [at, label] = paused === null ? [(history.end ?? 1) - 1, report] : [paused, history.labelAt(paused)];
   now.show(history, at, label, noReport, connected || paused !== null);
   wearer.show(now.label, now.judged, aligning);

@@ -51,7 +51,9 @@ export class Session {
     const title = t(record ? "title.record" : "title");
     write(find("title"), title);
     document.title = `myointent ${title}`;
-    find("history").hidden = !record;
+    // Without a program there is no record but what is saved.
+    find("history").hidden = !record || Boolean(find("program"));
+    find("notes").hidden = !record;
   }
 
   lead({ viewer }) {
@@ -246,7 +248,7 @@ export class Session {
     };
     const watches = this.#watches();
     find("pause").disabled = find("language").disabled = running;
-    find("calibrate").hidden = running;
+    find("calibrate").hidden = find("play").hidden = running;
     for (const id of BUTTONS) {
       find(id).hidden = !shown[id];
       find(id).disabled = watches || id === "repeat" && !view.can_repeat;

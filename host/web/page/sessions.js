@@ -1,6 +1,7 @@
 // Record of a person's sessions, to read and to print: a row each.
 
 import { find, made } from "./dom.js";
+import { remark } from "./notes.js";
 import { choose, fill, fixed, language, t } from "./texts.js";
 
 const known = (value, digits) => (value === null ? t("unknown") : fixed(value, digits));
@@ -43,10 +44,15 @@ function show({ person, model, version, sessions }) {
     head.scope = "col";
     return head;
   }));
-  table.tBodies[0].replaceChildren(...sessions.map((session) => {
+  table.tBodies[0].replaceChildren(...sessions.flatMap((session) => {
     const row = made("tr");
     row.append(...COLUMNS.map(([key, text]) => cell("td", key, text(session))));
-    return row;
+    const notes = session.remarks.map((one) => {
+      const line = made("tr", "", { className: "remark" });
+      line.append(made("td"), made("td", remark(one), { colSpan: COLUMNS.length - 1 }));
+      return line;
+    });
+    return [row, ...notes];
   }));
 }
 

@@ -1,5 +1,5 @@
 // View for the person who wears the armband, on one screen: what to do now, a hand, one word and one colour. The hand is the
-// labelled one; in a session the one that is asked for, with the time that is left and what comes next.
+// labelled one; in a session, a calibration or a task the one that is asked for, with how far it is and what comes next.
 
 import { find, write } from "./dom.js";
 import { classOf } from "./history.js";
@@ -33,20 +33,22 @@ export class Wearer {
     if (!this.isShown) {
       return;
     }
-    const inSession = document.body.dataset.mode === "record";
-    const task = aligning ? t("align.what") : inSession ? find("task").textContent : "";
+    const guided = !find("guide").hidden;
+    const inSession = guided || document.body.dataset.mode === "record";
+    const [does, hands, counts, comes] = guided ? ["guide-task", "guide-hand", "guide-count", "guide-then"] : ["task", "hand", "count", "next"];
+    const task = aligning ? t("align.what") : inSession ? find(does).textContent : "";
     write(find("worn-do"), task || (cue ? words(cue) : t("wearer.free")));
     // Movement that means nothing is neither right nor wrong.
     const judged = label === null || !means ? "none" : state;
     const signs = [label === null ? find("valid").textContent : { right: t("wearer.right"), wrong: t("wearer.wrong") }[judged]];
-    if (inSession && find("next").textContent) {
-      signs.push(t("wearer.next", { what: find("next").textContent }));
+    if (inSession && find(comes).textContent) {
+      signs.push(t("wearer.next", { what: find(comes).textContent }));
     }
     write(find("worn-sign"), signs.filter(Boolean).join(" · "));
     find("worn-sign").dataset.state = judged;
-    const hand = inSession ? find("hand").dataset.gesture || null : label;
+    const hand = inSession ? find(hands).dataset.gesture || null : label;
     const word = label === null ? t("wearer.none") : named("class", label);
-    write(find("worn-word"), inSession ? find("count").textContent : word);
+    write(find("worn-word"), inSession ? find(counts).textContent : word);
     find("worn").dataset.label = hand === null ? "none" : classOf(hand);
     draw(find("worn-hand"), hand);
   }

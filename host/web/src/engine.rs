@@ -20,6 +20,7 @@ use shared::myo::{self, Action, Uuid};
 use shared::units::Millis;
 
 use crate::armband::{self, Armband, Now};
+use crate::blocks::Blocks;
 use crate::board::{self, Board};
 use crate::electrodes::Electrodes;
 use crate::event::{Event, Topic, ViewerId};
@@ -28,6 +29,7 @@ use crate::playback::{LATE, Playback};
 use crate::radio::{ForRadio, RadioEvent, advertising_data};
 use crate::record::journal::Header;
 use crate::record::protocol::Protocol;
+use crate::record::remark::Remark;
 use crate::record::session::{self, HoldReason, Input};
 use crate::request::{SessionCommand, SourceRequest, UNKNOWN, ViewerMessage};
 use crate::scored_pipeline::ScoredPipeline;
@@ -70,6 +72,8 @@ pub enum Output {
     Radio(Action),
     /// New lines of a journal, to be kept.
     Journal(Lines),
+    /// Line of a remark, to be kept.
+    Remark(Lines),
     /// Tune a model on the recordings; never without a program.
     #[serde(skip)]
     Tune,
@@ -78,7 +82,7 @@ pub enum Output {
     Install,
 }
 
-/// New lines of a journal.
+/// New lines of a journal, or of the notes beside it.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct Lines {
     /// Name of the journal: `anna_20261122T110323Z_quick`.
@@ -165,6 +169,7 @@ struct Outputs {
     /// Newest event of each topic.
     newest: BTreeMap<Topic, Event>,
     electrodes: Electrodes,
+    blocks: Blocks,
     recording: Option<RecordedSession>,
     /// Recordings made last.
     files: Option<Files>,
@@ -175,18 +180,38 @@ impl Outputs {
         if let Some(recording) = &mut self.recording {
             recording.event(millis(now), &event);
         }
-        let faults = self.electrodes.take(&event);
-        for event in std::iter::once(event).chain(faults) {
+        let more = [self.electrodes.take(&event), self.blocks.take(&event)];
+        for event in std::iter::once(event).chain(more.into_iter().flatten()) {
             if let Some(topic) = event.topic() {
                 self.newest.insert(topic, event.clone());
             }
+            let score = event.score();
             self.waiting.push(Output::Event(event));
+            if let Some(score) = score {
+                self.remark(now, |at| Some(Remark::blocks(at, score)));
+            }
         }
     }
 
+    /// Keeps a remark on the session, made at a time in words. Without a session it is of nobody.
+    fn remark(&mut self, now: f64, remark: impl FnOnce(String) -> Option<Remark>) {
+        let Some(recording) = &mut self.recording else {
+            return;
+        };
+        let Some(lines) = recording.remark(now, remark) else {
+            return;
+        };
+        if let Some(files) = self.files.as_mut().filter(|files| files.name == lines.name) {
+            files.notes += &lines.journal;
+        }
+        self.waiting.push(Output::Remark(lines));
+        let remarks = recording.remarks().to_vec();
+        self.event(now, Event::Remarks { remarks });
+    }
+
     fn made(&mut self, files: Files) {
-        let kept = Event::Kept(files.result.clone());
-        self.waiting.push(Output::Event(kept));
+        let kept = files.result.clone().map(Event::Kept);
+        self.waiting.extend(kept.map(Output::Event));
         self.files = Some(files);
     }
 }
@@ -217,9 +242,8 @@ impl Engine {
                     *due = now;
                 }
                 while *due <= now {
-                    if let Some(recording) = &outputs.recording {
-                        playback.ask(recording.cue());
-                    }
+                    let session = outputs.recording.as_ref().map(RecordedSession::cue);
+                    playback.ask(session, outputs.blocks.hand());
                     playback.step(*due, &mut |event| outputs.event(now, event));
                     *due += *period;
                 }
@@ -358,7 +382,7 @@ impl Engine {
                 protocol,
                 time,
             } => self.prepare(now, person, protocol, *time),
-            ViewerMessage::Recover { name } => match Files::of(name, file) {
+            ViewerMessage::Recover { name } => match Files::recover(name, file) {
                 Some(files) => {
                     self.outputs.made(files);
                     Ok(())
@@ -367,7 +391,7 @@ impl Engine {
             },
             ViewerMessage::Install => self.install(now, file),
             ViewerMessage::Keep => {
-                let files = self.outputs.files.iter().flat_map(|own| own.files.clone());
+                let files = self.outputs.files.iter().flat_map(Files::all);
                 let files = files.map(|(name, content)| Event::File { name, content });
                 self.outputs.waiting.extend(files.map(Output::Event));
                 Ok(())
@@ -436,8 +460,19 @@ impl Engine {
                 self.outputs.event(now, Event::of_mark(*sample, text));
             }
             ViewerMessage::Session { command } => match command {
-                SessionCommand::Action(action) => recording?.act(now, *action),
-                SessionCommand::Again => recording?.restart(),
+                SessionCommand::Action(action) => {
+                    recording?.act(now, *action);
+                    let ended = self.outputs.blocks.cancel(now);
+                    ended
+                        .into_iter()
+                        .for_each(|own| self.outputs.event(now, own));
+                }
+                SessionCommand::Again => {
+                    if recording?.restart() {
+                        let remarks = Vec::new();
+                        self.outputs.event(now, Event::Remarks { remarks });
+                    }
+                }
                 SessionCommand::Tune => self.outputs.waiting.extend(recording?.job(Output::Tune)?),
                 SessionCommand::Install => {
                     let install = recording?.job(Output::Install)?;
@@ -448,6 +483,20 @@ impl Engine {
                 None | Some(Motion::Unknown) => return Err(UNKNOWN),
                 Some(motion) => recording?.act(now, session::Action::Mark(motion)),
             },
+            ViewerMessage::Blocks { begin: true } => {
+                let begun = self.outputs.blocks.begin(now);
+                self.outputs.event(now, begun);
+            }
+            ViewerMessage::Blocks { begin: false } => {
+                let ended = self.outputs.blocks.cancel(now);
+                ended
+                    .into_iter()
+                    .for_each(|own| self.outputs.event(now, own));
+            }
+            ViewerMessage::Note { text } => {
+                recording?;
+                self.outputs.remark(now, |at| Remark::note(at, text));
+            }
             ViewerMessage::Bind if !matches!(self.running, Running::Board { .. }) => {
                 return Err(NO_BOARD);
             }

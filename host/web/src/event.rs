@@ -13,6 +13,7 @@ use shared::uart_line::answer::{Binding, Counts, Identity};
 use shared::units::{CHANNELS, Sample};
 
 use crate::outcome::{InstallationState, SessionResult, TuningState};
+use crate::record::remark::Remark;
 use crate::record::session::View;
 
 /// Greatest number of characters of a mark.
@@ -163,6 +164,19 @@ pub enum Event {
         learnt: Option<u32>,
         in_use: bool,
     },
+    /// State of the task of box and blocks.
+    Blocks {
+        at: f64,
+        /// `running`, `done`, `cancelled` or `interrupted`.
+        state: &'static str,
+        /// Hand that is asked for; null unless it is running.
+        cue: Option<&'static str>,
+        moved: u32,
+        /// Seconds left; null before the first fist and after the end.
+        left: Option<f64>,
+    },
+    /// Remarks on the session.
+    Remarks { remarks: Vec<Remark> },
     /// File to save; each letter of the content is a byte.
     File { name: String, content: String },
     /// Probability of each class at an instant, sent when its label is decided.
@@ -222,6 +236,8 @@ pub enum Topic {
     Alignment,
     Electrodes,
     Calibration,
+    Blocks,
+    Remarks,
     Session,
     Lead,
     Kept,
@@ -243,6 +259,8 @@ impl Event {
             Self::Alignment { .. } => Topic::Alignment,
             Self::Electrodes { .. } => Topic::Electrodes,
             Self::Calibration { .. } => Topic::Calibration,
+            Self::Blocks { .. } => Topic::Blocks,
+            Self::Remarks { .. } => Topic::Remarks,
             Self::Session { .. } => Topic::Session,
             Self::Lead { .. } => Topic::Lead,
             Self::Kept(_) => Topic::Kept,
@@ -250,6 +268,18 @@ impl Event {
             Self::Installing(_) => Topic::Installing,
             _ => return None,
         })
+    }
+
+    /// Score of a task that has ended.
+    pub fn score(&self) -> Option<u32> {
+        match self {
+            Self::Blocks {
+                state: "done",
+                moved,
+                ..
+            } => Some(*moved),
+            _ => None,
+        }
     }
 
     /// First message to a viewer.

@@ -11,6 +11,7 @@
 #![deny(unsafe_code)]
 
 pub mod armband;
+mod blocks;
 pub mod board;
 pub mod calibration;
 pub mod demo;

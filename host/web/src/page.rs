@@ -16,9 +16,9 @@ pub const FILES: &[(&str, &str, &str)] = files! {
     "" "index.html" "sessions" "sessions.html";
     ICON: "icon.svg";
     CSS: "live.css" "layout.css" "session.css" "wearer.css" "sessions.css";
-    SCRIPT: "agreement.js" "armband.js" "bluetooth.js" "calibration.js" "clock.js" "dom.js" "empty.js"
+    SCRIPT: "agreement.js" "armband.js" "blocks.js" "bluetooth.js" "calibration.js" "clock.js" "dom.js" "empty.js"
             "ending.js" "english-session.js" "english.js" "german-program.js" "german-session.js" "german.js" "gestures.js"
-            "help.js" "history.js" "link.js" "live.js" "now.js" "panel.js" "placement.js"
+            "guide.js" "help.js" "history.js" "link.js" "live.js" "notes.js" "now.js" "panel.js" "placement.js"
             "rates.js" "recordings.js" "result.js" "rows.js" "save.js" "serial.js" "session.js"
             "sessions.js" "socket.js" "sources.js" "steps.js" "store.js" "stored.js" "tab.js"
             "texts.js" "time.js" "traces.js" "wearer.js";

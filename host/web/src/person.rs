@@ -28,7 +28,7 @@ pub struct Person {
     cues: Cues,
     /// Samples since the alignment in progress began.
     aligning: Option<usize>,
-    /// Gesture that a calibration in progress asks for.
+    /// Gesture that a calibration or a task in progress asks for.
     calibrating: Option<Intent>,
 }
 
@@ -54,7 +54,7 @@ impl Person {
         self.aligning == Some(SETTLED)
     }
 
-    /// Tells what a calibration in progress asks for.
+    /// Tells what a calibration or a task in progress asks for.
     pub const fn calibrate(&mut self, cue: Option<Intent>) {
         self.calibrating = cue;
     }

@@ -69,7 +69,7 @@ impl SampleSource {
         }
     }
 
-    /// Tells a person whether an alignment is in progress, and what a calibration asks for. Returns whether the alignment has to
+    /// Tells a person whether an alignment is in progress, and what a calibration or a task asks for. Returns whether the alignment has to
     /// begin anew, because the person has come to rest: one that begins in a gesture could take that for an opening.
     fn ask(&mut self, is_aligning: bool, calibration: Option<Intent>) -> bool {
         match self {
@@ -87,6 +87,8 @@ pub struct Playback {
     samples: SampleSource,
     scored: ScoredPipeline,
     next: SampleIndex,
+    /// Hand that a task asks for.
+    task: Option<Intent>,
 }
 
 impl Playback {
@@ -112,6 +114,7 @@ impl Playback {
             samples,
             scored,
             next,
+            task: None,
         }
     }
 
@@ -120,9 +123,10 @@ impl Playback {
         self.scored.request(self.now(), at, request, emit);
     }
 
-    /// Tells a simulated person what a session asks for.
-    pub fn ask(&mut self, cue: Motion) {
-        if let SampleSource::Person(person) = &mut self.samples {
+    /// Tells a simulated person what a session asks for, and a task.
+    pub fn ask(&mut self, session: Option<Motion>, task: Option<Intent>) {
+        self.task = task;
+        if let (SampleSource::Person(person), Some(cue)) = (&mut self.samples, session) {
             person.ask(cue);
         }
     }
@@ -134,7 +138,8 @@ impl Playback {
 
     /// Emits the samples of the next notification, and what the pipeline makes of them.
     pub fn step(&mut self, at: f64, emit: &mut dyn FnMut(Event)) {
-        let (is_aligning, cue) = (self.scored.is_aligning(), self.scored.cue());
+        let is_aligning = self.scored.is_aligning();
+        let cue = self.scored.cue().or(self.task);
         if self.samples.ask(is_aligning, cue) {
             self.scored.begin_alignment();
         }

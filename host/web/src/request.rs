@@ -45,6 +45,16 @@ pub enum ViewerMessage {
         #[serde(rename = "wish")]
         command: CalibrationWish,
     },
+    /// Begin or end box and blocks.
+    Blocks {
+        /// Whether it begins.
+        begin: bool,
+    },
+    /// Keep a note on the session.
+    Note {
+        /// Text of the note.
+        text: String,
+    },
     /// Begin a pairing on the board.
     Bind,
     /// Control the recording session.
@@ -88,6 +98,8 @@ impl ViewerMessage {
             Self::Cancel => "cancel",
             Self::Place { .. } => "place",
             Self::Calibrate { .. } => "calibrate",
+            Self::Blocks { .. } => "blocks",
+            Self::Note { .. } => "note",
             Self::Bind => "bind",
             Self::Install
             | Self::Session {

@@ -5,6 +5,8 @@ mod summary;
 #[cfg_attr(not(feature = "train"), path = "untrained.rs")]
 mod tuning;
 
+use std::fs::OpenOptions;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::thread::JoinHandle;
@@ -13,6 +15,7 @@ use std::time::{Duration, Instant};
 use execution::progress;
 use shared::units::Millis;
 use web::engine::{Lines, Stored};
+use web::record::remark::NOTES;
 use web::record::session::HoldReason;
 
 use super::RecordOptions;
@@ -32,6 +35,8 @@ const NEXT_START: &str =
 pub(super) enum Work {
     /// Keep lines of a journal.
     Lines(Lines),
+    /// Keep the line of a remark.
+    Remark(Lines),
     /// Tune the model on all of the person's recordings.
     Tune,
 }
@@ -129,6 +134,7 @@ impl Keeper {
                     for work in std::iter::once(first).chain(work.try_iter().take(64)) {
                         match work {
                             Work::Lines(lines) => self.lines(&lines),
+                            Work::Remark(line) => self.remark(&line),
                             Work::Tune => self.tune(),
                         }
                     }
@@ -172,6 +178,22 @@ impl Keeper {
         }
         if lines.is_over {
             self.end();
+        }
+    }
+
+    /// Appends a remark to the notes beside the session's recordings, at once.
+    fn remark(&self, line: &Lines) {
+        let path = self.folder.join(format!("{}.{NOTES}", line.name));
+        let write = || {
+            std::fs::create_dir_all(&self.folder)?;
+            let file = OpenOptions::new().create(true).append(true).open(&path);
+            let mut file = file?;
+            file.write_all(line.journal.as_bytes())?;
+            file.sync_data()
+        };
+        if let Err(error) = write() {
+            let text = format!("the note is not kept: {}: {error}", path.display());
+            self.tell(Stored::Left(Self::warn(text)));
         }
     }
 

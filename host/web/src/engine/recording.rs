@@ -15,6 +15,7 @@ use crate::record::csv::{csv, pieces};
 use crate::record::journal::{Entry, FORMAT, FULL, Header, Writer, read};
 use crate::record::protocol::Protocol;
 use crate::record::quality::judge;
+use crate::record::remark::{NOTES, Remark};
 use crate::record::session::{self, Action, HoldReason, Input, Session, View};
 use crate::request::UNKNOWN;
 
@@ -29,8 +30,9 @@ pub(super) struct RecordedSession {
     cue: Motion,
     protocol: Protocol,
     header: Header,
-    /// Name of the journal.
+    /// Name of the journal; empty before its beginning and the first remark.
     name: String,
+    remarks: Vec<Remark>,
     /// View that viewers know; none after a change of the texts.
     published: Option<View>,
     /// Error that keeps the session from being written, and a warning that stays until the person continues.
@@ -61,6 +63,7 @@ impl RecordedSession {
             },
             protocol,
             name: String::new(),
+            remarks: Vec::new(),
             published: None,
             trouble: String::new(),
             notice: String::new(),
@@ -163,24 +166,63 @@ impl RecordedSession {
         }
         self.trouble.clear();
         self.given = 0;
-        let since = Duration::try_from_secs_f64((self.epoch + now) / 1000.0);
-        self.header.began = utc(SystemTime::UNIX_EPOCH + since.unwrap_or_default());
-        let began = self.header.began.chars();
-        let stamp: String = began.filter(char::is_ascii_alphanumeric).collect();
-        self.name = format!("{}_{stamp}_{}", self.header.person, self.header.protocol);
+        self.header.began = self.utc(now);
+        self.call(now);
         self.journal = Some(Writer::new(Vec::new()));
         self.entry(&Entry::Begin(self.header.clone()));
         self.write_placement();
         true
     }
 
-    /// Waits for the beginning of another session, once this one is over.
-    pub(super) fn restart(&mut self) {
-        if self.session.is_over() {
+    /// Present time in words.
+    fn utc(&self, now: f64) -> String {
+        let since = Duration::try_from_secs_f64((self.epoch + now) / 1000.0);
+        utc(SystemTime::UNIX_EPOCH + since.unwrap_or_default())
+    }
+
+    /// Names the session, unless it has a name.
+    fn call(&mut self, now: f64) {
+        if self.name.is_empty() {
+            let now = self.utc(now);
+            let stamp: String = now.chars().filter(char::is_ascii_alphanumeric).collect();
+            self.name = format!("{}_{stamp}_{}", self.header.person, self.header.protocol);
+        }
+    }
+
+    /// Remarks on the session.
+    pub(super) fn remarks(&self) -> &[Remark] {
+        &self.remarks
+    }
+
+    /// Takes a remark that is made at a time in words. Returns its line.
+    pub(super) fn remark(
+        &mut self,
+        now: f64,
+        remark: impl FnOnce(String) -> Option<Remark>,
+    ) -> Option<Lines> {
+        let remark = remark(self.utc(now))?;
+        self.call(now);
+        let journal = remark.line();
+        self.remarks.push(remark);
+        Some(Lines {
+            name: self.name.clone(),
+            journal,
+            begins: false,
+            is_over: false,
+        })
+    }
+
+    /// Waits for the beginning of another session, once this one is over. Returns whether it is.
+    pub(super) fn restart(&mut self) -> bool {
+        let is_over = self.session.is_over();
+        if is_over {
             self.session = Session::new(self.protocol.clone());
             self.trouble.clear();
             self.notice.clear();
+            self.name.clear();
+            self.remarks.clear();
         }
+        is_over
     }
 
     /// Work of the program on what was recorded; none while a session is written.
@@ -205,6 +247,9 @@ impl RecordedSession {
                 self.session = Session::new(self.protocol.clone());
                 self.cue = Motion::RELAX;
                 self.trouble = text;
+                if self.remarks.is_empty() {
+                    self.name.clear();
+                }
             }
             Stored::Written => self.trouble.clear(),
             Stored::Anew(text) => {
@@ -279,7 +324,8 @@ impl RecordedSession {
                 }));
             }
             if self.makes_files && is_over {
-                files = Files::of(&self.name, bytes);
+                let notes = self.remarks.iter().map(Remark::line);
+                files = Files::of(&self.name, bytes, notes.collect());
             } else if !self.makes_files {
                 writer.redirect(Vec::new());
             }
@@ -307,31 +353,52 @@ impl RecordedSession {
     }
 }
 
-/// Recordings made of a journal, and what is said of them.
+/// Recordings made of a journal, the notes beside it, and what is said of them.
 pub(super) struct Files {
-    /// Names and contents.
-    pub(super) files: Vec<(String, String)>,
-    pub(super) result: SessionResult,
+    /// Name of the journal.
+    pub(super) name: String,
+    /// Names and contents of the recordings.
+    files: Vec<(String, String)>,
+    pub(super) notes: String,
+    /// What is said of the recordings; none without any.
+    pub(super) result: Option<SessionResult>,
 }
 
 impl Files {
-    /// Makes recordings of a journal; none if it has no header.
-    pub(super) fn of(name: &str, journal: &[u8]) -> Option<Self> {
+    /// Makes recordings of lines that a browser has kept: a journal's, and those of remarks, which are JSON alone.
+    pub(super) fn recover(name: &str, kept: &[u8]) -> Option<Self> {
+        let lines = kept.split_inclusive(|&byte| byte == b'\n');
+        let (notes, journal): (Vec<_>, Vec<_>) = lines.partition(|line| line.starts_with(b"{"));
+        let notes = String::from_utf8_lossy(&notes.concat()).into_owned();
+        Self::of(name, &journal.concat(), notes)
+    }
+
+    /// Makes recordings of a journal; none if there is neither its header nor a note.
+    fn of(name: &str, journal: &[u8], notes: String) -> Option<Self> {
         let contents = read(journal);
         let mut entries = contents.entries.iter();
         let header = entries.find_map(|entry| match entry {
             Entry::Begin(header) => Some(header),
             _ => None,
-        })?;
+        });
+        let mut made = Self {
+            name: name.to_owned(),
+            files: Vec::new(),
+            notes,
+            result: None,
+        };
+        let Some(header) = header else {
+            return (!made.notes.is_empty()).then_some(made);
+        };
         let assembly = assemble(&contents.entries);
         let files = (1..).zip(pieces(&assembly)).map(|(number, (part, piece))| {
             let text = csv(&assembly, part, piece, header.synthetic);
             (format!("{name}_{number}.csv"), text)
         });
-        let files: Vec<_> = files.collect();
+        made.files = files.collect();
         let quality = judge(&assembly);
         let person = &header.person;
-        let names = files.iter().map(|(name, _)| name.clone()).collect();
+        let names = made.files.iter().map(|(name, _)| name.clone()).collect();
         let commands = [
             format!("myointent data inspect {person}"),
             format!(
@@ -341,6 +408,17 @@ impl Files {
         ];
         let bad = assembly.rejected.len();
         let result = SessionResult::of(&quality, bad, person.clone(), names, commands);
-        Some(Self { files, result })
+        made.result = Some(result);
+        Some(made)
+    }
+
+    /// Names and contents of all files.
+    pub(super) fn all(&self) -> Vec<(String, String)> {
+        let notes = (format!("{}.{NOTES}", self.name), self.notes.clone());
+        let notes = Some(notes).filter(|(_, notes)| !notes.is_empty());
+        notes
+            .into_iter()
+            .chain(self.files.iter().cloned())
+            .collect()
     }
 }

@@ -11,4 +11,5 @@ pub mod csv;
 pub mod journal;
 pub mod protocol;
 pub mod quality;
+pub mod remark;
 pub mod session;
