@@ -4,6 +4,7 @@ import inspect
 import os
 import subprocess
 import sys
+import tempfile
 import unittest
 from pathlib import Path
 
@@ -29,3 +30,12 @@ class PackageTest(unittest.TestCase):
             public = [value for key, value in members if not key.startswith("_")]
             for value in [own, *public]:
                 self.assertTrue(inspect.getdoc(value), f"{name}: {value}")
+
+    def test_a_numpy_that_does_not_work_is_told_at_the_import(self):
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "numpy.py").write_text("raise ImportError('libgfortran is missing')")
+            command = [sys.executable, "-c", "import myointent"]
+            environment = {**os.environ, "PYTHONPATH": folder}
+            done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("ImportError: libgfortran is missing", done.stderr)
