@@ -4,6 +4,9 @@ Armband: 8 channels, 200 Hz, whole numbers from -128 to 127. Labels are class nu
 3 wave-in, 4 wave-out, 5 pinch (`INTENTS`); -1 none or unknown; -2 other movement.
 """
 
+# A numpy that does not work says so here, with its own message, and not where the first array is made.
+import numpy as _numpy  # noqa: F401
+
 from ._myointent import (
     INTENTS,
     Calibration,
