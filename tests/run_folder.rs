@@ -85,12 +85,8 @@ impl Bench {
 
 type RunContextParts = (ResolvedConfig, recordings::Library);
 
-/// Asserts that a command succeeds, in a process of its own: all threads of one draw from the same random numbers, and two
-/// trainings at a time would change each other's weights.
 fn succeeds(line: &str) {
-    let output = process(line).output().unwrap();
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{line:?}: {message}");
+    assert_eq!(run(line), ExitCode::SUCCESS, "{line:?}");
 }
 
 /// Asserts that a command fails with a message that has these words.

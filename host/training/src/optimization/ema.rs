@@ -44,7 +44,7 @@ impl Ema {
     }
 }
 
-fn weights(model: &impl Module) -> Vec<f32> {
+pub(super) fn weights(model: &impl Module) -> Vec<f32> {
     let mut collected = Collect(Vec::new());
     model.visit(&mut collected);
     collected.0

@@ -14,7 +14,23 @@ pub(crate) mod metrics;
 pub mod optimizer;
 pub(crate) mod tune;
 
-use burn::tensor::Tensor;
+use std::sync::{Mutex, PoisonError};
+
+use burn::module::Module;
+use burn::tensor::{Device, Tensor};
+
+/// Creates a model and draws its initial weights from a seed.
+///
+/// Burn has one generator for a device, which all threads share, and draws a weight when it is first read. Here all weights are
+/// drawn at once and by one thread at a time: trainings in parallel repeat theirs.
+pub fn initial<M: Module>(seed: u64, device: &Device, create: impl FnOnce() -> M) -> M {
+    static GENERATOR: Mutex<()> = Mutex::new(());
+    let _alone = GENERATOR.lock().unwrap_or_else(PoisonError::into_inner);
+    device.seed(seed);
+    let model = create();
+    ema::weights(&model);
+    model
+}
 
 /// Reads the values of a tensor in row-major order.
 ///
@@ -37,4 +53,27 @@ pub fn best_class(logits: &[f32]) -> usize {
             best
         }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use burn::nn::LinearConfig;
+
+    use super::*;
+
+    #[test]
+    fn models_made_in_parallel_have_the_weights_of_their_seed() {
+        let drawn = |seed| {
+            let device = Device::default();
+            let model = initial(seed, &device, || LinearConfig::new(40, 50).init(&device));
+            ema::weights(&model)
+        };
+        let expected = [drawn(0), drawn(1)];
+        std::thread::scope(|scope| {
+            for seed in [0, 1].repeat(4) {
+                let expected = &expected[seed as usize];
+                scope.spawn(move || (0..50).for_each(|_| assert!(drawn(seed) == *expected)));
+            }
+        });
+    }
 }

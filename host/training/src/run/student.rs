@@ -8,6 +8,7 @@ use super::error::StepError;
 use super::quantize::refuse_impossible;
 use super::soft_targets::soft_targets;
 use crate::optimization::fit::fit;
+use crate::optimization::initial;
 use crate::student::ensemble::Ensemble;
 use crate::student::learner::{StudentLearner, Teaching};
 use crate::student::model::Student;
@@ -67,13 +68,10 @@ fn student(
     let config = &context.config.distillation(name);
     let seed = context.config.student_seed(name);
     let made_from = context.config.student_lineage(name, &context.folder)?;
-    context.device.seed(seed);
-    let model = Student::new(
-        &preset.student,
-        preset.classes,
-        preset.other(),
-        &context.device,
-    );
+    let (device, other) = (&context.device, preset.other());
+    let model = initial(seed, device, || {
+        Student::new(&preset.student, preset.classes, other, device)
+    });
     let learner = StudentLearner::new(
         name,
         preset.student.span,

@@ -6,6 +6,7 @@ use super::context::RunContext;
 use super::error::StepError;
 use super::quantize::refuse_impossible;
 use super::student::train_student;
+use crate::optimization::initial;
 use crate::teacher;
 use crate::teacher::learner::TeacherLearner;
 use crate::teacher::model::Teacher;
@@ -48,8 +49,9 @@ pub fn train_teacher(context: &RunContext) -> Result<(), StepError> {
         validation.seconds(),
     ));
     let made_from = context.config.teacher_lineage();
-    context.device.seed(preset.seed);
-    let mut model = Teacher::new(&preset.teacher, preset.classes, &context.device);
+    let mut model = initial(preset.seed, &context.device, || {
+        Teacher::new(&preset.teacher, preset.classes, &context.device)
+    });
     if let Some(start) = &context.config.start {
         if lineage::start_weights(start).ok() != context.config.start_weights {
             let start = start.clone();

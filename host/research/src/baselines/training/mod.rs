@@ -14,6 +14,7 @@ use super::settings::BaselineSettings;
 use execution::run_folder::RunError;
 use recordings::corpus::Corpus;
 use training::optimization::fit::Training;
+use training::optimization::initial;
 use training::run::context::RunContext;
 
 /// Why a baseline cannot be trained.
@@ -96,14 +97,17 @@ fn train(baseline: Baseline, setup: &Setup<'_>) -> Result<(), TrainingError> {
         ..setup.place
     };
     let (classes, device) = (data.classes(), setup.device);
-    device.seed(setup.seed);
     match baseline {
         Baseline::Lstm => {
-            let network = LstmBaselineConfig::default().init(classes, device);
+            let network = initial(setup.seed, device, || {
+                LstmBaselineConfig::default().init(classes, device)
+            });
             learner::fit(data, network, setup, place)
         }
         Baseline::EdTcn => {
-            let network = EdTcnConfig::default().init(classes, device);
+            let network = initial(setup.seed, device, || {
+                EdTcnConfig::default().init(classes, device)
+            });
             learner::fit(data, network, setup, place)
         }
     }
