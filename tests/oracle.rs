@@ -35,9 +35,6 @@ pub enum Input<'s> {
 }
 
 /// The lines for these inputs, the first one at boot.
-///
-/// # Errors
-/// When the model is refused.
 pub fn expected_lines(model: &[u8], inputs: &[Input<'_>]) -> anyhow::Result<Vec<String>> {
     let model = Model::parse(model)?;
     let encoder = DeviceEncoder::new(&model)?;

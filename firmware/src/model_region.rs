@@ -22,18 +22,14 @@ use crate::flash::{self, Region};
 /// Why the region's content cannot be run.
 #[derive(Clone, Copy, Debug, thiserror::Error)]
 pub enum ModelRefused {
-    /// The file is not a model, is damaged, or is too large for the device.
     #[error("model refused: {0}")]
     Model(#[from] ModelError),
-    /// The header has smoother settings that are out of range.
     #[error("model refused: {0}")]
     Smoother(#[from] SettingsError),
-    /// The model is being exchanged.
     #[error(
         "no model: an installation is not complete; `myointent board --port PATH install FILE` with the same file goes on with it"
     )]
     Incomplete,
-    /// The calibration is being written beside it.
     #[error("no model while the calibration is written")]
     Keeping,
 }
@@ -109,9 +105,6 @@ pub struct Loaded {
 }
 
 /// Reads the region and hands over what is in it, which may not be used once an installation has asked for its end.
-///
-/// # Errors
-/// Says why the model cannot be run.
 // Handed over, not returned: what is read and what takes it are large, and are not on the stack at the same time. Not
 // inlined: its stack frame is released before anything else runs.
 #[inline(never)]

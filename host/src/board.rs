@@ -29,52 +29,36 @@ const ATTEMPTS: u32 = 3;
 
 /// Error of a command to a board, or of an installation.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages say it")]
 pub enum BoardError {
-    /// The port cannot be opened.
     #[error("{path} cannot be opened: is it the board's port, and may this user open it?")]
     Open {
-        /// The port.
         path: PathBuf,
-        /// Error of the operating system.
         #[source]
         source: std::io::Error,
     },
-    /// The port was lost.
     #[error("{path} was lost: is the board still connected?")]
     Lost {
-        /// The port.
         path: PathBuf,
-        /// Error of the operating system.
         #[source]
         source: std::io::Error,
     },
-    /// No answer came.
     #[error(
         "no answer on {path}: is it the board's port, is the board powered, and does no other program read it?"
     )]
-    Silent {
-        /// The port.
-        path: PathBuf,
-    },
-    /// Answers came, but all of them to other commands.
+    Silent { path: PathBuf },
     #[error(
         "{path}: expected the answer to {command}, found {answer}: close every other program that uses the port, and ask again"
     )]
     Unmatched {
-        /// The port.
         path: PathBuf,
-        /// Line of the command.
         command: String,
-        /// The last line that came.
         answer: String,
     },
-    /// The board refuses.
     #[error("the board refuses: {0}")]
     Refused(#[from] Refusal),
-    /// The caller stopped the installation.
     #[error("stopped before the board had all of it")]
     Stopped,
-    /// The installation failed.
     #[error(transparent)]
     Install(#[from] InstallError),
 }
@@ -93,9 +77,6 @@ pub struct Board {
 
 impl Board {
     /// Opens a serial port, or a pseudo-terminal that stands for one.
-    ///
-    /// # Errors
-    /// [`BoardError::Open`].
     pub fn open(path: &Path) -> Result<Self, BoardError> {
         let port = port::open(path, WAIT, ANSWER).map_err(|source| BoardError::Open {
             path: path.to_owned(),
@@ -112,9 +93,6 @@ impl Board {
 
     /// Sends a command and returns what `read` makes of its answer. A line damaged on the way is sent again. Answers to
     /// other commands, late or caused by another program, are skipped ([`Answer::answers`]).
-    ///
-    /// # Errors
-    /// The port is lost, no answer to this command comes, or the board refuses.
     pub fn ask<T>(
         &mut self,
         command: Command,
@@ -160,9 +138,6 @@ impl Board {
     }
 
     /// Asks how the board's own battery is charged; none if it does not measure that, or is older than the question.
-    ///
-    /// # Errors
-    /// The port is lost, or no answer comes.
     pub fn battery(&mut self) -> Result<Option<Charge>, BoardError> {
         let charge = self.ask(Command::Battery, |answer| match answer {
             Answer::Battery(charge) => Some(*charge),
@@ -175,9 +150,6 @@ impl Board {
     }
 
     /// Reads lines until `read` returns something; none on timeout.
-    ///
-    /// # Errors
-    /// The port is lost.
     pub fn wait<T>(
         &mut self,
         within: Duration,
@@ -216,9 +188,6 @@ impl Board {
     }
 
     /// Waits for the result of the alignment that the last command began; none on timeout.
-    ///
-    /// # Errors
-    /// The port is lost.
     pub(crate) fn aligned(
         &mut self,
         within: Duration,

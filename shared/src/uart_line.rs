@@ -152,32 +152,16 @@ impl Fields<'_> for Status {
 
 /// Why bytes are not a line.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages say it")]
 pub enum ParseError {
-    /// Not `$ ... *HH` CR LF in ASCII.
     #[error("not framed as `$...*HH` CR LF in ASCII: drop the line and wait for the next `$`")]
     Frame,
-    /// The body is damaged.
     #[error("checksum {expected:02X} expected, {found:02X} found: drop the line")]
-    Checksum {
-        /// Checksum of the received body.
-        expected: u8,
-        /// Checksum in the line.
-        found: u8,
-    },
-    /// Too few or too many fields.
+    Checksum { expected: u8, found: u8 },
     #[error("{expected} fields expected, {found} found: is the sender of another version?")]
-    Fields {
-        /// Fields of a line.
-        expected: usize,
-        /// Fields found.
-        found: usize,
-    },
-    /// A field has a value that the grammar does not allow.
+    Fields { expected: usize, found: usize },
     #[error("field `{field}` holds no value it may hold: is the sender of another version?")]
-    Field {
-        /// Name of the field in the grammar.
-        field: &'static str,
-    },
+    Field { field: &'static str },
 }
 
 impl Report {

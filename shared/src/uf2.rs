@@ -37,31 +37,18 @@ pub const MODEL_REGION: Range<u32> = 0x5_8000..0x8_0000;
 
 /// Reason why a file is refused.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages say it")]
 pub enum Uf2Error {
-    /// The file is not a UF2 file, or is damaged.
     #[error(
         "block {block} is none of a UF2 file for an nRF52840 with Adafruit's boot loader: build or download the file again"
     )]
-    Block {
-        /// Number of the block, from 0.
-        block: usize,
-    },
-    /// Blocks are missing or too many.
+    Block { block: usize },
     #[error(
         "expected {expected} blocks of 512 bytes, found {found}: copy or download the file again"
     )]
-    Count {
-        /// Number that the first block names; 1 for an empty file.
-        expected: usize,
-        /// Number of whole blocks.
-        found: usize,
-    },
-    /// The model does not fit into its region of flash.
+    Count { expected: usize, found: usize },
     #[error("the model file has {length} bytes, its region {}: train a smaller model", MODEL_REGION.len())]
-    Model {
-        /// Length of the model file in bytes.
-        length: usize,
-    },
+    Model { length: usize },
 }
 
 /// Contents of flash, by pieces of 256 bytes.

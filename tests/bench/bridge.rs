@@ -34,9 +34,6 @@ pub struct Bridge {
 
 impl Bridge {
     /// Begins to carry, with what the board has written so far.
-    ///
-    /// # Errors
-    /// When there is no terminal, or the run has no lines.
     pub fn start(run: Run) -> anyhow::Result<Self> {
         let (mut line, slave) = SerialPort::pair()?;
         line.set_read_timeout(Duration::from_millis(2))?;

@@ -25,9 +25,6 @@ impl KillOnDrop {
     }
 
     /// Standard input of the process.
-    ///
-    /// # Errors
-    /// When it is no pipe.
     pub fn input(&mut self) -> anyhow::Result<&mut ChildStdin> {
         let input = self.child.stdin.as_mut();
         input.with_context(|| format!("{} takes no input", self.name))

@@ -40,9 +40,6 @@ pub struct Run {
 
 impl Run {
     /// Starts an armband and a board.
-    ///
-    /// # Errors
-    /// When one of them does not start.
     pub fn start(python: Python, scenario: &Scenario<'_>) -> anyhow::Result<Self> {
         let mut run = Self::new(
             python.place,
@@ -121,9 +118,6 @@ impl Run {
     }
 
     /// Sends bytes to the UART.
-    ///
-    /// # Errors
-    /// When the board does not run.
     pub fn send(&mut self, bytes: impl AsRef<[u8]>) -> anyhow::Result<()> {
         let board = self.board.as_mut().context("no board")?;
         board.input()?.write_all(bytes.as_ref())?;
@@ -137,9 +131,6 @@ impl Run {
     }
 
     /// Sends a command and gives its answer's body. The answers to all commands before must have come.
-    ///
-    /// # Errors
-    /// When none comes.
     pub fn ask(&mut self, line: &str) -> anyhow::Result<String> {
         let before = self.answers().len();
         self.send(line)?;
@@ -150,9 +141,6 @@ impl Run {
     }
 
     /// Waits until a condition holds.
-    ///
-    /// # Errors
-    /// After a timeout, or when a process has ended; with the tails of all files.
     pub fn wait_for(
         &mut self,
         what: &str,
@@ -183,10 +171,6 @@ impl Run {
     }
 
     /// Checks the conditions that must hold in every run, whatever happened in it.
-    ///
-    /// # Errors
-    /// Errors of [`Output::check`]; and when the board has ended or has dropped packets, or there is an error in the
-    /// armband's log.
     pub fn check(&mut self) -> anyhow::Result<()> {
         let ended = self.ended();
         ensure!(ended.is_none(), "{ended:?}\n{}", self.tails());

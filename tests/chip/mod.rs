@@ -315,17 +315,11 @@ impl Board {
     }
 
     /// Runs for so many milliseconds.
-    ///
-    /// # Errors
-    /// When the program does what is refused.
     pub fn run_ms(&mut self, count: u64) -> Result<(), Refusal> {
         self.machine.run(ms(count))
     }
 
     /// Runs until the UART has sent the text, at most the milliseconds given.
-    ///
-    /// # Errors
-    /// When the program does what is refused, or the text does not come.
     pub fn wait_for(&mut self, text: &str, at_most_ms: u64) -> anyhow::Result<()> {
         let end = self.machine.now() + ms(at_most_ms);
         let mut looked = 0;

@@ -14,9 +14,6 @@ const TOGETHER: u64 = us(50);
 
 impl Board {
     /// Writes the files into a folder.
-    ///
-    /// # Errors
-    /// When they cannot be written.
     pub fn write_output(&self, folder: &Path) -> anyhow::Result<()> {
         std::fs::write(folder.join(LINES), self.text())?;
         std::fs::write(folder.join(LEVELS), self.levels())?;

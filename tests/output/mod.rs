@@ -43,9 +43,6 @@ pub enum Line {
 
 impl Line {
     /// Parses a line.
-    ///
-    /// # Errors
-    /// Fails when the line is not one of the board's.
     pub fn parse(line: &str) -> anyhow::Result<Self> {
         let bytes = line.as_bytes();
         let parsed = if line.starts_with("$ALIGN,") {
@@ -123,9 +120,6 @@ impl Output {
     }
 
     /// Returns the raw stream, parsed.
-    ///
-    /// # Errors
-    /// Fails when a line cannot be parsed.
     pub fn emg(&self) -> anyhow::Result<Vec<EmgReport>> {
         let lines = self.complete(LINES, |line| line.starts_with("$EMG,"));
         let emg = |line: &String| EmgReport::parse(line.as_bytes()).with_context(|| line.clone());
@@ -142,18 +136,12 @@ impl Output {
     }
 
     /// Returns labels and states, parsed.
-    ///
-    /// # Errors
-    /// Fails when a line cannot be parsed.
     pub fn reports(&self) -> anyhow::Result<Vec<Report>> {
         let lines = self.parsed()?.into_iter();
         Ok(lines.filter_map(Line::report).collect())
     }
 
     /// Returns the reports of alignments, parsed.
-    ///
-    /// # Errors
-    /// Fails when a line cannot be parsed.
     pub fn alignments(&self) -> anyhow::Result<Vec<AlignmentReport>> {
         let lines = self.parsed()?.into_iter();
         Ok(lines.filter_map(Line::alignment).collect())
@@ -165,9 +153,6 @@ impl Output {
     }
 
     /// Returns the lines for programs after each start of the program, the newest start last.
-    ///
-    /// # Errors
-    /// Fails when a line is damaged, or comes before the first start.
     pub fn lines_by_start(&self) -> anyhow::Result<Vec<Vec<Line>>> {
         let mut starts: Vec<Vec<Line>> = Vec::new();
         for line in self.complete(LINES, |_| true) {
@@ -183,9 +168,6 @@ impl Output {
     }
 
     /// Returns labels and states after each start of the program, the newest start last.
-    ///
-    /// # Errors
-    /// Fails as [`Output::lines_by_start`] does.
     pub fn reports_by_start(&self) -> anyhow::Result<Vec<Vec<Report>>> {
         let starts = self.lines_by_start()?.into_iter();
         Ok(starts

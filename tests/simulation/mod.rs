@@ -44,9 +44,6 @@ pub struct Ran {
 
 impl Ran {
     /// Returns the events after each start, with their times.
-    ///
-    /// # Errors
-    /// Fails when the log cannot be read.
     pub fn starts(&self) -> anyhow::Result<Vec<Start>> {
         events::read(&self.folder.path().join(events::EVENTS))
     }
@@ -61,9 +58,6 @@ impl Deref for Ran {
 }
 
 /// Runs a scenario to its end. `program` is what [`xtask::firmware::build_simulation`] built.
-///
-/// # Errors
-/// Fails when the program does.
 pub fn run(program: &Path, inputs: &Inputs<'_>) -> anyhow::Result<Ran> {
     let folder = tempfile::Builder::new().prefix("simulation").tempdir()?;
     let path = |name: &str| folder.path().join(name);

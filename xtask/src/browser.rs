@@ -47,9 +47,6 @@ impl Kind {
     }
 
     /// A browser of this kind that runs.
-    ///
-    /// # Errors
-    /// When there is none; names the command that installs one.
     pub fn find(self) -> Result<PathBuf> {
         let runs = |program: &PathBuf| {
             let version = Command::new(program).arg("--version").output();
@@ -72,9 +69,6 @@ impl Kind {
 }
 
 /// Checks that there is a browser of each kind; with `install` it installs Debian's.
-///
-/// # Errors
-/// When one is missing, and none may be, or can be, installed.
 pub fn prepare(install: bool) -> Result<()> {
     let mut packages = Vec::new();
     for kind in [Kind::Chromium, Kind::Firefox] {

@@ -21,9 +21,6 @@ const INSTALLED: &str = "/usr/lib";
 
 /// The folder of `libclang`. None if the environment names one already, or where this machine is no
 /// Debian: then bindgen searches by itself.
-///
-/// # Errors
-/// When it is missing and may not be, or cannot be, installed.
 pub fn find(install: bool) -> Result<Option<PathBuf>> {
     if env::var_os(VARIABLE).is_some() || !Path::new("/usr/bin/dpkg-query").exists() {
         return Ok(None);

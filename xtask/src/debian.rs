@@ -28,9 +28,6 @@ pub fn install_command(packages: &[&str]) -> String {
 }
 
 /// Installs packages, as root.
-///
-/// # Errors
-/// When apt-get fails.
 pub fn install(packages: &[&str]) -> Result<()> {
     let apt = |arguments: &[&str]| -> Result<()> {
         let status = Command::new("apt-get")

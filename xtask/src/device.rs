@@ -49,9 +49,6 @@ impl Image {
 }
 
 /// Builds an image and gives its path.
-///
-/// # Errors
-/// When it does not build.
 pub fn build(toolchain: &Toolchain, image: Image) -> Result<PathBuf> {
     let mut cargo = toolchain.cargo("rustc", TARGET);
     cargo
@@ -102,9 +99,6 @@ pub struct Outcome {
 }
 
 /// Runs an image to its end.
-///
-/// # Errors
-/// When the emulator cannot be started, or there is no end within `limit`.
 pub fn run(
     image: &Path,
     arguments: &[impl AsRef<OsStr>],

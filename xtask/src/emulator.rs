@@ -17,9 +17,6 @@ use crate::qemu::{self, HINT, QEMU};
 pub const PYTHON_VARIABLE: &str = "MYOINTENT_PYTHON";
 
 /// Checks that emulator and armband can run; with `install` it installs what is missing.
-///
-/// # Errors
-/// When something is missing that may not be, or cannot be, installed.
 pub fn prepare(install: bool) -> Result<()> {
     if qemu::find().is_err() {
         install_packages(&[QEMU], install)?;
@@ -42,9 +39,6 @@ pub fn prepare(install: bool) -> Result<()> {
 }
 
 /// A Python that can run the virtual armband.
-///
-/// # Errors
-/// When there is none; names the command that creates it.
 pub fn python() -> Result<PathBuf> {
     let python =
         env::var_os(PYTHON_VARIABLE).map_or_else(|| environment().join("bin/python"), Into::into);

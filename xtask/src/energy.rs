@@ -113,9 +113,6 @@ impl fmt::Display for Budget {
 }
 
 /// Prints the table of docs/energy.md.
-///
-/// # Errors
-/// When the committed counts cannot be read.
 pub fn print() -> Result<()> {
     let counts: Table = count::committed()?;
     let cycles = counts.cycles("total");

@@ -57,9 +57,6 @@ pub struct Files {
 
 impl Files {
     /// Builds an image, and reads it and the model file.
-    ///
-    /// # Errors
-    /// When the image does not build, or a file cannot be read.
     pub fn read(&self, image: Image) -> Result<(Vec<u8>, Vec<u8>)> {
         let toolchain = toolchain::find(TARGET, self.install)?;
         let elf = firmware::build_image(&toolchain, image, self.install, self.locked)?;
@@ -67,9 +64,6 @@ impl Files {
     }
 
     /// Writes the file; returns its path, by default with this extension.
-    ///
-    /// # Errors
-    /// When it cannot be written.
     pub fn write(&self, image: Image, extension: &str, bytes: impl AsRef<[u8]>) -> Result<PathBuf> {
         let default = || cross_target().join(image.name()).with_extension(extension);
         let out = self.out.clone().unwrap_or_else(default);
@@ -86,9 +80,6 @@ fn read(path: &Path) -> Result<Vec<u8>> {
 pub const CHIPS: [Image; 3] = [Image::Nrf52840S140, Image::Nrf52840Sdc, Image::Nrf52832S132];
 
 /// Builds an image and writes it with all that belongs to it into one file.
-///
-/// # Errors
-/// When the image does not build, a file cannot be read, or two parts overlap.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let image = CHIPS.into_iter().find(|one| one.name() == arguments.image);
     let image = image.context("no image of a chip")?;
@@ -122,9 +113,6 @@ pub struct Part {
 
 impl Part {
     /// The program of an image.
-    ///
-    /// # Errors
-    /// When the image is no ELF file, or has nothing to flash.
     pub fn program(elf: &[u8]) -> Result<Self> {
         let file = ElfFile32::<Endianness>::parse(elf).context("the image is no ELF file")?;
         let loaded = file.elf_program_headers().iter().filter_map(|segment| {
@@ -143,9 +131,6 @@ impl Part {
     }
 
     /// A model file, in the region that the image reads it from.
-    ///
-    /// # Errors
-    /// When the file is longer than the region.
     pub fn model(file: &[u8], elf: &[u8]) -> Result<Self> {
         let (start, end) = (address(elf, "_model_start")?, address(elf, "_model_end")?);
         let room = (end - start) as usize;
@@ -161,9 +146,6 @@ impl Part {
     }
 
     /// The page that says how far an installation of a model is, erased: the model is whole.
-    ///
-    /// # Errors
-    /// When the image is no ELF file, or knows no such page.
     pub fn erased_journal(elf: &[u8]) -> Result<Self> {
         Ok(Self {
             name: "journal",
@@ -181,9 +163,6 @@ impl Part {
     }
 
     /// Content of an Intel hex.
-    ///
-    /// # Errors
-    /// When the text is not Intel hex.
     pub fn hex(name: &'static str, text: &str) -> Result<Self> {
         let mut segments: Vec<(u32, Vec<u8>)> = Vec::new();
         let mut base = 0;
@@ -236,9 +215,6 @@ impl fmt::Display for Part {
 }
 
 /// The Intel hex of all parts.
-///
-/// # Errors
-/// When two parts overlap: names both.
 pub fn merged(parts: &[Part]) -> Result<String> {
     let mut ranges: Vec<_> = parts
         .iter()

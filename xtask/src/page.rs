@@ -35,9 +35,6 @@ pub struct Arguments {
 }
 
 /// Writes the page.
-///
-/// # Errors
-/// When there is no compiler for the browser, it fails, or the file cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let page = build(arguments.install)?;
     let out = &arguments.out;
@@ -47,9 +44,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// Builds the page; returns its text.
-///
-/// # Errors
-/// When there is no compiler for the browser, or it fails.
 pub fn build(install: bool) -> Result<String> {
     let toolchain = toolchain::find(WEB, install)?;
     let mut flags = firmware::short_paths();

@@ -11,9 +11,6 @@ pub const HINT: &str = "cargo xtask emulator --install";
 pub const QEMU: &str = "qemu-system-arm";
 
 /// Its version line.
-///
-/// # Errors
-/// When it is not installed; names the command that installs it.
 pub fn find() -> Result<String> {
     match Command::new(QEMU).arg("--version").output() {
         Ok(output) if output.status.success() => {

@@ -55,9 +55,6 @@ fn is_of_the_controller(symbol: &str) -> bool {
 }
 
 /// Sums the sections of an ELF image.
-///
-/// # Errors
-/// When the file is not an ELF image.
 pub fn measure(elf: &[u8]) -> Result<Size> {
     let file = object::File::parse(elf).context("not an ELF image")?;
     let mut size = Size::default();

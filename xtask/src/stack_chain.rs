@@ -47,9 +47,6 @@ impl fmt::Display for Chain {
 }
 
 /// Follows the calls of an image.
-///
-/// # Errors
-/// When it is no ELF image, or has no symbols.
 pub fn deepest(elf: &[u8]) -> Result<Chain> {
     let file = object::File::parse(elf).context("not an ELF image")?;
     let functions = functions(&file)?;
@@ -78,9 +75,6 @@ pub fn deepest(elf: &[u8]) -> Result<Chain> {
 }
 
 /// Addresses of the stack in an image, the guard's with them.
-///
-/// # Errors
-/// When it is no ELF image, or the linker script names no stack.
 pub fn stack(elf: &[u8]) -> Result<Range<u32>> {
     let file = object::File::parse(elf).context("not an ELF image")?;
     let address = |name: &str| {

@@ -12,9 +12,6 @@ const PANICS_ON_A_NOTIFICATION: [&str; 3] = [
 ];
 
 /// Fails where an image contains a function that a radio packet can make panic.
-///
-/// # Errors
-/// Also when the file is no ELF image, or has no symbols.
 pub fn check(elf: &[u8]) -> Result<()> {
     let file = object::File::parse(elf).context("not an ELF image")?;
     let names: Vec<&str> = file

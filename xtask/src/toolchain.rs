@@ -41,9 +41,6 @@ pub enum Toolchain {
 }
 
 /// Finds a toolchain for a target; installs Debian's if there is none and `install` is set.
-///
-/// # Errors
-/// When there is none; names the commands that install one.
 pub fn find(target: &str, install: bool) -> Result<Toolchain> {
     if rustup_has(target) {
         return Ok(Toolchain::Rustup);
@@ -71,9 +68,6 @@ pub fn find(target: &str, install: bool) -> Result<Toolchain> {
 
 /// Runs the firmware on a board, by cargo with these further arguments. First checks what cargo would find missing only
 /// after a minute or more of compiling.
-///
-/// # Errors
-/// When there is no compiler for the target, `probe-rs` is missing, or cargo fails.
 pub fn run_on_board(arguments: &[String]) -> Result<()> {
     let toolchain = find(TARGET, false)?;
     // Another runner brings its own program.

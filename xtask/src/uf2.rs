@@ -17,9 +17,6 @@ pub struct Arguments {
 }
 
 /// Builds a board's image and writes it with a model into one file.
-///
-/// # Errors
-/// When the image does not build, a file cannot be read or written, or the model does not fit.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let image = Image::UF2
         .into_iter()
@@ -33,9 +30,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// The file of an image's program and a model.
-///
-/// # Errors
-/// When the image is no ELF file, or the model does not fit into its region.
 pub fn file(elf: &[u8], model: &[u8]) -> Result<Vec<u8>> {
     let mut file = Uf2::default();
     let parts = [

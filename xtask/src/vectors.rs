@@ -10,9 +10,6 @@ use object::{Object as _, ObjectSection as _, ObjectSymbol as _};
 const CORE_VECTORS: usize = 16;
 
 /// Fails where one of the interrupts, given by number, leads to no handler or the default one.
-///
-/// # Errors
-/// Also when the file is no ELF image of `cortex-m-rt`.
 pub fn check(elf: &[u8], needed: &[usize]) -> Result<()> {
     let file = object::File::parse(elf).context("not an ELF image")?;
     let table = file

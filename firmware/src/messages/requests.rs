@@ -106,9 +106,6 @@ impl<Q, A> Requests<Q, A> {
     }
 
     /// Asks, and waits for the answer. To be called by one task alone.
-    ///
-    /// # Errors
-    /// Refusal by the other task, or `Busy` if it does not answer in time.
     pub async fn ask(&self, request: Q) -> Result<A, Refusal> {
         let own = Ticket(self.tickets.fetch_add(1, Ordering::Relaxed));
         self.asked.signal((own, request));

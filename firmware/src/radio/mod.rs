@@ -97,9 +97,6 @@ pub trait Radio {
     async fn silence(&mut self);
 
     /// Connects, runs the handler on the connection, and disconnects when the handler returns.
-    ///
-    /// # Errors
-    /// If no connection was established; the handler was not run then.
     async fn connect(
         &mut self,
         address: Address,

@@ -23,18 +23,12 @@ pub const PRESET: u64 = MIB;
 /// Reason why a file is not read.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub(crate) enum Refusal {
-    /// A folder, a device or a pipe.
     #[error("expected a regular file, found {0}")]
     Kind(&'static str),
-    /// A file of another kind than a model.
     #[error("expected a model file (.intent), found {0}")]
     NoModel(FileKind),
-    /// A file larger than the bound.
     #[error("expected at most {} MiB, found more: give a smaller file", most / MIB)]
-    Large {
-        /// The bound.
-        most: u64,
-    },
+    Large { most: u64 },
 }
 
 /// Reads a regular file of at most `most` bytes.

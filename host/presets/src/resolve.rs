@@ -33,41 +33,22 @@ pub struct FoldChoice {
 
 /// Error of resolving a preset.
 #[derive(Debug, Error)]
+#[expect(missing_docs, reason = "the messages say it")]
 pub enum ConfigError {
-    /// The split cannot be made.
     #[error(transparent)]
     Split(#[from] SplitError),
-    /// No labelled recordings were found.
     #[error(
         "none of the {recordings} recordings has labels of the {classes} classes: give labelled recordings with --data"
     )]
-    NoLabels {
-        /// Recordings found.
-        recordings: usize,
-        /// Number of classes of the preset.
-        classes: usize,
-    },
-    /// There is no such fold.
+    NoLabels { recordings: usize, classes: usize },
     #[error(
         "fold {number} of {of}: expected 2 folds or more, and a number from 1 on up to their number"
     )]
-    Fold {
-        /// The fold given.
-        number: usize,
-        /// Number of folds.
-        of: usize,
-    },
-    /// The weights to start from, or their ancestors, were trained or validated with subjects that are left out.
+    Fold { number: usize, of: usize },
     #[error(
         "{start}, or what it started from, was trained on or validated with {subjects}, whom this run leaves out: start from a run that left them out too"
     )]
-    HeldOutSeen {
-        /// Run folder or checkpoint that training starts from.
-        start: PathBuf,
-        /// The subjects, separated by commas.
-        subjects: String,
-    },
-    /// The run's folder cannot be used.
+    HeldOutSeen { start: PathBuf, subjects: String },
     #[error(transparent)]
     Run(#[from] RunError),
 }

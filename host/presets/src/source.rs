@@ -17,35 +17,21 @@ pub const BUILT_IN: [(&str, &str); 3] = [
 
 /// Error of finding or reading a preset.
 #[derive(Debug, Error)]
+#[expect(missing_docs, reason = "the messages say it")]
 pub enum PresetError {
-    /// The name is neither built in nor that of a readable file.
     #[error("preset {name}: no built-in preset of that name (there are {known}) and no such file")]
     Missing {
-        /// The name or path given.
         name: String,
-        /// Built-in names.
         known: String,
-        /// The cause.
         source: std::io::Error,
     },
-    /// The text is not TOML, or a key is unknown or missing.
     #[error("preset {name}: {reason}")]
-    Syntax {
-        /// The preset.
-        name: String,
-        /// The parser's message, with the line.
-        reason: String,
-    },
-    /// An invalid value.
+    Syntax { name: String, reason: String },
     #[error("preset {name}: {key} is {found}, expected {expected}")]
     Value {
-        /// The preset.
         name: String,
-        /// The key.
         key: &'static str,
-        /// Value that was found.
         found: String,
-        /// Valid values.
         expected: &'static str,
     },
 }

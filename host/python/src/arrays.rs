@@ -21,9 +21,6 @@ fn numbers<'py>(values: &Bound<'py, PyAny>) -> PyResult<PyReadonlyArrayDyn<'py, 
 }
 
 /// Passes samples to `take`: without a copy from an int8 array whose rows follow each other in memory.
-///
-/// # Errors
-/// When the array is not n x 8 or holds another number than -128 to 127.
 pub fn with_samples<R>(
     emg: &Bound<'_, PyAny>,
     take: impl FnOnce(&[Sample]) -> PyResult<R>,
@@ -44,9 +41,6 @@ pub fn with_samples<R>(
 }
 
 /// Motion of each sample from class numbers or names.
-///
-/// # Errors
-/// When the array has several axes, or at the first element that is not a label.
 pub fn motions(labels: &Bound<'_, PyAny>) -> PyResult<Vec<Motion>> {
     if let Ok(array) = labels.extract::<PyReadonlyArray1<'_, i8>>() {
         return each(array.as_array().iter(), |&number| {

@@ -14,24 +14,16 @@ use crate::baselines::training::TrainingError;
 /// Why a job failed.
 #[derive(Debug, Error)]
 pub(crate) enum JobError {
-    /// The preset does not fit the recordings.
     #[error(transparent)]
     Config(#[from] ConfigError),
-    /// The run folder cannot be used.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// A step of the run failed, or the user interrupted.
     #[error(transparent)]
     Step(#[from] StepError),
-    /// A baseline cannot be trained, or the user interrupted.
     #[error(transparent)]
     Baseline(#[from] TrainingError),
-    /// The folder holds a run with other settings.
     #[error("{path}: made with another preset, protocol or recordings; give another --out folder")]
-    OtherRun {
-        /// Configuration file in the folder.
-        path: PathBuf,
-    },
+    OtherRun { path: PathBuf },
 }
 
 impl JobError {
@@ -48,9 +40,6 @@ impl JobError {
 }
 
 /// Loads the configuration in the folder if the job was started before; otherwise saves the new one there.
-///
-/// # Errors
-/// [`JobError::OtherRun`] if the folder holds a run with other settings.
 pub(crate) fn begun(
     folder: &RunFolder,
     config: ResolvedConfig,

@@ -62,9 +62,6 @@ impl Drive {
     }
 
     /// The drive of a clone that has the pins of `board`.
-    ///
-    /// # Errors
-    /// [`FlashError::OtherBoard`] if its boot loader says that it is another one.
     pub fn with_pins_of(self, board: UsbBoard) -> Result<Self, FlashError> {
         match self.board {
             Some(known) if known != board => Err(FlashError::other(&self, board.name)),
@@ -76,9 +73,6 @@ impl Drive {
     }
 
     /// The only drive among folders, or the only one of a board that is asked for, if any.
-    ///
-    /// # Errors
-    /// [`FlashError::Drives`].
     pub fn among(
         folders: impl IntoIterator<Item = PathBuf>,
         board: Option<UsbBoard>,
@@ -99,9 +93,6 @@ impl Drive {
     }
 
     /// Copies a file onto the drive. The board takes it block by block and starts after the last one.
-    ///
-    /// # Errors
-    /// [`FlashError::Full`], [`FlashError::Unwritable`].
     pub fn write(&self, file: &[u8]) -> Result<(), FlashError> {
         let path = self.path.join(WRITTEN);
         let written = created(&path).and_then(|out| copy(out, file));

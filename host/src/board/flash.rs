@@ -66,8 +66,8 @@ impl UsbBoard {
 
 /// Error of putting firmware or a model onto a board with USB.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages say it")]
 pub enum FlashError {
-    /// There is neither a drive nor a board on a port.
     #[error(
         "no board found. Plug one in, press reset twice, quickly, and wait for its drive (mount it where the system does \
          not), or give --drive or --port.\nWithout a board, buy a XIAO nRF52840, a Feather nRF52840 Express or a nice!nano 2, \
@@ -75,112 +75,67 @@ pub enum FlashError {
          the pins for a hand"
     )]
     NoBoard,
-    /// A given folder is not a boot loader's drive.
     #[error(
         "{path}: expected the drive of a boot loader, with a Board-ID in its INFO_UF2.TXT, found none: press reset twice, quickly, \
          mount the drive, and give its folder"
     )]
-    NoDriveAt {
-        /// The folder.
-        path: PathBuf,
-    },
-    /// More than one drive might be meant.
+    NoDriveAt { path: PathBuf },
     #[error("several drives of boot loaders: {}; unplug all but one board, or give --drive", listed(.paths))]
-    Drives {
-        /// Their folders.
-        paths: Vec<PathBuf>,
-    },
-    /// The drive is another board's.
+    Drives { paths: Vec<PathBuf> },
     #[error("{path}: expected the drive of {expected}, found Board-ID {id}: nothing was written{}", of_clones(.id))]
     OtherBoard {
-        /// Folder of the drive.
         path: PathBuf,
-        /// Name of the board that is expected; all of them if any will do.
         expected: String,
-        /// `Board-ID` of the boot loader.
         id: String,
     },
-    /// The boot loader would leave out the beginning of the program.
     #[error(
         "{path}: expected a boot loader of version {}.{} or later, found {version}: nothing was written. Older ones do not write all \
          of the firmware: update it as the board's maker says, then try again", FIRST.0, FIRST.1
     )]
-    OldBootLoader {
-        /// Folder of the drive.
-        path: PathBuf,
-        /// Version that the boot loader says.
-        version: String,
-    },
-    /// The file is not a UF2 file.
+    OldBootLoader { path: PathBuf, version: String },
     #[error("{path}")]
     File {
-        /// The file.
         path: PathBuf,
-        /// Reason of the refusal.
         #[source]
         source: Uf2Error,
     },
-    /// The file holds another program.
     #[error(
         "{path}: expected firmware of this project, found another program: nothing was written"
     )]
-    Foreign {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The model in a file is damaged, or no board can run it.
+    Foreign { path: PathBuf },
     #[error("{path}: its model is damaged: download the file again, or give a model with --model")]
     Held {
-        /// The file.
         path: PathBuf,
-        /// Reason of the refusal.
         #[source]
         source: InstallError,
     },
-    /// The model does not fit, or no board can run it.
     #[error(transparent)]
     Model(#[from] BoardError),
-    /// The drive has no room.
     #[error(
         "{path}: the drive is full. Is it a boot loader's? Press reset twice, quickly, and try again"
     )]
-    Full {
-        /// File that was written.
-        path: PathBuf,
-    },
-    /// The drive cannot be written.
+    Full { path: PathBuf },
     #[error(
         "{path} cannot be written; if it is on a boot loader's drive, press reset twice, quickly, and try again"
     )]
     Unwritable {
-        /// File that was written.
         path: PathBuf,
-        /// Error of the operating system.
         #[source]
         source: std::io::Error,
     },
-    /// The boot loader did not start, or its drive is not mounted.
     #[error("no drive came within {} s: press reset twice, quickly, mount the drive, and try again", PATIENCE.as_secs())]
     NoDrive,
-    /// The firmware does not answer.
     #[error(
         "copied, but no board answers within {} s: press reset once; a boot loader older than 0.4 has to be updated first",
         PATIENCE.as_secs()
     )]
     Silent,
-    /// The firmware runs without a model.
     #[error("copied, but the board has no model that it can run: give one with --model")]
     NoModel,
-    /// The board that answers runs something else than what was copied.
     #[error(
         "copied, but the board runs {found}, expected {expected}: press reset twice, quickly, and try again"
     )]
-    OtherContent {
-        /// Image and model that were copied.
-        expected: String,
-        /// Image and model that answer.
-        found: String,
-    },
+    OtherContent { expected: String, found: String },
 }
 
 impl FlashError {
@@ -263,9 +218,6 @@ impl Firmware {
 
 impl Content {
     /// Firmware from a file of a release with the model in it, a model in its place, or a model alone.
-    ///
-    /// # Errors
-    /// The file is not a UF2 file or holds another program, or a model is damaged or too large for a board.
     pub fn new(image: Option<(&Path, &[u8])>, model: Option<&[u8]>) -> Result<Self, FlashError> {
         let (mut file, mut firmware) = (Uf2::default(), None);
         let path = image.map(|(path, _)| path.to_owned()).unwrap_or_default();
@@ -310,9 +262,6 @@ impl Content {
     }
 
     /// Checks that a drive is that of the board, and that its boot loader writes all of it.
-    ///
-    /// # Errors
-    /// [`FlashError::OtherBoard`], [`FlashError::OldBootLoader`].
     pub fn fits(&self, drive: &Drive, asked: Option<UsbBoard>) -> Result<UsbBoard, FlashError> {
         let of_file = self.firmware.as_ref().map(|firmware| firmware.board);
         let is_right = |board: &UsbBoard| {

@@ -43,21 +43,16 @@ pub(super) const PAGE: &[u8] = b"<!DOCTYPE html>";
 /// Why a file is not written.
 #[derive(Debug, Error)]
 pub(super) enum OutputError {
-    /// A file of that name exists.
     #[error("{} exists already: give another name with --out, or remove it", _0.display())]
     Exists(PathBuf),
-    /// The file of that name is of another kind.
     #[error(
         "{} exists already, and it is no earlier output of this command: give another name, or remove it",
         _0.display()
     )]
     Unlike(PathBuf),
-    /// The file of that name cannot be read.
     #[error("{path} cannot be replaced: {source}; give another name")]
     Unreadable {
-        /// The file.
         path: PathBuf,
-        /// Error of the operating system.
         source: std::io::Error,
     },
 }
@@ -71,9 +66,6 @@ pub(super) fn refuse_existing(path: &Path) -> Result<(), OutputError> {
 }
 
 /// Refuses the name of a table or a page if it is a file of another kind, which does not begin with `start`.
-///
-/// # Errors
-/// [`OutputError::Unlike`], or [`OutputError::Unreadable`].
 pub(super) fn refuse_unlike(path: &Path, start: &[u8]) -> Result<(), OutputError> {
     let unreadable = |source| OutputError::Unreadable {
         path: path.to_owned(),

@@ -142,17 +142,11 @@ fn first_label(model: &Model<'_>) -> anyhow::Result<String> {
 }
 
 /// UART lines of a model over samples.
-///
-/// # Errors
-/// When the model is refused.
 pub fn lines(model: &[u8], samples: &[Sample]) -> anyhow::Result<String> {
     lines_from(model, samples, Start::default())
 }
 
 /// UART lines of a model over samples, with a calibration that begins after so many of them.
-///
-/// # Errors
-/// When the model is refused.
 pub fn calibrated_lines(model: &[u8], samples: &[Sample], at: u64) -> anyhow::Result<String> {
     let start = Start {
         calibrate: Some(Lesson { at, others: false }),
@@ -228,9 +222,6 @@ fn replay(
 }
 
 /// Loads the recording at a path, by name if there are several.
-///
-/// # Errors
-/// When the path has no recording, or several and no name is given.
 pub fn one_recording(path: &Path, name: Option<&str>) -> anyhow::Result<Recording> {
     recording_of(path, name, false)
 }

@@ -30,27 +30,20 @@ pub struct BackendArguments {
 
 /// Why there is no device to compute on.
 #[derive(Clone, Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages say it")]
 pub enum BackendError {
-    /// The program was compiled without any backend.
     #[error("no backend is compiled in: build with one of the features flex, ndarray, wgpu")]
     NoneCompiled,
-    /// No driver offers an adapter that can compute.
     #[error(
         "no adapter for --backend wgpu: {reason}\n\
          `vulkaninfo --summary` lists what Vulkan finds; without a GPU, choose --backend flex, \
          or, to try the backend, install a software Vulkan (Debian: mesa-vulkan-drivers)"
     )]
-    NoAdapter {
-        /// Message of the library.
-        reason: String,
-    },
+    NoAdapter { reason: String },
 }
 
 impl BackendArguments {
     /// The device, with gradients.
-    ///
-    /// # Errors
-    /// When the backend finds no device.
     pub fn device(self) -> Result<Device, BackendError> {
         let compiled = Backend::value_variants().first().copied();
         let chosen = self.backend.or(compiled);
@@ -61,9 +54,6 @@ impl BackendArguments {
 
 impl Backend {
     /// The device, without gradients.
-    ///
-    /// # Errors
-    /// When the backend finds no device.
     pub fn device(self) -> Result<Device, BackendError> {
         match self {
             #[cfg(feature = "wgpu")]

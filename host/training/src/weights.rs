@@ -15,9 +15,6 @@ const PART: &str = "weights";
 /// Weights of models in a run folder.
 pub trait Weights {
     /// Writes a model's weights as `NAME.bpk`.
-    ///
-    /// # Errors
-    /// When the file cannot be written.
     fn save_model(
         &self,
         name: &str,
@@ -26,10 +23,6 @@ pub trait Weights {
     ) -> Result<(), RunError>;
 
     /// Reads the weights made from `made_from` into a model of the same shape.
-    ///
-    /// # Errors
-    /// [`RunError::NotOfThisRun`] if the weights were made from something else; when the file is missing, damaged or of
-    /// another shape.
     fn load_model<M: Module>(
         &self,
         name: &str,
@@ -87,9 +80,6 @@ impl ModuleVisitor for Values<'_> {
 }
 
 /// Encodes a model's weights as bytes, for the file `path`.
-///
-/// # Errors
-/// When they cannot be written.
 pub(crate) fn model_bytes(path: &Path, model: &impl Module) -> Result<Vec<u8>, RunError> {
     let bytes = model.clone().into_record().into_bytes();
     let bytes = bytes.map_err(|error| RunError::content(path, error))?;
@@ -97,9 +87,6 @@ pub(crate) fn model_bytes(path: &Path, model: &impl Module) -> Result<Vec<u8>, R
 }
 
 /// Reads weights from bytes of the file `path` into a model of the same shape.
-///
-/// # Errors
-/// When they are damaged or of another shape.
 pub(crate) fn load_model_bytes<M: Module>(
     path: &Path,
     bytes: Vec<u8>,

@@ -86,35 +86,20 @@ const _: () = assert!(RECORD_BYTES <= 4 * SCRATCH);
 
 /// Reason why a calibration learns nothing.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages say it")]
 pub enum Refusal {
-    /// The model is wider than a device runs.
     #[error(
         "the model has width {found}, at most {MAX_HEAD_WIDTH} can be calibrated: take a smaller model"
     )]
-    TooWide {
-        /// Width of the model.
-        found: usize,
-    },
-    /// A class was shown too briefly.
+    TooWide { found: usize },
     #[error("{} was shown for {found} patches of 50 ms, {FEWEST_PATCHES} are needed: show it longer", .class.name())]
-    TooFew {
-        /// The class.
-        class: Intent,
-        /// Patches that were shown.
-        found: u32,
-    },
-    /// Other movement was shown too briefly.
+    TooFew { class: Intent, found: u32 },
     #[error(
         "other movement was shown for {found} patches of 50 ms, {FEWEST_PATCHES} are needed: show it longer, or none"
     )]
-    TooFewOthers {
-        /// Patches that were shown.
-        found: u32,
-    },
-    /// The sums are of another model.
+    TooFewOthers { found: u32 },
     #[error("the hidden vectors are not of this model: show everything again")]
     WrongModel,
-    /// A model file may not hold the solution: a number is NaN or too large.
     #[error("what was shown gives no usable weights: show everything again")]
     NotFinite,
 }

@@ -39,27 +39,16 @@ const _: () = assert!(RECORD_BYTES <= 4096);
 
 /// Reason why a record is not used.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages say it")]
 pub enum RecordError {
-    /// An erased page, or other bytes.
     #[error("no calibration is kept")]
     Missing,
-    /// Another version.
     #[error("calibration of version {found}, this firmware reads {VERSION}: calibrate again")]
-    Version {
-        /// Version of the record.
-        found: u8,
-    },
-    /// A byte has changed, or the record is not whole.
+    Version { found: u8 },
     #[error("the calibration is damaged: calibrate again")]
     Damaged,
-    /// The record is of another model.
     #[error("the calibration is of model {found:08x}, here is {expected:08x}: calibrate again")]
-    WrongModel {
-        /// CRC-32 of the model here.
-        expected: u32,
-        /// CRC-32 of the record's model.
-        found: u32,
-    },
+    WrongModel { expected: u32, found: u32 },
 }
 
 /// Head of a record, read where it is.

@@ -118,8 +118,6 @@ const CASES: usize = 6 * DRAWS
 
 /// Runs all checks on an implementation and returns their number.
 ///
-/// # Errors
-///
 /// The first difference.
 fn check<K: Kernels>() -> Result<usize, Mismatch> {
     let mut checked = 0;

@@ -42,9 +42,6 @@ pub trait Encode {
     }
 
     /// Writes the head of a wearer; the state is scratch memory, and fresh after it.
-    ///
-    /// # Errors
-    /// Each [`Refusal`].
     fn solve(
         &self,
         _sums: &Sums,

@@ -22,14 +22,12 @@ pub struct Address {
 
 /// Why a text is not an address.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages say it")]
 pub enum AddressError {
-    /// Not 17 characters.
     #[error("an address has 17 characters, found {0}: write it as FA:01:23:45:67:89")]
     Length(usize),
-    /// A colon is missing.
     #[error("expected a colon at character {0} of the address: write it as FA:01:23:45:67:89")]
     Colon(usize),
-    /// Not a hexadecimal digit.
     #[error("expected a hexadecimal digit at character {0} of the address: 0-9, a-f or A-F")]
     Digit(usize),
 }

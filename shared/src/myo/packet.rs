@@ -21,9 +21,6 @@ pub(super) struct TooShort {
 }
 
 /// The samples of an EMG notification: 2 x 8 x i8, channel 1 first.
-///
-/// # Errors
-/// Fewer than 16 bytes.
 pub(super) fn parse_emg(bytes: &[u8]) -> Result<Pair, TooShort> {
     let bytes = first::<{ 2 * CHANNELS }>(bytes)?;
     Ok(from_fn(|sample| {
@@ -37,9 +34,6 @@ pub struct Imu(pub [i16; 10]);
 
 impl Imu {
     /// The movement of an IMU value: 10 x i16, little-endian.
-    ///
-    /// # Errors
-    /// Fewer than 20 bytes.
     pub(super) fn parse(bytes: &[u8]) -> Result<Self, TooShort> {
         let bytes = first::<20>(bytes)?;
         let (pairs, _) = bytes.as_chunks();
@@ -66,9 +60,6 @@ impl Imu {
 }
 
 /// The charge in a Battery Level value, percent 0..=100.
-///
-/// # Errors
-/// No byte at all.
 pub(super) fn parse_battery(bytes: &[u8]) -> Result<u8, TooShort> {
     let [percent] = *first::<1>(bytes)?;
     Ok(percent.min(100))
@@ -90,9 +81,6 @@ pub struct FirmwareVersion {
 impl FirmwareVersion {
     /// The version of a Firmware Version value: 4 x u16, little-endian (the vendor's header claims
     /// big-endian; armbands disagree).
-    ///
-    /// # Errors
-    /// Fewer than 8 bytes.
     pub(super) fn parse(bytes: &[u8]) -> Result<Self, TooShort> {
         let [a, b, c, d, e, f, g, h] = *first::<8>(bytes)?;
         Ok(Self {

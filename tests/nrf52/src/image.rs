@@ -8,11 +8,10 @@ use object::{Object as _, ObjectSymbol as _, SymbolKind};
 
 /// No image.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages say it")]
 pub enum ImageError {
-    /// Not an ELF file.
     #[error("the image is no ELF file: build it with `cargo xtask images`")]
     NotElf(#[from] object::Error),
-    /// Image without anything to flash.
     #[error("the image has nothing to flash: expected a segment below 0x100000")]
     Empty,
 }
@@ -28,9 +27,6 @@ pub struct Image {
 
 impl Image {
     /// Reads an ELF file.
-    ///
-    /// # Errors
-    /// When the file is not an ELF image, or has nothing to flash.
     pub fn parse(elf: &[u8]) -> Result<Self, ImageError> {
         let file = object::read::elf::ElfFile32::<object::Endianness>::parse(elf)?;
         let mut segments = Vec::new();

@@ -126,17 +126,11 @@ impl Machine {
     }
 
     /// Runs for `ticks`.
-    ///
-    /// # Errors
-    /// When the program does what is refused.
     pub fn run(&mut self, ticks: u64) -> Result<(), Refusal> {
         self.run_until(self.now + ticks, |_| false)
     }
 
     /// Runs until a condition holds, which is looked at whenever something happens, or until a time.
-    ///
-    /// # Errors
-    /// When the program does what is refused.
     pub fn run_until(&mut self, end: u64, done: impl Fn(&Self) -> bool) -> Result<(), Refusal> {
         while self.now < end && !done(self) {
             let next = self.next().min(end);

@@ -120,9 +120,6 @@ impl Memory {
 }
 
 /// Writes what a call gives.
-///
-/// # Errors
-/// When that is no RAM.
 pub fn give(memory: &Memory, address: u32, bytes: &[u8]) -> Result<(), What> {
     if memory.write(address, bytes) {
         Ok(())

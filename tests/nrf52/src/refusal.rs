@@ -4,116 +4,55 @@ use std::fmt;
 
 /// Reason to refuse an access, a task or a call.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages say it")]
 pub enum What {
-    /// The table of the peripheral does not list it.
     #[error("is not modelled: add it to the peripheral's table, with what it does")]
     NotModelled,
-    /// The place belongs to no peripheral of this chip.
     #[error("belongs to no peripheral of this chip")]
     NoPeripheral,
     /// Peripherals take whole words alone (product specification, 6.1.3).
     #[error("is accessed with {bytes} bytes: expected a word of 4")]
-    Width {
-        /// Bytes of the access.
-        bytes: usize,
-    },
-    /// A task or a register that is written alone.
+    Width { bytes: usize },
     #[error("is read: it can only be written")]
     NotReadable,
-    /// A status.
     #[error("is written {value:#x}: it can only be read")]
-    NotWritable {
-        /// Value that was written.
-        value: u32,
-    },
-    /// An event that the program sets.
+    NotWritable { value: u32 },
     #[error("is written {value:#x}: a program writes 0 to an event, to clear it")]
-    EventSet {
-        /// Value that was written.
-        value: u32,
-    },
-    /// Reserved bits.
+    EventSet { value: u32 },
     #[error("is written {value:#x}: the bits {reserved:#x} are reserved")]
-    Reserved {
-        /// Value that was written.
-        value: u32,
-        /// Reserved bits of the register.
-        reserved: u32,
-    },
-    /// A value that the register does not know.
+    Reserved { value: u32, reserved: u32 },
     #[error("is written {value:#x}: {expected}")]
-    Value {
-        /// Value that was written.
-        value: u32,
-        /// Description of the values that are allowed.
-        expected: &'static str,
-    },
-    /// A task that makes no sense now.
+    Value { value: u32, expected: &'static str },
     #[error("is triggered {when}")]
-    Untimely {
-        /// State in which it was triggered, in words.
-        when: &'static str,
-    },
-    /// A pin that is used for something else.
+    Untimely { when: &'static str },
     #[error("is configured for something else: {why}")]
-    Pin {
-        /// Holder of the pin, or what the pin lacks.
-        why: &'static str,
-    },
-    /// The interconnect leads to no task.
+    Pin { why: &'static str },
     #[error("is the end of a channel of the interconnect, and is no task")]
     NoTask,
-    /// The interconnect comes from no event.
     #[error("is the start of a channel of the interconnect, and is no event")]
     NoEvent,
-    /// DMA reaches RAM alone.
     #[error("is given {address:#010x} and {length} bytes: DMA reaches RAM alone")]
-    NoDma {
-        /// Address of the buffer.
-        address: u32,
-        /// Bytes of the buffer.
-        length: u32,
-    },
-    /// A part of the chip that the SoftDevice has taken.
+    NoDma { address: u32, length: u32 },
     #[error("belongs to the SoftDevice, which is enabled")]
     SoftDevices,
-    /// A part of the chip that Nordic's controller library has taken.
     #[error("belongs to the controller's library, which is initialized")]
     Controllers,
-    /// An instruction of Nordic's library that is not the start of a function that is modelled.
     #[error("is an instruction of Nordic's library, none of which is executed")]
     LibraryCode,
-    /// A call with this number is not modelled.
     #[error("is a call that is not modelled, with the arguments {arguments:x?}")]
-    UnknownCall {
-        /// Its arguments.
-        arguments: [u32; 4],
-    },
-    /// A call that the SoftDevice or the library does not expect.
+    UnknownCall { arguments: [u32; 4] },
     #[error("is a call {why}")]
-    WrongCall {
-        /// Description of what is wrong.
-        why: String,
-    },
-    /// An interrupt with a priority of somebody else's.
+    WrongCall { why: String },
     #[error(
         "comes while interrupt {interrupt} has priority {priority}: a SoftDevice reserves 0, 1 and 4, the controller's library takes 0 for RADIO, TIMER0 and RTC0 alone"
     )]
-    Priority {
-        /// Its number.
-        interrupt: u16,
-        /// Its priority.
-        priority: u8,
-    },
-    /// A supervisor call in an IT block: the emulated core would lose its state.
+    Priority { interrupt: u16, priority: u8 },
     #[error("is a supervisor call in an IT block, which the emulated core does not support")]
     CallInItBlock,
-    /// Sleep after which RAM may hold anything.
     #[error(
         "sleeps, and RAM cannot be trusted afterwards: erratum 108 asks for a write to 0x40000ee4 before"
     )]
     RamIsLost,
-    /// Two faults, one in the other.
     #[error("is where the core locked up")]
     LockedUp,
 }

@@ -15,9 +15,6 @@ use super::file::{File, Model, Page, Scenario, Signal};
 /// Address of the armband.
 const ARMBAND: &str = "FA:12:34:56:78:9A";
 /// Runs a scenario on the simulated board, in virtual time.
-///
-/// # Errors
-/// Names the first expectation that does not hold.
 pub fn simulate(file: &File, program: &Path) -> anyhow::Result<()> {
     let Some(samples) = samples(&file.name, &file.scenario)? else {
         return Ok(());
@@ -52,9 +49,6 @@ pub fn simulate(file: &File, program: &Path) -> anyhow::Result<()> {
 }
 
 /// Reads or generates the armband's samples; returns `None` where the recordings are missing.
-///
-/// # Errors
-/// Fails when a recording cannot be read, or is too short.
 pub fn samples(name: &str, scenario: &Scenario) -> anyhow::Result<Option<Vec<Sample>>> {
     let count = (scenario.seconds * 200.0).round() as usize;
     let Some(recording) = &scenario.recording else {
@@ -104,9 +98,6 @@ fn model_file(name: &str) -> anyhow::Result<Vec<u8>> {
 }
 
 /// Returns the content of the model's region.
-///
-/// # Errors
-/// Fails when the model cannot be read.
 pub fn model(model: &Model) -> anyhow::Result<Vec<u8>> {
     let mut bytes = model_file("three-class")?;
     let middle = bytes.len() / 2;

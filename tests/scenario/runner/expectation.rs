@@ -158,9 +158,6 @@ impl Expectation {
     }
 
     /// Checks what a board has written.
-    ///
-    /// # Errors
-    /// Names the first expectation that does not hold.
     pub fn check(
         &self,
         models: Models<'_>,

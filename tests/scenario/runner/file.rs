@@ -222,9 +222,6 @@ pub struct File {
 }
 
 /// Reads all scenarios of a folder, by name.
-///
-/// # Errors
-/// Fails when a file cannot be read, or is no scenario.
 pub fn all(folder: &Path) -> anyhow::Result<Vec<File>> {
     let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).with_context(|| folder.display().to_string())? {

@@ -13,9 +13,6 @@ use super::expectation::Models;
 const LABELS: usize = 50;
 
 /// Checks the labels after the last installation, if that is asked for.
-///
-/// # Errors
-/// Fails when the labels are not the new model's.
 pub fn check(
     wanted: bool,
     models: Models<'_>,

@@ -14,9 +14,6 @@ use super::expectation::Models;
 use super::file::{Act, File, Scenario};
 
 /// Runs a scenario on the emulated chip, in this image.
-///
-/// # Errors
-/// Names the first expectation that does not hold.
 pub fn run(file: &File, built: Image) -> anyhow::Result<()> {
     let scenario = &file.scenario;
     let Some(samples) = samples(&file.name, scenario)? else {

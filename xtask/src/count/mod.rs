@@ -58,9 +58,6 @@ pub struct Arguments {
 }
 
 /// Builds, counts and prints the table beside the committed one.
-///
-/// # Errors
-/// Also when the total is over its budget, or more than 2 % worse than committed.
 pub fn print(arguments: &Arguments) -> Result<()> {
     let samples = match &arguments.recording {
         Some(path) => signal::read_npy(path)?,
@@ -83,9 +80,6 @@ pub fn print(arguments: &Arguments) -> Result<()> {
 }
 
 /// The counts of the last commit.
-///
-/// # Errors
-/// When no counts are committed.
 pub fn committed() -> Result<Table> {
     let committed = fs::read_to_string(COMMITTED)
         .with_context(|| format!("{COMMITTED}: none; `cargo xtask count --accept` writes it"))?;
@@ -118,9 +112,6 @@ fn compare(table: &Table, committed: &Table) -> Result<()> {
 }
 
 /// Runs the image over samples of 8 bytes each, with a model's file or the one in models/.
-///
-/// # Errors
-/// When the image fails, or prints no counts.
 pub fn count(image: &Path, samples: &[u8], model: Option<&Path>) -> Result<Table> {
     // One file per process and thread: tests count side by side.
     let name = format!("samples-{}-{:?}", process::id(), thread::current().id());

@@ -29,9 +29,6 @@ pub fn synthetic() -> Vec<u8> {
 }
 
 /// The samples of an npy file.
-///
-/// # Errors
-/// When it cannot be read, or holds anything but bytes in rows of 8.
 pub fn read_npy(path: &Path) -> Result<Vec<u8>> {
     let bytes = fs::read(path).with_context(|| format!("{} cannot be read", path.display()))?;
     npy_body(&bytes)

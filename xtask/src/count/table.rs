@@ -65,9 +65,6 @@ impl Table {
     }
 
     /// Parses what the image printed.
-    ///
-    /// # Errors
-    /// When a part is missing or no number.
     pub fn parse(output: &str) -> Result<Self> {
         let mut lines = output.lines();
         let mut number = |name: &str| -> Result<u64> {

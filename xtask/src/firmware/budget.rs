@@ -42,9 +42,6 @@ impl Row {
 }
 
 /// Fails where an image is over a budget.
-///
-/// # Errors
-/// Says which budget, and by how much.
 pub fn check(row: &Row) -> Result<()> {
     let &Row { image, size, .. } = row;
     ensure!(

@@ -12,9 +12,6 @@ const PACKAGE: &str = "myointent-firmware";
 const PROFILE: &str = "firmware";
 
 /// Builds an image; returns its ELF file.
-///
-/// # Errors
-/// When it does not build, an interrupt that it needs has no handler, or it contains a function that must not be there.
 pub fn build_image(
     toolchain: &Toolchain,
     image: Image,
@@ -37,9 +34,6 @@ pub fn build_image(
 }
 
 /// Builds the program for this computer, where the board is simulated; returns the program's file.
-///
-/// # Errors
-/// When it does not build.
 pub fn build_simulation() -> Result<PathBuf> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let status = Command::new(cargo)
@@ -54,9 +48,6 @@ pub fn build_simulation() -> Result<PathBuf> {
 }
 
 /// A cargo command for an image.
-///
-/// # Errors
-/// When the image needs libclang, and it is not installed.
 pub fn command(
     toolchain: &Toolchain,
     subcommand: &str,

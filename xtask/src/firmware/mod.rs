@@ -41,9 +41,6 @@ pub struct LintArguments {
 }
 
 /// Builds, prints a table of sizes, and fails where an image is over a budget.
-///
-/// # Errors
-/// When there is no toolchain, an image does not build, or is too large.
 pub fn build(arguments: &Arguments) -> Result<()> {
     let toolchain = toolchain::find(TARGET, arguments.install)?;
     println!("{toolchain}");
@@ -71,9 +68,6 @@ pub fn build(arguments: &Arguments) -> Result<()> {
 }
 
 /// Lints the program as each board and each radio compiles it.
-///
-/// # Errors
-/// When there is no toolchain, or a lint to fix.
 pub fn lint(arguments: &LintArguments) -> Result<()> {
     let toolchain = toolchain::find(TARGET, arguments.install)?;
     // The nRF52832, and boards with the same features, differ by numbers alone. The image of a kit is also looked at as it is for

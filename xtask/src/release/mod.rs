@@ -54,9 +54,6 @@ pub struct Arguments {
 }
 
 /// Makes the parts of a release.
-///
-/// # Errors
-/// When something does not build, the tag and the changelog disagree, or a file cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let out = &arguments.out;
     if let Some(tag) = &arguments.tag {

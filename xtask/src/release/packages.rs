@@ -57,9 +57,6 @@ pub struct Package {
 }
 
 /// Returns the packages of registries that are linked, by name and version.
-///
-/// # Errors
-/// When cargo fails.
 pub fn linked() -> Result<Vec<Package>> {
     let mut part_of: BTreeMap<(String, String), BTreeSet<&'static str>> = BTreeMap::new();
     for (file, arguments) in LINKED {
@@ -143,9 +140,6 @@ fn output(arguments: &[&str]) -> Result<String> {
 }
 
 /// Text with the project's licence, a list of the packages, and each text that they hold once, with the files that hold it.
-///
-/// # Errors
-/// When a text cannot be read, or one that has to be there is missing.
 pub fn licences(linked: &[Package]) -> Result<String> {
     let mut text = String::from("myointent\n\n");
     for own in ["LICENSE-MIT", "LICENSE-APACHE"] {

@@ -207,9 +207,6 @@ impl CommandPort {
     }
 
     /// Waits for bytes of the UART and takes some; returns their number.
-    ///
-    /// # Errors
-    /// If bytes were lost, because they were not taken in time, or by an error on the line.
     async fn receive(&mut self, buffer: &mut [u8]) -> Result<usize, BytesLost> {
         loop {
             if self.stops {

@@ -59,9 +59,6 @@ pub fn now_us() -> u64 {
 }
 
 /// Switches the power on, until `end_us`. Output goes to files in a folder, after what they hold.
-///
-/// # Errors
-/// When they cannot be written.
 pub fn start(folder: &Path, end_us: u64) -> std::io::Result<()> {
     let open = |name: &str| {
         File::options()

@@ -84,9 +84,6 @@ impl Artefact {
     }
 
     /// Bytes of the file: magic, a line of JSON, the parts.
-    ///
-    /// # Errors
-    /// When the header cannot be written as JSON.
     fn encode(&self) -> Result<Vec<u8>, serde_json::Error> {
         let content: Vec<u8> = self
             .parts
@@ -111,9 +108,6 @@ impl Artefact {
     }
 
     /// Reads the bytes of a file.
-    ///
-    /// # Errors
-    /// A description of the damage: another format, a part cut off, another checksum.
     fn decode(bytes: &[u8]) -> Result<Self, String> {
         let text = bytes.strip_prefix(MAGIC).ok_or("it has another format")?;
         let end = text.iter().position(|&byte| byte == b'\n');

@@ -22,9 +22,6 @@ pub(super) struct Lock(File);
 
 impl Lock {
     /// Locks a folder.
-    ///
-    /// # Errors
-    /// [`RunError::Locked`] if another process has it.
     pub(super) fn of(folder: &Path) -> Result<Self, RunError> {
         let path = folder.join(LOCK);
         let io = |source| RunError::io(&path, source);

@@ -31,36 +31,24 @@ const LISTED: usize = 30;
 
 /// Error of a draft.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages say it")]
 pub enum DraftError {
-    /// The folder or a file cannot be read.
     #[error(transparent)]
     Load(#[from] LoadError),
-    /// The path is no folder.
     #[error("expected a folder, found {}: a description is of the recordings in a folder", _0.display())]
     NoFolder(PathBuf),
-    /// No file with eight columns of numbers.
     #[error(
         "no recordings in {}: expected csv, txt, tsv or npy files with eight columns of numbers, found {found}",
         path.display()
     )]
-    NoSamples {
-        /// The folder.
-        path: PathBuf,
-        /// The files that there are, or why the first of them is left out.
-        found: String,
-    },
-    /// The names of folders have braces.
+    NoSamples { path: PathBuf, found: String },
     #[error("names of folders have braces, as in {}: rename them", _0.display())]
     Braces(PathBuf),
-    /// A description is there already.
     #[error("{} exists: correct it, or remove it and describe again", _0.display())]
     Exists(PathBuf),
-    /// The file cannot be written.
     #[error("cannot write {}; --out FILE writes it elsewhere", path.display())]
     Write {
-        /// The file.
         path: PathBuf,
-        /// The system's reason.
         source: std::io::Error,
     },
 }

@@ -8,25 +8,20 @@ use execution::printable::printable;
 /// Reason why a description is refused.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum Problem {
-    /// No TOML, an unknown field, or a value that cannot be used.
     #[error("{}", printable(_0))]
     Syntax(String),
-    /// Fields that say the same thing twice.
     #[error("expected one of `{0}` and `{1}`, found both: remove one")]
     Both(&'static str, &'static str),
-    /// A field that has no meaning without another.
     #[error("`{field}` needs {needs}, found none: {advice}")]
     Needs {
         field: &'static str,
         needs: &'static str,
         advice: &'static str,
     },
-    /// A field of a path that cannot be filled in.
     #[error(
         "expected in `label_files` fields that `files` has, found {{{0}}}: a file of labels is named after its recording"
     )]
     Beyond(&'static str),
-    /// A folder that is not there.
     #[error("expected `folder` to be a folder, found none at {}", _0.display())]
     Folder(PathBuf),
 }

@@ -76,9 +76,6 @@ pub(crate) struct Description {
 
 impl Description {
     /// Parses the text of a description; `path` is for messages.
-    ///
-    /// # Errors
-    /// [`DescriptionError`] with the line, or the first reason why fields contradict each other.
     fn parse(path: &Path, text: &str) -> Result<Self, DescriptionError> {
         let error = |line, problem| DescriptionError {
             path: path.to_owned(),

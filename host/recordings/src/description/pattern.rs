@@ -67,21 +67,16 @@ pub(crate) struct Pattern {
 /// Reason why a text is no pattern.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub(crate) enum PatternError {
-    /// A path that leaves the folder, or has an empty name.
     #[error(
         "expected the path of the files below the folder, such as {{person}}/{{gesture}}_{{trial}}.csv, found \"{0}\""
     )]
     Path(String),
-    /// A brace without its partner.
     #[error("expected a closing brace after each opening one, found \"{0}\"")]
     Brace(String),
-    /// A field that does not exist.
     #[error("expected {{person}}, {{session}}, {{gesture}}, {{trial}} or {{any}}, found {{{0}}}")]
     Field(String),
-    /// A field that stands twice.
     #[error("expected {{{0}}} once, found it twice: write {{any}} for one of them")]
     Twice(&'static str),
-    /// Two fields without text between them.
     #[error("expected text between two fields, found none in \"{0}\"")]
     Adjacent(String),
 }

@@ -52,16 +52,13 @@ pub(crate) struct Labels(BTreeMap<String, Motion>);
 /// Reason why labels have no meaning.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub(super) enum LabelsError {
-    /// A class that does not exist.
     #[error(
         "expected lists of words under relax, open, close, wave-in, wave-out, pinch, other, a kind of other movement such \
          as point, or unknown, found \"{0}\""
     )]
     Class(String),
-    /// A number that no file has.
     #[error("expected words and finite numbers, found {0}: write it as a word, in quotes")]
     Number(f64),
-    /// A word of two classes.
     #[error("expected each word once, found \"{0}\" twice")]
     Twice(String),
 }

@@ -72,9 +72,6 @@ fn kind(path: &Path) -> io::Result<Result<Kind, FileKind>> {
 }
 
 /// Unpacks an archive into an existing folder.
-///
-/// # Errors
-/// When it is no archive, damaged, too large, or has names that it should not.
 pub(super) fn unpack(
     archive: &Path,
     folder: &Path,

@@ -8,10 +8,8 @@ use execution::file_kind::FileKind;
 /// Error of downloading or unpacking recordings.
 #[derive(Debug, thiserror::Error)]
 pub enum FetchError {
-    /// The server cannot be reached.
     #[error("cannot reach {host}: {reason}")]
     NoNetwork { host: String, reason: String },
-    /// The server has no such file.
     #[error(
         "{url}: not found on the server (status {status}); the address may have changed, see {page}"
     )]
@@ -20,10 +18,8 @@ pub enum FetchError {
         status: u16,
         page: String,
     },
-    /// The server refuses, or is broken.
     #[error("{url}: the server answers with status {status}; try again later")]
     Status { url: String, status: u16 },
-    /// The connection broke again and again.
     #[error(
         "{url}: broke off after {received} bytes{of}: {reason}; the same command continues there"
     )]
@@ -33,10 +29,8 @@ pub enum FetchError {
         of: String,
         reason: String,
     },
-    /// The server sends more than it announced, or than any data set has.
     #[error("{url}: sends more than {most} bytes; nothing of it is kept")]
     TooLong { url: String, most: u64 },
-    /// The file is not the published one.
     #[error(
         "{file}: expected {expected}, found {found}: the download is damaged, or was changed after its checksum was published; it is removed"
     )]
@@ -45,27 +39,20 @@ pub enum FetchError {
         expected: String,
         found: String,
     },
-    /// The record of Zenodo is not what its interface promises.
     #[error("{url}: expected a record of Zenodo: {reason}")]
     Record { url: String, reason: String },
-    /// The file is neither kind of archive.
     #[error("{archive}: expected a zip, tar or tar.gz archive, found {found}", archive = archive.display())]
     NoArchive { archive: PathBuf, found: FileKind },
-    /// A name leads out of the folder, or is one that no file system takes.
     #[error(
         "the archive has a file named {0:?}, which leads out of its folder: nothing of it is unpacked"
     )]
     Escapes(String),
-    /// Two files have one name.
     #[error("the archive has {0:?} twice: nothing of it is unpacked")]
     Twice(String),
-    /// The archive holds more than any data set has, or than such an archive can honestly hold.
     #[error("the archive holds more than {most} {what}: nothing of it is unpacked")]
     TooLarge { most: u64, what: &'static str },
-    /// The archive is damaged, encrypted, or of an unknown kind of compression.
     #[error("{archive}: {source}", archive = archive.display())]
     Damaged { archive: PathBuf, source: io::Error },
-    /// The archive holds other files.
     #[error(
         "expected recordings of {data_set} ({expected}), found {found}: is it the right archive? Nothing of it is kept"
     )]
@@ -74,10 +61,8 @@ pub enum FetchError {
         expected: &'static str,
         found: String,
     },
-    /// The folder of the data set exists.
     #[error("{} exists: remove it, or choose another folder with --to", _0.display())]
     Exists(PathBuf),
-    /// The file system refuses.
     #[error("{path}: {source}", path = path.display())]
     Io { path: PathBuf, source: io::Error },
 }

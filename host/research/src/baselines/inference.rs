@@ -51,9 +51,6 @@ impl TrainedBaseline {
     /// Loads a baseline that was trained on these streams from a run folder.
     ///
     /// `device` must be without gradients.
-    ///
-    /// # Errors
-    /// When the baseline's files are missing, damaged, of other streams or of another shape.
     pub(crate) fn load(
         baseline: Baseline,
         run: &RunFolder,
@@ -112,9 +109,6 @@ fn load<N: Network + Send + 'static>(
 }
 
 /// Loads a trained baseline of a run, with its logits over the recordings.
-///
-/// # Errors
-/// When the baseline is missing, its files are damaged or another run's, or the user interrupts.
 pub(crate) fn candidate(
     context: &RunContext,
     baseline: Baseline,

@@ -89,9 +89,6 @@ pub(super) struct Arguments {
 }
 
 /// Runs the jobs, or lists them; prints and writes the tables when no job is left.
-///
-/// # Errors
-/// When the recordings, a preset or a folder cannot be used, or a job fails.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let presets = presets(arguments)?;
     // All data sets, regardless of the presets' own: all people are evaluated.

@@ -49,9 +49,6 @@ pub(super) struct Arguments {
 }
 
 /// Measures all people, prints and writes the tables.
-///
-/// # Errors
-/// When a model or the recordings are refused, a file cannot be written or the user interrupts.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let folder = RunFolder::open(&arguments.out)?;
     let device = arguments.backend.device()?;

@@ -65,9 +65,6 @@ pub(crate) struct Job {
 impl CrossValidation<'_> {
     /// Loads the scores of a job with every wanted confidence gate; none if it was not run, or with other settings or
     /// recordings.
-    ///
-    /// # Errors
-    /// When the preset does not fit the recordings.
     pub(crate) fn done(&self, job: &Job) -> Result<Option<JobScores>, JobError> {
         let Ok(folder) = RunFolder::existing(self.path(job)) else {
             return Ok(None);
@@ -106,9 +103,6 @@ impl CrossValidation<'_> {
     }
 
     /// Trains the job's models, or those still missing, and evaluates them.
-    ///
-    /// # Errors
-    /// When a step fails, the folder holds a run with other settings or the user interrupts.
     pub(crate) fn run(&self, job: &Job) -> Result<(), JobError> {
         let path = self.path(job);
         // Computed once: it fingerprints all recordings.

@@ -63,9 +63,6 @@ pub(crate) struct Amount {
 
 impl Measurement<'_> {
     /// Measures a person with a model, or loads an earlier measurement; none if the recordings do not allow it.
-    ///
-    /// # Errors
-    /// When the model is refused, a file cannot be written or the user interrupts.
     pub(crate) fn person(
         &self,
         model: &[u8],
@@ -180,10 +177,8 @@ fn values(score: &Score) -> Values {
 /// Why a person could not be measured.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum MeasurementError {
-    /// The model is refused, the training diverged or the user interrupted.
     #[error(transparent)]
     Personalize(#[from] PersonalizeError),
-    /// A file cannot be written.
     #[error(transparent)]
     Run(#[from] RunError),
 }

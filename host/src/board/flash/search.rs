@@ -34,9 +34,6 @@ pub struct Search {
 
 impl Search {
     /// Finds the drive. Without one, starts the boot loader of the board on a port, which `starts` is told, and waits.
-    ///
-    /// # Errors
-    /// There is no board, there are several drives or no drive comes, or the port cannot be opened.
     pub fn drive(&self, starts: impl FnOnce(&Path)) -> Result<Drive, FlashError> {
         match self.port.as_deref().map(Board::open) {
             // The board may be in its boot loader. What else is wrong with the port stays so.
@@ -81,9 +78,6 @@ impl Search {
     }
 
     /// Waits until the board runs what was copied; returns its port.
-    ///
-    /// # Errors
-    /// [`FlashError::Silent`], [`FlashError::NoModel`], [`FlashError::OtherContent`], or the port cannot be opened.
     pub fn started(&self, content: &Content, board: UsbBoard) -> Result<PathBuf, FlashError> {
         let expected = Running {
             image: board.image.to_owned(),
@@ -162,9 +156,6 @@ impl Running {
 }
 
 /// Asks the board on a port; `None` without an answer.
-///
-/// # Errors
-/// The port is there, and this user may not open it, or another program has it.
 fn runs(port: &Path) -> Result<Option<Running>, BoardError> {
     let read = |answer: &Answer<'_>| match answer {
         Answer::Identity(identity) => Some(Running {

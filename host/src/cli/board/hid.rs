@@ -51,9 +51,6 @@ fn output(text: &str) -> Result<OrNone, String> {
 }
 
 /// Sends the command, and returns what the board answers, in words.
-///
-/// # Errors
-/// When the board has no USB, does not keep it or does not answer.
 pub(super) fn run(board: &mut Board, request: Request) -> anyhow::Result<String> {
     let command = match request {
         Request::On => HidCommand::Switch(true),

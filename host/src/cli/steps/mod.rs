@@ -110,18 +110,12 @@ impl DataArguments {
     }
 
     /// Loads the recordings, or generates synthetic ones; logs which.
-    ///
-    /// # Errors
-    /// When nothing can be read, or a file is damaged and `--strict` is given.
     pub fn load(&self, preset: &Preset) -> anyhow::Result<Library> {
         recordings(self.folder().as_deref(), self.strict, preset)
     }
 }
 
 /// Opens the run in a folder for writing, with the recordings that it was started with.
-///
-/// # Errors
-/// When the folder holds no run or is in use, or the recordings cannot be read or are others.
 pub fn open_run(path: &Path, backend: BackendArguments) -> anyhow::Result<RunContext> {
     let (folder, config) = lock_run(path)?;
     let device = backend.device()?;
@@ -151,10 +145,6 @@ pub(crate) fn find_run(path: &Path) -> anyhow::Result<(RunFolder, ResolvedConfig
 /// Opens the run that an interrupted command is to continue.
 ///
 /// Options that decide the outcome are those of the run. If the command repeats them, they must give the same
-/// configuration.
-///
-/// # Errors
-/// When the folder holds no run or is in use, the recordings cannot be read or are others, or `repeated` is another
 /// configuration.
 pub(crate) fn resume_run(
     path: &Path,

@@ -53,16 +53,10 @@ fn per_minute(text: &str) -> Result<f64, String> {
 /// Error: the new model was not written.
 #[derive(Debug, Error)]
 pub(super) enum NotWritten {
-    /// The new model is worse than the old one.
     #[error(
         "on the part held back {why}: nothing was written, go on with {model}; more recordings may help"
     )]
-    Worse {
-        /// The old model file.
-        model: PathBuf,
-        /// Reason why the new model is worse.
-        why: Worse,
-    },
+    Worse { model: PathBuf, why: Worse },
 }
 
 /// Tunes the model, judges it, and writes it unless it is worse.

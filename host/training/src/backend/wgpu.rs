@@ -11,9 +11,6 @@ use super::BackendError;
 use execution::progress;
 
 /// The device of the adapter that wgpu prefers, or that `CUBECL_WGPU_DEFAULT_DEVICE` names; logs which.
-///
-/// # Errors
-/// When no driver offers an adapter.
 pub(super) fn device() -> Result<Device, BackendError> {
     // An adapter is acquired once a process.
     static DEVICE: OnceLock<Result<Device, BackendError>> = OnceLock::new();

@@ -117,9 +117,6 @@ impl Store<'_> {
     }
 
     /// Loads the last checkpoint; none before the first one was saved.
-    ///
-    /// # Errors
-    /// [`RunError::OtherTraining`] if the checkpoint is of another training.
     pub(super) fn load<M: Module>(
         &self,
         model: &M,

@@ -57,9 +57,6 @@ pub(super) struct Trained<M> {
 
 impl Epoch<'_> {
     /// Runs the steps of the epoch; calls `after` after each. Returns none if the user interrupts.
-    ///
-    /// # Errors
-    /// When a loss is not finite, or `after` fails.
     pub(super) fn take<L: Learner>(
         &self,
         learner: &L,

@@ -43,10 +43,6 @@ pub struct Training<'a> {
 ///
 /// Each epoch draws from a generator of its own, whose position is part of a checkpoint, so a resumed training gives the
 /// same weights as an uninterrupted one.
-///
-/// # Errors
-/// When the checkpoint to resume from is another training's, a loss is not finite, the folder cannot be written or the user
-/// interrupts.
 pub fn fit<L: Learner>(
     learner: &L,
     model: L::Model,

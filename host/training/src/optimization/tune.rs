@@ -12,9 +12,6 @@ use execution::run_folder::RunError;
 use presets::training::LearningRate;
 
 /// Trains a model for one epoch; none if the user interrupts. `report` gets the number of steps done.
-///
-/// # Errors
-/// When a loss is not finite.
 pub(crate) fn tune<L: Learner>(
     learner: &L,
     model: L::Model,

@@ -21,9 +21,6 @@ struct Chosen {
 
 /// Returns the preset's aggregation mode. Without one, chooses the mode with which the student (or the teacher, in a run without
 /// a student) follows more transitions of the validation subjects; all rows on a tie.
-///
-/// # Errors
-/// When a model is damaged, labels cannot be compared or the folder cannot be written.
 pub(super) fn aggregation(context: &RunContext) -> Result<LookAhead, StepError> {
     const NAME: &str = "choosing the aggregation mode";
     let (folder, config) = (&context.folder, &context.config);

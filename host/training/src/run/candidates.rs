@@ -12,9 +12,6 @@ use execution::progress;
 use execution::run_folder::RunError;
 
 /// Computes the teacher's logits over all recordings; `system` names it in tables.
-///
-/// # Errors
-/// When the teacher is missing, not this run's, or of another shape, or the user interrupts.
 pub fn teacher_candidate(
     context: &RunContext,
     system: System,

@@ -36,9 +36,6 @@ pub struct RunContext {
 impl RunContext {
     /// Begins a run: removes the checkpoints of an earlier one, which must not be continued, and writes the configuration
     /// into the folder. Models and results of an earlier run stay; they are refused if they do not belong to this one.
-    ///
-    /// # Errors
-    /// When the folder cannot be written.
     pub fn begin(
         folder: RunFolder,
         config: ResolvedConfig,
@@ -58,9 +55,6 @@ impl RunContext {
     }
 
     /// Continues the run in a folder.
-    ///
-    /// # Errors
-    /// When the recordings are not the run's.
     pub fn continue_run(
         folder: RunFolder,
         config: ResolvedConfig,
@@ -84,9 +78,6 @@ impl RunContext {
     }
 
     /// Finds the folder and the configuration of an earlier run.
-    ///
-    /// # Errors
-    /// When the folder holds no configuration.
     pub fn find(path: &Path) -> Result<(RunFolder, ResolvedConfig), RunError> {
         let folder = RunFolder::existing(path)?;
         let config = ResolvedConfig::load(&folder)?;
@@ -106,17 +97,11 @@ impl RunContext {
     }
 
     /// Loads the trained teacher, without gradients.
-    ///
-    /// # Errors
-    /// When it is missing, not this run's, or of another shape.
     pub(crate) fn teacher(&self) -> Result<Teacher, RunError> {
         load_teacher(&self.folder, &self.config, &self.inference_device())
     }
 
     /// Loads a trained student by the name of its files, without gradients.
-    ///
-    /// # Errors
-    /// When it is missing, not this run's, or of another shape.
     pub(crate) fn student(&self, name: &str) -> Result<Student, RunError> {
         load_student(&self.folder, &self.config, name, &self.inference_device())
     }
@@ -135,9 +120,6 @@ impl RunContext {
 }
 
 /// Loads the trained teacher of a run folder, on a device without gradients.
-///
-/// # Errors
-/// When it is missing, not this run's, or of another shape.
 pub fn load_teacher(
     folder: &RunFolder,
     config: &ResolvedConfig,
@@ -154,9 +136,6 @@ pub fn load_teacher(
 }
 
 /// Loads a trained student of a run folder by the name of its files, on a device without gradients.
-///
-/// # Errors
-/// When it is missing, not this run's, or of another shape.
 pub fn load_student(
     folder: &RunFolder,
     config: &ResolvedConfig,

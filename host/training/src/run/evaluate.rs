@@ -24,9 +24,6 @@ pub use evaluation::results::{Evaluation, RESULTS, Results};
 /// the model file `model`; then the floors.
 ///
 /// The results are kept in the run folder, unless the model file is not the run's.
-///
-/// # Errors
-/// When there is no model or no recording to evaluate on, or a model is damaged or not this run's.
 pub fn evaluate(
     context: &RunContext,
     model: Option<&ModelFile>,
@@ -76,9 +73,6 @@ pub fn evaluate(
 
 /// Loads the results that an earlier [`evaluate`] kept in the run folder, and computes the logits of the run's model file
 /// again, but not those of the other models.
-///
-/// # Errors
-/// When the run was not evaluated since it was trained, or has no model file, or a file is damaged or not this run's.
 pub fn kept(context: &RunContext) -> Result<(Results, Evaluation), StepError> {
     let made_from = context.config.fingerprint();
     let results: Results = context.folder.load_stamped(RESULTS, made_from)?.content;
@@ -141,9 +135,6 @@ fn candidates(
 }
 
 /// Makes a model optional; none, with a line in the log, if it is left over from another run.
-///
-/// # Errors
-/// When the model is damaged.
 pub fn if_own<T>(model: Result<T, RunError>) -> Result<Option<T>, RunError> {
     match model {
         Ok(model) => Ok(Some(model)),

@@ -51,9 +51,6 @@ pub struct ModelFile {
 
 impl ModelFile {
     /// Reads the model file in the run folder; none in a run without a student.
-    ///
-    /// # Errors
-    /// When the file is missing, or is of another student.
     pub fn of_run(context: &RunContext) -> Result<Option<Self>, StepError> {
         if !context.has(distillation::NAME) {
             return Ok(None);
@@ -68,9 +65,6 @@ impl ModelFile {
     }
 
     /// Reads any model file.
-    ///
-    /// # Errors
-    /// When the file cannot be read.
     pub fn read(context: &RunContext, path: &Path) -> Result<Self, StepError> {
         let bytes = bounded_read::read_model(path).map_err(|source| StepError::NoModelFile {
             path: path.to_owned(),
@@ -96,9 +90,6 @@ impl ModelFile {
 ///
 /// The aggregation mode is chosen on the validation subjects. The file has the scores of the last evaluation if that was of
 /// the same model.
-///
-/// # Errors
-/// When the student is missing or not this run's, or the model format does not allow its dimensions.
 pub fn quantize(context: &RunContext, out: &Path) -> Result<Vec<u8>, StepError> {
     let student = context.student(distillation::NAME)?;
     let aggregation = aggregation(context)?;
@@ -182,9 +173,6 @@ fn data_sets(subjects: &[String]) -> Vec<String> {
 
 /// Refuses a student that cannot become a model file, or that no board can run. A student with random weights is written,
 /// read and loaded by the code that will do so with the trained one.
-///
-/// # Errors
-/// [`StepError::Student`], [`StepError::Board`].
 pub(super) fn refuse_impossible(preset: &Preset, device: &Device) -> Result<(), StepError> {
     let student = Student::new(&preset.student, preset.classes, preset.other(), device);
     let smoother = preset.smoother_defaults(AggregationMode::AllRowsFrom);

@@ -14,9 +14,6 @@ const FILE: &str = "soft-targets.bin";
 const LOGITS: &str = "logits";
 
 /// Returns the teacher's logits at every patch of the training streams, computed or kept.
-///
-/// # Errors
-/// When there is no teacher, the folder cannot be written or the user interrupts.
 pub(super) fn soft_targets(
     context: &RunContext,
     streams: &[&[CleanSample]],

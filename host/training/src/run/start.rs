@@ -10,9 +10,6 @@ use crate::teacher::checkpoint;
 
 /// Starts a run from the weights of another run, or from a checkpoint ([`ResolvedConfig::start_from`]). A checkpoint of the
 /// reference does not name the people that it was trained on.
-///
-/// # Errors
-/// Those of [`ResolvedConfig::start_from`], or when the checkpoint cannot be read.
 pub fn start_from(config: &mut ResolvedConfig, start: &Path) -> Result<(), StepError> {
     let seen = if start.is_dir() {
         ResolvedConfig::load(&RunFolder::existing(start)?)?.subjects_seen()

@@ -22,9 +22,6 @@ struct Streams {
 }
 
 /// Trains the student. First trains the ensemble that it learns from, if there is one.
-///
-/// # Errors
-/// When the teacher is missing or another run's, the folder cannot be written or the user interrupts.
 pub(super) fn train_student(context: &RunContext) -> Result<(), StepError> {
     let config = &context.config.preset.distillation;
     refuse_impossible(&context.config.preset, &context.inference_device())?;

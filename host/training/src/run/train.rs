@@ -18,9 +18,6 @@ use presets::lineage;
 /// the student.
 ///
 /// A resumed run trains what is not complete.
-///
-/// # Errors
-/// When there are no validation subjects, the folder cannot be written or the user interrupts.
 pub fn train(context: &RunContext, teacher: bool) -> Result<(), StepError> {
     let config = &context.config;
     if teacher || config.start.is_some() || config.preset.distillation.needs_teacher() {
@@ -30,9 +27,6 @@ pub fn train(context: &RunContext, teacher: bool) -> Result<(), StepError> {
 }
 
 /// Trains the teacher.
-///
-/// # Errors
-/// When there are no validation subjects, the folder cannot be written or the user interrupts.
 pub fn train_teacher(context: &RunContext) -> Result<(), StepError> {
     let preset = &context.config.preset;
     let corpus = context.config.training(&context.library);

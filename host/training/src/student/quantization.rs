@@ -16,9 +16,6 @@ use super::model::{Student, StudentConfig};
 use crate::optimization::read_back;
 
 /// Encodes the model file: weights rounded to i8 with one scale per output row, everything else in f32.
-///
-/// # Errors
-/// When the model format does not allow the student's dimensions.
 pub(crate) fn quantize(
     student: &Student,
     config: &StudentConfig,

@@ -35,9 +35,6 @@ struct Entry {
 }
 
 /// Reads the weights of a checkpoint (`.pth`, `.pt` or `.safetensors`) into a teacher of the same dimensions.
-///
-/// # Errors
-/// When the file cannot be read, or its tensors are not exactly those of this teacher.
 pub fn load(path: &Path, mut teacher: Teacher) -> Result<Teacher, CheckpointError> {
     let mut file = read(path)?;
     remove_second_position(path, &mut file)?;
@@ -92,9 +89,6 @@ const SUBJECTS_SEEN: &str = "myointent.subjects_seen";
 
 /// Reads the people whom the teacher of a checkpoint was trained on or validated with, as `data-set/subject`; none if the
 /// file does not say so, like those of the reference.
-///
-/// # Errors
-/// When the file cannot be read, or is named as safetensors and has another format.
 pub(crate) fn subjects_seen(path: &Path) -> Result<Option<Vec<String>>, CheckpointError> {
     if path
         .extension()
@@ -120,9 +114,6 @@ pub(crate) fn subjects_seen(path: &Path) -> Result<Option<Vec<String>>, Checkpoi
 
 /// Writes a teacher's weights as safetensors, under the reference's names and in its shapes, and the people whom it has
 /// seen.
-///
-/// # Errors
-/// When the file cannot be written.
 pub fn save(
     path: &Path,
     teacher: &Teacher,

@@ -56,9 +56,6 @@ impl<'a> TeacherLearner<'a> {
     }
 
     /// Trains a model and saves it in the run folder, LoRA adapters merged.
-    ///
-    /// # Errors
-    /// When the folder cannot be written or the user interrupts.
     pub(crate) fn train(
         &self,
         model: Teacher,

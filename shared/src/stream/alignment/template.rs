@@ -65,31 +65,16 @@ impl Fits {
 
 /// Why numbers are no template.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages say it")]
 pub enum TemplateError {
-    /// Neither empty nor a template.
     #[error("{found} bytes, a template has {TEMPLATE_BYTES}: make it again")]
-    Length {
-        /// Bytes found.
-        found: usize,
-    },
-    /// A mean that no profile can have.
+    Length { found: usize },
     #[error(
         "mean {found} of electrode {electrode}, at most {LARGEST_MEAN} expected: make it again"
     )]
-    Mean {
-        /// Index of the electrode, from 0.
-        electrode: usize,
-        /// Value in the file.
-        found: i16,
-    },
-    /// A density without a width.
+    Mean { electrode: usize, found: i16 },
     #[error("precision {found} of electrode {electrode}, more than 0 expected: make it again")]
-    Precision {
-        /// Index of the electrode, from 0.
-        electrode: usize,
-        /// Value in the file.
-        found: i16,
-    },
+    Precision { electrode: usize, found: i16 },
 }
 
 impl Template {

@@ -152,27 +152,14 @@ pub struct Gate {
 
 /// Why settings are refused.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages say it")]
 pub enum SettingsError {
-    /// The look-ahead needs more rows than a window gives.
     #[error("look-ahead of {found} rows, at most {most} fit: shorten the look-ahead")]
-    LookAhead {
-        /// Most rows of look-ahead.
-        most: usize,
-        /// Rows asked for.
-        found: usize,
-    },
-    /// A hold of 0 rows.
+    LookAhead { most: usize, found: usize },
     #[error("hold of 0 rows, at least 1 expected: use 1 for a label per window")]
     Hold,
-    /// No classes, or too many; movement outside the vocabulary counts as one.
     #[error("{found} classes, 1 to {most} expected: check the model")]
-    Classes {
-        /// Most classes.
-        most: usize,
-        /// Classes asked for.
-        found: usize,
-    },
-    /// Rows of no samples.
+    Classes { most: usize, found: usize },
     #[error("rows of 0 samples, at least 1 expected")]
     RowSamples,
 }

@@ -9,9 +9,6 @@ use semihosting::{
 
 /// Reads a whole file.
 ///
-/// # Errors
-/// Where the emulator cannot open or read it.
-///
 /// # Panics
 /// On a path with a zero byte.
 pub fn read(path: &str) -> io::Result<Vec<u8>> {

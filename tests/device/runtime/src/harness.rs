@@ -113,9 +113,6 @@ impl<E: Debug> Outcome for Result<(), E> {
 }
 
 /// Called with the outcome of every test.
-///
-/// # Errors
-/// If the test returned an error, which is printed.
 pub fn assert_test_result(outcome: impl Outcome) -> Result<(), &'static str> {
     outcome
         .passed()

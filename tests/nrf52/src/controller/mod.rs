@@ -158,9 +158,6 @@ impl Controller {
     }
 
     /// Answers the program at an instruction of the library's, or calls it back.
-    ///
-    /// # Errors
-    /// Name of the function that is called, and why it is refused.
     pub fn enter(&mut self, chip: &mut Chip, core: &mut Core) -> Result<(), (String, What)> {
         let place = core.place();
         if place == self.library.gate() {

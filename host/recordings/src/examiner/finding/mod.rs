@@ -80,45 +80,33 @@ impl Scale {
 /// Defect of a recording. Channels and rows count from 1, but the channels of [`Hum`](Self::Hum) from 0.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum Finding {
-    /// A limit of the data set that its reader knows.
     #[error("{0}")]
     Known(String),
-    /// Fewer samples than a window.
     #[error("{samples} samples: a label needs {WINDOW} and the model's look-ahead")]
     Short { samples: usize },
-    /// Values that are no counts.
     #[error(
         "expected the armband's counts, whole numbers from -128 to 127; found values from {least} to {most}: {}",
         scale.words()
     )]
     Scale { scale: Scale, least: f64, most: f64 },
-    /// All samples are the same.
     #[error("expected samples that change, found {sample:?} throughout")]
     Constant { sample: Sample },
-    /// All values are on one side of zero.
     #[error(
         "expected EMG around zero, found values on one side only: rectified, or its envelope (EMG mode 1)"
     )]
     OneSided,
-    /// A channel is a counter.
     #[error("expected EMG in each channel, found a column that counts in channel {channel}")]
     Counter { channel: usize },
-    /// Most values at the ends of the range.
     #[error("expected EMG, found {percent:.0} % of all values at -128 or 127")]
     Clipped { percent: f64 },
-    /// Too few channels have a signal of their own.
     #[error("expected {CHANNELS} channels, found {own} with a signal of their own")]
     FewChannels { own: usize },
-    /// Channels are silent.
     #[error("{} silent", are(channels))]
     Dead { channels: Vec<usize> },
-    /// Channels are copies of others.
     #[error("channels say the same as others: {}", pairs.iter().map(|(own, of)| format!("{own} as {of}")).collect::<Vec<_>>().join(", "))]
     SameChannel { pairs: Vec<(usize, usize)> },
-    /// Channels are at the ends of their range.
     #[error("{} saturated in up to {percent:.0} % of the samples", are(channels))]
     Saturated { channels: Vec<usize>, percent: f64 },
-    /// Mains hum is in the signal.
     #[error(
         "mains hum: up to {percent:.0} % of a channel's power is at {hz} Hz, in {} of {CHANNELS} channels",
         channels.len()
@@ -128,10 +116,8 @@ pub enum Finding {
         channels: Vec<usize>,
         percent: f64,
     },
-    /// The clock gives another rate.
     #[error("expected {SAMPLE_RATE_HZ} rows a second, found {hz:.0} by column \"{column}\"")]
     Rate { column: String, hz: f64 },
-    /// The clock has gaps, or goes back.
     #[error(
         "column \"{column}\" leaps {gaps} times, by {seconds:.2} s at row {row}: read as {pieces} recordings"
     )]
@@ -142,62 +128,49 @@ pub enum Finding {
         seconds: f64,
         pieces: usize,
     },
-    /// The clock is not understood.
     #[error(
         "column \"{column}\" is not used: its values are no times, do not rise, or have no known unit"
     )]
     ClockUnclear { column: String },
-    /// Repeats of an even polling were left out.
     #[error(
         "each sample is there {times:.2} times, evenly: polled faster than {SAMPLE_RATE_HZ} Hz; {dropped} repeats are left out"
     )]
     Polled { times: f64, dropped: usize },
-    /// Repeats are even, but the samples are not at 200 Hz.
     #[error(
         "each row is there {times:.2} times, and what is left without repeats is not at {SAMPLE_RATE_HZ} Hz: samples are missing"
     )]
     Held { times: f64 },
-    /// Repeats have no pattern.
     #[error(
         "{percent:.0} % of the rows repeat the one before in no pattern: as many samples may be lost"
     )]
     Repeats { percent: f64 },
-    /// The samples do not change for a long time.
     #[error("the samples stand still for {seconds:.1} s from row {row} on")]
     Standstill { row: usize, seconds: f64 },
-    /// Neighbours are not 5 ms apart.
     #[error(
         "samples hardly correlate with the next ({correlation:.2}; -0.2 to -0.4 at {SAMPLE_RATE_HZ} Hz): every second one may be missing"
     )]
     Unrelated { correlation: f64 },
-    /// Neighbours are less than 5 ms apart, or smoothed.
     #[error(
         "samples resemble the next (correlation {correlation:.2}; -0.2 to -0.4 at {SAMPLE_RATE_HZ} Hz): sampled faster than \
          {SAMPLE_RATE_HZ} Hz, filtered, or of another device"
     )]
     Resembling { correlation: f64 },
-    /// Rows of several armbands.
     #[error("expected the rows of one armband, found those of {} in column \"{column}\": {}", devices.len(), devices.join(", "))]
     Devices {
         column: String,
         devices: Vec<String>,
     },
-    /// Columns of several armbands.
     #[error("expected {CHANNELS} columns of EMG, found those of {} armbands: {}", armbands.len(), armbands.join("; "))]
     ManyColumns { armbands: Vec<String> },
-    /// Rows without names have the columns of two armbands.
     #[error("expected {CHANNELS} channels, found {columns} columns: those of two armbands")]
     ManyChannels { columns: usize },
-    /// Rows have several samples.
     #[error(
         "expected a sample of {CHANNELS} channels a row, found {values} values: {} samples a row",
         values / CHANNELS
     )]
     Windows { values: usize },
-    /// Rows of two armbands alternate.
     #[error("expected the samples of one armband, found two in turn, {rows} of each")]
     InTurn { rows: usize },
-    /// The samples are also in another recording.
     #[error(
         "the same samples as in {}{}{}, left out",
         of.display(),
@@ -209,7 +182,6 @@ pub enum Finding {
         labels: bool,
         person: bool,
     },
-    /// Some of the samples are also in another recording.
     #[error("{seconds:.0} s of its samples are also in {}", of.display())]
     Overlap { of: PathBuf, seconds: f64 },
 }

@@ -8,60 +8,46 @@ use execution::file_kind::FileKind;
 /// Fault of a file.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum Fault {
-    /// A row with another number of fields.
     #[error("expected {expected} values as in the rows before, found {found}")]
     Fields { expected: usize, found: usize },
-    /// A field that is no number.
     #[error("expected a number in field {field}, found \"{}\"", excerpt(text))]
     Number { field: usize, text: String },
-    /// A sample outside the armband's range.
     #[error(
         "expected a count of the armband in field {field}, a whole number from -128 to 127, found {value}"
     )]
     Range { field: usize, value: f64 },
-    /// A label that the data set does not have.
     #[error("expected a label of {expected}, found \"{}\"", excerpt(found))]
     Label {
         expected: &'static str,
         found: String,
     },
-    /// A placement of the armband that does not exist.
     #[error("expected a turn of 0..=7 and mirrored 0 or 1, found {turn} and {mirrored}")]
     Placement { turn: f64, mirrored: f64 },
-    /// An array of another shape or element type.
     #[error("expected an array of {expected}, found {}", excerpt(found))]
     Array {
         expected: &'static str,
         found: String,
     },
-    /// Bytes that are no npy file.
     #[error("expected an npy file (format 1 to 3), but {}", excerpt(_0))]
     Npy(String),
-    /// Another number of bytes than the layout or the header requires.
     #[error("expected {expected} bytes, found {found}: the file is cut short or damaged")]
     Length { expected: u64, found: u64 },
-    /// Labels and samples of different number.
     #[error("expected one label per sample, found {labels} labels for {samples} samples")]
     LabelCount { samples: usize, labels: usize },
-    /// The other file of a pair is not there.
     #[error("expected {} beside it, found no such file", excerpt(_0))]
     Partner(String),
-    /// A path that does not name person and gesture as the set does.
     #[error("expected the folders and names of {set} as published, such as {example}")]
     Path {
         set: &'static str,
         example: &'static str,
     },
-    /// A file of another kind.
     #[error("expected {expected}, found {found}")]
     Kind {
         expected: &'static str,
         found: FileKind,
     },
-    /// Bytes that are no UTF-8.
     #[error("expected UTF-8 text, found bytes of another encoding: save the file as UTF-8")]
     Text,
-    /// A header without eight channels, or with several series of them.
     #[error(
         "expected a header with eight channels of one name, such as gt,emg_0 to emg_7, found {found} in \"{}\" \
          (separated by {separator}): name the armband's eight columns so",
@@ -72,7 +58,6 @@ pub enum Fault {
         separator: Separator,
         found: String,
     },
-    /// Rows of another number of columns than eight, without a header.
     #[error(
         "expected eight channels a row, found {columns} columns (separated by {separator}) and no header that says \
          what they are: write one as first line, such as gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7"
@@ -81,12 +66,10 @@ pub enum Fault {
         columns: usize,
         separator: Separator,
     },
-    /// Lines in front of the header.
     #[error(
         "expected the header in the first line, found it in line {line}: remove the lines before it, or begin each with #"
     )]
     Title { line: usize },
-    /// Rows of several kinds.
     #[error(
         "expected rows of one kind, found {found} values here and {other} in line {line}: keep the rows of the EMG, with \
          one header, in a file of their own"
@@ -96,62 +79,49 @@ pub enum Fault {
         other: usize,
         line: usize,
     },
-    /// Rows that hold lists.
     #[error(
         "expected a number in each field, found lists in brackets, \"{}\": write one sample a row, eight numbers and the \
          label",
         excerpt(_0)
     )]
     Lists(String),
-    /// Text without rows of numbers.
     #[error(
         "expected rows of numbers separated by commas, semicolons, tabs or spaces, eight channels each, found other text"
     )]
     NoTable,
-    /// A csv without a column of labels.
     #[error(
         "expected a header with one of the columns {expected}, found \"{}\"",
         excerpt(found)
     )]
     Column { expected: String, found: String },
-    /// A column of the description that a file does not have.
     #[error(
         "expected column {column} of the description, found {}",
         excerpt(found)
     )]
     DescribedColumn { column: String, found: String },
-    /// A label that the description does not explain.
     #[error(
         "expected a label that is listed in `labels` of the description, found \"{}\": add it to one of the lists, such as \
          unknown",
         excerpt(_0)
     )]
     Word(String),
-    /// A file without rows.
     #[error("expected one row per sample, found none")]
     Empty,
-    /// JSON of another structure than the set publishes.
     #[error("expected the set's JSON: {}", excerpt(_0))]
     Json(String),
-    /// Bytes that are no MATLAB file that is read here.
     #[error("expected a MATLAB 5 file, but {}", excerpt(_0))]
     Mat(String),
-    /// Labels that only MATLAB can read.
     #[error(
         "the labels of this file are MATLAB objects, which only MATLAB reads: write each recording as \
          user10/training/001_fist.npy (docs/recordings.md)"
     )]
     Objects,
-    /// Another number of labelled stretches than the layout has.
     #[error("expected {expected} gestures marked, found {found}")]
     Gestures { expected: usize, found: usize },
-    /// Samples without meaning.
     #[error("{finding}; {}", finding.advice())]
     Refused { finding: Finding },
-    /// Times that last too long.
     #[error("expected a recording of at most {most} s, found one of {seconds:.0} s")]
     Duration { most: f64, seconds: f64 },
-    /// Times that go back or leave a gap.
     #[error(
         "expected times that rise by at most {most} ms from row to row, found {from} and then {to}"
     )]

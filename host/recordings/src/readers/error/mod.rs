@@ -81,48 +81,29 @@ impl Damage {
 
 /// Error of loading recordings.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages say it")]
 pub enum LoadError {
-    /// The file system refused, or the file is no regular one or too large.
     #[error("cannot read {}", path.display())]
     Io {
-        /// File or folder.
         path: PathBuf,
-        /// The system's reason.
         source: std::io::Error,
     },
-    /// No file in a format that is read here.
     #[error(
         "no recordings in {}: expected one of the published layouts, or tables with eight channels (see \
          `myointent data inspect --help`), found {found}; `myointent data describe` writes a description of other layouts",
         path.display()
     )]
-    NoRecordings {
-        /// File or folder that was searched.
-        path: PathBuf,
-        /// Description of the files that there are instead.
-        found: String,
-    },
-    /// Every file is damaged.
+    NoRecordings { path: PathBuf, found: String },
     #[error("no recording is left in {}: {skipped} files are left out; the first: {first}", path.display())]
     NoneLeft {
-        /// File or folder that was searched.
         path: PathBuf,
-        /// Number of files left out.
         skipped: usize,
-        /// Line of the first one.
         first: String,
     },
-    /// A description that cannot be used.
     #[error(transparent)]
     Description(#[from] DescriptionError),
-    /// A damaged file.
     #[error("{}, {damage}", path.display())]
-    Damaged {
-        /// The file.
-        path: PathBuf,
-        /// Fault and its place.
-        damage: Damage,
-    },
+    Damaged { path: PathBuf, damage: Damage },
 }
 
 impl LoadError {

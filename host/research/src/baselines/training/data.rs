@@ -18,9 +18,6 @@ pub(super) struct TrainingData {
 
 impl TrainingData {
     /// Divides the streams into windows; the features are not scaled yet.
-    ///
-    /// # Errors
-    /// When there is no training or no validation window with a target.
     pub(super) fn new(baseline: Baseline, setup: &Setup<'_>) -> Result<Self, TrainingError> {
         let features = FeatureExtraction::new(baseline, setup.settings.lstm_step);
         let layout = features.frame_layout();

@@ -20,19 +20,14 @@ use training::run::context::RunContext;
 /// Why a baseline cannot be trained.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum TrainingError {
-    /// There is no labelled window to train or to validate with.
     #[error(
         "{baseline} has {training} training windows and {validation} validation windows; it needs both: give more labelled recordings"
     )]
     NoWindows {
-        /// Name of the baseline.
         baseline: &'static str,
-        /// Number of training windows.
         training: usize,
-        /// Number of validation windows.
         validation: usize,
     },
-    /// The run folder cannot be used, or the user interrupted.
     #[error(transparent)]
     Run(#[from] RunError),
 }
@@ -62,9 +57,6 @@ struct Setup<'a> {
 }
 
 /// Trains a baseline on the recordings and the split of a run.
-///
-/// # Errors
-/// When no window has a target, the folder cannot be written or the user interrupts.
 pub(crate) fn train_baseline(
     context: &RunContext,
     baseline: Baseline,

@@ -8,9 +8,6 @@ use crate::baselines::Baseline;
 use crate::cross_validation::{Contender, Kind};
 
 /// Loads the presets, whose names are folders.
-///
-/// # Errors
-/// When a preset cannot be read, two have one name, or their vocabularies differ.
 pub(super) fn presets(arguments: &Arguments) -> anyhow::Result<Vec<Preset>> {
     let mut presets: Vec<Preset> = Vec::new();
     for name in &arguments.preset {
@@ -36,9 +33,6 @@ pub(super) fn presets(arguments: &Arguments) -> anyhow::Result<Vec<Preset>> {
 }
 
 /// Contenders: the students of the presets, the baselines, then the floors.
-///
-/// # Errors
-/// When two have the same folder, or `only` names no contender.
 pub(super) fn contenders(
     presets: &[Preset],
     baselines: &[Baseline],

@@ -9,108 +9,69 @@ use execution::run_folder::RunError;
 
 /// Why a model cannot be tuned on a person's recordings.
 #[derive(Debug, Error)]
+#[expect(missing_docs, reason = "the messages say it")]
 pub enum PersonalizeError {
-    /// The recordings are of several people.
     #[error("the recordings are of {}: say whose the model shall be with --subject", .found.join(", "))]
-    SeveralPeople {
-        /// Names of the people.
-        found: Vec<String>,
-    },
-    /// No person has this name.
+    SeveralPeople { found: Vec<String> },
     #[error("no recording of {wanted}; there are recordings of {}", .found.join(", "))]
-    UnknownPerson {
-        /// The name given.
-        wanted: String,
-        /// Names of the people.
-        found: Vec<String>,
-    },
-    /// The recordings have no labels.
+    UnknownPerson { wanted: String, found: Vec<String> },
     #[error(
         "no recording of {subject} has a label: record with cues, or give a folder in a layout with labels (docs/recordings.md)"
     )]
-    NoLabels {
-        /// The person.
-        subject: String,
-    },
-    /// The labels are of gestures that the model does not have.
+    NoLabels { subject: String },
     #[error(
         "the model tells {} apart, the recordings have {} alone: give a model of these gestures",
         .expected.join(", "),
         .found.join(", ")
     )]
     Vocabulary {
-        /// The model's classes.
         expected: Vec<&'static str>,
-        /// Classes of the recordings.
         found: Vec<&'static str>,
     },
-    /// No recording has a class of the model.
     #[error(
         "no recording has {missing}, which the model would unlearn: record each of {} several times",
         .expected.join(", ")
     )]
     MissingClass {
-        /// The class.
         missing: &'static str,
-        /// The model's classes.
         expected: Vec<&'static str>,
     },
-    /// A class is too rare in a part of the recordings.
     #[error(
         "too short: the part of the recordings that is {part} has {class} {found} times, {expected} are needed; some of it is tuned on and the rest held back, so record each gesture {} times or more",
         3 * .expected
     )]
     TooShort {
-        /// Purpose of the part.
         part: &'static str,
-        /// The class.
         class: &'static str,
-        /// Number of labelled stretches needed.
         expected: usize,
-        /// Number of labelled stretches found.
         found: usize,
     },
-    /// The recordings have neither changes of the label nor holds to splice.
     #[error(
         "the recordings have neither a change of the label nor two steady holds: record rest and gestures in turn"
     )]
     NoChange,
-    /// The model has no class for other movement.
     #[error(
         "the model has no class for other movement, so no margin over it: give a model with one, or leave --other-per-minute out"
     )]
     NoOtherClass,
-    /// No other movement is held back.
     #[error(
         "no other movement is held back, so its margin cannot be chosen: record other movement, or leave --other-per-minute out"
     )]
     NoOthers,
-    /// No margin over other movement suffices.
     #[error(
         "other movement raises {found:.1} labels a minute of what is held back at the highest margin, at most {wanted} are wanted. Nothing was written, go on with the old model"
     )]
-    OtherPerMinute {
-        /// Labels a minute that are wanted at most.
-        wanted: f64,
-        /// Labels a minute at the highest margin.
-        found: f64,
-    },
-    /// Two classes of the labels seem exchanged.
+    OtherPerMinute { wanted: f64, found: f64 },
     #[error("{0}. Nothing was written, go on with the old model")]
     Exchanged(Exchange),
-    /// The user interrupted.
     #[error("interrupted; nothing was written")]
     Interrupted,
-    /// The model file is invalid, or its format is unknown to this program.
     #[error("the model file is refused")]
     Model(#[from] ModelError),
-    /// The tuned weights give no valid model file.
     #[error("the tuned weights make no model file; nothing was written")]
     Tuned(#[source] ModelError),
-    /// The training diverged.
     #[error(transparent)]
     Training(RunError),
-    /// The models cannot be judged.
     #[error(transparent)]
     Judgement(#[from] StepError),
 }

@@ -17,9 +17,6 @@ const EXPLAINED: f64 = 0.1;
 /// exchange of two explains a tenth of balanced accuracy.
 ///
 /// Uses the published labels: lag compensation drops labels that no muscle follows, such as rest labelled as a gesture.
-///
-/// # Errors
-/// When the model is refused.
 pub(super) fn exchange(file: &[u8], person: &Person) -> Result<Option<Exchange>, PersonalizeError> {
     let model = Model::parse(file)?;
     let published = |own: &Own| {

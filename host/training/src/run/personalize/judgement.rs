@@ -30,9 +30,6 @@ pub(super) struct Judgement {
 
 impl Judgement {
     /// Runs a model file, `name` in tables, on a part.
-    ///
-    /// # Errors
-    /// When the model is refused.
     pub(super) fn new(name: &str, file: &[u8], part: &Part<'_>) -> Result<Self, PersonalizeError> {
         let model = Model::parse(file)?;
         let recordings = part.evaluated_recordings();
@@ -109,9 +106,6 @@ impl Judgement {
     }
 
     /// Raises the margin over other movement until it raises at most `wanted` labels a minute, and returns it.
-    ///
-    /// # Errors
-    /// When the model has no margin, no other movement is held back, or no margin up to 10 more than the model's suffices.
     pub(super) fn raise_margin(&mut self, wanted: f64) -> Result<f32, PersonalizeError> {
         let own = self.candidate.other_margin;
         let own = own.ok_or(PersonalizeError::NoOtherClass)?;
@@ -130,9 +124,6 @@ impl Judgement {
 }
 
 /// Scores a model file, `name` in tables, on a part of a person's recordings.
-///
-/// # Errors
-/// When the model is refused.
 pub fn judge(name: &str, file: &[u8], part: &Part<'_>) -> Result<Score, PersonalizeError> {
     Judgement::new(name, file, part)?.score()
 }

@@ -64,10 +64,6 @@ impl Personalized {
 ///
 /// Without a name, the recordings must be of one person. After each step, `report` gets the number of steps done
 /// and of all.
-///
-/// # Errors
-/// When the model is refused, the recordings do not allow it, two classes of their labels seem exchanged, the training
-/// diverges or the user interrupts.
 pub fn personalize(
     file: &[u8],
     library: &Library,

@@ -73,9 +73,6 @@ impl<'p> Part<'p> {
     /// Pieces with the same gestures are divided together. The last ones, recorded after the others, are held back: as few
     /// as make three tenths of the time, so one of three of similar length. Of a single piece, the last third is held back,
     /// less a window of 3 s between the two.
-    ///
-    /// # Errors
-    /// [`PersonalizeError::TooShort`] if either part has a class of the model fewer than twice.
     pub fn divided(&self) -> Result<(Self, Self), PersonalizeError> {
         let (mut tuned, mut judged) = (Vec::new(), Vec::new());
         for pieces in self.by_gestures().into_values() {
@@ -109,9 +106,6 @@ impl<'p> Part<'p> {
 
     /// Divides the part into halves: of each motion, the first half of its holds and the other half, each hold with the rest around
     /// it up to the middle. Stretches without a hold count as one motion more.
-    ///
-    /// # Errors
-    /// [`PersonalizeError::TooShort`] if either half has a class of the model fewer than twice.
     pub fn halves(&self) -> Result<(Self, Self), PersonalizeError> {
         let is_hold = |motion: Motion| !matches!(motion, Motion::RELAX | Motion::Unknown);
         let mut holds: BTreeMap<&'static str, Vec<Piece>> = BTreeMap::new();
@@ -147,9 +141,6 @@ impl<'p> Part<'p> {
 
     /// Divides the part into one to tune on and one to hold back ([`divided`](Self::divided)). If that is too short, into four such pairs:
     /// each quarter is held back once, from what is recorded in the others.
-    ///
-    /// # Errors
-    /// [`PersonalizeError::TooShort`] if a part to tune on, or all that is held back, has a class of the model fewer than twice.
     pub fn divisions(&self) -> Result<Vec<(Self, Self)>, PersonalizeError> {
         match self.divided() {
             Err(PersonalizeError::TooShort { .. }) => self.folds(),

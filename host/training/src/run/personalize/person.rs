@@ -36,9 +36,6 @@ pub struct Person {
 
 impl Person {
     /// Selects the recordings of a person (`data-set/subject`, or the part after the slash); without a name, of the only person.
-    ///
-    /// # Errors
-    /// When there are several people or none of this name, no labels, or a class of the model is missing.
     pub fn new(
         library: &Library,
         subject: Option<&str>,

@@ -21,58 +21,33 @@ const MORE_RAISED: f64 = 0.1;
 
 /// Why the new model is not written.
 #[derive(Clone, Copy, PartialEq, Debug, Error)]
+#[expect(missing_docs, reason = "the messages say it")]
 pub enum Worse {
-    /// The new model is hardly better than a constant label.
     #[error(
         "the tuned model is hardly better than always saying relax: its balanced accuracy is {found:.3}, always relax has {constant:.3}, at least {:.3} is needed; look at the recordings with `myointent data inspect`, above all at their scale, at hum and at the labels",
         .constant + ABOVE_CONSTANT
     )]
-    Constant {
-        /// Balanced accuracy of the new model; 0 if it has none.
-        found: f64,
-        /// Balanced accuracy of always saying relax.
-        constant: f64,
-    },
-    /// A measure that must not fall is lower.
+    Constant { found: f64, constant: f64 },
     #[error("{measure} fell from {old:.3} to {new:.3}")]
     Lower {
-        /// Name of the measure.
         measure: &'static str,
-        /// Value of the old model.
         old: f64,
-        /// Value of the new model; 0 if it has none.
         new: f64,
     },
-    /// The new model raises too many labels at rest.
     #[error(
         "false activations at rest rose from {old:.1} to {new:.1} a minute, expected at most {MORE_AT_REST} more"
     )]
-    Rest {
-        /// False activations a minute with the old model.
-        old: f64,
-        /// False activations a minute with the new model.
-        new: f64,
-    },
-    /// The new model raises labels more often in other movement.
+    Rest { old: f64, new: f64 },
     #[error(
         "activations in other movement rose from {old:.1} to {new:.1} a minute, expected at most a tenth more"
     )]
-    OtherRate {
-        /// Activations a minute with the old model.
-        old: f64,
-        /// Activations a minute with the new model.
-        new: f64,
-    },
-    /// The new model raises labels for too many movements outside the vocabulary.
+    OtherRate { old: f64, new: f64 },
     #[error(
         "{new} of {movements} other movements raise a label, {old} did before; expected at most a tenth of them more"
     )]
     Other {
-        /// Number of movements outside the vocabulary.
         movements: usize,
-        /// Number of them that raise a label with the old model.
         old: usize,
-        /// Number of them that raise a label with the new model.
         new: usize,
     },
 }

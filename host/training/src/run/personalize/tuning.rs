@@ -70,9 +70,6 @@ impl Default for TuningSettings {
 
 /// Tunes a model file on a part of a person's recordings. Only the weights and the provenance change, and, where other movement is
 /// shown, the margin over it. After each step, `report` gets the number of steps done and of all.
-///
-/// # Errors
-/// When the model is refused, the part has nothing to learn from, the training diverges or the user interrupts.
 pub fn tune(
     file: &[u8],
     part: &Part<'_>,
