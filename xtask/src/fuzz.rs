@@ -21,7 +21,7 @@ use std::{
 use anyhow::{Context as _, Result, bail, ensure};
 
 use self::figures::Figures;
-use self::program::{Target, folder, sources};
+use self::program::{Target, folder};
 
 /// Seconds of a target where nothing else is said.
 const SECONDS: u32 = 10;
@@ -42,27 +42,14 @@ pub struct Arguments {
     /// A target to run, instead of all; may be given again.
     #[arg(long, value_name = "NAME")]
     target: Vec<String>,
-    /// Writes the seeds of all targets to tests/fuzz/corpus, and runs none.
-    #[arg(long)]
-    seeds: bool,
     /// Writes what runs have learned to tests/fuzz/corpus, an input for each branch, and runs no target.
     #[arg(long)]
     keep: bool,
 }
 
 /// Runs the targets, one on each core, and prints a table: executions, executions a second, branches reached, result.
-///
-/// # Errors
-/// When a target found an input that fails, or cannot be built.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let program = program::build()?;
-    if arguments.seeds {
-        let written = Command::new(&program)
-            .env("MYOINTENT_FUZZ_SEEDS", sources().join("corpus"))
-            .status()?;
-        ensure!(written.success(), "the seeds cannot be written");
-        return Ok(());
-    }
     let known = program::targets(&program)?;
     let names: Vec<&str> = known.iter().map(|target| target.name.as_str()).collect();
     for name in &arguments.target {

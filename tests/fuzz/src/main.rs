@@ -8,13 +8,11 @@
 //! | [`targets`] | the targets, each a file; registered in [`targets::ALL`] |
 //! | [`input`] | reads an input's bytes as numbers and choices |
 //! | [`radio`] | a session with an armband, and the conditions of its actions |
-//! | [`seeds`] | the first inputs, made by the project's own writers: `MYOINTENT_FUZZ_SEEDS=DIR` writes them |
 #![no_main]
 #![forbid(unsafe_code)]
 
 mod input;
 mod radio;
-mod seeds;
 mod targets;
 
 use std::sync::LazyLock;
@@ -31,16 +29,12 @@ static TARGET: LazyLock<Target> = LazyLock::new(|| {
     })
 });
 
-/// Answers the requests of xtask that are not for fuzzing.
+/// Lists the targets if xtask asks for them.
 fn asked() {
     if std::env::var_os("MYOINTENT_FUZZ_LIST").is_some() {
         targets::ALL
             .iter()
             .for_each(|target| println!("{} {}", target.name, target.longest));
-        std::process::exit(0);
-    }
-    if let Some(folder) = std::env::var_os("MYOINTENT_FUZZ_SEEDS") {
-        seeds::write(folder.as_ref()).expect("a folder that can be written");
         std::process::exit(0);
     }
 }

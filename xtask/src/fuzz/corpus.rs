@@ -13,7 +13,7 @@ use anyhow::{Context as _, Result, ensure};
 
 use super::program::{Target, folder, sources};
 
-/// Made by the project's own writers, and findings.
+/// Folder of a target's seeds and findings.
 pub(super) fn seeds(target: &str) -> PathBuf {
     sources().join("corpus").join(target)
 }

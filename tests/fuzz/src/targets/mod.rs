@@ -1,4 +1,4 @@
-//! Targets of fuzzing. A new target needs its function, its line in [`ALL`] and its seeds in [`crate::seeds`].
+//! Targets of fuzzing. A new target needs its function, its line in [`ALL`] and first inputs in `corpus`.
 
 mod armband;
 mod command;
@@ -9,7 +9,7 @@ mod model;
 mod npy;
 mod pipeline;
 mod preset;
-pub mod recording;
+mod recording;
 mod report;
 mod session;
 
