@@ -11,14 +11,12 @@ use std::process::Command;
 
 use myointent::cli::replay;
 use myointent_tests::bench::python;
+use myointent_tests::found;
 use myointent_tests::oracle::{Input, expected_lines};
 
 #[test]
 fn the_virtual_armband_passes_its_own_tests() -> anyhow::Result<()> {
-    let test = "the_virtual_armband_passes_its_own_tests";
-    let Some(python) = python(test) else {
-        return Ok(());
-    };
+    let python = found!(python());
     let tests = Command::new(&python.path)
         .args(["-m", "unittest", "discover", "-s"])
         .arg(xtask::emulator::armband())

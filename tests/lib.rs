@@ -3,7 +3,7 @@
 //! Reference numbers are in the repository, `tests/golden/data`; `$MYOINTENT_GOLDEN` names another
 //! folder of the same layout. Recordings are not: they are looked for in `$MYOINTENT_DATA`, or else
 //! in `../shared/data` beside the workspace. A test that finds none prints where to get them and
-//! returns: `let Some(data) = data("name") else { return };`. With `MYOINTENT_REQUIRE=all` it fails.
+//! returns: `let Some(data) = data() else { return };`. With `MYOINTENT_REQUIRE=all` it fails.
 
 pub mod bench;
 pub mod chip;
@@ -18,25 +18,51 @@ use shared::intent::Vocabulary;
 use shared::model::dimensions::Dimensions;
 use shared::model::file::random::random_model;
 
-/// Returns the folder of reference numbers; without one, books the test `name` as skipped.
-#[must_use]
-pub fn golden(name: &str) -> Option<PathBuf> {
-    let (variable, hint) = ("MYOINTENT_GOLDEN", "unset it to use the repository's");
-    folder(name, variable, "golden/data", hint)
+/// Value of a part of a test, or the test's end where the part is missing, which is booked as skipped.
+#[macro_export]
+macro_rules! found {
+    ($part:expr) => {
+        match $part {
+            Some(part) => part,
+            None => return Ok(()),
+        }
+    };
 }
 
-/// Returns the folder of recordings; without one, books the test `name` as skipped.
+/// Returns the folder of reference numbers.
 #[must_use]
-pub fn data(name: &str) -> Option<PathBuf> {
-    let hint = "set it to a folder of recordings; docs/recordings.md has addresses and commands";
-    folder(name, "MYOINTENT_DATA", "../../shared/data", hint)
+pub fn golden() -> PathBuf {
+    folder("MYOINTENT_GOLDEN", "golden/data")
 }
 
-/// Books the test `name` as skipped: prints `SKIPPED name: reason`, past the capture of test output, so that it can be counted.
+/// Returns the folder of recordings; without one, books the test as skipped.
+#[must_use]
+pub fn data() -> Option<PathBuf> {
+    recorded("")
+}
+
+/// Returns a file or folder below the folder of recordings; without it, books the test as skipped.
+#[must_use]
+pub fn recorded(path: impl AsRef<Path>) -> Option<PathBuf> {
+    let found = folder("MYOINTENT_DATA", "../../shared/data").join(path);
+    if found.exists() {
+        return Some(found);
+    }
+    let missing = found.display();
+    skip(&format!(
+        "no {missing}: MYOINTENT_DATA names a folder of recordings (docs/recordings.md)"
+    ));
+    None
+}
+
+/// Books the test of this thread as skipped: prints `SKIPPED name: reason`, past the capture of test output, so that it can be
+/// counted.
 ///
 /// # Panics
 /// Panics if `MYOINTENT_REQUIRE` is `all`, so that no test passes because something is missing; and if it has another value.
-pub fn skip(name: &str, reason: &str) {
+pub fn skip(reason: &str) {
+    let thread = std::thread::current();
+    let (name, reason) = (thread.name().unwrap_or("a test"), reason.replace('\n', " "));
     let required = std::env::var("MYOINTENT_REQUIRE").unwrap_or_default();
     match required.as_str() {
         "" => {}
@@ -50,17 +76,11 @@ pub fn skip(name: &str, reason: &str) {
 }
 
 /// Returns the folder that a variable names, or a default beside this file.
-fn folder(name: &str, variable: &str, default: &str, hint: &str) -> Option<PathBuf> {
-    let folder = std::env::var_os(variable).map_or_else(
+fn folder(variable: &str, default: &str) -> PathBuf {
+    std::env::var_os(variable).map_or_else(
         || Path::new(env!("CARGO_MANIFEST_DIR")).join(default),
         PathBuf::from,
-    );
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    let folder = folder.display();
-    skip(name, &format!("no folder {folder} ({variable}: {hint})"));
-    None
+    )
 }
 
 /// Writes a small model of random weights that has seen these people.

@@ -336,8 +336,7 @@ fn open(kind: Kind, script: &str) -> Option<Browser> {
     let path = match &*FILE {
         Ok(path) => path,
         Err(error) => {
-            let name = std::thread::current().name().unwrap_or("a test").to_owned();
-            myointent_tests::skip(&name, error);
+            myointent_tests::skip(error);
             return None;
         }
     };
@@ -540,8 +539,7 @@ fn play(name: &Path, bytes: &[u8], samples: usize) -> String {
 
 #[test]
 fn in_a_browser_labels_of_four_sets_are_those_of_replay() {
-    let name = "in_a_browser_labels_of_four_sets_are_those_of_replay";
-    let Some(data) = myointent_tests::data(name) else {
+    let Some(data) = myointent_tests::data() else {
         return;
     };
     let Some(mut browser) = open(Kind::Chromium, "") else {
@@ -630,8 +628,7 @@ fn a_board_streams_into_the_file_and_may_be_unplugged() {
 
 #[test]
 fn a_dropped_model_is_installed_on_the_emulated_board() -> anyhow::Result<()> {
-    let name = "a_dropped_model_is_installed_on_the_emulated_board";
-    let Some(image) = chip::image(name, Image::Nrf52840S140) else {
+    let Some(image) = chip::image(Image::Nrf52840S140) else {
         return Ok(());
     };
     let Some(mut browser) = open(Kind::Chromium, &fakes(&Value::Null, &[])) else {

@@ -16,26 +16,15 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Mutex, OnceLock};
 
-use myointent_tests::{data, skip};
+use myointent_tests::recorded;
 use recordings::split::predefined::PredefinedSplit;
 use recordings::{Library, LoadOptions, Recording, load};
 use shared::units::Sample;
 
-/// Returns the folder of one set; without it, prints the skip of the test.
-fn folder(test: &str, set: &str) -> Option<PathBuf> {
-    let folder = data(test)?.join(set);
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    let missing = format!("no folder {}: see docs/recordings.md", folder.display());
-    skip(test, &missing);
-    None
-}
-
 /// Returns a published set, which all tests read once together.
-fn read(test: &str, set: &str) -> Option<&'static Library> {
+fn read(set: &str) -> Option<&'static Library> {
     static SETS: Mutex<BTreeMap<PathBuf, &OnceLock<Library>>> = Mutex::new(BTreeMap::new());
-    let folder = folder(test, set)?;
+    let folder = recorded(set)?;
     let own: &OnceLock<Library> = {
         let mut sets = SETS.lock().unwrap();
         let own = sets.entry(folder.clone());
@@ -58,9 +47,8 @@ fn aligned_samples(recording: &Recording) -> Vec<Sample> {
 
 #[test]
 fn everybody_of_the_predefined_split_is_in_the_recordings() {
-    let test = "everybody_of_the_predefined_split_is_in_the_recordings";
     for (set, predefined) in PredefinedSplit::all() {
-        let Some(library) = read(test, set) else {
+        let Some(library) = read(set) else {
             return;
         };
         let subjects = library.subjects();

@@ -37,5 +37,5 @@ fn a_missing_part_skips_a_test_unless_everything_is_required() {
 #[test]
 #[ignore = "run by the test above, with MYOINTENT_DATA at a folder that does not exist"]
 fn finds_no_recordings() {
-    assert_eq!(myointent_tests::data("finds_no_recordings"), None);
+    assert_eq!(myointent_tests::data(), None);
 }

@@ -76,10 +76,10 @@ pub struct Python {
     place: Place,
 }
 
-/// The armband's Python; without it, reports the test `name` as skipped.
+/// The armband's Python; without it, reports the test as skipped.
 #[must_use]
-pub fn python(name: &str) -> Option<Python> {
-    let skip = |reason| crate::skip(name, &format!("{reason:#}").replace('\n', " "));
+pub fn python() -> Option<Python> {
+    let skip = |reason| crate::skip(&format!("{reason:#}"));
     Some(Python {
         path: emulator::python().map_err(skip).ok()?,
         place: Place::wait(),

@@ -114,14 +114,14 @@ impl Pins {
     };
 }
 
-/// An image; if it cannot be built here, reports the test `name` as skipped.
+/// An image; if it cannot be built here, reports the test as skipped.
 ///
 /// # Panics
 /// If the image does not build: that is no reason to skip.
 #[must_use]
-pub fn image(name: &str, image: Built) -> Option<Image> {
+pub fn image(image: Built) -> Option<Image> {
     static PARSED: Mutex<BTreeMap<&str, Image>> = Mutex::new(BTreeMap::new());
-    let elf = elf(name, image)?;
+    let elf = elf(image)?;
     let mut parsed = PARSED.lock().unwrap_or_else(PoisonError::into_inner);
     let parsed = parsed
         .entry(image.name())
@@ -129,17 +129,17 @@ pub fn image(name: &str, image: Built) -> Option<Image> {
     Some(parsed.clone())
 }
 
-/// The ELF file of an image; if it cannot be built here, reports the test `name` as skipped.
+/// The ELF file of an image; if it cannot be built here, reports the test as skipped.
 ///
 /// # Panics
 /// If the image does not build: that is no reason to skip.
 #[must_use]
-pub fn elf(name: &str, image: Built) -> Option<Vec<u8>> {
+pub fn elf(image: Built) -> Option<Vec<u8>> {
     static BUILT: Mutex<BTreeMap<&str, Vec<u8>>> = Mutex::new(BTreeMap::new());
-    let found = toolchain::find(toolchain::TARGET, false).map_err(|reason| {
-        crate::skip(name, &format!("{reason:#}").replace('\n', " "));
-    });
-    let toolchain = found.ok()?;
+    let found = toolchain::find(toolchain::TARGET, false);
+    let toolchain = found
+        .map_err(|reason| crate::skip(&format!("{reason:#}")))
+        .ok()?;
     let mut built = BUILT.lock().unwrap_or_else(PoisonError::into_inner);
     let elf = built.entry(image.name()).or_insert_with(|| {
         let file = firmware::build_image(&toolchain, image, false, false);

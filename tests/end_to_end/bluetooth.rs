@@ -4,6 +4,7 @@
 use myointent::cli::replay;
 use myointent_tests::bench::{Run, Scenario, python};
 use myointent_tests::chip;
+use myointent_tests::found;
 use serde_json::{Value, json};
 use shared::myo::{Address, binding};
 use shared::stream::safe_state::Cause;
@@ -15,13 +16,12 @@ const SLOWED: u32 = 3;
 
 /// Streams these samples, faster than an armband; without what it needs, reports the test as skipped.
 fn start(
-    test: &str,
     samples: &[Sample],
     pace: f64,
     script: Value,
     arguments: &[&str],
 ) -> anyhow::Result<Option<Run>> {
-    let Some(python) = python(test) else {
+    let Some(python) = python() else {
         return Ok(None);
     };
     let armband = Address::parse(chip::ARMBAND).expect("an address");
@@ -44,23 +44,13 @@ fn last_cause(run: &Run) -> Option<Cause> {
 
 #[test]
 fn a_recordings_lines_equal_replays() -> anyhow::Result<()> {
-    let test = "a_recordings_lines_equal_replays";
-    let Some(folder) = myointent_tests::data(test) else {
-        return Ok(());
-    };
-    let path = folder.join("roshambo/data/subject02_session01_emg.npy");
-    if !path.is_file() {
-        let missing = format!("no {}: see docs/recordings.md", path.display());
-        myointent_tests::skip(test, &missing);
-        return Ok(());
-    }
+    let path = "roshambo/data/subject02_session01_emg.npy";
+    let path = found!(myointent_tests::recorded(path));
     let mut samples = replay::one_recording(&path, None)?.samples;
     samples.truncate(15 * 200);
     // Its speech without a subscription means nothing.
     let script = json!([{ "do": "chatter", "ms": 1 }]);
-    let Some(mut run) = start(test, &samples, 3.0, script, &["--end", "disconnect"])? else {
-        return Ok(());
-    };
+    let mut run = found!(start(&samples, 3.0, script, &["--end", "disconnect"])?);
     let expected = replay::lines(&chip::model(), &samples)?;
     let expected: Vec<_> = expected.split_inclusive('\n').collect();
     run.wait_for("the line after those of the recording", |run| {
@@ -74,7 +64,6 @@ fn a_recordings_lines_equal_replays() -> anyhow::Result<()> {
 
 #[test]
 fn a_link_that_is_refused_and_lost_comes_back_and_no_stranger_is_followed() -> anyhow::Result<()> {
-    let test = "a_link_that_is_refused_and_lost_comes_back_and_no_stranger_is_followed";
     let script = json!([
         { "do": "refuse", "count": 1 },
         { "do": "vanish", "at": 300, "for_ms": 9000 },
@@ -82,9 +71,7 @@ fn a_link_that_is_refused_and_lost_comes_back_and_no_stranger_is_followed() -> a
     ]);
     let samples: Vec<_> = (0..3000).map(|n| [(n * n % 251 - 125) as i8; 8]).collect();
     let arguments = ["--end", "disconnect", "--stranger", "F1:23:45:67:89:AB,-20"];
-    let Some(mut run) = start(test, &samples, 1.0, script, &arguments)? else {
-        return Ok(());
-    };
+    let mut run = found!(start(&samples, 1.0, script, &arguments)?);
     run.wait_for("three streams", |run| run.event_count("connected") == 3)?;
     run.wait_for("the last one's end", |run| {
         run.event_count("end") > 0 && last_cause(run) == Some(Cause::Disconnected)
@@ -95,13 +82,13 @@ fn a_link_that_is_refused_and_lost_comes_back_and_no_stranger_is_followed() -> a
 }
 
 /// Streams with such a packet in place of every 27th notification: each leaves a gap that is bridged.
-fn play_with(test: &str, kind: &str) -> anyhow::Result<Option<Run>> {
+fn play_with(kind: &str) -> anyhow::Result<Option<Run>> {
     const PACKETS: u32 = 28;
     let script: Vec<_> = (0..PACKETS)
         .map(|number| json!({"do": "corrupt", "at": 400 + 27 * number, "kind": kind}))
         .collect();
     let samples = vec![[1; 8]; 2600];
-    let Some(mut run) = start(test, &samples, 3.0, script.into(), &["--end", "disconnect"])? else {
+    let Some(mut run) = start(&samples, 3.0, script.into(), &["--end", "disconnect"])? else {
         return Ok(None);
     };
     run.wait_for("the end", |run| {
@@ -117,16 +104,12 @@ fn play_with(test: &str, kind: &str) -> anyhow::Result<Option<Run>> {
 
 #[test]
 fn attribute_pdus_that_end_too_early_do_not_restart_the_board() -> anyhow::Result<()> {
-    let test = "attribute_pdus_that_end_too_early_do_not_restart_the_board";
-    play_with(test, "cut").map(drop)
+    play_with("cut").map(drop)
 }
 
 #[test]
 fn the_end_of_a_channel_that_nobody_opened_does_not_restart_the_board() -> anyhow::Result<()> {
-    let test = "the_end_of_a_channel_that_nobody_opened_does_not_restart_the_board";
-    let Some(run) = play_with(test, "signal")? else {
-        return Ok(());
-    };
+    let run = found!(play_with("signal")?);
     // Each is answered, by a command reject: not understood.
     let rejects = run.event_values("signal");
     let is_reject = |value: &String| value.starts_with("01") && value.ends_with("02000000");
@@ -138,16 +121,13 @@ fn the_end_of_a_channel_that_nobody_opened_does_not_restart_the_board() -> anyho
 #[test]
 fn an_armband_that_asks_for_parameters_begins_late_and_hides_subscriptions_streams()
 -> anyhow::Result<()> {
-    let test = "an_armband_that_asks_for_parameters_begins_late_and_hides_subscriptions_streams";
     let script = json!([
         { "do": "ask-parameters", "first_ms": 500, "every_ms": 500 },
         { "do": "begin-late", "ms": 6000 },
         { "do": "hide-subscriptions" },
     ]);
     let samples: Vec<_> = (0..2000).map(|n| [(n * n % 251 - 125) as i8; 8]).collect();
-    let Some(mut run) = start(test, &samples, 2.0, script, &["--end", "disconnect"])? else {
-        return Ok(());
-    };
+    let mut run = found!(start(&samples, 2.0, script, &["--end", "disconnect"])?);
     run.wait_for("the end", |run| {
         last_cause(run) == Some(Cause::Disconnected)
     })?;

@@ -6,7 +6,7 @@ use std::path::Path;
 use evaluation::model_evaluation::{NamedModel, Selection, evaluate_models};
 use evaluation::smooth;
 use myointent::cli::replay;
-use myointent_tests::{data, skip};
+use myointent_tests::recorded;
 use recordings::{LoadOptions, load};
 use shared::intent::Intent;
 use shared::model::file::Model;
@@ -15,8 +15,6 @@ use crate::small::{folder, myointent};
 
 #[test]
 fn predict_gives_the_labels_that_evaluate_scores_of_files_of_published_sets() {
-    let test = "frame::predict_gives_the_labels_that_evaluate_scores_of_files_of_published_sets";
-    let Some(data) = data(test) else { return };
     let folder = folder("frame");
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/three-class.intent");
     let named = NamedModel::read(&file).unwrap();
@@ -33,11 +31,9 @@ fn predict_gives_the_labels_that_evaluate_scores_of_files_of_published_sets() {
         ("wang-myo/EMG_S1/1_fist.npy", true),
         ("uci-gestures/01/1_raw_data_13-12_22.03.16.txt", true),
     ] {
-        let path = data.join(recording);
-        if !path.exists() {
-            skip(test, &format!("no {}", path.display()));
+        let Some(path) = recorded(recording) else {
             continue;
-        }
+        };
         let labels = |flag: &str| {
             let out = folder.join("labels.csv");
             let [model, path, to] = [&file, &path, &out].map(|path| path.display());

@@ -7,6 +7,7 @@ use virtual_armband::{Behaviour, Step};
 use xtask::firmware::Image;
 
 use myointent_tests::chip::{self, Board, Setting};
+use myointent_tests::found;
 
 /// Seconds of EMG: more than any test runs for.
 const STREAM: usize = 120;
@@ -19,12 +20,12 @@ fn samples() -> Vec<Sample> {
 }
 
 /// A board beside an armband that streams noise; none where the image cannot be built.
-pub fn board(test: &str, behaviour: Behaviour) -> Option<Board> {
-    board_of(test, Image::Nrf52840S140, behaviour)
+pub fn board(behaviour: Behaviour) -> Option<Board> {
+    board_of(Image::Nrf52840S140, behaviour)
 }
 
-fn board_of(test: &str, built: Image, behaviour: Behaviour) -> Option<Board> {
-    let image = chip::image(test, built)?;
+fn board_of(built: Image, behaviour: Behaviour) -> Option<Board> {
+    let image = chip::image(built)?;
     let setting = Setting {
         samples: samples(),
         behaviour,
@@ -43,15 +44,12 @@ fn scanned_percent(board: &mut Board, seconds: u64) -> anyhow::Result<u64> {
 
 #[test]
 fn a_board_that_sees_nobody_for_a_minute_scans_a_tenth_of_the_time() -> anyhow::Result<()> {
-    let test = "a_board_that_sees_nobody_for_a_minute_scans_a_tenth_of_the_time";
     for built in [Image::Nrf52840S140, Image::Nrf52840Sdc] {
         let behaviour = Behaviour {
             steps: vec![Step::Absent],
             ..Behaviour::default()
         };
-        let Some(mut board) = board_of(test, built, behaviour) else {
-            return Ok(());
-        };
+        let mut board = found!(board_of(built, behaviour));
         let at_first = scanned_percent(&mut board, 50)?;
         assert!(at_first > 90, "{built}: {at_first} %");
         board.run_ms(25_000)?;
@@ -66,14 +64,11 @@ fn a_board_that_sees_nobody_for_a_minute_scans_a_tenth_of_the_time() -> anyhow::
 
 #[test]
 fn a_pairing_scans_all_the_time() -> anyhow::Result<()> {
-    let test = "a_pairing_scans_all_the_time";
     let behaviour = Behaviour {
         steps: vec![Step::Absent],
         ..Behaviour::default()
     };
-    let Some(mut board) = board(test, behaviour) else {
-        return Ok(());
-    };
+    let mut board = found!(board(behaviour));
     board.run_ms(90_000)?;
     board.send("BIND,begin");
     board.wait_for("$OK,BIND", 1000)?;
@@ -84,7 +79,6 @@ fn a_pairing_scans_all_the_time() -> anyhow::Result<()> {
 
 #[test]
 fn a_link_that_is_lost_is_found_again() -> anyhow::Result<()> {
-    let test = "a_link_that_is_lost_is_found_again";
     for built in [Image::Nrf52840S140, Image::Nrf52840Sdc] {
         // Out of reach for longer than the supervision time-out; ended by the armband; refused at first.
         let steps = vec![
@@ -102,9 +96,7 @@ fn a_link_that_is_lost_is_found_again() -> anyhow::Result<()> {
             steps,
             ..Behaviour::default()
         };
-        let Some(mut board) = board_of(test, built, behaviour) else {
-            return Ok(());
-        };
+        let mut board = found!(board_of(built, behaviour));
         for stream in 1..=3 {
             while board.text().matches("# armband FA").count() < stream {
                 let in_time = board.machine.now() < 60 * HZ;
@@ -120,14 +112,11 @@ fn a_link_that_is_lost_is_found_again() -> anyhow::Result<()> {
 
 #[test]
 fn the_parameters_that_an_armband_prefers_are_said_once() -> anyhow::Result<()> {
-    let test = "the_parameters_that_an_armband_prefers_are_said_once";
     let behaviour = Behaviour {
         steps: vec![Step::Sleep { at: 100, for_ms: 1 }],
         ..Behaviour::default()
     };
-    let Some(mut board) = board(test, behaviour) else {
-        return Ok(());
-    };
+    let mut board = found!(board(behaviour));
     board.run_ms(10_000)?;
     let text = board.text();
     assert_eq!(text.matches("# armband FA").count(), 2, "{text}");

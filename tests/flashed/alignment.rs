@@ -5,6 +5,7 @@
 //! board.
 
 use myointent_tests::chip::{self, Board, Setting};
+use myointent_tests::found;
 use myointent_tests::oracle::{Input, expected_lines};
 use myointent_tests::output::Output;
 use shared::intent::Vocabulary;
@@ -66,10 +67,7 @@ fn worn(samples: &[Sample], placement: Alignment) -> Vec<Sample> {
 #[test]
 fn an_opening_that_does_not_tell_the_arm_is_decided_by_the_model_and_the_lines_equal_the_pipelines()
 -> anyhow::Result<()> {
-    let test = "an_opening_that_does_not_tell_the_arm_is_decided_by_the_model_and_the_lines_equal_the_pipelines";
-    let Some(image) = chip::image(test, Image::Nrf52840S140) else {
-        return Ok(());
-    };
+    let image = found!(chip::image(Image::Nrf52840S140));
     let samples = worn(&two_openings(), Alignment::new(3, false));
     let setting = Setting {
         model: model(),

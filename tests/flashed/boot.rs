@@ -7,6 +7,7 @@ use xtask::firmware::Image;
 use super::start::starts;
 use super::usb::{heard, plug, set_port, started};
 use myointent_tests::chip::{self, Board, Setting};
+use myointent_tests::found;
 
 /// CLOCK's LFCLKSTART.
 const LFCLKSTART: u32 = 0x4000_0008;
@@ -46,7 +47,6 @@ fn assert_says_its_clock(board: &mut Board, case: &str) -> anyhow::Result<()> {
 
 #[test]
 fn a_board_with_usb_starts_whatever_its_crystal_does() -> anyhow::Result<()> {
-    let test = "a_board_with_usb_starts_whatever_its_crystal_does";
     let [at_once, late, later] = [Some(0), Some(HZ), Some(3 * HZ)];
     let cases = [
         (Image::Xiao, &[at_once, late, later, None][..]),
@@ -56,9 +56,7 @@ fn a_board_with_usb_starts_whatever_its_crystal_does() -> anyhow::Result<()> {
     for (built, crystals) in cases {
         for crystal in crystals {
             let case = format!("{built}, {crystal:?}");
-            let Some(mut board) = started(test, built) else {
-                return Ok(());
-            };
+            let mut board = found!(started(built));
             board.machine.chip().bus.slow_crystal = *crystal;
             board.run_ms(10)?;
             assert_safe(&board, &case);
@@ -77,8 +75,8 @@ fn a_board_with_usb_starts_whatever_its_crystal_does() -> anyhow::Result<()> {
 }
 
 /// A chip as a boot loader leaves it after a reset by software, with its clock and a watchdog.
-fn left_by_boot_loader(test: &str, watchdog: Option<(u32, u32)>) -> Option<Board> {
-    let mut board = started(test, Image::Xiao)?;
+fn left_by_boot_loader(watchdog: Option<(u32, u32)>) -> Option<Board> {
+    let mut board = started(Image::Xiao)?;
     board.machine.reset(Reset::Software);
     let mut chip = board.machine.chip();
     if let Some((periods, handles)) = watchdog {
@@ -94,7 +92,6 @@ fn left_by_boot_loader(test: &str, watchdog: Option<(u32, u32)>) -> Option<Board
 
 #[test]
 fn a_board_starts_as_its_boot_loader_leaves_the_chip() -> anyhow::Result<()> {
-    let test = "a_board_starts_as_its_boot_loader_leaves_the_chip";
     let seconds = 32_768;
     let [power, software] = [Reset::Power, Reset::Software];
     for (watchdog, expected) in [
@@ -107,9 +104,7 @@ fn a_board_starts_as_its_boot_loader_leaves_the_chip() -> anyhow::Result<()> {
         (Some((seconds / 4, 1)), &[power, software, Reset::Watchdog]),
     ] {
         let case = format!("{watchdog:?}");
-        let Some(mut board) = left_by_boot_loader(test, watchdog) else {
-            return Ok(());
-        };
+        let mut board = found!(left_by_boot_loader(watchdog));
         board.run_ms(BOOT_LOADER_MS + 10)?;
         assert_safe(&board, &case);
         board.run_ms(3000)?;
@@ -122,10 +117,7 @@ fn a_board_starts_as_its_boot_loader_leaves_the_chip() -> anyhow::Result<()> {
 
 #[test]
 fn a_board_with_its_battery_at_vddh_gets_levels_of_3_volts() -> anyhow::Result<()> {
-    let test = "a_board_with_its_battery_at_vddh_gets_levels_of_3_volts";
-    let Some(image) = chip::image(test, Image::NiceNano) else {
-        return Ok(());
-    };
+    let image = found!(chip::image(Image::NiceNano));
     let setting = Setting {
         is_blank: true,
         ..Setting::default()

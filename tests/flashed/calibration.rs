@@ -16,7 +16,7 @@ const PAGE: u32 = 0x5_5000;
 #[test]
 fn what_a_wearer_shows_is_learnt_in_time_kept_and_used() {
     for built in [Image::Nrf52840S140, Image::Nrf52840Sdc] {
-        let Some(image) = chip::image("calibration", built) else {
+        let Some(image) = chip::image(built) else {
             return;
         };
         let round = [Intent::Relax, Intent::Open, Intent::Relax, Intent::Close];

@@ -5,13 +5,14 @@ use xtask::firmware::Image;
 
 use super::faults::leave_interrupts;
 use myointent_tests::chip::{self, Board, Setting};
+use myointent_tests::found;
 
 /// Address in flash that the image leaves free.
 const CODE: u32 = 0x9_0000;
 
 /// A board whose radio runs; where the image cannot be built, reports the test as skipped.
-fn board(test: &str) -> anyhow::Result<Option<Board>> {
-    let Some(image) = chip::image(test, Image::Nrf52840Sdc) else {
+fn board() -> anyhow::Result<Option<Board>> {
+    let Some(image) = chip::image(Image::Nrf52840Sdc) else {
         return Ok(None);
     };
     let mut board = Board::new(Image::Nrf52840Sdc, image, Setting::default());
@@ -35,9 +36,7 @@ fn refused(board: &mut Board, registers: [u32; 2], code: &[u16]) -> Refusal {
 
 #[test]
 fn instructions_of_the_library_are_refused() -> anyhow::Result<()> {
-    let Some(mut board) = board("instructions_of_the_library_are_refused")? else {
-        return Ok(());
-    };
+    let mut board = found!(board()?);
     let controller = board.machine.controller.as_ref();
     let inside = controller.expect("an image with one").library().range.start + 4;
     // bx r0
@@ -58,9 +57,7 @@ fn what_the_library_has_taken_is_refused() -> anyhow::Result<()> {
         0x4001_f598,
     ];
     for address in taken {
-        let Some(mut board) = board("what_the_library_has_taken_is_refused")? else {
-            return Ok(());
-        };
+        let mut board = found!(board()?);
         // str r1, [r0]
         let refusal = refused(&mut board, [address, 1], &[0x6001]);
         assert_eq!(refusal.what, What::Controllers, "{address:#x}: {refusal}");
@@ -70,10 +67,7 @@ fn what_the_library_has_taken_is_refused() -> anyhow::Result<()> {
 
 #[test]
 fn memory_of_the_library_that_is_written_is_refused() -> anyhow::Result<()> {
-    let test = "memory_of_the_library_that_is_written_is_refused";
-    let Some(mut board) = board(test)? else {
-        return Ok(());
-    };
+    let mut board = found!(board()?);
     let controller = board.machine.controller.as_ref();
     let memory = controller.and_then(|one| one.memory());
     let memory = memory.expect("the controller is enabled");
@@ -87,10 +81,7 @@ fn memory_of_the_library_that_is_written_is_refused() -> anyhow::Result<()> {
 
 #[test]
 fn a_call_of_the_library_from_an_interrupt_is_refused() -> anyhow::Result<()> {
-    let test = "a_call_of_the_library_from_an_interrupt_is_refused";
-    let Some(mut board) = board(test)? else {
-        return Ok(());
-    };
+    let mut board = found!(board()?);
     let controller = board.machine.controller.as_ref();
     let functions = &controller.expect("an image with one").library().functions;
     let mut functions = functions.iter();

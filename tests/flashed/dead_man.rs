@@ -7,6 +7,7 @@ use xtask::firmware::Image;
 
 use super::faults::{effort, is_valid};
 use myointent_tests::chip::{self, Board, Setting};
+use myointent_tests::found;
 
 /// Milliseconds of a core that stands still: more than the timer takes, less than the watchdog.
 const HALT_MS: u64 = 400;
@@ -35,12 +36,9 @@ fn high(board: &Board) -> Vec<u32> {
 
 #[test]
 fn a_core_that_stands_still_in_any_label_loses_all_pins_on_every_board() -> anyhow::Result<()> {
-    let test = "a_core_that_stands_still_in_any_label_loses_all_pins_on_every_board";
     for built in Image::ALL {
         for intent in Intent::ALL {
-            let Some(image) = chip::image(test, built) else {
-                return Ok(());
-            };
+            let image = found!(chip::image(built));
             let setting = Setting {
                 model: model_of(intent)?,
                 samples: effort(10),

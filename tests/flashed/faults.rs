@@ -8,6 +8,7 @@ use shared::units::Sample;
 use xtask::firmware::Image;
 
 use myointent_tests::chip::{self, BOOT_LOADER_RAM, Board, Setting};
+use myointent_tests::found;
 
 /// Noise of rest and effort in turn.
 pub fn effort(seconds: usize) -> Vec<Sample> {
@@ -20,8 +21,8 @@ pub fn effort(seconds: usize) -> Vec<Sample> {
 }
 
 /// A board whose labels are valid; where the image cannot be built, reports the test as skipped.
-fn board_with_valid_labels(test: &str) -> anyhow::Result<Option<Board>> {
-    let Some(image) = chip::image(test, Image::Nrf52840S140) else {
+fn board_with_valid_labels() -> anyhow::Result<Option<Board>> {
+    let Some(image) = chip::image(Image::Nrf52840S140) else {
         return Ok(None);
     };
     let setting = Setting {
@@ -72,10 +73,7 @@ fn last_start(board: &Board) -> Option<(u64, Reset)> {
 
 #[test]
 fn a_clock_that_stops_is_ended_by_the_watchdog() -> anyhow::Result<()> {
-    let Some(mut board) = board_with_valid_labels("a_clock_that_stops_is_ended_by_the_watchdog")?
-    else {
-        return Ok(());
-    };
+    let mut board = found!(board_with_valid_labels()?);
     // RTC1, which has all deadlines.
     board.machine.core().disable(17);
     board.run_ms(3000)?;
@@ -86,10 +84,7 @@ fn a_clock_that_stops_is_ended_by_the_watchdog() -> anyhow::Result<()> {
 
 #[test]
 fn the_guard_of_the_stack_ends_a_program_that_grows_into_it() -> anyhow::Result<()> {
-    let test = "the_guard_of_the_stack_ends_a_program_that_grows_into_it";
-    let Some(mut board) = board_with_valid_labels(test)? else {
-        return Ok(());
-    };
+    let mut board = found!(board_with_valid_labels()?);
     leave_interrupts(&mut board)?;
     // Somewhere in flash: `push {r0-r7}`, and again.
     const GROW: u32 = 0x9_0000;
@@ -111,10 +106,7 @@ fn the_guard_of_the_stack_ends_a_program_that_grows_into_it() -> anyhow::Result<
 
 #[test]
 fn a_fault_after_a_reset_by_the_watchdog_is_told_as_what_it_is() -> anyhow::Result<()> {
-    let test = "a_fault_after_a_reset_by_the_watchdog_is_told_as_what_it_is";
-    let Some(mut board) = board_with_valid_labels(test)? else {
-        return Ok(());
-    };
+    let mut board = found!(board_with_valid_labels()?);
     board.machine.reset(Reset::Watchdog);
     board.wait_for("started by the watchdog", 1000)?;
     leave_interrupts(&mut board)?;
@@ -125,10 +117,7 @@ fn a_fault_after_a_reset_by_the_watchdog_is_told_as_what_it_is() -> anyhow::Resu
 
 #[test]
 fn the_words_of_a_panic_outlive_the_boot_loader_of_a_board_with_usb() -> anyhow::Result<()> {
-    let test = "the_words_of_a_panic_outlive_the_boot_loader_of_a_board_with_usb";
-    let Some(mut board) = board_with_valid_labels(test)? else {
-        return Ok(());
-    };
+    let mut board = found!(board_with_valid_labels()?);
     board.machine.boot_loader_ram = Some(BOOT_LOADER_RAM);
     leave_interrupts(&mut board)?;
     board.machine.core().jump(0xf_0000);
@@ -140,10 +129,7 @@ fn the_words_of_a_panic_outlive_the_boot_loader_of_a_board_with_usb() -> anyhow:
 
 #[test]
 fn a_fault_restarts_the_board_within_the_time_that_a_probe_needs() -> anyhow::Result<()> {
-    let test = "a_fault_restarts_the_board_within_the_time_that_a_probe_needs";
-    let Some(mut board) = board_with_valid_labels(test)? else {
-        return Ok(());
-    };
+    let mut board = found!(board_with_valid_labels()?);
     leave_interrupts(&mut board)?;
     let from = board.machine.now();
     // Erased flash is no instruction. A core that sleeps finds out when it wakes.

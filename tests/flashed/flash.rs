@@ -8,6 +8,7 @@ use shared::myo::{Address, binding};
 use xtask::firmware::Image;
 
 use myointent_tests::chip::{self, ARMBAND, BINDING, Board, Setting};
+use myointent_tests::found;
 
 /// A binding has fewer operations of flash.
 const MOST_OPERATIONS: usize = 8;
@@ -25,8 +26,8 @@ fn address(text: &str) -> Address {
 }
 
 /// A board with Nordic's controller library, which grants time slots for flash.
-fn board_with_time_slots(test: &str) -> Option<Board> {
-    let image = chip::image(test, Image::Nrf52840Sdc)?;
+fn board_with_time_slots() -> Option<Board> {
+    let image = chip::image(Image::Nrf52840Sdc)?;
     let setting = Setting {
         samples: vec![[1; 8]; 60 * 200],
         ..Setting::default()
@@ -34,8 +35,8 @@ fn board_with_time_slots(test: &str) -> Option<Board> {
     Some(Board::new(Image::Nrf52840Sdc, image, setting))
 }
 
-fn board(test: &str, fates: impl IntoIterator<Item = Fate>) -> Option<Board> {
-    let image = chip::image(test, Image::Nrf52840S140)?;
+fn board(fates: impl IntoIterator<Item = Fate>) -> Option<Board> {
+    let image = chip::image(Image::Nrf52840S140)?;
     let mut board = Board::new(Image::Nrf52840S140, image, Setting::default());
     let softdevice = board
         .machine
@@ -64,14 +65,11 @@ fn check_page(board: &mut Board, case: &str, again_ms: u64) -> anyhow::Result<()
 
 #[test]
 fn power_that_fails_while_the_page_is_written_leaves_one_armband_or_none() -> anyhow::Result<()> {
-    let test = "power_that_fails_while_the_page_is_written_leaves_one_armband_or_none";
     for operation in 0..MOST_OPERATIONS {
         for percent in [0, 50, 100] {
             let before = repeat_n(Fate::Success, operation);
             let cut = Fate::PowerCut { percent };
-            let Some(mut board) = board(test, before.chain([cut])) else {
-                return Ok(());
-            };
+            let mut board = found!(board(before.chain([cut])));
             board.run_ms(500)?;
             board.send(&format!("BIND,set,{OTHER}"));
             board.run_ms(1500)?;
@@ -92,12 +90,9 @@ fn power_that_fails_while_the_page_is_written_leaves_one_armband_or_none() -> an
 
 #[test]
 fn binding_in_time_slots_writes_the_page_beside_a_stream() -> anyhow::Result<()> {
-    let test = "binding_in_time_slots_writes_the_page_beside_a_stream";
     // Without and with slots that find no time: they are asked for again, and urgently.
     for blocked in [0, 3] {
-        let Some(mut board) = board_with_time_slots(test) else {
-            return Ok(());
-        };
+        let mut board = found!(board_with_time_slots());
         board.wait_for("$LABEL", 10_000)?;
         let controller = board.machine.controller.as_mut();
         let slots = &mut controller.expect("an image with one").timeslot;
@@ -119,11 +114,8 @@ fn binding_in_time_slots_writes_the_page_beside_a_stream() -> anyhow::Result<()>
 
 #[test]
 fn power_that_fails_in_a_time_slot_leaves_one_armband_or_none() -> anyhow::Result<()> {
-    let test = "power_that_fails_in_a_time_slot_leaves_one_armband_or_none";
     for operation in 0..MOST_OPERATIONS_IN_SLOTS {
-        let Some(mut board) = board_with_time_slots(test) else {
-            return Ok(());
-        };
+        let mut board = found!(board_with_time_slots());
         board.run_ms(500)?;
         board.machine.chip().nvmc.power_fails_after = Some(operation);
         board.send(&format!("BIND,set,{OTHER}"));
@@ -143,11 +135,8 @@ fn power_that_fails_in_a_time_slot_leaves_one_armband_or_none() -> anyhow::Resul
 
 #[test]
 fn flash_that_finds_no_time_at_first_is_asked_again() -> anyhow::Result<()> {
-    let test = "flash_that_finds_no_time_at_first_is_asked_again";
     let fates = [Fate::TimeOut, Fate::TimeOut, Fate::Success, Fate::TimeOut];
-    let Some(mut board) = board(test, fates) else {
-        return Ok(());
-    };
+    let mut board = found!(board(fates));
     board.run_ms(500)?;
     board.send(&format!("BIND,set,{OTHER}"));
     board.run_ms(4000)?;
@@ -159,10 +148,7 @@ fn flash_that_finds_no_time_at_first_is_asked_again() -> anyhow::Result<()> {
 
 #[test]
 fn flash_that_finds_no_time_beside_the_radio_is_said() -> anyhow::Result<()> {
-    let test = "flash_that_finds_no_time_beside_the_radio_is_said";
-    let Some(mut board) = board(test, repeat_n(Fate::TimeOut, 20)) else {
-        return Ok(());
-    };
+    let mut board = found!(board(repeat_n(Fate::TimeOut, 20)));
     board.run_ms(500)?;
     board.send(&format!("BIND,set,{OTHER}"));
     board.wait_for("the flash page did not take the change", 5000)?;

@@ -13,6 +13,7 @@ use super::faults::{effort, leave_interrupts};
 use super::start::starts;
 use super::usb::{Endpoints, control, plug};
 use myointent_tests::chip::{self, Board, Setting};
+use myointent_tests::found;
 
 /// Milliseconds after a hang within which the computer has the release, as docs/board.md says.
 const RELEASED_MS: u64 = 250;
@@ -22,8 +23,8 @@ const PRESSED: &[u8] = &[1, 0, 0x2c];
 const RELEASED: &[u8] = &[1, 0, 0];
 
 /// A board that labels everything as close, for so many seconds of samples.
-fn closing(test: &str, built: Image, seconds: usize) -> anyhow::Result<Option<Board>> {
-    let Some(image) = chip::image(test, built) else {
+fn closing(built: Image, seconds: usize) -> anyhow::Result<Option<Board>> {
+    let Some(image) = chip::image(built) else {
         return Ok(None);
     };
     let setting = Setting {
@@ -98,12 +99,8 @@ fn wait_for_report(
 }
 
 /// A board with a plugged cable whose computer has the space bar pressed.
-fn pressing(
-    test: &str,
-    built: Image,
-    seconds: usize,
-) -> anyhow::Result<Option<(Board, Endpoints)>> {
-    let Some(mut board) = closing(test, built, seconds)? else {
+fn pressing(built: Image, seconds: usize) -> anyhow::Result<Option<(Board, Endpoints)>> {
+    let Some(mut board) = closing(built, seconds)? else {
         return Ok(None);
     };
     use_space(&mut board)?;
@@ -116,10 +113,7 @@ fn pressing(
 
 #[test]
 fn the_computer_sees_no_keyboard_until_it_is_switched_on() -> anyhow::Result<()> {
-    let test = "the_computer_sees_no_keyboard_until_it_is_switched_on";
-    let Some(mut board) = closing(test, Image::Xiao, 60)? else {
-        return Ok(());
-    };
+    let mut board = found!(closing(Image::Xiao, 60)?);
     board.run_ms(500)?;
     ask(
         &mut board,
@@ -168,11 +162,8 @@ fn the_computer_sees_no_keyboard_until_it_is_switched_on() -> anyhow::Result<()>
 
 #[test]
 fn a_label_presses_its_key_until_the_state_is_safe() -> anyhow::Result<()> {
-    let test = "a_label_presses_its_key_until_the_state_is_safe";
     for built in Image::UF2 {
-        let Some((mut board, endpoints)) = pressing(test, built, 12)? else {
-            return Ok(());
-        };
+        let (mut board, endpoints) = found!(pressing(built, 12)?);
         for _ in 0..3 {
             ask(&mut board, "LOCK,set,100,200", "$OK,LOCK")?;
             wait_for_report(&mut board, endpoints, RELEASED, 200)?;
@@ -197,10 +188,7 @@ fn a_label_presses_its_key_until_the_state_is_safe() -> anyhow::Result<()> {
 
 #[test]
 fn a_bus_that_is_suspended_in_a_press_begins_with_the_release() -> anyhow::Result<()> {
-    let test = "a_bus_that_is_suspended_in_a_press_begins_with_the_release";
-    let Some((mut board, endpoints)) = pressing(test, Image::Xiao, 60)? else {
-        return Ok(());
-    };
+    let (mut board, endpoints) = found!(pressing(Image::Xiao, 60)?);
     let before = taken(&board);
     board.machine.chip().suspend_usb(true);
     board.run_ms(1000)?;
@@ -224,10 +212,7 @@ fn a_bus_that_is_suspended_in_a_press_begins_with_the_release() -> anyhow::Resul
 
 #[test]
 fn a_cable_that_is_pulled_in_a_press_leaves_nothing_pressed() -> anyhow::Result<()> {
-    let test = "a_cable_that_is_pulled_in_a_press_leaves_nothing_pressed";
-    let Some((mut board, _)) = pressing(test, Image::Xiao, 60)? else {
-        return Ok(());
-    };
+    let (mut board, _) = found!(pressing(Image::Xiao, 60)?);
     board.machine.chip().plug_usb(false);
     board.run_ms(10)?;
     assert!(!board.machine.chip().usb().is_attached());
@@ -244,7 +229,6 @@ fn a_cable_that_is_pulled_in_a_press_leaves_nothing_pressed() -> anyhow::Result<
 
 #[test]
 fn a_core_that_hangs_in_a_press_releases_the_key_and_then_leaves_the_bus() -> anyhow::Result<()> {
-    let test = "a_core_that_hangs_in_a_press_releases_the_key_and_then_leaves_the_bus";
     /// Somewhere in flash: `b .`.
     const LOOP: u32 = 0x9_0000;
     for (built, halts) in Image::UF2
@@ -252,9 +236,7 @@ fn a_core_that_hangs_in_a_press_releases_the_key_and_then_leaves_the_bus() -> an
         .into_iter()
         .chain([(Image::Xiao, false)])
     {
-        let Some((mut board, endpoints)) = pressing(test, built, 12)? else {
-            return Ok(());
-        };
+        let (mut board, endpoints) = found!(pressing(built, 12)?);
         let before = taken(&board);
         if !halts {
             leave_interrupts(&mut board)?;
@@ -288,10 +270,7 @@ fn a_core_that_hangs_in_a_press_releases_the_key_and_then_leaves_the_bus() -> an
 
 #[test]
 fn a_core_that_is_late_presses_the_key_again_when_the_label_is_valid_again() -> anyhow::Result<()> {
-    let test = "a_core_that_is_late_presses_the_key_again_when_the_label_is_valid_again";
-    let Some((mut board, endpoints)) = pressing(test, Image::Xiao, 60)? else {
-        return Ok(());
-    };
+    let (mut board, endpoints) = found!(pressing(Image::Xiao, 60)?);
     // Any phase to the frames of the bus, and an expiry that the core sees at once.
     for halt in [ms(210), ms(220), ms(226), ms(400)] {
         let before = taken(&board);

@@ -15,6 +15,7 @@ use xtask::firmware::Image;
 
 use super::air;
 use myointent_tests::chip::{self, Board, MODEL, Setting};
+use myointent_tests::found;
 
 /// Blocks of a page of flash.
 const PAGE_BLOCKS: u32 = 64;
@@ -109,8 +110,8 @@ fn install(
     Ok(false)
 }
 
-fn streaming_board(test: &str) -> anyhow::Result<Option<Board>> {
-    let Some(mut board) = air::board(test, Behaviour::default()) else {
+fn streaming_board() -> anyhow::Result<Option<Board>> {
+    let Some(mut board) = air::board(Behaviour::default()) else {
         return Ok(None);
     };
     board.wait_for("# armband FA", 10_000)?;
@@ -121,10 +122,7 @@ fn streaming_board(test: &str) -> anyhow::Result<Option<Board>> {
 
 #[test]
 fn the_radio_is_silent_while_a_model_is_installed() -> anyhow::Result<()> {
-    let test = "the_radio_is_silent_while_a_model_is_installed";
-    let Some(mut board) = streaming_board(test)? else {
-        return Ok(());
-    };
+    let mut board = found!(streaming_board()?);
     let sender = Sender::small(3);
     let is_done = install(&mut board, &sender, |board, number| {
         let is_loud = board.machine.air().is_in_use();
@@ -143,10 +141,7 @@ fn the_radio_is_silent_while_a_model_is_installed() -> anyhow::Result<()> {
 
 #[test]
 fn the_stream_goes_on_after_an_installation_that_flash_refuses() -> anyhow::Result<()> {
-    let test = "the_stream_goes_on_after_an_installation_that_flash_refuses";
-    let Some(mut board) = streaming_board(test)? else {
-        return Ok(());
-    };
+    let mut board = found!(streaming_board()?);
     let softdevice = board.machine.softdevice.as_mut();
     let flash = &mut softdevice.expect("an image with one").flash;
     flash.fates.extend(repeat_n(Fate::TimeOut, 4));
@@ -202,12 +197,8 @@ fn check_start(board: &mut Board, from: usize, models: [&Sender; 2]) -> anyhow::
 
 /// Installs a file on a board whose power fails at one operation of flash after the other; returns the blocks on which it
 /// did. `next` gives the operation after one that was cut, from the first one that a page takes.
-fn install_without_power(
-    test: &str,
-    built: Image,
-    next: impl Fn(usize) -> usize,
-) -> anyhow::Result<Vec<u32>> {
-    let Some(image) = chip::image(test, built) else {
+fn install_without_power(built: Image, next: impl Fn(usize) -> usize) -> anyhow::Result<Vec<u32>> {
+    let Some(image) = chip::image(built) else {
         return Ok(Vec::new());
     };
     let (old, new) = (Sender::small(4), Sender::small(3));
@@ -252,8 +243,7 @@ fn install_without_power(
 #[test]
 fn power_that_fails_at_every_operation_of_an_installation_leaves_a_model_or_none()
 -> anyhow::Result<()> {
-    let test = "power_that_fails_at_every_operation_of_an_installation_leaves_a_model_or_none";
-    let cuts = install_without_power(test, Image::Nrf52840S140, |operation| operation + 1)?;
+    let cuts = install_without_power(Image::Nrf52840S140, |operation| operation + 1)?;
     let is_cut = |block| cuts.contains(&block);
     let blocks = Sender::small(3).transfer().blocks();
     assert!(cuts.is_empty() || (0..blocks).all(is_cut), "{cuts:?}");
@@ -263,11 +253,9 @@ fn power_that_fails_at_every_operation_of_an_installation_leaves_a_model_or_none
 #[test]
 fn power_that_fails_in_any_word_of_an_installation_in_time_slots_leaves_a_model_or_none()
 -> anyhow::Result<()> {
-    let test =
-        "power_that_fails_in_any_word_of_an_installation_in_time_slots_leaves_a_model_or_none";
     // A page is erased in nine parts, and a block has sixteen words: another one in each block.
     let next = |operation| operation + if operation < 10 { 1 } else { 17 };
-    let cuts = install_without_power(test, Image::Nrf52840Sdc, next)?;
+    let cuts = install_without_power(Image::Nrf52840Sdc, next)?;
     assert!(cuts.is_empty() || cuts.len() > 100, "{cuts:?}");
     Ok(())
 }

@@ -1,24 +1,12 @@
 //! The labels of the images are those of `replay`, byte for byte, from reset on.
 
-use std::path::PathBuf;
-
 use anyhow::Context as _;
 use myointent::cli::replay;
 
 use super::start::FLASHED;
 use myointent_tests::chip::{self, Board, Setting};
+use myointent_tests::{found, recorded};
 use xtask::stack_chain;
-
-/// Returns the file of a recording; without it, reports the test as skipped.
-pub fn recording(test: &str, recording: &str) -> Option<PathBuf> {
-    let path = myointent_tests::data(test)?.join(recording);
-    if !path.is_file() {
-        let missing = format!("no {}: see docs/recordings.md", path.display());
-        myointent_tests::skip(test, &missing);
-        return None;
-    }
-    Some(path)
-}
 
 /// Reads the number of notifications that the board says it has heard.
 fn heard(text: &str) -> anyhow::Result<usize> {
@@ -38,10 +26,8 @@ fn used(before: &[u8], after: &[u8]) -> usize {
 }
 
 /// Checks the lines of the three images for the first seconds of a recording, in which the label changes.
-fn labels_equal_replays(test: &str, name: &str, seconds: usize) -> anyhow::Result<()> {
-    let Some(path) = recording(test, name) else {
-        return Ok(());
-    };
+fn labels_equal_replays(name: &str, seconds: usize) -> anyhow::Result<()> {
+    let path = found!(recorded(name));
     let mut samples = replay::one_recording(&path, None)?.samples;
     samples.truncate(seconds * 200);
     let expected = replay::lines(&chip::model(), &samples)?;
@@ -49,7 +35,7 @@ fn labels_equal_replays(test: &str, name: &str, seconds: usize) -> anyhow::Resul
     let changes = ["relax", "open", "close"].map(|label| expected.concat().contains(label));
     assert!(changes.iter().filter(|one| **one).count() > 1);
     for built in FLASHED {
-        let (Some(image), Some(elf)) = (chip::image(test, built), chip::elf(test, built)) else {
+        let (Some(image), Some(elf)) = (chip::image(built), chip::elf(built)) else {
             return Ok(());
         };
         let setting = Setting {
@@ -88,23 +74,23 @@ fn labels_equal_replays(test: &str, name: &str, seconds: usize) -> anyhow::Resul
 #[test]
 fn roshambo_on_each_image_equals_replay() -> anyhow::Result<()> {
     let recording = "roshambo/data/subject02_session01_emg.npy";
-    labels_equal_replays("roshambo_on_each_image_equals_replay", recording, 6)
+    labels_equal_replays(recording, 6)
 }
 
 #[test]
 fn myo_readings_on_each_image_equals_replay() -> anyhow::Result<()> {
     let recording = "myo-readings/_readings_right_hand/21547-1/7.txt";
-    labels_equal_replays("myo_readings_on_each_image_equals_replay", recording, 7)
+    labels_equal_replays(recording, 7)
 }
 
 #[test]
 fn one_subject_myo_on_each_image_equals_replay() -> anyhow::Result<()> {
     let recording = "one-subject-myo/stream/raw_emg.csv";
-    labels_equal_replays("one_subject_myo_on_each_image_equals_replay", recording, 10)
+    labels_equal_replays(recording, 10)
 }
 
 #[test]
 fn ss_stm_on_each_image_equals_replay() -> anyhow::Result<()> {
     let recording = "ss-stm/data/sub1/M8T1.csv";
-    labels_equal_replays("ss_stm_on_each_image_equals_replay", recording, 5)
+    labels_equal_replays(recording, 5)
 }

@@ -61,10 +61,9 @@ pub fn take(found: &mut BTreeMap<u32, u8>, start: u32, length: usize) -> anyhow:
 
 #[test]
 fn the_merged_file_holds_every_region_and_nothing_else() -> anyhow::Result<()> {
-    let test = "the_merged_file_holds_every_region_and_nothing_else";
     let (Some(elf), Some(image)) = (
-        chip::elf(test, Image::Nrf52840S140),
-        chip::image(test, Image::Nrf52840S140),
+        chip::elf(Image::Nrf52840S140),
+        chip::image(Image::Nrf52840S140),
     ) else {
         return Ok(());
     };

@@ -17,6 +17,7 @@ use xtask::firmware::Image;
 use super::faults::{effort, leave_interrupts};
 use super::start::FLASHED;
 use myointent_tests::chip::{self, Board, Setting};
+use myointent_tests::found;
 
 /// An address in flash that every image leaves free.
 const CODE: u32 = 0x5_0000;
@@ -156,14 +157,11 @@ fn stop_tasks(board: &mut Board) -> anyhow::Result<()> {
 
 #[test]
 fn the_watchdog_ends_a_hang_whatever_the_board_was_doing() -> anyhow::Result<()> {
-    let test = "the_watchdog_ends_a_hang_whatever_the_board_was_doing";
     for (number, activity) in ACTIVITIES.iter().enumerate() {
         for (how, hang) in [stand_still, stop_tasks].into_iter().enumerate() {
             // Each image has each hang, and both hangs of an activity are on different images.
             let built = FLASHED[(number + how) % FLASHED.len()];
-            let Some(image) = chip::image(test, built) else {
-                return Ok(());
-            };
+            let image = found!(chip::image(built));
             let steps = Vec::from_iter(activity.is_alone.then_some(Step::Absent));
             let setting = Setting {
                 samples: effort(20),
@@ -197,7 +195,6 @@ fn the_watchdog_ends_a_hang_whatever_the_board_was_doing() -> anyhow::Result<()>
 
 #[test]
 fn an_interrupt_at_every_instruction_of_queues_and_wakers_changes_no_label() -> anyhow::Result<()> {
-    let test = "an_interrupt_at_every_instruction_of_queues_and_wakers_changes_no_label";
     // The packets' queue, wakers of interrupts, the receiver of commands, the transmitter's ring.
     let names: [&[&str]; 4] = [
         &["messages5queue", "4push"],
@@ -205,9 +202,7 @@ fn an_interrupt_at_every_instruction_of_queues_and_wakers_changes_no_label() -> 
         &["CommandPort"],
         &["atomic_ring_buffer"],
     ];
-    let Some(image) = chip::image(test, Image::Nrf52840S140) else {
-        return Ok(());
-    };
+    let image = found!(chip::image(Image::Nrf52840S140));
     let functions = names.map(|parts| image.functions(parts));
     let samples = effort(5);
     let expected = replay::lines(&chip::model(), &samples)?;
@@ -256,11 +251,8 @@ fn an_interrupt_at_every_instruction_of_queues_and_wakers_changes_no_label() -> 
 
 #[test]
 fn whatever_ram_holds_at_the_start_the_first_lines_are_the_same() -> anyhow::Result<()> {
-    let test = "whatever_ram_holds_at_the_start_the_first_lines_are_the_same";
     for built in FLASHED {
-        let Some(image) = chip::image(test, built) else {
-            return Ok(());
-        };
+        let image = found!(chip::image(built));
         let mut board = Board::new(built, image, Setting::default());
         board.wait_for("$STATE", 1000)?;
         let expected = board.text();

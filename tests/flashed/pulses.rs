@@ -11,6 +11,7 @@ use xtask::firmware::Image;
 use super::dead_man::model_of;
 use super::faults::{effort, is_valid};
 use myointent_tests::chip::{self, Board, Setting};
+use myointent_tests::found;
 
 /// Percents that the pipeline has while its label is valid, each as often in a row as it changes.
 fn expected(model: &[u8], samples: &[Sample]) -> anyhow::Result<Vec<u64>> {
@@ -40,15 +41,12 @@ fn high_us(board: &Board) -> Option<u64> {
 
 #[test]
 fn pulses_are_the_strength_and_end_with_the_stream() -> anyhow::Result<()> {
-    let test = "pulses_are_the_strength_and_end_with_the_stream";
     let model = model_of(Intent::Close)?;
     let samples = effort(8);
     let expected = expected(&model, &samples)?;
     assert!(expected.len() > 20, "{expected:?}");
     for built in [Image::Nrf52840S140, Image::Nrf52832S132] {
-        let Some(image) = chip::image(test, built) else {
-            return Ok(());
-        };
+        let image = found!(chip::image(built));
         let setting = Setting {
             model: model.clone(),
             samples: samples.clone(),

@@ -27,7 +27,6 @@ fn segments(found: BTreeMap<u32, u8>) -> Vec<(u32, Vec<u8>)> {
 #[test]
 #[ignore = "tests/release names a folder"]
 fn every_image_of_a_release_starts_and_labels_as_replay_does() -> anyhow::Result<()> {
-    let test = "every_image_of_a_release_starts_and_labels_as_replay_does";
     let folder = env::var_os("MYOINTENT_RELEASE").context("no MYOINTENT_RELEASE")?;
     let options = SynthOptions {
         subjects: 1,
@@ -57,7 +56,7 @@ fn every_image_of_a_release_starts_and_labels_as_replay_does() -> anyhow::Result
         found.retain(|(start, _)| *start < 0x1000_0000);
         let expected = replay::lines(&model, &samples)?;
         // Emulated functions are found by the names that the image has here; what runs is the file's.
-        let mut image = chip::image(test, built).context("no compiler")?;
+        let mut image = chip::image(built).context("no compiler")?;
         image.segments = found;
         let setting = Setting {
             model,

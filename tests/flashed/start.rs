@@ -6,6 +6,7 @@ use nrf52::softdevice::boot::SOFTDEVICE_VERSION;
 use xtask::firmware::Image;
 
 use myointent_tests::chip::{self, Board, Setting};
+use myointent_tests::found;
 
 /// The images that are flashed.
 pub const FLASHED: [Image; 3] = [Image::Nrf52840S140, Image::Nrf52840Sdc, Image::Nrf52832S132];
@@ -22,11 +23,8 @@ pub fn starts(board: &Board) -> Vec<Reset> {
 
 #[test]
 fn the_uart_runs_on_the_crystal() -> anyhow::Result<()> {
-    let test = "the_uart_runs_on_the_crystal";
     for built in FLASHED {
-        let Some(image) = chip::image(test, built) else {
-            return Ok(());
-        };
+        let image = found!(chip::image(built));
         let mut board = Board::new(built, image, Setting::default());
         board.wait_for("$STATE", 1000)?;
         let softdevice = board.machine.softdevice.as_ref();
@@ -42,10 +40,7 @@ fn the_uart_runs_on_the_crystal() -> anyhow::Result<()> {
 
 #[test]
 fn a_controller_that_has_too_little_memory_is_named() -> anyhow::Result<()> {
-    let test = "a_controller_that_has_too_little_memory_is_named";
-    let Some(image) = chip::image(test, Image::Nrf52840Sdc) else {
-        return Ok(());
-    };
+    let image = found!(chip::image(Image::Nrf52840Sdc));
     let mut board = Board::new(Image::Nrf52840Sdc, image, Setting::default());
     let controller = board.machine.controller.as_mut();
     controller.expect("an image with one").more_bytes = 2000;
@@ -55,10 +50,7 @@ fn a_controller_that_has_too_little_memory_is_named() -> anyhow::Result<()> {
 
 #[test]
 fn the_errata_of_the_nrf52832_are_worked_around() -> anyhow::Result<()> {
-    let test = "the_errata_of_the_nrf52832_are_worked_around";
-    let Some(image) = chip::image(test, Image::Nrf52832S132) else {
-        return Ok(());
-    };
+    let image = found!(chip::image(Image::Nrf52832S132));
     let mut board = Board::new(Image::Nrf52832S132, image, Setting::default());
     // Refused otherwise: sleep without the workaround of 108, a start of the RC oscillator against that of 132.
     for why in [Reset::Pin, Reset::Software, Reset::Watchdog] {
@@ -71,10 +63,7 @@ fn the_errata_of_the_nrf52832_are_worked_around() -> anyhow::Result<()> {
 
 #[test]
 fn an_older_softdevice_is_named_at_each_start() -> anyhow::Result<()> {
-    let test = "an_older_softdevice_is_named_at_each_start";
-    let Some(image) = chip::image(test, Image::Nrf52840S140) else {
-        return Ok(());
-    };
+    let image = found!(chip::image(Image::Nrf52840S140));
     let mut board = Board::new(Image::Nrf52840S140, image, Setting::default());
     let version = 6_001_001_u32.to_le_bytes();
     let chip = board.machine.chip();
@@ -86,10 +75,7 @@ fn an_older_softdevice_is_named_at_each_start() -> anyhow::Result<()> {
 
 #[test]
 fn the_reset_button_is_no_watchdog() -> anyhow::Result<()> {
-    let test = "the_reset_button_is_no_watchdog";
-    let Some(image) = chip::image(test, Image::Nrf52840S140) else {
-        return Ok(());
-    };
+    let image = found!(chip::image(Image::Nrf52840S140));
     let mut board = Board::new(Image::Nrf52840S140, image, Setting::default());
     board.wait_for("started by power or reset", 1000)?;
     let before = board.text().len();
@@ -103,11 +89,8 @@ fn the_reset_button_is_no_watchdog() -> anyhow::Result<()> {
 
 #[test]
 fn a_blank_chip_sets_its_reset_pin_and_starts_again() -> anyhow::Result<()> {
-    let test = "a_blank_chip_sets_its_reset_pin_and_starts_again";
     for built in FLASHED {
-        let Some(image) = chip::image(test, built) else {
-            return Ok(());
-        };
+        let image = found!(chip::image(built));
         // Neither a model, nor an armband, nor UICR.
         let setting = Setting {
             model: Vec::new(),

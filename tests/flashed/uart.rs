@@ -9,13 +9,14 @@ use xtask::firmware::Image;
 
 use super::start::FLASHED;
 use myointent_tests::chip::{self, BINDING, Board, Setting};
+use myointent_tests::found;
 
 /// Bytes of noise in all.
 const NOISE: usize = 1_000_000;
 const OTHER: &str = "F1:23:45:67:89:AB";
 
-fn board(test: &str, built: Image) -> Option<Board> {
-    let image = chip::image(test, built)?;
+fn board(built: Image) -> Option<Board> {
+    let image = chip::image(built)?;
     Some(Board::new(built, image, Setting::default()))
 }
 
@@ -26,11 +27,8 @@ fn bound(board: &Board) -> Option<Address> {
 
 #[test]
 fn bytes_that_come_while_a_page_is_erased_do_not_end_the_receiver() -> anyhow::Result<()> {
-    let test = "bytes_that_come_while_a_page_is_erased_do_not_end_the_receiver";
     for built in [Image::Nrf52840S140, Image::Nrf52832S132] {
-        let Some(mut board) = board(test, built) else {
-            return Ok(());
-        };
+        let mut board = found!(board(built));
         board.run_ms(500)?;
         // The core stands still for 85 ms; these take 260 ms. Outside of a line they mean nothing.
         board.send(&format!("BIND,set,{OTHER}"));
@@ -49,12 +47,9 @@ fn bytes_that_come_while_a_page_is_erased_do_not_end_the_receiver() -> anyhow::R
 
 #[test]
 fn a_command_is_answered_after_a_million_bytes_of_noise() -> anyhow::Result<()> {
-    let test = "a_command_is_answered_after_a_million_bytes_of_noise";
     // Whether RXDRDY comes for a byte without its stop bit no specification says.
     for counts_broken in [false, true] {
-        let Some(mut board) = board(test, Image::Nrf52840S140) else {
-            return Ok(());
-        };
+        let mut board = found!(board(Image::Nrf52840S140));
         board.run_ms(500)?;
         let mut noise = Noise(11);
         let mut any = || ((noise.signed() + 1.0) * 128.0) as u8;
@@ -78,13 +73,10 @@ fn a_command_is_answered_after_a_million_bytes_of_noise() -> anyhow::Result<()> 
 #[test]
 fn a_clock_that_is_off_by_two_percent_until_the_crystal_runs_leaves_the_line_readable()
 -> anyhow::Result<()> {
-    let test = "a_clock_that_is_off_by_two_percent_until_the_crystal_runs_leaves_the_line_readable";
     for built in FLASHED {
         // More than an oscillator is ever off: then only the crystal makes the line readable.
         for thousandths in [-20, 20, 200] {
-            let Some(mut board) = board(test, built) else {
-                return Ok(());
-            };
+            let mut board = found!(board(built));
             board.machine.chip().bus.inaccuracy = thousandths;
             board.send("IDENTIFY");
             board.run_ms(1000)?;

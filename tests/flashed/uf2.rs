@@ -10,6 +10,7 @@ use xtask::firmware::Image;
 
 use super::merged::take;
 use myointent_tests::chip::{self, BINDING, MODEL};
+use myointent_tests::found;
 
 /// Address of the journal, as in `memory.x`.
 const JOURNAL: u32 = 0x5_6000;
@@ -45,11 +46,8 @@ pub fn read(file: &[u8]) -> anyhow::Result<BTreeMap<u32, u8>> {
 
 #[test]
 fn a_file_for_a_boards_drive_holds_program_model_and_an_erased_journal() -> anyhow::Result<()> {
-    let test = "a_file_for_a_boards_drive_holds_program_model_and_an_erased_journal";
     for built in Image::UF2 {
-        let Some(elf) = chip::elf(test, built) else {
-            return Ok(());
-        };
+        let elf = found!(chip::elf(built));
         let model = chip::model();
         let mut found = read(&xtask::uf2::file(&elf, &model)?)?;
         for (start, bytes) in Flashed::parse(&elf)?.segments {
@@ -72,7 +70,6 @@ fn take_model(found: &mut BTreeMap<u32, u8>, model: &[u8]) -> anyhow::Result<()>
 
 #[test]
 fn the_program_writes_a_model_alone_or_into_the_file_of_an_image() -> anyhow::Result<()> {
-    let test = "the_program_writes_a_model_alone_or_into_the_file_of_an_image";
     let mine = std::fs::read(concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/../models/six-class.intent"
@@ -82,9 +79,7 @@ fn the_program_writes_a_model_alone_or_into_the_file_of_an_image() -> anyhow::Re
     take_model(&mut found, &mine)?;
     assert!(found.values().all(|byte| *byte == 0xff) && found.len() < 256);
     for built in Image::UF2 {
-        let Some(elf) = chip::elf(test, built) else {
-            return Ok(());
-        };
+        let elf = found!(chip::elf(built));
         let release = xtask::uf2::file(&elf, &chip::model())?;
         let image = Some((Path::new("image.uf2"), &release[..]));
         let content = Content::new(image, Some(&mine))?;
@@ -99,10 +94,7 @@ fn the_program_writes_a_model_alone_or_into_the_file_of_an_image() -> anyhow::Re
 
 #[test]
 fn a_model_that_is_too_long_makes_no_file() -> anyhow::Result<()> {
-    let test = "a_model_that_is_too_long_makes_no_file";
-    let Some(elf) = chip::elf(test, Image::Xiao) else {
-        return Ok(());
-    };
+    let elf = found!(chip::elf(Image::Xiao));
     assert!(xtask::uf2::file(&elf, &vec![0; 160 * 1024]).is_ok());
     assert!(xtask::uf2::file(&elf, &vec![0; 160 * 1024 + 1]).is_err());
     Ok(())

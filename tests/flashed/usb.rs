@@ -14,6 +14,7 @@ use xtask::firmware::Image;
 use super::faults::effort;
 use super::start::starts;
 use myointent_tests::chip::{self, Board, Setting};
+use myointent_tests::found;
 
 /// UARTE0.PSEL.TXD and RXD.
 const UART_PINS: [u32; 2] = [0x4000_250c, 0x4000_2514];
@@ -21,8 +22,8 @@ const UART_PINS: [u32; 2] = [0x4000_250c, 0x4000_2514];
 const GPREGRET: u32 = 0x4000_051c;
 
 /// A board with an armband.
-pub fn started(test: &str, built: Image) -> Option<Board> {
-    let image = chip::image(test, built)?;
+pub fn started(built: Image) -> Option<Board> {
+    let image = chip::image(built)?;
     let setting = Setting {
         samples: effort(60),
         ..Setting::default()
@@ -138,8 +139,8 @@ pub fn heard(board: &Board, endpoints: Endpoints) -> String {
 }
 
 /// A started XIAO whose port is open.
-fn opened(test: &str) -> anyhow::Result<Option<(Board, Endpoints)>> {
-    let Some(mut board) = started(test, Image::Xiao) else {
+fn opened() -> anyhow::Result<Option<(Board, Endpoints)>> {
+    let Some(mut board) = started(Image::Xiao) else {
         return Ok(None);
     };
     board.run_ms(1000)?;
@@ -151,11 +152,8 @@ fn opened(test: &str) -> anyhow::Result<Option<(Board, Endpoints)>> {
 
 #[test]
 fn every_board_starts_from_its_boot_loader_on_pins_of_its_own() -> anyhow::Result<()> {
-    let test = "every_board_starts_from_its_boot_loader_on_pins_of_its_own";
     for built in Image::UF2 {
-        let Some(mut board) = started(test, built) else {
-            return Ok(());
-        };
+        let mut board = found!(started(built));
         let said = format!("image {built}, model");
         board.wait_for(&said, 1000)?;
         board.wait_for("# armband FA", 10_000)?;
@@ -196,10 +194,7 @@ fn every_board_starts_from_its_boot_loader_on_pins_of_its_own() -> anyhow::Resul
 
 #[test]
 fn the_host_hears_the_lines_of_the_uart_and_is_answered() -> anyhow::Result<()> {
-    let test = "the_host_hears_the_lines_of_the_uart_and_is_answered";
-    let Some((mut board, endpoints)) = opened(test)? else {
-        return Ok(());
-    };
+    let (mut board, endpoints) = found!(opened()?);
     board.run_ms(5000)?;
     // A command in two halves by the UART, and another one between them.
     board.send_bytes("$COUN".bytes());
@@ -226,10 +221,7 @@ fn the_host_hears_the_lines_of_the_uart_and_is_answered() -> anyhow::Result<()> 
 
 #[test]
 fn movement_comes_by_usb_alone_where_its_host_has_asked_for_it() -> anyhow::Result<()> {
-    let test = "movement_comes_by_usb_alone_where_its_host_has_asked_for_it";
-    let Some((mut board, endpoints)) = opened(test)? else {
-        return Ok(());
-    };
+    let (mut board, endpoints) = found!(opened()?);
     board.wait_for("# armband FA", 10_000)?;
     // By the UART it is refused.
     board.send("IMU,on");
@@ -282,10 +274,7 @@ fn movement_comes_by_usb_alone_where_its_host_has_asked_for_it() -> anyhow::Resu
 
 #[test]
 fn a_host_that_does_not_read_delays_no_label_and_no_watchdog() -> anyhow::Result<()> {
-    let test = "a_host_that_does_not_read_delays_no_label_and_no_watchdog";
-    let Some((mut board, endpoints)) = opened(test)? else {
-        return Ok(());
-    };
+    let (mut board, endpoints) = found!(opened()?);
     board.machine.chip().read_usb(false);
     board.run_ms(6000)?;
     board.send("COUNTERS");
@@ -307,10 +296,7 @@ fn a_host_that_does_not_read_delays_no_label_and_no_watchdog() -> anyhow::Result
 
 #[test]
 fn a_port_that_is_closed_at_1200_baud_restarts_into_the_boot_loader() -> anyhow::Result<()> {
-    let test = "a_port_that_is_closed_at_1200_baud_restarts_into_the_boot_loader";
-    let Some((mut board, _)) = opened(test)? else {
-        return Ok(());
-    };
+    let (mut board, _) = found!(opened()?);
     set_port(&mut board, 115_200, false)?;
     board.run_ms(100)?;
     assert_eq!(starts(&board)[1..], [Reset::Power]);
@@ -345,7 +331,6 @@ fn assert_near(found: Charge, expected: Charge, built: Image) {
 
 #[test]
 fn the_battery_is_read_and_said_when_it_is_low() -> anyhow::Result<()> {
-    let test = "the_battery_is_read_and_said_when_it_is_low";
     // Inputs: AIN7 below 1 MOhm and 510 kOhm, AIN5 below 100 kOhm twice, the chip's divider of its supply by five.
     let low = [
         (Image::Xiao, 8, 3500 * 510 / 1510),
@@ -353,9 +338,7 @@ fn the_battery_is_read_and_said_when_it_is_low() -> anyhow::Result<()> {
         (Image::NiceNano, 13, 3500 / 5),
     ];
     for (built, input, millivolts) in low {
-        let Some(mut board) = started(test, built) else {
-            return Ok(());
-        };
+        let mut board = found!(started(built));
         board.run_ms(500)?;
         assert!(!board.text().contains("battery low"), "{built}");
         board.send("IDENTIFY,battery");

@@ -9,7 +9,7 @@ use checks::{
     Check,
     preprocess::{Input, Recording},
 };
-use myointent_tests::{data, skip};
+use myointent_tests::recorded;
 use shared::units::{CHANNELS, Sample, WINDOW};
 
 use crate::files::{checksum, json, npy};
@@ -56,13 +56,7 @@ fn recordings(golden: &Path, names: &[&str], processing: &str) -> Vec<Recording>
 ///
 /// The input is computed by the rule in data/README.md; its checksum must be the reference's.
 fn real(golden: &Path, processing: &str) -> Option<(Vec<Sample>, Vec<Input>)> {
-    let test = format!("golden {REAL}, {processing}");
-    let file = data(&test)?.join(REAL_FILE);
-    let Ok(text) = fs::read_to_string(&file) else {
-        let missing = format!("no {}: see docs/recordings.md", file.display());
-        skip(&test, &missing);
-        return None;
-    };
+    let text = fs::read_to_string(recorded(REAL_FILE)?).unwrap();
     let raw: Vec<Sample> = text.lines().map(row).collect();
     let index = json(&golden.join("preprocess/index.json"));
     let index = &index["recordings"][REAL];
@@ -143,11 +137,9 @@ macro_rules! on_both {
         $(
             #[test]
             fn $name() {
-                if let Some(golden) = myointent_tests::golden(stringify!($name)) {
-                    let listed = ON_BOTH.iter().find(|(name, _)| *name == stringify!($name));
-                    let (_, read) = listed.expect("every check is on the list");
-                    read(&golden).run();
-                }
+                let listed = ON_BOTH.iter().find(|(name, _)| *name == stringify!($name));
+                let (_, read) = listed.expect("every check is on the list");
+                read(&myointent_tests::golden()).run();
             }
         )*
     };

@@ -109,9 +109,7 @@ fn distance(found: &[f32], expected: &[f32]) -> f32 {
 
 #[test]
 fn outputs_are_the_references_in_every_case() {
-    let Some(golden) = golden("outputs_are_the_references_in_every_case") else {
-        return;
-    };
+    let golden = golden();
     let device = Device::default();
     let teacher = reference(&golden, "checkpoint.pth", &device);
     let cases = tensors(&golden.join("model/cases.safetensors"));
@@ -138,9 +136,7 @@ fn outputs_are_the_references_in_every_case() {
 
 #[test]
 fn windows_of_different_tasks_share_a_batch() {
-    let Some(golden) = golden("windows_of_different_tasks_share_a_batch") else {
-        return;
-    };
+    let golden = golden();
     let device = Device::default();
     let teacher = reference(&golden, "model.safetensors", &device);
     let cases = tensors(&golden.join("model/cases.safetensors"));
@@ -166,9 +162,7 @@ fn windows_of_different_tasks_share_a_batch() {
 
 #[test]
 fn use_shows_the_teacher_what_the_reference_is_shown() {
-    let Some(golden) = golden("use_shows_the_teacher_what_the_reference_is_shown") else {
-        return;
-    };
+    let golden = golden();
     let device = Device::default();
     let teacher = reference(&golden, "model.safetensors", &device);
     let cases = tensors(&golden.join("model/cases.safetensors"));
@@ -188,9 +182,7 @@ fn use_shows_the_teacher_what_the_reference_is_shown() {
 
 #[test]
 fn both_formats_are_read_and_written_back_bit_for_bit() {
-    let Some(golden) = golden("both_formats_are_read_and_written_back_bit_for_bit") else {
-        return;
-    };
+    let golden = golden();
     let expected = tensors(&golden.join("model/model.safetensors"));
     assert_eq!(expected.len(), 38);
     let folder = tempfile::tempdir().unwrap();
@@ -203,9 +195,7 @@ fn both_formats_are_read_and_written_back_bit_for_bit() {
 
 #[test]
 fn the_preset_paper_has_the_references_parameters() {
-    let Some(golden) = golden("the_preset_paper_has_the_references_parameters") else {
-        return;
-    };
+    let golden = golden();
     let index = json(&golden.join("model/index.json"));
     let teacher = Teacher::new(&paper(), CLASSES, &Device::default());
     assert_eq!(

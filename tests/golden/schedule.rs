@@ -37,9 +37,7 @@ fn corpus(windows: usize) -> Corpus {
 
 #[test]
 fn every_step_has_the_references_rate() {
-    let Some(golden) = golden("every_step_has_the_references_rate") else {
-        return;
-    };
+    let golden = golden();
     let golden = json(&golden.join("lr_schedule.json"));
     let mut training = Preset::find("paper").unwrap().teacher_training;
     assert_eq!(golden["base_lr"], training.learning_rate);

@@ -3,32 +3,16 @@
 use evaluation::EvaluationError;
 use evaluation::metric::raw_accuracy::raw_accuracy;
 use evaluation::metric::transition::{Rule, TransitionScore, Windows, score};
+use myointent_tests::golden;
 use serde_json::Value;
 use shared::intent::Intent;
 
-/// Reads a file of golden numbers. Returns `None` if it is missing: the skip is announced then.
-fn golden(test: &str, file: &str) -> Option<String> {
-    let path = myointent_tests::golden(test)?.join(file);
-    let text = std::fs::read_to_string(&path);
-    if let Err(error) = &text {
-        myointent_tests::skip(test, &format!("{} cannot be read: {error}", path.display()));
-    }
-    text.ok()
-}
+use crate::files::{self, json};
 
 fn labels(runs: &Value) -> Vec<Option<Intent>> {
-    runs.as_array()
-        .expect("a list of runs")
-        .iter()
-        .flat_map(|run| {
-            let class = run[0].as_i64().expect("a class");
-            let count = run[1].as_u64().expect("a count") as usize;
-            let label = usize::try_from(class)
-                .ok()
-                .map(|class| Intent::from_class(class).expect("a class of the six"));
-            std::iter::repeat_n(label, count)
-        })
-        .collect()
+    let intent = |class| Intent::from_class(class).expect("a class of the six");
+    let classes = files::labels(runs).into_iter();
+    classes.map(|class| class.map(intent)).collect()
 }
 
 /// Returns the verdicts as the reference writes them.
@@ -61,13 +45,10 @@ fn equal(found: Option<f64>, expected: &Value) -> bool {
 
 #[test]
 fn every_case_of_the_reference_gets_its_windows_verdicts_and_offsets() {
-    let test = "every_case_of_the_reference_gets_its_windows_verdicts_and_offsets";
-    let Some(text) = golden(test, "transition/cases.json") else {
-        return;
-    };
-    let cases: Vec<Value> = serde_json::from_str(&text).expect("golden cases are JSON");
+    let cases = json(&golden().join("transition/cases.json"));
+    let cases = cases.as_array().unwrap();
     let mut judged = 0;
-    for case in &cases {
+    for case in cases {
         let (truth, prediction) = (labels(&case["truth"]), labels(&case["prediction"]));
         let accuracy = raw_accuracy(&truth, &prediction).unwrap();
         assert!(equal(accuracy, &case["raw_accuracy"]), "{}", case["name"]);

@@ -86,7 +86,7 @@ fn axe_finds_nothing() {
         .arg(folder.path())
         .status();
     if !npm.is_ok_and(|status| status.success()) {
-        myointent_tests::skip("axe_finds_nothing", "npm cannot install axe-core");
+        myointent_tests::skip("npm cannot install axe-core");
         return;
     }
     let mut browser = start!();

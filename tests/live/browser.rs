@@ -47,8 +47,7 @@ impl Browser {
         let program = match kind.find() {
             Ok(program) => program,
             Err(error) => {
-                let name = std::thread::current().name().unwrap_or("a test").to_owned();
-                myointent_tests::skip(&name, &format!("{error:#}"));
+                myointent_tests::skip(&format!("{error:#}"));
                 return None;
             }
         };

@@ -184,8 +184,7 @@ fn photograph(browser: &mut Browser, folder: &Path, name: &str) {
 
 #[test]
 fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> {
-    let name = "from_a_turned_armband_to_ones_own_model_on_the_board";
-    let (Some(python), Some(mut browser)) = (python(name), Browser::start(Kind::Chromium)) else {
+    let (Some(python), Some(mut browser)) = (python(), Browser::start(Kind::Chromium)) else {
         return Ok(());
     };
     let folder = tempfile::tempdir()?;

@@ -142,10 +142,7 @@ fn a_full_disk_holds_the_session_and_with_room_again_nothing_is_missing() {
         .args(["--pid", &child.id().to_string(), "--fsize=unlimited"])
         .status();
     if !limit.is_ok_and(|status| status.success()) {
-        myointent_tests::skip(
-            "a_full_disk_holds_the_session_and_with_room_again_nothing_is_missing",
-            "no prlimit",
-        );
+        myointent_tests::skip("no prlimit");
         child.kill().unwrap();
         child.wait().unwrap();
         return;

@@ -23,17 +23,14 @@ use crate::small::{folder, myointent, recordings as synthetic, small_preset};
 const PATCHES: usize = 600;
 
 /// Python of the environment of `host/python/test`; without ONNX Runtime in it, books the test as skipped.
-fn python(test: &str) -> Option<PathBuf> {
+fn python() -> Option<PathBuf> {
     let python = Path::new(env!("CARGO_TARGET_TMPDIR")).join("../python/bin/python");
     let found = Command::new(&python)
         .args(["-c", "import onnxruntime"])
         .output()
         .is_ok_and(|found| found.status.success());
     if !found {
-        skip(
-            test,
-            "no onnxruntime: `host/python/test --install` installs it",
-        );
+        skip("no onnxruntime: `host/python/test --install` installs it");
     }
     found.then_some(python)
 }
@@ -112,8 +109,7 @@ fn published(data: &Path) -> Vec<Recording> {
 
 #[test]
 fn the_runtime_gives_the_logits_of_the_float_student_and_the_integers_nearly_its_labels() {
-    let test = "onnx::the_runtime_gives_the_logits_of_the_float_student_and_the_integers_nearly_its_labels";
-    let (Some(data), Some(python)) = (data(test), python(test)) else {
+    let (Some(data), Some(python)) = (data(), python()) else {
         return;
     };
     let (folder, device) = (folder("onnx"), Device::default());
@@ -164,8 +160,7 @@ fn the_runtime_gives_the_logits_of_the_float_student_and_the_integers_nearly_its
 
 #[test]
 fn the_student_of_a_run_is_written_as_it_was_trained() {
-    let test = "onnx::the_student_of_a_run_is_written_as_it_was_trained";
-    let Some(python) = python(test) else { return };
+    let Some(python) = python() else { return };
     let folder = folder("onnx-of-a-run");
     let preset = small_preset(&folder);
     let (data, _) = synthetic(&folder);

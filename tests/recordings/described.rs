@@ -10,7 +10,7 @@ use recordings::{Library, LoadOptions, load};
 use serde::Deserialize;
 use tempfile::TempDir;
 
-use super::{data, folder, skip};
+use super::recorded;
 
 /// A layout, and what comes of it; `layouts.toml` says what each field means.
 #[derive(Deserialize)]
@@ -76,9 +76,9 @@ fn real_layouts_are_described_and_mended_in_few_lines() {
 }
 
 fn is_described_and_mended(layout: Layout) {
-    let test = "real_layouts_are_described_and_mended_in_few_lines";
-    let set = layout.set.and_then(|set| folder(test, &set));
-    let Some(folder) = set.or_else(|| case(test, &layout.case?)) else {
+    // Small inputs lie beside the recordings.
+    let case = layout.case.map(|case| format!("../cases/{case}"));
+    let Some(folder) = layout.set.or(case).and_then(|path| recorded(&path)) else {
         return;
     };
     let place = folder.display();
@@ -94,14 +94,4 @@ fn is_described_and_mended(layout: Layout) {
         seconds(&library),
     );
     assert_eq!(found, layout.found, "{place}");
-}
-
-/// A folder of the small inputs beside the recordings; without it, prints the skip of the test.
-fn case(test: &str, name: &str) -> Option<PathBuf> {
-    let folder = data(test)?.join("../cases").join(name);
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    skip(test, &format!("no folder {}", folder.display()));
-    None
 }

@@ -8,14 +8,13 @@ use super::read;
 
 #[test]
 fn the_lag_estimated_on_training_people_is_the_nominal_one() {
-    let test = "the_lag_estimated_on_training_people_is_the_nominal_one";
     // Medians of onset and release in ms over all people, from the recordings' description, by the same rule.
     for (set, onset, release) in [
         ("roshambo", 285.0, 325.0),
         ("ss-stm", 620.0, 950.0),
         ("myo-readings", 230.0, 335.0),
     ] {
-        let Some(library) = read(test, set) else {
+        let Some(library) = read(set) else {
             continue;
         };
         let everybody: Vec<_> = library.recordings.iter().collect();
@@ -41,9 +40,8 @@ fn the_lag_estimated_on_training_people_is_the_nominal_one() {
 
 #[test]
 fn labels_from_activity_are_muscle_onsets_without_a_lag() {
-    let test = "labels_from_activity_are_muscle_onsets_without_a_lag";
     for set in ["wang-myo", "myo-rps", "epn"] {
-        let Some(library) = read(test, set) else {
+        let Some(library) = read(set) else {
             continue;
         };
         let recordings: Vec<_> = library.recordings.iter().collect();

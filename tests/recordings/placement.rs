@@ -57,7 +57,6 @@ fn correlation(a: &[[f64; 8]], b: &[[f64; 8]]) -> f64 {
 
 #[test]
 fn electrode_frames_fit_the_gestures_that_two_sets_share() {
-    let test = "electrode_frames_fit_the_gestures_that_two_sets_share";
     let waves = &[Intent::Close, Intent::WaveIn, Intent::WaveOut][..];
     let hands = &[Intent::Open, Intent::Close][..];
     let all = &[Intent::Open, Intent::Close, Intent::WaveIn, Intent::WaveOut][..];
@@ -76,7 +75,7 @@ fn electrode_frames_fit_the_gestures_that_two_sets_share() {
         // Against myo-readings, one place further fits better by 0.06.
         ("pangestu", "cote-allard", all),
     ] {
-        let (Some(library), Some(reference)) = (read(test, set), read(test, reference)) else {
+        let (Some(library), Some(reference)) = (read(set), read(reference)) else {
             continue;
         };
         let aligned = |library: &Library| -> Vec<[f64; 8]> {
@@ -116,7 +115,7 @@ fn electrode_frames_fit_the_gestures_that_two_sets_share() {
 type Labelled = (Vec<Sample>, Vec<Option<Intent>>);
 
 /// Reads the recordings of everybody who opens the hand, by person, test people left out.
-fn openers(test: &str) -> Option<BTreeMap<String, Vec<Labelled>>> {
+fn openers() -> Option<BTreeMap<String, Vec<Labelled>>> {
     let mut people: BTreeMap<String, Vec<Labelled>> = BTreeMap::new();
     for set in [
         "roshambo",
@@ -127,7 +126,7 @@ fn openers(test: &str) -> Option<BTreeMap<String, Vec<Labelled>>> {
         "myoup",
         "epn",
     ] {
-        for recording in &read(test, set)?.recordings {
+        for recording in &read(set)?.recordings {
             if is_test(&recording.subject) {
                 continue;
             }
@@ -181,7 +180,7 @@ fn placements(people: &BTreeMap<String, Vec<Labelled>>) -> BTreeMap<&str, Option
 
 #[test]
 fn two_openings_place_strangers() {
-    let Some(people) = openers("two_openings_place_strangers") else {
+    let Some(people) = openers() else {
         return;
     };
     let found = placements(&people);

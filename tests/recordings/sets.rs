@@ -60,12 +60,11 @@ impl Contents {
 
 #[test]
 fn every_set_has_the_people_recordings_and_labels_of_its_description() {
-    let test = "every_set_has_the_people_recordings_and_labels_of_its_description";
     let sets: BTreeMap<String, Contents> = toml::from_str(include_str!("sets.toml")).unwrap();
     std::thread::scope(|scope| {
         for (set, expected) in sets {
             scope.spawn(move || {
-                if let Some(library) = read(test, &set) {
+                if let Some(library) = read(&set) {
                     assert_eq!(Contents::of(library), expected, "{set}");
                 }
             });

@@ -29,8 +29,7 @@ fn evaluated(library: &Library) -> Vec<EvaluatedRecording> {
 
 #[test]
 fn the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_made() {
-    let test = "the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_made";
-    let Some(library) = read(test, "wang-myo") else {
+    let Some(library) = read("wang-myo") else {
         return;
     };
     let all = evaluated(library);

@@ -110,7 +110,7 @@ fn the_revision_is_that_of_the_program_wherever_it_is_started() {
     };
     let commit = ["commit", "--quiet", "--allow-empty", "--message", "x"];
     if !git(&["init", "--quiet"]) || !git(&commit) {
-        myointent_tests::skip("revision", "no git");
+        myointent_tests::skip("no git");
         return;
     }
     let revision = |run: &str, at: &Path| {

@@ -96,15 +96,11 @@ fn collect(model: &impl Module, gradients: Option<&GradientsParams>) -> Paramete
     collect.found
 }
 
-/// The GPU backend's device; without an adapter, books the test `name` as skipped.
-pub fn gpu(name: &str) -> Option<Device> {
-    match Backend::Wgpu.device() {
-        Ok(device) => Some(device.autodiff()),
-        Err(error) => {
-            skip(name, &error.to_string().replace('\n', " "));
-            None
-        }
-    }
+/// The GPU backend's device; without an adapter, books the test as skipped.
+pub fn gpu() -> Option<Device> {
+    let device = Backend::Wgpu.device();
+    let device = device.map_err(|error| skip(&error.to_string())).ok()?;
+    Some(device.autodiff())
 }
 
 /// Trains from a model's weights, on the learner's device.
@@ -246,7 +242,7 @@ fn compare(cpu: &Trained, gpu: &Trained) {
 
 #[test]
 fn a_teacher_trains_as_on_the_cpu() {
-    let Some(gpu) = gpu("a_teacher_trains_as_on_the_cpu") else {
+    let Some(gpu) = gpu() else {
         return;
     };
     let cpu = Device::flex().autodiff();
@@ -276,7 +272,7 @@ fn a_teacher_trains_as_on_the_cpu() {
 
 #[test]
 fn windows_of_the_papers_tokens_train_as_on_the_cpu() {
-    let Some(gpu) = gpu("windows_of_the_papers_tokens_train_as_on_the_cpu") else {
+    let Some(gpu) = gpu() else {
         return;
     };
     let cpu = Device::flex().autodiff();
@@ -300,7 +296,7 @@ fn windows_of_the_papers_tokens_train_as_on_the_cpu() {
 
 #[test]
 fn a_student_is_distilled_as_on_the_cpu() {
-    let Some(gpu) = gpu("a_student_is_distilled_as_on_the_cpu") else {
+    let Some(gpu) = gpu() else {
         return;
     };
     let cpu = Device::flex().autodiff();

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context as _, ensure};
+use myointent_tests::found;
 use myointent_tests::simulation::{self, Inputs};
 use shared::model::noise::Noise;
 use shared::myo::{Address, binding};
@@ -16,9 +17,7 @@ use super::file::{File, Model, Page, Scenario, Signal};
 const ARMBAND: &str = "FA:12:34:56:78:9A";
 /// Runs a scenario on the simulated board, in virtual time.
 pub fn simulate(file: &File, program: &Path) -> anyhow::Result<()> {
-    let Some(samples) = samples(&file.name, &file.scenario)? else {
-        return Ok(());
-    };
+    let samples = found!(samples(&file.scenario)?);
     let model = model(&file.scenario.model)?;
     let other = file.scenario.install.as_deref().map(model_file);
     let other = other.transpose()?;
@@ -49,20 +48,14 @@ pub fn simulate(file: &File, program: &Path) -> anyhow::Result<()> {
 }
 
 /// Reads or generates the armband's samples; returns `None` where the recordings are missing.
-pub fn samples(name: &str, scenario: &Scenario) -> anyhow::Result<Option<Vec<Sample>>> {
+pub fn samples(scenario: &Scenario) -> anyhow::Result<Option<Vec<Sample>>> {
     let count = (scenario.seconds * 200.0).round() as usize;
     let Some(recording) = &scenario.recording else {
         return Ok(Some(synthetic(scenario.signal, count)));
     };
-    let Some(folder) = myointent_tests::data(name) else {
+    let Some(path) = myointent_tests::recorded(recording) else {
         return Ok(None);
     };
-    let path = folder.join(recording);
-    if !path.is_file() {
-        let missing = format!("no {}: see docs/recordings.md", path.display());
-        myointent_tests::skip(name, &missing);
-        return Ok(None);
-    }
     let mut samples = myointent::cli::replay::one_recording(&path, None)?.samples;
     ensure!(
         samples.len() >= count,

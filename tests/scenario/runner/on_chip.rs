@@ -2,6 +2,7 @@
 
 use anyhow::{Context as _, bail};
 use myointent_tests::chip::{self, Board, Setting};
+use myointent_tests::found;
 use myointent_tests::output::Output;
 use nrf52::chip::Chip;
 use nrf52::time::{HZ, ms};
@@ -16,12 +17,8 @@ use super::file::{Act, File, Scenario};
 /// Runs a scenario on the emulated chip, in this image.
 pub fn run(file: &File, built: Image) -> anyhow::Result<()> {
     let scenario = &file.scenario;
-    let Some(samples) = samples(&file.name, scenario)? else {
-        return Ok(());
-    };
-    let Some(image) = chip::image(&file.name, built) else {
-        return Ok(());
-    };
+    let samples = found!(samples(scenario)?);
+    let image = found!(chip::image(built));
     let model = model(&scenario.model)?;
     let stranger = scenario.stranger.as_ref().map(|stranger| {
         let address = Address::parse(&stranger.address).context("the stranger's address")?;
