@@ -33,9 +33,9 @@ impl Chip {
         let Some((one, bus)) = self.peripheral(address) else {
             return Err(What::NoPeripheral);
         };
-        let offset = address - one.base();
+        let offset = address - one.registers().base;
         let held = one.registers().read(offset)?;
-        if let Some(computed) = one.read(offset, bus) {
+        if let Some(computed) = one.computed(offset, bus) {
             return Ok(computed);
         }
         self.note_poll(address, held);
@@ -105,19 +105,19 @@ impl Chip {
         let Some((one, bus)) = self.peripheral(address) else {
             return Err(What::NoPeripheral);
         };
-        let offset = address - one.base();
+        let offset = address - one.registers().base;
         // GPIO, GPIOTE, and what takes pins: CLOCK, UARTE, PWM.
         let pins = matches!(
-            one.base() & !0xfff,
+            one.registers().base & !0xfff,
             GPIO | 0x4000_0000 | 0x4000_2000 | 0x4000_6000 | 0x4001_c000
         );
-        match one.registers_mut().write(offset, value)? {
+        match one.registers().write(offset, value)? {
             Written::Nothing => {}
             Written::Task => one.task(offset, bus),
             Written::Stored(offset) => one.stored(offset, bus),
         }
         self.pins_are_stale |= pins;
-        match address.checked_sub(self.ppi.base()) {
+        match address.checked_sub(self.ppi.registers().base) {
             Some(offset) if offset < 0x1000 => self.check_channel(offset),
             _ => Ok(()),
         }
@@ -134,7 +134,7 @@ impl Chip {
         };
         let kind = if is_event { Kind::Event } else { Kind::Task };
         let fits = self.peripheral(end).is_some_and(|(one, _)| {
-            let offset = end.wrapping_sub(one.base());
+            let offset = end.wrapping_sub(one.registers().base);
             offset < 0x1000 && one.registers().is(offset, kind)
         });
         match (fits, is_event) {
@@ -148,7 +148,7 @@ impl Chip {
     pub(super) fn settle(&mut self) {
         while let Some(event) = self.bus.events.pop_front() {
             if let Some((one, _)) = self.peripheral(event) {
-                let base = one.base();
+                let base = one.registers().base;
                 for task in one.shorts(event - base) {
                     self.start(base + task);
                 }
@@ -167,9 +167,10 @@ impl Chip {
     }
 
     fn start(&mut self, task: u32) {
-        self.pins_are_stale |= task & !0xfff == self.gpiote.base();
+        self.pins_are_stale |= task & !0xfff == self.gpiote.registers().base;
         if let Some((one, bus)) = self.peripheral(task) {
-            one.task(task - one.base(), bus);
+            let offset = task - one.registers().base;
+            one.task(offset, bus);
         }
     }
 
@@ -212,36 +213,12 @@ impl Chip {
 
     /// Levels of the interrupts, by their numbers: a peripheral's is that of its address (6.1.1).
     pub fn interrupts(&mut self) -> u64 {
-        let interrupts = [
-            0x4000_0000,
-            0x4000_2000,
-            0x4000_6000,
-            0x4000_7000,
-            0x4000_8000,
-            0x4000_9000,
-            0x4000_a000,
-            0x4000_b000,
-            0x4000_d000,
-            0x4001_0000,
-            0x4001_1000,
-            0x4001_4000,
-            0x4001_5000,
-            0x4001_6000,
-            0x4001_7000,
-            0x4001_8000,
-            0x4001_9000,
-            0x4001_a000,
-            0x4001_b000,
-            0x4001_c000,
-            0x4002_4000,
-            0x4002_7000,
-        ];
         let mut levels = 0;
-        for address in interrupts {
-            if let Some((one, _)) = self.peripheral(address)
+        for number in 0..0x28 {
+            if let Some((one, _)) = self.peripheral(0x4000_0000 | number << 12)
                 && one.registers().interrupts()
             {
-                levels |= 1 << (address >> 12 & 0x3f);
+                levels |= 1 << number;
             }
         }
         levels

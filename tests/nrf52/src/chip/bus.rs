@@ -111,17 +111,11 @@ impl Bus {
 
 /// A part of the chip with registers of its own.
 pub trait Peripheral: std::fmt::Debug + Send {
-    /// Its base address.
-    fn base(&self) -> u32;
-
     /// Its registers.
-    fn registers(&self) -> &Registers;
-
-    /// Its registers, to be changed.
-    fn registers_mut(&mut self) -> &mut Registers;
+    fn registers(&mut self) -> &mut Registers;
 
     /// Returns the value that the program reads, where that is not what the register holds.
-    fn read(&mut self, _offset: u32, _bus: &mut Bus) -> Option<u32> {
+    fn computed(&mut self, _offset: u32, _bus: &mut Bus) -> Option<u32> {
         None
     }
 
@@ -129,7 +123,7 @@ pub trait Peripheral: std::fmt::Debug + Send {
     fn stored(&mut self, _offset: u32, _bus: &mut Bus) {}
 
     /// A task starts.
-    fn task(&mut self, offset: u32, bus: &mut Bus);
+    fn task(&mut self, _offset: u32, _bus: &mut Bus) {}
 
     /// Tasks that this event starts by a shortcut.
     fn shorts(&self, _event: u32) -> Vec<u32> {
@@ -146,13 +140,32 @@ pub trait Peripheral: std::fmt::Debug + Send {
 
     /// An event happens.
     fn raise(&mut self, event: u32, bus: &mut Bus) {
-        self.registers_mut().put(event, 1);
-        bus.events.push_back(self.base() + event);
+        let registers = self.registers();
+        registers.put(event, 1);
+        bus.events.push_back(registers.base + event);
         bus.attention = true;
     }
 
     /// Refuses what was done to one of its registers.
-    fn refuse(&self, offset: u32, bus: &mut Bus, what: What) {
-        bus.refuse(self.base() + offset, what);
+    fn refuse(&mut self, offset: u32, bus: &mut Bus, what: What) {
+        bus.refuse(self.registers().base + offset, what);
+    }
+
+    /// Refuses a task or a write at this time.
+    fn untimely(&mut self, offset: u32, bus: &mut Bus, when: &'static str) {
+        self.refuse(offset, bus, What::Untimely { when });
+    }
+
+    /// Refuses the value that a register was given.
+    fn unexpected(&mut self, offset: u32, bus: &mut Bus, expected: &'static str) {
+        let value = self.registers().get(offset);
+        self.refuse(offset, bus, What::Value { value, expected });
+    }
+}
+
+/// Registers that hold what is written, and do nothing.
+impl Peripheral for Registers {
+    fn registers(&mut self) -> &mut Registers {
+        self
     }
 }

@@ -8,7 +8,6 @@ use super::bus::{Bus, Peripheral, Reset};
 use super::register::{
     INTEN, Register, Registers, clear, event, one_clears, read_only, read_write, set, task,
 };
-use crate::refusal::What;
 use crate::time::{ms, us};
 
 const HFCLKSTART: u32 = 0x000;
@@ -108,7 +107,7 @@ impl ClockAndPower {
             Model::Nrf52840 => NRF52840,
             Model::Nrf52832 => NRF52832,
         };
-        let mut registers = Registers::new("CLOCK/POWER", table);
+        let mut registers = Registers::new("CLOCK/POWER", 0x4000_0000, table);
         if let Some(before) = before.filter(|_| why != Reset::Power) {
             for offset in RETAINED {
                 registers.put(offset, before.registers.get(offset));
@@ -198,15 +197,7 @@ const LFSYNT: u64 = us(100);
 pub const LFXO: u64 = ms(250);
 
 impl Peripheral for ClockAndPower {
-    fn base(&self) -> u32 {
-        0x4000_0000
-    }
-
-    fn registers(&self) -> &Registers {
-        &self.registers
-    }
-
-    fn registers_mut(&mut self) -> &mut Registers {
+    fn registers(&mut self) -> &mut Registers {
         &mut self.registers
     }
 
@@ -226,8 +217,11 @@ impl Peripheral for ClockAndPower {
                 let source = self.registers.get(LFCLKSRC);
                 let is_early = ERRATUM_132.contains(&(bus.now - self.low_stopped));
                 if source & 3 == 0 && self.model == Model::Nrf52832 && is_early {
-                    let when = "66 to 138 us after it was stopped or reset: erratum 132";
-                    return self.refuse(offset, bus, What::Untimely { when });
+                    return self.untimely(
+                        offset,
+                        bus,
+                        "66 to 138 us after it was stopped or reset: erratum 132",
+                    );
                 }
                 self.registers.put(LFCLKRUN, 1);
                 self.registers.put(LFCLKSRCCOPY, source);
@@ -240,8 +234,7 @@ impl Peripheral for ClockAndPower {
                 self.low_started = started.map(|ticks| bus.now + ticks);
             }
             _ if self.low_frequency_status(bus) == 0 => {
-                let when = "while the low-frequency clock does not run";
-                self.refuse(offset, bus, What::Untimely { when });
+                self.untimely(offset, bus, "while the low-frequency clock does not run");
             }
             _ => {
                 (self.low, self.low_started) = (None, None);
@@ -253,7 +246,7 @@ impl Peripheral for ClockAndPower {
         }
     }
 
-    fn read(&mut self, offset: u32, bus: &mut Bus) -> Option<u32> {
+    fn computed(&mut self, offset: u32, bus: &mut Bus) -> Option<u32> {
         (offset == LFCLKSTAT).then(|| self.low_frequency_status(bus))
     }
 
@@ -273,7 +266,7 @@ impl Peripheral for ClockAndPower {
             DCDCEN0 if value == 1 && !high => "the board has no inductor for it",
             _ => return,
         };
-        self.refuse(offset, bus, What::Value { value, expected });
+        self.unexpected(offset, bus, expected);
     }
 
     fn next(&self) -> Option<u64> {

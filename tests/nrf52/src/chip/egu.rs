@@ -18,29 +18,19 @@ const TABLE: &[Register] = &[
 #[derive(Debug)]
 pub struct Egu {
     registers: Registers,
-    base: u32,
 }
 
 impl Egu {
     /// After a reset.
     pub fn new(name: &'static str, base: u32) -> Self {
         Self {
-            registers: Registers::new(name, TABLE),
-            base,
+            registers: Registers::new(name, base, TABLE),
         }
     }
 }
 
 impl Peripheral for Egu {
-    fn base(&self) -> u32 {
-        self.base
-    }
-
-    fn registers(&self) -> &Registers {
-        &self.registers
-    }
-
-    fn registers_mut(&mut self) -> &mut Registers {
+    fn registers(&mut self) -> &mut Registers {
         &mut self.registers
     }
 

@@ -30,7 +30,7 @@ pub const BASE: u32 = 0x1000_0000;
 
 /// Creates the FICR of a chip, from its part number, variant, KiB of RAM and KiB of flash.
 pub fn of(part: u32, variant: [u8; 4], ram: u32, flash: u32) -> Registers {
-    let mut registers = Registers::new("FICR", TABLE);
+    let mut registers = Registers::new("FICR", BASE, TABLE);
     let values = [
         (0x010, 4096),
         (0x014, flash / 4),

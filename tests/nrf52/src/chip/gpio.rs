@@ -33,7 +33,6 @@ const TABLE: &[Register] = &[
 #[derive(Debug)]
 pub struct Gpio {
     registers: Registers,
-    base: u32,
     /// Levels that something outside drives: a mask, and the levels.
     outside: (u32, u32),
     /// Levels on the pins, where something drives or pulls them.
@@ -44,8 +43,7 @@ impl Gpio {
     /// After a reset.
     pub fn new(name: &'static str, number: u32) -> Self {
         Self {
-            registers: Registers::new(name, TABLE),
-            base: 0x5000_0000 + number * PORT,
+            registers: Registers::new(name, 0x5000_0000 + number * PORT, TABLE),
             outside: (0, 0),
             levels: [None; 32],
         }
@@ -117,19 +115,11 @@ impl Gpio {
 }
 
 impl Peripheral for Gpio {
-    fn base(&self) -> u32 {
-        self.base
-    }
-
-    fn registers(&self) -> &Registers {
-        &self.registers
-    }
-
-    fn registers_mut(&mut self) -> &mut Registers {
+    fn registers(&mut self) -> &mut Registers {
         &mut self.registers
     }
 
-    fn read(&mut self, offset: u32, _: &mut Bus) -> Option<u32> {
+    fn computed(&mut self, offset: u32, _: &mut Bus) -> Option<u32> {
         if offset != IN {
             return None;
         }
@@ -156,6 +146,4 @@ impl Peripheral for Gpio {
             self.registers.put(DIR, others | direction << pin);
         }
     }
-
-    fn task(&mut self, _: u32, _: &mut Bus) {}
 }

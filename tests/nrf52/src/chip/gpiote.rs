@@ -2,7 +2,6 @@
 
 use super::bus::{Bus, Peripheral};
 use super::register::{INTEN, Register, Registers, clear, event, read_write, set, task};
-use crate::refusal::What;
 
 const OUT: u32 = 0x000;
 const SET: u32 = 0x030;
@@ -38,7 +37,7 @@ impl Gpiote {
     /// After a reset.
     pub fn new() -> Self {
         Self {
-            registers: Registers::new("GPIOTE", TABLE),
+            registers: Registers::new("GPIOTE", 0x4000_6000, TABLE),
             levels: [false; CHANNELS as usize],
         }
     }
@@ -63,15 +62,7 @@ impl Gpiote {
 }
 
 impl Peripheral for Gpiote {
-    fn base(&self) -> u32 {
-        0x4000_6000
-    }
-
-    fn registers(&self) -> &Registers {
-        &self.registers
-    }
-
-    fn registers_mut(&mut self) -> &mut Registers {
+    fn registers(&mut self) -> &mut Registers {
         &mut self.registers
     }
 
@@ -85,8 +76,7 @@ impl Peripheral for Gpiote {
             TASK => self.levels[channel as usize] = value >> 20 & 1 == 1,
             DISABLED => {}
             _ => {
-                let expected = "events of pins are not modelled";
-                self.refuse(offset, bus, What::Value { value, expected });
+                self.unexpected(offset, bus, "events of pins are not modelled");
             }
         }
     }
@@ -95,8 +85,7 @@ impl Peripheral for Gpiote {
         let channel = (offset % SET) / 4;
         let config = self.registers.get(CONFIG + 4 * channel);
         if config & 3 != TASK {
-            let when = "while its channel is not in task mode";
-            return self.refuse(offset, bus, What::Untimely { when });
+            return self.untimely(offset, bus, "while its channel is not in task mode");
         }
         let level = &mut self.levels[channel as usize];
         match offset - 4 * channel {

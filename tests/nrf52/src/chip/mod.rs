@@ -45,10 +45,8 @@ use register::Registers;
 use rng::Rng;
 use rtc::Rtc;
 use saadc::Saadc;
-use temp::Temp;
 use timer::Timer;
 use uarte::Uarte;
-use usbd::Errata;
 use watchdog::Watchdog;
 
 /// Base address of the ports of pins.
@@ -109,7 +107,7 @@ pub struct Chip {
     gpiote: Gpiote,
     timers: [Timer; 5],
     rtcs: [Rtc; 3],
-    temp: Temp,
+    temp: Registers,
     rng: Rng,
     watchdog: Watchdog,
     egus: [Egu; 6],
@@ -119,7 +117,7 @@ pub struct Chip {
     pwm: Pwm,
     saadc: Saadc,
     usbd: Usbd,
-    errata: Errata,
+    errata: Registers,
     ports: [Gpio; 2],
     ficr: Registers,
     uicr: Registers,
@@ -181,7 +179,7 @@ impl Chip {
             gpiote: Gpiote::new(),
             timers: timers(),
             rtcs: rtcs(),
-            temp: Temp::new(),
+            temp: temp::new(),
             rng: Rng::new(),
             watchdog: Watchdog::new(),
             egus: egus(),
@@ -190,7 +188,7 @@ impl Chip {
             pwm: Pwm::new(),
             saadc: Saadc::new(BTreeMap::new()),
             usbd: Usbd::default(),
-            errata: Errata::new(),
+            errata: usbd::errata(),
             ports: [Gpio::new("P0", 0), Gpio::new("P1", 1)],
             ficr: ficr::of(part, variant, ram, flash),
             uicr: uicr::blank(),
@@ -214,7 +212,7 @@ impl Chip {
         self.gpiote = Gpiote::new();
         self.timers = timers();
         self.rtcs = rtcs();
-        self.temp = Temp::new();
+        self.temp = temp::new();
         self.rng = Rng::new();
         // A reset by software or by the pin leaves the watchdog running.
         if matches!(why, Reset::Power | Reset::Watchdog) {
@@ -228,7 +226,7 @@ impl Chip {
         self.pwm = Pwm::new();
         self.saadc = Saadc::new(std::mem::take(&mut self.saadc.inputs));
         self.usbd = Usbd::default();
-        self.errata = Errata::new();
+        self.errata = usbd::errata();
         let [p0, p1] = [0, 1].map(|port: usize| self.ports[port].outside());
         self.ports = [
             Gpio::new("P0", 0).with_outside(p0),

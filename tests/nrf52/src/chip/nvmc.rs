@@ -74,7 +74,7 @@ impl Nvmc {
     /// Creates the controller after a reset; `before` is the one until then.
     pub fn new(times: FlashTimes, bytes: u32, before: Option<&Self>) -> Self {
         Self {
-            registers: Registers::new("NVMC", TABLE),
+            registers: Registers::new("NVMC", 0x4001_e000, TABLE),
             times,
             bytes,
             partly_erased: before.map_or_else(BTreeMap::new, |one| one.partly_erased.clone()),
@@ -147,15 +147,7 @@ impl Nvmc {
 }
 
 impl Peripheral for Nvmc {
-    fn base(&self) -> u32 {
-        0x4001_e000
-    }
-
-    fn registers(&self) -> &Registers {
-        &self.registers
-    }
-
-    fn registers_mut(&mut self) -> &mut Registers {
+    fn registers(&mut self) -> &mut Registers {
         &mut self.registers
     }
 
@@ -163,16 +155,13 @@ impl Peripheral for Nvmc {
         let value = self.registers.get(offset);
         match offset {
             CONFIG if value == 3 => {
-                let expected = "0 to read, 1 to write, 2 to erase";
-                self.refuse(offset, bus, What::Value { value, expected });
+                self.unexpected(offset, bus, "0 to read, 1 to write, 2 to erase");
             }
             ERASEPAGE | ERASEPAGEPARTIAL if self.registers.get(CONFIG) != ERASES => {
-                let expected = "CONFIG has to enable erasing first";
-                self.refuse(offset, bus, What::Value { value, expected });
+                self.unexpected(offset, bus, "CONFIG has to enable erasing first");
             }
             ERASEPAGE | ERASEPAGEPARTIAL if !value.is_multiple_of(PAGE) || value >= self.bytes => {
-                let expected = "the address of a page";
-                self.refuse(offset, bus, What::Value { value, expected });
+                self.unexpected(offset, bus, "the address of a page");
             }
             ERASEPAGE => self.erase(value, self.times.erase, bus),
             ERASEPAGEPARTIAL => {

@@ -110,7 +110,10 @@ impl Chip {
             FICR => self.ficr.name_of(address - FICR),
             uicr::BASE => self.uicr.name_of(address - uicr::BASE),
             _ => match self.peripheral(address) {
-                Some((one, _)) => one.registers().name_of(address - one.base()),
+                Some((one, _)) => {
+                    let registers = one.registers();
+                    registers.name_of(address - registers.base)
+                }
                 None => format!("{address:#010x}"),
             },
         }

@@ -34,7 +34,7 @@ impl Ppi {
     /// After a reset.
     pub fn new() -> Self {
         Self {
-            registers: Registers::new("PPI", TABLE),
+            registers: Registers::new("PPI", 0x4001_f000, TABLE),
         }
     }
 
@@ -60,15 +60,7 @@ impl Ppi {
 }
 
 impl Peripheral for Ppi {
-    fn base(&self) -> u32 {
-        0x4001_f000
-    }
-
-    fn registers(&self) -> &Registers {
-        &self.registers
-    }
-
-    fn registers_mut(&mut self) -> &mut Registers {
+    fn registers(&mut self) -> &mut Registers {
         &mut self.registers
     }
 

@@ -63,7 +63,7 @@ impl Pwm {
     /// After a reset.
     pub fn new() -> Self {
         Self {
-            registers: Registers::new("PWM0", TABLE),
+            registers: Registers::new("PWM0", 0x4001_c000, TABLE),
             began: None,
             value: 0,
             following: 0,
@@ -118,15 +118,7 @@ impl Pwm {
 }
 
 impl Peripheral for Pwm {
-    fn base(&self) -> u32 {
-        0x4001_c000
-    }
-
-    fn registers(&self) -> &Registers {
-        &self.registers
-    }
-
-    fn registers_mut(&mut self) -> &mut Registers {
+    fn registers(&mut self) -> &mut Registers {
         &mut self.registers
     }
 
@@ -143,7 +135,7 @@ impl Peripheral for Pwm {
             _ => None,
         };
         if let Some(expected) = wrong {
-            self.refuse(offset, bus, What::Value { value, expected });
+            self.unexpected(offset, bus, expected);
         }
     }
 
@@ -161,7 +153,7 @@ impl Peripheral for Pwm {
             _ => None,
         };
         if let Some(when) = when {
-            return self.refuse(offset, bus, What::Untimely { when });
+            return self.untimely(offset, bus, when);
         }
         let half = bus
             .memory

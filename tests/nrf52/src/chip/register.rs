@@ -140,15 +140,18 @@ pub enum Written {
 pub struct Registers {
     /// The peripheral's name.
     pub name: &'static str,
+    /// Its base address.
+    pub base: u32,
     table: &'static [Register],
     values: Vec<u32>,
 }
 
 impl Registers {
     /// Creates the registers with the values that a reset leaves.
-    pub fn new(name: &'static str, table: &'static [Register]) -> Self {
+    pub fn new(name: &'static str, base: u32, table: &'static [Register]) -> Self {
         let mut registers = Self {
             name,
+            base,
             table,
             values: vec![0; 0x1000 / 4],
         };
@@ -260,7 +263,7 @@ mod tests {
     ];
 
     fn registers() -> Registers {
-        Registers::new("ANY0", TABLE)
+        Registers::new("ANY0", 0, TABLE)
     }
 
     #[test]

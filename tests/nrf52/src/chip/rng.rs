@@ -34,7 +34,7 @@ impl Rng {
     /// After a reset.
     pub fn new() -> Self {
         Self {
-            registers: Registers::new("RNG", TABLE),
+            registers: Registers::new("RNG", 0x4000_d000, TABLE),
             state: 0x2545_f491,
             at: None,
         }
@@ -42,15 +42,7 @@ impl Rng {
 }
 
 impl Peripheral for Rng {
-    fn base(&self) -> u32 {
-        0x4000_d000
-    }
-
-    fn registers(&self) -> &Registers {
-        &self.registers
-    }
-
-    fn registers_mut(&mut self) -> &mut Registers {
+    fn registers(&mut self) -> &mut Registers {
         &mut self.registers
     }
 

@@ -2,7 +2,6 @@
 
 use super::bus::{Bus, Peripheral};
 use super::register::{INTEN, Register, Registers, clear, event, read_only, read_write, set, task};
-use crate::refusal::What;
 use crate::time::{low_frequency, of_low_frequency};
 
 const START: u32 = 0x000;
@@ -42,7 +41,6 @@ const TABLE: &[Register] = &[
 #[derive(Debug)]
 pub struct Rtc {
     registers: Registers,
-    base: u32,
     runs: bool,
     /// The period of the low-frequency clock in which the counter is `count`: the one after a task, which takes effect at the
     /// clock's next edge (6.22.9). It ends before the counter counts.
@@ -58,8 +56,7 @@ impl Rtc {
     /// After a reset.
     pub fn new(name: &'static str, base: u32) -> Self {
         Self {
-            registers: Registers::new(name, TABLE),
-            base,
+            registers: Registers::new(name, base, TABLE),
             runs: false,
             since: 0,
             count: 0,
@@ -109,19 +106,11 @@ impl Rtc {
 }
 
 impl Peripheral for Rtc {
-    fn base(&self) -> u32 {
-        self.base
-    }
-
-    fn registers(&self) -> &Registers {
-        &self.registers
-    }
-
-    fn registers_mut(&mut self) -> &mut Registers {
+    fn registers(&mut self) -> &mut Registers {
         &mut self.registers
     }
 
-    fn read(&mut self, offset: u32, bus: &mut Bus) -> Option<u32> {
+    fn computed(&mut self, offset: u32, bus: &mut Bus) -> Option<u32> {
         (offset == COUNTER).then(|| self.value(low_frequency(bus.now)) as u32)
     }
 
@@ -129,9 +118,7 @@ impl Peripheral for Rtc {
         let period = low_frequency(bus.now);
         match offset {
             PRESCALER if self.runs => {
-                let value = self.registers.get(PRESCALER);
-                let expected = "the counter has to be stopped";
-                self.refuse(offset, bus, What::Value { value, expected });
+                self.unexpected(offset, bus, "the counter has to be stopped");
             }
             CC.. if (offset - CC) / 4 < CHANNELS => {
                 // A value that is one ahead may not match: two ahead does.
@@ -147,8 +134,7 @@ impl Peripheral for Rtc {
         let period = low_frequency(bus.now);
         match offset {
             START if !bus.low_frequency_runs => {
-                let when = "while the low-frequency clock does not run";
-                self.refuse(offset, bus, What::Untimely { when });
+                self.untimely(offset, bus, "while the low-frequency clock does not run");
             }
             START if self.runs => {}
             START => {
@@ -214,7 +200,7 @@ mod tests {
             let passed = [0, of_low_frequency(1) - 1, of_low_frequency(2)];
             let values = passed.map(|ticks| {
                 bus.now = start + ticks;
-                rtc.read(COUNTER, &mut bus)
+                rtc.computed(COUNTER, &mut bus)
             });
             assert_eq!(values[..2], [Some(0); 2], "{start}");
             assert!(values[2] > Some(0), "{start}");

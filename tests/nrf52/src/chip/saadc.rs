@@ -79,7 +79,7 @@ impl Saadc {
     /// Creates the converter after a reset, which leaves the inputs as they are.
     pub fn new(inputs: BTreeMap<u32, u32>) -> Self {
         Self {
-            registers: Registers::new("SAADC", TABLE),
+            registers: Registers::new("SAADC", 0x4000_7000, TABLE),
             is_started: false,
             at: None,
             inputs,
@@ -88,24 +88,15 @@ impl Saadc {
 }
 
 impl Peripheral for Saadc {
-    fn base(&self) -> u32 {
-        0x4000_7000
-    }
-
-    fn registers(&self) -> &Registers {
-        &self.registers
-    }
-
-    fn registers_mut(&mut self) -> &mut Registers {
+    fn registers(&mut self) -> &mut Registers {
         &mut self.registers
     }
 
     fn stored(&mut self, offset: u32, bus: &mut Bus) {
         if offset != POWER && self.registers.get(POWER) == 0 {
-            let when = "while it is switched off";
-            self.refuse(offset, bus, What::Untimely { when });
+            self.untimely(offset, bus, "while it is switched off");
         } else if offset == POWER && self.registers.get(POWER) == 0 {
-            self.registers = Registers::new("SAADC", TABLE);
+            self.registers = Registers::new("SAADC", 0x4000_7000, TABLE);
             self.registers.put(POWER, 0);
             (self.at, self.is_started) = (None, false);
         }
@@ -116,15 +107,14 @@ impl Peripheral for Saadc {
         let config = self.registers.get(CONFIG);
         match offset {
             _ if self.registers.get(ENABLE) == 0 => {
-                let when = "while it is disabled";
-                self.refuse(offset, bus, What::Untimely { when });
+                self.untimely(offset, bus, "while it is disabled");
             }
             START if !bus.memory.is_ram(address, length) => {
                 self.refuse(PTR, bus, What::NoDma { address, length });
             }
             START if length != 2 => {
-                let (value, expected) = (length / 2, "one conversion: no other number is modelled");
-                self.refuse(MAXCNT, bus, What::Value { value, expected });
+                let expected = "one conversion: no other number is modelled";
+                self.unexpected(MAXCNT, bus, expected);
             }
             START => {
                 self.is_started = true;
@@ -135,17 +125,18 @@ impl Peripheral for Saadc {
                     None => "before it is started",
                     Some(_) => "during a conversion",
                 };
-                self.refuse(offset, bus, What::Untimely { when });
+                self.untimely(offset, bus, when);
             }
             SAMPLE if !INPUTS.contains(&self.registers.get(PSELP)) => {
-                let value = self.registers.get(PSELP);
-                let expected = "an input: 1 to 8, 9 for VDD, 13 for VDDH (6.23.9)";
-                self.refuse(PSELP, bus, What::Value { value, expected });
+                self.unexpected(
+                    PSELP,
+                    bus,
+                    "an input: 1 to 8, 9 for VDD, 13 for VDDH (6.23.9)",
+                );
             }
             SAMPLE if config != EXPECTED || self.registers.get(RESOLUTION) != 2 => {
                 let expected = "0x50000, with RESOLUTION of 12 bits: no other is modelled";
-                let value = config;
-                self.refuse(CONFIG, bus, What::Value { value, expected });
+                self.unexpected(CONFIG, bus, expected);
             }
             SAMPLE => self.at = Some(bus.now + CONVERSION),
             _ => {

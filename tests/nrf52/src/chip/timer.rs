@@ -2,7 +2,6 @@
 
 use super::bus::{Bus, Peripheral};
 use super::register::{INTEN, Register, Registers, clear, event, read_write, set, task};
-use crate::refusal::What;
 
 const START: u32 = 0x000;
 const STOP: u32 = 0x004;
@@ -47,7 +46,6 @@ const SIX: &[Register] = table!(6);
 #[derive(Debug)]
 pub struct Timer {
     registers: Registers,
-    base: u32,
     channels: u32,
     runs: bool,
     /// Tick at which the counter was `count`.
@@ -61,8 +59,7 @@ impl Timer {
     /// After a reset.
     pub fn new(name: &'static str, base: u32, channels: u32) -> Self {
         Self {
-            registers: Registers::new(name, if channels == 4 { FOUR } else { SIX }),
-            base,
+            registers: Registers::new(name, base, if channels == 4 { FOUR } else { SIX }),
             channels,
             runs: false,
             since: 0,
@@ -137,15 +134,7 @@ impl Timer {
 }
 
 impl Peripheral for Timer {
-    fn base(&self) -> u32 {
-        self.base
-    }
-
-    fn registers(&self) -> &Registers {
-        &self.registers
-    }
-
-    fn registers_mut(&mut self) -> &mut Registers {
+    fn registers(&mut self) -> &mut Registers {
         &mut self.registers
     }
 
@@ -159,7 +148,7 @@ impl Peripheral for Timer {
             _ => None,
         };
         if let Some(expected) = wrong {
-            self.refuse(offset, bus, What::Value { value, expected });
+            self.unexpected(offset, bus, expected);
         }
     }
 

@@ -155,7 +155,7 @@ impl Uarte {
                 (line, sent, overruns, counts_broken)
             });
         Self {
-            registers: Registers::new("UARTE0", table),
+            registers: Registers::new("UARTE0", 0x4000_2000, table),
             sending: None,
             receiving: None,
             listens: false,
@@ -186,7 +186,7 @@ impl Uarte {
         })
     }
 
-    fn buffer(&self, pointer: u32, bus: &mut Bus) -> Buffer {
+    fn buffer(&mut self, pointer: u32, bus: &mut Bus) -> Buffer {
         let (address, length) = (self.registers.get(pointer), self.registers.get(pointer + 4));
         if !bus.memory.is_ram(address, length) {
             self.refuse(pointer, bus, What::NoDma { address, length });
@@ -282,15 +282,7 @@ impl Uarte {
 }
 
 impl Peripheral for Uarte {
-    fn base(&self) -> u32 {
-        0x4000_2000
-    }
-
-    fn registers(&self) -> &Registers {
-        &self.registers
-    }
-
-    fn registers_mut(&mut self) -> &mut Registers {
+    fn registers(&mut self) -> &mut Registers {
         &mut self.registers
     }
 
@@ -309,7 +301,7 @@ impl Peripheral for Uarte {
             PSEL..=PSEL_RXD | BAUDRATE | CONFIG if self.is_enabled() => "it has to be disabled",
             _ => return,
         };
-        self.refuse(offset, bus, What::Value { value, expected });
+        self.unexpected(offset, bus, expected);
     }
 
     fn task(&mut self, offset: u32, bus: &mut Bus) {
@@ -332,7 +324,7 @@ impl Peripheral for Uarte {
             _ => "",
         };
         if !when.is_empty() {
-            return self.refuse(offset, bus, What::Untimely { when });
+            return self.untimely(offset, bus, when);
         }
         match offset {
             STOPRX => self.stops = Some(bus.now + STOPPING * Self::byte_ticks(bus)),

@@ -27,7 +27,7 @@ pub const REGOUT0: u32 = 0x304;
 
 /// A blank one.
 pub fn blank() -> Registers {
-    let mut registers = Registers::new("UICR", TABLE);
+    let mut registers = Registers::new("UICR", BASE, TABLE);
     for offset in (0..0x400).step_by(4) {
         registers.put(offset, !0);
     }

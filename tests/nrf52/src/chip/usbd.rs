@@ -132,7 +132,7 @@ impl Default for Usbd {
     /// Creates the device after a reset.
     fn default() -> Self {
         Self {
-            registers: Registers::new("USBD", TABLE),
+            registers: Registers::new("USBD", 0x4002_7000, TABLE),
             ready: None,
             is_ready: false,
             transfer: None,
@@ -219,7 +219,7 @@ impl Usbd {
             None
         };
         if let Some(when) = when {
-            return self.refuse(STARTEPIN + offset, bus, What::Untimely { when });
+            return self.untimely(STARTEPIN + offset, bus, when);
         }
         let (address, length) = self.buffer(EPIN + DMA * endpoint as u32, bus);
         self.waiting[endpoint] = bus.memory.read(address, length);
@@ -232,8 +232,7 @@ impl Usbd {
         let offset = 4 * endpoint as u32;
         let is_enabled = self.registers.get(EPOUTEN) >> endpoint & 1 == 1;
         if self.registers.get(LOWPOWER) == 1 {
-            let when = ASLEEP;
-            return self.refuse(STARTEPOUT + offset, bus, What::Untimely { when });
+            return self.untimely(STARTEPOUT + offset, bus, ASLEEP);
         }
         let Some(packet) = self.arrived[endpoint].take_if(|_| is_enabled) else {
             let when = if is_enabled {
@@ -241,14 +240,13 @@ impl Usbd {
             } else {
                 "while the endpoint is disabled"
             };
-            return self.refuse(STARTEPOUT + offset, bus, What::Untimely { when });
+            return self.untimely(STARTEPOUT + offset, bus, when);
         };
         let (address, length) = self.buffer(EPOUT + DMA * endpoint as u32, bus);
         if length != self.registers.get(SIZE + offset) {
             let expected = "that of SIZE.EPOUT (6.35.10)";
-            let value = length;
             let place = EPOUT + DMA * endpoint as u32 + 4;
-            return self.refuse(place, bus, What::Value { value, expected });
+            return self.unexpected(place, bus, expected);
         }
         bus.memory.write(address, &packet);
         self.raise(STARTED, bus);
@@ -284,23 +282,14 @@ impl Usbd {
 }
 
 impl Peripheral for Usbd {
-    fn base(&self) -> u32 {
-        0x4002_7000
-    }
-
-    fn registers(&self) -> &Registers {
-        &self.registers
-    }
-
-    fn registers_mut(&mut self) -> &mut Registers {
+    fn registers(&mut self) -> &mut Registers {
         &mut self.registers
     }
 
     fn stored(&mut self, offset: u32, bus: &mut Bus) {
         let is_endpoints = (SIZE..ENABLE).contains(&offset) || offset > ENABLE;
         if is_endpoints && !self.is_ready {
-            let when = "before it is ready (6.35.2)";
-            return self.refuse(offset, bus, What::Untimely { when });
+            return self.untimely(offset, bus, "before it is ready (6.35.2)");
         }
         match offset {
             ENABLE if self.registers.get(ENABLE) == 1 => self.ready = Some(bus.now + us(50)),
@@ -334,7 +323,7 @@ impl Peripheral for Usbd {
             _ => None,
         };
         if let Some(when) = when {
-            return self.refuse(offset, bus, What::Untimely { when });
+            return self.untimely(offset, bus, when);
         }
         match offset {
             STARTEPIN..STARTEPOUT => self.start_in((offset - STARTEPIN) as usize / 4, bus),
@@ -388,34 +377,12 @@ impl Peripheral for Usbd {
     }
 }
 
-/// Registers without names that the workarounds of errata 171 and 187 write.
-#[derive(Debug)]
-pub struct Errata(Registers);
-
-impl Errata {
-    /// After a reset.
-    pub fn new() -> Self {
-        const TABLE: &[Register] = &[
-            read_write("UNLOCK", 0xc00, 0xffff),
-            read_write("ERRATUM171", 0xc14, 0xc0),
-            read_write("ERRATUM187", 0xd14, 3),
-        ];
-        Self(Registers::new("ERRATA", TABLE))
-    }
-}
-
-impl Peripheral for Errata {
-    fn base(&self) -> u32 {
-        0x4006_e000
-    }
-
-    fn registers(&self) -> &Registers {
-        &self.0
-    }
-
-    fn registers_mut(&mut self) -> &mut Registers {
-        &mut self.0
-    }
-
-    fn task(&mut self, _: u32, _: &mut Bus) {}
+/// Registers without names that the workarounds of errata 171 and 187 write, after a reset.
+pub fn errata() -> Registers {
+    const TABLE: &[Register] = &[
+        read_write("UNLOCK", 0xc00, 0xffff),
+        read_write("ERRATUM171", 0xc14, 0xc0),
+        read_write("ERRATUM187", 0xd14, 3),
+    ];
+    Registers::new("ERRATA", 0x4006_e000, TABLE)
 }

@@ -4,7 +4,6 @@ use super::bus::{Bus, Peripheral, Reset};
 use super::register::{
     INTEN, Register, Registers, clear, event, read_only, read_write, set, task, write_only,
 };
-use crate::refusal::What;
 use crate::time::{low_frequency, of_low_frequency};
 
 const START: u32 = 0x000;
@@ -46,7 +45,7 @@ impl Watchdog {
     /// After a loss of power or its own reset.
     pub fn new() -> Self {
         Self {
-            registers: Registers::new("WDT", TABLE),
+            registers: Registers::new("WDT", 0x4001_0000, TABLE),
             expires: None,
             has_warned: false,
         }
@@ -60,15 +59,7 @@ impl Watchdog {
 }
 
 impl Peripheral for Watchdog {
-    fn base(&self) -> u32 {
-        0x4001_0000
-    }
-
-    fn registers(&self) -> &Registers {
-        &self.registers
-    }
-
-    fn registers_mut(&mut self) -> &mut Registers {
+    fn registers(&mut self) -> &mut Registers {
         &mut self.registers
     }
 
@@ -76,19 +67,20 @@ impl Peripheral for Watchdog {
         let value = self.registers.get(offset);
         match offset {
             CRV if value < 0xf => {
-                let expected = "at least 15";
-                self.refuse(offset, bus, What::Value { value, expected });
+                self.unexpected(offset, bus, "at least 15");
             }
             CRV | RREN | CONFIG if self.expires.is_some() => {
-                let expected = "the watchdog runs, and cannot be configured any more";
-                self.refuse(offset, bus, What::Value { value, expected });
+                self.unexpected(
+                    offset,
+                    bus,
+                    "the watchdog runs, and cannot be configured any more",
+                );
             }
             RR.. => {
                 let number = (offset - RR) / 4;
                 let is_enabled = self.registers.get(RREN) >> number & 1 == 1;
                 if value != RELOAD {
-                    let expected = "only 0x6e524635 reloads";
-                    return self.refuse(offset, bus, What::Value { value, expected });
+                    return self.unexpected(offset, bus, "only 0x6e524635 reloads");
                 }
                 if self.expires.is_none() || !is_enabled {
                     return;
