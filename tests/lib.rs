@@ -30,19 +30,16 @@ macro_rules! found {
 }
 
 /// Returns the folder of reference numbers.
-#[must_use]
 pub fn golden() -> PathBuf {
     folder("MYOINTENT_GOLDEN", "golden/data")
 }
 
 /// Returns the folder of recordings; without one, books the test as skipped.
-#[must_use]
 pub fn data() -> Option<PathBuf> {
     recorded("")
 }
 
 /// Returns a file or folder below the folder of recordings; without it, books the test as skipped.
-#[must_use]
 pub fn recorded(path: impl AsRef<Path>) -> Option<PathBuf> {
     let found = folder("MYOINTENT_DATA", "../../shared/data").join(path);
     if found.exists() {

@@ -29,7 +29,6 @@ pub struct SharedFlash<F> {
 }
 
 impl<F> SharedFlash<F> {
-    /// Shares it.
     pub const fn new(flash: F) -> Self {
         Self {
             flash: Mutex::new(flash),
@@ -48,7 +47,6 @@ impl<F> SharedFlash<F> {
     }
 }
 
-/// A region.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Region {
     /// The wearer's calibration: a page.

@@ -53,9 +53,7 @@ mod kept {
         Unknown,
         /// A reset from outside while it ran.
         Running,
-        /// A panic.
         Panic,
-        /// A stack overflow.
         StackOverflow,
     }
 

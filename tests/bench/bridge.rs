@@ -16,7 +16,6 @@ use super::Run;
 ///
 /// # Panics
 /// Where `/proc` is not mounted.
-#[must_use]
 pub fn terminal(slave: &SerialPort) -> PathBuf {
     let path = format!("/proc/self/fd/{}", slave.as_raw_fd());
     std::fs::read_link(path).expect("a link of the system")
@@ -67,7 +66,6 @@ impl Bridge {
     }
 
     /// The terminal's path.
-    #[must_use]
     pub fn port(&self) -> &Path {
         &self.port
     }

@@ -77,7 +77,6 @@ pub struct Python {
 }
 
 /// The armband's Python; without it, reports the test as skipped.
-#[must_use]
 pub fn python() -> Option<Python> {
     let skip = |reason| crate::skip(&format!("{reason:#}"));
     Some(Python {

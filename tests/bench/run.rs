@@ -125,7 +125,6 @@ impl Run {
     }
 
     /// The file that the armband streams; with its argument `--follow`, what is appended to it as well.
-    #[must_use]
     pub fn recording(&self) -> PathBuf {
         self.folder.path().join(RECORDING)
     }

@@ -118,7 +118,6 @@ impl Pins {
 ///
 /// # Panics
 /// If the image does not build: that is no reason to skip.
-#[must_use]
 pub fn image(image: Built) -> Option<Image> {
     static PARSED: Mutex<BTreeMap<&str, Image>> = Mutex::new(BTreeMap::new());
     let elf = elf(image)?;
@@ -133,7 +132,6 @@ pub fn image(image: Built) -> Option<Image> {
 ///
 /// # Panics
 /// If the image does not build: that is no reason to skip.
-#[must_use]
 pub fn elf(image: Built) -> Option<Vec<u8>> {
     static BUILT: Mutex<BTreeMap<&str, Vec<u8>>> = Mutex::new(BTreeMap::new());
     let found = toolchain::find(toolchain::TARGET, false);
@@ -153,7 +151,6 @@ pub fn elf(image: Built) -> Option<Vec<u8>> {
 ///
 /// # Panics
 /// If it is not in the repository.
-#[must_use]
 pub fn model() -> Vec<u8> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../models/three-class.intent");
     std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
@@ -194,12 +191,10 @@ impl Default for Setting {
     }
 }
 
-/// A board.
 #[derive(Debug)]
 pub struct Board {
     /// Its chip, and the armbands.
     pub machine: Machine,
-    /// Its pins.
     pub pins: Pins,
 }
 
@@ -209,7 +204,6 @@ impl Board {
     ///
     /// # Panics
     /// If the constant address is not an address.
-    #[must_use]
     pub fn new(built: Built, image: Image, setting: Setting) -> Self {
         let (model, pins, kind) = match built {
             Built::Nrf52840S140 => (Model::Nrf52840, Pins::NRF52840, Some(Kind::S140)),
@@ -259,19 +253,16 @@ impl Board {
     }
 
     /// Returns the number of notifications that the wearer's armband has sent.
-    #[must_use]
     pub fn sent(&self) -> usize {
         self.machine.air().armbands[0].sent()
     }
 
     /// Returns the text that the UART has sent.
-    #[must_use]
     pub fn text(&self) -> String {
         self.text_from(0)
     }
 
     /// Returns the text that the UART has sent after its first `bytes` bytes.
-    #[must_use]
     pub fn text_from(&self, bytes: usize) -> String {
         let chip = self.machine.chip();
         let sent = chip.sent().get(bytes..).unwrap_or_default();
@@ -280,13 +271,11 @@ impl Board {
     }
 
     /// Returns the number of bytes that the UART has sent.
-    #[must_use]
     pub fn sent_bytes(&self) -> usize {
         self.machine.chip().sent().len()
     }
 
     /// Complete lines of labels, states and alignments, line ends included.
-    #[must_use]
     pub fn lines(&self) -> Vec<String> {
         let text = self.text();
         let lines = text.split_inclusive('\n');

@@ -8,7 +8,6 @@ use xtask::firmware::Image;
 use myointent_tests::chip::{self, Board, Setting};
 use myointent_tests::found;
 
-/// The images that are flashed.
 pub const FLASHED: [Image; 3] = [Image::Nrf52840S140, Image::Nrf52840Sdc, Image::Nrf52832S132];
 
 /// Reasons of the program's starts, in order.

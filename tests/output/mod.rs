@@ -37,12 +37,10 @@ const STARTED: &str = "# myointent ";
 pub enum Line {
     /// Label or state.
     Report(Report),
-    /// Report of an alignment.
     Alignment(AlignmentReport),
 }
 
 impl Line {
-    /// Parses a line.
     pub fn parse(line: &str) -> anyhow::Result<Self> {
         let bytes = line.as_bytes();
         let parsed = if line.starts_with("$ALIGN,") {
@@ -61,7 +59,6 @@ impl Line {
         }
     }
 
-    /// Returns the report, if the line is one.
     pub const fn report(self) -> Option<Report> {
         match self {
             Self::Report(report) => Some(report),

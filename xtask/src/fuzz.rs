@@ -204,6 +204,7 @@ fn reason(log: &str, file: &Path) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::program::sources;
     use super::*;
 
     #[test]

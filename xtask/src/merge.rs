@@ -154,7 +154,6 @@ impl Part {
     }
 
     /// The word of UICR that lets a debugger access the chip.
-    #[must_use]
     pub fn access() -> Self {
         Self {
             name: "UICR.APPROTECT",

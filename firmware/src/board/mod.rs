@@ -39,7 +39,6 @@ pub struct Board {
     pub pins: Pins,
     /// Pressed and held by a person.
     pub button: Button,
-    /// Parts of the radio.
     pub radio: RadioParts,
     /// Runs already.
     pub watchdog: Watchdog,

@@ -10,7 +10,6 @@ use shared::myo::{Address, Counters, FirmwareVersion, MyoSession, Phase};
 pub struct Armband {
     /// Address of the connected armband.
     pub address: Option<Address>,
-    /// Firmware of the armband.
     pub firmware: Option<FirmwareVersion>,
     /// Battery charge, percent.
     pub battery: Option<u8>,

@@ -16,7 +16,6 @@ use shared::uart_line::lock::{LockCommand, Locking};
 /// Requests from the control task to the inference.
 pub static INFERENCE: Requests<InferenceRequest, InferenceAnswer> = Requests::new();
 
-/// Request to the inference.
 #[derive(Clone, Copy)]
 pub enum InferenceRequest {
     /// An alignment.
@@ -25,13 +24,11 @@ pub enum InferenceRequest {
     Gate(GateCommand),
     /// The lock of the labels.
     Lock(LockCommand),
-    /// The calibration.
     Calibrate(CalibrateCommand),
     /// The button was pressed: end a calibration, unlock labels that are locked, or begin an alignment.
     Press,
 }
 
-/// Answer of the inference.
 #[derive(Clone, Copy)]
 pub enum InferenceAnswer {
     /// The command is accepted.
@@ -63,7 +60,6 @@ pub enum ModelRequest {
 /// Requests from the control task to the installation.
 pub static INSTALLATION: Requests<InstallationRequest, Progress> = Requests::new();
 
-/// Request to the installation.
 #[derive(Clone, Copy)]
 pub enum InstallationRequest {
     /// Begin, or go on.

@@ -23,7 +23,6 @@ use crate::model_region::ModelRefused;
 use crate::reset_reason::{ResetReason, previous_message};
 use crate::settings;
 
-/// Message on the UART.
 #[derive(Clone, Copy)]
 pub enum UartMessage {
     /// A label, or a change of state.
@@ -119,9 +118,7 @@ pub fn is_idle() -> bool {
 
 /// Content of the next line.
 pub enum Next {
-    /// A message.
     Message(UartMessage),
-    /// An answer.
     Answer(Answer<'static>),
     /// Raw samples.
     Emg(EmgReport),

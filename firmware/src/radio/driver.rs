@@ -68,7 +68,6 @@ pub struct SessionDriver<'q> {
     handles: Cell<Handles>,
     /// Address to keep, until that was tried.
     keep: Signal<NoopRawMutex, Option<Address>>,
-    /// Address that is kept.
     kept: Cell<Option<Address>>,
     /// Called after every event.
     observe: &'q dyn Fn(&MyoSession),

@@ -23,7 +23,6 @@ impl Handles {
         }
     }
 
-    /// Handle of the value.
     pub fn value(&self, characteristic: Characteristic) -> Option<u16> {
         Some(self.value[characteristic.index()]).filter(|&handle| handle != 0)
     }

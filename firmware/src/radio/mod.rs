@@ -72,7 +72,6 @@ pub const SCAN_SECONDS: u16 = 10;
 /// Share of the time for which a scan receives.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Pace {
-    /// All of it.
     Always,
     /// One window in [`REST`]: an armband that advertises is heard ten times later, on average.
     Seldom,

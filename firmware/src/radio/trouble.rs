@@ -35,7 +35,6 @@ const NOTIFICATION_BYTES: usize = trouble_host::config::GATT_CLIENT_NOTIFICATION
 /// Services that the client keeps: it looks for no service.
 const MAX_SERVICES: usize = 1;
 
-/// Window of a scan.
 const SCAN_WINDOW: Duration = Duration::from_millis(60);
 
 /// The session's connection parameters, in the units of this host.

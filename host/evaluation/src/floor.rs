@@ -115,7 +115,6 @@ impl EnergyDetector {
     }
 }
 
-/// The threshold of a step.
 fn threshold(step: i32) -> f64 {
     0.5 * 2.0_f64.powf(f64::from(step) / 8.0)
 }

@@ -223,7 +223,6 @@ pub fn score_labels(
     Ok(sets.iter().flat_map(both).filter_map(row).collect())
 }
 
-/// Scores of one recording.
 struct RecordingScores {
     /// Scores at reference times, with each buffer.
     reference: [RecordingScore; BUFFERS.len()],

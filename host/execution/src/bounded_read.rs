@@ -83,7 +83,6 @@ pub fn read_model(path: &Path) -> io::Result<Vec<u8>> {
     }
 }
 
-/// The shipped model of a path.
 fn shipped_model(path: &Path) -> Option<&'static [u8]> {
     let name = path.strip_prefix("models").unwrap_or(path);
     let model = models::SHIPPED

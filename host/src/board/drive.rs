@@ -32,7 +32,6 @@ pub struct Drive {
 
 impl Drive {
     /// The drive at a folder; `None` if the folder is not a board's drive.
-    #[must_use]
     pub fn at(path: &Path) -> Option<Self> {
         let read = |name: &str| bounded_read::read(&path.join(name), INFO_BYTES).ok();
         // Some systems show the names of a FAT drive in small letters.
@@ -54,7 +53,6 @@ impl Drive {
     }
 
     /// Whether the boot loader writes all of a program; none if its version is not known.
-    #[must_use]
     pub fn is_recent(&self) -> Option<bool> {
         let (major, rest) = self.version.split_once('.')?;
         let minor = rest.split(|letter: char| !letter.is_ascii_digit()).next()?;
@@ -128,7 +126,6 @@ fn copy(mut out: File, file: &[u8]) -> io::Result<()> {
 }
 
 /// Folders at which drives may be mounted.
-#[must_use]
 pub fn mounted() -> Vec<PathBuf> {
     if cfg!(windows) {
         return ('D'..='Z')

@@ -52,7 +52,6 @@ pub const BOARDS: [UsbBoard; 3] = [
 
 impl UsbBoard {
     /// The board of an image.
-    #[must_use]
     pub fn with_image(image: &str) -> Option<Self> {
         BOARDS.into_iter().find(|board| board.image == image)
     }
@@ -256,7 +255,6 @@ impl Content {
     }
 
     /// The UF2 file.
-    #[must_use]
     pub fn file(&self) -> Vec<u8> {
         self.file.file()
     }

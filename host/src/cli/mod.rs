@@ -4,7 +4,6 @@ mod absent;
 pub mod arguments;
 mod board;
 mod calibrate;
-mod completions;
 mod contents;
 mod data;
 mod evaluate;
@@ -103,10 +102,6 @@ enum Command {
     Board(board::Arguments),
     /// List the built-in presets, or print one.
     Presets(presets::Arguments),
-    /// Print the completions of a shell.
-    Completions(completions::Arguments),
-    /// Write the manual's pages.
-    Man(completions::ManArguments),
 }
 
 impl Cli {
@@ -145,8 +140,6 @@ impl Cli {
             Command::Flash(arguments) => flash::run(&arguments),
             Command::Board(arguments) => board::run(&arguments),
             Command::Presets(arguments) => presets::run(&arguments),
-            Command::Completions(arguments) => completions::run(&arguments),
-            Command::Man(arguments) => completions::run_man(&arguments),
         };
         match result {
             Ok(()) => ExitCode::SUCCESS,

@@ -64,7 +64,6 @@ impl Weights for RunFolder {
 
 /// Fingerprint of the values of a model's weights, in the order in which the module visits them. A file's bytes would not
 /// do: they also hold identifiers that are drawn anew for every model.
-#[must_use]
 pub(crate) fn fingerprint(model: &impl Module) -> Fingerprint {
     Fingerprint::of_parts(|update| model.visit(&mut Values(update)))
 }

@@ -4,7 +4,6 @@
 pub const BLOCK_BYTES: usize = 64;
 /// Bytes of a page, which flash is erased by.
 pub const PAGE_BYTES: usize = 4096;
-/// Blocks of a page.
 pub(super) const PAGE_BLOCKS: u32 = (PAGE_BYTES / BLOCK_BYTES) as u32;
 
 /// File that is exchanged.

@@ -18,7 +18,6 @@ use crate::units::{CleanSample, Sample};
 /// A kernel differs from its reference.
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct Mismatch {
-    /// The kernel.
     kernel: &'static str,
     /// Length of the rows.
     length: usize,

@@ -119,7 +119,6 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         })
     }
 
-    /// Rows of look-ahead.
     pub(crate) const fn look_ahead(&self) -> usize {
         self.settings.look_ahead
     }

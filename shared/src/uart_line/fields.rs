@@ -14,7 +14,6 @@ use crate::units::SampleIndex;
 
 /// Codec of one or more fields.
 pub(super) trait Fields<'a> {
-    /// Type of the value.
     type Value;
     /// Number of fields.
     const COUNT: usize;
@@ -56,7 +55,6 @@ impl<'w, 'f> Writer<'w, 'f> {
         self.field()?.write_str(text)
     }
 
-    /// Writes a number.
     #[inline(never)]
     fn number(&mut self, number: u32) -> fmt::Result {
         write!(self.field()?, "{number}")
@@ -88,7 +86,6 @@ impl<'a> Reader<'a> {
         field
     }
 
-    /// Reads one field.
     pub(super) fn field<T>(
         &mut self,
         name: &'static str,

@@ -97,7 +97,6 @@ impl MemOps for Window {
     }
 }
 
-/// The chip, locked.
 pub fn lock(chip: &Mutex<Chip>) -> MutexGuard<'_, Chip> {
     // Nobody panics while holding it but in a test that fails anyway.
     chip.lock().unwrap_or_else(PoisonError::into_inner)

@@ -19,7 +19,6 @@ const IT: u32 = 0x3f << 10 | 3 << 25;
 /// The exception of a supervisor call, and a hard fault's.
 const HARD_FAULT: u16 = 3;
 
-/// The core.
 #[derive(Debug)]
 pub struct Core {
     cpu: ArmV7m,
@@ -42,7 +41,6 @@ impl Core {
     }
 
     /// Returns the core as the library has it, with its fault.
-    #[must_use]
     pub fn as_released(self) -> Self {
         Self {
             holds_interrupts_back: false,
@@ -92,7 +90,6 @@ impl Core {
         self.cpu.set_reg(number, value);
     }
 
-    /// Enables an interrupt.
     pub fn enable(&mut self, interrupt: u16) {
         const ISER: u32 = 0xe000_e100;
         let address = ISER + u32::from(interrupt / 32) * 4;
@@ -100,7 +97,6 @@ impl Core {
             .with_sys(|system| system.write_word(address, 1 << (interrupt % 32)));
     }
 
-    /// Disables an interrupt.
     pub fn disable(&mut self, interrupt: u16) {
         const ICER: u32 = 0xe000_e180;
         let address = ICER + u32::from(interrupt / 32) * 4;

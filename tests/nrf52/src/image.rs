@@ -8,7 +8,6 @@ use object::{Object as _, ObjectSymbol as _, SymbolKind};
 
 /// No image.
 #[derive(Debug, thiserror::Error)]
-#[expect(missing_docs, reason = "the messages say it")]
 pub enum ImageError {
     #[error("the image is no ELF file: build it with `cargo xtask images`")]
     NotElf(#[from] object::Error),
@@ -16,7 +15,6 @@ pub enum ImageError {
     Empty,
 }
 
-/// An image.
 #[derive(Clone, Debug)]
 pub struct Image {
     /// Segments that are flashed: addresses and bytes.

@@ -11,7 +11,6 @@
 //!
 //! It is strict: what is not modelled, reserved, or belongs to the SoftDevice ends the run with its place
 //! ([`Refusal`]). What it cannot show is in docs/emulated-chip.md.
-#![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
 mod address_space;

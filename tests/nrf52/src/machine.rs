@@ -85,17 +85,14 @@ impl Machine {
         }
     }
 
-    /// The chip.
     pub fn chip(&self) -> MutexGuard<'_, Chip> {
         lock(&self.chip)
     }
 
-    /// The core.
     pub fn core(&mut self) -> &mut Core {
         &mut self.core
     }
 
-    /// The image.
     pub fn image(&self) -> &Image {
         &self.image
     }

@@ -53,7 +53,6 @@ impl Memory {
         let _ = self.write(part.start, &bytes);
     }
 
-    /// Returns true if all of it is RAM.
     pub fn is_ram(&self, address: u32, length: u32) -> bool {
         let end = u64::from(address) + u64::from(length);
         address >= RAM && end <= u64::from(RAM) + self.ram.len()

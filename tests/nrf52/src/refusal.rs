@@ -4,7 +4,6 @@ use std::fmt;
 
 /// Reason to refuse an access, a task or a call.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
-#[expect(missing_docs, reason = "the messages say it")]
 pub enum What {
     #[error("is not modelled: add it to the peripheral's table, with what it does")]
     NotModelled,

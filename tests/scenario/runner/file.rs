@@ -39,7 +39,6 @@ pub struct Scenario {
     pub expect: Expectation,
 
     // For the board's surroundings; firmware/src/board/simulated/scenario.rs has their types.
-    /// Seconds of the run.
     pub run_seconds: f64,
     /// Event after the last sample.
     #[serde(default = "silence")]
@@ -90,7 +89,6 @@ pub enum Signal {
     /// Rest and effort in turn, 1.5 s each.
     #[default]
     Effort,
-    /// Rest.
     Rest,
     /// Effort, with all electrodes at their limit.
     Saturated,
@@ -213,7 +211,6 @@ const fn once() -> usize {
 pub struct File {
     /// Name of the file without `.toml`.
     pub name: String,
-    /// Path of the file.
     pub path: PathBuf,
     /// Text of the file, with every repeated step written out.
     pub text: String,

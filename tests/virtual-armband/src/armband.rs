@@ -78,7 +78,6 @@ impl Armband {
     }
 
     /// Makes it the wearer's, with this behaviour; `next` is the number of its next notification.
-    #[must_use]
     pub fn of_wearer(self, behaviour: Behaviour, next: usize) -> Self {
         let refusals = behaviour.steps.iter().map(|step| match step {
             Step::Refuse { count } if next == 0 => *count,

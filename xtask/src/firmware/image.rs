@@ -34,13 +34,11 @@ impl Image {
     pub const UF2: [Self; 3] = [Self::Xiao, Self::Feather, Self::NiceNano];
 
     /// Returns true if the Bluetooth controller is linked into it.
-    #[must_use]
     pub fn has_controller(self) -> bool {
         self == Self::Nrf52840Sdc || Self::UF2.contains(&self)
     }
 
     /// Its name, and its file's.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Nrf52840S140 => "nrf52840-s140",

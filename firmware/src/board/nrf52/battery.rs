@@ -27,7 +27,6 @@ pub struct Parts {
     pub _divider: Option<Output<'static>>,
 }
 
-/// The battery.
 pub struct Battery(Parts);
 
 impl Battery {

@@ -233,7 +233,6 @@ fn pulses_stopped() {
     });
 }
 
-/// The button.
 pub struct Button(Input<'static>);
 
 impl Button {

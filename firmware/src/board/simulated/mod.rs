@@ -146,7 +146,6 @@ fn surroundings() -> &'static Surroundings {
         .expect("set before the program is started")
 }
 
-/// Parts of the radio.
 pub struct RadioParts(());
 
 /// Takes the peripherals; the pin levels are safe from here on.
@@ -253,7 +252,6 @@ impl Pins {
     }
 }
 
-/// The button.
 pub struct Button(());
 
 impl Button {
@@ -263,7 +261,6 @@ impl Button {
     }
 }
 
-/// The watchdog.
 pub struct Watchdog(());
 
 impl Watchdog {

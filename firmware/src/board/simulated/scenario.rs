@@ -153,7 +153,6 @@ impl Act {
 pub enum Fault {
     /// The task that writes lines waits forever.
     TaskStops,
-    /// A panic.
     Panic,
     /// A function that calls itself without end: the guard of the stack notices.
     Recursion,

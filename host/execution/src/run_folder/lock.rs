@@ -21,7 +21,6 @@ const LONGEST: usize = 400;
 pub(super) struct Lock(File);
 
 impl Lock {
-    /// Locks a folder.
     pub(super) fn of(folder: &Path) -> Result<Self, RunError> {
         let path = folder.join(LOCK);
         let io = |source| RunError::io(&path, source);

@@ -55,7 +55,6 @@ pub(crate) struct Description {
     channels: Option<Channels>,
     /// Column of times or sample numbers; found by its name if not given.
     time: Option<Column>,
-    /// Column of labels.
     label: Option<Column>,
     #[serde(default)]
     labels: Labels,

@@ -115,7 +115,6 @@ fn with_small_endings(names: &[Vec<Part>]) -> Cow<'_, [Vec<Part>]> {
     names
 }
 
-/// Parts of one name.
 fn parts(name: &str) -> Result<Vec<Part>, PatternError> {
     let brace = || PatternError::Brace(name.to_owned());
     let (mut parts, mut rest) = (Vec::new(), name);

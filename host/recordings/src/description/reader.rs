@@ -56,7 +56,6 @@ impl Described {
             .with_labels(rows, &self.folder, path, fields)
     }
 
-    /// A recording with the names that its path gives.
     fn named(&self, recording: Recording, below: &Path, fields: &Fields) -> Recording {
         let (piece, mut notes) = (recording.name, recording.notes);
         if self.description.arm.is_none() && left_arm(&recording.path) {

@@ -231,7 +231,6 @@ fn wrong_array(array: &Array) -> Damage {
     })
 }
 
-/// Position of a column.
 fn position(column: &Column, names: &[String], count: usize, line: usize) -> Result<usize, Damage> {
     let found = match column {
         Column::At(at) => Some(*at).filter(|at| *at < count),

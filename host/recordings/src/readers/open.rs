@@ -146,7 +146,6 @@ const FIRST: usize = 100;
 const KINDS: &str = "a recording (csv, npy, mat, dat or json)";
 
 impl Request<'_> {
-    /// Whether a data set is wanted.
     pub(crate) fn wants(&self, data_set: DataSet) -> bool {
         self.data_sets.is_empty() || self.data_sets.contains(&data_set)
     }

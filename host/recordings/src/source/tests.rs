@@ -50,7 +50,6 @@ impl Server {
         }
     }
 
-    /// A plan of one file of this server.
     fn file(&self, checksum: Option<&str>) -> Plan {
         Plan {
             stated_licence: None,

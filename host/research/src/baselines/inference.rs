@@ -40,7 +40,6 @@ impl<N: Network + Send> Predict for NetworkOnDevice<N> {
     }
 }
 
-/// Trained baseline.
 pub(crate) struct TrainedBaseline {
     features: FeatureExtraction,
     classes: usize,

@@ -36,7 +36,6 @@ enum Command {
 
 impl Cli {
     /// Runs the command, prints its error if it fails, and returns the exit code.
-    #[must_use]
     pub fn run(self) -> ExitCode {
         myointent::declare_revision();
         let result = match self.command {

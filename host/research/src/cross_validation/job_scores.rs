@@ -6,7 +6,6 @@ use evaluation::Score;
 
 use super::gate::Gate;
 
-/// Scores of a job.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct JobScores {
     /// Scores on the fold's people.
@@ -20,7 +19,6 @@ pub(crate) struct JobScores {
 pub(crate) struct FoldScore {
     /// Confidence gate; none for the contender's own.
     pub(crate) gate: Option<Gate>,
-    /// The score.
     pub(crate) score: Score,
 }
 

@@ -94,7 +94,6 @@ impl<'a> Merged<'a> {
         scores.filter(move |score| score.people == group)
     }
 
-    /// People of a section.
     pub(crate) fn people(&self, (data_set, group): Section<'_>) -> BTreeSet<&'a str> {
         let subjects = self
             .of_group(group)

@@ -13,7 +13,6 @@ use recordings::corpus::padded;
 ///
 /// The stream is processed in pieces, each preceded by a window of context. The receptive field is shorter
 /// than a window, so the logits are those of one pass over the whole stream.
-#[must_use]
 pub fn student_logits(
     model: &Student,
     emg: &[CleanSample],

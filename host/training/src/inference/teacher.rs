@@ -14,7 +14,6 @@ use recordings::corpus::padded;
 ///
 /// As in the paper, the window that ends at a patch is processed by itself. The logits of a patch are the mean
 /// over its samples, without the MASK class. `shape` is that of the model; its window has 60 to 600 samples.
-#[must_use]
 pub fn teacher_logits(
     model: &Teacher,
     shape: WindowShape,

@@ -20,7 +20,6 @@ impl From<ChaCha8Rng> for Dropout {
 
 impl Dropout {
     /// No dropout, for inference.
-    #[must_use]
     pub const fn off() -> Self {
         Self(None)
     }
@@ -42,7 +41,6 @@ impl Dropout {
     }
 
     /// Sets values to 0 with this probability and scales the others, so that the expected value stays.
-    #[must_use]
     pub fn drop<const D: usize>(&mut self, x: Tensor<D>, probability: f64) -> Tensor<D> {
         match self.mask(probability) {
             Some(mask) => mask.apply(x),
@@ -84,14 +82,12 @@ pub(crate) struct Mask {
 
 impl Mask {
     /// The mask of the part of a tensor that begins with this row.
-    #[must_use]
     pub(crate) fn starting_at(self, first: usize) -> Self {
         let first = self.first + first;
         Self { first, ..self }
     }
 
     /// The mask of one row along the last axis; rows are counted over all leading axes.
-    #[must_use]
     pub(crate) fn row(&self, row: usize) -> RowMask {
         let row = self.first + row;
         // The finalizer of SplitMix64: neighbouring rows get unrelated keys.
@@ -105,7 +101,6 @@ impl Mask {
     }
 
     /// Sets dropped values of a tensor to 0 and scales the others.
-    #[must_use]
     pub(crate) fn apply<const D: usize>(&self, x: Tensor<D>) -> Tensor<D> {
         let (dims, device) = (x.dims(), x.device());
         if is_cpu(&device) {
@@ -139,7 +134,6 @@ impl Mask {
     }
 
     /// The factor of every value of a tensor: 0 or the scale.
-    #[must_use]
     pub(crate) fn factors<const D: usize>(&self, dims: [usize; D]) -> Vec<f32> {
         let columns = dims[D - 1].max(1);
         let mut factors = vec![self.scale; dims.iter().product()];
@@ -159,7 +153,6 @@ pub(crate) struct RowMask {
 
 impl RowMask {
     /// Whether the value of a column is kept.
-    #[must_use]
     #[inline(always)]
     pub(crate) fn keeps(self, column: u32) -> bool {
         // Only multiplications and shifts, so that the compiler vectorizes a loop over columns.

@@ -8,7 +8,6 @@ use burn::tensor::{Int, Tensor};
 /// `label` and `weight` have length 1 along that axis. For the mean over labelled positions, weights are 1 where there
 /// is a label and 0 elsewhere, and `count` is the number of labels, of the whole batch where a batch is computed in
 /// parts. A `count` below 1 is taken as 1.
-#[must_use]
 pub fn cross_entropy<const D: usize>(
     logits: Tensor<D>,
     label: Tensor<D, Int>,

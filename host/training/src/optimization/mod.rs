@@ -36,7 +36,6 @@ pub fn initial<M: Module>(seed: u64, device: &Device, create: impl FnOnce() -> M
 ///
 /// # Panics
 /// When a GPU could not compute the tensor, for instance for lack of memory. Never on CPU backends, whose floats convert to f32.
-#[must_use]
 pub fn read_back<const D: usize>(tensor: Tensor<D>) -> Vec<f32> {
     tensor
         .try_into_vec_as::<f32>()
@@ -44,7 +43,6 @@ pub fn read_back<const D: usize>(tensor: Tensor<D>) -> Vec<f32> {
 }
 
 /// Class of the largest logit, the lowest one on ties.
-#[must_use]
 pub fn best_class(logits: &[f32]) -> usize {
     (1..logits.len()).fold(0, |best, class| {
         if logits[class] > logits[best] {

@@ -7,7 +7,6 @@ use rayon::prelude::*;
 use super::learner::{Learner, WeightedMetric};
 
 /// AdamW with the reference's settings: betas 0.9 and 0.999, epsilon 1e-8, decay on every parameter.
-#[must_use]
 pub fn optimizer(weight_decay: f32) -> ModuleOptimizer {
     AdamWConfig::new()
         .with_weight_decay(weight_decay)

@@ -85,13 +85,11 @@ impl RunContext {
     }
 
     /// Device without gradients.
-    #[must_use]
     pub fn inference_device(&self) -> Device {
         self.device.clone().inner()
     }
 
     /// Whether the run folder holds weights of this name.
-    #[must_use]
     pub(crate) fn has(&self, name: &str) -> bool {
         self.folder.weights_path(name).exists()
     }
@@ -107,7 +105,6 @@ impl RunContext {
     }
 
     /// Settings of a training whose weights depend on `made_from`, and on its own settings.
-    #[must_use]
     pub fn training(&self, made_from: Fingerprint) -> Training<'_> {
         Training {
             run: &self.folder,

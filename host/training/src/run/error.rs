@@ -60,7 +60,6 @@ pub enum StepError {
 
 impl StepError {
     /// Whether the user interrupted.
-    #[must_use]
     pub const fn is_interrupt(&self) -> bool {
         matches!(self, Self::Run(error) if error.is_interrupt())
     }

@@ -91,7 +91,6 @@ pub fn kept(context: &RunContext) -> Result<(Results, Evaluation), StepError> {
 }
 
 /// Fits the energy detector to the training people of a run; none if they have no gesture.
-#[must_use]
 pub fn energy_detector(config: &ResolvedConfig, library: &Library) -> Option<EnergyDetector> {
     let detector = EnergyDetector::fit(&EvaluatedRecording::training(config, library))?;
     progress::log(&format!(

@@ -8,7 +8,6 @@ use shared::model::file::{LinearParts, ModelParts, NormParts};
 use super::model::{HEADS, Student, StudentConfig};
 
 /// Creates the student with the weights that a model file stores; also returns its dimensions.
-#[must_use]
 pub fn dequantize(parts: &ModelParts, device: &Device) -> (Student, StudentConfig) {
     let dimensions = &parts.dimensions;
     let config = StudentConfig {

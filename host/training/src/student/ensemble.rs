@@ -15,7 +15,6 @@ pub struct Ensemble {
 
 impl Ensemble {
     /// Creates an ensemble of at least one student.
-    #[must_use]
     pub const fn new(members: Vec<Student>) -> Self {
         Self { members }
     }

@@ -15,7 +15,6 @@ impl Student {
     /// Logits of the look-back head at every patch, `[b, patches, 6, classes]`, newest first.
     ///
     /// `emg` is cleaned EMG over 128, `[b, patches, 80]`, sample after sample.
-    #[must_use]
     pub fn forward(&self, emg: Tensor<3>) -> Tensor<4> {
         #[cfg(feature = "flex")]
         if let Some(logits) = fused::forward(self, &emg) {

@@ -44,7 +44,6 @@ pub struct StudentLearner<'a> {
 impl<'a> StudentLearner<'a> {
     /// Builds the sequences of the corpora, for a student whose files are called `name` and whose layers attend to `span`
     /// patches.
-    #[must_use]
     pub fn new(
         name: &'static str,
         span: usize,

@@ -36,7 +36,6 @@ pub struct Student {
 
 impl Student {
     /// Creates a model with random weights for `classes` intents and, with `other`, other movement.
-    #[must_use]
     pub fn new(config: &StudentConfig, classes: usize, other: bool, device: &Device) -> Self {
         let d = config.d_model;
         let norm = || {

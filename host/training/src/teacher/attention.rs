@@ -15,7 +15,6 @@ const LARGEST: usize = 128 << 20;
 ///
 /// `blocked`, `[b]`, is 1 for windows whose second half of tokens neither attends nor is attended to; the output of these
 /// tokens is 0. `mask` is the dropout of the attention weights.
-#[must_use]
 pub(super) fn attend(
     qkv: Tensor<3>,
     heads: usize,

@@ -10,7 +10,6 @@ use crate::optimization::dropout::Mask;
 ///
 /// Burn's own GELU is not used: on all backends but `flex` its backward pass is the derivative of the approximation by
 /// tanh, which is off by 1e-4.
-#[must_use]
 pub(super) fn activate(x: Tensor<3>, mask: Option<Mask>) -> Tensor<3> {
     let gelu = (x.clone() * FRAC_1_SQRT_2).erf().add_scalar(1.0) * x * 0.5;
     match mask {

@@ -33,7 +33,6 @@ pub struct TeacherLearner<'a> {
 
 impl<'a> TeacherLearner<'a> {
     /// Collects every window of the corpora, once per task, for a teacher of this window shape.
-    #[must_use]
     pub fn new(
         shape: WindowShape,
         corpus: &'a Corpus,
@@ -208,7 +207,6 @@ impl Learner for TeacherLearner<'_> {
 
 /// Computes the EMG loss and the intent loss of a batch, which are added for training. Each is a mean over the masked
 /// positions of the whole batch, 0 where nothing is masked.
-#[must_use]
 pub fn losses(output: &TeacherOutput, batch: &Batch) -> (Tensor<1>, Tensor<1>) {
     let difference = output.emg.clone() - batch.emg_target.clone();
     let emg = (difference.square() * batch.input.emg_mask.clone()).sum()

@@ -65,7 +65,6 @@ pub(super) struct TeacherLayer {
 
 impl Teacher {
     /// Creates a model with random weights for `classes` intents, and MASK as one more class.
-    #[must_use]
     pub fn new(config: &TeacherConfig, classes: usize, device: &Device) -> Self {
         let d = config.d_model;
         let small = Initializer::Normal {
@@ -126,7 +125,6 @@ pub struct TeacherInput {
 
 impl TeacherInput {
     /// Input for inference: whole EMG, every intent masked. `emg` is of whole windows.
-    #[must_use]
     pub fn for_inference(
         emg: Vec<f32>,
         shape: WindowShape,
@@ -159,14 +157,12 @@ pub struct TeacherOutput {
 
 impl Teacher {
     /// Computes the outputs for a batch of windows, without dropout.
-    #[must_use]
     pub fn forward(&self, input: TeacherInput) -> TeacherOutput {
         self.run(input, &mut Dropout::off())
     }
 
     /// Computes the outputs with dropout. The caller's generator makes the masks, so that batches on several threads stay
     /// reproducible.
-    #[must_use]
     pub(super) fn forward_dropping(&self, input: TeacherInput, rng: ChaCha8Rng) -> TeacherOutput {
         self.run(input, &mut Dropout::from(rng))
     }
@@ -214,13 +210,11 @@ impl Teacher {
     }
 
     /// Number of encoder layers.
-    #[must_use]
     pub(super) fn depth(&self) -> usize {
         self.layers.len()
     }
 
     /// Number of output classes, MASK included.
-    #[must_use]
     pub(crate) fn classes(&self) -> usize {
         self.intent_embedding.dims()[0]
     }

@@ -259,7 +259,6 @@ fn instants(look_ahead: usize, aligned_at: u32) -> Vec<u32> {
     instants
 }
 
-/// Encoder, smoother and input of a model.
 pub(super) fn model_of(seed: u64) -> (SmallEncoder, Smoother, Input) {
     let dimensions = Dimensions {
         width: 16,

@@ -27,7 +27,6 @@ pub type Arguments = Vec<String>;
 ///
 /// # Panics
 /// On a command line above 1 KiB, or not of UTF-8.
-#[must_use]
 pub fn arguments() -> Arguments {
     let line = semihosting::experimental::env::args::<1024>().expect("a command line");
     line.skip(1)

@@ -30,7 +30,6 @@ pub fn start() {
 pub struct Instant(u32);
 
 /// Reads the timer, which takes some instructions itself.
-#[must_use]
 #[inline(always)]
 pub fn now() -> Instant {
     #[expect(unsafe_code, reason = "a register of a peripheral")]
@@ -40,7 +39,6 @@ pub fn now() -> Instant {
 
 impl Instant {
     /// Instructions since [`start`], rounded: a difference is exact to one instruction.
-    #[must_use]
     pub fn instructions(self) -> u32 {
         // 1.6 ticks are 8/5; five times the count needs more than 32 bits.
         ((u64::from(u32::MAX - self.0) * 5 + 4) / 8) as u32

@@ -43,7 +43,6 @@ pub fn run(data: &[u8]) {
     }
 }
 
-/// Checks a command, or the answer to its refusal.
 fn check(found: Option<Result<Command, shared::uart_line::answer::Refusal>>) {
     match found {
         None => {}

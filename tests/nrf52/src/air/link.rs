@@ -24,7 +24,6 @@ pub enum Request {
     Write(u16, Vec<u8>),
 }
 
-/// A link.
 #[derive(Debug)]
 pub(super) struct Link {
     /// Index of the armband.

@@ -55,7 +55,6 @@ pub enum Event {
     Notified(u16, Vec<u8>),
 }
 
-/// The air.
 #[derive(Default, Debug)]
 pub struct Air {
     events: VecDeque<Event>,

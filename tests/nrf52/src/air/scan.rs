@@ -33,7 +33,6 @@ impl ScanTimes {
     }
 }
 
-/// A scan.
 #[derive(Debug)]
 pub(super) struct Scan {
     /// True if it waits after each advertisement until it is told to go on.

@@ -14,7 +14,6 @@ pub enum Reset {
     Power,
     /// The level of the reset pin.
     Pin,
-    /// The watchdog.
     Watchdog,
     /// The program asked for it, by the core's AIRCR.
     Software,
@@ -111,7 +110,6 @@ impl Bus {
 
 /// A part of the chip with registers of its own.
 pub trait Peripheral: std::fmt::Debug + Send {
-    /// Its registers.
     fn registers(&mut self) -> &mut Registers;
 
     /// Returns the value that the program reads, where that is not what the register holds.

@@ -86,7 +86,6 @@ const NRF52832: &[Register] = table!(read_write("ERRATUM108", ERRATUM_108, 0x4f)
 /// Retained over every reset but the loss of power (5.3.6); the cable stays plugged.
 const RETAINED: [u32; 4] = [RESETREAS, 0x51c, 0x520, USBREGSTATUS];
 
-/// CLOCK and POWER.
 #[derive(Debug)]
 pub struct ClockAndPower {
     registers: Registers,

@@ -75,7 +75,6 @@ impl Gpio {
         self.levels[pin as usize]
     }
 
-    /// Returns true if a pin is an output.
     pub fn is_output(&self, pin: u32) -> bool {
         self.registers.get(DIR) >> pin & 1 == 1
     }

@@ -7,7 +7,6 @@ const OUT: u32 = 0x000;
 const SET: u32 = 0x030;
 const CLR: u32 = 0x060;
 const CONFIG: u32 = 0x510;
-/// Channels.
 pub const CHANNELS: u32 = 8;
 const INTERRUPTS: u32 = 0xff | 1 << 31;
 

@@ -100,7 +100,6 @@ impl Model {
 pub struct Chip {
     /// Time, memory, and what peripherals ask of the core.
     pub bus: Bus,
-    /// Model of the chip.
     pub model: Model,
     clock_and_power: ClockAndPower,
     uarte: Uarte,

@@ -84,12 +84,10 @@ impl Register {
     }
 }
 
-/// A task.
 pub const fn task(name: &'static str, offset: u32) -> Register {
     Register::new(name, offset, Kind::Task, 1)
 }
 
-/// An event.
 pub const fn event(name: &'static str, offset: u32) -> Register {
     Register::new(name, offset, Kind::Event, 0)
 }

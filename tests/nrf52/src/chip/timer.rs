@@ -42,7 +42,6 @@ macro_rules! table {
 const FOUR: &[Register] = table!(4);
 const SIX: &[Register] = table!(6);
 
-/// A timer.
 #[derive(Debug)]
 pub struct Timer {
     registers: Registers,

@@ -168,7 +168,6 @@ impl Uarte {
         }
     }
 
-    /// Ticks of a byte.
     const fn byte_ticks(bus: &Bus) -> u64 {
         // Within 10 % of 1000.
         HZ * BITS * 1000 / (BAUD * (1000 + bus.fast()).cast_unsigned())

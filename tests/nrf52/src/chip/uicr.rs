@@ -25,7 +25,6 @@ pub const NFCPINS: u32 = 0x20c;
 /// Offset of the register of the levels of all pins, where the supply is at VDDH.
 pub const REGOUT0: u32 = 0x304;
 
-/// A blank one.
 pub fn blank() -> Registers {
     let mut registers = Registers::new("UICR", BASE, TABLE);
     for offset in (0..0x400).step_by(4) {

@@ -32,7 +32,6 @@ const TABLE: &[Register] = &[
     write_only("RR", RR, !0).times(8),
 ];
 
-/// The watchdog.
 #[derive(Debug)]
 pub struct Watchdog {
     registers: Registers,

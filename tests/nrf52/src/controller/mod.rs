@@ -63,7 +63,6 @@ enum Frame {
     Start(u32),
 }
 
-/// A controller.
 #[derive(Debug)]
 pub struct Controller {
     library: Library,
@@ -117,7 +116,6 @@ impl Controller {
         std::mem::take(&mut self.interrupts)
     }
 
-    /// Returns the library.
     pub const fn library(&self) -> &Library {
         &self.library
     }

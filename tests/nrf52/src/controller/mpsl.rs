@@ -11,7 +11,6 @@ pub const WORST_ACCURACY: u16 = 500;
 /// Ticks that the crystal takes to start (product specification, 5.4.7), and a little for the library.
 const CRYSTAL: u64 = us(400);
 
-/// MPSL.
 #[derive(Default, Debug)]
 pub struct Mpsl {
     /// The interrupt that asks for `mpsl_low_priority_process`, once it is initialized.

@@ -56,7 +56,6 @@ impl Flash {
 }
 
 impl SoftDevice {
-    /// Erases a page.
     pub(super) fn erase(&mut self, page: u32, chip: &mut Chip) -> u32 {
         if self.flash.under_way.is_some() {
             return answer::BUSY;

@@ -72,7 +72,6 @@ pub struct Wiring {
     pub button: Input<'static>,
     /// The UART of labels and commands, 115200 8N1.
     pub uart: super::uart::Parts,
-    /// Parts of the radio.
     pub radio: super::RadioParts,
     /// Measures the battery.
     #[cfg(feature = "uf2")]
@@ -82,7 +81,6 @@ pub struct Wiring {
     /// Connects it to USB.
     #[cfg(feature = "uf2")]
     pub release: Peri<'static, AnyConfigurableChannel>,
-    /// The watchdog.
     pub watchdog: Peri<'static, peripherals::WDT>,
 }
 

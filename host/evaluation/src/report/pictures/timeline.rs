@@ -158,7 +158,6 @@ fn full_scale(emg: &[CleanSample]) -> f64 {
     value as f64
 }
 
-/// A band of labels.
 fn band(axis: &Axis, top: f64, name: &str, labels: &[Option<Intent>]) -> Markup {
     let (bottom, middle) = (top + BAND, top + BAND / 2.0);
     let (start, end) = (axis.at(0), axis.at(axis.samples));

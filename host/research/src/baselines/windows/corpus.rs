@@ -85,7 +85,6 @@ impl WindowedCorpus {
         }
     }
 
-    /// Samples of a window.
     pub(crate) fn samples(&self, window: Window) -> &[Sample] {
         self.streams[window.stream].window(window.end, self.layout.window)
     }

@@ -20,7 +20,6 @@ use crate::board::flash::Search;
 use crate::board::flash::search::AGAIN;
 use crate::board::port::TOUCH_BAUD;
 
-/// An armband.
 pub(crate) const ARMBAND: Address = Address {
     kind: AddressKind::Public,
     bytes: [0x9a, 0x78, 0x56, 0x34, 0x12, 0xfa],

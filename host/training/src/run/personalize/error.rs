@@ -84,13 +84,11 @@ impl From<EvaluationError> for PersonalizeError {
 
 impl PersonalizeError {
     /// Whether the user interrupted.
-    #[must_use]
     pub const fn is_interrupt(&self) -> bool {
         matches!(self, Self::Interrupted)
     }
 
     /// Whether the old model is to be kept.
-    #[must_use]
     pub const fn keeps_the_old(&self) -> bool {
         matches!(self, Self::Exchanged(_) | Self::OtherPerMinute { .. })
     }

@@ -53,7 +53,6 @@ pub struct Personalized {
 
 impl Personalized {
     /// Reason why the new model is worse than the old one (`worse`); none if it is not.
-    #[must_use]
     pub fn worse(&self) -> Option<Worse> {
         let [old, new, constant] = &self.scores;
         worse(old, new, constant)

@@ -38,7 +38,6 @@ pub struct Part<'p> {
 
 impl Person {
     /// Part with all of the recordings.
-    #[must_use]
     pub fn whole(&self) -> Part<'_> {
         let all = self.recordings.iter().enumerate();
         let pieces = all.map(|(at, own)| Piece {
@@ -62,7 +61,6 @@ impl<'p> Part<'p> {
     }
 
     /// Duration in seconds.
-    #[must_use]
     pub fn seconds(&self) -> f64 {
         let samples: usize = self.pieces.iter().map(|piece| piece.range.len()).sum();
         samples as f64 / f64::from(SAMPLE_RATE_HZ)
@@ -183,7 +181,6 @@ impl<'p> Part<'p> {
 
     /// Takes the first `seconds`. Pieces with different gestures get the same time each, as far as they have it, and so do pieces of
     /// rest alone; pieces of other movement alone are left out.
-    #[must_use]
     pub fn first(&self, seconds: f64) -> Self {
         let mut kinds = self.by_gestures();
         if let Some(others) = kinds.get_mut(&BTreeSet::new()) {
@@ -220,7 +217,6 @@ impl<'p> Part<'p> {
     }
 
     /// Recordings for an evaluation: whole ones, which a model sees, with the labels of this part alone.
-    #[must_use]
     pub fn evaluated_recordings(&self) -> Vec<EvaluatedRecording> {
         let mut recordings: Vec<EvaluatedRecording> = Vec::new();
         for (at, own) in self.person.recordings.iter().enumerate() {

@@ -16,7 +16,6 @@ pub(super) struct Own {
     /// Samples as the model's input before preprocessing; labels in its vocabulary, lag-compensated; other movement is all
     /// outside the vocabulary.
     pub(super) recording: Recording,
-    /// Recording for an evaluation.
     pub(super) evaluated: EvaluatedRecording,
 }
 
@@ -105,19 +104,16 @@ impl Person {
     }
 
     /// Name of the person, as `data-set/subject`.
-    #[must_use]
     pub fn subject(&self) -> &str {
         &self.subject
     }
 
     /// Compensation of the labels for their lag.
-    #[must_use]
     pub const fn lag(&self) -> &Lag {
         &self.lag
     }
 
     /// Names of gestures in the recordings that the model does not have.
-    #[must_use]
     pub fn outside(&self) -> &[&'static str] {
         &self.outside
     }

@@ -57,7 +57,6 @@ pub enum Worse {
 /// It is not worse if it is better than always saying relax by [`ABOVE_CONSTANT`] of balanced accuracy, if neither balanced
 /// accuracy nor transition accuracy nor the share of gestures recognised is lower, and if it raises few more labels: 2 a
 /// minute of rest, for a tenth of the other movements, and a tenth more in their time. The part held back is short, so a single label must not decide.
-#[must_use]
 pub(super) fn worse(old: &Score, new: &Score, constant: &Score) -> Option<Worse> {
     if is_constant(new, constant) {
         return Some(Worse::Constant {
@@ -81,7 +80,6 @@ pub(super) fn worse(old: &Score, new: &Score, constant: &Score) -> Option<Worse>
 }
 
 /// Whether a model is hardly better than always saying relax: by less than [`ABOVE_CONSTANT`] of balanced accuracy.
-#[must_use]
 pub(crate) fn is_constant(model: &Score, constant: &Score) -> bool {
     balanced(model) < balanced(constant) + ABOVE_CONSTANT
 }

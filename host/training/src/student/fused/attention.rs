@@ -29,7 +29,6 @@ pub(super) struct Buffers {
     table: Vec<f32>,
     /// Mask with 1 where a query attends to a key.
     inside: Vec<f32>,
-    /// Gradient of the table.
     table_gradient: Vec<f32>,
 }
 

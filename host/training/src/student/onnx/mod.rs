@@ -34,7 +34,6 @@ const ROWS: [(&str, Attribute); 1] = [("axis", Attribute::Integer(0))];
 const COLUMNS: [(&str, Attribute); 1] = [("axis", Attribute::Integer(1))];
 
 /// Writes the student of a model file, with the weights that its integers mean.
-#[must_use]
 pub fn of_file(model: &Model<'_>) -> Vec<u8> {
     let (student, _) = dequantize(&model.to_parts(), &Device::default());
     let vocabulary = model.header.dimensions.vocabulary;
@@ -43,7 +42,6 @@ pub fn of_file(model: &Model<'_>) -> Vec<u8> {
 
 /// Writes a student. Inputs: `patch`, `[10, 8]`, preprocessed samples over 128, and `state`; outputs: `logits`, a row for
 /// each of the six newest patches, the newest first, and `new_state`. All are f32.
-#[must_use]
 pub fn onnx(student: &Student, vocabulary: Vocabulary, preprocessing: Preprocessing) -> Vec<u8> {
     let [_, width] = student.embed.weight.dims();
     let [_, outputs] = student.head.weight.dims();

@@ -13,7 +13,6 @@ enum Wire {
 }
 
 impl Message {
-    /// The bytes.
     pub(super) fn as_bytes(&self) -> &[u8] {
         &self.0
     }

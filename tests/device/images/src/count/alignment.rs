@@ -46,7 +46,6 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// Returns the counts with their names.
     pub fn named(&self) -> [(&'static str, Spans); 6] {
         [
             ("align-patch", self.waiting),

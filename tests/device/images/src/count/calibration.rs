@@ -30,7 +30,6 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// Returns the counts with their names.
     pub fn named(&self) -> [(&'static str, Spans); 3] {
         [
             ("calibrate-teach", self.teaching),

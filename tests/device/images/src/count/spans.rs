@@ -32,7 +32,6 @@ impl Spans {
         (self.sum + count / 2) / count
     }
 
-    /// The largest.
     pub const fn largest(&self) -> u32 {
         self.largest
     }
