@@ -464,7 +464,13 @@ fn the_file_shows_the_simulated_arm_without_a_server_and_takes_recordings() {
     // The page's own messages: a mark, and an alignment that the simulated arm takes part in.
     browser.press("m");
     browser.press("a");
-    browser.wait_for("$placement.textContent.startsWith('Aligned')");
+    browser.wait_for("$placement.textContent === 'Aligned: it sits in its usual place'");
+    // As one that was put on otherwise.
+    browser.value("$turn.click()");
+    browser.press("a");
+    browser.wait_for("$placement.textContent === 'Aligned: turned by 3 places'");
+    browser.value("$turn.click(), $reset.click()");
+    browser.wait_for("$placement.textContent === 'Not aligned'");
 
     // A calibration leads through half a minute; its model is saved, and opened again.
     browser.press("c");

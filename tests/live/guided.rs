@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use myointent::live::Source;
 use recordings::{LoadOptions, load};
 
-use super::browser::CONNECTED;
+use super::browser::{CONNECTED, VALID};
 use super::record::{phase, pictures, record, short_with_point, step};
 use super::viewer::Viewer;
 
@@ -19,7 +19,7 @@ fn a_guided_session_in_a_browser_ends_with_a_tuned_model() {
     let steps = "[...document.querySelectorAll('#steps li')].map((step) => `${step.id} ${step.dataset.state}`).join()";
     assert_eq!(
         browser.value(steps),
-        "step-connect done,step-record now,step-tune next,step-compare next"
+        "step-connect done,step-record now,step-tune next,step-compare next,step-install next"
     );
     // No legend of scores that are not drawn.
     assert!(browser.is("$legend.offsetParent === null"));
@@ -79,8 +79,8 @@ fn a_guided_session_in_a_browser_ends_with_a_tuned_model() {
     assert_ne!(state, "failed", "{}", browser.text("tuned"));
     assert_eq!(written, state == "better", "{}", browser.text("tuned"));
     assert_eq!(browser.text("commands").contains("install"), written);
-    // There is no board.
-    assert!(browser.is("$install.hidden"));
+    // There is no board: it can be used here.
+    assert_eq!(browser.is("!$install.hidden"), written);
     let scores = browser.text("scores");
     for row in ["balanced accuracy", "other movements that raise a label"] {
         assert!(scores.contains(row), "{scores}");
@@ -116,9 +116,14 @@ fn a_guided_session_in_a_browser_ends_with_a_tuned_model() {
         assert!(browser.is(&step(done, "done")), "{done}");
     }
     assert!(browser.text("step-compare").contains("tuned"));
-    let next = if written { "" } else { "again" };
+    let next = if written { "install" } else { "again" };
     assert_eq!(browser.value(main), next);
     browser.screenshot(&pictures().join("record-result.png"));
+    if written {
+        browser.press("i");
+        browser.wait_for(&format!("$installed.dataset.state === 'done' && {VALID}"));
+        assert!(browser.text("installed").contains("in use here"));
+    }
     browser.press("n");
     browser.wait_for(&phase("waiting"));
     assert_eq!(browser.complaints, [""; 0]);

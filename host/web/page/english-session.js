@@ -2,7 +2,7 @@
 
 export const ENGLISH_SESSION = {
   "steps": "Steps to a model of your own", "before": "Before the recording",
-  "step.connect": "Connect", "step.bind": "Bind", "step.align": "Align", "step.record": "Record", "step.tune": "Tune", "step.compare": "Compare", "step.install": "Install",
+  "step.connect": "Connect", "step.bind": "Bind", "step.align": "Align", "step.record": "Record", "step.tune": "Tune", "step.compare": "Compare", "step.install": "Install", "step.use": "Use",
   "step.done": ", done", "step.the.board": "the board", "step.listening": "listening", "step.left": "left as it is", "step.good": "good enough",
   "step.not.good": "not good enough yet", "step.failed": "failed", "step.compared": "{before}, tuned {after}",
   "bind": "Bind it", "bind.what": "The board listens for 30 s; outputs are safe meanwhile", "bind.another": "Not yours? Bind another",
@@ -39,7 +39,7 @@ export const ENGLISH_SESSION = {
   "result": "What was recorded", "own.model": "A model of your own", "tune": "Tune a model on it", "again": "Record another", "taken": "Steps of the tuning that are taken",
   "help.scores": "What this means: the table",
   "help.scores.text": "Both models were tried on a part of the recordings that neither was tuned on. Balanced accuracy: share of the time that is labelled right; each gesture counts alike. Transition accuracy: share of the changes that are followed within half a second and held. False activations: gestures seen while the hand rests.",
-  "held.back": "on what was held back", "col.before": "before", "col.after": "after", "install": "Install it on the board",
+  "held.back": "on what was held back", "col.before": "before", "col.after": "after", "install": "Install it on the board", "use.here": "Use it here", "untuned": "No model is tuned here: Calibrate fits this one to you; the program with training, cargo run --release -- record, tunes one.",
   "install.what": "Over this line, without a restart; outputs are safe until the board has all of it", "sent": "How much of it the board has",
   "good": "Good enough to tune a model on", "not.good": "Not good enough yet", "better": "A model of your own is ready", "worse.model": "The old model stays: more recordings may help",
   "times": "{name} {count} times", "unused": ", {n} trial marked as not to be used|, {n} trials marked as not to be used", "kept": "{seconds} s kept: {each}{unused}. {n} file in {folder}.|{seconds} s kept: {each}{unused}. {n} files in {folder}.",

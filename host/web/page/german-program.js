@@ -78,6 +78,7 @@ export const GERMAN_PROGRAM = {
   "{1} and {2} seem exchanged{3}: with the two exchanged the model before has {4} balanced accuracy instead of {5}. Exchange the two in the labels. If the labels are right, the armband sits turned half way round: turn it, or align it (docs/alignment.md), and record again": "{1} und {2} scheinen vertauscht{3}: vertauscht hätte das Modell davor Treffer von {4} statt {5}. Die beiden in der Beschriftung tauschen. Stimmt sie, sitzt das Armband halb herum gedreht: drehen oder ausrichten (docs/alignment.md) und neu aufnehmen",
   // Installing.
   "outputs are safe until the board has all of it": "die Ausgänge sind sicher, bis die Platine alles hat",
+  "model {1} is in use here, until the program ends": "Modell {1} gilt hier, bis das Programm endet",
   "model {1} is on the board and in use": "Modell {1} ist auf der Platine und gilt",
   "no answer: is the board powered, and does no other program read its port?": "keine Antwort: hat die Platine Strom, und liest kein anderes Programm mit?",
   "{1}. Install again: it goes on where this one ended": "{1}. Noch einmal aufspielen: es geht weiter, wo dieses endete",

@@ -2,7 +2,7 @@
 
 export const GERMAN_SESSION = {
   "steps": "Schritte zum eigenen Modell", "before": "Vor der Aufnahme",
-  "step.connect": "Verbinden", "step.bind": "Binden", "step.align": "Ausrichten", "step.record": "Aufnehmen", "step.tune": "Anpassen", "step.compare": "Vergleichen", "step.install": "Aufspielen",
+  "step.connect": "Verbinden", "step.bind": "Binden", "step.align": "Ausrichten", "step.record": "Aufnehmen", "step.tune": "Anpassen", "step.compare": "Vergleichen", "step.install": "Aufspielen", "step.use": "Nutzen",
   "step.done": ", erledigt", "step.the.board": "die Platine", "step.listening": "hört zu", "step.left": "bleibt, wie es ist", "step.good": "gut genug",
   "step.not.good": "noch nicht gut genug", "step.failed": "misslungen", "step.compared": "{before}, angepasst {after}",
   "bind": "Binden", "bind.what": "Die Platine hört 30 s lang zu; ihre Ausgänge sind solange sicher", "bind.another": "Nicht deines? Ein anderes binden",
@@ -39,7 +39,7 @@ export const GERMAN_SESSION = {
   "result": "Was aufgenommen wurde", "own.model": "Ein eigenes Modell", "tune": "Ein Modell daran anpassen", "again": "Noch eine aufnehmen", "taken": "Erledigte Schritte des Anpassens",
   "help.scores": "Was das heißt: Tabelle",
   "help.scores.text": "Beide Modelle wurden an einem Teil der Aufnahmen geprüft, an dem keines angepasst wurde. Gewichtete Treffer: Anteil der Zeit, in der das Richtige erkannt wird; jede Geste zählt gleich. Richtige Wechsel: Anteil derer, denen in einer halben Sekunde gefolgt wird und bei denen es bleibt. Falsche: was in der Ruhe erkannt wird.",
-  "held.back": "am zurückgehaltenen Teil", "col.before": "vorher", "col.after": "nachher", "install": "Auf die Platine spielen",
+  "held.back": "am zurückgehaltenen Teil", "col.before": "vorher", "col.after": "nachher", "install": "Auf die Platine spielen", "use.here": "Hier nutzen", "untuned": "Hier wird kein Modell angepasst: Kalibrieren stellt dieses auf dich ein; das Programm mit Training, cargo run --release -- record, passt eines an.",
   "install.what": "Über diese Leitung, ohne Neustart; die Ausgänge sind sicher, bis die Platine alles hat", "sent": "Wie viel die Platine davon hat",
   "good": "Gut genug, um ein Modell anzupassen", "not.good": "Noch nicht gut genug", "better": "Dein eigenes Modell ist fertig", "worse.model": "Das alte Modell bleibt: mehr Aufnahmen können helfen",
   "times": "{name} {count}-mal", "unused": ", {n} Versuch unbrauchbar|, {n} Versuche unbrauchbar", "kept": "{seconds} s behalten: {each}{unused}. {n} Datei in {folder}.|{seconds} s behalten: {each}{unused}. {n} Dateien in {folder}.",

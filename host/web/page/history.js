@@ -104,6 +104,12 @@ export class SampleHistory {
     return this.labels[lastUpTo(this.labels, "from", sample)] ?? null;
   }
 
+  /** Whether the last score, of other movement, is the highest at a sample. */
+  isOther(sample) {
+    const { scores = [] } = this.scores[lastUpTo(this.scores, "instant", sample)] ?? {};
+    return scores.length > 0 && Math.max(...scores) === scores.at(-1);
+  }
+
   /** The newest samples without a gap: [first, end]. */
   stretch() {
     let first = this.end ?? 0;

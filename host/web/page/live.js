@@ -116,6 +116,9 @@ const TAKE = {
     rates.samples(message.at, message.emg.length);
   },
   report(message, isOld, repeats) {
+    if (!traces.model && !find("legend").hasChildNodes()) {
+      panel.legend(null);
+    }
     newest = message.is_label && message.valid ? message : message.is_label ? newest : null;
     report = message;
     history.report(message);
@@ -220,7 +223,7 @@ function begun() {
   noStream();
   traces.model = null;
   history.classes = CLASSES;
-  panel.legend(null);
+  find("legend").replaceChildren();
 }
 
 function opened() {
@@ -352,7 +355,7 @@ function frame() {
   calibration.frame();
   blocks.frame();
   const [at, label] = paused === null ? [(history.end ?? 1) - 1, report] : [paused, history.labelAt(paused)];
-  now.show(history, at, label, noReport, connected || paused !== null);
+  now.show(history, at, label, noReport, connected || paused !== null, traces.model?.other && history.isOther(at));
   wearer.show(now.label, now.judged, aligning);
   const to = paused ?? edge();
   // Without motion the picture stands until the next second.
@@ -394,7 +397,6 @@ function activity() {
   armband.activity(levels);
 }
 
-panel.legend(null);
 numbers();
 setInterval(numbers, 1000);
 setInterval(() => still.matches || activity(), 100);

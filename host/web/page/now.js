@@ -20,13 +20,13 @@ export class Now {
   label = null;
   judged = { state: "none", cue: null };
 
-  /** Shows the label of a position in samples: { label, valid, cause }, or null with the reason `none`; and what was asked for, unless the stream is lost. */
-  show(history, position, entry, none, isThere) {
+  /** Shows the label of a position in samples: { label, valid, cause }, or null with the reason `none`; what was asked for, unless the stream is lost; and why the label is rest, if other movement is the reason. */
+  show(history, position, entry, none, isThere, isOther) {
     const label = entry?.valid ? entry.label : null;
     this.label = label;
     this.judged = history.hasTruth ? judge(history, Math.floor(position), label) : { state: "none", cue: null };
     const { state, cue } = this.judged;
-    const shown = JSON.stringify([entry?.label, entry?.valid, entry?.cause, state, cue, none, history.hasTruth, isThere]);
+    const shown = JSON.stringify([entry?.label, entry?.valid, entry?.cause, state, cue, none, history.hasTruth, isThere, isOther]);
     if (shown === this.#shown) {
       return;
     }
@@ -45,7 +45,7 @@ export class Now {
     write(this.#agrees.firstElementChild, sign);
     write(this.#agrees.lastElementChild, word);
     this.#valid.dataset.valid = entry === null ? "unknown" : entry.valid ? "yes" : "no";
-    write(this.#valid, entry === null ? none : entry.valid ? t("in.use") : t("not.in.use", { cause: causeText(entry.cause) }));
+    write(this.#valid, entry === null ? none : entry.valid ? t(isOther && label === "relax" ? "in.use.other" : "in.use") : t("not.in.use", { cause: causeText(entry.cause) }));
   }
 
   /** Shows the shares of the labels that are as asked; `data-gestures` is the number of those in gestures. */

@@ -70,6 +70,7 @@ export class Placement {
     this.#say = say;
     find("undo").addEventListener("click", () => this.#put(this.#before));
     find("reset").addEventListener("click", () => this.#put(NONE));
+    find("turn").addEventListener("click", () => say({ do: "turn" }));
     this.clear();
   }
 

@@ -22,7 +22,6 @@ export class Recordings {
     find("record-close").addEventListener("click", () => this.#dialog.close());
     find("keep").addEventListener("click", () => tab.say({ do: "keep" }));
     find("keep").hidden = false;
-    find("tune").hidden = true;
   }
 
   /** Keeps lines of the session that is recorded. */

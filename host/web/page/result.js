@@ -1,6 +1,6 @@
 // Result of a session: whether it is good enough, why not, and what comes next.
 
-import { button, find, made } from "./dom.js";
+import { button, find, made, write } from "./dom.js";
 import { fixed, named, said, t } from "./texts.js";
 
 /** A command with what it does, and a button that copies it; without leave to, it is selected. */
@@ -32,6 +32,9 @@ function bars(before, after) {
   }));
   return cell;
 }
+
+/** Whether the source is a board, on which a model is installed; others run it here. */
+const isBoard = () => document.body.dataset.kind === "port";
 
 /** Headlines after a tuning. */
 const HEADLINES = { better: t("better"), worse: t("worse.model") };
@@ -70,9 +73,9 @@ export class Result {
     this.#commands([]);
   }
 
-  tuning({ state, text, steps, of, rows, commands, installs }) {
+  tuning({ state, text, steps, of, rows, commands }) {
     this.isTuning = state === "running";
-    this.next = { better: installs ? "install" : null, worse: "again" }[state] ?? (state === "failed" ? "tune" : null);
+    this.next = { better: "install", worse: "again" }[state] ?? (state === "failed" ? "tune" : null);
     this.#told("tuned", state, t(`tuning.${state}`), said(text));
     if (HEADLINES[state]) {
       find("verdict").textContent = HEADLINES[state];
@@ -80,9 +83,9 @@ export class Result {
     }
     this.#taken(this.isTuning ? steps / (of || 1) : null);
     this.#scores(rows);
-    this.#install(installs);
+    this.#install(state === "better");
     if (state !== "running") {
-      this.#commands(commands, installs);
+      this.#commands(commands);
     }
   }
 
@@ -124,6 +127,8 @@ export class Result {
   #install(offered) {
     this.isInstalling = false;
     find("install").hidden = !offered;
+    write(find("install").firstElementChild, t(isBoard() ? "install" : "use.here"));
+    find("install").title = isBoard() ? t("install.what") : "";
     find("sent").hidden = true;
     find("installed").textContent = "";
   }
@@ -138,10 +143,10 @@ export class Result {
     }));
   }
 
-  #commands(next, installs = false) {
+  #commands(next) {
     const { inspect, personalize } = this.#kept ?? {};
     const all = next.length
-      ? [[next[0], t(installs ? "cmd.same" : "cmd.put")], [next[1], t("cmd.look")]]
+      ? [[next[0], t(isBoard() ? "cmd.same" : "cmd.put")], [next[1], t("cmd.look")]]
       : [[inspect, t("cmd.inspect")], [personalize, t("cmd.same")]];
     find("commands").replaceChildren(...all.filter(([text]) => text).map(([text, what]) => command(text, what)));
   }

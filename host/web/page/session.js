@@ -43,7 +43,7 @@ export class Session {
     return this.#view?.phase === "ready" || this.#view?.phase === "cued";
   }
 
-  hello({ you, record }) {
+  hello({ you, record, tunes }) {
     this.#you = you;
     this.#leader = null;
     find("lead").hidden = this.#root.hidden = !record;
@@ -54,6 +54,8 @@ export class Session {
     // Without a program there is no record but what is saved.
     find("history").hidden = !record || Boolean(find("program"));
     find("notes").hidden = !record;
+    find("tune").hidden = !tunes;
+    find("untuned").hidden = tunes;
   }
 
   lead({ viewer }) {

@@ -37,7 +37,7 @@ export class Steps {
     const known = this.#known;
     switch (message.type) {
       case "hello":
-        this.#known = {};
+        this.#known = { hello: message };
         break;
       case "binding":
         this.#missed = message.state === "nobody" && (known.binding?.state === "pairing" || this.#missed);
@@ -66,10 +66,9 @@ export class Steps {
 
   /** [name, whether it is done, what is known of it] of each step that this source has. */
   #steps() {
-    const { source, binding, alignment, session, kept, tuning, installing } = this.#known;
+    const { hello, source, binding, alignment, session, kept, tuning, installing } = this.#known;
     const board = source?.kind === "port";
-    // The program inside the page neither tunes nor installs.
-    const inside = !find("sources").hidden;
+    const tunes = hello?.tunes;
     const begun = session && session.phase !== "waiting";
     const percent = ({ steps, of }) => `${Math.floor((100 * steps) / (of || 1))} %`;
     const judged = tuning?.state === "better" || tuning?.state === "worse";
@@ -81,9 +80,9 @@ export class Steps {
       board && ["bind", this.#follows(), binding?.state === "pairing" ? t("step.listening") : binding?.armband ?? ""],
       (board || source?.kind === "bluetooth") && ["align", aligned || this.#skipped || begun, aligned ? placement(alignment) : this.#skipped || begun ? t("step.left") : ""],
       ["record", kept?.good || judged, kept ? (t(kept.good ? "step.good" : "step.not.good")) : ""],
-      !inside && ["tune", judged, tuning?.state === "running" ? percent(tuning) : tuning?.state === "failed" ? t("step.failed") : ""],
-      !inside && ["compare", judged, compared ? t("step.compared", { before: fixed(balanced.before, 2), after: fixed(balanced.after, 2) }) : ""],
-      board && !inside && ["install", installing?.state === "done", installing?.state === "running" ? percent({ steps: installing.blocks, of: installing.of }) : installing?.state === "failed" ? t("step.failed") : ""],
+      tunes && ["tune", judged, tuning?.state === "running" ? percent(tuning) : tuning?.state === "failed" ? t("step.failed") : ""],
+      tunes && ["compare", judged, compared ? t("step.compared", { before: fixed(balanced.before, 2), after: fixed(balanced.after, 2) }) : ""],
+      tunes && ["install", installing?.state === "done", installing?.state === "running" ? percent({ steps: installing.blocks, of: installing.of }) : installing?.state === "failed" ? t("step.failed") : ""],
     ];
     return all.filter(Boolean);
   }
@@ -106,7 +105,7 @@ export class Steps {
     find("steps").replaceChildren(...steps.map(([name, done, detail]) => {
       const item = made("li", "", { id: `step-${name}`, ariaCurrent: name === now && !done ? "step" : null });
       item.dataset.state = done ? "done" : name === now ? "now" : "next";
-      item.append(made("b", t(`step.${name}`)), made("span", done ? t("step.done") : "", { className: "unseen" }), made("span", detail, { className: "detail" }));
+      item.append(made("b", t(name === "install" && this.#known.source?.kind !== "port" ? "step.use" : `step.${name}`)), made("span", done ? t("step.done") : "", { className: "unseen" }), made("span", detail, { className: "detail" }));
       return item;
     }));
     this.#ask(now);

@@ -82,6 +82,13 @@ impl Armband {
         self.scored.request(now.session, now.at, request, emit);
     }
 
+    /// Runs another model. Emits it and the pipeline's state.
+    pub fn set_model(&mut self, at: f64, scored: ScoredPipeline, emit: &mut dyn FnMut(Event)) {
+        self.scored = scored;
+        emit(Event::of_model(self.scored.model()));
+        emit(Event::of_report(at, &self.scored.state_report()));
+    }
+
     /// Handles an event of the radio, or a tick. The answer to an action needs a call of its own.
     pub fn handle(&mut self, now: Now, event: myo::Event<'_>, output: &mut dyn FnMut(Output)) {
         let mut actions = Vec::new();

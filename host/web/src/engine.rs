@@ -24,7 +24,7 @@ use crate::blocks::Blocks;
 use crate::board::{self, Board};
 use crate::electrodes::Electrodes;
 use crate::event::{Event, Topic, ViewerId};
-use crate::outcome::SessionResult;
+use crate::outcome::{InstallationState, SessionResult};
 use crate::playback::{LATE, Playback};
 use crate::radio::{ForRadio, RadioEvent, advertising_data};
 use crate::record::journal::Header;
@@ -296,17 +296,32 @@ impl Engine {
         }
     }
 
-    /// Installs a model on the board.
+    /// Installs a model on the board, or without one runs it here.
     ///
     /// # Errors
-    /// There is no board.
+    /// There is no source.
     pub fn install(&mut self, now: f64, file: &[u8]) -> Result<(), &'static str> {
-        let Running::Board { board, .. } = &mut self.running else {
-            return Err(NO_BOARD);
-        };
         let outputs = &mut self.outputs;
-        board.install(millis(now), file, &mut |event| outputs.event(now, event));
-        self.commands(now);
+        let emit = &mut |event| outputs.event(now, event);
+        if let Running::Board { board, .. } = &mut self.running {
+            board.install(millis(now), file, emit);
+            self.commands(now);
+            return Ok(());
+        }
+        let scored = match ScoredPipeline::open(file) {
+            Ok(scored) => scored,
+            Err(error) => {
+                emit(Event::Installing(InstallationState::failed(&error)));
+                return Ok(());
+            }
+        };
+        let checksum = scored.model().checksum;
+        match &mut self.running {
+            Running::Playback { playback, .. } => playback.set_model(now, scored, emit),
+            Running::Armband { armband, .. } => armband.set_model(now, scored, emit),
+            _ => return Err(NO_BOARD),
+        }
+        emit(Event::Installing(InstallationState::here(checksum)));
         Ok(())
     }
 
@@ -531,7 +546,7 @@ impl Engine {
     ) -> Result<(), &'static str> {
         let protocol = Protocol::find(protocol).map_err(|_| UNKNOWN)?;
         self.record(now, person.to_owned(), protocol, time, true);
-        self.outputs.event(now, Event::hello(now, 1, true));
+        self.outputs.event(now, Event::hello(now, 1, true, false));
         let known = self.outputs.newest.values().cloned();
         self.outputs.waiting.extend(known.map(Output::Event));
         Ok(())

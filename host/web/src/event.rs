@@ -27,12 +27,13 @@ pub type ViewerId = u64;
 #[serde(tag = "type", rename_all = "snake_case")]
 #[expect(missing_docs, reason = "docs/live.md has a table of the fields")]
 pub enum Event {
-    /// First message: program, time in ms, number of the viewer, and whether a session is recorded.
+    /// First message: program, time in ms, number of the viewer, whether a session is recorded, and whether a model can be tuned.
     Hello {
         version: &'static str,
         now: f64,
         you: ViewerId,
         record: bool,
+        tunes: bool,
     },
     /// Answer to a ping.
     Pong { sent: f64, now: f64 },
@@ -283,12 +284,13 @@ impl Event {
     }
 
     /// First message to a viewer.
-    pub const fn hello(now: f64, you: ViewerId, record: bool) -> Self {
+    pub const fn hello(now: f64, you: ViewerId, record: bool, tunes: bool) -> Self {
         Self::Hello {
             version: env!("CARGO_PKG_VERSION"),
             now,
             you,
             record,
+            tunes,
         }
     }
 

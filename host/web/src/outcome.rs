@@ -81,8 +81,6 @@ pub struct TuningState {
     pub rows: Vec<MeasureRow>,
     /// Commands to run next.
     pub commands: Vec<String>,
-    /// Whether the source is a serial port, on which [`InstallationState`] can follow.
-    pub installs: bool,
 }
 
 /// State of an installation of the tuned model on the board.
@@ -122,6 +120,16 @@ impl InstallationState {
             text,
             blocks,
             of,
+        }
+    }
+
+    /// State of a model that runs here.
+    pub fn here(checksum: u32) -> Self {
+        Self {
+            state: "done",
+            text: format!("model {checksum:08x} is in use here, until the program ends"),
+            blocks: 0,
+            of: 0,
         }
     }
 

@@ -30,6 +30,8 @@ pub struct Person {
     aligning: Option<usize>,
     /// Gesture that a calibration or a task in progress asks for.
     calibrating: Option<Intent>,
+    /// Places that the armband is turned by.
+    turn: usize,
 }
 
 impl Person {
@@ -40,12 +42,18 @@ impl Person {
             cues,
             aligning: None,
             calibrating: None,
+            turn: 0,
         }
     }
 
     /// Tells what a recording session asks for.
     pub fn ask(&mut self, cue: Motion) {
         self.cues = Cues::Session(cue);
+    }
+
+    /// Turns the armband by three places, or back.
+    pub const fn turn(&mut self) {
+        self.turn = 3 - self.turn;
     }
 
     /// Tells whether an alignment is in progress. Returns whether the person has come to rest for it with the last sample.
@@ -79,10 +87,12 @@ impl Person {
                 (None, None, Cues::Session(_)) => None,
             };
             cues[place] = own;
-            match (own, session) {
+            let mut sample = match (own, session) {
                 (None, Some(cue)) => self.follower.sample(cue),
                 (own, _) => self.follower.sample(own.unwrap_or(Intent::Relax)),
-            }
+            };
+            sample.rotate_right(self.turn);
+            sample
         });
         (samples, cues)
     }

@@ -109,18 +109,27 @@ impl Playback {
         });
         emit(Event::of_model(scored.model()));
         emit(Event::of_report(at, &scored.state_report()));
-        let next = SampleIndex(0);
         Self {
             samples,
             scored,
-            next,
+            next: SampleIndex(0),
             task: None,
         }
     }
 
     /// Does what is asked for.
     pub fn request(&mut self, at: f64, request: &SourceRequest, emit: &mut dyn FnMut(Event)) {
-        self.scored.request(self.now(), at, request, emit);
+        match (request, &mut self.samples) {
+            (SourceRequest::Turn, SampleSource::Person(person)) => person.turn(),
+            _ => self.scored.request(self.now(), at, request, emit),
+        }
+    }
+
+    /// Runs another model. Emits it and the pipeline's state.
+    pub fn set_model(&mut self, at: f64, scored: ScoredPipeline, emit: &mut dyn FnMut(Event)) {
+        self.scored = scored;
+        emit(Event::of_model(self.scored.model()));
+        emit(Event::of_report(at, &self.scored.state_report()));
     }
 
     /// Tells a simulated person what a session asks for, and a task.

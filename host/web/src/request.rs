@@ -45,6 +45,8 @@ pub enum ViewerMessage {
         #[serde(rename = "wish")]
         command: CalibrationWish,
     },
+    /// Turn a simulated armband, or turn it back.
+    Turn,
     /// Begin or end box and blocks.
     Blocks {
         /// Whether it begins.
@@ -98,6 +100,7 @@ impl ViewerMessage {
             Self::Cancel => "cancel",
             Self::Place { .. } => "place",
             Self::Calibrate { .. } => "calibrate",
+            Self::Turn => "turn",
             Self::Blocks { .. } => "blocks",
             Self::Note { .. } => "note",
             Self::Bind => "bind",
@@ -123,6 +126,7 @@ impl ViewerMessage {
             }
             Self::Calibrate { command } => command.for_source(),
             Self::Bind => SourceRequest::Bind,
+            Self::Turn => SourceRequest::Turn,
             _ => return None,
         })
     }
@@ -183,6 +187,8 @@ pub enum SourceRequest {
     SaveModel,
     /// Begin a pairing; boards only.
     Bind,
+    /// Turn the armband, or turn it back; simulated persons only.
+    Turn,
 }
 
 impl SourceRequest {
@@ -194,7 +200,7 @@ impl SourceRequest {
             Self::SetAlignment(known) => Command::Align(AlignCommand::Set(*known)),
             Self::Calibrate(command) => Command::Calibrate(*command),
             Self::Bind => Command::Bind(BindCommand::Begin),
-            Self::SaveModel => return None,
+            Self::SaveModel | Self::Turn => return None,
         })
     }
 }

@@ -235,7 +235,7 @@ impl ScoredPipeline {
                 }
             }
             // There is no board.
-            SourceRequest::Bind => {}
+            SourceRequest::Bind | SourceRequest::Turn => {}
         }
         if let Some(report) = self.pipeline.take_alignment_report() {
             emit(Event::of_alignment(at, &report));

@@ -48,7 +48,13 @@ impl Viewer {
         let mut stop = self.server.stop.clone();
         let mut subscription = self.server.hub.subscribe();
         let records = self.server.history.is_some();
-        let hello = json(&Event::hello(self.server.hub.now(), self.id, records));
+        let tunes = cfg!(feature = "train");
+        let hello = json(&Event::hello(
+            self.server.hub.now(),
+            self.id,
+            records,
+            tunes,
+        ));
         let known = std::mem::take(&mut subscription.known);
         if !send(&mut socket, std::iter::once(hello).chain(known)).await {
             return;

@@ -40,7 +40,6 @@ impl Keeper {
         }
         let (folder, model) = (self.folder.clone(), self.model.clone());
         let device = self.options.device.clone();
-        let installs = self.port.is_some();
         let out = free_path(&folder, &self.options.person);
         let next = vec![
             self.install_command(&out),
@@ -54,7 +53,7 @@ impl Keeper {
             let steps = |step, of| report(running(step, of));
             match tune(&model, &folder, &device, steps) {
                 Ok(done) => {
-                    let (state, tuned) = outcome(done, &out, next, installs);
+                    let (state, tuned) = outcome(done, &out, next);
                     if let Some(tuned) = tuned {
                         let _ = inputs.send(Input::Tuned(tuned));
                     }
@@ -116,7 +115,7 @@ fn failed(text: String) -> TuningState {
     }
 }
 
-fn outcome(done: Personalized, out: &Path, next: Vec<String>, installs: bool) -> Outcome {
+fn outcome(done: Personalized, out: &Path, next: Vec<String>) -> Outcome {
     let [old, new, _] = &done.scores;
     let mean = |measure: Measure, score| measure.mean(score).map(|own| own.mean);
     let rows = SHOWN.map(|(measure, name)| MeasureRow {
@@ -160,7 +159,6 @@ fn outcome(done: Personalized, out: &Path, next: Vec<String>, installs: bool) ->
                 state: "better",
                 text: sentences.join(" "),
                 commands: next,
-                installs,
                 ..judged
             };
             (better, Some(done.bytes))

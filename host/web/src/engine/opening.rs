@@ -66,7 +66,9 @@ impl Engine {
     /// for the shipped one.
     pub fn open(now: f64, wanted: &Wanted, file: &[u8], model: Option<&[u8]>) -> Self {
         let mut engine = Self::default();
-        engine.outputs.event(now, Event::hello(now, 1, false));
+        engine
+            .outputs
+            .event(now, Event::hello(now, 1, false, false));
         let settings = Settings {
             now,
             model: model.or(Some(SHIPPED)),

@@ -502,6 +502,24 @@ fn an_installation_waits_for_the_board_goes_on_after_a_loss_and_says_how_it_ends
 }
 
 #[test]
+fn without_a_board_a_model_runs_here_and_one_that_is_refused_does_not() {
+    let mut engine = Engine::default();
+    engine.demo(&SETTINGS, None).unwrap();
+    engine.take();
+    engine.install(0.0, models::SHIPPED[1].1).unwrap();
+    let outputs = engine.take();
+    let runs = |output: &Output| matches!(output, Output::Event(Event::Model { classes, .. }) if classes.len() == 5);
+    let is_done = |output: &Output| matches!(output, Output::Event(Event::Installing(state)) if state.state == "done");
+    assert!(runs(&outputs[0]) && is_done(&outputs[2]), "{outputs:?}");
+    engine.install(0.0, b"no model").unwrap();
+    let outputs = engine.take();
+    let [Output::Event(Event::Installing(state))] = &outputs[..] else {
+        panic!("{outputs:?}");
+    };
+    assert_eq!(state.state, "failed");
+}
+
+#[test]
 fn a_session_that_a_page_keeps_takes_no_work_of_a_program() {
     let mut engine = Engine::open(0.0, &Wanted::Demo, &[], None);
     engine.take();
