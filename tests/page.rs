@@ -584,6 +584,22 @@ fn an_armband_streams_into_the_file_and_is_found_again() {
     browser.wait_for(&label("open"));
     browser.wait_for(&label("close"));
     assert_eq!(browser.text("battery"), "80 %");
+    // A page that stalls gets afterwards what came meanwhile: nothing is lost, and labels go on.
+    browser.wait_for(VALID);
+    browser.value("window.worst = 'yes'; new MutationObserver(() => { if ($valid.dataset.valid !== 'yes') window.worst = $valid.textContent; }) \
+         .observe($valid, { attributes: true })");
+    for ms in [150, 300, 600, 1200] {
+        browser.value(&format!(
+            "(() => {{ const end = performance.now() + {ms}; while (performance.now() < end); }})()"
+        ));
+        browser.frames(30);
+        let lost = browser.text("lost");
+        assert_eq!(
+            (&*lost, browser.value("window.worst")),
+            ("0", json!("yes")),
+            "{ms} ms"
+        );
+    }
     browser.value("device.gatt.disconnect()");
     browser.wait_for(LOST);
     browser.wait_for(&streams);
