@@ -1,5 +1,7 @@
 // An armband, by Web Bluetooth: carries out the actions of the session, and decides nothing.
 
+import { Arrival } from "./arrival.js";
+
 const CONTROL = "d5060001-a904-deb9-4748-2c7f4a124842";
 const EMG = "d5060005-a904-deb9-4748-2c7f4a124842";
 const BATTERY = "0000180f-0000-1000-8000-00805f9b34fb";
@@ -10,6 +12,7 @@ const bytesOf = (value) => Array.from(new Uint8Array(value.buffer, value.byteOff
 export class Radio {
   #device;
   #heard = () => {};
+  #arrival = null;
   /** Characteristics by their UUIDs. */
   #found = new Map();
 
@@ -34,10 +37,11 @@ export class Radio {
 
   run(heard) {
     this.#heard = heard;
+    this.#arrival = new Arrival((now) => heard("", now));
   }
 
   #tell(event) {
-    this.#heard(encoder.encode(JSON.stringify(event)));
+    this.#heard(encoder.encode(JSON.stringify(event)), this.#arrival?.time());
   }
 
   async take(action) {
@@ -78,6 +82,7 @@ export class Radio {
 
   async close() {
     this.#heard = () => {};
+    this.#arrival?.stop();
     this.#device.gatt.disconnect();
   }
 }

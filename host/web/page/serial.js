@@ -1,6 +1,8 @@
 // A board, by Web Serial.
 
 const BAUD = 115_200;
+/** Bytes that wait while the page stalls: those of five seconds. */
+const BUFFER = 1 << 16;
 const encoder = new TextEncoder();
 
 export class Board {
@@ -22,7 +24,7 @@ export class Board {
   /** Lets the user choose a port, and opens it; fails if none is chosen or it cannot be opened. */
   static async choose() {
     const port = await navigator.serial.requestPort();
-    await port.open({ baudRate: BAUD });
+    await port.open({ baudRate: BAUD, bufferSize: BUFFER });
     // A board with USB sends once a program is there.
     await port.setSignals({ dataTerminalReady: true });
     return new Board(port);

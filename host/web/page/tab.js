@@ -47,7 +47,7 @@ export class Tab {
     this.#calls.begun();
     const worker = new Worker(this.#address);
     this.#worker = worker;
-    const heard = (bytes) => worker.postMessage({ heard: bytes });
+    const heard = (bytes, now) => worker.postMessage({ heard: bytes, now });
     let isOpen = false;
     worker.onmessage = ({ data }) => {
       const messages = JSON.parse(data);
@@ -69,7 +69,7 @@ export class Tab {
       }
     };
     worker.onerror = () => this.#lost(worker, t("source.stopped"));
-    worker.postMessage({ code: this.#code, model: this.#model, file, wanted: JSON.stringify(wanted) });
+    worker.postMessage({ code: this.#code, model: this.#model, file, wanted: JSON.stringify(wanted), origin: performance.timeOrigin, ticks: wanted.source !== "bluetooth" });
   }
 
   #lost(worker, text) {

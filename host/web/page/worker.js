@@ -4,21 +4,24 @@ const PERIOD = 10;
 const encoder = new TextEncoder();
 const decoder = new TextDecoder();
 let program = null;
+/** From this worker's clock to the page's, in ms. */
+let ahead = 0;
 
 function give(bytes) {
   const address = program.input(bytes.length);
   new Uint8Array(program.memory.buffer, address, bytes.length).set(bytes);
 }
 
-/** Calls a function of the module, and posts what it says: a JSON array. */
-function call(name) {
-  const length = program[name](performance.now());
+/** Calls a function of the module at a time of the page, and posts what it says: a JSON array. */
+function call(name, now = performance.now() + ahead) {
+  const length = program[name](now);
   if (length > "[]".length) {
     postMessage(decoder.decode(new Uint8Array(program.memory.buffer, program.output(), length)));
   }
 }
 
-async function begin({ code, model, file, wanted }) {
+async function begin({ code, model, file, wanted, origin, ticks }) {
+  ahead = performance.timeOrigin - origin;
   const unpacked = new Response(new Blob([code]).stream().pipeThrough(new DecompressionStream("gzip")));
   const { instance } = await WebAssembly.instantiate(await unpacked.arrayBuffer());
   program = instance.exports;
@@ -30,7 +33,10 @@ async function begin({ code, model, file, wanted }) {
   }
   give(encoder.encode(wanted));
   call("open");
-  setInterval(() => call("tick"), PERIOD);
+  // Bluetooth has time pass itself.
+  if (ticks) {
+    setInterval(() => call("tick"), PERIOD);
+  }
 }
 
 onmessage = ({ data }) => {
@@ -43,7 +49,11 @@ onmessage = ({ data }) => {
       give(typeof data.file === "string" ? encoder.encode(data.file) : data.file);
       program.file();
     }
+    if (data.heard === "") {
+      call("tick", data.now);
+      return;
+    }
     give(data.heard ?? encoder.encode(data.request));
-    call(data.heard ? "heard" : "request");
+    call(data.heard ? "heard" : "request", data.now);
   }
 };
