@@ -5,10 +5,9 @@ use crate::EvaluationError;
 use crate::inference::integer_logits;
 use rayon::iter::IntoParallelRefIterator;
 use rayon::iter::ParallelIterator;
-use shared::intent::MAX_CLASSES;
 use shared::model::LookBackLogits;
 use shared::model::file::{Model, ModelError, SmootherDefaults};
-use shared::stream::smoother::{Early, Settings};
+use shared::stream::smoother::{Margins, Settings};
 use shared::units::CleanSample;
 
 use super::condition::LookAhead;
@@ -24,13 +23,8 @@ pub struct Candidate {
     pub looks_back: bool,
     /// Logits at each patch of each recording, in the order of the recordings.
     pub logits: Vec<Vec<LookBackLogits>>,
-    /// Confidence gate of the model ([`Settings::entry_margins`]).
-    pub entry_margins: [f32; MAX_CLASSES],
-    /// Margin over movement outside the vocabulary ([`Settings::other_margin`]); none if the model does not know such
-    /// movement.
-    pub other_margin: Option<f32>,
-    /// Margins of early labels ([`Settings::early`]); none if every label waits for the look-ahead.
-    pub early: Option<Early>,
+    /// Margins of the model's labels.
+    pub margins: Margins,
 }
 
 impl Candidate {
@@ -41,9 +35,7 @@ impl Candidate {
         smoother: &SmootherDefaults,
     ) -> Self {
         Self {
-            entry_margins: smoother.entry_margins,
-            other_margin: smoother.other_margin,
-            early: smoother.early,
+            margins: smoother.margins,
             ..Self::without_margins(model, true, logits)
         }
     }
@@ -58,9 +50,7 @@ impl Candidate {
             model: model.into(),
             looks_back,
             logits,
-            entry_margins: [0.0; MAX_CLASSES],
-            other_margin: None,
-            early: None,
+            margins: Margins::NONE,
         }
     }
 
@@ -74,9 +64,7 @@ impl Candidate {
     /// The smoother's settings under a condition.
     pub(crate) fn settings(&self, look_ahead: LookAhead) -> Settings {
         Settings {
-            entry_margins: self.entry_margins,
-            other_margin: self.other_margin,
-            early: self.early,
+            margins: self.margins,
             ..look_ahead.settings()
         }
     }

@@ -4,9 +4,9 @@ mod memory;
 mod student;
 
 use shared::intent::Vocabulary;
-use shared::units::{LOOK_BACK, MAX_ENTRY_MARGIN, PATCH, WINDOW};
+use shared::units::{LOOK_BACK, PATCH, WINDOW};
 
-use super::{EntryMargins, Preset};
+use super::Preset;
 use crate::training::LrSchedule;
 use memory::LIMIT;
 
@@ -171,27 +171,13 @@ impl Preset {
     }
 
     fn invalid_smoother(&self) -> Option<Invalid> {
-        let few = match &self.smoother.entry_margins {
-            None | Some(EntryMargins::Same(_)) => true,
-            Some(EntryMargins::ByClass(margins)) => margins.len() <= self.classes,
-        };
-        let valid = |margin: &f32| (0.0..=MAX_ENTRY_MARGIN).contains(margin);
+        let point = self.smoother.reaction;
         require(
-            few && self.smoother.entry_margins().iter().all(valid),
-            "smoother.entry_margins",
-            &self.smoother.entry_margins,
-            "a margin of 0 to 50, or one for each class at most",
+            self.other() || point.is_none_or(|point| point.other.is_none()),
+            "smoother.reaction",
+            point,
+            "a margin over other movement only with data.other_movement = \"class\"",
         )
-        .or_else(|| {
-            let margin = self.smoother.other_margin;
-            let range = -MAX_ENTRY_MARGIN..=MAX_ENTRY_MARGIN;
-            require(
-                margin.is_none_or(|margin| self.other() && range.contains(&margin)),
-                "smoother.other_margin",
-                margin.unwrap_or(0.0),
-                "-50 to 50, with data.other_movement = \"class\"",
-            )
-        })
     }
 
     fn invalid_augmentation(&self) -> Option<Invalid> {

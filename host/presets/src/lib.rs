@@ -10,16 +10,17 @@ pub mod distillation;
 pub mod invariants;
 pub mod lineage;
 pub mod masking;
+mod operating_point;
 pub mod resolve;
 mod source;
 pub mod teacher;
 pub mod training;
 
 use serde::{Deserialize, Serialize};
-use shared::intent::{Intent, MAX_CLASSES, Vocabulary};
+use shared::intent::Vocabulary;
 use shared::model::file::SmootherDefaults;
 use shared::stream::preprocess::{Median, Preprocessing};
-use shared::stream::smoother::{AggregationMode, Early, Reaction};
+use shared::stream::smoother::AggregationMode;
 use shared::units::{HOLD, LOOK_AHEAD};
 
 use crate::distillation::{Distillation, StudentConfig};
@@ -29,6 +30,7 @@ use recordings::DataSet;
 pub use recordings::labels::lag::LabelLag;
 use recordings::movement::OtherMovement;
 
+pub use operating_point::OperatingPoint;
 pub use source::{BUILT_IN, PresetError};
 
 /// The settings of a whole run.
@@ -65,39 +67,9 @@ pub struct Smoothing {
     /// Rows that are summed; `None`: the mode that follows more transitions of the validation subjects.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub aggregation: Option<Aggregation>,
-    /// Operating point; `None`: every label waits for the look-ahead.
+    /// Operating point; if not given, every label waits for the look-ahead and needs no margin.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub reaction: Option<Reaction>,
-    /// Confidence gate ([`Settings::entry_margins`](shared::stream::smoother::Settings::entry_margins)); that of the
-    /// reaction, or 0, if not given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub entry_margins: Option<EntryMargins>,
-    /// Margin over movement outside the vocabulary, of a student that knows it
-    /// ([`Settings::other_margin`](shared::stream::smoother::Settings::other_margin)); that of the
-    /// reaction, or 0, if not given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub other_margin: Option<f32>,
-}
-
-/// The confidence gate of a preset.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
-pub enum EntryMargins {
-    /// Margin of every class but relax, which has none.
-    Same(f32),
-    /// Margins class after class, from relax on; 0 for classes beyond the end.
-    ByClass(Vec<f32>),
-}
-
-impl EntryMargins {
-    /// The margin of each class.
-    pub fn of_classes(&self) -> [f32; MAX_CLASSES] {
-        std::array::from_fn(|class| match self {
-            Self::Same(_) if class == Intent::Relax.class() => 0.0,
-            Self::Same(margin) => *margin,
-            Self::ByClass(margins) => margins.get(class).copied().unwrap_or(0.0),
-        })
-    }
+    pub reaction: Option<OperatingPoint>,
 }
 
 /// Rows that the smoother sums.
@@ -111,21 +83,6 @@ pub enum Aggregation {
 }
 
 impl Smoothing {
-    /// Margins of early labels.
-    pub(crate) fn early(&self) -> Option<Early> {
-        self.reaction.map(Reaction::early)
-    }
-
-    /// Margin of each class.
-    pub(crate) fn entry_margins(&self) -> [f32; MAX_CLASSES] {
-        let reaction = self.reaction.map_or(0.0, Reaction::entry);
-        let margins = self.entry_margins.as_ref();
-        margins.map_or_else(
-            || EntryMargins::Same(reaction).of_classes(),
-            EntryMargins::of_classes,
-        )
-    }
-
     fn is_default(&self) -> bool {
         *self == Self::default()
     }
@@ -232,15 +189,12 @@ impl Preset {
 
     /// Smoother of the preset's model files. There is a margin over movement outside the vocabulary if the student knows it.
     pub fn smoother_defaults(&self, aggregation: AggregationMode) -> SmootherDefaults {
-        let default = self.smoother.reaction.map_or(0.0, Reaction::other);
-        let other_margin = self.smoother.other_margin.unwrap_or(default);
+        let point = self.smoother.reaction.unwrap_or_default();
         SmootherDefaults {
             aggregation,
             look_ahead: LOOK_AHEAD,
             hold: HOLD,
-            entry_margins: self.smoother.entry_margins(),
-            other_margin: self.other().then_some(other_margin),
-            early: self.smoother.early(),
+            margins: point.margins(self.other()),
         }
     }
 
@@ -260,30 +214,19 @@ mod tests {
         let reaction = "reaction = \"balanced\"";
         assert!(text.contains(reaction));
         let with = |line: &str| Preset::parse("changed", &text.replace(reaction, line));
-        for (line, margins, is_early) in [
-            ("", [0.0; 6], false),
-            (reaction, [0.0, 1.5, 1.5, 1.5, 1.5, 1.5], true),
-            (
-                "reaction = \"steady\"",
-                [0.0, 2.0, 2.0, 2.0, 2.0, 2.0],
-                true,
-            ),
-            ("entry_margins = 1.0", [0.0, 1.0, 1.0, 1.0, 1.0, 1.0], false),
-            (
-                "reaction = \"fast\"\nentry_margins = [0.0, 2.5]",
-                [0.0, 2.5, 0.0, 0.0, 0.0, 0.0],
-                true,
-            ),
+        for (line, entry, other, is_early) in [
+            ("", 0.0, 0.0, false),
+            (reaction, 1.5, -1.5, true),
+            ("reaction = \"entry=1\"", 1.0, 0.0, false),
+            ("reaction = \"fast,entry=2.5,other=1\"", 2.5, 1.0, true),
         ] {
-            let smoother = with(line).unwrap().smoother;
-            assert_eq!(smoother.entry_margins(), margins, "{line}");
-            assert_eq!(smoother.early().is_some(), is_early, "{line}");
-        }
-        for wrong in ["-1.0", "51.0", "[0.0, 1.0, 1.0, 1.0]", "\"much\""] {
-            assert!(
-                with(&format!("entry_margins = {wrong}")).is_err(),
-                "{wrong}"
-            );
+            let preset = with(line).unwrap();
+            let margins = preset
+                .smoother_defaults(AggregationMode::AllRowsFrom)
+                .margins;
+            assert_eq!(margins.entry, entry, "{line}");
+            assert_eq!(margins.other, Some(other), "{line}");
+            assert_eq!(margins.early.is_some(), is_early, "{line}");
         }
         assert!(with("reaction = \"slow\"").is_err());
     }

@@ -6,9 +6,8 @@ use std::path::PathBuf;
 
 use anyhow::Context as _;
 use clap::Args;
-use shared::intent::Intent;
-use shared::model::file::{List, Model, SmootherDefaults};
-use shared::stream::smoother::{AggregationMode, Reaction};
+use shared::model::file::{List, Model};
+use shared::stream::smoother::{AggregationMode, Margins, Reaction};
 
 use crate::cli::read_model;
 pub use recordings::printable;
@@ -52,6 +51,7 @@ fn json(model: &Model<'_>) -> serde_json::Value {
     let header = &model.header;
     let (dimensions, smoother, provenance) =
         (&header.dimensions, &header.smoother, &header.provenance);
+    let margins = smoother.margins;
     serde_json::json!({
         "bytes": model.length,
         "intents": intents(model),
@@ -62,14 +62,12 @@ fn json(model: &Model<'_>) -> serde_json::Value {
         "aggregation": format!("{:?}", smoother.aggregation),
         "look_ahead": smoother.look_ahead,
         "hold": smoother.hold,
-        "entry_margins": smoother.entry_margins[..dimensions.vocabulary.classes()],
-        "other_margin": smoother.other_margin,
-        "reaction": reaction(smoother),
-        "early": smoother.early.map(|early| serde_json::json!({
+        "entry_margin": margins.entry,
+        "other_margin": margins.other,
+        "reaction": reaction(margins),
+        "early": margins.early.map(|early| serde_json::json!({
             "entry": early.entry,
             "other": early.other,
-            "relax": early.relax,
-            "leave": early.leave,
             "caution": early.caution,
         })),
         "data_sets": provenance.data_sets.iter().collect::<Vec<_>>(),
@@ -82,12 +80,14 @@ fn json(model: &Model<'_>) -> serde_json::Value {
 }
 
 /// The name of the operating point: `waits` if every label waits for the look-ahead, `own` with margins of no name.
-fn reaction(smoother: &SmootherDefaults) -> &'static str {
-    let Some(early) = smoother.early else {
+fn reaction(margins: Margins) -> &'static str {
+    if margins.early.is_none() {
         return "waits";
+    }
+    let is_it = |reaction: &Reaction| {
+        let named = reaction.margins();
+        (named.entry, named.early) == (margins.entry, margins.early)
     };
-    let entry = smoother.entry_margins[Intent::Open.class()];
-    let is_it = |reaction: &Reaction| reaction.early() == early && reaction.entry() == entry;
     let named = Reaction::ALL.into_iter().find(is_it);
     named.map_or("own", Reaction::name)
 }
@@ -98,16 +98,14 @@ fn lines(model: &Model<'_>) -> String {
     let (dimensions, smoother, provenance) =
         (&header.dimensions, &header.smoother, &header.provenance);
     let list = |texts: List<'_, &str>| texts.iter().map(printable).collect::<Vec<_>>().join(", ");
-    let margins = smoother.entry_margins[..dimensions.vocabulary.classes()].iter();
-    let margins: Vec<String> = margins.map(ToString::to_string).collect();
-    let other = match smoother.other_margin {
+    let other = match smoother.margins.other {
         Some(margin) => format!("known, margin {margin}"),
         None => "not known: it may be taken for an intent".to_owned(),
     };
     let mut lines = format!(
         "intents       {}\n\
          encoder       width {}, {} layers, span {} patches, input {:?}\n\
-         smoother      {}, look-ahead {} samples, hold {} samples, reaction {}, entry margins {}\n\
+         smoother      {}, look-ahead {} samples, hold {} samples, reaction {}, entry margin {}\n\
          other moves   {other}\n\
          trained on    {} (seed {}, revision {})\n\
          seen          {} people in training or validation (--json names them)\n\
@@ -123,8 +121,8 @@ fn lines(model: &Model<'_>) -> String {
         },
         smoother.look_ahead,
         smoother.hold,
-        reaction(smoother),
-        margins.join(", "),
+        reaction(smoother.margins),
+        smoother.margins.entry,
         list(provenance.data_sets),
         provenance.seed,
         printable(provenance.git_revision),

@@ -9,17 +9,17 @@
 //! on the device. Windows are not stored: each adds its part, a prefix sum of its rows, to the sums of
 //! the instants that still wait, so a push costs `look_ahead + 1` row additions.
 //!
-//! A confidence gate may ask for more evidence to enter a class than to stay in it ([`Settings::entry_margins`]): where
+//! A confidence gate may ask for more evidence to enter a class than to stay in it ([`Margins::entry`]): where
 //! the margin is not reached, the label stays, or becomes relax if relax has more than the label. After Scheme, Hudgins
 //! and Englehart (IEEE Trans. Biomed. Eng. 60(6), 2013), who reject by confidence, class by class; the margin of two
 //! logits is the logarithm of the ratio of their probabilities.
 //!
-//! An early label ([`Settings::early`]) does not wait for the whole look-ahead. At each window the means of all instants
+//! An early label ([`Margins::early`]) does not wait for the whole look-ahead. At each window the means of all instants
 //! that still wait are there, the newest with one row and the oldest with the whole look-ahead. The newest one that is sure
 //! of another class changes the label: the fewer rows, the larger the margin that is asked. Instants up to that one are not
 //! looked at again, so only later evidence changes the label back. The oldest decides as without early labels.
 //!
-//! Rows may have one more column, movement outside the vocabulary ([`Settings::other_margin`]). No label comes of it: it
+//! Rows may have one more column, movement outside the vocabulary ([`Margins::other`]). No label comes of it: it
 //! only keeps a class from being entered. A label that holds is ended by relax or another class, not by this column.
 //! After such movement, as at a keyboard, a class needs a larger margin over it, after rest a smaller one
 //! ([`Early::caution`]): the column's prior follows the stream, as in Saerens, Latinne and Decaestecker (Neural Computation
@@ -35,7 +35,7 @@ use crate::intent::Intent;
 use crate::units::SampleIndex;
 
 use settings::CAUTION;
-pub use settings::{AggregationMode, Early, Gate, Reaction, Settings, SettingsError};
+pub use settings::{AggregationMode, Early, Gate, Margins, Reaction, Settings, SettingsError};
 
 /// A label as a class number, with its instant and its delay.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -53,6 +53,8 @@ pub struct Decision {
 pub struct Smoother<const CLASSES: usize, const ROWS: usize> {
     settings: Settings,
     gate: Gate,
+    /// Margins in force: the settings' or the gate's.
+    margins: Margins,
     classes: usize,
     /// The classes, and movement outside the vocabulary if the model knows it.
     columns: usize,
@@ -93,7 +95,7 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         if settings.hold == 0 {
             return Err(SettingsError::Hold);
         }
-        let columns = classes + usize::from(settings.other_margin.is_some());
+        let columns = classes + usize::from(settings.margins.other.is_some());
         if classes == 0 || columns > CLASSES {
             return Err(SettingsError::Classes {
                 most: CLASSES,
@@ -106,6 +108,7 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         Ok(Self {
             settings,
             gate: Gate::default(),
+            margins: settings.margins,
             classes,
             columns,
             sums: [[0.0; CLASSES]; ROWS],
@@ -132,6 +135,7 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
     /// Another operating point, from the next label on.
     pub fn set_gate(&mut self, gate: Gate) {
         self.gate = gate;
+        self.margins = gate.over(self.settings.margins);
     }
 
     /// Whether rows have a column of movement outside the vocabulary.
@@ -171,7 +175,7 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         self.follow_other();
 
         let is_full = self.seen == depth;
-        match self.early() {
+        match self.margins.early {
             Some(early) if is_full => self.change(early),
             // After an early label of the gate before, not before an instant that has no label yet.
             None if is_full && self.phase == 0 && self.since >= depth => {
@@ -211,7 +215,7 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         let look_ahead = self.settings.look_ahead;
         for back in 0..self.since.min(look_ahead + 1) {
             let class = if back == look_ahead {
-                self.gated(early.leave, early.caution * self.otherwise)
+                self.gated(Early::LEAVE, early.caution * self.otherwise)
             } else {
                 self.sure(back, early)
             };
@@ -232,7 +236,7 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         let look_ahead = self.settings.look_ahead;
         let missing = (look_ahead - back) as f32 / look_ahead as f32;
         let (beyond, leave) = if best == RELAX {
-            ([early.relax, 0.0], early.leave)
+            ([Early::RELAX, 0.0], Early::LEAVE)
         } else {
             ([early.entry, early.other], 0.0)
         };
@@ -288,34 +292,15 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
     fn exceeds(&self, back: usize, best: usize, beyond: [f32; 2]) -> bool {
         let sums = self.sums_of(back);
         let other = self.sums[self.place(back)][self.classes..self.columns].first();
-        let margins = self.margins(best);
+        let margins = if best == RELAX {
+            [0.0; 2]
+        } else {
+            [self.margins.entry, self.margins.other.unwrap_or(0.0)]
+        };
         let rows = self.rows(back);
         let [from_classes, from_other] = [0, 1].map(|of| (margins[of] + beyond[of]) * rows);
         sums[best] - second(sums, best) >= from_classes
             && (best == RELAX || other.is_none_or(|other| sums[best] - other >= from_other))
-    }
-
-    /// Margins of early labels; none if every label waits for the look-ahead.
-    fn early(&self) -> Option<Early> {
-        let reaction = self.gate.reaction.map(Reaction::early);
-        reaction.or(self.settings.early)
-    }
-
-    /// The margins of a class's mean over the other classes and over movement outside the vocabulary; 0 for
-    /// relax.
-    fn margins(&self, class: usize) -> [f32; 2] {
-        if class == RELAX {
-            return [0.0; 2];
-        }
-        let from_classes = self.settings.entry_margins.get(class).copied();
-        let settings = [from_classes, self.settings.other_margin];
-        let instead = [self.gate.entry, self.gate.other].map(|hundredths| hundredths.map(logits));
-        let reaction = self.gate.reaction;
-        let reaction = reaction.map(|reaction| [reaction.entry(), reaction.other()]);
-        [0, 1].map(|of| {
-            let margin = instead[of].or(reaction.map(|margins| margins[of]));
-            margin.or(settings[of]).unwrap_or(0.0)
-        })
     }
 
     /// Adds one window's rows to the sums of the instants that still wait for their label. With rows
@@ -338,10 +323,6 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
             }
         }
     }
-}
-
-fn logits(hundredths: i16) -> f32 {
-    f32::from(hundredths) / 100.0
 }
 
 /// Index of the largest value, the first on ties; 0 if all comparisons fail (NaN).

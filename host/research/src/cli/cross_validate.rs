@@ -13,6 +13,7 @@ use execution::interrupt::Interrupt;
 use execution::progress;
 use myointent::cli::arguments::warn_of_test_people;
 use myointent::cli::steps::DataArguments;
+use presets::OperatingPoint;
 use presets::resolve::{ConfigError, fold_people, test_people};
 use recordings::folds::Protocol;
 use training::backend::BackendArguments;
@@ -21,7 +22,7 @@ use self::contenders::{contenders, presets};
 use self::output::{Tables, merged};
 use super::shell::{line, program, shared_options};
 use crate::baselines::Baseline;
-use crate::cross_validation::{Contender, CrossValidation, Gate, Job, Kind, Origin};
+use crate::cross_validation::{Contender, CrossValidation, Job, Kind, Origin};
 
 /// Arguments of `cross-validate`.
 #[derive(Debug, Args)]
@@ -59,16 +60,10 @@ pub(super) struct Arguments {
     /// everybody of one data set.
     #[arg(long, default_value_t = Protocol::LeaveGroupsOut(4))]
     protocol: Protocol,
-    /// Also evaluate with these confidence gates, separated by commas: by how much the mean logit of open, close, ...
-    /// has to exceed all others for the label to become this class; `1/0.5`: by 1, and movement outside the vocabulary by
-    /// 0.5. Nothing is trained again.
-    #[arg(
-        long,
-        value_name = "MARGINS",
-        value_delimiter = ',',
-        allow_hyphen_values = true
-    )]
-    entry_margins: Vec<Gate>,
+    /// Also evaluate with this operating point, as a preset's `smoother.reaction`: `steady`, `balanced,other=0,caution=4`, or
+    /// `entry=1` for labels that wait. Repeat the option. Nothing is trained again.
+    #[arg(long, value_name = "POINT")]
+    reaction: Vec<OperatingPoint>,
     /// Also evaluate the test people (host/recordings/people.toml), once for a release: by the student of every fold and seed, none of
     /// which has seen them. They stand in a table of their own. Nothing is trained again.
     #[arg(long)]
@@ -185,9 +180,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Confidence gates: the preset's own, then those asked for.
-fn gates(arguments: &Arguments) -> impl Iterator<Item = Option<Gate>> {
-    let asked = arguments.entry_margins.iter().copied().map(Some);
+/// Operating points: the preset's own, then those asked for.
+fn gates(arguments: &Arguments) -> impl Iterator<Item = Option<OperatingPoint>> {
+    let asked = arguments.reaction.iter().copied().map(Some);
     std::iter::once(None).chain(asked)
 }
 
@@ -223,13 +218,8 @@ fn command(arguments: &Arguments, contender: &Contender, seed: u64, fold: usize)
     option("protocol", arguments.protocol.to_string());
     option("fold", fold.to_string());
     option("out", arguments.out.display().to_string());
-    if !arguments.entry_margins.is_empty() {
-        let margins: Vec<String> = arguments
-            .entry_margins
-            .iter()
-            .map(Gate::to_string)
-            .collect();
-        option("entry-margins", margins.join(","));
+    for point in &arguments.reaction {
+        option("reaction", point.to_string());
     }
     words.extend(arguments.test_people.then(|| "--test-people".to_owned()));
     let mut option = |name: &str, value: String| words.extend([format!("--{name}"), value]);

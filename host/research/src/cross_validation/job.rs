@@ -6,7 +6,6 @@ use std::sync::Arc;
 
 use burn::tensor::Device;
 use shared::model::LookBackLogits;
-use shared::stream::smoother::Early;
 
 use evaluation::model_evaluation::recordings_of;
 use evaluation::{ALL, Candidate, EvaluatedRecording, LookAhead, Truth, score};
@@ -14,7 +13,7 @@ use execution::fingerprint::Fingerprint;
 use execution::interrupt::Interrupt;
 use execution::progress;
 use execution::run_folder::RunFolder;
-use presets::EntryMargins;
+use presets::OperatingPoint;
 use presets::config::ResolvedConfig;
 use presets::resolve::{FoldChoice, fold_people, test_people};
 use recordings::Library;
@@ -25,7 +24,6 @@ use training::run::StepError;
 use training::run::context::RunContext;
 
 use super::contender::{Contender, Kind};
-use super::gate::Gate;
 use super::job_scores::{FoldScore, JobScores};
 use crate::baselines::settings::BaselineSettings;
 use crate::job::{JobError, begun};
@@ -41,8 +39,8 @@ pub(crate) struct CrossValidation<'a> {
     pub(crate) protocol: Protocol,
     /// Whether the test people are evaluated too.
     pub(crate) test_people: bool,
-    /// Confidence gates to evaluate with; none for the contender's own.
-    pub(crate) gates: Vec<Option<Gate>>,
+    /// Operating points to evaluate with; none for the contender's own.
+    pub(crate) gates: Vec<Option<OperatingPoint>>,
     /// The recordings.
     pub(crate) library: Arc<Library>,
     /// Folder of the recordings; none for synthetic ones.
@@ -63,7 +61,7 @@ pub(crate) struct Job {
 }
 
 impl CrossValidation<'_> {
-    /// Loads the scores of a job with every wanted confidence gate; none if it was not run, or with other settings or
+    /// Loads the scores of a job with every wanted operating point; none if it was not run, or with other settings or
     /// recordings.
     pub(crate) fn done(&self, job: &Job) -> Result<Option<JobScores>, JobError> {
         let Ok(folder) = RunFolder::existing(self.path(job)) else {
@@ -72,7 +70,7 @@ impl CrossValidation<'_> {
         Ok(self.kept(job, &folder, &self.config(job)?))
     }
 
-    /// Loads the scores in a run folder; none unless they are of this configuration, with every wanted confidence gate and
+    /// Loads the scores in a run folder; none unless they are of this configuration, with every wanted operating point and
     /// all wanted people.
     fn kept(&self, job: &Job, folder: &RunFolder, config: &ResolvedConfig) -> Option<JobScores> {
         let kept = folder.load_stamped::<JobScores>(SCORES, self.made_from(job, config));
@@ -80,8 +78,8 @@ impl CrossValidation<'_> {
         scores.complete(self.gates(job), self.test_people)
     }
 
-    /// Confidence gates that a job is evaluated with.
-    fn gates(&self, job: &Job) -> &[Option<Gate>] {
+    /// Operating points that a job is evaluated with.
+    fn gates(&self, job: &Job) -> &[Option<OperatingPoint>] {
         if job.contender.is_trained() {
             &self.gates
         } else {
@@ -193,7 +191,7 @@ impl CrossValidation<'_> {
         })
     }
 
-    /// Scores a job's model on some people, with every wanted confidence gate.
+    /// Scores a job's model on some people, with every wanted operating point.
     fn scores(
         &self,
         job: &Job,
@@ -201,22 +199,10 @@ impl CrossValidation<'_> {
         recordings: &[EvaluatedRecording],
     ) -> Result<Vec<FoldScore>, JobError> {
         let vocabulary = job.contender.preset.vocabulary();
-        let own = (
-            candidate.entry_margins,
-            candidate.other_margin,
-            candidate.early,
-        );
+        let own = candidate.margins;
         let mut scores = Vec::new();
         for &gate in self.gates(job) {
-            (
-                candidate.entry_margins,
-                candidate.other_margin,
-                candidate.early,
-            ) = gate.map_or(own, |gate| {
-                let entry = EntryMargins::Same(gate.entry).of_classes();
-                let other = own.1.map(|margin| gate.other.unwrap_or(margin));
-                (entry, other, gate.early.map(Early::new))
-            });
+            candidate.margins = gate.map_or(own, |gate| gate.margins(own.other.is_some()));
             let look_aheads: &[LookAhead] = if candidate.looks_back {
                 &LookAhead::ALL
             } else {

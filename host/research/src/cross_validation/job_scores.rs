@@ -3,8 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use evaluation::Score;
-
-use super::gate::Gate;
+use presets::OperatingPoint;
 
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct JobScores {
@@ -17,16 +16,20 @@ pub(crate) struct JobScores {
 /// Score over a group of people (with all classes or fewer), of a fold or of all test people.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct FoldScore {
-    /// Confidence gate; none for the contender's own.
-    pub(crate) gate: Option<Gate>,
+    /// Operating point; none for the contender's own.
+    pub(crate) gate: Option<OperatingPoint>,
     pub(crate) score: Score,
 }
 
 impl JobScores {
     /// Selects the scores with these gates, on the test people if wanted; none if any are missing.
-    pub(crate) fn complete(self, gates: &[Option<Gate>], test_people: bool) -> Option<Self> {
+    pub(crate) fn complete(
+        self,
+        gates: &[Option<OperatingPoint>],
+        test_people: bool,
+    ) -> Option<Self> {
         let complete = |mut scores: Vec<FoldScore>| {
-            let has = |gate: &Option<Gate>| {
+            let has = |gate: &Option<OperatingPoint>| {
                 let mut scores = scores.iter();
                 scores.any(|own| own.gate == *gate)
             };

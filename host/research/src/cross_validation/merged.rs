@@ -1,4 +1,4 @@
-//! Scores of one contender under one aggregation mode and confidence gate, over all folds and seeds.
+//! Scores of one contender under one aggregation mode and operating point, over all folds and seeds.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,9 +6,9 @@ use evaluation::metric::event::activation::DailyUse;
 use evaluation::metric::event::latency::{self, LatencySummary};
 use evaluation::metric::event::summary::{SubjectEvents, Tally};
 use evaluation::{Group, LookAhead, Measure, Score};
+use presets::OperatingPoint;
 use recordings::statistics::MeanSd;
 
-use super::gate::Gate;
 use super::job_scores::FoldScore;
 
 /// Seed and fold of a job.
@@ -21,13 +21,13 @@ pub(crate) struct Origin {
 /// People of a row: those of a data set (none for all), with all classes or with fewer.
 pub(crate) type Section<'a> = (Option<&'a str>, Group);
 
-/// Scores of a contender under one aggregation mode and confidence gate, of every fold and seed.
+/// Scores of a contender under one aggregation mode and operating point, of every fold and seed.
 pub(crate) struct Merged<'a> {
     /// Name of the contender.
     pub(crate) model: &'a str,
     pub(crate) look_ahead: LookAhead,
-    /// Confidence gate; none for the contender's own.
-    pub(crate) gate: Option<Gate>,
+    /// Operating point; none for the contender's own.
+    pub(crate) gate: Option<OperatingPoint>,
     scores: Vec<(Origin, &'a Score)>,
 }
 
@@ -36,7 +36,7 @@ impl<'a> Merged<'a> {
     pub(crate) fn new(
         model: &'a str,
         look_ahead: LookAhead,
-        gate: Option<Gate>,
+        gate: Option<OperatingPoint>,
         scores: impl IntoIterator<Item = (Origin, &'a FoldScore)>,
     ) -> Self {
         let scores = scores.into_iter();
@@ -67,10 +67,10 @@ impl<'a> Merged<'a> {
         format!("{}{}", self.model, self.margin())
     }
 
-    /// End of a name: the confidence gate, unless it is the contender's own.
+    /// End of a name: the operating point, unless it is the contender's own.
     fn margin(&self) -> String {
         self.gate
-            .map_or_else(String::new, |gate| format!(", margin {gate}"))
+            .map_or_else(String::new, |gate| format!(", {gate}"))
     }
 
     /// Number of classes of the contender.
@@ -268,13 +268,9 @@ mod tests {
         let expected = latency::summary(&[50, 70, 70], 3);
         assert_eq!(merged.release((Some("x"), all)), (expected, 1));
         assert_eq!(merged.release((None, Group::FewerClasses)), (None, 0));
-        let gate = Some(Gate {
-            entry: 1.0,
-            other: None,
-            early: None,
-        });
+        let gate = Some("entry=1".parse().unwrap());
         let none = Merged::new("p", LookAhead::AllRows, gate, scores());
-        assert_eq!(none.name(), "p (0.25 s, all rows, margin 1)");
+        assert_eq!(none.name(), "p (0.25 s, all rows, entry=1)");
         assert!(
             none.values(Measure::BalancedAccuracy, (None, all))
                 .is_empty()

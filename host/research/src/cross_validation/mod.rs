@@ -8,7 +8,6 @@
 mod contender;
 #[cfg(test)]
 mod fixture;
-mod gate;
 mod job;
 mod job_scores;
 mod merged;
@@ -16,7 +15,6 @@ mod tables;
 mod training;
 
 pub(crate) use contender::{Contender, Kind};
-pub(crate) use gate::Gate;
 pub(crate) use job::{CrossValidation, Job};
 pub(crate) use job_scores::{FoldScore, JobScores};
 pub(crate) use merged::{Merged, Origin};

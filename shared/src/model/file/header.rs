@@ -5,11 +5,10 @@ use core::marker::PhantomData;
 use serde::Deserialize;
 
 use super::error::ModelError;
-use crate::intent::MAX_CLASSES;
 use crate::model::dimensions::{Companding, Dimensions};
 use crate::stream::alignment::Template;
 use crate::stream::preprocess::Preprocessing;
-use crate::stream::smoother::{AggregationMode, Early, Settings};
+use crate::stream::smoother::{AggregationMode, Margins, Settings};
 use crate::units::PATCH;
 
 /// Default settings of the smoother for a model.
@@ -21,15 +20,9 @@ pub struct SmootherDefaults {
     pub look_ahead: usize,
     /// Samples that a label is held: whole patches, at least one, at most [`MAX_HOLD`](crate::units::MAX_HOLD).
     pub hold: usize,
-    /// Confidence gate by class, 0 to [`MAX_ENTRY_MARGIN`](crate::units::MAX_ENTRY_MARGIN); see
-    /// [`Settings::entry_margins`].
-    pub entry_margins: [f32; MAX_CLASSES],
-    /// Margin over movement outside the vocabulary, at most [`MAX_ENTRY_MARGIN`](crate::units::MAX_ENTRY_MARGIN) either
-    /// way; none if the model does not know such movement. See [`Settings::other_margin`].
-    pub other_margin: Option<f32>,
-    /// Margins of early labels, 0 to [`MAX_ENTRY_MARGIN`](crate::units::MAX_ENTRY_MARGIN); none if every label waits for
-    /// the look-ahead. See [`Settings::early`].
-    pub early: Option<Early>,
+    /// Margins of a label, at most [`MAX_ENTRY_MARGIN`](crate::units::MAX_ENTRY_MARGIN), none but that over movement outside
+    /// the vocabulary below 0; that one is `None` if the model does not know such movement.
+    pub margins: Margins,
 }
 
 impl SmootherDefaults {
@@ -40,9 +33,7 @@ impl SmootherDefaults {
             aggregation: self.aggregation,
             look_ahead: self.look_ahead / PATCH,
             hold: self.hold / PATCH,
-            entry_margins: self.entry_margins,
-            other_margin: self.other_margin,
-            early: self.early,
+            margins: self.margins,
             ..Settings::PAPER_IN_PATCHES
         }
     }

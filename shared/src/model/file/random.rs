@@ -8,7 +8,7 @@ use crate::model::dimensions::{Companding, Dimensions, HEADS};
 use crate::model::noise::Noise;
 use crate::stream::alignment::{PRECISION_ONE, TEMPLATE_BYTES, Template};
 use crate::stream::preprocess::{Median, Preprocessing};
-use crate::stream::smoother::AggregationMode;
+use crate::stream::smoother::{AggregationMode, Margins};
 use crate::units::{CHANNELS, LOOK_BACK, PATCH};
 
 /// Draws tensors.
@@ -78,9 +78,11 @@ pub fn random_model(dimensions: Dimensions, seed: u64) -> ModelParts {
             aggregation: AggregationMode::AllRowsFrom,
             look_ahead: 50,
             hold: 20,
-            entry_margins: [0.0, 0.5, 0.5, 0.5, 0.5, 0.5],
-            other_margin: dimensions.other.then_some(0.25),
-            early: None,
+            margins: Margins {
+                entry: 0.5,
+                other: dimensions.other.then_some(0.25),
+                early: None,
+            },
         },
         template: Some(ramp()),
         provenance: ProvenanceParts {

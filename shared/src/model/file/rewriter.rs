@@ -42,18 +42,17 @@ impl Model<'_> {
         if other.is_some() && !Model::parse(file)?.header.dimensions.other {
             return Err(ModelError::NoOther);
         }
+        let reaction = reaction.map(Reaction::margins);
         Self::with_header(file, |header| {
-            if let Some(entry) = entry.or(reaction.map(Reaction::entry)) {
+            if let Some(entry) = entry.or(reaction.map(|margins| margins.entry)) {
                 header.entry_margins[Intent::Relax.class() + 1..].fill(entry);
             }
-            let default = reaction.map_or(header.other_margin, |reaction| {
-                header.other_margin.map(|_| reaction.other())
-            });
-            header.other_margin = other.or(default);
-            if let Some(reaction) = reaction {
+            if let Some(margins) = reaction {
+                header.other_margin = header.other_margin.and(margins.other);
                 let (mode, _) = header.aggregation.interpret();
-                header.aggregation = WireAggregation::new(mode, Some(reaction.early()));
+                header.aggregation = WireAggregation::new(mode, margins.early);
             }
+            header.other_margin = other.or(header.other_margin);
         })
     }
 

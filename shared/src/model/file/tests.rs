@@ -109,10 +109,10 @@ fn a_gate_can_be_exchanged_without_touching_anything_else() {
     };
     let mut parts = random_model(dimensions, 11);
     let bytes = parts.to_bytes().unwrap();
-    parts.smoother.entry_margins[1..].fill(1.5);
+    parts.smoother.margins.entry = 1.5;
     let entry = Model::with_gate(&bytes, Some(1.5), None, None).unwrap();
     assert_eq!(entry, parts.to_bytes().unwrap());
-    parts.smoother.other_margin = Some(-2.0);
+    parts.smoother.margins.other = Some(-2.0);
     let both = Model::with_gate(&entry, None, Some(-2.0), None).unwrap();
     assert_eq!(both, parts.to_bytes().unwrap());
     let small = small().to_bytes().unwrap();
@@ -139,14 +139,23 @@ fn a_gate_can_be_exchanged_without_touching_anything_else() {
 fn caution_is_one_margin_more_and_without_it_a_file_is_as_it_was() {
     let mut parts = small();
     let mut bytes = |early| {
-        parts.smoother.early = early;
+        parts.smoother.margins.early = early;
         parts.to_bytes().unwrap()
     };
     let [waits, early, caution] = [None, Some(0.0), Some(8.0)]
-        .map(|caution| caution.map(|caution| Early::new([0.5, 0.5, 1.0, 0.5, caution])))
+        .map(|caution| {
+            caution.map(|caution| Early {
+                entry: 0.5,
+                other: 0.5,
+                caution,
+            })
+        })
         .map(|margins| (margins, bytes(margins)));
     for (margins, bytes) in [&waits, &early, &caution] {
-        assert_eq!(Model::parse(bytes).unwrap().header.smoother.early, *margins);
+        assert_eq!(
+            Model::parse(bytes).unwrap().header.smoother.margins.early,
+            *margins
+        );
     }
     let length = |(_, bytes): &(_, Vec<u8>)| bytes.len();
     assert_eq!(length(&early), length(&waits) + 4 * 4);

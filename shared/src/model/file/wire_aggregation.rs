@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::stream::smoother::{AggregationMode, Early};
 
-/// Mode, and the margins of early labels in the order of [`Early::margins`].
+/// Mode, and the margins of early labels: over the classes, over other movement, of relax ([`Early::RELAX`]), of relax at any
+/// look-ahead ([`Early::LEAVE`]), caution.
 #[derive(Clone, Copy, Serialize, Deserialize)]
 pub(super) enum WireAggregation {
     AllRowsFrom,
@@ -19,34 +20,37 @@ pub(super) enum WireAggregation {
 impl WireAggregation {
     #[cfg(any(test, feature = "write"))]
     pub(super) fn new(aggregation: AggregationMode, early: Option<Early>) -> Self {
-        let margins = early.map(Early::margins);
-        match (aggregation, margins) {
-            (AggregationMode::AllRowsFrom, None) => Self::AllRowsFrom,
-            (AggregationMode::SameInstant, None) => Self::SameInstant,
-            (AggregationMode::AllRowsFrom, Some([without @ .., 0.0])) => {
-                Self::AllRowsFromEarly(without)
+        let without = early.map(|early| [early.entry, early.other, Early::RELAX, Early::LEAVE]);
+        let caution = early.map_or(0.0, |early| early.caution);
+        let all = aggregation == AggregationMode::AllRowsFrom;
+        match without {
+            None if all => Self::AllRowsFrom,
+            None => Self::SameInstant,
+            Some(without) if caution == 0.0 && all => Self::AllRowsFromEarly(without),
+            Some(without) if caution == 0.0 => Self::SameInstantEarly(without),
+            Some([entry, other, relax, leave]) => {
+                let margins = [entry, other, relax, leave, caution];
+                if all {
+                    Self::AllRowsFromCautious(margins)
+                } else {
+                    Self::SameInstantCautious(margins)
+                }
             }
-            (AggregationMode::SameInstant, Some([without @ .., 0.0])) => {
-                Self::SameInstantEarly(without)
-            }
-            (AggregationMode::AllRowsFrom, Some(all)) => Self::AllRowsFromCautious(all),
-            (AggregationMode::SameInstant, Some(all)) => Self::SameInstantCautious(all),
         }
     }
 
     /// The mode and the margins, unchecked.
-    pub(super) fn interpret(self) -> (AggregationMode, Option<Early>) {
+    pub(super) fn interpret(self) -> (AggregationMode, Option<[f32; 5]>) {
         let [all, same] = [AggregationMode::AllRowsFrom, AggregationMode::SameInstant];
-        let without = |[entry, other, relax, leave]: [f32; 4]| {
-            Some(Early::new([entry, other, relax, leave, 0.0]))
-        };
+        let cautious =
+            |[entry, other, relax, leave]: [f32; 4]| Some([entry, other, relax, leave, 0.0]);
         match self {
             Self::AllRowsFrom => (all, None),
             Self::SameInstant => (same, None),
-            Self::AllRowsFromEarly(margins) => (all, without(margins)),
-            Self::SameInstantEarly(margins) => (same, without(margins)),
-            Self::AllRowsFromCautious(margins) => (all, Some(Early::new(margins))),
-            Self::SameInstantCautious(margins) => (same, Some(Early::new(margins))),
+            Self::AllRowsFromEarly(margins) => (all, cautious(margins)),
+            Self::SameInstantEarly(margins) => (same, cautious(margins)),
+            Self::AllRowsFromCautious(margins) => (all, Some(margins)),
+            Self::SameInstantCautious(margins) => (same, Some(margins)),
         }
     }
 }

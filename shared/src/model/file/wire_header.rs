@@ -8,13 +8,15 @@ use super::error::ModelError;
 use super::header::{Header, List, Provenance, SmootherDefaults};
 use super::names::Excerpt;
 use super::wire_aggregation::WireAggregation;
+#[cfg(any(test, feature = "write"))]
+use crate::intent::Intent;
 use crate::intent::{MAX_CLASSES, Vocabulary};
 use crate::model::dimensions::{
     Companding, Dimensions, HEADS, MAX_LAYERS, MAX_SPAN, MAX_WIDTH, MIN_WIDTH, patches_needed,
 };
 use crate::stream::alignment::Template;
 use crate::stream::preprocess::{DIVISOR, Median, Preprocessing};
-use crate::stream::smoother::Early;
+use crate::stream::smoother::{Early, Margins};
 use crate::units::{
     LOOK_AHEAD, LOOK_BACK, MAX_ENTRY_MARGIN, MAX_HOLD, PATCH, SAMPLE_RATE_HZ, WINDOW_PATCHES,
 };
@@ -82,11 +84,11 @@ impl<'m> WireHeader<'m> {
             median_width: preprocessing.median.width(),
             divisor: DIVISOR,
             normalized: preprocessing.normalized,
-            aggregation: WireAggregation::new(smoother.aggregation, smoother.early),
+            aggregation: WireAggregation::new(smoother.aggregation, smoother.margins.early),
             look_ahead: short(smoother.look_ahead),
             hold: short(smoother.hold),
-            entry_margins: smoother.entry_margins,
-            other_margin: smoother.other_margin,
+            entry_margins: by_class(smoother.margins.entry),
+            other_margin: smoother.margins.other,
             template,
             data_sets,
             subjects_seen,
@@ -212,27 +214,51 @@ impl<'m> WireHeader<'m> {
             (look_ahead % PATCH).max(hold % PATCH),
             0,
         )?;
-        let mut margins = self.entry_margins.into_iter();
-        if let Some(found) = margins.find(|margin| !(0.0..=MAX_ENTRY_MARGIN).contains(margin)) {
+        let [_, entry, rest @ ..] = self.entry_margins;
+        let valid = |margin: &f32| (0.0..=MAX_ENTRY_MARGIN).contains(margin);
+        if let Some(found) = rest
+            .into_iter()
+            .chain([entry])
+            .find(|margin| *margin != entry || !valid(margin))
+        {
             return Err(ModelError::EntryMargin { found });
         }
         let wild = |margin: &f32| !(-MAX_ENTRY_MARGIN..=MAX_ENTRY_MARGIN).contains(margin);
         if let Some(found) = self.other_margin.filter(wild) {
             return Err(ModelError::OtherMargin { found });
         }
-        let mut beyond = early.map(Early::margins).into_iter().flatten();
-        if let Some(found) = beyond.find(|margin| !(0.0..=MAX_ENTRY_MARGIN).contains(margin)) {
-            return Err(ModelError::EarlyMargin { found });
-        }
+        let early = match early {
+            None => None,
+            Some([entry, other, Early::RELAX, Early::LEAVE, caution])
+                if [entry, other, caution].iter().all(valid) =>
+            {
+                Some(Early {
+                    entry,
+                    other,
+                    caution,
+                })
+            }
+            Some(_) => return Err(ModelError::EarlyMargin),
+        };
         Ok(SmootherDefaults {
             aggregation,
             look_ahead,
             hold,
-            entry_margins: self.entry_margins,
-            other_margin: self.other_margin,
-            early,
+            margins: Margins {
+                entry,
+                other: self.other_margin,
+                early,
+            },
         })
     }
+}
+
+/// The margin of each class: relax has none.
+#[cfg(any(test, feature = "write"))]
+fn by_class(entry: f32) -> [f32; MAX_CLASSES] {
+    let mut margins = [entry; MAX_CLASSES];
+    margins[Intent::Relax.class()] = 0.0;
+    margins
 }
 
 /// Refuses a number outside of its range.

@@ -36,10 +36,8 @@ impl Wearer {
         let model = Model::parse(file).unwrap();
         let encoder = DeviceEncoder::new(&model).unwrap();
         let state: &'static mut DeviceState = Box::leak(Box::new(encoder.fresh()));
-        let settings = Settings {
-            other_margin: Some(0.0),
-            ..Settings::PAPER_IN_PATCHES
-        };
+        let mut settings = Settings::PAPER_IN_PATCHES;
+        settings.margins.other = Some(0.0);
         let pipeline = Pipeline::new(encoder, state, settings, Start::Boot).unwrap();
         let mut wearer = Self {
             model,

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::stream::alignment::Alignment;
-use crate::stream::smoother::Reaction;
+use crate::stream::smoother::{Early, Reaction};
 
 /// Event between two samples.
 #[derive(Clone, Copy, Debug)]
@@ -35,12 +35,18 @@ fn any_schedule() -> impl Strategy<Value = Vec<(u32, Between)>> {
     })
 }
 
+/// The paper's settings with these margins of early labels.
+fn early(early: Option<Early>) -> Settings {
+    let mut settings = Settings::PAPER_IN_PATCHES;
+    settings.margins.early = early;
+    settings
+}
+
 #[test]
 fn an_early_label_keeps_its_class_where_the_samples_are_taken_again_at_once() {
     let settings = Settings {
         hold: 1,
-        early: Some(Reaction::Fast.early()),
-        ..Settings::PAPER_IN_PATCHES
+        ..early(Reaction::Fast.margins().early)
     };
     let state = Box::leak(Box::new(SumModel.fresh()));
     let mut pipeline = Pipeline::new(SumModel, state, settings, Start::Boot).unwrap();
@@ -71,24 +77,20 @@ fn an_early_label_keeps_its_class_where_the_samples_are_taken_again_at_once() {
 #[test]
 fn the_first_label_comes_with_the_sample_that_the_documentation_names() {
     let page = include_str!("../../../../docs/uart.md");
-    let balanced = Some(Reaction::Balanced.early());
-    for (early, class, samples) in [
+    let balanced = Reaction::Balanced.margins().early;
+    for (margins, class, samples) in [
         (balanced, 1, 651),
         (balanced, 0, 661),
         (None, 1, 661),
         (None, 0, 661),
     ] {
-        let settings = Settings {
-            early,
-            ..Settings::PAPER_IN_PATCHES
-        };
         let state = Box::leak(Box::new(SumModel.fresh()));
-        let mut pipeline = Pipeline::new(SumModel, state, settings, Start::Boot).unwrap();
+        let mut pipeline = Pipeline::new(SumModel, state, early(margins), Start::Boot).unwrap();
         let first = (0..1000).find(|&index| {
             let reports = pipeline.sample(at(index), constant(class)).into_iter();
             reports.count() > 0
         });
-        assert_eq!(first, Some(samples - 1), "{early:?}, class {class}");
+        assert_eq!(first, Some(samples - 1), "{margins:?}, class {class}");
         let named = page.contains(&alloc::format!("the {samples}st"));
         assert!(named, "docs/uart.md lacks the {samples}st sample");
     }
@@ -107,8 +109,7 @@ proptest! {
         let settings = Settings {
             look_ahead,
             hold,
-            early: Some(reaction.early()),
-            ..Settings::PAPER_IN_PATCHES
+            ..early(reaction.margins().early)
         };
         let state = Box::leak(Box::new(SumModel.fresh()));
         let mut pipeline = Pipeline::new(SumModel, state, settings, Start::Boot).unwrap();

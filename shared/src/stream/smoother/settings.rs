@@ -2,7 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::intent::MAX_CLASSES;
 use crate::names::names;
 use crate::units::{HOLD, LOOK_AHEAD, PATCH, SAMPLE_RATE_HZ};
 
@@ -26,14 +25,8 @@ pub struct Settings {
     pub hold: usize,
     /// Samples per row, at least 1.
     pub row_samples: u32,
-    /// Confidence gate: by how much the mean logit of a class has to exceed that of every other class for the label to
-    /// become this class; to keep the label, and to become relax, the largest is enough. By class; 0: no gate.
-    pub entry_margins: [f32; MAX_CLASSES],
-    /// Least difference of a class's mean logit to that of movement outside the vocabulary for the label to become
-    /// this class; such movement ends no label. `None`: rows have no such column behind the classes.
-    pub other_margin: Option<f32>,
-    /// Margins of labels that are emitted before their look-ahead is over; `None`: every label waits.
-    pub early: Option<Early>,
+    /// Margins that a label needs.
+    pub margins: Margins,
 }
 
 impl Settings {
@@ -43,51 +36,55 @@ impl Settings {
         look_ahead: LOOK_AHEAD / PATCH,
         hold: HOLD / PATCH,
         row_samples: PATCH as u32,
-        entry_margins: [0.0; MAX_CLASSES],
-        other_margin: None,
+        margins: Margins::NONE,
+    };
+}
+
+/// Margins that a label needs, in logits: the operating point.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Margins {
+    /// Confidence gate: by how much the mean logit of a class but relax has to exceed that of every other class for the label
+    /// to become this class; to keep the label, and to become relax, the largest is enough. 0: no gate.
+    pub entry: f32,
+    /// Least difference of a class's mean logit to that of movement outside the vocabulary for the label to become
+    /// this class; such movement ends no label. Below 0 where [`Early::caution`] adds much to it. `None`: rows have no such
+    /// column behind the classes.
+    pub other: Option<f32>,
+    /// Margins of labels that are emitted before their look-ahead is over; `None`: every label waits.
+    pub early: Option<Early>,
+}
+
+impl Margins {
+    /// No margins: the largest class wins, every label waits.
+    pub const NONE: Self = Self {
+        entry: 0.0,
+        other: None,
         early: None,
     };
 }
 
-/// Margins of an early label, in addition to those of the settings. The first three hold without look-ahead and fall evenly
-/// with it, to 0 at the whole look-ahead.
+/// Margins of early labels, in addition to the others. `entry` and `other` hold without look-ahead and fall evenly with it,
+/// to 0 at the whole look-ahead.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Early {
     /// Margin of a class over the other classes.
     pub entry: f32,
     /// Margin of a class over movement outside the vocabulary.
     pub other: f32,
-    /// Margin of relax over the classes.
-    pub relax: f32,
-    /// Margin of relax over the classes at any look-ahead: the settings have no margin of relax.
-    pub leave: f32,
     /// Margin of a class over movement outside the vocabulary at any look-ahead, times the share of such movement in the last
     /// 20 s.
     pub caution: f32,
 }
 
+impl Early {
+    /// Margin of relax over the classes, which falls as `entry` does.
+    pub const RELAX: f32 = 1.0;
+    /// Margin of relax over the classes at any look-ahead.
+    pub const LEAVE: f32 = 0.5;
+}
+
 /// Time constant of the moving average behind [`Early::caution`], in samples: 20 s.
 pub(super) const CAUTION: f32 = 20.0 * SAMPLE_RATE_HZ as f32;
-
-impl Early {
-    /// The margins, in the order of the fields.
-    #[must_use]
-    pub const fn new([entry, other, relax, leave, caution]: [f32; 5]) -> Self {
-        Self {
-            entry,
-            other,
-            relax,
-            leave,
-            caution,
-        }
-    }
-
-    /// The margins in the order of [`Self::new`].
-    #[must_use]
-    pub const fn margins(self) -> [f32; 5] {
-        [self.entry, self.other, self.relax, self.leave, self.caution]
-    }
-}
 
 names! {
     /// Named operating point: how soon a label changes, against how seldom it changes for nothing. Chosen by
@@ -107,47 +104,49 @@ names! {
 }
 
 impl Reaction {
-    /// Margin of all classes but relax: see [`Settings::entry_margins`].
+    /// The margins, for a model that knows other movement.
     #[must_use]
-    pub const fn entry(self) -> f32 {
-        match self {
-            Self::Fast | Self::Balanced => 1.5,
-            Self::Steady => 2.0,
-            Self::Late => 1.0,
+    pub const fn margins(self) -> Margins {
+        let [entry, other, early_entry, early_other, caution] = match self {
+            Self::Fast => [1.5, -1.5, 0.0, 0.5, 8.0],
+            Self::Balanced => [1.5, -1.5, 0.5, 0.5, 8.0],
+            Self::Steady => [2.0, 0.0, 0.5, 0.5, 4.0],
+            Self::Late => [1.0, -1.5, 9.0, 0.0, 8.0],
+        };
+        Margins {
+            entry,
+            other: Some(other),
+            early: Some(Early {
+                entry: early_entry,
+                other: early_other,
+                caution,
+            }),
         }
-    }
-
-    /// Margin over other movement: see [`Settings::other_margin`]. Below 0 where [`Early::caution`] adds much to it.
-    #[must_use]
-    pub const fn other(self) -> f32 {
-        match self {
-            Self::Fast | Self::Balanced | Self::Late => -1.5,
-            Self::Steady => 0.0,
-        }
-    }
-
-    /// Margins of early labels.
-    #[must_use]
-    pub const fn early(self) -> Early {
-        Early::new(match self {
-            Self::Fast => [0.0, 0.5, 1.0, 0.5, 8.0],
-            Self::Balanced => [0.5, 0.5, 1.0, 0.5, 8.0],
-            Self::Steady => [0.5, 0.5, 1.0, 0.5, 4.0],
-            Self::Late => [9.0, 0.0, 1.0, 0.5, 8.0],
-        })
     }
 }
 
 /// Operating point in place of the one in [`Settings`]; `None`: as in the settings.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub struct Gate {
-    /// Margin of all classes, in hundredths of a logit: see [`Settings::entry_margins`].
+    /// [`Margins::entry`], in hundredths of a logit.
     pub entry: Option<i16>,
-    /// Margin over other movement, in hundredths: see [`Settings::other_margin`]. It has no effect where rows have no such
-    /// column.
+    /// [`Margins::other`], in hundredths. It has no effect where rows have no such column.
     pub other: Option<i16>,
     /// All margins at once; `entry` and `other` come before its own.
     pub reaction: Option<Reaction>,
+}
+
+impl Gate {
+    /// The margins in force, `own` those of the settings.
+    pub(super) fn over(self, own: Margins) -> Margins {
+        let base = self.reaction.map_or(own, Reaction::margins);
+        let logits = |hundredths: i16| f32::from(hundredths) / 100.0;
+        Margins {
+            entry: self.entry.map_or(base.entry, logits),
+            other: own.other.and(self.other.map(logits).or(base.other)),
+            early: base.early,
+        }
+    }
 }
 
 /// Why settings are refused.

@@ -78,7 +78,7 @@ proptest! {
         settings in any_settings(), before in any_windows(), after in any_windows(),
     ) {
         // The label before counts where a class needs a margin.
-        let settings = Settings { entry_margins: [2.0; 6], ..settings };
+        let settings = Settings { margins: entry(2.0), ..settings };
         let mut fresh = Smoother::<CLASSES, ROWS>::new(settings, CLASSES).unwrap();
         let mut used = fresh.clone();
         for window in &before {
@@ -129,11 +129,19 @@ fn rows_of_nan_and_infinity_still_give_a_class() {
     assert_eq!(classes(settings, CLASSES, &rows), [Some(0), Some(0)]);
 }
 
+/// Margins of classes that wait.
+fn entry(entry: f32) -> Margins {
+    Margins {
+        entry,
+        ..Margins::NONE
+    }
+}
+
 /// Labels of a smoother that enters each class with this margin.
 fn gated(margin: f32, rows: &[[f32; CLASSES]]) -> Vec<usize> {
     let settings = Settings {
         look_ahead: 0,
-        entry_margins: [margin; 6],
+        margins: entry(margin),
         ..PLAIN
     };
     let labels = classes(settings, CLASSES, rows);
@@ -157,8 +165,10 @@ fn a_class_needs_its_margin_to_enter_and_none_to_stay_or_to_leave() {
 fn gated_from_other(margin: f32, rows: &[[f32; CLASSES]]) -> Vec<usize> {
     let settings = Settings {
         look_ahead: 0,
-        entry_margins: [1.0; 6],
-        other_margin: Some(margin),
+        margins: Margins {
+            other: Some(margin),
+            ..entry(1.0)
+        },
         ..PLAIN
     };
     let labels = classes(settings, CLASSES - 1, rows);
@@ -203,7 +213,10 @@ fn impossible_settings_are_refused_each_with_its_reason() {
         );
     }
     let other = Settings {
-        other_margin: Some(0.0),
+        margins: Margins {
+            other: Some(0.0),
+            ..Margins::NONE
+        },
         ..PLAIN
     };
     assert!(refused(other, 3).is_none());
@@ -222,7 +235,7 @@ fn impossible_settings_are_refused_each_with_its_reason() {
 fn another_gate_is_in_force_from_the_next_label_on_and_the_settings_again_without_it() {
     let settings = Settings {
         look_ahead: 0,
-        entry_margins: [1.0; 6],
+        margins: entry(1.0),
         ..PLAIN
     };
     let mut smoother = Smoother::<CLASSES, ROWS>::new(settings, CLASSES).unwrap();

@@ -1,12 +1,12 @@
 //! Pipeline from samples to labels: samples, losses, silences and alignments in any order at any time.
 
-use shared::intent::{Intent, MAX_CLASSES, MAX_LOGITS};
+use shared::intent::{Intent, MAX_LOGITS};
 use shared::model::{Encode, LookBackLogits};
 use shared::pipeline::{Pipeline, Reports};
 use shared::stream::alignment::{Alignment, Arm, Template};
 use shared::stream::preprocess::{Median, Preprocessing};
 use shared::stream::safe_state::{SILENCE_MS, Start};
-use shared::stream::smoother::{Reaction, Settings};
+use shared::stream::smoother::{Margins, Reaction, Settings};
 use shared::uart_line::alignment::AlignmentReport;
 use shared::uart_line::{Counters, Kind, Report};
 use shared::units::{LOOK_BACK, Millis, Patch, WINDOW};
@@ -69,11 +69,13 @@ pub fn run(data: &[u8]) {
     let settings = Settings {
         look_ahead: input.below(LOOK_BACK),
         hold: 1 + input.below(20),
-        entry_margins: [f32::from(input.byte()); MAX_CLASSES],
-        other_margin: (bits & 0x40 != 0).then(|| f32::from(input.byte()) - 128.0),
-        early: Reaction::ALL
-            .get(input.below(4))
-            .map(|reaction| reaction.early()),
+        margins: Margins {
+            entry: f32::from(input.byte()),
+            other: (bits & 0x40 != 0).then(|| f32::from(input.byte()) - 128.0),
+            early: Reaction::ALL
+                .get(input.below(4))
+                .and_then(|reaction| reaction.margins().early),
+        },
         ..Settings::PAPER_IN_PATCHES
     };
     let pipeline = Pipeline::new(encoder, &mut state, settings, Start::Boot);

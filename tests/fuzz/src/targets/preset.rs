@@ -15,7 +15,7 @@ const VALUES: [&str; 32] = [
 /// Keys that no built-in preset has.
 #[rustfmt::skip]
 const LINES: [&str; 7] = [
-    "balance = 0.5", "normalize = true", "other_movement = \"class\"", "other_margin = -1.0",
+    "balance = 0.5", "normalize = true", "other_movement = \"class\"", "reaction = \"fast,other=-1\"",
     "aggregation = \"same-instant\"", "lora = { rank = 4, alpha = 8.0 }", "ensemble = { members = 3, epochs = 2 }",
 ];
 

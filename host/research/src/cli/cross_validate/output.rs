@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use evaluation::report::{Table, recognition};
 use evaluation::{CONSTANT, ENERGY, Group, LookAhead};
 use execution::run_folder::write_whole;
+use presets::OperatingPoint;
 
 use crate::cross_validation::{
-    Contender, FoldScore, Gate, JobScores, Merged, Origin, daily_life, differences, emission,
-    movements, over_sets, people, scores, test_scores,
+    Contender, FoldScore, JobScores, Merged, Origin, daily_life, differences, emission, movements,
+    over_sets, people, scores, test_scores,
 };
 
 /// Tables of a cross-validation, a row for each person, and a picture.
@@ -75,9 +76,9 @@ fn picture(merged: &[Merged<'_>]) -> Option<String> {
     recognition::svg(systems, energy.and_then(curve))
 }
 
-/// Merges the scores of every contender under each confidence gate and look-ahead, on some of the people. Without
+/// Merges the scores of every contender under each operating point and look-ahead, on some of the people. Without
 /// look-ahead, only contenders without one are included.
-pub(super) fn merged<'a, G: Iterator<Item = Option<Gate>>>(
+pub(super) fn merged<'a, G: Iterator<Item = Option<OperatingPoint>>>(
     contenders: &'a [Contender],
     results: &'a [Vec<(Origin, JobScores)>],
     gates: impl Fn() -> G,

@@ -102,17 +102,17 @@ impl Judgement {
 
     /// Judges with another margin over other movement.
     pub(super) fn set_margin(&mut self, margin: f32) {
-        self.candidate.other_margin = Some(margin);
+        self.candidate.margins.other = Some(margin);
     }
 
     /// Raises the margin over other movement until it raises at most `wanted` labels a minute, and returns it.
     pub(super) fn raise_margin(&mut self, wanted: f64) -> Result<f32, PersonalizeError> {
-        let own = self.candidate.other_margin;
+        let own = self.candidate.margins.other;
         let own = own.ok_or(PersonalizeError::NoOtherClass)?;
         let mut found = 0.0;
         for step in 0..=MARGINS {
             let margin = own + f32::from(step) * MARGIN_STEP;
-            self.candidate.other_margin = Some(margin);
+            self.candidate.margins.other = Some(margin);
             let rate = rate(&self.score()?, |own| own.other_movement);
             found = rate.per_minute().ok_or(PersonalizeError::NoOthers)?;
             if found <= wanted {

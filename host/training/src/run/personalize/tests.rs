@@ -295,7 +295,7 @@ fn file_with_other() -> Vec<u8> {
         provenance: parts.provenance,
         ..random_model(dimensions, 5)
     };
-    parts.smoother.other_margin = Some(0.25);
+    parts.smoother.margins.other = Some(0.25);
     parts.to_bytes().unwrap()
 }
 
@@ -315,7 +315,7 @@ fn where_other_movement_is_shown_there_are_more_steps_and_a_lower_margin() {
         let report = |step, of| taken.push((step, of));
         let whole = person.whole();
         let bytes = tune(&file, &whole, &settings, &device, &interrupt, report).unwrap();
-        let margin = Model::parse(&bytes).unwrap().header.smoother.other_margin;
+        let margin = Model::parse(&bytes).unwrap().header.smoother.margins.other;
         (taken, margin)
     };
     assert_eq!(tuned(turns(5)), (vec![(1, 1)], Some(0.25)));

@@ -82,7 +82,7 @@ pub fn tune(
     let recordings = part.recordings();
     let is_other = |own: &Recording| !own.other_movement.is_empty();
     let steps = if parts.dimensions.other && recordings.iter().any(is_other) {
-        let own = &mut parts.smoother.other_margin;
+        let own = &mut parts.smoother.margins.other;
         *own = own.map(|own| own.min(settings.other_margin));
         settings.steps_with_other
     } else {

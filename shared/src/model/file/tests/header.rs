@@ -1,6 +1,7 @@
 //! Refusals of the header.
 
 use super::*;
+use crate::model::file::wire_aggregation::WireAggregation;
 
 #[test]
 fn every_number_has_its_range() {
@@ -56,9 +57,25 @@ fn every_other_field_has_its_refusal() {
     }
     let found = 50.5;
     refuses(
+        |header| header.entry_margins[1..].fill(found),
+        ModelError::EntryMargin { found },
+    );
+    let found = 1.0;
+    refuses(
         |header| header.entry_margins[2] = found,
         ModelError::EntryMargin { found },
     );
+    for margins in [
+        [50.5, 0.5, 1.0, 0.5],
+        [0.5, -0.5, 1.0, 0.5],
+        [0.5, 0.5, 0.9, 0.5],
+        [0.5, 0.5, 1.0, f32::NAN],
+    ] {
+        refuses(
+            |header| header.aggregation = WireAggregation::SameInstantEarly(margins),
+            ModelError::EarlyMargin,
+        );
+    }
     for found in [-50.5, 50.5, f32::INFINITY] {
         refuses(
             |header| header.other_margin = Some(found),

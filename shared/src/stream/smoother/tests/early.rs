@@ -42,15 +42,20 @@ impl Twin {
     }
 
     fn margins(&self, class: usize, ahead: usize) -> [f64; 2] {
-        let [entry, other, relax, leave, caution] = self.early.margins().map(f64::from);
+        let Early {
+            entry,
+            other,
+            caution,
+        } = self.early;
+        let [entry, other, caution] = [entry, other, caution].map(f64::from);
         let look_ahead = self.settings.look_ahead;
         let share = (look_ahead - ahead) as f64 / look_ahead.max(1) as f64;
         if class == 0 {
-            [leave + relax * share, f64::NEG_INFINITY]
+            [0.5 + share, f64::NEG_INFINITY]
         } else {
-            let settings = self.settings.other_margin.unwrap();
+            let settings = self.settings.margins.other.unwrap();
             [
-                f64::from(self.settings.entry_margins[class]) + entry * share,
+                f64::from(self.settings.margins.entry) + entry * share,
                 f64::from(settings) + other * share + caution * self.otherwise,
             ]
         }
@@ -77,7 +82,7 @@ impl Twin {
             Some(class) if class != 0 => class,
             _ if self.class == 0 => 0,
             _ if over(self.class) >= 0.0 => self.class,
-            _ if means[0] - means[self.class] < f64::from(self.early.leave) => self.class,
+            _ if means[0] - means[self.class] < 0.5 => self.class,
             _ => 0,
         }
     }
@@ -140,16 +145,25 @@ impl Twin {
 /// Margins with a fraction that no difference of whole logits has.
 fn any_early() -> impl Strategy<Value = (Settings, Early)> {
     let margin = || (0..4_u8).prop_map(|margin| f32::from(margin) + 0.137);
-    let early = [(); 5].map(|()| margin());
-    (any_settings(), early, margin(), margin()).prop_map(|(settings, early, entry, other)| {
-        let early = Early::new(early);
-        let settings = Settings {
-            entry_margins: [entry; 6],
-            other_margin: Some(other),
-            early: Some(early),
-            ..settings
+    (any_settings(), [(); 5].map(|()| margin())).prop_map(|(settings, margins)| {
+        let [entry, other, early_entry, early_other, caution] = margins;
+        let early = Early {
+            entry: early_entry,
+            other: early_other,
+            caution,
         };
-        (settings, early)
+        let margins = Margins {
+            entry,
+            other: Some(other),
+            early: Some(early),
+        };
+        (
+            Settings {
+                margins,
+                ..settings
+            },
+            early,
+        )
     })
 }
 
@@ -229,12 +243,18 @@ proptest! {
 
 #[test]
 fn a_clear_class_is_labelled_at_its_first_row_and_a_weaker_one_after_more() {
-    let early = Early::new([4.0, 0.0, 0.0, 0.0, 0.0]);
+    let early = Early {
+        entry: 4.0,
+        other: 0.0,
+        caution: 0.0,
+    };
     let settings = Settings {
         look_ahead: 5,
         hold: 2,
-        entry_margins: [1.0; 6],
-        early: Some(early),
+        margins: Margins {
+            early: Some(early),
+            ..entry(1.0)
+        },
         ..PLAIN
     };
     // Each row of a window is that of its instant.
@@ -261,8 +281,15 @@ fn a_class_is_asked_for_more_after_other_movement_and_for_less_after_rest() {
         look_ahead: 5,
         hold: 2,
         row_samples: 10,
-        other_margin: Some(-1.5),
-        early: Some(Early::new([0.0, 0.0, 0.0, 0.0, 8.0])),
+        margins: Margins {
+            entry: 0.0,
+            other: Some(-1.5),
+            early: Some(Early {
+                entry: 0.0,
+                other: 0.0,
+                caution: 8.0,
+            }),
+        },
         ..PLAIN
     };
     // The label of a class that other movement exceeds by 1, after `other` patches of it and `rest` of rest.
