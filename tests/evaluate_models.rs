@@ -117,7 +117,7 @@ fn several_models_and_the_floors_stand_side_by_side_and_the_page_begins_with_the
     );
 
     // On a phone no table is cut, and of a wide picture it is said that it goes on.
-    if let Some(mut browser) = browser::Browser::start(browser::Kind::Chromium) {
+    if let Some(mut browser) = browser::Browser::start(browser::BrowserKind::Chromium) {
         browser.look(390, 844, "light", "no-preference");
         browser.open(&format!("file://{}", folder.join("page.html").display()));
         browser.wait_for("document.readyState === 'complete'");

@@ -3,7 +3,7 @@
 /// Starts Chromium; without it, the test is booked as skipped and ends.
 macro_rules! start {
     () => {
-        match $crate::browser::Browser::start($crate::browser::Kind::Chromium) {
+        match $crate::browser::Browser::start($crate::browser::BrowserKind::Chromium) {
             Some(browser) => browser,
             None => return,
         }

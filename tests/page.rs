@@ -28,7 +28,7 @@ use web::engine::{Engine, Wanted};
 use web::event::Event;
 use xtask::firmware::Image;
 
-use self::browser::{Browser, CATCH, CONNECTED, FITS, Kind, LOST, VALID};
+use self::browser::{Browser, BrowserKind, CATCH, CONNECTED, FITS, LOST, VALID};
 
 /// Whether the page offers to save a calibrated model.
 const SAVES: &str = "!$save-model.hidden";
@@ -331,7 +331,7 @@ static FILE: LazyLock<Result<PathBuf, String>> = LazyLock::new(|| {
 });
 
 /// Opens the file in a browser, after a script; none where something is missing, which is booked as skipped.
-fn open(kind: Kind, script: &str) -> Option<Browser> {
+fn open(kind: BrowserKind, script: &str) -> Option<Browser> {
     let mut browser = Browser::start(kind)?;
     let path = match &*FILE {
         Ok(path) => path,
@@ -432,7 +432,7 @@ fn devices() -> String {
 
 #[test]
 fn the_file_shows_the_simulated_arm_without_a_server_and_takes_recordings() {
-    let Some(mut browser) = open(Kind::Chromium, "") else {
+    let Some(mut browser) = open(BrowserKind::Chromium, "") else {
         return;
     };
     browser.wait_for(VALID);
@@ -548,7 +548,7 @@ fn in_a_browser_labels_of_four_sets_are_those_of_replay() {
     let Some(data) = myointent_tests::data() else {
         return;
     };
-    let Some(mut browser) = open(Kind::Chromium, "") else {
+    let Some(mut browser) = open(BrowserKind::Chromium, "") else {
         return;
     };
     // Of these, one file is a whole recording: a page has no other beside it.
@@ -574,7 +574,7 @@ fn in_a_browser_labels_of_four_sets_are_those_of_replay() {
 
 #[test]
 fn an_armband_streams_into_the_file_and_is_found_again() {
-    let Some(mut browser) = open(Kind::Chromium, &devices()) else {
+    let Some(mut browser) = open(BrowserKind::Chromium, &devices()) else {
         return;
     };
     browser.wait_for(CONNECTED);
@@ -614,7 +614,7 @@ fn an_armband_streams_into_the_file_and_is_found_again() {
 
 #[test]
 fn a_board_streams_into_the_file_and_may_be_unplugged() {
-    let Some(mut browser) = open(Kind::Chromium, &devices()) else {
+    let Some(mut browser) = open(BrowserKind::Chromium, &devices()) else {
         return;
     };
     browser.wait_for(CONNECTED);
@@ -653,7 +653,7 @@ fn a_dropped_model_is_installed_on_the_emulated_board() -> anyhow::Result<()> {
     let Some(image) = chip::image(Image::Nrf52840S140) else {
         return Ok(());
     };
-    let Some(mut browser) = open(Kind::Chromium, &fakes(&Value::Null, &[])) else {
+    let Some(mut browser) = open(BrowserKind::Chromium, &fakes(&Value::Null, &[])) else {
         return Ok(());
     };
     let samples = samples(120);
@@ -712,7 +712,7 @@ fn a_dropped_model_is_installed_on_the_emulated_board() -> anyhow::Result<()> {
 
 #[test]
 fn a_session_is_recorded_in_the_file_and_a_tab_that_is_killed_loses_nothing() {
-    let Some(mut browser) = open(Kind::Chromium, "") else {
+    let Some(mut browser) = open(BrowserKind::Chromium, "") else {
         return;
     };
     browser.wait_for(VALID);
@@ -770,7 +770,7 @@ fn a_session_is_recorded_in_the_file_and_a_tab_that_is_killed_loses_nothing() {
 
 #[test]
 fn a_browser_without_bluetooth_says_so_and_shows_the_simulated_arm() {
-    let Some(mut browser) = open(Kind::Firefox, "") else {
+    let Some(mut browser) = open(BrowserKind::Firefox, "") else {
         return;
     };
     browser.wait_for(&label("open"));

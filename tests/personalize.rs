@@ -16,7 +16,7 @@ use recordings::{LoadOptions, load};
 use shared::model::file::Model;
 use shared::units::CHANNELS;
 use small::folder;
-use training::run::personalize::{Person, judge};
+use training::run::personalize::{PersonRecordings, judge};
 
 /// Exit code of a command that keeps the old model.
 const KEPT: u8 = 3;
@@ -93,7 +93,7 @@ fn on_the_part_held_back(model: &Path, recordings: &Path) -> f64 {
     let bytes = fs::read(model).unwrap();
     let header = Model::parse(&bytes).unwrap().header;
     let library = load(recordings, &LoadOptions::default()).unwrap();
-    let person = Person::new(&library, None, &header).unwrap();
+    let person = PersonRecordings::new(&library, None, &header).unwrap();
     let (_, held_back) = person.whole().divided().unwrap();
     let score = judge("model", &bytes, &held_back).unwrap();
     Measure::BalancedAccuracy.mean(&score).unwrap().mean

@@ -12,7 +12,7 @@ use rand_chacha::ChaCha8Rng;
 use recordings::synthetic::{self, SynthOptions};
 use shared::myo::Address;
 use shared::myo::binding::to_record;
-use shared::uart_line::{Kind, Report};
+use shared::uart_line::{Report, ReportKind};
 use xtask::firmware;
 
 /// Returns the path of the simulated board's program, built once.
@@ -114,7 +114,7 @@ fn times(ran: &Ran) -> (Times, Times) {
         .zip(&start.lines)
         .filter_map(|(line, end)| {
             let report = Report::parse(line.as_bytes()).ok()?;
-            (report.kind == Kind::Label).then_some((report, *end))
+            (report.kind == ReportKind::Label).then_some((report, *end))
         })
         .collect();
     let line = Times::of(

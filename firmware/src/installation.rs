@@ -5,7 +5,9 @@ use embassy_futures::{
     yield_now,
 };
 use embassy_time::Timer;
-use shared::installation::{BLOCK_BYTES, Block, Installation, Progress, Refused, Step, journal};
+use shared::installation::{
+    BLOCK_BYTES, Block, Installation, InstallationProgress, InstallationStep, Refused, journal,
+};
 use shared::model::file::{Model, ModelError};
 use shared::uart_line::answer::Refusal;
 use shared::uart_line::calibration::{CalibrationReport, CalibrationState};
@@ -52,7 +54,7 @@ async fn serve(flash: &SharedFlash<impl Flash>) -> ! {
         };
         let answer = match request {
             InstallationRequest::Begin(transfer) if model::current() == Some(transfer.checksum) => {
-                Ok(Progress::Installed)
+                Ok(InstallationProgress::Installed)
             }
             InstallationRequest::Begin(transfer) => {
                 let is_in_use = model::current().is_some();
@@ -120,7 +122,7 @@ async fn take(
     flash: &SharedFlash<impl Flash>,
     number: u32,
     block: &Block,
-) -> Result<Progress, Refused> {
+) -> Result<InstallationProgress, Refused> {
     installation.take(number, block, is_ours)?;
     while let Some(step) = installation.step() {
         let outcome = match request(step) {
@@ -152,11 +154,11 @@ fn is_ours(first: &Block) -> bool {
 }
 
 /// Request to the inference in a step; none where it has nothing to do.
-const fn request(step: Step) -> Option<ModelRequest> {
+const fn request(step: InstallationStep) -> Option<ModelRequest> {
     match step {
-        Step::Suspend => Some(ModelRequest::Suspend),
-        Step::Verify => Some(ModelRequest::Verify),
-        Step::Resume => Some(ModelRequest::Resume),
+        InstallationStep::Suspend => Some(ModelRequest::Suspend),
+        InstallationStep::Verify => Some(ModelRequest::Verify),
+        InstallationStep::Resume => Some(ModelRequest::Resume),
         _ => None,
     }
 }
@@ -181,25 +183,29 @@ async fn shown() {
 async fn write(
     installation: &Installation,
     flash: &mut impl Flash,
-    step: Step,
+    step: InstallationStep,
 ) -> Result<(), FlashFailed> {
     let log = Region::Journal;
     match step {
-        Step::EraseJournal | Step::EndJournal => flash.erase(log.address(0)).await,
-        Step::WriteJournal => {
+        InstallationStep::EraseJournal | InstallationStep::EndJournal => {
+            flash.erase(log.address(0)).await
+        }
+        InstallationStep::WriteJournal => {
             let record = Words(installation.record());
             put(flash, log, 0, &record.0).await
         }
-        Step::MarkPage(page) => {
+        InstallationStep::MarkPage(page) => {
             let mark = Words([0; 4]);
             put(flash, log, journal::mark(page), &mark.0).await
         }
-        Step::ErasePage(page) => flash.erase(Region::Model.address(page * PAGE_BYTES)).await,
-        Step::WriteBlock(number) => {
+        InstallationStep::ErasePage(page) => {
+            flash.erase(Region::Model.address(page * PAGE_BYTES)).await
+        }
+        InstallationStep::WriteBlock(number) => {
             let offset = number * BLOCK_BYTES as u32;
             put(flash, Region::Model, offset, &installation.content().0).await
         }
-        Step::Suspend | Step::Verify | Step::Resume => Ok(()),
+        InstallationStep::Suspend | InstallationStep::Verify | InstallationStep::Resume => Ok(()),
     }
 }
 

@@ -33,11 +33,11 @@ use crate::stream::lock::{Lock, LockTimes};
 use crate::stream::normalizer::Normalizer;
 use crate::stream::preprocess::{Preprocessing, Preprocessor};
 use crate::stream::ring::{Origin, SampleRing};
-use crate::stream::safe_state::{Event, SafeState, Start, Status};
+use crate::stream::safe_state::{SafeState, SafetyEvent, Start, Status};
 use crate::stream::smoother::{Decision, Settings, SettingsError};
 use crate::stream::strength::{Percent, Strength};
 use crate::uart_line::calibration::CalibrationState;
-use crate::uart_line::{Counters, Kind, Report};
+use crate::uart_line::{Counters, Report, ReportKind};
 use crate::units::{Millis, PATCH, Sample, SampleIndex, WINDOW_PATCHES};
 
 /// Composition of all steps from samples to reports.
@@ -156,7 +156,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
     /// Takes the next sample.
     pub fn sample(&mut self, now: Millis, sample: Sample) -> Reports {
         let mut reports = self.tick(now);
-        self.handle(now, Event::Sample, &mut reports);
+        self.handle(now, SafetyEvent::Sample, &mut reports);
         self.watch(sample);
         self.calibration.sample(sample);
         self.strength.push(sample);
@@ -176,7 +176,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         // First: a decision between the arms is not interrupted but dropped.
         self.drop_alignment();
         self.reset_window();
-        self.handle(now, Event::Disconnected, &mut reports);
+        self.handle(now, SafetyEvent::Disconnected, &mut reports);
         reports
     }
 
@@ -184,7 +184,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
     pub fn stalled(&mut self, now: Millis) -> Reports {
         let mut reports = Reports::default();
         self.reset_window();
-        self.handle(now, Event::Stalled, &mut reports);
+        self.handle(now, SafetyEvent::Stalled, &mut reports);
         reports
     }
 
@@ -193,7 +193,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         let mut reports = Reports::default();
         if self.safe_state.silent(now) {
             self.reset_window();
-            self.handle(now, Event::Tick, &mut reports);
+            self.handle(now, SafetyEvent::Tick, &mut reports);
         }
         reports
     }
@@ -232,7 +232,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
 
     /// A report of the present state, as a program writes it when it starts.
     pub fn state_report(&mut self) -> Report {
-        self.report(Kind::State, self.newest, self.newest)
+        self.report(ReportKind::State, self.newest, self.newest)
     }
 
     /// Takes one sample, aligned, received or filled in.
@@ -312,19 +312,19 @@ impl<'s, E: Encode> Pipeline<'s, E> {
             None => Some(intent),
         };
         let Some(intent) = shown else {
-            self.handle(now, Event::Locked, reports);
+            self.handle(now, SafetyEvent::Locked, reports);
             return;
         };
         self.strength.learn(intent, self.rest());
         // No other window is decided.
-        let event = Event::Label {
+        let event = SafetyEvent::Label {
             intent,
             window_full: true,
         };
         if self.safe_state.handle(now, event).is_some() {
-            reports.push(self.report(Kind::State, decision.instant, self.newest));
+            reports.push(self.report(ReportKind::State, decision.instant, self.newest));
         }
-        reports.push(self.report(Kind::Label, decision.instant, self.newest));
+        reports.push(self.report(ReportKind::Label, decision.instant, self.newest));
     }
 
     /// Whether an instant has another label, or is before one that has a label. So it may be where samples were taken
@@ -353,7 +353,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         self.restart_model();
     }
 
-    fn handle(&mut self, now: Millis, event: Event, reports: &mut Reports) {
+    fn handle(&mut self, now: Millis, event: SafetyEvent, reports: &mut Reports) {
         if self.safe_state.handle(now, event).is_some() {
             let report = self.state_report();
             reports.push(report);
@@ -378,7 +378,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         self.strength.of(label, self.rest())
     }
 
-    fn report(&mut self, kind: Kind, instant: SampleIndex, emitted: SampleIndex) -> Report {
+    fn report(&mut self, kind: ReportKind, instant: SampleIndex, emitted: SampleIndex) -> Report {
         let status = self.safe_state.status();
         Report {
             kind,

@@ -67,7 +67,7 @@ pub const USB_NUMBERS: [u16; 2] = [0x1209, 0x0001];
 
 /// Why a line is written.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Kind {
+pub enum ReportKind {
     /// A label of the smoother.
     Label,
     /// The state became valid, became safe, or is safe for another cause.
@@ -89,7 +89,7 @@ pub struct Counters {
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Report {
     /// Kind of the report.
-    pub kind: Kind,
+    pub kind: ReportKind,
     /// Number of the line, from 0; wraps.
     pub sequence: u32,
     /// Reference time: the sample that the label refers to.
@@ -106,15 +106,15 @@ pub struct Report {
 
 rows!(Report {
     "LABEL" (sequence: u32, instant: SampleIndex, emitted: SampleIndex, status: Status, counters: Counters)
-        => Self { kind: Kind::Label, sequence, instant, emitted, status, counters, strength: None },
+        => Self { kind: ReportKind::Label, sequence, instant, emitted, status, counters, strength: None },
     "STATE" (sequence: u32, instant: SampleIndex, emitted: SampleIndex, status: Status, counters: Counters)
-        => Self { kind: Kind::State, sequence, instant, emitted, status, counters, strength: None },
+        => Self { kind: ReportKind::State, sequence, instant, emitted, status, counters, strength: None },
     "LABEL" (
         sequence: u32, instant: SampleIndex, emitted: SampleIndex, status: Status, counters: Counters, strength: Percent
-    ) => Self { kind: Kind::Label, sequence, instant, emitted, status, counters, strength: Some(strength) },
+    ) => Self { kind: ReportKind::Label, sequence, instant, emitted, status, counters, strength: Some(strength) },
     "STATE" (
         sequence: u32, instant: SampleIndex, emitted: SampleIndex, status: Status, counters: Counters, strength: Percent
-    ) => Self { kind: Kind::State, sequence, instant, emitted, status, counters, strength: Some(strength) },
+    ) => Self { kind: ReportKind::State, sequence, instant, emitted, status, counters, strength: Some(strength) },
 });
 fields!(Counters {
     lost: u32,

@@ -3,7 +3,7 @@
 use nrf52::time::HZ;
 use shared::model::noise::Noise;
 use shared::units::Sample;
-use virtual_armband::{Behaviour, Step};
+use virtual_armband::{ArmbandFault, Behaviour};
 use xtask::firmware::Image;
 
 use myointent_tests::chip::{self, Board, Setting};
@@ -46,7 +46,7 @@ fn scanned_percent(board: &mut Board, seconds: u64) -> anyhow::Result<u64> {
 fn a_board_that_sees_nobody_for_a_minute_scans_a_tenth_of_the_time() -> anyhow::Result<()> {
     for built in [Image::Nrf52840S140, Image::Nrf52840Sdc] {
         let behaviour = Behaviour {
-            steps: vec![Step::Absent],
+            steps: vec![ArmbandFault::Absent],
             ..Behaviour::default()
         };
         let mut board = found!(board_of(built, behaviour));
@@ -65,7 +65,7 @@ fn a_board_that_sees_nobody_for_a_minute_scans_a_tenth_of_the_time() -> anyhow::
 #[test]
 fn a_pairing_scans_all_the_time() -> anyhow::Result<()> {
     let behaviour = Behaviour {
-        steps: vec![Step::Absent],
+        steps: vec![ArmbandFault::Absent],
         ..Behaviour::default()
     };
     let mut board = found!(board(behaviour));
@@ -82,12 +82,12 @@ fn a_link_that_is_lost_is_found_again() -> anyhow::Result<()> {
     for built in [Image::Nrf52840S140, Image::Nrf52840Sdc] {
         // Out of reach for longer than the supervision time-out; ended by the armband; refused at first.
         let steps = vec![
-            Step::Refuse { count: 2 },
-            Step::Vanish {
+            ArmbandFault::Refuse { count: 2 },
+            ArmbandFault::Vanish {
                 at: 100,
                 for_ms: 6000,
             },
-            Step::Sleep {
+            ArmbandFault::Sleep {
                 at: 200,
                 for_ms: 500,
             },
@@ -113,7 +113,7 @@ fn a_link_that_is_lost_is_found_again() -> anyhow::Result<()> {
 #[test]
 fn the_parameters_that_an_armband_prefers_are_said_once() -> anyhow::Result<()> {
     let behaviour = Behaviour {
-        steps: vec![Step::Sleep { at: 100, for_ms: 1 }],
+        steps: vec![ArmbandFault::Sleep { at: 100, for_ms: 1 }],
         ..Behaviour::default()
     };
     let mut board = found!(board(behaviour));

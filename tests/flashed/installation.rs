@@ -10,7 +10,7 @@ use shared::intent::Vocabulary;
 use shared::model::dimensions::Dimensions;
 use shared::model::file::random::random_model;
 use shared::uart_line::command::Command;
-use virtual_armband::{Behaviour, Step};
+use virtual_armband::{ArmbandFault, Behaviour};
 use xtask::firmware::Image;
 
 use super::air;
@@ -205,7 +205,7 @@ fn install_without_power(built: Image, next: impl Fn(usize) -> usize) -> anyhow:
     let setting = Setting {
         model: old.file.clone(),
         behaviour: Behaviour {
-            steps: vec![Step::Absent],
+            steps: vec![ArmbandFault::Absent],
             ..Behaviour::default()
         },
         ..Setting::default()

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use anyhow::{Context as _, ensure};
 use nrf52::chip::APPROTECT;
 use xtask::firmware::Image;
-use xtask::merge::{Part, merged};
+use xtask::merge::{FlashPart, merged};
 
 use myointent_tests::chip::{self, MODEL};
 
@@ -67,7 +67,7 @@ fn the_merged_file_holds_every_region_and_nothing_else() -> anyhow::Result<()> {
     ) else {
         return Ok(());
     };
-    let stand_in = Part {
+    let stand_in = FlashPart {
         name: "SoftDevice",
         segments: vec![
             (0, vec![0x5e; 0xb00]),
@@ -75,14 +75,14 @@ fn the_merged_file_holds_every_region_and_nothing_else() -> anyhow::Result<()> {
         ],
     };
     // As a file, which the library that writes it reads.
-    let softdevice = Part::hex("SoftDevice", &merged(std::slice::from_ref(&stand_in))?)?;
+    let softdevice = FlashPart::hex("SoftDevice", &merged(std::slice::from_ref(&stand_in))?)?;
     assert_eq!(softdevice, stand_in);
     let model = chip::model();
     let parts = [
         softdevice,
-        Part::program(&elf)?,
-        Part::model(&model, &elf)?,
-        Part::access(),
+        FlashPart::program(&elf)?,
+        FlashPart::model(&model, &elf)?,
+        FlashPart::access(),
     ];
     let mut found = read(&merged(&parts)?)?;
     for (start, bytes) in stand_in.segments.iter().chain(&image.segments) {

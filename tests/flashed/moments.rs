@@ -11,7 +11,7 @@ use nrf52::time::{HZ, ms};
 use nrf52::{Incident, RAM};
 use shared::installation::{Block, Transfer};
 use shared::uart_line::command::Command;
-use virtual_armband::{Behaviour, Step};
+use virtual_armband::{ArmbandFault, Behaviour};
 use xtask::firmware::Image;
 
 use super::faults::{effort, leave_interrupts};
@@ -162,7 +162,7 @@ fn the_watchdog_ends_a_hang_whatever_the_board_was_doing() -> anyhow::Result<()>
             // Each image has each hang, and both hangs of an activity are on different images.
             let built = FLASHED[(number + how) % FLASHED.len()];
             let image = found!(chip::image(built));
-            let steps = Vec::from_iter(activity.is_alone.then_some(Step::Absent));
+            let steps = Vec::from_iter(activity.is_alone.then_some(ArmbandFault::Absent));
             let setting = Setting {
                 samples: effort(20),
                 behaviour: Behaviour {

@@ -9,7 +9,7 @@ use myointent::board::{Board as Asked, BoardError};
 use myointent::cli::Cli;
 use serial2::SerialPort;
 use shared::hid::{self, HidCommand};
-use shared::installation::{Block, Progress, Transfer};
+use shared::installation::{Block, InstallationProgress, Transfer};
 use shared::myo::Following;
 use shared::stream::alignment::{Alignment, Arm};
 use shared::stream::lock::LockTimes;
@@ -133,7 +133,7 @@ fn late() -> Vec<(Command, Vec<Answer<'static>>, Answer<'static>)> {
     ].map(Refused);
     let refusals = vec![no_model, no_stream, built_in, length, block, not_begun, model, flash];
     let transfer = Transfer { length: 84_729, checksum: 7 };
-    let next = |block| Answer::Install(Progress::Next(block));
+    let next = |block| Answer::Install(InstallationProgress::Next(block));
     let counts = Answer::Counts(Counts::default());
     let lock = |locked| Answer::Lock(Some(locking(locked)));
     vec![

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 use tungstenite::{Message, WebSocket};
-pub use xtask::browser::Kind;
+pub use xtask::browser::BrowserKind;
 
 /// Longest wait for a start on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -30,7 +30,7 @@ pub const CATCH: &str = "(create => URL.createObjectURL = (blob) => create.call(
 
 /// Browser with one page.
 pub struct Browser {
-    kind: Kind,
+    kind: BrowserKind,
     child: Child,
     socket: WebSocket<TcpStream>,
     commands: u64,
@@ -43,7 +43,7 @@ pub struct Browser {
 
 impl Browser {
     /// Starts a browser of a kind. Without it, returns `None` and books the test of this thread as skipped.
-    pub fn start(kind: Kind) -> Option<Self> {
+    pub fn start(kind: BrowserKind) -> Option<Self> {
         let program = match kind.find() {
             Ok(program) => program,
             Err(error) => {
@@ -54,8 +54,8 @@ impl Browser {
         let profile = tempfile::tempdir().unwrap();
         let mut command = Command::new(program);
         match kind {
-            Kind::Chromium => chromium::arguments(&mut command, profile.path()),
-            Kind::Firefox => firefox::arguments(&mut command, profile.path()),
+            BrowserKind::Chromium => chromium::arguments(&mut command, profile.path()),
+            BrowserKind::Firefox => firefox::arguments(&mut command, profile.path()),
         }
         let mut child = command
             // A browser that is killed leaves its files, here in a folder that goes.
@@ -72,8 +72,8 @@ impl Browser {
             let _ = std::io::copy(&mut lines, &mut std::io::sink());
         });
         let address = match kind {
-            Kind::Chromium => chromium::page(port),
-            Kind::Firefox => format!("ws://127.0.0.1:{port}/session"),
+            BrowserKind::Chromium => chromium::page(port),
+            BrowserKind::Firefox => format!("ws://127.0.0.1:{port}/session"),
         };
         let stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
         stream.set_read_timeout(Some(PATIENCE)).unwrap();
@@ -88,8 +88,8 @@ impl Browser {
             _profile: profile,
         };
         match kind {
-            Kind::Chromium => browser.begin_chromium(),
-            Kind::Firefox => browser.begin_firefox(),
+            BrowserKind::Chromium => browser.begin_chromium(),
+            BrowserKind::Firefox => browser.begin_firefox(),
         }
         Some(browser)
     }
@@ -135,10 +135,10 @@ impl Browser {
             let method = message["method"].as_str().unwrap_or_default();
             let parameters = &message["params"];
             match self.kind {
-                Kind::Chromium => self
+                BrowserKind::Chromium => self
                     .complaints
                     .extend(chromium::complaint(method, parameters)),
-                Kind::Firefox => self
+                BrowserKind::Firefox => self
                     .complaints
                     .extend(firefox::complaint(method, parameters)),
             }
@@ -148,8 +148,8 @@ impl Browser {
     /// Goes to an address.
     pub fn open(&mut self, url: &str) {
         match self.kind {
-            Kind::Chromium => self.command("Page.navigate", json!({ "url": url })),
-            Kind::Firefox => self.navigate_firefox(url),
+            BrowserKind::Chromium => self.command("Page.navigate", json!({ "url": url })),
+            BrowserKind::Firefox => self.navigate_firefox(url),
         };
     }
 
@@ -161,8 +161,8 @@ impl Browser {
     /// Returns the value of a script as it is.
     pub fn run(&mut self, expression: &str) -> Value {
         match self.kind {
-            Kind::Chromium => self.evaluate_chromium(expression),
-            Kind::Firefox => self.evaluate_firefox(expression),
+            BrowserKind::Chromium => self.evaluate_chromium(expression),
+            BrowserKind::Firefox => self.evaluate_firefox(expression),
         }
     }
 
@@ -200,24 +200,26 @@ impl Browser {
     /// Presses and releases a key.
     pub fn press(&mut self, key: &str) {
         match self.kind {
-            Kind::Chromium => self.press_chromium(key),
-            Kind::Firefox => self.press_firefox(key),
+            BrowserKind::Chromium => self.press_chromium(key),
+            BrowserKind::Firefox => self.press_firefox(key),
         }
     }
 
     /// Sets the size of the window, and the user's preferences.
     pub fn look(&mut self, width: u32, height: u32, scheme: &str, motion: &str) {
         match self.kind {
-            Kind::Chromium => self.look_chromium(width, height, scheme, motion),
-            Kind::Firefox => self.look_firefox(width, height, scheme, motion),
+            BrowserKind::Chromium => self.look_chromium(width, height, scheme, motion),
+            BrowserKind::Firefox => self.look_firefox(width, height, scheme, motion),
         }
     }
 
     /// Writes a picture of the window.
     pub fn screenshot(&mut self, path: &Path) {
         let result = match self.kind {
-            Kind::Chromium => self.command("Page.captureScreenshot", json!({ "format": "png" })),
-            Kind::Firefox => self.screenshot_firefox(),
+            BrowserKind::Chromium => {
+                self.command("Page.captureScreenshot", json!({ "format": "png" }))
+            }
+            BrowserKind::Firefox => self.screenshot_firefox(),
         };
         let picture = base64(result["data"].as_str().unwrap());
         std::fs::write(path, picture).unwrap();

@@ -2,7 +2,7 @@
 
 use myointent::live::Source;
 
-use super::browser::{Browser, FITS, Kind, VALID};
+use super::browser::{Browser, BrowserKind, FITS, VALID};
 use super::page::PICTURE;
 use super::record::{SHORT, phase, pictures, record};
 use super::serve;
@@ -10,7 +10,7 @@ use super::wearer::HIDDEN;
 
 #[test]
 fn the_demo_moves_aligns_speaks_german_and_obeys_keys_in_firefox() {
-    let Some(mut browser) = Browser::start(Kind::Firefox) else {
+    let Some(mut browser) = Browser::start(BrowserKind::Firefox) else {
         return;
     };
     let live = serve(Source::Demo);
@@ -51,7 +51,7 @@ fn the_demo_moves_aligns_speaks_german_and_obeys_keys_in_firefox() {
 
 #[test]
 fn a_session_is_led_and_kept_in_firefox() {
-    let Some(mut browser) = Browser::start(Kind::Firefox) else {
+    let Some(mut browser) = Browser::start(BrowserKind::Firefox) else {
         return;
     };
     let folder = tempfile::tempdir().unwrap();

@@ -10,7 +10,7 @@ use myointent::board::{BoardError, InstallError, ModelFile, install};
 use myointent::cli::Cli;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use shared::installation::{BLOCK_BYTES, Progress};
+use shared::installation::{BLOCK_BYTES, InstallationProgress};
 use shared::uart_line::answer::{Answer, Refusal};
 use shared::uart_line::command::{Command, CommandReader};
 
@@ -137,7 +137,9 @@ fn an_answer_to_a_block_that_was_sent_twice_is_no_refusal_to_begin_again() {
             for &byte in &buffer[..length] {
                 let answers = match reader.push(byte) {
                     None => continue,
-                    Some(Ok(Command::Install(_))) => vec![Answer::Install(Progress::Next(0))],
+                    Some(Ok(Command::Install(_))) => {
+                        vec![Answer::Install(InstallationProgress::Next(0))]
+                    }
                     Some(Ok(Command::Block(..))) if blocks == 0 => {
                         blocks += 1;
                         vec![Answer::Refused(Refusal::NotBegun); 2]
@@ -146,7 +148,7 @@ fn an_answer_to_a_block_that_was_sent_twice_is_no_refusal_to_begin_again() {
                         blocks += 1;
                         vec![identity(checksum)]
                     }
-                    Some(_) => vec![Answer::Install(Progress::Installed)],
+                    Some(_) => vec![Answer::Install(InstallationProgress::Installed)],
                 };
                 for answer in answers {
                     let answer = answer.to_string();
@@ -183,11 +185,11 @@ fn refused(lines: impl FnMut(Command) -> String + Send + 'static) -> (String, us
 }
 
 fn next(block: u32) -> String {
-    Answer::Install(Progress::Next(block)).to_string()
+    Answer::Install(InstallationProgress::Next(block)).to_string()
 }
 
 fn done() -> String {
-    Answer::Install(Progress::Installed).to_string()
+    Answer::Install(InstallationProgress::Installed).to_string()
 }
 
 #[test]
@@ -198,7 +200,12 @@ fn a_late_done_of_another_installation_is_not_taken_for_the_end() {
     let file = ModelFile::new(&new).unwrap();
     // The late answer comes before that to the first command, to the first block, in the middle, to the last block.
     for at in [0, 1, 700, file.blocks() as usize] {
-        let (board, flash) = Board::late(&link, flash_of(&shipped()), at, Progress::Installed);
+        let (board, flash) = Board::late(
+            &link,
+            flash_of(&shipped()),
+            at,
+            InstallationProgress::Installed,
+        );
         install(&link, file, || false, |_| ()).unwrap();
         assert!(flash.lock().unwrap().region.starts_with(&new), "{at}");
         board.off();

@@ -7,7 +7,9 @@ use std::thread::JoinHandle;
 
 use serial2::SerialPort;
 use shared::installation::journal::{self, JOURNAL_BYTES};
-use shared::installation::{BLOCK_BYTES, Installation, PAGE_BYTES, Progress, Refused, Step};
+use shared::installation::{
+    BLOCK_BYTES, Installation, InstallationProgress, InstallationStep, PAGE_BYTES, Refused,
+};
 use shared::model::file::{Model, ModelError};
 use shared::uart_line::answer::{Answer, Refusal};
 use shared::uart_line::command::{Command, CommandReader};
@@ -44,7 +46,7 @@ impl Board {
         link: &Path,
         flash: Flash,
         at: usize,
-        answer: Progress,
+        answer: InstallationProgress,
     ) -> (Self, Arc<Mutex<Flash>>) {
         Self::play(link, flash, Vec::new(), Some((at, answer)))
     }
@@ -53,7 +55,7 @@ impl Board {
         link: &Path,
         flash: Flash,
         lives: Vec<usize>,
-        late: Option<(usize, Progress)>,
+        late: Option<(usize, InstallationProgress)>,
     ) -> (Self, Arc<Mutex<Flash>>) {
         let flash = Arc::new(Mutex::new(flash));
         let stop = Arc::new(AtomicBool::new(false));
@@ -109,7 +111,7 @@ struct Line<'t> {
     left: usize,
     passed: &'t AtomicUsize,
     /// Commands until the answer to another command comes, and that answer.
-    late: Option<(usize, Progress)>,
+    late: Option<(usize, InstallationProgress)>,
 }
 
 impl Line<'_> {
@@ -156,7 +158,7 @@ fn run(line: &mut Line, stop: &AtomicBool, flash: &Mutex<Flash>) {
             }
             let answer = match command {
                 Ok(Command::Install(transfer)) if in_use == Some(transfer.checksum) => {
-                    Ok(Progress::Installed)
+                    Ok(InstallationProgress::Installed)
                 }
                 Ok(Command::Install(transfer)) => {
                     let journal = journal::read(&flash.journal).filter(|_| in_use.is_none());
@@ -171,11 +173,11 @@ fn run(line: &mut Line, stop: &AtomicBool, flash: &Mutex<Flash>) {
                     while let (Ok(()), Some(step)) = (taken, installation.step()) {
                         let mut outcome = Ok(());
                         match step {
-                            Step::Suspend => in_use = None,
-                            Step::Verify if checksum(flash).is_none() => {
+                            InstallationStep::Suspend => in_use = None,
+                            InstallationStep::Verify if checksum(flash).is_none() => {
                                 outcome = Err(Refused::Model);
                             }
-                            Step::Resume => in_use = checksum(flash),
+                            InstallationStep::Resume => in_use = checksum(flash),
                             _ => write(&installation, flash, step),
                         }
                         taken = installation.done(outcome);
@@ -208,17 +210,22 @@ fn run(line: &mut Line, stop: &AtomicBool, flash: &Mutex<Flash>) {
     }
 }
 
-fn write(installation: &Installation, flash: &mut Flash, step: Step) {
+fn write(installation: &Installation, flash: &mut Flash, step: InstallationStep) {
     match step {
-        Step::EraseJournal | Step::EndJournal => flash.journal.fill(0xff),
-        Step::WriteJournal => flash.journal[..16].copy_from_slice(&installation.record()),
-        Step::MarkPage(page) => flash.journal[journal::mark(page) as usize..][..4].fill(0),
-        Step::ErasePage(page) => {
+        InstallationStep::EraseJournal | InstallationStep::EndJournal => flash.journal.fill(0xff),
+        InstallationStep::WriteJournal => {
+            flash.journal[..16].copy_from_slice(&installation.record())
+        }
+        InstallationStep::MarkPage(page) => {
+            flash.journal[journal::mark(page) as usize..][..4].fill(0)
+        }
+        InstallationStep::ErasePage(page) => {
             flash.region[page as usize * PAGE_BYTES..][..PAGE_BYTES].fill(0xff);
         }
-        Step::WriteBlock(number) => flash.region[number as usize * BLOCK_BYTES..][..BLOCK_BYTES]
+        InstallationStep::WriteBlock(number) => flash.region[number as usize * BLOCK_BYTES..]
+            [..BLOCK_BYTES]
             .copy_from_slice(&installation.content().0),
-        Step::Suspend | Step::Verify | Step::Resume => {}
+        InstallationStep::Suspend | InstallationStep::Verify | InstallationStep::Resume => {}
     }
 }
 

@@ -8,7 +8,7 @@ use myointent::cli::replay;
 use recordings::synthetic::{self, SynthOptions};
 use recordings::{LoadOptions, load};
 use serde_json::Value;
-use shared::uart_line::{Kind, Report};
+use shared::uart_line::{Report, ReportKind};
 
 use super::interrupt::{interrupt, live};
 use super::shipped;
@@ -104,7 +104,7 @@ fn samples_and_labels_are_those_of_replay_and_a_closed_pipe_is_success() {
     let expected = replayed.lines().map(|line| {
         let report = Report::parse(format!("{line}\r\n").as_bytes()).unwrap();
         serde_json::json!([
-            report.kind == Kind::Label,
+            report.kind == ReportKind::Label,
             report.sequence,
             report.instant.0,
             report.emitted.0,

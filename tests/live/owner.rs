@@ -21,7 +21,7 @@ use shared::units::Sample;
 use training::backend::BackendArguments;
 use web::record::protocol::Protocol;
 
-use super::browser::{Browser, Kind, VALID};
+use super::browser::{Browser, BrowserKind, VALID};
 use super::record::{pictures, step};
 use super::shipped;
 use super::viewer::Viewer;
@@ -157,9 +157,9 @@ fn reach(browser: &mut Browser, expression: &str, mut meanwhile: impl FnMut(&mut
 }
 
 /// Part of the loop, with its start.
-struct Part(Instant);
+struct LoopPart(Instant);
 
-impl Part {
+impl LoopPart {
     fn begin() -> Self {
         Self(Instant::now())
     }
@@ -184,7 +184,7 @@ fn photograph(browser: &mut Browser, folder: &Path, name: &str) {
 
 #[test]
 fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> {
-    let (Some(python), Some(mut browser)) = (python(), Browser::start(Kind::Chromium)) else {
+    let (Some(python), Some(mut browser)) = (python(), Browser::start(BrowserKind::Chromium)) else {
         return Ok(());
     };
     let folder = tempfile::tempdir()?;
@@ -228,7 +228,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     browser.look(1440, 960, "light", "no-preference");
     browser.open(live.url());
     reach(&mut browser, &step("bind", "now"), |_| {});
-    let bound = Part::begin();
+    let bound = LoopPart::begin();
     browser.press("b");
     reach(&mut browser, &step("bind", "done"), |_| {});
     assert!(browser.text("step-bind").contains(ARMBAND));
@@ -239,7 +239,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
 
     // Align it.
     reach(&mut browser, &step("align", "now"), |_| {});
-    let aligned = Part::begin();
+    let aligned = LoopPart::begin();
     let placed = "$placement.textContent";
     let waiting = "$align.getAttribute('aria-pressed') === 'true'";
     let ended = "$align.getAttribute('aria-pressed') === 'false'";
@@ -272,7 +272,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     let follows = wearer.follow(&live);
     let phase = |phase: &str| format!("$session.dataset.phase === '{phase}'");
     browser.wait_for(&phase("waiting"));
-    let recorded = Part::begin();
+    let recorded = LoopPart::begin();
     browser.press("Enter");
     let fist = "$task.textContent === 'Make a fist'";
     let go_on = |browser: &mut Browser| {
@@ -294,7 +294,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     );
     // Traces and labels below the tables are to be seen.
     browser.look(1440, 1060, "light", "no-preference");
-    let tuned = Part::begin();
+    let tuned = LoopPart::begin();
     browser.press("t");
     browser.wait_for("Boolean($tuned.dataset.state)");
     let state = "$tuned.dataset.state";
@@ -306,7 +306,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     photograph(&mut browser, folder.path(), "owner-tuned.png");
 
     // On the board, without a restart.
-    let installed = Part::begin();
+    let installed = LoopPart::begin();
     browser.press("i");
     let state = "$installed.dataset.state";
     browser.wait_for(&format!("{state} === 'running'"));

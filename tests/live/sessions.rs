@@ -4,7 +4,7 @@ use myointent::live::{Live, Source};
 use serde_json::{Value, json};
 use shared::model::file::Model;
 
-use super::browser::{self, Browser, FITS, Kind};
+use super::browser::{self, Browser, BrowserKind, FITS};
 use super::record::{SHORT, pictures, reach, record, recorded, wish};
 use super::viewer::{Viewer, get};
 use super::{serve, shipped};
@@ -52,7 +52,7 @@ fn the_sessions_of_a_person_are_listed_with_their_numbers_and_print_on_one_page(
     // Nothing but gestures was asked for.
     assert_eq!(session["raised"], Value::Null);
 
-    if let Some(mut browser) = Browser::start(Kind::Chromium) {
+    if let Some(mut browser) = Browser::start(BrowserKind::Chromium) {
         browser.look(1366, 768, "dark", "no-preference");
         browser.open(live.url());
         browser.wait_for("$history?.checkVisibility()");

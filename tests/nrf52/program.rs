@@ -1,7 +1,7 @@
 //! Small programs for the emulated chip, in Thumb instructions.
 
 use nrf52::chip::Model;
-use nrf52::softdevice::{Kind, SoftDevice};
+use nrf52::softdevice::{SoftDevice, SoftDeviceKind};
 use nrf52::{Image, Machine};
 
 /// A program that is being written.
@@ -52,7 +52,7 @@ impl Program {
     }
 
     /// Enables the SoftDevice.
-    pub fn enable(self, kind: Kind) -> Self {
+    pub fn enable(self, kind: SoftDeviceKind) -> Self {
         self.call(16, [kind.program() + WORDS, 0x1, 0])
     }
 
@@ -63,8 +63,8 @@ impl Program {
     }
 
     /// The chip that runs it: it ends in a loop, and so does every exception.
-    pub fn machine(self, model: Model, kind: Option<Kind>) -> Machine {
-        let start = kind.map_or(0, Kind::program);
+    pub fn machine(self, model: Model, kind: Option<SoftDeviceKind>) -> Machine {
+        let start = kind.map_or(0, SoftDeviceKind::program);
         let mut image = Vec::new();
         let mut word = |value: u32| image.extend(value.to_le_bytes());
         word(0x2000_8000);

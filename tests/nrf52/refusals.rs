@@ -9,7 +9,7 @@ mod usb;
 
 use nrf52::What;
 use nrf52::chip::Model;
-use nrf52::softdevice::Kind;
+use nrf52::softdevice::SoftDeviceKind;
 use nrf52::time::ms;
 use program::Program;
 
@@ -25,7 +25,7 @@ const P0: u32 = 0x5000_0000;
 const UICR: u32 = 0x1000_1000;
 
 /// Runs programs, each of which is refused in these words; without words it runs.
-fn each<const N: usize>(model: Model, kind: Option<Kind>, cases: [(Program, &str); N]) {
+fn each<const N: usize>(model: Model, kind: Option<SoftDeviceKind>, cases: [(Program, &str); N]) {
     for (number, (program, words)) in cases.into_iter().enumerate() {
         let found = program.machine(model, kind).run(ms(10));
         let found = found.err().map(|refusal| refusal.to_string());
@@ -199,11 +199,11 @@ fn programs_on_the_nrf52832() {
 
 #[test]
 fn programs_beside_a_softdevice() {
-    let own = || Program::default().enable(Kind::S140);
+    let own = || Program::default().enable(SoftDeviceKind::S140);
     let flash = 0x8_0000;
     each(
         Model::Nrf52840,
-        Some(Kind::S140),
+        Some(SoftDeviceKind::S140),
         [
             (own().store(0x4000_0000, 1), "belongs to the SoftDevice"),
             (own().store(0x4000_8000, 1), "belongs to the SoftDevice"),
@@ -242,7 +242,7 @@ fn programs_beside_a_softdevice() {
     let twice = own()
         .store(0x2000_8000, 1)
         .call(41, [flash, 0x2000_8000, 1]);
-    let mut machine = twice.machine(Model::Nrf52840, Some(Kind::S140));
+    let mut machine = twice.machine(Model::Nrf52840, Some(SoftDeviceKind::S140));
     machine.chip().bus.memory.program(flash, &[0; 4]);
     let refusal = machine.run(ms(10)).expect_err("ones over zeros");
     assert!(refusal.to_string().contains("erase first"));

@@ -3,7 +3,7 @@
 use anyhow::{Context as _, bail};
 use shared::intent::Intent;
 use shared::stream::safe_state::SILENCE_MS;
-use shared::uart_line::Kind;
+use shared::uart_line::ReportKind;
 
 use super::{Line, Output, Pins};
 
@@ -44,7 +44,7 @@ impl Output {
             let Line::Report(report) = line else {
                 continue;
             };
-            if report.kind == Kind::Label && !report.status.valid() {
+            if report.kind == ReportKind::Label && !report.status.valid() {
                 return Ok(Some(format!("a label while not valid: {report}")));
             }
         }

@@ -11,7 +11,7 @@ use shared::calibration::from_record;
 use shared::intent::Intent;
 use shared::model::file::Model;
 use shared::stream::alignment::Alignment;
-use shared::uart_line::{Kind, Report};
+use shared::uart_line::{Report, ReportKind};
 use shared::units::Sample;
 
 use super::{model, page, program};
@@ -223,7 +223,7 @@ fn an_armband_that_is_turned_or_on_the_other_arm_ends_calibrated_like_any_other(
         let (_, after) = lines.split_once(DONE).expect(&lines);
         let labels = after.split_inclusive("\r\n").filter_map(|line| {
             let report = Report::parse(line.as_bytes()).ok()?;
-            (report.kind == Kind::Label).then_some(report)
+            (report.kind == ReportKind::Label).then_some(report)
         });
         let right = labels.map(|own| own.status.label() == cues[own.instant.0 as usize]);
         let right: Vec<bool> = right.collect();

@@ -14,14 +14,14 @@ const FONT: &str = "fonts-dejavu-core";
 
 /// Kind of browser.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Kind {
+pub enum BrowserKind {
     /// Chromium, and what is made of it.
     Chromium,
     /// Firefox.
     Firefox,
 }
 
-impl Kind {
+impl BrowserKind {
     /// Environment variable that names another program than those on the path.
     const fn variable(self) -> &'static str {
         match self {
@@ -71,7 +71,7 @@ impl Kind {
 /// Checks that there is a browser of each kind; with `install` it installs Debian's.
 pub fn prepare(install: bool) -> Result<()> {
     let mut packages = Vec::new();
-    for kind in [Kind::Chromium, Kind::Firefox] {
+    for kind in [BrowserKind::Chromium, BrowserKind::Firefox] {
         if let Err(error) = kind.find() {
             ensure!(install, error);
             packages.push(kind.package());
@@ -82,7 +82,7 @@ pub fn prepare(install: bool) -> Result<()> {
         println!("{}", debian::install_command(&packages));
         debian::install(&packages)?;
     }
-    for kind in [Kind::Chromium, Kind::Firefox] {
+    for kind in [BrowserKind::Chromium, BrowserKind::Firefox] {
         println!("browser {}", kind.find()?.display());
     }
     Ok(())

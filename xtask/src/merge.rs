@@ -85,14 +85,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let image = image.context("no image of a chip")?;
     let (elf, model) = arguments.files.read(image)?;
     let mut parts = vec![
-        Part::program(&elf)?,
-        Part::model(&model, &elf)?,
-        Part::access(),
+        FlashPart::program(&elf)?,
+        FlashPart::model(&model, &elf)?,
+        FlashPart::access(),
     ];
     if let Some(path) = &arguments.softdevice {
         let hex = String::from_utf8(read(path)?);
         let hex = hex.with_context(|| format!("{} is no Intel hex", path.display()))?;
-        parts.push(Part::hex("SoftDevice", &hex)?);
+        parts.push(FlashPart::hex("SoftDevice", &hex)?);
     }
     let out = arguments.files.write(image, "hex", merged(&parts)?)?;
     for part in &parts {
@@ -104,14 +104,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
 /// Part of what is flashed.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Part {
+pub struct FlashPart {
     /// Name for people.
     pub name: &'static str,
     /// Addresses and bytes.
     pub segments: Vec<(u32, Vec<u8>)>,
 }
 
-impl Part {
+impl FlashPart {
     /// The program of an image.
     pub fn program(elf: &[u8]) -> Result<Self> {
         let file = ElfFile32::<Endianness>::parse(elf).context("the image is no ELF file")?;
@@ -203,7 +203,7 @@ fn address(elf: &[u8], name: &str) -> Result<u32> {
     u32::try_from(symbol.address()).context("an address of more than 32 bits")
 }
 
-impl fmt::Display for Part {
+impl fmt::Display for FlashPart {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{:14}", self.name)?;
         for Range { start, end } in self.ranges() {
@@ -214,7 +214,7 @@ impl fmt::Display for Part {
 }
 
 /// The Intel hex of all parts.
-pub fn merged(parts: &[Part]) -> Result<String> {
+pub fn merged(parts: &[FlashPart]) -> Result<String> {
     let mut ranges: Vec<_> = parts
         .iter()
         .flat_map(|part| part.ranges().map(|range| (range, part.name)))
@@ -266,9 +266,9 @@ pub fn merged(parts: &[Part]) -> Result<String> {
 mod tests {
     use super::*;
 
-    fn part(name: &'static str, start: u32, bytes: usize) -> Part {
+    fn part(name: &'static str, start: u32, bytes: usize) -> FlashPart {
         let bytes = (0..bytes).map(|place| (place % 251) as u8);
-        Part {
+        FlashPart {
             name,
             segments: vec![(start, bytes.collect())],
         }
@@ -293,13 +293,13 @@ mod tests {
     #[test]
     fn what_is_no_hex_is_refused() {
         for text in ["", "no hex", ":0400000001020304F3"] {
-            assert!(Part::hex("SoftDevice", text).is_err(), "{text}");
+            assert!(FlashPart::hex("SoftDevice", text).is_err(), "{text}");
         }
     }
 
     #[test]
     fn a_model_longer_than_its_region_is_refused() {
-        assert!(Part::model(&[0; 4], b"no image").is_err());
-        assert!(Part::program(b"\x7fELF and then nothing").is_err());
+        assert!(FlashPart::model(&[0; 4], b"no image").is_err());
+        assert!(FlashPart::program(b"\x7fELF and then nothing").is_err());
     }
 }

@@ -4,7 +4,7 @@ use anyhow::{Context as _, Result};
 use shared::uf2::Uf2;
 
 use crate::firmware::Image;
-use crate::merge::{Files, Part};
+use crate::merge::{Files, FlashPart};
 
 /// Options of the file.
 #[derive(clap::Args)]
@@ -33,9 +33,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 pub fn file(elf: &[u8], model: &[u8]) -> Result<Vec<u8>> {
     let mut file = Uf2::default();
     let parts = [
-        Part::program(elf)?,
-        Part::erased_journal(elf)?,
-        Part::model(model, elf)?,
+        FlashPart::program(elf)?,
+        FlashPart::erased_journal(elf)?,
+        FlashPart::model(model, elf)?,
     ];
     for (start, bytes) in parts.iter().flat_map(|part| &part.segments) {
         file.put(*start, bytes);

@@ -4,7 +4,7 @@ use core::sync::atomic::{AtomicU8, Ordering};
 
 use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, signal::Signal};
 use embassy_time::{Duration, with_timeout};
-use shared::installation::{Block, Progress, Transfer};
+use shared::installation::{Block, InstallationProgress, Transfer};
 use shared::stream::alignment::Alignment;
 use shared::stream::smoother::Gate;
 use shared::uart_line::answer::{Accepted, Binding, Refusal};
@@ -58,7 +58,7 @@ pub enum ModelRequest {
 }
 
 /// Requests from the control task to the installation.
-pub static INSTALLATION: Requests<InstallationRequest, Progress> = Requests::new();
+pub static INSTALLATION: Requests<InstallationRequest, InstallationProgress> = Requests::new();
 
 #[derive(Clone, Copy)]
 pub enum InstallationRequest {

@@ -11,7 +11,7 @@ use core::future::pending;
 use embassy_futures::select::{Either, Either3, select, select3};
 use embassy_sync::{blocking_mutex::raw::NoopRawMutex, signal::Signal};
 use embassy_time::{Duration, Ticker};
-use shared::myo::{Action, Address, Event, Following, MyoSession, Progress};
+use shared::myo::{Action, Address, Following, MyoEvent, MyoSession, RadioProgress};
 use shared::stream::link_sequence::Sequencer;
 use shared::uart_line::answer::{Binding, Refusal};
 use shared::uart_line::command::BindCommand;
@@ -50,7 +50,7 @@ enum Use {
 pub struct SessionDriver<'q> {
     session: RefCell<MyoSession>,
     /// Evidence for feeding the watchdog.
-    progress: Cell<Progress>,
+    progress: Cell<RadioProgress>,
     sequencer: RefCell<Sequencer>,
     packets: &'q Packets,
     /// Use of the radio that is wanted from now on: the newest takes the place of one that was not begun, and ends one that was.
@@ -83,7 +83,7 @@ impl<'q> SessionDriver<'q> {
     ) -> Self {
         Self {
             session: RefCell::new(session),
-            progress: Cell::new(Progress::new()),
+            progress: Cell::new(RadioProgress::new()),
             sequencer: RefCell::new(Sequencer::new()),
             packets,
             wanted: Signal::new(),
@@ -131,12 +131,12 @@ impl<'q> SessionDriver<'q> {
                 }
                 Either3::Second(()) => return,
                 // A connection that was not begun, or nothing that the session waits for.
-                Either3::Third(Use::Nothing) => self.handle(Event::ConnectFailed),
+                Either3::Third(Use::Nothing) => self.handle(MyoEvent::ConnectFailed),
                 Either3::Third(Use::Scan) => {
                     // The scan that is dropped ends; what it has heard was passed on.
                     let scan = select3(self.is_changed(), self.scan(radio), unused::<R>());
                     if !matches!(scan.await, Either3::First(())) {
-                        self.handle(Event::ScanEnded);
+                        self.handle(MyoEvent::ScanEnded);
                     }
                 }
                 Either3::Third(Use::Connect(address)) => {
@@ -149,9 +149,9 @@ impl<'q> SessionDriver<'q> {
                     self.request.reset();
                     self.sought.set(now());
                     self.handle(if self.connected.get() {
-                        Event::Disconnected
+                        MyoEvent::Disconnected
                     } else {
-                        Event::ConnectFailed
+                        MyoEvent::ConnectFailed
                     });
                 }
             }
@@ -169,7 +169,7 @@ impl<'q> SessionDriver<'q> {
         model::until(true).await;
         self.sought.set(now());
         // Nothing was heard meanwhile.
-        self.progress.set(Progress::new());
+        self.progress.set(RadioProgress::new());
     }
 
     async fn keep(&self, flash: &SharedFlash<impl Flash>, armband: Option<Address>) {
@@ -182,9 +182,9 @@ impl<'q> SessionDriver<'q> {
     /// Carries out what a person asks for.
     fn bind(&self, command: BindCommand) -> Result<Binding, Refusal> {
         let event = match command {
-            BindCommand::Begin => Some(Event::Pair),
-            BindCommand::Set(armband) => Some(Event::Bind(Some(armband))),
-            BindCommand::Forget => Some(Event::Bind(None)),
+            BindCommand::Begin => Some(MyoEvent::Pair),
+            BindCommand::Set(armband) => Some(MyoEvent::Bind(Some(armband))),
+            BindCommand::Forget => Some(MyoEvent::Bind(None)),
             BindCommand::State => None,
         };
         let following = self.session.borrow().following();
@@ -212,7 +212,7 @@ impl<'q> SessionDriver<'q> {
         loop {
             #[cfg(feature = "uf2")]
             self.session.borrow_mut().set_imu(imu::is_wanted());
-            self.handle(Event::Tick);
+            self.handle(MyoEvent::Tick);
             // Without a model nothing is asked of the radio.
             if model::current().is_none() || self.progress.get().is_alive(now()) {
                 heartbeat::RADIO.beat();
@@ -233,8 +233,8 @@ impl<'q> SessionDriver<'q> {
         };
         let report = |scanned: Scanned<'_>| {
             self.handle(match scanned {
-                Scanned::Answered => Event::Answered,
-                Scanned::Advertisement(advertisement) => Event::Advertisement {
+                Scanned::Answered => MyoEvent::Answered,
+                Scanned::Advertisement(advertisement) => MyoEvent::Advertisement {
                     address: advertisement.address,
                     rssi: advertisement.rssi,
                     data: advertisement.data(),
@@ -245,7 +245,7 @@ impl<'q> SessionDriver<'q> {
     }
 
     /// Passes an event to the session, and the session's actions on.
-    fn handle(&self, event: Event<'_>) {
+    fn handle(&self, event: MyoEvent<'_>) {
         let mut session = self.session.borrow_mut();
         let now = now();
         session.handle(now, event, &mut |action| self.act(action));
@@ -294,7 +294,7 @@ impl ConnectionHandler for SessionDriver<'_> {
     async fn run(&self, link: &impl Link) {
         self.connected.set(true);
         self.handles.take();
-        self.handle(Event::Connected);
+        self.handle(MyoEvent::Connected);
         let ask = async {
             loop {
                 let request = self.request.wait().await;
@@ -307,7 +307,7 @@ impl ConnectionHandler for SessionDriver<'_> {
             link.listen(|handle, bytes| {
                 // No other characteristic of the armband is subscribed to.
                 if let Some(characteristic) = handles.characteristic(handle) {
-                    self.handle(Event::Notification {
+                    self.handle(MyoEvent::Notification {
                         characteristic,
                         bytes,
                     });

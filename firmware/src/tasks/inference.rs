@@ -9,7 +9,7 @@ use shared::calibration::Memory;
 use shared::model::encoder::DeviceState;
 use shared::pipeline::{AlignmentPhase, Pipeline, Reports};
 use shared::stream::alignment::{Arm, Trigger};
-use shared::stream::link_sequence::GapDetector;
+use shared::stream::link_sequence::QueueGapDetector;
 use shared::stream::safe_state::Start;
 use shared::uart_line::answer::{Accepted, Refusal};
 use shared::uart_line::calibration::{CalibrateCommand, CalibrationReport, CalibrationState};
@@ -113,7 +113,7 @@ pub async fn run(
     refused: Option<ModelRefused>,
     mut dead_man: DeadMan,
 ) -> ! {
-    let mut detector = GapDetector::new();
+    let mut detector = QueueGapDetector::new();
     let mut trigger = Trigger::new(ALIGN_ON_CONNECTION);
     let (mut streams, mut absence) = (false, Absence::default());
     match refused {

@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 use shared::uart_line::line::Line;
-use shared::uart_line::{Kind, Report};
+use shared::uart_line::{Report, ReportKind};
 
 /// A line that a board would write (docs/uart.md): a label, a change of state or progress of an alignment.
 #[pyclass(frozen, module = "myointent")]
@@ -32,8 +32,8 @@ impl Event {
     #[getter]
     fn kind(&self) -> &'static str {
         match self.report().map(|report| report.kind) {
-            Some(Kind::Label) => "label",
-            Some(Kind::State) => "state",
+            Some(ReportKind::Label) => "label",
+            Some(ReportKind::State) => "state",
             None => "alignment",
         }
     }

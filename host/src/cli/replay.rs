@@ -13,7 +13,7 @@ use shared::model::file::Model;
 use shared::model::head::Head;
 use shared::stream::alignment::Arm;
 use shared::uart_line::line::Line;
-use shared::uart_line::{Kind, Report};
+use shared::uart_line::{Report, ReportKind};
 use shared::units::{CHANNELS, SAMPLE_RATE_HZ, Sample, WINDOW};
 
 use crate::cli::arguments::{AS_RECORDED, log_doubts, mirrored};
@@ -131,7 +131,7 @@ fn first_label(model: &Model<'_>) -> anyhow::Result<String> {
     let silence = vec![[0; CHANNELS]; 2 * WINDOW];
     replay(model, &silence, Start::default(), |line| {
         let report = Report::parse(line.as_bytes()).ok();
-        let label = report.filter(|report| report.kind == Kind::Label);
+        let label = report.filter(|report| report.kind == ReportKind::Label);
         first = first.or(label.map(|label| label.emitted.0));
         Ok(())
     })?;

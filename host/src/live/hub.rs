@@ -37,14 +37,14 @@ struct State {
 /// Samples, scores, reports and marks of the last seconds, in order.
 #[derive(Debug, Default)]
 struct Recent {
-    messages: VecDeque<(Kind, Message)>,
+    messages: VecDeque<(MessageKind, Message)>,
     samples: usize,
     reports: usize,
 }
 
 /// Kind of a recent message.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Kind {
+enum MessageKind {
     Samples,
     Report,
     Other,
@@ -53,21 +53,21 @@ enum Kind {
 impl Recent {
     fn push(&mut self, event: &Event, message: &Message) {
         let kind = match event {
-            Event::Samples { .. } => Kind::Samples,
-            Event::Report { .. } => Kind::Report,
-            Event::Scores { .. } | Event::Mark { .. } => Kind::Other,
+            Event::Samples { .. } => MessageKind::Samples,
+            Event::Report { .. } => MessageKind::Report,
+            Event::Scores { .. } | Event::Mark { .. } => MessageKind::Other,
             _ => return,
         };
         self.messages.push_back((kind, message.clone()));
-        self.samples += usize::from(kind == Kind::Samples);
-        self.reports += usize::from(kind == Kind::Report);
+        self.samples += usize::from(kind == MessageKind::Samples);
+        self.reports += usize::from(kind == MessageKind::Report);
         // The second bound is for a source without samples.
         while self.samples > RECENT || self.messages.len() > 2 * RECENT {
             let Some((kind, _)) = self.messages.pop_front() else {
                 break;
             };
-            self.samples -= usize::from(kind == Kind::Samples);
-            self.reports -= usize::from(kind == Kind::Report);
+            self.samples -= usize::from(kind == MessageKind::Samples);
+            self.reports -= usize::from(kind == MessageKind::Report);
         }
     }
 }

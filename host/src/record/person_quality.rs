@@ -8,7 +8,7 @@ use recordings::description::own::{MOVEMENT_COLUMN, RECORDER_COLUMNS};
 use recordings::labels::cued::follow;
 use recordings::labels::motion::{Motion, motions};
 use recordings::{DataSet, Library, Recording};
-use web::record::assembly::{Assembly, Part};
+use web::record::assembly::{AssembledRecording, Assembly};
 use web::record::quality::{Quality, judge};
 
 /// Guided recordings of a person.
@@ -48,7 +48,7 @@ pub(crate) fn quality_by_person(library: &Library) -> Vec<PersonQuality> {
 }
 
 /// Reads a file of the layout; none for another layout, or if it cannot be read any more.
-fn part(recording: &Recording) -> Option<Part> {
+fn part(recording: &Recording) -> Option<AssembledRecording> {
     let mut rows = csv::Reader::from_path(&recording.path).ok()?;
     let header = rows.headers().ok()?.clone();
     let position = |name: &str| header.iter().position(|own| own == name);
@@ -61,9 +61,9 @@ fn part(recording: &Recording) -> Option<Part> {
     for (channel, column) in channels.iter_mut().enumerate() {
         *column = position(&format!("emg_{channel}"))?;
     }
-    let mut part = Part {
+    let mut part = AssembledRecording {
         motions: motions(&recording.labels, &recording.other_movement),
-        ..Part::default()
+        ..AssembledRecording::default()
     };
     let movement = position(MOVEMENT_COLUMN);
     let mut is_used = Vec::new();

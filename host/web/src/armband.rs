@@ -90,14 +90,14 @@ impl Armband {
     }
 
     /// Handles an event of the radio, or a tick. The answer to an action needs a call of its own.
-    pub fn handle(&mut self, now: Now, event: myo::Event<'_>, output: &mut dyn FnMut(Output)) {
+    pub fn handle(&mut self, now: Now, event: myo::MyoEvent<'_>, output: &mut dyn FnMut(Output)) {
         let mut actions = Vec::new();
         self.session
             .handle(now.session, event, &mut |action| actions.push(action));
         for action in actions {
             self.act(now, action, output);
         }
-        if event == myo::Event::Tick {
+        if event == myo::MyoEvent::Tick {
             let reports = self.scored.tick(now.session);
             report(now, reports, output);
         }

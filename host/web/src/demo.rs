@@ -37,13 +37,13 @@ mod tests {
 
     use super::*;
     use crate::SHIPPED;
-    use crate::person::{Cues, Person};
+    use crate::person::{Cues, DemoPerson};
 
     /// Minutes of the demo that are looked at.
     const MINUTES: usize = 3;
 
-    fn person() -> Person {
-        Person::new(follower(), Cues::List(cues()))
+    fn person() -> DemoPerson {
+        DemoPerson::new(follower(), Cues::List(cues()))
     }
 
     /// Records the demo.

@@ -269,7 +269,7 @@ impl Engine {
                         *scans = Some(false);
                         self.radio(now, &advertisement());
                     }
-                    self.handle(now, myo::Event::Tick);
+                    self.handle(now, myo::MyoEvent::Tick);
                 }
             }
         }
@@ -610,7 +610,7 @@ impl Engine {
         std::mem::take(&mut outputs.waiting)
     }
 
-    fn handle(&mut self, now: f64, event: myo::Event<'_>) {
+    fn handle(&mut self, now: f64, event: myo::MyoEvent<'_>) {
         let Running::Armband { armband, scans, .. } = &mut self.running else {
             return;
         };

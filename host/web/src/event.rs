@@ -307,7 +307,7 @@ impl Event {
     pub fn of_report(at: f64, report: &Report) -> Self {
         Self::Report {
             at,
-            is_label: report.kind == shared::uart_line::Kind::Label,
+            is_label: report.kind == shared::uart_line::ReportKind::Label,
             number: report.sequence,
             instant: report.instant.0,
             emitted: report.emitted.0,

@@ -1,6 +1,6 @@
 //! Installation of a model on a board, without I/O: sends the blocks that the board asks for, and continues after a break.
 
-use shared::installation::{BLOCK_BYTES, Block, PAGE_BYTES, Progress, Transfer};
+use shared::installation::{BLOCK_BYTES, Block, InstallationProgress, PAGE_BYTES, Transfer};
 use shared::model::encoder::DeviceEncoder;
 use shared::model::file::{Model, ModelError};
 use shared::uart_line::answer::{Answer, Refusal};
@@ -336,11 +336,11 @@ impl Installer {
                 self.fail(InstallError::Model { reason });
             }
             (_, Answer::Refused(refusal)) => self.fail(InstallError::Refused(*refusal)),
-            (_, Answer::Install(Progress::Installed)) => self.ask(Question::Identity),
+            (_, Answer::Install(InstallationProgress::Installed)) => self.ask(Question::Identity),
             // A board never asks for the block that it has just taken: this answers an earlier line.
-            (Question::Block(sent), Answer::Install(Progress::Next(number))) if *number == sent => {
-            }
-            (_, Answer::Install(Progress::Next(number))) => self.next(now, *number),
+            (Question::Block(sent), Answer::Install(InstallationProgress::Next(number)))
+                if *number == sent => {}
+            (_, Answer::Install(InstallationProgress::Next(number))) => self.next(now, *number),
             (_, Answer::Identity(identity)) => self.identified(identity.model),
             _ => {}
         }

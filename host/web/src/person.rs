@@ -23,7 +23,7 @@ pub enum Cues {
 
 /// Simulated person, and what it was asked for.
 #[derive(Debug)]
-pub struct Person {
+pub struct DemoPerson {
     follower: Follower,
     cues: Cues,
     /// Samples since the alignment in progress began.
@@ -34,7 +34,7 @@ pub struct Person {
     turn: usize,
 }
 
-impl Person {
+impl DemoPerson {
     /// Person before the first sample.
     pub fn new(follower: Follower, cues: Cues) -> Self {
         Self {

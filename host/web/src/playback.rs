@@ -7,7 +7,7 @@ use shared::intent::Intent;
 use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample, SampleIndex};
 
 use crate::event::Event;
-use crate::person::Person;
+use crate::person::DemoPerson;
 use crate::request::SourceRequest;
 use crate::scored_pipeline::ScoredPipeline;
 
@@ -31,7 +31,7 @@ pub enum SampleSource {
         labels: Vec<Option<Intent>>,
     },
     /// Simulated person who does what is asked for.
-    Person(Box<Person>),
+    Person(Box<DemoPerson>),
 }
 
 /// Samples of a notification.

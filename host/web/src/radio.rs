@@ -1,9 +1,9 @@
 //! Events of a Bluetooth stack, with their bytes.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use shared::myo::{Action, Address, Characteristic, Event, Found, Uuid};
+use shared::myo::{Action, Address, Characteristic, Found, MyoEvent, Uuid};
 
-/// Event of the stack: an [`Event`] that owns its bytes, or the loss of the adapter.
+/// Event of the stack: an [`MyoEvent`] that owns its bytes, or the loss of the adapter.
 #[derive(Clone, PartialEq, Eq, Debug, Deserialize)]
 #[serde(tag = "radio", rename_all = "snake_case")]
 #[expect(missing_docs, reason = "as `Event` documents them")]
@@ -39,32 +39,32 @@ pub enum RadioEvent {
 
 impl RadioEvent {
     /// Event as the session takes it.
-    pub fn as_event(&self) -> Event<'_> {
+    pub fn as_event(&self) -> MyoEvent<'_> {
         match self {
             Self::Advertisement {
                 address,
                 rssi,
                 data,
-            } => Event::Advertisement {
+            } => MyoEvent::Advertisement {
                 address: *address,
                 rssi: *rssi,
                 data,
             },
-            Self::ScanEnded => Event::ScanEnded,
-            Self::Connected => Event::Connected,
-            Self::ConnectFailed => Event::ConnectFailed,
-            Self::Discovered { found } => Event::Discovered(*found),
-            Self::Read { bytes } => Event::Read(bytes),
-            Self::Done => Event::Done,
-            Self::Failed => Event::Failed,
+            Self::ScanEnded => MyoEvent::ScanEnded,
+            Self::Connected => MyoEvent::Connected,
+            Self::ConnectFailed => MyoEvent::ConnectFailed,
+            Self::Discovered { found } => MyoEvent::Discovered(*found),
+            Self::Read { bytes } => MyoEvent::Read(bytes),
+            Self::Done => MyoEvent::Done,
+            Self::Failed => MyoEvent::Failed,
             Self::Notification {
                 characteristic,
                 bytes,
-            } => Event::Notification {
+            } => MyoEvent::Notification {
                 characteristic: *characteristic,
                 bytes,
             },
-            Self::Disconnected | Self::Gone(_) => Event::Disconnected,
+            Self::Disconnected | Self::Gone(_) => MyoEvent::Disconnected,
         }
     }
 }

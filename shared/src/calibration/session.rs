@@ -39,7 +39,7 @@ pub struct Session {
 
 /// Consequence of a patch.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Progress {
+pub enum CalibrationProgress {
     /// The cue goes on.
     Same,
     /// The next cue begins.
@@ -106,7 +106,7 @@ impl Session {
         core::iter::from_fn(move || {
             let session = next.as_mut()?;
             let coming = (session.cue(), session.patches(), session.is_judging);
-            if session.next_cue() == Progress::Judged {
+            if session.next_cue() == CalibrationProgress::Judged {
                 next = None;
             }
             Some(coming)
@@ -121,24 +121,24 @@ impl Session {
     }
 
     /// Takes a patch, with the labels that both heads emit at its end.
-    pub fn push(&mut self, labels: [Option<Intent>; 2]) -> Progress {
+    pub fn push(&mut self, labels: [Option<Intent>; 2]) -> CalibrationProgress {
         let cue = self.cue();
         if let (true, true, Shown::Intent(asked)) = (self.is_judging, self.counts(), cue) {
             self.judgement.add(asked, labels);
         }
         self.patch += 1;
         if self.patch < self.patches() {
-            return Progress::Same;
+            return CalibrationProgress::Same;
         }
         let hold = core::mem::take(&mut self.hold);
         if cue == Shown::Intent(Intent::Relax) {
             self.rest.join(&hold);
         } else if !hold.exceeds(&self.rest) {
-            return Progress::Weak;
+            return CalibrationProgress::Weak;
         }
         match self.next_cue() {
-            Progress::Next if cue == Shown::Intent(Intent::Open) && !self.is_judging => {
-                Progress::Opened(hold.profile())
+            CalibrationProgress::Next if cue == Shown::Intent(Intent::Open) && !self.is_judging => {
+                CalibrationProgress::Opened(hold.profile())
             }
             next => next,
         }
@@ -154,19 +154,19 @@ impl Session {
         REACTION + counted
     }
 
-    fn next_cue(&mut self) -> Progress {
+    fn next_cue(&mut self) -> CalibrationProgress {
         self.patch = 0;
         self.step += 1;
         // A round has a cue for each class, and a second rest.
         if self.step < self.classes + 1 + usize::from(self.others && !self.is_judging) {
-            return Progress::Next;
+            return CalibrationProgress::Next;
         }
         if self.is_judging {
-            return Progress::Judged;
+            return CalibrationProgress::Judged;
         }
         self.is_judging = true;
         self.step = 0;
-        Progress::Taught
+        CalibrationProgress::Taught
     }
 }
 
@@ -229,7 +229,7 @@ mod tests {
         session: &mut Session,
         level: impl Fn(Shown) -> i8,
         labels: impl Fn(Shown) -> [Option<Intent>; 2],
-    ) -> (Vec<(Shown, u32)>, Progress) {
+    ) -> (Vec<(Shown, u32)>, CalibrationProgress) {
         let mut cues = Vec::new();
         let mut patches = 0;
         loop {
@@ -239,8 +239,10 @@ mod tests {
             }
             patches += 1;
             match session.push(labels(cue)) {
-                Progress::Same => {}
-                Progress::Next | Progress::Opened(_) | Progress::Taught => {
+                CalibrationProgress::Same => {}
+                CalibrationProgress::Next
+                | CalibrationProgress::Opened(_)
+                | CalibrationProgress::Taught => {
                     cues.push((cue, patches));
                     patches = 0;
                 }
@@ -280,7 +282,7 @@ mod tests {
                 .chain(other)
                 .chain(round.clone())
                 .collect();
-            assert_eq!((cues, end), (expected, Progress::Judged));
+            assert_eq!((cues, end), (expected, CalibrationProgress::Judged));
             assert_eq!(session.judgement().recalls(), [0.0, 1.0]);
         }
     }
@@ -291,7 +293,7 @@ mod tests {
         for level in [0, 1, 30] {
             let mut session = Session::new(3, false);
             let (cues, end) = run(&mut session, |_| level, |_| [None; 2]);
-            assert_eq!((cues.len(), end), (2, Progress::Weak), "{level}");
+            assert_eq!((cues.len(), end), (2, CalibrationProgress::Weak), "{level}");
         }
         // 1.4 times rest.
         for (level, cues) in [(13, 2), (14, 8)] {
@@ -307,7 +309,7 @@ mod tests {
         for _ in 0..REACTION {
             assert!(!session.counts());
             session.sample([127; CHANNELS]);
-            assert_eq!(session.push([None; 2]), Progress::Same);
+            assert_eq!(session.push([None; 2]), CalibrationProgress::Same);
         }
         assert!(session.counts());
         assert_eq!(session.hold, Activity::default());

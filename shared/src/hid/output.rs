@@ -12,7 +12,7 @@ use crate::names::names;
 
 names! {
     /// Kind of an output.
-    pub(super) enum Kind {
+    pub(super) enum HidKind {
         /// Key of a keyboard.
         Key = "key",
         /// Button of a mouse.
@@ -67,12 +67,12 @@ pub(super) const MODIFIERS: u8 = 0xe0;
 /// A key, a button, a direction or an axis.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Output {
-    pub(super) kind: Kind,
+    pub(super) kind: HidKind,
     /// A value that has a name.
     pub(super) value: u8,
 }
 
-impl Kind {
+impl HidKind {
     const fn runs(self) -> &'static [Run] {
         match self {
             Self::Key => KEYS,
@@ -86,7 +86,7 @@ impl Kind {
 
 impl Output {
     /// Output of a kind and a value; none if it has no name.
-    pub(super) fn new(kind: Kind, value: u8) -> Option<Self> {
+    pub(super) fn new(kind: HidKind, value: u8) -> Option<Self> {
         let output = Self { kind, value };
         output.value_name().map(|_| output)
     }
@@ -108,7 +108,7 @@ impl Output {
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         let (kind, name) = name.split_once(':')?;
-        let kind = Kind::from_name(kind)?;
+        let kind = HidKind::from_name(kind)?;
         kind.runs().iter().find_map(|&(first, names)| {
             let place = names.iter().position(|known| *known == name)?;
             Some(Self {
@@ -122,16 +122,16 @@ impl Output {
     #[must_use]
     pub const fn device(self) -> Device {
         match self.kind {
-            Kind::Key => Device::Keyboard,
-            Kind::Click | Kind::Move => Device::Mouse,
-            Kind::Button | Kind::Axis => Device::Gamepad,
+            HidKind::Key => Device::Keyboard,
+            HidKind::Click | HidKind::Move => Device::Mouse,
+            HidKind::Button | HidKind::Axis => Device::Gamepad,
         }
     }
 
     /// Whether its report is repeated while it is pressed: it says how far, not where.
     #[must_use]
     pub fn moves(self) -> bool {
-        self.kind == Kind::Move
+        self.kind == HidKind::Move
     }
 }
 
@@ -143,7 +143,7 @@ mod tests {
     /// Every output.
     fn all() -> Vec<Output> {
         let values = |kind| (0..=u8::MAX).filter_map(move |value| Output::new(kind, value));
-        Kind::ALL.into_iter().flat_map(values).collect()
+        HidKind::ALL.into_iter().flat_map(values).collect()
     }
 
     #[test]

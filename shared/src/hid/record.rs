@@ -10,7 +10,7 @@
 //!
 //! A record that is not whole is no record: the outputs are off then.
 
-use super::output::{Kind, Output};
+use super::output::{HidKind, Output};
 use super::{GESTURES, Settings};
 use crate::checksum::crc32;
 
@@ -47,7 +47,7 @@ pub fn from_record(record: &[u8; RECORD_BYTES]) -> Option<Settings> {
         let &[kind, value] = places.next()? else {
             return None;
         };
-        let kind = Kind::ALL.get(usize::from(kind).checked_sub(1)?)?;
+        let kind = HidKind::ALL.get(usize::from(kind).checked_sub(1)?)?;
         Output::new(*kind, value)
     });
     let settings = Settings {

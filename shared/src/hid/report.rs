@@ -1,6 +1,6 @@
 //! Reports to the computer, and the descriptor that says what is in them.
 
-use super::output::{Device, Kind, MODIFIERS, Output};
+use super::output::{Device, HidKind, MODIFIERS, Output};
 use crate::stream::strength::Percent;
 
 /// Bytes of the longest report: a gamepad's.
@@ -85,13 +85,13 @@ impl Report {
         let share = |most: u8| (u32::from(strength.get()) * u32::from(most)).div_ceil(100) as u8;
         let place = usize::from(value / 2);
         match kind {
-            Kind::Key if value >= MODIFIERS => data[0] = 1 << (value - MODIFIERS),
-            Kind::Key => data[1] = value,
-            Kind::Click => data[0] = 1 << value,
+            HidKind::Key if value >= MODIFIERS => data[0] = 1 << (value - MODIFIERS),
+            HidKind::Key => data[1] = value,
+            HidKind::Click => data[0] = 1 << value,
             // Left and up are negative: the even ones.
-            Kind::Move => data[1 + place] = signed(share(FASTEST), value % 2 == 0),
-            Kind::Button => data[..2].copy_from_slice(&(1_u16 << value).to_le_bytes()),
-            Kind::Axis => data[2 + place] = signed(share(127), value % 2 == 1),
+            HidKind::Move => data[1 + place] = signed(share(FASTEST), value % 2 == 0),
+            HidKind::Button => data[..2].copy_from_slice(&(1_u16 << value).to_le_bytes()),
+            HidKind::Axis => data[2 + place] = signed(share(127), value % 2 == 1),
         }
         report
     }

@@ -33,7 +33,7 @@ pub use self::transfer::{BLOCK_BYTES, Block, PAGE_BYTES, Transfer};
 
 /// Step of an installation.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Step {
+pub enum InstallationStep {
     /// Enter the safe state, and read the region no more.
     Suspend,
     /// Erase the journal.
@@ -71,7 +71,7 @@ const LOSES_MODEL: u16 = SUSPEND | ERASE_JOURNAL | WRITE_JOURNAL | ERASE_PAGE;
 
 /// Progress of an installation.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Progress {
+pub enum InstallationProgress {
     /// Number of the next missing block.
     Next(u32),
     /// The model is in use.
@@ -145,7 +145,7 @@ impl Installation {
         &mut self,
         transfer: Transfer,
         journal: Option<Journal>,
-    ) -> Result<Progress, Refused> {
+    ) -> Result<InstallationProgress, Refused> {
         if transfer.length > self.capacity || transfer.blocks() < 2 {
             return Err(Refused::Length);
         }
@@ -209,24 +209,24 @@ impl Installation {
 
     /// The next step; none once everything is done.
     #[must_use]
-    pub const fn step(&self) -> Option<Step> {
+    pub const fn step(&self) -> Option<InstallationStep> {
         let page = self.number / PAGE_BLOCKS;
         Some(match self.lowest() {
             0 => return None,
-            SUSPEND => Step::Suspend,
-            ERASE_JOURNAL => Step::EraseJournal,
-            WRITE_JOURNAL => Step::WriteJournal,
-            ERASE_PAGE => Step::ErasePage(page),
-            WRITE_BLOCK => Step::WriteBlock(self.number),
-            MARK_PAGE => Step::MarkPage(page),
-            WRITE_FIRST => Step::WriteBlock(0),
-            VERIFY => Step::Verify,
-            END_JOURNAL => Step::EndJournal,
-            _ => Step::Resume,
+            SUSPEND => InstallationStep::Suspend,
+            ERASE_JOURNAL => InstallationStep::EraseJournal,
+            WRITE_JOURNAL => InstallationStep::WriteJournal,
+            ERASE_PAGE => InstallationStep::ErasePage(page),
+            WRITE_BLOCK => InstallationStep::WriteBlock(self.number),
+            MARK_PAGE => InstallationStep::MarkPage(page),
+            WRITE_FIRST => InstallationStep::WriteBlock(0),
+            VERIFY => InstallationStep::Verify,
+            END_JOURNAL => InstallationStep::EndJournal,
+            _ => InstallationStep::Resume,
         })
     }
 
-    /// The block that [`Step::WriteBlock`] writes.
+    /// The block that [`InstallationStep::WriteBlock`] writes.
     #[must_use]
     pub const fn content(&self) -> &Block {
         match self.lowest() {
@@ -235,14 +235,14 @@ impl Installation {
         }
     }
 
-    /// The record that [`Step::WriteJournal`] writes.
+    /// The record that [`InstallationStep::WriteJournal`] writes.
     #[must_use]
     pub fn record(&self) -> journal::Record {
         journal::to_record(self.transfer.unwrap_or_default())
     }
 
     /// Takes the outcome of the step. After a failure the block is missing still. No other step is left, but at the first
-    /// block: there [`Step::Resume`] puts the old model back in use if the region still holds it, and the failure is
+    /// block: there [`InstallationStep::Resume`] puts the old model back in use if the region still holds it, and the failure is
     /// returned after that step.
     ///
     /// # Errors
@@ -304,10 +304,10 @@ impl Installation {
 
     /// Block that is missing; installed if no transfer is in progress.
     #[must_use]
-    pub const fn progress(&self) -> Progress {
+    pub const fn progress(&self) -> InstallationProgress {
         match self.transfer {
-            Some(transfer) => Progress::Next(transfer.block(self.taken)),
-            None => Progress::Installed,
+            Some(transfer) => InstallationProgress::Next(transfer.block(self.taken)),
+            None => InstallationProgress::Installed,
         }
     }
 

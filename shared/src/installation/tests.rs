@@ -32,7 +32,7 @@ fn transfer(file: &[u8]) -> Transfer {
 /// Sends a file, each block from what `from` gives, until one is refused.
 fn refusal<'f>(board: &mut Board, file: &[u8], from: impl Fn(u32) -> &'f Vec<u8>) -> Refused {
     let mut progress = board.begin(transfer(file)).unwrap();
-    while let Progress::Next(number) = progress {
+    while let InstallationProgress::Next(number) = progress {
         match board.take(from(number), number).unwrap() {
             Ok(next) => progress = next,
             Err(refused) => return refused,
@@ -131,8 +131,14 @@ fn another_file_begins_from_the_start_and_the_same_one_goes_on() {
     for number in [0, 64, 65, 66] {
         assert!(board.take(&new, number).unwrap().is_ok());
     }
-    assert_eq!(board.begin(transfer(&new)), Ok(Progress::Next(67)));
-    assert_eq!(board.begin(transfer(&other)), Ok(Progress::Next(0)));
+    assert_eq!(
+        board.begin(transfer(&new)),
+        Ok(InstallationProgress::Next(67))
+    );
+    assert_eq!(
+        board.begin(transfer(&other)),
+        Ok(InstallationProgress::Next(0))
+    );
     assert!(send(&mut board, &other).is_ok());
     assert_eq!(board.in_use, Some(3));
 }
@@ -154,16 +160,28 @@ fn what_was_not_asked_for_changes_nothing() {
         }),
         Err(Refused::Length)
     );
-    assert_eq!(board.begin(transfer(&new)), Ok(Progress::Next(0)));
+    assert_eq!(
+        board.begin(transfer(&new)),
+        Ok(InstallationProgress::Next(0))
+    );
     let blocks = transfer(&new).blocks();
     assert_eq!(board.take(&new, blocks).unwrap(), Err(Refused::NoSuchBlock));
-    assert_eq!(board.take(&new, 1).unwrap(), Ok(Progress::Next(0)));
+    assert_eq!(
+        board.take(&new, 1).unwrap(),
+        Ok(InstallationProgress::Next(0))
+    );
     assert_eq!(board.in_use, Some(1), "begun, but nothing was sent");
-    assert_eq!(board.take(&new, 0).unwrap(), Ok(Progress::Next(64)));
+    assert_eq!(
+        board.take(&new, 0).unwrap(),
+        Ok(InstallationProgress::Next(64))
+    );
     assert_eq!(board.in_use, None);
     for wrong in [0, 1, 63, 65, blocks - 1] {
         let before = board.flash.region.clone();
-        assert_eq!(board.take(&new, wrong).unwrap(), Ok(Progress::Next(64)));
+        assert_eq!(
+            board.take(&new, wrong).unwrap(),
+            Ok(InstallationProgress::Next(64))
+        );
         assert_eq!(board.flash.region, before);
     }
 }
@@ -190,7 +208,10 @@ fn a_file_that_is_no_model_is_refused_and_the_next_begins_from_the_start() {
     );
     assert_eq!(refused, Refused::Model);
     assert!(board.is_safe);
-    assert_eq!(board.begin(transfer(&new)), Ok(Progress::Next(0)));
+    assert_eq!(
+        board.begin(transfer(&new)),
+        Ok(InstallationProgress::Next(0))
+    );
     assert_eq!(send(&mut board, &new), Ok(transfer(&new).blocks() as usize));
     assert_eq!(board.in_use, Some(2));
 }
@@ -199,10 +220,10 @@ fn a_file_that_is_no_model_is_refused_and_the_next_begins_from_the_start() {
 fn a_failure_while_flash_still_holds_the_old_model_puts_it_back_in_use() {
     let (old, new) = (file(1), file(2));
     for failing in [
-        Step::Suspend,
-        Step::EraseJournal,
-        Step::WriteJournal,
-        Step::ErasePage(0),
+        InstallationStep::Suspend,
+        InstallationStep::EraseJournal,
+        InstallationStep::WriteJournal,
+        InstallationStep::ErasePage(0),
     ] {
         let mut board = Board::start(Flash::of(&old), &[&old, &new]);
         board.begin(transfer(&new)).unwrap();
@@ -211,7 +232,10 @@ fn a_failure_while_flash_still_holds_the_old_model_puts_it_back_in_use() {
         assert_eq!(failure, Err(Refused::Flash), "{failing:?}");
         assert_eq!(board.in_use, Some(1), "{failing:?}");
         assert!(!board.is_safe, "{failing:?}");
-        assert_eq!(board.begin(transfer(&new)), Ok(Progress::Next(0)));
+        assert_eq!(
+            board.begin(transfer(&new)),
+            Ok(InstallationProgress::Next(0))
+        );
         assert!(send(&mut board, &new).is_ok());
         assert_eq!(board.in_use, Some(2), "{failing:?}");
     }
@@ -223,10 +247,13 @@ fn a_failure_that_left_half_a_page_leaves_the_board_safe_and_the_block_missing()
     let mut board = Board::start(Flash::of(&old), &[&old, &new]);
     board.begin(transfer(&new)).unwrap();
     board.flash.region[..PAGE_BYTES / 2].fill(0xff);
-    board.failing = Some((Step::ErasePage(0), Refused::Flash));
+    board.failing = Some((InstallationStep::ErasePage(0), Refused::Flash));
     assert_eq!(board.take(&new, 0).unwrap(), Err(Refused::Flash));
     assert_eq!((board.in_use, board.is_safe), (None, true));
-    assert_eq!(board.begin(transfer(&new)), Ok(Progress::Next(0)));
+    assert_eq!(
+        board.begin(transfer(&new)),
+        Ok(InstallationProgress::Next(0))
+    );
     assert!(send(&mut board, &new).is_ok());
     assert_eq!(board.in_use, Some(2));
 }
@@ -234,7 +261,7 @@ fn a_failure_that_left_half_a_page_leaves_the_board_safe_and_the_block_missing()
 #[test]
 fn a_model_that_is_not_suspended_or_not_put_in_use_is_no_failure_of_flash() {
     let (old, new) = (file(1), file(2));
-    for failing in [Step::Suspend, Step::Resume] {
+    for failing in [InstallationStep::Suspend, InstallationStep::Resume] {
         let mut board = Board::start(Flash::of(&old), &[&old, &new]);
         board.failing = Some((failing, Refused::Busy));
         assert_eq!(refusal(&mut board, &new, |_| &new), Refused::Busy);
@@ -248,7 +275,7 @@ fn a_model_that_is_not_suspended_or_not_put_in_use_is_no_failure_of_flash() {
 fn a_model_that_cannot_be_put_in_use_ends_the_transfer() {
     let (old, new) = (file(1), file(2));
     let mut board = Board::start(Flash::of(&old), &[&old, &new]);
-    board.failing = Some((Step::Resume, Refused::Model));
+    board.failing = Some((InstallationStep::Resume, Refused::Model));
     assert_eq!(refusal(&mut board, &new, |_| &new), Refused::Model);
     assert_eq!(board.take(&new, 63).unwrap(), Err(Refused::NotBegun));
     assert!(board.is_safe);

@@ -37,7 +37,7 @@ impl Payload {
 /// A request to the radio or the pipeline. Requests are to be carried out in order.
 ///
 /// `Connect`, `Discover`, `Read`, `Subscribe` and `Write` are operations: at most one is outstanding.
-/// Each is answered by its own [`Event`](super::Event), or by `Disconnected`.
+/// Each is answered by its own [`MyoEvent`](super::MyoEvent), or by `Disconnected`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Action {
     /// Scan passively and report every advertisement. Answered by any number of `Advertisement`.

@@ -5,7 +5,7 @@ use super::characteristic::{Characteristic, Found};
 
 /// An event of the radio, or the passing of time.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Event<'a> {
+pub enum MyoEvent<'a> {
     /// An advertisement was received.
     Advertisement {
         /// The sender's address, of the kind that the report names.

@@ -49,10 +49,10 @@ pub use command::EmgMode;
 pub use connection_parameters::{ConnectionParameters, LOOK_MS, ParameterHold};
 pub use counters::Counters;
 pub use discovery::{Attribute, Discovery};
-pub use event::Event;
+pub use event::MyoEvent;
 pub use lane::Lane;
 pub use packet::{FirmwareVersion, Imu, Pair};
-pub use progress::Progress;
+pub use progress::RadioProgress;
 pub use session::{Following, MyoSession, Phase, Settings};
 pub use uuid::Uuid;
 

@@ -1,6 +1,6 @@
 //! Evidence that the radio makes progress, for a watchdog that restarts a board whose radio does not.
 
-use super::event::Event;
+use super::event::MyoEvent;
 use super::session::{MyoSession, Phase};
 use crate::units::Millis;
 
@@ -17,7 +17,7 @@ const EMPTY_STREAMS: u8 = 3;
 /// a notification count before the first one that worked: an armband that hangs looks the same, and costs one restart at
 /// most.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub struct Progress {
+pub struct RadioProgress {
     /// Since when the stack owes an answer: its last one, or the first question. None while nothing is asked.
     answered: Option<Millis>,
     /// Time of the last reception over the air; none before the first.
@@ -32,7 +32,7 @@ pub struct Progress {
     empty: u8,
 }
 
-impl Progress {
+impl RadioProgress {
     /// Progress before the first event.
     #[must_use]
     pub const fn new() -> Self {
@@ -47,26 +47,26 @@ impl Progress {
     }
 
     /// Takes note of an event, after the session has handled it at `now`.
-    pub fn handled(&mut self, now: Millis, event: Event<'_>, session: &MyoSession) {
+    pub fn handled(&mut self, now: Millis, event: MyoEvent<'_>, session: &MyoSession) {
         match event {
-            Event::Advertisement { .. }
-            | Event::Connected
-            | Event::Discovered(_)
-            | Event::Read(_)
-            | Event::Done
-            | Event::Notification { .. } => {
+            MyoEvent::Advertisement { .. }
+            | MyoEvent::Connected
+            | MyoEvent::Discovered(_)
+            | MyoEvent::Read(_)
+            | MyoEvent::Done
+            | MyoEvent::Notification { .. } => {
                 self.heard = Some(now);
                 self.answered = Some(now);
             }
-            Event::Answered => self.answered = Some(now),
+            MyoEvent::Answered => self.answered = Some(now),
             // The driver's own, or the end of something that never began.
-            Event::ScanEnded
-            | Event::ConnectFailed
-            | Event::Failed
-            | Event::Disconnected
-            | Event::Pair
-            | Event::Bind(_)
-            | Event::Tick => {}
+            MyoEvent::ScanEnded
+            | MyoEvent::ConnectFailed
+            | MyoEvent::Failed
+            | MyoEvent::Disconnected
+            | MyoEvent::Pair
+            | MyoEvent::Bind(_)
+            | MyoEvent::Tick => {}
         }
         if matches!(session.phase(), Phase::Idle | Phase::Unbound) {
             // Nothing is asked of the stack, so it has nothing to say.
@@ -112,7 +112,7 @@ mod tests {
     /// A session whose every operation succeeds at once, and what its watchdog thinks of it.
     struct Link {
         session: MyoSession,
-        progress: Progress,
+        progress: RadioProgress,
         now: Millis,
     }
 
@@ -123,12 +123,12 @@ mod tests {
                     follow_strongest: true,
                     ..Settings::default()
                 }),
-                progress: Progress::new(),
+                progress: RadioProgress::new(),
                 now: Millis(0),
             }
         }
 
-        fn handle(&mut self, event: Event<'_>) {
+        fn handle(&mut self, event: MyoEvent<'_>) {
             self.session.handle(self.now, event, &mut |_| {});
             self.progress.handled(self.now, event, &self.session);
         }
@@ -137,7 +137,7 @@ mod tests {
             let mut data = [0; 18];
             data[..2].copy_from_slice(&[17, 0x06]);
             data[2..].copy_from_slice(&Uuid::CONTROL.to_le_bytes());
-            self.handle(Event::Advertisement {
+            self.handle(MyoEvent::Advertisement {
                 address: ARMBAND,
                 rssi: -40,
                 data: &data,
@@ -146,7 +146,7 @@ mod tests {
 
         fn notify(&mut self) {
             let characteristic = Characteristic::Emg(Lane::ALL[0]);
-            self.handle(Event::Notification {
+            self.handle(MyoEvent::Notification {
                 characteristic,
                 bytes: &[0; 16],
             });
@@ -158,26 +158,28 @@ mod tests {
                 self.now = self.now.plus(50);
                 match self.session.phase() {
                     Phase::Scanning => self.advertise(),
-                    Phase::Connecting => self.handle(Event::Connected),
+                    Phase::Connecting => self.handle(MyoEvent::Connected),
                     Phase::SettingUp => {
-                        self.handle(Event::Discovered(Characteristic::ALL.into_iter().collect()));
-                        self.handle(Event::Read(&[1, 0, 5, 0, 0xb2, 0x07, 2, 0]));
-                        self.handle(Event::Read(&[80]));
-                        (0..9).for_each(|_| self.handle(Event::Done));
+                        self.handle(MyoEvent::Discovered(
+                            Characteristic::ALL.into_iter().collect(),
+                        ));
+                        self.handle(MyoEvent::Read(&[1, 0, 5, 0, 0xb2, 0x07, 2, 0]));
+                        self.handle(MyoEvent::Read(&[80]));
+                        (0..9).for_each(|_| self.handle(MyoEvent::Done));
                     }
                     _ => {}
                 }
-                self.handle(Event::Tick);
+                self.handle(MyoEvent::Tick);
             }
             if notified {
                 self.notify();
             }
             while self.session.phase() == Phase::Streaming {
                 self.now = self.now.plus(50);
-                self.handle(Event::Tick);
-                self.handle(Event::Done);
+                self.handle(MyoEvent::Tick);
+                self.handle(MyoEvent::Done);
             }
-            self.handle(Event::Disconnected);
+            self.handle(MyoEvent::Disconnected);
         }
 
         fn is_alive(&self) -> bool {
@@ -215,12 +217,12 @@ mod tests {
             bound: Some(ARMBAND),
             ..Settings::default()
         });
-        link.handle(Event::Tick);
+        link.handle(MyoEvent::Tick);
         link.advertise();
-        link.handle(Event::Disconnected);
-        link.handle(Event::Bind(None));
+        link.handle(MyoEvent::Disconnected);
+        link.handle(MyoEvent::Bind(None));
         link.now = link.now.plus(1000);
-        link.handle(Event::Tick);
+        link.handle(MyoEvent::Tick);
         assert_eq!(link.session.phase(), Phase::Unbound);
         link.now = link.now.plus(2 * SILENT_MS);
         assert!(link.is_alive());
@@ -230,31 +232,31 @@ mod tests {
     fn a_stack_that_is_never_heard_is_dead_a_minute_after_it_was_asked() {
         let mut link = Link::new();
         link.now = Millis(u32::MAX - 10_000);
-        link.handle(Event::Tick);
+        link.handle(MyoEvent::Tick);
         assert_eq!(link.session.phase(), Phase::Scanning);
         link.now = link.now.plus(SILENT_MS - 1);
-        link.handle(Event::Tick);
+        link.handle(MyoEvent::Tick);
         assert!(link.is_alive());
         link.now = link.now.plus(1);
-        link.handle(Event::Tick);
+        link.handle(MyoEvent::Tick);
         assert!(!link.is_alive());
     }
 
     #[test]
     fn a_stack_that_answers_where_nothing_is_heard_stays_alive() {
         let mut link = Link::new();
-        link.handle(Event::Tick);
+        link.handle(MyoEvent::Tick);
         for _ in 0..100 {
             link.now = link.now.plus(SILENT_MS - 1);
-            link.handle(Event::Tick);
+            link.handle(MyoEvent::Tick);
             assert!(link.is_alive());
-            link.handle(Event::Answered);
+            link.handle(MyoEvent::Answered);
         }
         // Nor do scans that it refuses keep it alive.
         for _ in 0..20 {
             link.now = link.now.plus(SILENT_MS / 10);
-            link.handle(Event::Tick);
-            link.handle(Event::ScanEnded);
+            link.handle(MyoEvent::Tick);
+            link.handle(MyoEvent::ScanEnded);
         }
         assert!(!link.is_alive());
     }
@@ -262,13 +264,13 @@ mod tests {
     #[test]
     fn answers_do_not_stand_for_what_was_heard() {
         let mut link = Link::new();
-        link.handle(Event::Tick);
+        link.handle(MyoEvent::Tick);
         link.advertise();
-        link.handle(Event::ConnectFailed);
+        link.handle(MyoEvent::ConnectFailed);
         for _ in 0..6 {
             assert!(link.is_alive());
             link.now = link.now.plus(10_000);
-            link.handle(Event::Answered);
+            link.handle(MyoEvent::Answered);
         }
         assert!(!link.is_alive());
     }
@@ -277,14 +279,14 @@ mod tests {
     fn a_stack_that_was_heard_and_falls_silent_is_dead_after_a_minute() {
         let mut link = Link::new();
         link.now = Millis(10_000_000);
-        link.handle(Event::Tick);
+        link.handle(MyoEvent::Tick);
         link.advertise();
         link.now = link.now.plus(SILENT_MS - 1);
-        link.handle(Event::Tick);
-        link.handle(Event::ConnectFailed);
+        link.handle(MyoEvent::Tick);
+        link.handle(MyoEvent::ConnectFailed);
         assert!(link.is_alive());
         link.now = link.now.plus(1);
-        link.handle(Event::Tick);
+        link.handle(MyoEvent::Tick);
         assert!(!link.is_alive());
         link.advertise();
         assert!(link.is_alive());

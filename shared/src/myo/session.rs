@@ -6,11 +6,11 @@ use super::back_off::BackOff;
 use super::characteristic::Found;
 use super::command::EmgMode;
 use super::counters::Counters;
-use super::event::Event;
+use super::event::MyoEvent;
 use super::packet::FirmwareVersion;
 use super::scan::Scan;
 use super::sequence::Sequence;
-use super::set_up::Step;
+use super::set_up::SetUpStep;
 use super::stream_monitor::StreamMonitor;
 use crate::units::Millis;
 
@@ -64,7 +64,7 @@ enum State {
     },
     SettingUp {
         since: Millis,
-        step: Step,
+        step: SetUpStep,
         found: Found,
     },
     Streaming(StreamMonitor),
@@ -121,9 +121,9 @@ impl MyoSession {
 
     /// Handles an event at `now` and calls `act` for every action, in order. The answer to an action
     /// needs a call of its own, never from within `act`.
-    pub fn handle(&mut self, now: Millis, event: Event<'_>, act: &mut impl FnMut(Action)) {
+    pub fn handle(&mut self, now: Millis, event: MyoEvent<'_>, act: &mut impl FnMut(Action)) {
         match event {
-            Event::Advertisement {
+            MyoEvent::Advertisement {
                 address,
                 rssi,
                 data,
@@ -136,19 +136,19 @@ impl MyoSession {
                     }
                 }
             }
-            Event::ScanEnded => self.scan_ended(now, act),
-            Event::Connected => self.connected(now, act),
-            Event::ConnectFailed | Event::Disconnected => self.disconnected(now, event, act),
-            Event::Discovered(_) | Event::Read(_) | Event::Done | Event::Failed => {
+            MyoEvent::ScanEnded => self.scan_ended(now, act),
+            MyoEvent::Connected => self.connected(now, act),
+            MyoEvent::ConnectFailed | MyoEvent::Disconnected => self.disconnected(now, event, act),
+            MyoEvent::Discovered(_) | MyoEvent::Read(_) | MyoEvent::Done | MyoEvent::Failed => {
                 self.operation_answered(now, event, act);
             }
-            Event::Notification {
+            MyoEvent::Notification {
                 characteristic,
                 bytes,
             } => self.notification(now, characteristic, bytes, act),
-            Event::Pair => self.pair(now, act),
-            Event::Bind(armband) => self.bind(now, armband, act),
-            Event::Answered | Event::Tick => {}
+            MyoEvent::Pair => self.pair(now, act),
+            MyoEvent::Bind(armband) => self.bind(now, armband, act),
+            MyoEvent::Answered | MyoEvent::Tick => {}
         }
         // After the event: an answer that arrives together with the time-out is in time.
         self.handle_time(now, act);

@@ -3,14 +3,14 @@
 use super::action::Action;
 use super::characteristic::{Characteristic, Found};
 use super::command::{Command, EmgMode};
-use super::event::Event;
+use super::event::MyoEvent;
 use super::lane::Lane;
 use super::packet::{FirmwareVersion, parse_battery};
 
 /// A step of the set-up: one operation. The mode is set last, since EMG then shares air time and
 /// queues with the responses. The IMU comes later: see [`StreamMonitor`](super::stream_monitor::StreamMonitor).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Step {
+pub(super) enum SetUpStep {
     Discover,
     ReadFirmware,
     ReadBattery,
@@ -36,7 +36,7 @@ pub(super) enum Response {
     Unsupported,
 }
 
-impl Step {
+impl SetUpStep {
     pub(super) const fn action(self, emg: EmgMode) -> Action {
         match self {
             Self::Discover => Action::Discover,
@@ -73,24 +73,24 @@ impl Step {
     }
 
     /// The answer of `event` to this step.
-    pub(super) fn response(self, event: Event<'_>) -> Response {
+    pub(super) fn response(self, event: MyoEvent<'_>) -> Response {
         match (self, event) {
-            (_, Event::Failed) => Response::Failed,
-            (Self::Discover, Event::Discovered(found)) if found.is_sufficient() => {
+            (_, MyoEvent::Failed) => Response::Failed,
+            (Self::Discover, MyoEvent::Discovered(found)) if found.is_sufficient() => {
                 Response::Found(found)
             }
-            (Self::Discover, Event::Discovered(_)) => Response::Failed,
-            (Self::ReadFirmware, Event::Read(bytes)) => match FirmwareVersion::parse(bytes) {
+            (Self::Discover, MyoEvent::Discovered(_)) => Response::Failed,
+            (Self::ReadFirmware, MyoEvent::Read(bytes)) => match FirmwareVersion::parse(bytes) {
                 Ok(version) if version.is_supported() => Response::Firmware(version),
                 Ok(_) => Response::Unsupported,
                 Err(_) => Response::Malformed,
             },
-            (Self::ReadBattery, Event::Read(bytes)) => {
+            (Self::ReadBattery, MyoEvent::Read(bytes)) => {
                 parse_battery(bytes).map_or(Response::Malformed, Response::Battery)
             }
             (
                 Self::SubscribeEmg(_) | Self::SubscribeBattery | Self::NeverSleep | Self::SetMode,
-                Event::Done,
+                MyoEvent::Done,
             ) => Response::Done,
             _ => Response::None,
         }

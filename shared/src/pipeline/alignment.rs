@@ -6,7 +6,8 @@ use super::Pipeline;
 use crate::calibration::FAVOUR;
 use crate::model::Encode;
 use crate::stream::alignment::{
-    Aligner, Alignment, Arm, ArmDecision, Fit, GESTURES, Outcome, Poor, Profile, Progress, Template,
+    Aligner, Alignment, AlignmentProgress, Arm, ArmDecision, Fit, GESTURES, Outcome, Poor, Profile,
+    Template,
 };
 use crate::stream::preprocess::Preprocessor;
 use crate::uart_line::alignment::{AlignmentReport, AlignmentState};
@@ -245,7 +246,7 @@ impl<E: Encode> Pipeline<'_, E> {
             return;
         };
         let progress = aligner.push(patch, template);
-        if progress == Progress::Gesture {
+        if progress == AlignmentProgress::Gesture {
             let gestures = aligner.gestures();
             placement.news = Some(News::of(AlignmentState::Waiting, gestures));
         }
@@ -258,22 +259,22 @@ impl<E: Encode> Pipeline<'_, E> {
         let arm = self.calibration.arm().seen_from(current);
         if let Some(template) = &self.placement.template {
             let opening = opening.aligned(current);
-            let progress = Progress::of(opening, arm, u64::MAX, template, FAVOUR);
+            let progress = AlignmentProgress::of(opening, arm, u64::MAX, template, FAVOUR);
             self.proceed(progress);
         }
     }
 
-    fn proceed(&mut self, progress: Progress) {
+    fn proceed(&mut self, progress: AlignmentProgress) {
         match progress {
-            Progress::Waiting | Progress::Gesture => {}
-            Progress::Undecided(mut decision) => {
+            AlignmentProgress::Waiting | AlignmentProgress::Gesture => {}
+            AlignmentProgress::Undecided(mut decision) => {
                 decision.start(self.ring.complete());
                 self.placement.stage = Stage::Arm(decision);
                 if self.model.is_none() {
                     self.interrupt_decision();
                 }
             }
-            Progress::Done(outcome) => self.finish(outcome),
+            AlignmentProgress::Done(outcome) => self.finish(outcome),
         }
     }
 

@@ -1,11 +1,11 @@
 //! Calibration as a part of the pipeline: the wearer's last layer, learnt while the stream goes on.
 
 use super::{Pipeline, Reports, Smoother};
-use crate::calibration::{Memory, Progress, REACTION, Session, Shown};
+use crate::calibration::{CalibrationProgress, Memory, REACTION, Session, Shown};
 use crate::intent::Intent;
 use crate::model::Encode;
 use crate::stream::alignment::{Alignment, Arm, Profile};
-use crate::stream::safe_state::Event;
+use crate::stream::safe_state::SafetyEvent;
 use crate::stream::smoother::Decision;
 use crate::uart_line::calibration::{CalibrationReport, CalibrationState};
 use crate::units::{Millis, Sample, SampleIndex, WINDOW_PATCHES};
@@ -133,28 +133,28 @@ impl Calibration<'_> {
             sums.add(encoder.hidden(state), session.cue());
         }
         match session.push(*labels) {
-            Progress::Same => return Then::Nothing,
-            Progress::Next => {
+            CalibrationProgress::Same => return Then::Nothing,
+            CalibrationProgress::Next => {
                 self.say_cue();
                 return Then::Nothing;
             }
-            Progress::Opened(profile) => {
+            CalibrationProgress::Opened(profile) => {
                 *opened = window_end;
                 self.say_cue();
                 return Then::Align(profile);
             }
-            Progress::Weak => {
+            CalibrationProgress::Weak => {
                 self.end(CalibrationState::Weak);
                 return Then::Nothing;
             }
-            Progress::Taught => {
+            CalibrationProgress::Taught => {
                 if encoder.solve(sums, state, head).is_ok() {
                     self.say_cue();
                 } else {
                     self.end(CalibrationState::Unusable);
                 }
             }
-            Progress::Judged => {
+            CalibrationProgress::Judged => {
                 let judgement = *session.judgement();
                 let state = if !judgement.accepts() {
                     CalibrationState::Worse
@@ -218,7 +218,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         });
         self.calibration.say_cue();
         let mut reports = Reports::default();
-        self.handle(now, Event::Calibration, &mut reports);
+        self.handle(now, SafetyEvent::Calibration, &mut reports);
         Some(reports)
     }
 

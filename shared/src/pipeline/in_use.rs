@@ -5,7 +5,7 @@ use crate::intent::MAX_LOGITS;
 use crate::model::Encode;
 use crate::stream::alignment::{Alignment, Template};
 use crate::stream::preprocess::Preprocessing;
-use crate::stream::safe_state::Event;
+use crate::stream::safe_state::SafetyEvent;
 use crate::stream::smoother::{self, Gate};
 use crate::uart_line::calibration::CalibrationState;
 use crate::units::{LOOK_BACK, Millis};
@@ -35,15 +35,15 @@ impl<E: Encode> Pipeline<'_, E> {
     /// Gives up the model and enters the safe state: nothing that the encoder borrows is read any more. Samples are taken
     /// meanwhile; an alignment in progress is cancelled.
     pub fn suspend(&mut self, now: Millis) -> Reports {
-        self.give_up(now, Event::Installation)
+        self.give_up(now, SafetyEvent::Installation)
     }
 
     /// Suspends permanently: there is no valid model.
     pub fn refuse_model(&mut self, now: Millis) -> Reports {
-        self.give_up(now, Event::ModelRefused)
+        self.give_up(now, SafetyEvent::ModelRefused)
     }
 
-    fn give_up(&mut self, now: Millis, event: Event) -> Reports {
+    fn give_up(&mut self, now: Millis, event: SafetyEvent) -> Reports {
         let mut reports = self.tick(now);
         self.model = None;
         self.hold_lock(true);
@@ -80,7 +80,7 @@ impl<E: Encode> Pipeline<'_, E> {
         self.set_model(encoder, smoother);
         self.encode_anew();
         // It gives no report: the state stays until there is a label.
-        let _ = self.safe_state.handle(now, Event::Installed);
+        let _ = self.safe_state.handle(now, SafetyEvent::Installed);
     }
 
     /// Whether there is a model.

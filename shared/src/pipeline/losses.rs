@@ -3,7 +3,7 @@
 use super::{Pipeline, Reports};
 use crate::model::Encode;
 use crate::stream::ring::Origin;
-use crate::stream::safe_state::Event;
+use crate::stream::safe_state::SafetyEvent;
 use crate::units::Millis;
 
 /// Most consecutive lost samples that are filled in, by repeating the last sample before them.
@@ -32,7 +32,11 @@ impl<E: Encode> Pipeline<'_, E> {
                 self.skip(missing);
                 self.reset_window();
                 let short = missing <= MAX_BRIDGED;
-                let event = if short { Event::Losses } else { Event::Gap };
+                let event = if short {
+                    SafetyEvent::Losses
+                } else {
+                    SafetyEvent::Gap
+                };
                 self.handle(now, event, &mut reports);
             }
             // No sample since the last reset: the window is empty.

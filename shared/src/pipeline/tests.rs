@@ -62,7 +62,7 @@ fn feed(pipeline: &mut Pipeline<'_, SumModel>, from: u32, count: u32, value: i8)
 }
 
 /// The fields of a report that the tests predict: kind, instant, emitted, status.
-type Fields = (Kind, u32, u32, Status);
+type Fields = (ReportKind, u32, u32, Status);
 
 fn fields(reports: impl IntoIterator<Item = Report>) -> Vec<Fields> {
     let fields = |report: Report| {
@@ -80,7 +80,10 @@ const OPEN: Status = Status::Valid(Intent::Open);
 
 /// Window 0 ends at sample 599. With a look-ahead of 5 patches and a label at every second window, the
 /// first label is due at window 6. The median lags one sample.
-const FIRST_VALID: [Fields; 2] = [(Kind::State, 609, 660, OPEN), (Kind::Label, 609, 660, OPEN)];
+const FIRST_VALID: [Fields; 2] = [
+    (ReportKind::State, 609, 660, OPEN),
+    (ReportKind::Label, 609, 660, OPEN),
+];
 
 #[test]
 fn labels_begin_after_600_samples_the_look_ahead_and_the_median() {
@@ -88,14 +91,17 @@ fn labels_begin_after_600_samples_the_look_ahead_and_the_median() {
     let boot = pipeline.state_report();
     assert_eq!(
         fields([boot]),
-        [(Kind::State, 0, 0, Status::Safe(Cause::Boot))]
+        [(ReportKind::State, 0, 0, Status::Safe(Cause::Boot))]
     );
     assert_eq!(fields(feed(&mut pipeline, 0, 660, 1)), []);
     assert_eq!(fields(feed(&mut pipeline, 660, 1, 1)), FIRST_VALID);
     let next = feed(&mut pipeline, 661, 40, 1);
     assert_eq!(
         fields(next.iter().copied()),
-        [(Kind::Label, 629, 680, OPEN), (Kind::Label, 649, 700, OPEN)]
+        [
+            (ReportKind::Label, 629, 680, OPEN),
+            (ReportKind::Label, 649, 700, OPEN)
+        ]
     );
     assert_eq!(next[1].sequence, boot.sequence + 4);
     assert_eq!(pipeline.counters, Counters::default());
@@ -158,7 +164,7 @@ fn six_lost_samples_reset_the_window() {
     let safe = Status::Safe(Cause::Gap);
     assert_eq!(
         fields(pipeline.gap(at(667), 6)),
-        [(Kind::State, 666, 666, safe)]
+        [(ReportKind::State, 666, 666, safe)]
     );
     let expected = Counters {
         lost: 6,
@@ -176,8 +182,8 @@ fn six_lost_samples_reset_the_window() {
     assert_eq!(
         fields(feed(&mut pipeline, 668 + 660, 1, 1)),
         [
-            (Kind::State, 668 + 609, 668 + 660, OPEN),
-            (Kind::Label, 668 + 609, 668 + 660, OPEN)
+            (ReportKind::State, 668 + 609, 668 + 660, OPEN),
+            (ReportKind::Label, 668 + 609, 668 + 660, OPEN)
         ]
     );
 }
@@ -190,7 +196,11 @@ fn the_quota_of_bridged_samples_is_exact_and_has_its_own_cause() {
     let mut index = 661;
     for _ in 0..12 {
         let reports = pipeline.gap(at(index), 5);
-        assert!(reports.into_iter().all(|report| report.kind == Kind::Label));
+        assert!(
+            reports
+                .into_iter()
+                .all(|report| report.kind == ReportKind::Label)
+        );
         index += 5;
         feed(&mut pipeline, index, 1, 1);
         index += 1;
@@ -201,7 +211,7 @@ fn the_quota_of_bridged_samples_is_exact_and_has_its_own_cause() {
     let losses = Status::Safe(Cause::Losses);
     assert_eq!(
         fields(pipeline.gap(at(index), 1)),
-        [(Kind::State, index, index, losses)]
+        [(ReportKind::State, index, index, losses)]
     );
     let expected = Counters {
         lost: before.lost + 1,
@@ -225,14 +235,14 @@ fn silence_and_disconnection_reset_the_window() {
     let silent = Status::Safe(Cause::Silence);
     assert_eq!(
         fields(pipeline.tick(Millis(3500))),
-        [(Kind::State, 660, 660, silent)]
+        [(ReportKind::State, 660, 660, silent)]
     );
     assert_eq!(pipeline.status(), silent);
     assert_eq!(*pipeline.state, SumModel.fresh(), "the model is not reset");
     let disconnected = Status::Safe(Cause::Disconnected);
     assert_eq!(
         fields(pipeline.disconnected(Millis(4000))),
-        [(Kind::State, 660, 660, disconnected)]
+        [(ReportKind::State, 660, 660, disconnected)]
     );
     assert_eq!(pipeline.counters.resets, 1);
     assert_eq!(pipeline.deadline(), None);
@@ -246,7 +256,7 @@ fn a_stall_needs_a_full_window_to_be_valid_again() {
     let stalled = Status::Safe(Cause::Stalled);
     assert_eq!(
         fields(pipeline.stalled(at(661))),
-        [(Kind::State, 660, 660, stalled)]
+        [(ReportKind::State, 660, 660, stalled)]
     );
     assert_eq!(fields(feed(&mut pipeline, 661, 660, 1)), []);
     assert_eq!(fields(feed(&mut pipeline, 661 + 660, 1, 1)).len(), 2);
@@ -258,7 +268,7 @@ fn a_sample_after_a_silence_reports_it_without_a_tick() {
     feed(&mut pipeline, 0, 661, 1);
     let reports = pipeline.sample(Millis(3600), constant(1));
     let silent = Status::Safe(Cause::Silence);
-    assert_eq!(fields(reports), [(Kind::State, 660, 660, silent)]);
+    assert_eq!(fields(reports), [(ReportKind::State, 660, 660, silent)]);
     assert_eq!(pipeline.ring.contiguous(), 0);
 }
 
@@ -322,7 +332,7 @@ proptest! {
         let labels: Vec<_> = (0..)
             .zip(&recording)
             .flat_map(|(index, sample)| pipeline.sample(at(index), *sample))
-            .filter(|report| report.kind == Kind::Label)
+            .filter(|report| report.kind == ReportKind::Label)
             .map(|report| (report.instant.0, report.status.label()))
             .collect();
         // Windows 6, 8, ...: the first label is that of the first even window past the look-ahead.
@@ -349,7 +359,7 @@ fn a_lock_shows_no_label_before_an_open_hand_is_held_and_none_after_the_stream_w
     let locked = Status::Safe(Cause::Locked);
     // A close hand says only that it is locked.
     let reports = feed(&mut pipeline, 0, 1000, 2);
-    assert_eq!(fields(reports), [(Kind::State, 660, 660, locked)]);
+    assert_eq!(fields(reports), [(ReportKind::State, 660, 660, locked)]);
     // The sign itself is shown as relax.
     let reports = feed(&mut pipeline, 1000, 400, 1);
     let shown: Vec<Status> = fields(reports).iter().map(|own| own.3).collect();

@@ -85,13 +85,13 @@ pub struct Received {
 
 /// Detects what is missing after the queue.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct GapDetector {
+pub struct QueueGapDetector {
     /// The present stream; none after its end.
     stream: Option<u32>,
     next: SampleIndex,
 }
 
-impl GapDetector {
+impl QueueGapDetector {
     /// A detector before the first packet.
     #[must_use]
     pub const fn new() -> Self {
@@ -126,19 +126,19 @@ mod tests {
     const ZEROS: [Sample; 2] = [[0; 8]; 2];
 
     #[derive(Clone, Copy, Debug)]
-    enum Step {
+    enum QueueStep {
         Samples,
         Gap(u32),
         End,
         Receive,
     }
 
-    fn step() -> impl Strategy<Value = Step> {
+    fn step() -> impl Strategy<Value = QueueStep> {
         prop_oneof![
-            6 => Just(Step::Samples),
-            1 => (1_u32..20).prop_map(Step::Gap),
-            1 => Just(Step::End),
-            4 => Just(Step::Receive),
+            6 => Just(QueueStep::Samples),
+            1 => (1_u32..20).prop_map(QueueStep::Gap),
+            1 => Just(QueueStep::End),
+            4 => Just(QueueStep::Receive),
         ]
     }
 
@@ -151,7 +151,7 @@ mod tests {
             first in prop_oneof![Just(0_u32), u32::MAX - 50..],
             steps in prop::collection::vec(step(), 1..200),
         ) {
-            let (mut sequencer, mut detector) = (Sequencer::new(), GapDetector::new());
+            let (mut sequencer, mut detector) = (Sequencer::new(), QueueGapDetector::new());
             sequencer.stream = first;
             sequencer.gap(first);
             let mut queue = VecDeque::new();
@@ -160,21 +160,21 @@ mod tests {
             let (mut counted, mut ended_since) = (0_u32, true);
             for step in steps {
                 let packet = match step {
-                    Step::Samples => {
+                    QueueStep::Samples => {
                         let at = position;
                         position = at.wrapping_add(2);
                         Some((sequencer.samples(ZEROS), Some((at, stream))))
                     }
-                    Step::Gap(missing) => {
+                    QueueStep::Gap(missing) => {
                         sequencer.gap(missing);
                         position = position.wrapping_add(missing);
                         None
                     }
-                    Step::End => {
+                    QueueStep::End => {
                         stream = stream.wrapping_add(1);
                         Some((sequencer.end(), None))
                     }
-                    Step::Receive => {
+                    QueueStep::Receive => {
                         if let Some((packet, expected)) = queue.pop_front() {
                             let received = detector.receive(packet);
                             ended_since |= received.disconnected;

@@ -88,7 +88,7 @@ impl Status {
 
 /// Inputs of [`SafeState`].
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Event {
+pub enum SafetyEvent {
     /// A sample arrived.
     Sample,
     /// Samples were lost and the window was reset.
@@ -152,7 +152,7 @@ impl SafeState {
         self.status
     }
 
-    /// Time at which an [`Event::Tick`] is due unless a sample arrives before; none while no stream is running.
+    /// Time at which a [`SafetyEvent::Tick`] is due unless a sample arrives before; none while no stream is running.
     #[must_use]
     pub fn deadline(&self) -> Option<Millis> {
         self.last_sample.map(|last| last.plus(SILENCE_MS))
@@ -169,24 +169,24 @@ impl SafeState {
     /// another cause; a new label while valid is no change of state.
     ///
     /// A silence that this event ends is handled first: a sample does not hide it.
-    pub fn handle(&mut self, now: Millis, event: Event) -> Option<Status> {
+    pub fn handle(&mut self, now: Millis, event: SafetyEvent) -> Option<Status> {
         let before = self.status;
         if self.silent(now) {
             self.end_stream(Cause::Silence);
         }
         match event {
-            Event::Sample => self.last_sample = Some(now),
-            Event::Gap => self.enter(Cause::Gap),
-            Event::Losses => self.enter(Cause::Losses),
-            Event::Stalled => self.enter(Cause::Stalled),
-            Event::Locked => self.enter(Cause::Locked),
-            Event::Calibration => self.enter(Cause::Installation),
-            Event::Disconnected => self.end_stream(Cause::Disconnected),
-            Event::ModelRefused => self.end_model(Cause::ModelRefused),
-            Event::Installation => self.end_model(Cause::Installation),
-            Event::Installed => self.has_no_model = false,
-            Event::Tick => {}
-            Event::Label {
+            SafetyEvent::Sample => self.last_sample = Some(now),
+            SafetyEvent::Gap => self.enter(Cause::Gap),
+            SafetyEvent::Losses => self.enter(Cause::Losses),
+            SafetyEvent::Stalled => self.enter(Cause::Stalled),
+            SafetyEvent::Locked => self.enter(Cause::Locked),
+            SafetyEvent::Calibration => self.enter(Cause::Installation),
+            SafetyEvent::Disconnected => self.end_stream(Cause::Disconnected),
+            SafetyEvent::ModelRefused => self.end_model(Cause::ModelRefused),
+            SafetyEvent::Installation => self.end_model(Cause::Installation),
+            SafetyEvent::Installed => self.has_no_model = false,
+            SafetyEvent::Tick => {}
+            SafetyEvent::Label {
                 intent,
                 window_full,
             } => self.accept(intent, window_full),

@@ -71,7 +71,7 @@ use super::frame::{framed, hexadecimal, number};
 use super::lock::Locking;
 pub use super::refusal::Refusal;
 use crate::hid::Settings;
-use crate::installation::Progress;
+use crate::installation::InstallationProgress;
 use crate::myo::{Address, FirmwareVersion, Following};
 use crate::names::names;
 use crate::stream::alignment::Alignment;
@@ -170,7 +170,7 @@ pub enum Answer<'a> {
     /// Answer to `CALIBRATE`: how far it is, and whether a calibration is in use.
     Calibration(CalibrationReport, bool),
     /// Answer to `INSTALL` and `BLOCK`: the next missing block.
-    Install(Progress),
+    Install(InstallationProgress),
     /// The command is not carried out.
     Refused(Refusal),
 }
@@ -203,8 +203,8 @@ rows!(Answer<'a> {
     "OK,LOCK" (lock: Locking) => Self::Lock(Some(lock)),
     "OK,HID" (outputs: Settings) => Self::Hid(outputs),
     "OK,CALIBRATE" (report: CalibrationReport, in_use: bool) => Self::Calibration(report, in_use),
-    "OK,INSTALL,done" => Self::Install(Progress::Installed),
-    "OK,INSTALL" (block: u32) => Self::Install(Progress::Next(block)),
+    "OK,INSTALL,done" => Self::Install(InstallationProgress::Installed),
+    "OK,INSTALL" (block: u32) => Self::Install(InstallationProgress::Next(block)),
     "ERR,too-long" => Self::Refused(Refusal::TooLong),
     "ERR,frame" => Self::Refused(Refusal::Frame),
     "ERR,checksum" (expected: Checksum) => Self::Refused(Refusal::Checksum(expected)),

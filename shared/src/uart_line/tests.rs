@@ -9,7 +9,7 @@ use super::line::{Line, MAX_LINE_BYTES};
 use super::lock::Locking;
 use super::*;
 use crate::hid::{self, Output};
-use crate::installation::Progress;
+use crate::installation::InstallationProgress;
 use crate::myo::{Address, AddressKind, FirmwareVersion, Following, Imu};
 use crate::stream::alignment::Alignment;
 use crate::stream::lock::LockTimes;
@@ -20,7 +20,7 @@ use alloc::{format, vec};
 use proptest::prelude::*;
 
 const BOOT: Report = Report {
-    kind: Kind::State,
+    kind: ReportKind::State,
     sequence: 0,
     instant: SampleIndex(0),
     emitted: SampleIndex(0),
@@ -41,7 +41,7 @@ fn any_status() -> impl Strategy<Value = Status> {
 }
 
 fn any_report() -> impl Strategy<Value = Line<'static>> {
-    let kind = prop_oneof![Just(Kind::Label), Just(Kind::State)];
+    let kind = prop_oneof![Just(ReportKind::Label), Just(ReportKind::State)];
     let strength = prop::option::of(0..=100_u8);
     (kind, any::<[u32; 6]>(), any_status(), strength).prop_map(
         |(kind, numbers, status, strength)| {
@@ -188,8 +188,8 @@ fn any_answer() -> impl Strategy<Value = Line<'static>> {
         any::<bool>().prop_map(Answer::Raw),
         any::<bool>().prop_map(Answer::Imu),
         any::<bool>().prop_map(Answer::Strength),
-        any::<u32>().prop_map(|block| Answer::Install(Progress::Next(block))),
-        Just(Answer::Install(Progress::Installed)),
+        any::<u32>().prop_map(|block| Answer::Install(InstallationProgress::Next(block))),
+        Just(Answer::Install(InstallationProgress::Installed)),
         Just(Answer::Align(Accepted::Begin)),
         Just(Answer::Align(Accepted::Cancel)),
         Just(Answer::Align(Accepted::Set)),
@@ -263,7 +263,7 @@ proptest! {
 #[test]
 fn lines_are_those_of_the_module_documentation() {
     let label = Report {
-        kind: Kind::Label,
+        kind: ReportKind::Label,
         sequence: 2,
         instant: SampleIndex(609),
         emitted: SampleIndex(660),
@@ -292,7 +292,7 @@ fn no_line_is_longer_than_its_bound() {
     let statuses = Intent::ALL.map(Status::Valid);
     for status in statuses.into_iter().chain(Cause::ALL.map(Status::Safe)) {
         let report = Report {
-            kind: Kind::Label,
+            kind: ReportKind::Label,
             sequence: full,
             instant: SampleIndex(full),
             emitted: SampleIndex(full),

@@ -1,10 +1,10 @@
 //! Session with armbands as its radio sees it, and the conditions that hold of its actions.
 
 use shared::myo::{
-    Action, Address, AddressKind, Characteristic, Event, Following, Found, MyoSession, Phase,
-    Progress, Settings, Uuid,
+    Action, Address, AddressKind, Characteristic, MyoEvent, Following, Found, MyoSession, Phase,
+    RadioProgress, Settings, Uuid,
 };
-use shared::stream::link_sequence::{GapDetector, Sequencer};
+use shared::stream::link_sequence::{QueueGapDetector, Sequencer};
 use shared::units::Millis;
 
 /// Largest number of actions of an event: the notifications that a session holds back, and the others of one event.
@@ -40,7 +40,7 @@ pub fn everything() -> Found {
 pub struct Link {
     pub session: MyoSession,
     now: Millis,
-    progress: Progress,
+    progress: RadioProgress,
     /// Operation that has no answer yet.
     outstanding: Option<Action>,
     /// True if samples may be delivered.
@@ -53,7 +53,7 @@ pub struct Link {
     actions: Vec<Action>,
     lost: u64,
     sequencer: Sequencer,
-    detector: GapDetector,
+    detector: QueueGapDetector,
     /// Number of samples delivered and missing so far.
     position: u32,
 }
@@ -64,7 +64,7 @@ impl Link {
         Self {
             session: MyoSession::new(settings),
             now: Millis(now),
-            progress: Progress::new(),
+            progress: RadioProgress::new(),
             outstanding: None,
             stream: false,
             number: 0,
@@ -72,7 +72,7 @@ impl Link {
             actions: Vec::new(),
             lost: 0,
             sequencer: Sequencer::new(),
-            detector: GapDetector::new(),
+            detector: QueueGapDetector::new(),
             position: 0,
         }
     }
@@ -86,7 +86,7 @@ impl Link {
             },
             now,
         );
-        link.handle(Event::Tick);
+        link.handle(MyoEvent::Tick);
         link.advertise(1, -40, &advertisement());
         while link.session.phase() != Phase::Streaming {
             link.answer();
@@ -102,7 +102,7 @@ impl Link {
     /// Passes an advertisement to the session.
     pub fn advertise(&mut self, last: u8, rssi: i8, data: &[u8]) {
         let address = address(last);
-        self.handle(Event::Advertisement {
+        self.handle(MyoEvent::Advertisement {
             address,
             rssi,
             data,
@@ -112,11 +112,11 @@ impl Link {
     /// Lets the outstanding operation succeed.
     pub fn answer(&mut self) {
         self.handle(match self.outstanding {
-            Some(Action::Connect(_)) => Event::Connected,
-            Some(Action::Discover) => Event::Discovered(everything()),
-            Some(Action::Read(_)) => Event::Read(&[1, 0, 5, 0, 0, 0, 2, 0]),
-            Some(_) => Event::Done,
-            None => Event::Tick,
+            Some(Action::Connect(_)) => MyoEvent::Connected,
+            Some(Action::Discover) => MyoEvent::Discovered(everything()),
+            Some(Action::Read(_)) => MyoEvent::Read(&[1, 0, 5, 0, 0, 0, 2, 0]),
+            Some(_) => MyoEvent::Done,
+            None => MyoEvent::Tick,
         });
     }
 
@@ -126,14 +126,14 @@ impl Link {
         bytes[..8].copy_from_slice(&self.number.to_le_bytes());
         self.number += 1;
         self.delivered.push(false);
-        self.handle(Event::Notification {
+        self.handle(MyoEvent::Notification {
             characteristic: Characteristic::ALL[2 + lane % 4],
             bytes: &bytes,
         });
     }
 
     /// Passes an event on and checks the session's actions.
-    pub fn handle(&mut self, event: Event<'_>) {
+    pub fn handle(&mut self, event: MyoEvent<'_>) {
         let streamed = self.session.phase() == Phase::Streaming;
         let mut actions = std::mem::take(&mut self.actions);
         self.session
@@ -199,7 +199,7 @@ impl Link {
                 self.lost += u64::from(missing);
                 self.sequencer.gap(missing);
                 // The queue's other end finds the gap by itself; this detector starts anew.
-                self.detector = GapDetector::new();
+                self.detector = QueueGapDetector::new();
                 let mut skipped = self.sequencer;
                 let first = skipped.end().first;
                 assert_eq!(
@@ -229,18 +229,18 @@ impl Link {
 }
 
 /// Returns true if an event ends an operation.
-fn is_answer(outstanding: Option<Action>, event: Event<'_>) -> bool {
+fn is_answer(outstanding: Option<Action>, event: MyoEvent<'_>) -> bool {
     matches!(
         (outstanding, event),
         (
             Some(Action::Connect(_)),
-            Event::Connected | Event::ConnectFailed
-        ) | (Some(Action::Discover), Event::Discovered(_) | Event::Failed)
-            | (Some(Action::Read(_)), Event::Read(_) | Event::Failed)
+            MyoEvent::Connected | MyoEvent::ConnectFailed
+        ) | (Some(Action::Discover), MyoEvent::Discovered(_) | MyoEvent::Failed)
+            | (Some(Action::Read(_)), MyoEvent::Read(_) | MyoEvent::Failed)
             | (
                 Some(Action::Subscribe(_) | Action::Write(..)),
-                Event::Done | Event::Failed
+                MyoEvent::Done | MyoEvent::Failed
             )
-            | (_, Event::Disconnected)
+            | (_, MyoEvent::Disconnected)
     )
 }

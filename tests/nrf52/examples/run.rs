@@ -6,7 +6,7 @@
 use std::error::Error;
 
 use nrf52::chip::Model;
-use nrf52::softdevice::{Kind, SoftDevice};
+use nrf52::softdevice::{SoftDevice, SoftDeviceKind};
 use nrf52::time::{HZ, ms};
 use nrf52::{Image, Machine};
 use shared::myo::{Address, binding};
@@ -21,12 +21,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let image = Image::parse(&std::fs::read(elf)?)?;
     // By the place at which it begins.
-    let kinds = [Kind::S140, Kind::S132];
+    let kinds = [SoftDeviceKind::S140, SoftDeviceKind::S132];
     let kind = kinds
         .into_iter()
         .find(|kind| kind.program() == image.start());
     let model = match kind {
-        Some(Kind::S132) => Model::Nrf52832,
+        Some(SoftDeviceKind::S132) => Model::Nrf52832,
         _ => Model::Nrf52840,
     };
     let bytes = match rest.first().filter(|path| !path.contains(':')) {

@@ -9,7 +9,7 @@ use myointent_tests::output::Output;
 use serde::Deserialize;
 use shared::stream::alignment::Alignment;
 use shared::stream::smoother::{Gate, Reaction};
-use shared::uart_line::Kind;
+use shared::uart_line::ReportKind;
 use shared::units::{Millis, Sample};
 
 /// Expected result of a scenario; only the given fields are checked.
@@ -231,7 +231,9 @@ impl Expectation {
     fn check_reports(&self, output: &Output) -> anyhow::Result<()> {
         let reports = output.reports()?;
         if let Some(expected) = &self.states {
-            let states = reports.iter().filter(|report| report.kind == Kind::State);
+            let states = reports
+                .iter()
+                .filter(|report| report.kind == ReportKind::State);
             let mut states: Vec<String> = states
                 .map(|report| match report.status.cause() {
                     Some(cause) => cause.name().to_owned(),

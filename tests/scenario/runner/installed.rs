@@ -4,7 +4,7 @@ use anyhow::{Context as _, ensure};
 use myointent_tests::oracle::{Input, expected_lines};
 use myointent_tests::output::{Line, Output};
 use shared::stream::safe_state::Cause;
-use shared::uart_line::{Kind, Report};
+use shared::uart_line::{Report, ReportKind};
 use shared::units::{PATCH, Sample, WINDOW};
 
 use super::expectation::Models;
@@ -77,7 +77,7 @@ fn labels(reports: &[Report]) -> Vec<Report> {
         .skip_while(|report| !report.status.valid())
         .take_while(|report| report.status.valid());
     valid
-        .filter(|report| report.kind == Kind::Label)
+        .filter(|report| report.kind == ReportKind::Label)
         .copied()
         .collect()
 }

@@ -7,7 +7,7 @@ use myointent_tests::output::Output;
 use nrf52::chip::Chip;
 use nrf52::time::{HZ, ms};
 use shared::myo::Address;
-use virtual_armband::{Behaviour, End, Step};
+use virtual_armband::{ArmbandFault, Behaviour, End};
 use xtask::firmware::Image;
 
 use super::bench::{model, page, samples};
@@ -33,7 +33,7 @@ pub fn run(file: &File, built: Image) -> anyhow::Result<()> {
         is_blank: false,
     };
     let mut board = Board::new(built, image, setting);
-    let mut person = Person::new(&scenario.person);
+    let mut person = Actor::new(&scenario.person);
     let end = (scenario.run_seconds * HZ as f64) as u64;
     while board.machine.now() < end {
         person.act(&mut board)?;
@@ -52,7 +52,7 @@ pub fn run(file: &File, built: Image) -> anyhow::Result<()> {
 
 fn behaviour(scenario: &Scenario) -> anyhow::Result<Behaviour> {
     let steps = scenario.armband.iter().cloned();
-    let steps = steps.map(|step| toml::Value::Table(step).try_into::<Step>());
+    let steps = steps.map(|step| toml::Value::Table(step).try_into::<ArmbandFault>());
     Ok(Behaviour {
         pace: scenario.pace,
         interval_ms: 0.0,
@@ -67,7 +67,7 @@ fn behaviour(scenario: &Scenario) -> anyhow::Result<Behaviour> {
 }
 
 /// The person, who does one thing after the other.
-struct Person<'s> {
+struct Actor<'s> {
     acts: &'s [Act],
     /// The tick at which the button is released.
     releases_at: Option<u64>,
@@ -75,7 +75,7 @@ struct Person<'s> {
     waits_from: Option<u64>,
 }
 
-impl<'s> Person<'s> {
+impl<'s> Actor<'s> {
     const fn new(acts: &'s [Act]) -> Self {
         Self {
             acts,

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use shared::myo::{Address, Characteristic};
 use shared::units::Sample;
 
-use crate::behaviour::{Behaviour, Corruption, End, Step};
+use crate::behaviour::{ArmbandFault, Behaviour, Corruption, End};
 use crate::gatt::{self, Attribute};
 
 /// Microseconds between two notifications.
@@ -80,11 +80,11 @@ impl Armband {
     /// Makes it the wearer's, with this behaviour; `next` is the number of its next notification.
     pub fn of_wearer(self, behaviour: Behaviour, next: usize) -> Self {
         let refusals = behaviour.steps.iter().map(|step| match step {
-            Step::Refuse { count } if next == 0 => *count,
+            ArmbandFault::Refuse { count } if next == 0 => *count,
             _ => 0,
         });
         let refusals = refusals.sum();
-        let absent = |step: &Step| matches!(step, Step::Absent);
+        let absent = |step: &ArmbandFault| matches!(step, ArmbandFault::Absent);
         let has_ended = behaviour.end == End::Disconnect && next * 2 >= self.samples.len();
         let is_there = !has_ended && !behaviour.steps.iter().any(absent);
         Self {
@@ -189,7 +189,7 @@ impl Armband {
     /// answered.
     pub fn take_request(&mut self, now_us: u64) -> Option<u8> {
         let asks = self.behaviour.steps.iter().find_map(|step| match *step {
-            Step::AskParameters {
+            ArmbandFault::AskParameters {
                 first_ms,
                 every_ms,
                 times,
@@ -221,14 +221,14 @@ impl Armband {
     }
 
     fn hides_subscriptions(&self) -> bool {
-        let hides = |step: &Step| matches!(step, Step::HideSubscriptions);
+        let hides = |step: &ArmbandFault| matches!(step, ArmbandFault::HideSubscriptions);
         self.behaviour.steps.iter().any(hides)
     }
 
     /// Microseconds from a command that sets the mode to the EMG.
     fn begins_after_us(&self) -> u64 {
         let late = self.behaviour.steps.iter().map(|step| match step {
-            Step::BeginLate { ms } => ms * 1000,
+            ArmbandFault::BeginLate { ms } => ms * 1000,
             _ => 0,
         });
         late.sum()
@@ -269,16 +269,16 @@ impl Armband {
         let number = self.next;
         while let Some(step) = self.take_action(number) {
             match step {
-                Step::Delay { ms, .. } => {
+                ArmbandFault::Delay { ms, .. } => {
                     self.link.delayed_until_us = now_us + ms * 1000;
                     return sent;
                 }
-                Step::Vanish { for_ms, .. } | Step::Sleep { for_ms, .. } => {
-                    self.link.is_closed = matches!(step, Step::Sleep { .. });
+                ArmbandFault::Vanish { for_ms, .. } | ArmbandFault::Sleep { for_ms, .. } => {
+                    self.link.is_closed = matches!(step, ArmbandFault::Sleep { .. });
                     self.lose(Some(now_us + for_ms * 1000));
                     return sent;
                 }
-                Step::Battery { percent, .. } => {
+                ArmbandFault::Battery { percent, .. } => {
                     self.battery = percent;
                     if self.notifies(Characteristic::BatteryLevel) {
                         sent.push((self.handle(Characteristic::BatteryLevel), vec![percent]));
@@ -308,21 +308,23 @@ impl Armband {
         let handle = self.handle(emg);
         let mut sent = VecDeque::new();
         let step = self.behaviour.steps.iter().find(|step| match **step {
-            Step::Drop { at, count } => (at..at + count).contains(&number),
-            Step::Corrupt { at, .. } | Step::Duplicate { at } | Step::Swap { at } => at == number,
+            ArmbandFault::Drop { at, count } => (at..at + count).contains(&number),
+            ArmbandFault::Corrupt { at, .. }
+            | ArmbandFault::Duplicate { at }
+            | ArmbandFault::Swap { at } => at == number,
             _ => false,
         });
         match step {
             _ if !self.notifies(emg) => {}
-            Some(Step::Drop { .. }) => {}
-            Some(Step::Duplicate { .. }) => {
+            Some(ArmbandFault::Drop { .. }) => {}
+            Some(ArmbandFault::Duplicate { .. }) => {
                 sent.extend([(handle, value.clone()), (handle, value)]);
             }
-            Some(Step::Swap { .. }) => {
+            Some(ArmbandFault::Swap { .. }) => {
                 self.link.held = Some((handle, value));
                 return sent;
             }
-            Some(Step::Corrupt { kind, .. }) => match kind {
+            Some(ArmbandFault::Corrupt { kind, .. }) => match kind {
                 Corruption::Short => sent.push_back((handle, value[..9].to_vec())),
                 Corruption::Long => {
                     sent.push_back((handle, [&value[..], &[0xde, 0xad, 0xbe, 0xef]].concat()));
@@ -336,13 +338,13 @@ impl Armband {
         sent
     }
 
-    fn take_action(&mut self, number: usize) -> Option<Step> {
+    fn take_action(&mut self, number: usize) -> Option<ArmbandFault> {
         let steps = &mut self.behaviour.steps;
         let place = steps.iter().position(|step| match *step {
-            Step::Delay { at, .. }
-            | Step::Vanish { at, .. }
-            | Step::Sleep { at, .. }
-            | Step::Battery { at, .. } => at == number,
+            ArmbandFault::Delay { at, .. }
+            | ArmbandFault::Vanish { at, .. }
+            | ArmbandFault::Sleep { at, .. }
+            | ArmbandFault::Battery { at, .. } => at == number,
             _ => false,
         });
         place.map(|place| steps.remove(place))

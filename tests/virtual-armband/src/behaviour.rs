@@ -15,7 +15,7 @@ pub struct Behaviour {
     /// Event after the last sample.
     pub end: End,
     /// Faults.
-    pub steps: Vec<Step>,
+    pub steps: Vec<ArmbandFault>,
 }
 
 impl Default for Behaviour {
@@ -44,7 +44,7 @@ pub enum End {
 /// Fault of the armband. `at` counts its notifications from 0, sent or not, over all connections.
 #[derive(Deserialize, Clone, Debug)]
 #[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Step {
+pub enum ArmbandFault {
     /// Notifications that are never sent.
     Drop {
         /// Number of the first.

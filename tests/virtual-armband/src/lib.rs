@@ -10,4 +10,4 @@ mod behaviour;
 pub mod gatt;
 
 pub use armband::{Armband, Notification};
-pub use behaviour::{Behaviour, Corruption, End, Step};
+pub use behaviour::{ArmbandFault, Behaviour, Corruption, End};

@@ -39,7 +39,7 @@ pub fn milliseconds(instructions: u64) -> f64 {
 
 /// Instructions of a part, per patch.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Part {
+pub struct CountedPart {
     /// Its name.
     pub name: String,
     /// Mean over the patches.
@@ -55,12 +55,12 @@ pub struct Table {
     pub patches: u64,
     /// Bytes of the encoder's state.
     pub state: u64,
-    parts: Vec<Part>,
+    parts: Vec<CountedPart>,
 }
 
 impl Table {
     /// The counts of a part, by its name.
-    pub fn part(&self, name: &str) -> Option<&Part> {
+    pub fn part(&self, name: &str) -> Option<&CountedPart> {
         self.parts.iter().find(|part| part.name == name)
     }
 
@@ -78,7 +78,7 @@ impl Table {
             let [name, mean, largest] = line.split(' ').collect::<Vec<_>>()[..] else {
                 bail!("no part: {line}");
             };
-            Ok(Part {
+            Ok(CountedPart {
                 name: name.into(),
                 mean: mean.parse()?,
                 largest: largest.parse()?,
@@ -97,7 +97,7 @@ impl Table {
 
     /// Formats the table as the image prints it.
     pub fn text(&self) -> String {
-        let part = |part: &Part| format!("{} {} {}\n", part.name, part.mean, part.largest);
+        let part = |part: &CountedPart| format!("{} {} {}\n", part.name, part.mean, part.largest);
         let parts: String = self.parts.iter().map(part).collect();
         format!("patches {}\nstate {}\n{parts}", self.patches, self.state)
     }

@@ -23,7 +23,7 @@ const MODELS: [&str; 3] = ["three-class", "five-class", "six-class"];
 
 /// Part of a release.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]
-enum Part {
+enum ReleasePart {
     /// Images with a model, models, the page: the same from every system.
     Boards,
     /// The program for this system.
@@ -50,7 +50,7 @@ pub struct Arguments {
     install: bool,
     /// Parts to make.
     #[arg(default_values = ["boards", "program", "wheel", "papers"])]
-    parts: Vec<Part>,
+    parts: Vec<ReleasePart>,
 }
 
 /// Makes the parts of a release.
@@ -63,16 +63,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     fs::create_dir_all(out).with_context(|| format!("{} cannot be made", out.display()))?;
     for part in &arguments.parts {
         match part {
-            Part::Boards => boards(out, arguments.install)?,
-            Part::Program => program(out)?,
-            Part::Wheel => wheel(out, &mut maturin())?,
-            Part::ArmWheel => {
+            ReleasePart::Boards => boards(out, arguments.install)?,
+            ReleasePart::Program => program(out)?,
+            ReleasePart::Wheel => wheel(out, &mut maturin())?,
+            ReleasePart::ArmWheel => {
                 let mut maturin = maturin();
                 maturin.env("CARGO_TARGET_DIR", cross_target());
                 toolchain::find(ARM, arguments.install)?.build_for(ARM, &mut maturin);
                 wheel(out, &mut maturin)?;
             }
-            Part::Papers => papers(out)?,
+            ReleasePart::Papers => papers(out)?,
         }
     }
     Ok(())
@@ -299,11 +299,11 @@ mod tests {
         assert_eq!(
             parts,
             [
-                Part::Boards,
-                Part::Program,
-                Part::Wheel,
-                Part::Papers,
-                Part::Papers
+                ReleasePart::Boards,
+                ReleasePart::Program,
+                ReleasePart::Wheel,
+                ReleasePart::Papers,
+                ReleasePart::Papers
             ]
         );
     }

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use embassy_futures::yield_now;
 
 use super::hardware::{self, Incident};
-use super::person::Person;
+use super::person::ScenarioPerson;
 use super::power;
 use crate::reset_reason::ResetReason;
 
@@ -23,7 +23,7 @@ const MOST_US: u64 = 1000;
 /// Lets time pass with every turn of the executor, and the person act in it. With `slowed` it passes by this factor slower
 /// than the PC's, and the person sends what the program reads from its standard input.
 #[embassy_executor::task]
-pub async fn run(mut person: Person, slowed: Option<u32>) -> ! {
+pub async fn run(mut person: ScenarioPerson, slowed: Option<u32>) -> ! {
     let mut pace = slowed.map(|factor| (factor, Instant::now(), typed()));
     loop {
         match &mut pace {

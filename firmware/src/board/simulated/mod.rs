@@ -42,7 +42,7 @@ use crate::messages::pin_state::PinState;
 use crate::radio::driver::SessionDriver;
 use crate::reset_reason::ResetReason;
 use crate::settings::{DEAD_MAN_MS, WATCHDOG_MS};
-use person::{BYTE_US, IS_DOWN, OVERRUN, Person, RECEIVED};
+use person::{BYTE_US, IS_DOWN, OVERRUN, RECEIVED, ScenarioPerson};
 use power::Arguments;
 use radio::SimulatedRadio;
 use scenario::{Fault, Scenario};
@@ -71,7 +71,7 @@ pub fn main(start: fn(Spawner)) -> ExitCode {
     match prepare(arguments) {
         Ok(surroundings) => {
             let file = surroundings.file.clone();
-            let person = Person::new(&surroundings.scenario.person, arguments.sent, file);
+            let person = ScenarioPerson::new(&surroundings.scenario.person, arguments.sent, file);
             let surroundings = SURROUNDINGS.set(surroundings);
             debug_assert!(surroundings.is_ok(), "started once");
             on_panic();

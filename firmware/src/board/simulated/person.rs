@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::pipe::Pipe;
-use shared::installation::{Block, Progress, Transfer};
+use shared::installation::{Block, InstallationProgress, Transfer};
 use shared::uart_line::answer::{Answer, Refusal};
 use shared::uart_line::command::Command;
 
@@ -21,7 +21,7 @@ const PATIENCE_US: u64 = 2_000_000;
 const PULLED_BYTE: usize = 40;
 
 /// Answers of the board to an installation.
-static HEARD: Mutex<VecDeque<Result<Progress, Refusal>>> = Mutex::new(VecDeque::new());
+static HEARD: Mutex<VecDeque<Result<InstallationProgress, Refusal>>> = Mutex::new(VecDeque::new());
 
 /// The board has sent a line.
 pub fn hear(line: &[u8]) {
@@ -44,7 +44,7 @@ pub static OVERRUN: AtomicBool = AtomicBool::new(false);
 pub static IS_DOWN: AtomicBool = AtomicBool::new(false);
 
 /// Carries out what the scenario asks for.
-pub struct Person {
+pub struct ScenarioPerson {
     acts: VecDeque<Act>,
     /// Time from which on the next act waits.
     waits_from_us: Option<u64>,
@@ -69,7 +69,7 @@ struct Sender {
     pulled_until_us: u64,
 }
 
-impl Person {
+impl ScenarioPerson {
     /// A person whose acts before notification `next` are done already.
     pub fn new(acts: &[Act], next: usize, file: Vec<u8>) -> Self {
         // An installation is gone on with after a loss of power.
@@ -148,7 +148,7 @@ impl Person {
     }
 }
 
-impl Person {
+impl ScenarioPerson {
     fn transfer(&self) -> Transfer {
         let checksum = self.file.last_chunk().copied().unwrap_or_default();
         Transfer {
@@ -166,7 +166,7 @@ impl Person {
         };
         let heard = HEARD.lock().expect("nobody panics here").pop_front();
         match heard.filter(|_| now_us >= sender.pulled_until_us) {
-            Some(Ok(Progress::Next(number))) => {
+            Some(Ok(InstallationProgress::Next(number))) => {
                 let block = Command::Block(number, Block::of(&self.file, number));
                 let blocks = transfer.before(number);
                 let pull = sender.pulls.pop_front_if(|(after, _)| *after == blocks);
@@ -179,7 +179,7 @@ impl Person {
                     sender.pulled_until_us = sender.due_us;
                 }
             }
-            Some(Ok(Progress::Installed)) => self.sender = None,
+            Some(Ok(InstallationProgress::Installed)) => self.sender = None,
             Some(Err(_)) => {
                 sender.next = Some(begin);
                 sender.due_us = now_us + TURNAROUND_US;

@@ -1,7 +1,7 @@
 //! Acts of armband and person: the part of a scenario that the board's surroundings carry out.
 
 use serde::Deserialize;
-use virtual_armband::{Behaviour, End, Step};
+use virtual_armband::{ArmbandFault, Behaviour, End};
 
 /// A scenario, as `tests/scenario/README.md` describes its file. Other keys are for the test that checks the outcome.
 #[derive(Deserialize)]
@@ -22,7 +22,7 @@ pub struct Scenario {
     pub first_lane: u8,
     /// Faults of the armband.
     #[serde(default)]
-    pub armband: Vec<Step>,
+    pub armband: Vec<ArmbandFault>,
     /// Another armband.
     pub stranger: Option<Stranger>,
     /// Acts of a person.

@@ -1,7 +1,7 @@
 //! Requests to the attributes of a connected armband.
 
 use embassy_futures::yield_now;
-use shared::myo::{Characteristic, ConnectionParameters, Discovery, Event, Payload};
+use shared::myo::{Characteristic, ConnectionParameters, Discovery, MyoEvent, Payload};
 
 use super::SessionDriver;
 use crate::messages::uart::{self, UartMessage};
@@ -36,12 +36,12 @@ impl SessionDriver<'_> {
             Request::Discover => {
                 let handles = self.discover(link).await;
                 self.handles.set(handles);
-                return self.handle(Event::Discovered(handles.found()));
+                return self.handle(MyoEvent::Discovered(handles.found()));
             }
             Request::Read(characteristic) => match handles.value(characteristic) {
                 Some(handle) => match link.read(handle, &mut value).await {
                     Ok(length) => {
-                        return self.handle(Event::Read(&value[..length.min(MAX_VALUE_BYTES)]));
+                        return self.handle(MyoEvent::Read(&value[..length.min(MAX_VALUE_BYTES)]));
                     }
                     Err(failed) => Err(failed),
                 },
@@ -64,8 +64,8 @@ impl SessionDriver<'_> {
             },
         };
         self.handle(match outcome {
-            Ok(()) => Event::Done,
-            Err(_) => Event::Failed,
+            Ok(()) => MyoEvent::Done,
+            Err(_) => MyoEvent::Failed,
         });
     }
 

@@ -17,11 +17,11 @@ use shared::intent::Intent;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
 use shared::model::head::Head;
-use shared::stream::alignment::{Alignment, Arm, Outcome, Progress};
+use shared::stream::alignment::{Alignment, AlignmentProgress, Arm, Outcome};
 use shared::units::{CleanSample, PATCH, WINDOW_PATCHES};
 
 pub use self::own::{FEWEST_ROUNDS, OwnCalibration, calibrate_file, calibrate_on};
-pub use self::parts::{Part, parts, rounds_of};
+pub use self::parts::{ShownPart, parts, rounds_of};
 use crate::inference::logits_with;
 use crate::model_evaluation::Lesson;
 use crate::{EvaluatedRecording, EvaluationError, smooth};
@@ -49,7 +49,7 @@ pub struct Calibration {
 pub fn calibrate(
     model: &Model<'_>,
     recordings: &[&EvaluatedRecording],
-    parts: &[Part],
+    parts: &[ShownPart],
     lesson: Lesson,
 ) -> Result<Calibration, EvaluationError> {
     let Lesson {
@@ -60,8 +60,8 @@ pub fn calibrate(
     if rounds == 0 {
         return Ok(Calibration::default());
     }
-    let wanted = |part: &&Part| part.round < rounds && (others || part.shown != Shown::Other);
-    let parts: Vec<&Part> = parts.iter().filter(wanted).collect();
+    let wanted = |part: &&ShownPart| part.round < rounds && (others || part.shown != Shown::Other);
+    let parts: Vec<&ShownPart> = parts.iter().filter(wanted).collect();
     let alignment = if align {
         alignment(model, recordings, &parts)?
     } else {
@@ -100,7 +100,7 @@ pub fn calibrate(
         ..unlearnt.clone()
     };
     let teaching = rounds.div_ceil(2);
-    let judging: Vec<&Part> = parts
+    let judging: Vec<&ShownPart> = parts
         .iter()
         .filter(|part| part.round >= teaching)
         .copied()
@@ -133,7 +133,7 @@ pub fn calibrate(
     })
 }
 
-impl Part {
+impl ShownPart {
     /// First patch to learn from.
     fn start(&self) -> usize {
         self.samples.start.div_ceil(PATCH)
@@ -149,7 +149,7 @@ impl Part {
 fn alignment(
     model: &Model<'_>,
     recordings: &[&EvaluatedRecording],
-    parts: &[&Part],
+    parts: &[&ShownPart],
 ) -> Result<Alignment, EvaluationError> {
     let open = Shown::Intent(Intent::Open);
     let opening = parts.iter().find(|part| part.shown == open);
@@ -164,9 +164,9 @@ fn alignment(
         activity.add(sample);
     }
     let profile = activity.profile();
-    let outcome = match Progress::of(profile, Arm::Unknown, u64::MAX, template, FAVOUR) {
-        Progress::Done(outcome) => outcome,
-        Progress::Undecided(mut decision) => {
+    let outcome = match AlignmentProgress::of(profile, Arm::Unknown, u64::MAX, template, FAVOUR) {
+        AlignmentProgress::Done(outcome) => outcome,
+        AlignmentProgress::Undecided(mut decision) => {
             let input = input(model, recording, Alignment::NONE);
             let patches = &input.as_chunks::<PATCH>().0[part.start()..part.end()];
             let encoder = HostEncoder::new(model)?;
@@ -186,7 +186,7 @@ fn alignment(
                 }
             }
         }
-        Progress::Waiting | Progress::Gesture => return Ok(Alignment::NONE),
+        AlignmentProgress::Waiting | AlignmentProgress::Gesture => return Ok(Alignment::NONE),
     };
     Ok(match outcome {
         Outcome::Aligned(fit) => fit.alignment,
@@ -226,7 +226,7 @@ fn judge(
     model: &Model<'_>,
     learnt: &Head,
     recordings: &[&EvaluatedRecording],
-    parts: &[&Part],
+    parts: &[&ShownPart],
     alignment: Alignment,
 ) -> Result<Judgement, EvaluationError> {
     let classes = model.header.dimensions.vocabulary.classes();

@@ -22,7 +22,7 @@ const RESTS: usize = 2;
 
 /// Part of a recording that is shown to a calibration.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Part {
+pub struct ShownPart {
     /// Index of the recording.
     pub recording: usize,
     /// Range of samples in the recording.
@@ -49,7 +49,7 @@ pub fn parts(
     recordings: &[&EvaluatedRecording],
     vocabulary: Vocabulary,
     rounds: usize,
-) -> Vec<Part> {
+) -> Vec<ShownPart> {
     let mut parts = Vec::new();
     for (intent, holds) in holds(recordings) {
         if !vocabulary.contains(intent) {
@@ -61,7 +61,7 @@ pub fn parts(
             (1, usize::MAX)
         };
         let holds = holds.into_iter().take(rounds * a_round).enumerate();
-        parts.extend(holds.map(|(place, (recording, samples))| Part {
+        parts.extend(holds.map(|(place, (recording, samples))| ShownPart {
             recording,
             samples: samples.start..samples.end.min(samples.start.saturating_add(most)),
             shown: Shown::Intent(intent),
@@ -82,7 +82,7 @@ pub fn parts(
     others.sort_by_key(|(turn, recording, samples)| (*turn, *recording, samples.start));
     let count = OTHERS.min(others.len() / 2);
     let others = others.into_iter().take(count);
-    parts.extend(others.map(|(_, recording, samples)| Part {
+    parts.extend(others.map(|(_, recording, samples)| ShownPart {
         recording,
         samples: samples.start..samples.end.min(samples.start + MOST_OTHER),
         shown: Shown::Other,

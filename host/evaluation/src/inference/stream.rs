@@ -30,11 +30,11 @@ pub struct Stream<'s, E: Encode> {
     start: Option<Report>,
     /// Samples so far.
     count: u64,
-    calibration: Option<Calibration<'s, E>>,
+    calibration: Option<WearerCalibration<'s, E>>,
 }
 
 /// Calibration of the stream's wearer, who follows its cues.
-struct Calibration<'s, E> {
+struct WearerCalibration<'s, E> {
     /// Samples before it begins.
     at: u64,
     others: bool,
@@ -201,7 +201,7 @@ impl<'s> Stream<'s, HostEncoder<'s>> {
     ) -> Result<(), EvaluationError> {
         let encoder = HostEncoder::new(model)?;
         self.pipeline.lend(memory);
-        self.calibration = Some(Calibration {
+        self.calibration = Some(WearerCalibration {
             at,
             others,
             smoother: Smoother::new(model.header.smoother.in_patches(), encoder.classes())?,

@@ -13,7 +13,7 @@ use shared::stream::alignment::Alignment;
 
 use super::look_ahead;
 use super::named_model::NamedModel;
-use crate::calibration::{Calibration, Part, calibrate, parts, rounds_of};
+use crate::calibration::{Calibration, ShownPart, calibrate, parts, rounds_of};
 use crate::candidate::candidate;
 use crate::inference::logits_with;
 use crate::{Candidate, EvaluatedRecording, EvaluationError, Measure, System, Truth, score};
@@ -50,7 +50,7 @@ pub struct CalibratedSubject {
 }
 
 /// People who can be calibrated: indices of their recordings, and the parts that are set aside.
-pub(super) type People = BTreeMap<String, (Vec<usize>, Vec<Part>)>;
+pub(super) type People = BTreeMap<String, (Vec<usize>, Vec<ShownPart>)>;
 
 /// People with [`SET_ASIDE`] rounds.
 pub(super) fn people_of(recordings: &[EvaluatedRecording], vocabulary: Vocabulary) -> People {

@@ -12,7 +12,7 @@ use crate::metric::event::summary::SubjectEvents;
 use crate::metric::summary::SubjectScore;
 
 /// The scores of one person under one model.
-pub(super) struct Person<'a> {
+pub(super) struct PersonScores<'a> {
     /// The subject.
     pub subject: &'a str,
     score: &'a SubjectScore,
@@ -22,27 +22,27 @@ pub(super) struct Person<'a> {
 /// The people of one model's rows, the lowest balanced accuracy first, missing ones last.
 pub(super) fn people_of<'r, 'a: 'r>(
     rows: impl IntoIterator<Item = &'r Row<'a>>,
-) -> Vec<Person<'a>> {
+) -> Vec<PersonScores<'a>> {
     let of = |row: &'r Row<'a>| {
         let score = row.score;
         let events = |subject: &str| {
             let mut all = score.events.subjects.iter();
             all.find(|events| events.subject == subject)
         };
-        score.widest().subjects.iter().map(move |own| Person {
+        score.widest().subjects.iter().map(move |own| PersonScores {
             subject: &own.subject,
             score: own,
             events: events(&own.subject),
         })
     };
-    let mut people: Vec<Person<'a>> = rows.into_iter().flat_map(of).collect();
-    let key = |person: &Person<'_>| person.score.balanced_accuracy.unwrap_or(f64::INFINITY);
+    let mut people: Vec<PersonScores<'a>> = rows.into_iter().flat_map(of).collect();
+    let key = |person: &PersonScores<'_>| person.score.balanced_accuracy.unwrap_or(f64::INFINITY);
     people.sort_by(|a, b| key(a).total_cmp(&key(b)));
     people
 }
 
 /// Column of a person's scores: its name, and its cell in the row of a person.
-pub(super) type Column = (&'static str, fn(&Person<'_>) -> String);
+pub(super) type Column = (&'static str, fn(&PersonScores<'_>) -> String);
 
 /// Columns of a person's scores, and their cells; empty where the person has no value.
 pub(super) const COLUMNS: [Column; 16] = [
@@ -75,14 +75,14 @@ pub(super) const COLUMNS: [Column; 16] = [
 ];
 
 fn quantile(
-    person: &Person<'_>,
+    person: &PersonScores<'_>,
     latency: fn(&SubjectEvents) -> Option<LatencySummary>,
     show: fn(LatencySummary) -> String,
 ) -> String {
     shown(person.events.and_then(latency), show)
 }
 
-fn rate(person: &Person<'_>, of: fn(&SubjectEvents) -> Rate) -> String {
+fn rate(person: &PersonScores<'_>, of: fn(&SubjectEvents) -> Rate) -> String {
     shown(
         person.events.and_then(|events| of(events).per_minute()),
         |rate| format!("{rate:.1}"),

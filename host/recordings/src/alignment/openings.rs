@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use shared::intent::Intent;
-use shared::stream::alignment::{Aligner, Arm, Outcome, Progress, Template};
+use shared::stream::alignment::{Aligner, AlignmentProgress, Arm, Outcome, Template};
 use shared::stream::preprocess::{Median, clean};
 use shared::units::{PATCH, Sample};
 
@@ -94,9 +94,11 @@ impl Openings {
         let mut aligner = Aligner::new(Arm::Unknown);
         for patch in emg.as_chunks::<PATCH>().0 {
             match aligner.push(patch, template) {
-                Progress::Waiting | Progress::Gesture => {}
-                Progress::Undecided(decision) => return Outcome::Aligned(decision.fits().nearest),
-                Progress::Done(outcome) => return outcome,
+                AlignmentProgress::Waiting | AlignmentProgress::Gesture => {}
+                AlignmentProgress::Undecided(decision) => {
+                    return Outcome::Aligned(decision.fits().nearest);
+                }
+                AlignmentProgress::Done(outcome) => return outcome,
             }
         }
         Outcome::Timeout

@@ -23,7 +23,7 @@ use crate::readers::error::LoadError;
 use crate::readers::error::excerpt::excerpt;
 use crate::readers::label_file;
 use crate::readers::path::with_small_ending;
-use columns::{Columns, Kind};
+use columns::{ColumnKind, Columns};
 use execution::printable::printable;
 
 /// Maximum number of words that are listed.
@@ -88,7 +88,7 @@ pub fn describe(folder: &Path, out: Option<&Path>) -> Result<(PathBuf, String), 
 struct Draft {
     /// The folder, if the description is not in it.
     folder: Option<PathBuf>,
-    kind: Kind,
+    kind: ColumnKind,
     columns: Columns,
     pattern: Pattern,
     /// Paths below the folder of the files of the kind.
@@ -106,12 +106,12 @@ impl Draft {
     fn of(folder: &Path) -> Result<Self, DraftError> {
         let (_, files) = crate::library::files(folder)?;
         let count = files.len();
-        let kinds: Vec<(Kind, PathBuf)> = files
+        let kinds: Vec<(ColumnKind, PathBuf)> = files
             .into_par_iter()
             .flatten()
-            .filter_map(|path| Some((Kind::of(&path)?, path)))
+            .filter_map(|path| Some((ColumnKind::of(&path)?, path)))
             .collect();
-        let mut by_kind: BTreeMap<Kind, Vec<PathBuf>> = BTreeMap::new();
+        let mut by_kind: BTreeMap<ColumnKind, Vec<PathBuf>> = BTreeMap::new();
         for (kind, path) in kinds {
             by_kind.entry(kind).or_default().push(path);
         }

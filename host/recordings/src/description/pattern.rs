@@ -51,7 +51,7 @@ impl Field {
 
 /// Part of a pattern within one name.
 #[derive(Clone, PartialEq, Eq, Debug)]
-enum Part {
+enum PatternPart {
     Text(String),
     Field(Field),
 }
@@ -61,7 +61,7 @@ enum Part {
 #[serde(try_from = "String")]
 pub(crate) struct Pattern {
     /// Names of folders, and of the file last.
-    names: Vec<Vec<Part>>,
+    names: Vec<Vec<PatternPart>>,
 }
 
 /// Reason why a text is no pattern.
@@ -85,10 +85,10 @@ impl TryFrom<String> for Pattern {
     type Error = PatternError;
 
     fn try_from(text: String) -> Result<Self, PatternError> {
-        let names: Vec<Vec<Part>> = text.split('/').map(parts).collect::<Result<_, _>>()?;
-        let leaves = |name: &Vec<Part>| match &name[..] {
+        let names: Vec<Vec<PatternPart>> = text.split('/').map(parts).collect::<Result<_, _>>()?;
+        let leaves = |name: &Vec<PatternPart>| match &name[..] {
             [] => true,
-            [Part::Text(text)] => text == "." || text == "..",
+            [PatternPart::Text(text)] => text == "." || text == "..",
             _ => false,
         };
         if names.iter().any(leaves) || text.contains('\\') {
@@ -103,19 +103,20 @@ impl TryFrom<String> for Pattern {
 }
 
 /// Names with the ending of the last one in small letters, as paths are compared.
-fn with_small_endings(names: &[Vec<Part>]) -> Cow<'_, [Vec<Part>]> {
+fn with_small_endings(names: &[Vec<PatternPart>]) -> Cow<'_, [Vec<PatternPart>]> {
     let mut names = Cow::Borrowed(names);
-    if let Some(Part::Text(last)) = names.last().and_then(|name| name.last())
+    if let Some(PatternPart::Text(last)) = names.last().and_then(|name| name.last())
         && let Some(ending) = last.rfind('.')
         && last[ending..].contains(|c: char| c.is_ascii_uppercase())
-        && let Some(Part::Text(last)) = names.to_mut().last_mut().and_then(|name| name.last_mut())
+        && let Some(PatternPart::Text(last)) =
+            names.to_mut().last_mut().and_then(|name| name.last_mut())
     {
         last[ending..].make_ascii_lowercase();
     }
     names
 }
 
-fn parts(name: &str) -> Result<Vec<Part>, PatternError> {
+fn parts(name: &str) -> Result<Vec<PatternPart>, PatternError> {
     let brace = || PatternError::Brace(name.to_owned());
     let (mut parts, mut rest) = (Vec::new(), name);
     while !rest.is_empty() {
@@ -124,7 +125,7 @@ fn parts(name: &str) -> Result<Vec<Part>, PatternError> {
             return Err(brace());
         }
         if !text.is_empty() {
-            parts.push(Part::Text(text.to_owned()));
+            parts.push(PatternPart::Text(text.to_owned()));
         }
         rest = &rest[text.len()..];
         let Some(open) = rest.strip_prefix('{') else {
@@ -134,10 +135,10 @@ fn parts(name: &str) -> Result<Vec<Part>, PatternError> {
         let unknown = || PatternError::Field(field.to_owned());
         let mut known = Field::ALL.into_iter();
         let field = known.find(|own| own.name() == field).ok_or_else(unknown)?;
-        if matches!(parts.last(), Some(Part::Field(_))) {
+        if matches!(parts.last(), Some(PatternPart::Field(_))) {
             return Err(PatternError::Adjacent(name.to_owned()));
         }
-        parts.push(Part::Field(field));
+        parts.push(PatternPart::Field(field));
         rest = after;
     }
     Ok(parts)
@@ -159,8 +160,8 @@ impl Fields {
 impl Pattern {
     fn fields(&self) -> impl Iterator<Item = Field> {
         self.names.iter().flatten().filter_map(|part| match part {
-            Part::Text(_) => None,
-            Part::Field(field) => Some(*field),
+            PatternPart::Text(_) => None,
+            PatternPart::Field(field) => Some(*field),
         })
     }
 
@@ -217,10 +218,12 @@ impl Pattern {
     /// Path of the fields of another pattern's path.
     pub fn path_of(&self, fields: &Fields) -> PathBuf {
         let mut any = fields.0.iter().filter(|(field, _)| *field == Field::Any);
-        let mut text = |part: &Part| match part {
-            Part::Text(text) => text.clone(),
-            Part::Field(Field::Any) => any.next().map(|(_, text)| text.clone()).unwrap_or_default(),
-            Part::Field(field) => fields.get(*field).unwrap_or_default().to_owned(),
+        let mut text = |part: &PatternPart| match part {
+            PatternPart::Text(text) => text.clone(),
+            PatternPart::Field(Field::Any) => {
+                any.next().map(|(_, text)| text.clone()).unwrap_or_default()
+            }
+            PatternPart::Field(field) => fields.get(*field).unwrap_or_default().to_owned(),
         };
         let names = self.names.iter();
         names
@@ -235,8 +238,8 @@ impl fmt::Display for Pattern {
             f.write_str(if at > 0 { "/" } else { "" })?;
             for part in parts {
                 match part {
-                    Part::Text(text) => f.write_str(text)?,
-                    Part::Field(field) => write!(f, "{{{}}}", field.name())?,
+                    PatternPart::Text(text) => f.write_str(text)?,
+                    PatternPart::Field(field) => write!(f, "{{{}}}", field.name())?,
                 }
             }
         }
@@ -254,7 +257,7 @@ struct Name<'n> {
 
 impl Name<'_> {
     /// Fields of the parts from a position on, in reverse; none if they do not match.
-    fn fields(&mut self, parts: &[Part], at: usize) -> Option<Vec<(Field, String)>> {
+    fn fields(&mut self, parts: &[PatternPart], at: usize) -> Option<Vec<(Field, String)>> {
         let rest = &self.text[at..];
         let Some((part, after)) = parts.split_first() else {
             return rest.is_empty().then(Vec::new);
@@ -263,9 +266,11 @@ impl Name<'_> {
             return None;
         }
         let found = match part {
-            Part::Text(text) if rest.starts_with(text) => self.fields(after, at + text.len()),
-            Part::Text(_) => None,
-            Part::Field(field) => self.field(*field, after, at),
+            PatternPart::Text(text) if rest.starts_with(text) => {
+                self.fields(after, at + text.len())
+            }
+            PatternPart::Text(_) => None,
+            PatternPart::Field(field) => self.field(*field, after, at),
         };
         if found.is_none() {
             self.failed.insert((parts.len(), at));
@@ -273,7 +278,12 @@ impl Name<'_> {
         found
     }
 
-    fn field(&mut self, field: Field, after: &[Part], at: usize) -> Option<Vec<(Field, String)>> {
+    fn field(
+        &mut self,
+        field: Field,
+        after: &[PatternPart],
+        at: usize,
+    ) -> Option<Vec<(Field, String)>> {
         let text = self.text;
         let ends = text[at..].char_indices().skip(1).map(|(end, _)| at + end);
         for end in ends.chain([text.len()]) {

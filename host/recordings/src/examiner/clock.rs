@@ -70,7 +70,7 @@ pub(crate) enum Timebase {
 
 /// Kind of a column.
 #[derive(Clone, Copy, PartialEq, Debug)]
-enum Kind {
+enum ClockKind {
     /// Times; how many are a second if the name says so.
     Times(Option<f64>),
     /// Sample numbers.
@@ -78,10 +78,10 @@ enum Kind {
 }
 
 /// Kind of a column by its name; none if it is no clock.
-fn kind(name: &str) -> Option<Kind> {
+fn kind(name: &str) -> Option<ClockKind> {
     let name = name.trim().trim_matches('"').to_lowercase();
     if COUNTERS.contains(&name.as_str()) {
-        return Some(Kind::Counter);
+        return Some(ClockKind::Counter);
     }
     let words: Vec<&str> = name
         .split(|c: char| !c.is_alphanumeric())
@@ -98,10 +98,10 @@ fn kind(name: &str) -> Option<Kind> {
             .iter()
             .filter(|word| !is_time(word))
             .find_map(|word| unit(word));
-        return Some(Kind::Times(unit.map(|(_, per_second)| *per_second)));
+        return Some(ClockKind::Times(unit.map(|(_, per_second)| *per_second)));
     }
     if let Some((_, per_second)) = words.iter().find_map(|word| glued(word)) {
-        return Some(Kind::Times(Some(*per_second)));
+        return Some(ClockKind::Times(Some(*per_second)));
     }
     match words[..] {
         [word]
@@ -114,11 +114,13 @@ fn kind(name: &str) -> Option<Kind> {
             ]
             .contains(&word) =>
         {
-            Some(Kind::Times(unit(word).map(|(_, per_second)| *per_second)))
+            Some(ClockKind::Times(
+                unit(word).map(|(_, per_second)| *per_second),
+            ))
         }
         // `sample_index`, `row number`
         _ if words.len() > 1 && words.iter().all(|word| COUNTERS.contains(word)) => {
-            Some(Kind::Counter)
+            Some(ClockKind::Counter)
         }
         _ => None,
     }
@@ -178,8 +180,8 @@ impl Clock {
     /// Whether the clock counts samples: by its name, or because it rises by exactly one and names no unit.
     pub fn counts(&self) -> bool {
         match kind(&self.name) {
-            Some(Kind::Counter) => true,
-            Some(Kind::Times(Some(_))) => false,
+            Some(ClockKind::Counter) => true,
+            Some(ClockKind::Times(Some(_))) => false,
             _ => {
                 let times = unwrapped(&self.times);
                 let ones = times.windows(2).filter(|pair| pair[1] - pair[0] == 1.0);
@@ -209,7 +211,7 @@ impl Clock {
         };
         let per_second = if self.counts() {
             f64::from(SAMPLE_RATE_HZ)
-        } else if let Some(Kind::Times(Some(per_second))) = kind(&self.name) {
+        } else if let Some(ClockKind::Times(Some(per_second))) = kind(&self.name) {
             per_second
         } else {
             let fits = |(_, per_second): &&(&[&str], f64)| PERIODS.contains(&(period / per_second));

@@ -48,7 +48,7 @@ pub struct Unpacked {
 
 /// Kind of an archive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum ArchiveKind {
     Zip,
     Tar,
     TarGz,
@@ -60,13 +60,13 @@ pub(super) fn is_archive(path: &Path) -> io::Result<bool> {
 }
 
 /// Kind of an archive, or what the file is instead.
-fn kind(path: &Path) -> io::Result<Result<Kind, FileKind>> {
+fn kind(path: &Path) -> io::Result<Result<ArchiveKind, FileKind>> {
     let mut start = Vec::new();
     File::open(path)?.take(512).read_to_end(&mut start)?;
     Ok(match FileKind::of(&start) {
-        FileKind::Zip => Ok(Kind::Zip),
-        FileKind::Gzip => Ok(Kind::TarGz),
-        _ if start.get(257..262) == Some(b"ustar") => Ok(Kind::Tar),
+        FileKind::Zip => Ok(ArchiveKind::Zip),
+        FileKind::Gzip => Ok(ArchiveKind::TarGz),
+        _ if start.get(257..262) == Some(b"ustar") => Ok(ArchiveKind::Tar),
         other => Err(other),
     })
 }
@@ -91,9 +91,9 @@ pub(super) fn unpack(
         done: Unpacked::default(),
     };
     match kind {
-        Ok(Kind::Zip) => target.zip(BufReader::new(file))?,
-        Ok(Kind::Tar) => target.tar(BufReader::new(file))?,
-        Ok(Kind::TarGz) => target.tar(GzDecoder::new(BufReader::new(file)))?,
+        Ok(ArchiveKind::Zip) => target.zip(BufReader::new(file))?,
+        Ok(ArchiveKind::Tar) => target.tar(BufReader::new(file))?,
+        Ok(ArchiveKind::TarGz) => target.tar(GzDecoder::new(BufReader::new(file)))?,
         Err(found) => {
             return Err(FetchError::NoArchive {
                 archive: archive.to_owned(),

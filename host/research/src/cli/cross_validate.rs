@@ -22,7 +22,7 @@ use self::contenders::{contenders, presets};
 use self::output::{Tables, merged};
 use super::shell::{line, program, shared_options};
 use crate::baselines::Baseline;
-use crate::cross_validation::{Contender, CrossValidation, Job, Kind, Origin};
+use crate::cross_validation::{Contender, ContenderKind, CrossValidation, Job, Origin};
 
 /// Arguments of `cross-validate`.
 #[derive(Debug, Args)]
@@ -210,7 +210,7 @@ fn command(arguments: &Arguments, contender: &Contender, seed: u64, fold: usize)
     for preset in &arguments.preset {
         option("preset", preset.clone());
     }
-    if let Kind::Baseline(_) = contender.kind {
+    if let ContenderKind::Baseline(_) = contender.kind {
         option("baselines", contender.argument());
     }
     option("only", contender.argument());

@@ -12,12 +12,12 @@ use crate::baselines::Baseline;
 pub(crate) struct Contender {
     /// Preset; for a baseline or a floor, it gives the recordings, the people and the seed.
     pub(crate) preset: Preset,
-    pub(crate) kind: Kind,
+    pub(crate) kind: ContenderKind,
 }
 
 /// Kind of a contender.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum ContenderKind {
     /// Integer student of the preset.
     Student,
     /// Baseline.
@@ -32,28 +32,30 @@ impl Contender {
     /// Name in tables.
     pub(crate) fn name(&self) -> &str {
         match self.kind {
-            Kind::Student => &self.preset.name,
-            Kind::Baseline(baseline) => baseline.name(),
-            Kind::Constant => CONSTANT,
-            Kind::EnergyDetector => ENERGY,
+            ContenderKind::Student => &self.preset.name,
+            ContenderKind::Baseline(baseline) => baseline.name(),
+            ContenderKind::Constant => CONSTANT,
+            ContenderKind::EnergyDetector => ENERGY,
         }
     }
 
     /// Name on the command line.
     pub(crate) fn argument(&self) -> String {
         match self.kind {
-            Kind::Student => self.preset.name.clone(),
-            Kind::Baseline(baseline) => baseline
+            ContenderKind::Student => self.preset.name.clone(),
+            ContenderKind::Baseline(baseline) => baseline
                 .to_possible_value()
                 .map_or_else(String::new, |value| value.get_name().to_owned()),
-            Kind::Constant | Kind::EnergyDetector => self.name().replace(' ', "-"),
+            ContenderKind::Constant | ContenderKind::EnergyDetector => {
+                self.name().replace(' ', "-")
+            }
         }
     }
 
     /// Name of the contender's folder.
     pub(crate) fn folder(&self) -> String {
         match self.kind {
-            Kind::Student => self.preset.name.clone(),
+            ContenderKind::Student => self.preset.name.clone(),
             _ => format!("{}-{}", self.preset.name, self.argument()),
         }
     }
@@ -71,6 +73,9 @@ impl Contender {
 
     /// Whether it is a trained model, whose logits allow a confidence gate. A floor's logits only express its label.
     pub(crate) const fn is_trained(&self) -> bool {
-        !matches!(self.kind, Kind::Constant | Kind::EnergyDetector)
+        !matches!(
+            self.kind,
+            ContenderKind::Constant | ContenderKind::EnergyDetector
+        )
     }
 }

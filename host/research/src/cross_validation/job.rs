@@ -23,7 +23,7 @@ use recordings::split::predefined::is_test;
 use training::run::StepError;
 use training::run::context::RunContext;
 
-use super::contender::{Contender, Kind};
+use super::contender::{Contender, ContenderKind};
 use super::job_scores::{FoldScore, JobScores};
 use crate::baselines::settings::BaselineSettings;
 use crate::job::{JobError, begun};
@@ -90,11 +90,11 @@ impl CrossValidation<'_> {
     /// Fingerprint of all that the scores of a job depend on.
     fn made_from(&self, job: &Job, config: &ResolvedConfig) -> Fingerprint {
         match job.contender.kind {
-            Kind::Student => config.fingerprint(),
-            Kind::Baseline(baseline) => {
+            ContenderKind::Student => config.fingerprint(),
+            ContenderKind::Baseline(baseline) => {
                 Fingerprint::of(&(config.fingerprint(), baseline, BaselineSettings::default()))
             }
-            Kind::Constant | Kind::EnergyDetector => {
+            ContenderKind::Constant | ContenderKind::EnergyDetector => {
                 Fingerprint::of(&(config.fingerprint(), job.contender.name()))
             }
         }

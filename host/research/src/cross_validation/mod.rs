@@ -14,7 +14,7 @@ mod merged;
 mod tables;
 mod training;
 
-pub(crate) use contender::{Contender, Kind};
+pub(crate) use contender::{Contender, ContenderKind};
 pub(crate) use job::{CrossValidation, Job};
 pub(crate) use job_scores::{FoldScore, JobScores};
 pub(crate) use merged::{Merged, Origin};

@@ -7,7 +7,7 @@ use training::run::evaluate::energy_detector;
 use training::run::quantize::{MODEL, quantize};
 use training::run::train::train;
 
-use super::contender::Kind;
+use super::contender::ContenderKind;
 use super::job::{CrossValidation, Job};
 use crate::baselines::inference::candidate;
 use crate::baselines::settings::BaselineSettings;
@@ -24,7 +24,7 @@ impl CrossValidation<'_> {
         recordings: &dyn Fn() -> Vec<EvaluatedRecording>,
     ) -> Result<(Candidate, Vec<EvaluatedRecording>), JobError> {
         match job.contender.kind {
-            Kind::Student => {
+            ContenderKind::Student => {
                 train(context, false)?;
                 let model = NamedModel {
                     name: job.contender.name().to_owned(),
@@ -36,16 +36,16 @@ impl CrossValidation<'_> {
                     recordings,
                 ))
             }
-            Kind::Baseline(baseline) => {
+            ContenderKind::Baseline(baseline) => {
                 train_baseline(context, baseline, &BaselineSettings::default())?;
                 let recordings = recordings();
                 Ok((candidate(context, baseline, &recordings)?, recordings))
             }
-            Kind::Constant => {
+            ContenderKind::Constant => {
                 let recordings = recordings();
                 Ok((constant(&recordings), recordings))
             }
-            Kind::EnergyDetector => {
+            ContenderKind::EnergyDetector => {
                 let detector = energy_detector(&context.config, &self.library);
                 let recordings = recordings();
                 // Without a gesture to fit the detector to, its label is always relax.

@@ -12,7 +12,9 @@ use execution::interrupt::Interrupt;
 use execution::progress;
 use execution::run_folder::{RunError, RunFolder};
 use recordings::Library;
-use training::run::personalize::{Part, Person, PersonalizeError, TuningSettings, judge, tune};
+use training::run::personalize::{
+    PersonPart, PersonRecordings, PersonalizeError, TuningSettings, judge, tune,
+};
 
 /// Measures that are kept, in this order.
 pub(crate) const MEASURES: [Measure; 5] = [
@@ -69,7 +71,7 @@ impl Measurement<'_> {
         subject: &str,
     ) -> Result<Option<Measured>, MeasurementError> {
         let header = Model::parse(model).map_err(PersonalizeError::from)?.header;
-        let found = Person::new(self.library, Some(subject), &header);
+        let found = PersonRecordings::new(self.library, Some(subject), &header);
         let found = found.and_then(|person| {
             person.whole().halves()?;
             Ok(person)
@@ -92,7 +94,11 @@ impl Measurement<'_> {
         Ok(Some(measured))
     }
 
-    fn measure(&self, model: &[u8], person: &Person) -> Result<Measured, PersonalizeError> {
+    fn measure(
+        &self,
+        model: &[u8],
+        person: &PersonRecordings,
+    ) -> Result<Measured, PersonalizeError> {
         let (pool, judged) = person.whole().halves()?;
         let shipped = judge("", model, &judged)?;
         let values = |file: &[u8]| judge("", file, &judged).map(|score| values(&score));
@@ -145,7 +151,7 @@ impl Measurement<'_> {
     }
 
     /// Fingerprint of all that a person's values depend on.
-    fn made_from(&self, model: &[u8], whole: &Part<'_>) -> Fingerprint {
+    fn made_from(&self, model: &[u8], whole: &PersonPart<'_>) -> Fingerprint {
         let recordings: Vec<_> = whole
             .evaluated_recordings()
             .into_iter()

@@ -22,7 +22,7 @@ const PATIENCE: Duration = Duration::from_secs(80);
 
 /// Request about the calibration.
 #[derive(Clone, Copy, Debug, Subcommand)]
-pub(super) enum Request {
+pub(super) enum CalibrateRequest {
     /// Say what to do, and wait for the result.
     Begin {
         /// Show other movement too, 6 s: fewer false activations, and a little less accuracy.
@@ -38,18 +38,21 @@ pub(super) enum Request {
 }
 
 /// Sends the command, and says what the board asks for until it is over.
-pub(super) fn run(board: &mut Board, request: Request) -> anyhow::Result<()> {
+pub(super) fn run(board: &mut Board, request: CalibrateRequest) -> anyhow::Result<()> {
     let command = match request {
-        Request::Begin { other } => CalibrateCommand::Begin { others: other },
-        Request::Cancel => CalibrateCommand::Cancel,
-        Request::Forget => CalibrateCommand::Forget,
-        Request::State => CalibrateCommand::State,
+        CalibrateRequest::Begin { other } => CalibrateCommand::Begin { others: other },
+        CalibrateRequest::Cancel => CalibrateCommand::Cancel,
+        CalibrateRequest::Forget => CalibrateCommand::Forget,
+        CalibrateRequest::State => CalibrateCommand::State,
     };
     let mut out = std::io::stdout();
     let end = Instant::now() + PATIENCE;
     let (mut report, mut is_in_use) = ask(board, command)?;
     let mut said = None;
-    let waits = matches!(request, Request::Begin { .. } | Request::Forget);
+    let waits = matches!(
+        request,
+        CalibrateRequest::Begin { .. } | CalibrateRequest::Forget
+    );
     while waits
         && matches!(
             report.state,
@@ -67,7 +70,7 @@ pub(super) fn run(board: &mut Board, request: Request) -> anyhow::Result<()> {
         (report, is_in_use) = ask(board, CalibrateCommand::State)?;
     }
     let result = result(report);
-    if matches!(request, Request::Begin { .. }) && report.state != State::Done {
+    if matches!(request, CalibrateRequest::Begin { .. }) && report.state != State::Done {
         bail!("not calibrated, the last layer is as before: {result}");
     }
     let in_use = if is_in_use {

@@ -12,7 +12,7 @@ use crate::board::Board;
 
 /// Request about the outputs.
 #[derive(Clone, Copy, Debug, Subcommand)]
-pub(super) enum Request {
+pub(super) enum HidRequest {
     /// Show the computer a keyboard, mouse or gamepad, whichever the labels use. The serial port comes back in a second.
     On,
     /// Show none.
@@ -51,12 +51,12 @@ fn output(text: &str) -> Result<OrNone, String> {
 }
 
 /// Sends the command, and returns what the board answers, in words.
-pub(super) fn run(board: &mut Board, request: Request) -> anyhow::Result<String> {
+pub(super) fn run(board: &mut Board, request: HidRequest) -> anyhow::Result<String> {
     let command = match request {
-        Request::On => HidCommand::Switch(true),
-        Request::Off => HidCommand::Switch(false),
-        Request::Set { label, output } => HidCommand::Set(label, output),
-        Request::State => HidCommand::State,
+        HidRequest::On => HidCommand::Switch(true),
+        HidRequest::Off => HidCommand::Switch(false),
+        HidRequest::Set { label, output } => HidCommand::Set(label, output),
+        HidRequest::State => HidCommand::State,
     };
     let settings = board.ask(Command::Hid(command), |answer| match answer {
         Answer::Hid(settings) => Some(*settings),

@@ -12,7 +12,7 @@ use crate::board::Board;
 
 /// Request about the lock.
 #[derive(Clone, Copy, Debug, Subcommand)]
-pub(super) enum Request {
+pub(super) enum LockRequest {
     /// Lock labels at once, and again after each rest.
     On {
         /// Seconds that the hand has to be held open, 0.5 to 10.
@@ -33,10 +33,10 @@ pub(super) enum Request {
 }
 
 /// Sends the command, and returns what the board answers, in words.
-pub(super) fn run(board: &mut Board, request: Request) -> anyhow::Result<String> {
+pub(super) fn run(board: &mut Board, request: LockRequest) -> anyhow::Result<String> {
     let samples = |seconds: f64| (seconds * f64::from(SAMPLE_RATE_HZ)).round() as u32;
     let command = match request {
-        Request::On { sign, rest } => {
+        LockRequest::On { sign, rest } => {
             let times = LockTimes {
                 sign: samples(sign),
                 rest: samples(rest),
@@ -46,10 +46,10 @@ pub(super) fn run(board: &mut Board, request: Request) -> anyhow::Result<String>
             }
             LockCommand::Set(times)
         }
-        Request::Off => LockCommand::Off,
-        Request::Lock => LockCommand::Hold { is_locked: true },
-        Request::Unlock => LockCommand::Hold { is_locked: false },
-        Request::State => LockCommand::State,
+        LockRequest::Off => LockCommand::Off,
+        LockRequest::Lock => LockCommand::Hold { is_locked: true },
+        LockRequest::Unlock => LockCommand::Hold { is_locked: false },
+        LockRequest::State => LockCommand::State,
     };
     let lock = board.ask(Command::Lock(command), |answer| match answer {
         Answer::Lock(lock) => Some(*lock),

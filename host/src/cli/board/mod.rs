@@ -67,7 +67,7 @@ enum Request {
     Bind(Bind),
     /// Learn the wearer's last layer on the board, in half a minute, or forget it.
     #[command(subcommand)]
-    Calibrate(calibrate::Request),
+    Calibrate(calibrate::CalibrateRequest),
     /// Put a model on the board in place of its own, and in use. Outputs are safe meanwhile.
     Install {
         /// Model file.
@@ -78,10 +78,10 @@ enum Request {
     Gate(GateChange),
     /// Lock labels until the hand is held open, until the next start.
     #[command(subcommand)]
-    Lock(lock::Request),
+    Lock(lock::LockRequest),
     /// Press keys and buttons of the computer that a board with USB is plugged into; kept over restarts.
     #[command(subcommand)]
-    Hid(hid::Request),
+    Hid(hid::HidRequest),
     /// Write the strength of the contraction behind each label, 0 to 100, until the next start.
     Strength {
         /// on or off.

@@ -21,7 +21,7 @@ const BEST: &str = "best";
 
 /// Progress of a training.
 #[derive(Debug, Default, Serialize, Deserialize)]
-pub(super) struct Progress {
+pub(super) struct TrainingProgress {
     /// Number of optimizer steps in complete epochs.
     pub(super) step: usize,
     /// Lowest validation loss; none before the first epoch is complete.
@@ -36,7 +36,7 @@ pub(super) struct Progress {
 /// Progress within an epoch.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Within {
-    /// Optimizer steps of the epoch, which [`Progress::step`] does not count.
+    /// Optimizer steps of the epoch, which [`TrainingProgress::step`] does not count.
     pub(super) steps: usize,
     /// Position of the epoch's generator.
     pub(super) drawn: u64,
@@ -67,7 +67,7 @@ impl Within {
 
 /// State that a training resumes from.
 pub(super) struct Checkpoint<M> {
-    pub(super) progress: Progress,
+    pub(super) progress: TrainingProgress,
     pub(super) model: M,
     pub(super) optimizer: ModuleOptimizer,
     /// Average of the weights, if one is kept.
@@ -78,7 +78,7 @@ pub(super) struct Checkpoint<M> {
 
 /// Checkpoint to be saved.
 pub(super) struct Snapshot<'a, M> {
-    pub(super) progress: &'a Progress,
+    pub(super) progress: &'a TrainingProgress,
     pub(super) model: &'a M,
     pub(super) optimizer: &'a ModuleOptimizer,
     pub(super) average: Option<&'a M>,
@@ -131,7 +131,7 @@ impl Store<'_> {
             return Err(RunError::OtherTraining { path });
         }
         let content = |reason: String| RunError::content(&path, reason);
-        let progress: Progress = artefact.about().map_err(content)?;
+        let progress: TrainingProgress = artefact.about().map_err(content)?;
         let average = artefact.take(AVERAGE).ok();
         let mut part = |name| artefact.take(name).map_err(content);
         let weights = |bytes| load_model_bytes(&path, bytes, model.clone());
@@ -167,7 +167,7 @@ impl Store<'_> {
     }
 
     /// Writes the metrics file from the checkpoint's metrics.
-    fn save_metrics(&self, progress: &Progress) -> Result<(), RunError> {
+    fn save_metrics(&self, progress: &TrainingProgress) -> Result<(), RunError> {
         let path = self.run.metrics_path(self.name);
         let mut text = String::new();
         for metrics in &progress.epochs {

@@ -6,7 +6,7 @@ use burn::module::Module as _;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::checkpoint::{Checkpoint, Progress, Snapshot, Store, Within};
+use super::checkpoint::{Checkpoint, Snapshot, Store, TrainingProgress, Within};
 use super::ema::Ema;
 use super::epoch::{Epoch, Taken, Trained, finite};
 use super::learner::{Learner, WeightedMetric};
@@ -67,7 +67,7 @@ pub fn fit<L: Learner>(
     let mut checkpoint = match store.load(&model, fresh.clone())? {
         Some(checkpoint) => checkpoint,
         None => Checkpoint {
-            progress: Progress::default(),
+            progress: TrainingProgress::default(),
             optimizer: fresh,
             average: (config.ema_decay > 0.0).then(|| model.clone()),
             best: Vec::new(),

@@ -9,12 +9,12 @@ use shared::uart_line::answer::Binding;
 use shared::uart_line::calibration::CalibrateCommand;
 use shared::uart_line::command::{AlignCommand, BindCommand};
 use shared::uart_line::imu::ImuReport;
-use shared::uart_line::{Counters, Kind, Report};
+use shared::uart_line::{Counters, Report, ReportKind};
 use shared::units::Sample;
 
 fn report(sequence: u32) -> String {
     Report {
-        kind: Kind::State,
+        kind: ReportKind::State,
         sequence,
         instant: SampleIndex(0),
         emitted: SampleIndex(0),

@@ -11,7 +11,7 @@ use super::{Engine, Output, Running, millis, source};
 use crate::armband::Armband;
 use crate::board::{self, Board};
 use crate::event::Event;
-use crate::person::{Cues, Person};
+use crate::person::{Cues, DemoPerson};
 use crate::playback::{PERIOD, Playback, SampleSource};
 use crate::scored_pipeline::{Refused, ScoredPipeline};
 use crate::{SHIPPED, demo};
@@ -117,9 +117,9 @@ impl Engine {
         let person = match earlier {
             Some(earlier) => {
                 let follower = demo::follower().another_time(earlier);
-                Person::new(follower, Cues::Session(Motion::RELAX))
+                DemoPerson::new(follower, Cues::Session(Motion::RELAX))
             }
-            None => Person::new(demo::follower(), Cues::List(demo::cues())),
+            None => DemoPerson::new(demo::follower(), Cues::List(demo::cues())),
         };
         let named = ("demo", "simulated arm".to_owned());
         self.play(settings, named, SampleSource::Person(Box::new(person)))

@@ -1,7 +1,7 @@
 use std::collections::VecDeque;
 
 use recordings::synthetic::{self, SynthOptions};
-use shared::installation::Progress;
+use shared::installation::InstallationProgress;
 use shared::model::file::Model;
 use shared::myo::{Address, Characteristic};
 use shared::stream::alignment::Alignment;
@@ -411,7 +411,7 @@ fn a_board_is_told_a_placement_once_its_port_is_open() {
 fn answer(
     engine: &mut Engine,
     now: f64,
-    taken: Result<Progress, Refusal>,
+    taken: Result<InstallationProgress, Refusal>,
 ) -> (Vec<InstallationState>, usize) {
     let (mut states, mut begins) = (Vec::new(), 0);
     loop {
@@ -477,19 +477,19 @@ fn an_installation_waits_for_the_board_goes_on_after_a_loss_and_says_how_it_ends
     assert_eq!(engine.take(), []);
     for begun in [40_000.0, 60_000.0] {
         engine.connected(begun);
-        let (states, begins) = answer(&mut engine, begun, Ok(Progress::Next(0)));
+        let (states, begins) = answer(&mut engine, begun, Ok(InstallationProgress::Next(0)));
         assert_eq!(begins, 1);
         assert!(states.iter().all(|state| state.state == "running"));
         engine.lost(begun, "pulled".to_owned(), Vec::new());
         engine.take();
     }
     engine.connected(61_000.0);
-    let (states, _) = answer(&mut engine, 61_000.0, Ok(Progress::Installed));
+    let (states, _) = answer(&mut engine, 61_000.0, Ok(InstallationProgress::Installed));
     let last = states.last().unwrap();
     assert_eq!((last.state, last.blocks, last.of), ("done", 100, 100));
     // A board that is lost for good is given up, and one that refuses has its words.
     engine.install(62_000.0, &file).unwrap();
-    answer(&mut engine, 62_000.0, Ok(Progress::Next(0)));
+    answer(&mut engine, 62_000.0, Ok(InstallationProgress::Next(0)));
     engine.lost(62_000.0, "pulled".to_owned(), Vec::new());
     engine.take();
     engine.tick(93_000.0);

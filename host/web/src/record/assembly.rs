@@ -12,7 +12,7 @@ use shared::stream::alignment::Alignment;
 use shared::units::{Sample, SampleIndex};
 
 use super::journal::{Entry, TOGETHER};
-use super::session::{Continuity, GapDetector, RejectReason, has_reached};
+use super::session::{Continuity, IndexGapDetector, RejectReason, has_reached};
 use recordings::labels::cued::{Hold, follow};
 use recordings::labels::motion::Motion;
 
@@ -21,7 +21,7 @@ const REST_AROUND: usize = 100;
 
 /// Recording; each list but `movement` and `holds` has one entry a sample.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub struct Part {
+pub struct AssembledRecording {
     /// Samples as received; a bridged one repeats the one before.
     pub samples: Vec<Sample>,
     /// Index in the stream.
@@ -46,7 +46,7 @@ pub struct Part {
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Assembly {
     /// Recordings in order; none is empty.
-    pub parts: Vec<Part>,
+    pub parts: Vec<AssembledRecording>,
     /// Trials that are not used, by their number, with the reason.
     pub rejected: BTreeMap<u32, RejectReason>,
     /// Number of samples known to be missing.
@@ -71,7 +71,7 @@ impl Assembly {
 /// Assembles the recordings of a journal.
 pub fn assemble(entries: &[Entry]) -> Assembly {
     let mut assembly = Assembly::default();
-    let mut stream = GapDetector::default();
+    let mut stream = IndexGapDetector::default();
     let mut stretch = Stretch::default();
     // Lines lost since the last samples.
     let mut damaged = 0_u32;
@@ -106,7 +106,7 @@ pub fn assemble(entries: &[Entry]) -> Assembly {
             }
             Entry::Break => {
                 assembly.parts.extend(stretch.end());
-                stream = GapDetector::default();
+                stream = IndexGapDetector::default();
             }
             Entry::Round { at, .. } => stretch.rounds.push(*at),
             Entry::Cue { at, cue, trial } => {
@@ -199,8 +199,8 @@ impl Stretch {
     }
 
     /// Ends the stretch: returns its recordings, one a round.
-    fn end(&mut self) -> Vec<Part> {
-        let mut parts: Vec<Part> = Vec::new();
+    fn end(&mut self) -> Vec<AssembledRecording> {
+        let mut parts: Vec<AssembledRecording> = Vec::new();
         let (mut cue, mut trial) = self.carried;
         let (mut cues, mut rounds) = (self.cues.iter().peekable(), self.rounds.iter().peekable());
         let mut begins = true;
@@ -218,7 +218,7 @@ impl Stretch {
                 (cue, trial) = (*next, *number);
             }
             if begins {
-                parts.push(Part::default());
+                parts.push(AssembledRecording::default());
                 begins = false;
             }
             if let Some(part) = parts.last_mut() {
@@ -253,7 +253,7 @@ impl Stretch {
     }
 }
 
-impl Part {
+impl AssembledRecording {
     /// Splits the recording into files of at most `most` samples. A file ends within a rest, if its second half has one.
     pub fn files(&self, most: usize) -> Vec<Range<usize>> {
         let mut files = Vec::new();

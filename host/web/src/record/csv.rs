@@ -13,14 +13,14 @@ use recordings::description::own::{
 use recordings::labels::motion::Motion;
 use shared::units::{CHANNELS, SAMPLE_RATE_HZ};
 
-use super::assembly::{Assembly, Part};
+use super::assembly::{AssembledRecording, Assembly};
 
 /// Greatest number of samples of a recording: an hour, a third of what readers take from one file.
 const LONGEST: usize = 3600 * SAMPLE_RATE_HZ as usize;
 
 /// Parts of the recordings that become a file each: those in which something was asked for, none longer than an hour.
-pub fn pieces(assembly: &Assembly) -> impl Iterator<Item = (&Part, Range<usize>)> {
-    let is_cued = |part: &&Part| part.cues.iter().any(|cue| *cue != Motion::Unknown);
+pub fn pieces(assembly: &Assembly) -> impl Iterator<Item = (&AssembledRecording, Range<usize>)> {
+    let is_cued = |part: &&AssembledRecording| part.cues.iter().any(|cue| *cue != Motion::Unknown);
     assembly.parts.iter().filter(is_cued).flat_map(|part| {
         let files = part.files(LONGEST).into_iter();
         files.map(move |samples| (part, samples))
@@ -28,7 +28,12 @@ pub fn pieces(assembly: &Assembly) -> impl Iterator<Item = (&Part, Range<usize>)
 }
 
 /// Formats samples of a part as csv; `synthetic` marks them as such.
-pub fn csv(assembly: &Assembly, part: &Part, samples: Range<usize>, synthetic: bool) -> String {
+pub fn csv(
+    assembly: &Assembly,
+    part: &AssembledRecording,
+    samples: Range<usize>,
+    synthetic: bool,
+) -> String {
     let channels: String = (0..CHANNELS)
         .map(|channel| format!(",emg_{channel}"))
         .collect();

@@ -43,7 +43,7 @@ const MOST_STEPS: usize = 500;
 
 /// Step of a cue block: a motion and its duration.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Step {
+pub struct MotionStep {
     /// The motion.
     pub motion: Motion,
     /// Duration in samples.
@@ -54,7 +54,7 @@ pub struct Step {
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct CueBlock {
     /// Steps: at least one, rest first.
-    pub steps: Vec<Step>,
+    pub steps: Vec<MotionStep>,
 }
 
 /// Course of a session.
@@ -209,7 +209,7 @@ impl ProtocolFile {
             last = Some(motion);
             let own = seconds.get(motion.name());
             let samples = samples(*own.ok_or(Fault::NoSeconds(motion.name()))?);
-            let step = Step { motion, samples };
+            let step = MotionStep { motion, samples };
             match blocks.last_mut() {
                 Some(block) if motion != Motion::RELAX => block.steps.push(step),
                 None if motion != Motion::RELAX => return Err(Fault::Ends),

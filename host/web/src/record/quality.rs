@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::outcome::FindingText;
 use shared::units::{CHANNELS, SAMPLE_PERIOD_MS};
 
-use super::assembly::{Assembly, Part};
+use super::assembly::{AssembledRecording, Assembly};
 use recordings::Severity;
 use recordings::examiner::electrodes::{SATURATED, SILENT, levels, saturation};
 use recordings::labels::cued::Reaction;
@@ -212,7 +212,7 @@ pub fn judge(assembly: &Assembly) -> Quality {
 
 fn count(assembly: &Assembly, motion: Motion) -> usize {
     let parts = assembly.parts.iter();
-    let labelled = |part: &Part| {
+    let labelled = |part: &AssembledRecording| {
         let runs = runs(&part.motions).into_iter();
         runs.filter(|run| run.label == motion).count()
     };
@@ -267,7 +267,7 @@ fn gestures(assembly: &Assembly, asked: &[Motion], findings: &mut Vec<Finding>) 
     }
 }
 
-fn electrodes(parts: &[Part], findings: &mut Vec<Finding>) {
+fn electrodes(parts: &[AssembledRecording], findings: &mut Vec<Finding>) {
     let samples: Vec<_> = parts
         .iter()
         .flat_map(|part| &part.samples)

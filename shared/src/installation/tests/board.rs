@@ -60,7 +60,7 @@ pub(super) struct Board {
     pub(super) in_use: Option<u8>,
     pub(super) is_safe: bool,
     /// Step that fails next, once.
-    pub(super) failing: Option<(Step, Refused)>,
+    pub(super) failing: Option<(InstallationStep, Refused)>,
     /// Files that count as models.
     models: Vec<Vec<u8>>,
 }
@@ -83,7 +83,7 @@ impl Board {
         journal::read(&self.flash.journal).filter(|_| self.in_use.is_none())
     }
 
-    pub(super) fn begin(&mut self, transfer: Transfer) -> Result<Progress, Refused> {
+    pub(super) fn begin(&mut self, transfer: Transfer) -> Result<InstallationProgress, Refused> {
         let journal = self.journal();
         self.installation.begin(transfer, journal)
     }
@@ -92,7 +92,7 @@ impl Board {
         &mut self,
         file: &[u8],
         number: u32,
-    ) -> Result<Result<Progress, Refused>, PowerFailed> {
+    ) -> Result<Result<InstallationProgress, Refused>, PowerFailed> {
         let taken = self
             .installation
             .take(number, &Block::of(file, number), |block| block.0[0] < 0x80);
@@ -108,20 +108,24 @@ impl Board {
         Ok(Ok(self.installation.progress()))
     }
 
-    fn carry_out(&mut self, step: Step, file: &[u8]) -> Result<Result<(), Refused>, PowerFailed> {
+    fn carry_out(
+        &mut self,
+        step: InstallationStep,
+        file: &[u8],
+    ) -> Result<Result<(), Refused>, PowerFailed> {
         if let Some((_, refused)) = self.failing.take_if(|(failing, _)| *failing == step) {
             return Ok(Err(refused));
         }
         match step {
-            Step::Suspend => {
+            InstallationStep::Suspend => {
                 self.is_safe = true;
                 self.in_use = None;
                 return Ok(Ok(()));
             }
-            Step::Verify => {
+            InstallationStep::Verify => {
                 return Ok(self.flash.holds(file).then_some(()).ok_or(Refused::Model));
             }
-            Step::Resume => {
+            InstallationStep::Resume => {
                 let whole = self.models.iter().find(|model| self.flash.holds(model));
                 self.in_use = whole.map(|model| model[0]);
                 self.is_safe = whole.is_none();
@@ -134,33 +138,33 @@ impl Board {
         }
         let flash = &mut self.flash;
         match step {
-            Step::EraseJournal | Step::EndJournal => {
+            InstallationStep::EraseJournal | InstallationStep::EndJournal => {
                 let part = flash.part(JOURNAL_BYTES);
                 flash.journal[..part].fill(0xff);
             }
-            Step::WriteJournal => {
+            InstallationStep::WriteJournal => {
                 let record = self.installation.record();
                 let part = flash.part(record.len());
                 Flash::program(&mut flash.journal[..part], &record);
             }
-            Step::ErasePage(page) => {
+            InstallationStep::ErasePage(page) => {
                 let part = flash.part(PAGE_BYTES);
                 flash.region[page as usize * PAGE_BYTES..][..part].fill(0xff);
             }
-            Step::WriteBlock(number) => {
+            InstallationStep::WriteBlock(number) => {
                 let part = flash.part(BLOCK_BYTES);
                 let place = number as usize * BLOCK_BYTES;
                 let content = self.installation.content().0;
                 Flash::program(&mut flash.region[place..][..part], &content);
             }
-            Step::MarkPage(page) => {
+            InstallationStep::MarkPage(page) => {
                 let part = flash.part(4);
                 Flash::program(
                     &mut flash.journal[journal::mark(page) as usize..][..part],
                     &[0; 4],
                 );
             }
-            Step::Suspend | Step::Verify | Step::Resume => {}
+            InstallationStep::Suspend | InstallationStep::Verify | InstallationStep::Resume => {}
         }
         flash.power().map(Ok)
     }
@@ -170,7 +174,7 @@ impl Board {
 pub(super) fn send(board: &mut Board, file: &[u8]) -> Result<usize, PowerFailed> {
     let mut sent = 0;
     let mut progress = board.begin(transfer(file)).unwrap();
-    while let Progress::Next(number) = progress {
+    while let InstallationProgress::Next(number) = progress {
         progress = board.take(file, number)?.unwrap();
         sent += 1;
     }

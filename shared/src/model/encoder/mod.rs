@@ -37,7 +37,7 @@ use token::Token;
 
 /// A part of a step, for counting what each costs; norms and residual sums included.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Part {
+pub enum EncoderPart {
     /// The patch embedding.
     Embed,
     /// The attention of one layer.
@@ -51,13 +51,13 @@ pub enum Part {
 /// Mark between the parts of a step, for counting what each part costs.
 pub trait Probe {
     /// `part` has ended.
-    fn done(&mut self, part: Part);
+    fn done(&mut self, part: EncoderPart);
 }
 
 /// Counts nothing, and compiles to nothing.
 impl Probe for () {
     #[inline(always)]
-    fn done(&mut self, _: Part) {}
+    fn done(&mut self, _: EncoderPart) {}
 }
 
 /// Widest model that a device runs.
@@ -202,15 +202,15 @@ impl<'m, const WIDTH: usize, const SLOTS: usize> Encoder<'m, WIDTH, SLOTS> {
     ) -> [LookBackLogits; T] {
         let slots = core::array::from_fn(|_| cache.advance(self.dimensions.span));
         self.embed(patches, tokens);
-        probe.done(Part::Embed);
+        probe.done(EncoderPart::Embed);
         for layer in 0..self.dimensions.layers {
             self.attention(layer, cache).apply(slots, tokens);
-            probe.done(Part::Attention);
+            probe.done(EncoderPart::Attention);
             self.feed_forward(layer, tokens);
-            probe.done(Part::FeedForward);
+            probe.done(EncoderPart::FeedForward);
         }
         let logits = self.logits(tokens);
-        probe.done(Part::Head);
+        probe.done(EncoderPart::Head);
         logits
     }
 

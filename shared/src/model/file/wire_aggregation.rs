@@ -3,10 +3,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::stream::smoother::{AggregationMode, Early};
+use crate::stream::smoother::AggregationMode;
+#[cfg(any(test, feature = "write"))]
+use crate::stream::smoother::Early;
 
-/// Mode, and the margins of early labels: over the classes, over other movement, of relax ([`Early::RELAX`]), of relax at any
-/// look-ahead ([`Early::LEAVE`]), caution.
+/// Mode, and the margins of early labels: over the classes, over other movement, of relax, of relax at any look-ahead, caution.
 #[derive(Clone, Copy, Serialize, Deserialize)]
 pub(super) enum WireAggregation {
     AllRowsFrom,

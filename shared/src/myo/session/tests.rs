@@ -61,7 +61,7 @@ impl Driver {
         Self { session }
     }
 
-    fn handle(&mut self, now: u32, event: Event<'_>) -> Vec<Action> {
+    fn handle(&mut self, now: u32, event: MyoEvent<'_>) -> Vec<Action> {
         let mut actions = Vec::new();
         let act = &mut |action| actions.push(action);
         self.session.handle(Millis(now), event, act);
@@ -69,7 +69,7 @@ impl Driver {
     }
 
     /// Handles each event at its time and checks the actions.
-    fn run(&mut self, trace: &[(u32, Event<'_>, &[Action])]) {
+    fn run(&mut self, trace: &[(u32, MyoEvent<'_>, &[Action])]) {
         for (row, (now, event, expected)) in trace.iter().enumerate() {
             let actions = self.handle(*now, *event);
             assert_eq!(actions, *expected, "row {row}: {event:?} at {now} ms");
@@ -80,7 +80,7 @@ impl Driver {
         let data = &advertisement();
         self.handle(
             now,
-            Event::Advertisement {
+            MyoEvent::Advertisement {
                 address,
                 rssi,
                 data,
@@ -90,20 +90,20 @@ impl Driver {
 
     /// Scans from `now`, when a scan is due, and connects.
     fn connecting(&mut self, now: u32) {
-        assert_eq!(self.handle(now, Event::Tick), [Action::Scan]);
+        assert_eq!(self.handle(now, MyoEvent::Tick), [Action::Scan]);
         assert_eq!(self.advertise(now, NEAR, -40), []);
         let connect = [Action::StopScan, Action::Connect(NEAR)];
-        assert_eq!(self.handle(now + 500, Event::Tick), connect);
+        assert_eq!(self.handle(now + 500, MyoEvent::Tick), connect);
     }
 
     /// Like `connecting`, and on to reading the firmware version, at `now` + 501.
     fn discovered(&mut self, now: u32, found: Found) {
         self.connecting(now);
         self.run(&[
-            (now + 501, Event::Connected, &[Action::Discover]),
+            (now + 501, MyoEvent::Connected, &[Action::Discover]),
             (
                 now + 501,
-                Event::Discovered(found),
+                MyoEvent::Discovered(found),
                 &[Action::Read(Characteristic::FirmwareVersion)],
             ),
         ]);
@@ -116,15 +116,15 @@ impl Driver {
         let read = Action::Read(BatteryLevel);
         let subscribe = Action::Subscribe;
         self.run(&[
-            (at, Event::Read(&FIRMWARE), &[read]),
-            (at, Event::Read(&[80]), &[subscribe(lane(0))]),
-            (at, Event::Done, &[subscribe(lane(1))]),
-            (at, Event::Done, &[subscribe(lane(2))]),
-            (at, Event::Done, &[subscribe(lane(3))]),
-            (at, Event::Done, &[subscribe(BatteryLevel)]),
-            (at, Event::Done, &[NEVER_SLEEP]),
-            (at, Event::Done, &[SET_MODE]),
-            (at, Event::Done, &[]),
+            (at, MyoEvent::Read(&FIRMWARE), &[read]),
+            (at, MyoEvent::Read(&[80]), &[subscribe(lane(0))]),
+            (at, MyoEvent::Done, &[subscribe(lane(1))]),
+            (at, MyoEvent::Done, &[subscribe(lane(2))]),
+            (at, MyoEvent::Done, &[subscribe(lane(3))]),
+            (at, MyoEvent::Done, &[subscribe(BatteryLevel)]),
+            (at, MyoEvent::Done, &[NEVER_SLEEP]),
+            (at, MyoEvent::Done, &[SET_MODE]),
+            (at, MyoEvent::Done, &[]),
         ]);
         assert_eq!(self.session.phase(), Phase::Streaming);
     }
@@ -135,7 +135,7 @@ impl Driver {
         let bytes = &[number as u8; 16];
         self.handle(
             now,
-            Event::Notification {
+            MyoEvent::Notification {
                 characteristic,
                 bytes,
             },
@@ -176,8 +176,8 @@ fn the_mode_is_the_settings() {
     let mut driver = Driver::new(Settings { emg, ..ANY });
     driver.discovered(0, everything());
     let mut last = Vec::new();
-    let answers = [Event::Read(&FIRMWARE), Event::Read(&[80])];
-    for answer in answers.into_iter().chain([Event::Done; 6]) {
+    let answers = [MyoEvent::Read(&FIRMWARE), MyoEvent::Read(&[80])];
+    for answer in answers.into_iter().chain([MyoEvent::Done; 6]) {
         last = driver.handle(600, answer);
     }
     assert_eq!(last, [write(Command::SetMode(EmgMode::Raw, false))]);
@@ -192,14 +192,14 @@ fn an_armband_without_a_characteristic_is_disconnected() {
             .collect();
         let mut driver = Driver::new(ANY);
         driver.connecting(0);
-        driver.handle(501, Event::Connected);
+        driver.handle(501, MyoEvent::Connected);
         let expected = if [BatteryLevel, Imu].contains(&absent) {
             Action::Read(Characteristic::FirmwareVersion)
         } else {
             Action::Disconnect
         };
         assert_eq!(
-            driver.handle(501, Event::Discovered(found)),
+            driver.handle(501, MyoEvent::Discovered(found)),
             [expected],
             "{absent:?}"
         );
@@ -214,30 +214,38 @@ fn without_a_battery_two_steps_are_skipped() {
     let mut driver = Driver::new(ANY);
     driver.discovered(0, found.collect());
     driver.run(&[
-        (502, Event::Read(&FIRMWARE), &[Action::Subscribe(lane(0))]),
-        (502, Event::Done, &[Action::Subscribe(lane(1))]),
-        (502, Event::Done, &[Action::Subscribe(lane(2))]),
-        (502, Event::Done, &[Action::Subscribe(lane(3))]),
-        (502, Event::Done, &[NEVER_SLEEP]),
-        (502, Event::Done, &[SET_MODE]),
-        (502, Event::Done, &[]),
+        (
+            502,
+            MyoEvent::Read(&FIRMWARE),
+            &[Action::Subscribe(lane(0))],
+        ),
+        (502, MyoEvent::Done, &[Action::Subscribe(lane(1))]),
+        (502, MyoEvent::Done, &[Action::Subscribe(lane(2))]),
+        (502, MyoEvent::Done, &[Action::Subscribe(lane(3))]),
+        (502, MyoEvent::Done, &[NEVER_SLEEP]),
+        (502, MyoEvent::Done, &[SET_MODE]),
+        (502, MyoEvent::Done, &[]),
     ]);
     assert_eq!(driver.session.battery(), None);
 }
 
 #[test]
 fn a_battery_that_fails_does_not_matter() {
-    for answer in [Event::Failed, Event::Read(&[])] {
+    for answer in [MyoEvent::Failed, MyoEvent::Read(&[])] {
         let mut driver = Driver::new(ANY);
         driver.discovered(0, everything());
         driver.run(&[
-            (502, Event::Read(&FIRMWARE), &[Action::Read(BatteryLevel)]),
+            (
+                502,
+                MyoEvent::Read(&FIRMWARE),
+                &[Action::Read(BatteryLevel)],
+            ),
             (502, answer, &[Action::Subscribe(lane(0))]),
-            (502, Event::Done, &[Action::Subscribe(lane(1))]),
-            (502, Event::Done, &[Action::Subscribe(lane(2))]),
-            (502, Event::Done, &[Action::Subscribe(lane(3))]),
-            (502, Event::Done, &[Action::Subscribe(BatteryLevel)]),
-            (502, Event::Failed, &[NEVER_SLEEP]),
+            (502, MyoEvent::Done, &[Action::Subscribe(lane(1))]),
+            (502, MyoEvent::Done, &[Action::Subscribe(lane(2))]),
+            (502, MyoEvent::Done, &[Action::Subscribe(lane(3))]),
+            (502, MyoEvent::Done, &[Action::Subscribe(BatteryLevel)]),
+            (502, MyoEvent::Failed, &[NEVER_SLEEP]),
         ]);
     }
 }
@@ -247,13 +255,13 @@ fn a_step_that_fails_ends_the_connection() {
     for steps in 0..7 {
         let mut driver = Driver::new(ANY);
         driver.discovered(0, everything());
-        let answers = [Event::Read(&FIRMWARE), Event::Read(&[80])];
-        let answers = answers.into_iter().chain([Event::Done; 6]);
+        let answers = [MyoEvent::Read(&FIRMWARE), MyoEvent::Read(&[80])];
+        let answers = answers.into_iter().chain([MyoEvent::Done; 6]);
         // The battery's are optional: the read is step 1, the subscription step 6.
         for answer in answers.take(if steps == 0 { 0 } else { steps + 1 }) {
             driver.handle(502, answer);
         }
-        let failed = driver.handle(502, Event::Failed);
+        let failed = driver.handle(502, MyoEvent::Failed);
         if steps == 5 {
             assert_eq!(failed, [NEVER_SLEEP]);
         } else {
@@ -270,12 +278,12 @@ fn firmware_of_major_0_is_refused_for_a_minute() {
     driver.run(&[
         (
             502,
-            Event::Read(&[0, 0, 8, 0, 0, 0, 1, 0]),
+            MyoEvent::Read(&[0, 0, 8, 0, 0, 0, 1, 0]),
             &[Action::Disconnect],
         ),
-        (510, Event::Disconnected, &[]),
-        (60_509, Event::Tick, &[]),
-        (60_510, Event::Tick, &[Action::Scan]),
+        (510, MyoEvent::Disconnected, &[]),
+        (60_509, MyoEvent::Tick, &[]),
+        (60_510, MyoEvent::Tick, &[Action::Scan]),
     ]);
     assert_eq!(driver.session.counters().refused, 1);
     assert_eq!(driver.session.firmware(), None);
@@ -285,7 +293,7 @@ fn firmware_of_major_0_is_refused_for_a_minute() {
 fn a_firmware_version_too_short_is_malformed() {
     let mut driver = Driver::new(ANY);
     driver.discovered(0, everything());
-    let actions = driver.handle(502, Event::Read(&FIRMWARE[..7]));
+    let actions = driver.handle(502, MyoEvent::Read(&FIRMWARE[..7]));
     assert_eq!(actions, [Action::Disconnect]);
     let Counters {
         malformed,
@@ -299,9 +307,9 @@ fn a_firmware_version_too_short_is_malformed() {
 fn time_may_wrap_in_any_phase() {
     let mut driver = Driver::new(ANY);
     let start = u32::MAX - 400;
-    assert_eq!(driver.handle(start, Event::Tick), [Action::Scan]);
+    assert_eq!(driver.handle(start, MyoEvent::Tick), [Action::Scan]);
     assert_eq!(driver.advertise(start, NEAR, -40), []);
-    assert_eq!(driver.handle(98, Event::Tick), []);
+    assert_eq!(driver.handle(98, MyoEvent::Tick), []);
     let connect = [Action::StopScan, Action::Connect(NEAR)];
-    assert_eq!(driver.handle(99, Event::Tick), connect);
+    assert_eq!(driver.handle(99, MyoEvent::Tick), connect);
 }

@@ -38,7 +38,7 @@ impl MyoSession {
             State::Connecting { .. } => {
                 count(&mut self.counters.connections, 1);
                 (self.battery, self.firmware) = (None, None);
-                self.begin_step(now, Step::Discover, Found::NONE, act);
+                self.begin_step(now, SetUpStep::Discover, Found::NONE, act);
             }
             // Too late: the attempt has timed out. An open connection would keep the armband from
             // advertising.
@@ -53,7 +53,7 @@ impl MyoSession {
     pub(super) fn disconnected(
         &mut self,
         now: Millis,
-        event: Event<'_>,
+        event: MyoEvent<'_>,
         act: &mut impl FnMut(Action),
     ) {
         match (&self.state, event) {
@@ -65,8 +65,8 @@ impl MyoSession {
                 count(&mut self.counters.failed_connects, 1);
                 self.back_off(now);
             }
-            (State::SettingUp { .. }, Event::Disconnected) => self.back_off(now),
-            (State::Streaming(_), Event::Disconnected) => {
+            (State::SettingUp { .. }, MyoEvent::Disconnected) => self.back_off(now),
+            (State::Streaming(_), MyoEvent::Disconnected) => {
                 self.back_off(now);
                 act(Action::StreamEnded);
             }
@@ -89,7 +89,13 @@ impl MyoSession {
         }
     }
 
-    fn begin_step(&mut self, now: Millis, step: Step, found: Found, act: &mut impl FnMut(Action)) {
+    fn begin_step(
+        &mut self,
+        now: Millis,
+        step: SetUpStep,
+        found: Found,
+        act: &mut impl FnMut(Action),
+    ) {
         self.state = State::SettingUp {
             since: now,
             step,
@@ -101,12 +107,12 @@ impl MyoSession {
     pub(super) fn operation_answered(
         &mut self,
         now: Millis,
-        event: Event<'_>,
+        event: MyoEvent<'_>,
         act: &mut impl FnMut(Action),
     ) {
         let (step, mut found) = match &mut self.state {
             State::SettingUp { step, found, .. } => (*step, *found),
-            State::Streaming(monitor) if matches!(event, Event::Done | Event::Failed) => {
+            State::Streaming(monitor) if matches!(event, MyoEvent::Done | MyoEvent::Failed) => {
                 return monitor.write_answered();
             }
             _ => return,
@@ -166,7 +172,7 @@ impl MyoSession {
         // The first EMG may overtake the confirmation of the mode, and belongs to the stream.
         if let State::SettingUp {
             since,
-            step: Step::SetMode,
+            step: SetUpStep::SetMode,
             ..
         } = self.state
         {

@@ -71,14 +71,16 @@ fn run(
 pub(super) fn longest_pause(reports: &[Report]) -> Option<u32> {
     let emitted: Vec<u32> = reports
         .iter()
-        .filter(|report| report.kind == Kind::Label)
+        .filter(|report| report.kind == ReportKind::Label)
         .map(|report| report.emitted.0)
         .collect();
     emitted.windows(2).map(|two| two[1] - two[0]).max()
 }
 
 pub(super) fn labels(reports: &[Report]) -> Vec<(u32, Status)> {
-    let labels = reports.iter().filter(|report| report.kind == Kind::Label);
+    let labels = reports
+        .iter()
+        .filter(|report| report.kind == ReportKind::Label);
     labels
         .map(|report| (report.instant.0, report.status))
         .collect()
@@ -253,7 +255,7 @@ fn instants(look_ahead: usize, aligned_at: u32) -> Vec<u32> {
         let reports = pipeline.sample(at(index), constant(1));
         let labels = reports
             .into_iter()
-            .filter(|report| report.kind == Kind::Label);
+            .filter(|report| report.kind == ReportKind::Label);
         instants.extend(labels.map(|label| label.instant.0));
     }
     instants

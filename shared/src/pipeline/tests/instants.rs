@@ -59,7 +59,7 @@ fn an_early_label_keeps_its_class_where_the_samples_are_taken_again_at_once() {
         }
         let sample = if index < 700 { constant(0) } else { open };
         let reports = pipeline.sample(at(index), sample).into_iter();
-        labels.extend(reports.filter(|report| report.kind == Kind::Label));
+        labels.extend(reports.filter(|report| report.kind == ReportKind::Label));
     }
     let changes = labels
         .windows(2)
@@ -119,7 +119,7 @@ proptest! {
             for report in reports {
                 prop_assert_eq!(report.sequence, lines, "{}", report);
                 lines += 1;
-                if report.kind == Kind::State {
+                if report.kind == ReportKind::State {
                     continue;
                 }
                 if let Some(before) = before {

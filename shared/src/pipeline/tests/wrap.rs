@@ -41,7 +41,7 @@ fn the_sample_before_position_0_is_the_largest_one() {
     let silent = Status::Safe(Cause::Silence);
     assert_eq!(
         fields(pipeline.tick(Millis(500))),
-        [(Kind::State, u32::MAX, u32::MAX, silent)]
+        [(ReportKind::State, u32::MAX, u32::MAX, silent)]
     );
 }
 
@@ -52,7 +52,7 @@ fn lost_samples_up_to_the_wrap_count_as_the_newest() {
     let gap = Status::Safe(Cause::Gap);
     assert_eq!(
         fields(pipeline.gap(at(10), 6)),
-        [(Kind::State, u32::MAX, u32::MAX, gap)]
+        [(ReportKind::State, u32::MAX, u32::MAX, gap)]
     );
     let mut pipeline = pipeline_at(u32::MAX);
     pipeline.gap(at(0), 1);

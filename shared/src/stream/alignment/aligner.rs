@@ -29,7 +29,7 @@ pub struct Aligner {
 
 /// Result of a patch.
 #[derive(Clone, PartialEq, Debug)]
-pub enum Progress {
+pub enum AlignmentProgress {
     /// Nothing new.
     Waiting,
     /// A gesture was found; more are needed.
@@ -64,14 +64,14 @@ impl Aligner {
         self.detector = GestureDetector::new();
     }
 
-    /// Takes the next patch. Not to be called after [`Progress::Undecided`] or [`Progress::Done`].
-    pub fn push(&mut self, patch: &Patch, template: &Template) -> Progress {
+    /// Takes the next patch. Not to be called after [`AlignmentProgress::Undecided`] or [`AlignmentProgress::Done`].
+    pub fn push(&mut self, patch: &Patch, template: &Template) -> AlignmentProgress {
         self.patches = self.patches.saturating_add(1);
         let Some(gesture) = self.detector.push(patch) else {
             return if self.patches >= TIMEOUT_PATCHES {
-                Progress::Done(Outcome::Timeout)
+                AlignmentProgress::Done(Outcome::Timeout)
             } else {
-                Progress::Waiting
+                AlignmentProgress::Waiting
             };
         };
         for (sum, mean) in self.means.iter_mut().zip(gesture.means(COUNT)) {
@@ -79,10 +79,10 @@ impl Aligner {
         }
         self.gestures += 1;
         if self.gestures < GESTURES {
-            return Progress::Gesture;
+            return AlignmentProgress::Gesture;
         }
         let mean = self.means.map(|sum| sum / u32::from(self.gestures));
-        Progress::of(
+        AlignmentProgress::of(
             Profile::new(mean),
             self.arm,
             self.detector.active(),
@@ -92,7 +92,7 @@ impl Aligner {
     }
 }
 
-impl Progress {
+impl AlignmentProgress {
     /// The end by the profile of openings; bits of `active` mark their patches, the newest in the lowest bit. The alignment in
     /// force stays if it is further from the template than the nearest by less than `favour`, in the unit of [`NAT`](super::NAT).
     #[must_use]
@@ -133,25 +133,31 @@ mod tests {
     const REST: [u8; CHANNELS] = [2; CHANNELS];
 
     /// The last progress but `Waiting`, and the patches until it is done.
-    fn run(arm: Arm, template: &Template, phases: &[([u8; CHANNELS], usize)]) -> (Progress, usize) {
+    fn run(
+        arm: Arm,
+        template: &Template,
+        phases: &[([u8; CHANNELS], usize)],
+    ) -> (AlignmentProgress, usize) {
         let mut aligner = Aligner::new(arm);
-        let mut last = Progress::Waiting;
+        let mut last = AlignmentProgress::Waiting;
         let mut taken = 0;
         for &(sample, patches) in phases {
             for _ in 0..patches {
                 let progress = aligner.push(&[sample; PATCH], template);
                 taken += 1;
                 match progress {
-                    Progress::Waiting => {}
-                    Progress::Gesture => last = progress,
-                    Progress::Undecided(_) | Progress::Done(_) => return (progress, taken),
+                    AlignmentProgress::Waiting => {}
+                    AlignmentProgress::Gesture => last = progress,
+                    AlignmentProgress::Undecided(_) | AlignmentProgress::Done(_) => {
+                        return (progress, taken);
+                    }
                 }
             }
         }
         (last, taken)
     }
 
-    fn two(arm: Arm, template: &Template, open: [u8; CHANNELS]) -> Progress {
+    fn two(arm: Arm, template: &Template, open: [u8; CHANNELS]) -> AlignmentProgress {
         run(
             arm,
             template,
@@ -172,7 +178,9 @@ mod tests {
     fn two_openings_align_whatever_the_placement() {
         for alignment in Alignment::all() {
             match two(Arm::Unknown, &template(), alignment.inverse().apply(OPEN)) {
-                Progress::Done(Outcome::Aligned(fit)) => assert_eq!(fit.alignment, alignment),
+                AlignmentProgress::Done(Outcome::Aligned(fit)) => {
+                    assert_eq!(fit.alignment, alignment)
+                }
                 other => panic!("{alignment:?}: {other:?}"),
             }
         }
@@ -185,26 +193,32 @@ mod tests {
             &template(),
             &[(REST, 20), (OPEN, 20), (REST, 100)],
         );
-        assert_eq!(one.0, Progress::Gesture);
+        assert_eq!(one.0, AlignmentProgress::Gesture);
         let late = run(
             Arm::Unknown,
             &template(),
             &[(REST, 20), (OPEN, 20), (REST, 1000)],
         );
-        assert_eq!(late, (Progress::Done(Outcome::Timeout), 600));
+        assert_eq!(late, (AlignmentProgress::Done(Outcome::Timeout), 600));
     }
 
     #[test]
     fn what_looks_like_no_open_hand_is_poor() {
         let far = two(Arm::Unknown, &template(), [127, 1, 60, 1, 60, 1, 60, 1]);
         assert!(
-            matches!(far, Progress::Done(Outcome::Poor(_, Poor::Distance))),
+            matches!(
+                far,
+                AlignmentProgress::Done(Outcome::Poor(_, Poor::Distance))
+            ),
             "{far:?}"
         );
         // As strong all round, and a template so wide that it is near.
         let flat = two(Arm::Unknown, &template_of(1), [20; CHANNELS]);
         assert!(
-            matches!(flat, Progress::Done(Outcome::Poor(_, Poor::Margin))),
+            matches!(
+                flat,
+                AlignmentProgress::Done(Outcome::Poor(_, Poor::Margin))
+            ),
             "{flat:?}"
         );
     }
@@ -215,7 +229,7 @@ mod tests {
         for alignment in Alignment::all() {
             let other = Alignment::new(alignment.turn(), !alignment.mirrored());
             match two(Arm::Unknown, &symmetrical, alignment.inverse().apply(open)) {
-                Progress::Undecided(decision) => {
+                AlignmentProgress::Undecided(decision) => {
                     let fits = decision.fits();
                     let found = [fits.nearest, fits.other_arm].map(|fit| fit.alignment);
                     assert!(found == [alignment, other] || found == [other, alignment]);

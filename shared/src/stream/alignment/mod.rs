@@ -18,7 +18,7 @@ mod profile;
 mod template;
 mod trigger;
 
-pub use aligner::{Aligner, GESTURES, Progress, TIMEOUT_PATCHES};
+pub use aligner::{Aligner, AlignmentProgress, GESTURES, TIMEOUT_PATCHES};
 pub use arm_decision::{ArmDecision, Next};
 pub use outcome::{Outcome, Poor};
 pub use placement::{Alignment, Arm};

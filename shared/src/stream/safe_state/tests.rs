@@ -3,7 +3,7 @@
 use super::*;
 
 /// Time, event and expected change of state.
-type Trace<'a> = &'a [(u32, Event, Option<Status>)];
+type Trace<'a> = &'a [(u32, SafetyEvent, Option<Status>)];
 
 fn run(start: Start, trace: Trace) -> SafeState {
     let mut state = SafeState::new(start);
@@ -14,8 +14,8 @@ fn run(start: Start, trace: Trace) -> SafeState {
     state
 }
 
-const fn label(intent: Intent) -> Event {
-    Event::Label {
+const fn label(intent: Intent) -> SafetyEvent {
+    SafetyEvent::Label {
         intent,
         window_full: true,
     }
@@ -41,7 +41,7 @@ fn after_a_reset_the_state_is_safe_with_its_cause() {
 
 #[test]
 fn only_a_label_from_a_full_window_leaves_the_safe_state() {
-    let partial = Event::Label {
+    let partial = SafetyEvent::Label {
         intent: Intent::Open,
         window_full: false,
     };
@@ -49,7 +49,7 @@ fn only_a_label_from_a_full_window_leaves_the_safe_state() {
         Start::Boot,
         &[
             (0, label(Intent::Open), None),
-            (5, Event::Sample, None),
+            (5, SafetyEvent::Sample, None),
             (6, partial, None),
             (7, label(Intent::Open), OPEN),
             (8, label(Intent::Close), None),
@@ -63,15 +63,15 @@ fn silence_of_200_ms_is_safe_and_of_199_is_not() {
     run(
         Start::Watchdog,
         &[
-            (1000, Event::Sample, None),
+            (1000, SafetyEvent::Sample, None),
             (1000, label(Intent::Open), OPEN),
-            (1199, Event::Tick, None),
-            (1200, Event::Tick, safe(Cause::Silence)),
+            (1199, SafetyEvent::Tick, None),
+            (1200, SafetyEvent::Tick, safe(Cause::Silence)),
             (1300, label(Intent::Open), None),
-            (1301, Event::Sample, None),
+            (1301, SafetyEvent::Sample, None),
             (1302, label(Intent::Open), OPEN),
             // The silence is reported even if the sample that ends it arrives before a tick.
-            (1600, Event::Sample, safe(Cause::Silence)),
+            (1600, SafetyEvent::Sample, safe(Cause::Silence)),
         ],
     );
 }
@@ -81,19 +81,19 @@ fn a_gap_and_a_disconnection_have_causes_of_their_own() {
     let state = run(
         Start::Boot,
         &[
-            (0, Event::Sample, None),
+            (0, SafetyEvent::Sample, None),
             (0, label(Intent::Open), OPEN),
-            (5, Event::Gap, safe(Cause::Gap)),
+            (5, SafetyEvent::Gap, safe(Cause::Gap)),
             (6, label(Intent::Open), OPEN),
-            (7, Event::Losses, safe(Cause::Losses)),
+            (7, SafetyEvent::Losses, safe(Cause::Losses)),
             (8, label(Intent::Open), OPEN),
-            (8, Event::Stalled, safe(Cause::Stalled)),
+            (8, SafetyEvent::Stalled, safe(Cause::Stalled)),
             (8, label(Intent::Open), OPEN),
-            (9, Event::Disconnected, safe(Cause::Disconnected)),
-            (10, Event::Disconnected, None),
+            (9, SafetyEvent::Disconnected, safe(Cause::Disconnected)),
+            (10, SafetyEvent::Disconnected, None),
             (11, label(Intent::Open), None),
             // After a disconnection there is no silence.
-            (5000, Event::Tick, None),
+            (5000, SafetyEvent::Tick, None),
         ],
     );
     assert_eq!(state.deadline(), None);
@@ -104,11 +104,11 @@ fn a_refused_model_stays_refused() {
     run(
         Start::Boot,
         &[
-            (0, Event::ModelRefused, safe(Cause::ModelRefused)),
-            (1, Event::Sample, None),
+            (0, SafetyEvent::ModelRefused, safe(Cause::ModelRefused)),
+            (1, SafetyEvent::Sample, None),
             (2, label(Intent::Open), None),
-            (3, Event::Gap, None),
-            (4, Event::Disconnected, None),
+            (3, SafetyEvent::Gap, None),
+            (4, SafetyEvent::Disconnected, None),
         ],
     );
 }
@@ -118,22 +118,22 @@ fn nothing_leaves_an_installation_but_its_end_and_a_label() {
     let state = run(
         Start::Boot,
         &[
-            (0, Event::Sample, None),
+            (0, SafetyEvent::Sample, None),
             (1, label(Intent::Open), OPEN),
-            (2, Event::Installation, safe(Cause::Installation)),
-            (3, Event::Sample, None),
+            (2, SafetyEvent::Installation, safe(Cause::Installation)),
+            (3, SafetyEvent::Sample, None),
             (4, label(Intent::Open), None),
-            (5, Event::Gap, None),
-            (6, Event::Stalled, None),
-            (7, Event::Disconnected, None),
-            (8, Event::Sample, None),
-            (9, Event::Installed, None),
+            (5, SafetyEvent::Gap, None),
+            (6, SafetyEvent::Stalled, None),
+            (7, SafetyEvent::Disconnected, None),
+            (8, SafetyEvent::Sample, None),
+            (9, SafetyEvent::Installed, None),
             (10, label(Intent::Open), OPEN),
-            (11, Event::Installation, safe(Cause::Installation)),
-            (12, Event::ModelRefused, safe(Cause::ModelRefused)),
+            (11, SafetyEvent::Installation, safe(Cause::Installation)),
+            (12, SafetyEvent::ModelRefused, safe(Cause::ModelRefused)),
             (13, label(Intent::Open), None),
-            (14, Event::Installed, None),
-            (15, Event::Gap, safe(Cause::Gap)),
+            (14, SafetyEvent::Installed, None),
+            (15, SafetyEvent::Gap, safe(Cause::Gap)),
         ],
     );
     assert_eq!(state.status(), Status::Safe(Cause::Gap));
@@ -142,7 +142,7 @@ fn nothing_leaves_an_installation_but_its_end_and_a_label() {
 #[test]
 fn silence_is_measured_across_the_clock_wrap() {
     let mut state = SafeState::new(Start::Boot);
-    state.handle(Millis(u32::MAX - 99), Event::Sample);
+    state.handle(Millis(u32::MAX - 99), SafetyEvent::Sample);
     assert_eq!(state.deadline(), Some(Millis(100)));
     assert!(!state.silent(Millis(99)));
     assert!(state.silent(Millis(100)));

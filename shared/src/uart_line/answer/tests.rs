@@ -107,8 +107,14 @@ fn every_answer_has_the_body_of_its_grammar() {
             }),
             "OK,HID,on,key:w,click:left,-,-,axis:x-",
         ),
-        (Answer::Install(Progress::Next(1355)), "OK,INSTALL,1355"),
-        (Answer::Install(Progress::Installed), "OK,INSTALL,done"),
+        (
+            Answer::Install(InstallationProgress::Next(1355)),
+            "OK,INSTALL,1355",
+        ),
+        (
+            Answer::Install(InstallationProgress::Installed),
+            "OK,INSTALL,done",
+        ),
         (Answer::Refused(Refusal::TooLong), "ERR,too-long"),
         (Answer::Refused(Refusal::NoModel), "ERR,no-model"),
     ] {

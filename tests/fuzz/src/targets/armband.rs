@@ -1,7 +1,7 @@
 //! Armbands: their advertising data, attributes, notifications, and the flash record of the bound one.
 
 use shared::myo::binding::{RECORD_BYTES, from_record, to_record};
-use shared::myo::{Attribute, Characteristic, Discovery, Event, MyoSession, Phase, Settings};
+use shared::myo::{Attribute, Characteristic, Discovery, MyoEvent, MyoSession, Phase, Settings};
 use shared::units::Millis;
 
 use crate::input::Input;
@@ -14,16 +14,16 @@ pub fn advertisement(data: &[u8]) {
         ..Settings::default()
     });
     let mut at = |now, event| session.handle(Millis(now), event, &mut |_| {});
-    at(0, Event::Tick);
+    at(0, MyoEvent::Tick);
     at(
         1,
-        Event::Advertisement {
+        MyoEvent::Advertisement {
             address: address(1),
             rssi: -40,
             data,
         },
     );
-    at(1000, Event::Tick);
+    at(1000, MyoEvent::Tick);
     let followed = session.phase() == Phase::Connecting;
     assert_eq!(followed, lists_the_service(data));
 }
@@ -91,7 +91,7 @@ pub fn notification(data: &[u8]) {
             _ => {
                 let characteristic = Characteristic::ALL[usize::from(kind) % 8];
                 let bytes = input.short();
-                link.handle(Event::Notification {
+                link.handle(MyoEvent::Notification {
                     characteristic,
                     bytes,
                 });

@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use shared::installation::journal::{self, JOURNAL_BYTES};
 use shared::installation::{
-    BLOCK_BYTES, Block, Installation, PAGE_BYTES, Progress, Refused, Step, Transfer,
+    BLOCK_BYTES, Block, Installation, PAGE_BYTES, InstallationProgress, Refused, InstallationStep, Transfer,
 };
 
 use crate::input::Input;
@@ -65,15 +65,15 @@ pub fn run(data: &[u8]) {
             };
             let journal = journal::read(&flash.journal).filter(|_| !in_use);
             match installation.begin(transfer, journal) {
-                Ok(Progress::Next(block)) => assert!(block < transfer.blocks()),
-                Ok(Progress::Installed) => panic!("nothing was sent"),
+                Ok(InstallationProgress::Next(block)) => assert!(block < transfer.blocks()),
+                Ok(InstallationProgress::Installed) => panic!("nothing was sent"),
                 Err(refused) => assert_eq!(refused, Refused::Length),
             }
             continue;
         }
         // Most blocks are those that are asked for.
         let number = match installation.progress() {
-            Progress::Next(number) if kind & 7 != 0 => number,
+            InstallationProgress::Next(number) if kind & 7 != 0 => number,
             _ => u32::from(input.byte()),
         };
         let fails_at = if kind & 0x78 == 0x78 {
@@ -92,19 +92,19 @@ pub fn run(data: &[u8]) {
             assert!(steps < 10, "a block without end");
             match step {
                 _ if !success => {}
-                Step::Suspend => in_use = false,
-                Step::Resume => {
+                InstallationStep::Suspend => in_use = false,
+                InstallationStep::Resume => {
                     // After a failure at the first block, the remains of an earlier transfer may be no model.
                     in_use = flash.has_model();
                     assert!(in_use || number == 0, "in use, and not whole");
                 }
-                Step::Verify => {}
+                InstallationStep::Verify => {}
                 _ => assert!(!in_use, "{step:?} while a model is in use"),
             }
             let outcome = match step {
-                Step::Verify if !flash.region.starts_with(file) => Err(Refused::Model),
-                Step::Resume if !flash.has_model() => Err(Refused::Model),
-                Step::Suspend | Step::Resume if !success => Err(Refused::Busy),
+                InstallationStep::Verify if !flash.region.starts_with(file) => Err(Refused::Model),
+                InstallationStep::Resume if !flash.has_model() => Err(Refused::Model),
+                InstallationStep::Suspend | InstallationStep::Resume if !success => Err(Refused::Busy),
                 _ if !success => Err(Refused::Flash),
                 _ => Ok(()),
             };
@@ -118,21 +118,21 @@ pub fn run(data: &[u8]) {
     }
 }
 
-fn write(flash: &mut Flash, installation: &Installation, step: Step) {
+fn write(flash: &mut Flash, installation: &Installation, step: InstallationStep) {
     match step {
-        Step::EraseJournal | Step::EndJournal => flash.journal.fill(0xff),
-        Step::WriteJournal => program(&mut flash.journal, &installation.record()),
-        Step::MarkPage(page) => {
+        InstallationStep::EraseJournal | InstallationStep::EndJournal => flash.journal.fill(0xff),
+        InstallationStep::WriteJournal => program(&mut flash.journal, &installation.record()),
+        InstallationStep::MarkPage(page) => {
             program(&mut flash.journal[journal::mark(page) as usize..], &[0; 4])
         }
-        Step::ErasePage(page) => {
+        InstallationStep::ErasePage(page) => {
             flash.region[page as usize * PAGE_BYTES..][..PAGE_BYTES].fill(0xff);
         }
-        Step::WriteBlock(number) => program(
+        InstallationStep::WriteBlock(number) => program(
             &mut flash.region[number as usize * BLOCK_BYTES..],
             &installation.content().0,
         ),
-        Step::Suspend | Step::Verify | Step::Resume => {}
+        InstallationStep::Suspend | InstallationStep::Verify | InstallationStep::Resume => {}
     }
 }
 

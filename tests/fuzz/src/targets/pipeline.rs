@@ -8,7 +8,7 @@ use shared::stream::preprocess::{Median, Preprocessing};
 use shared::stream::safe_state::{SILENCE_MS, Start};
 use shared::stream::smoother::{Margins, Reaction, Settings};
 use shared::uart_line::alignment::AlignmentReport;
-use shared::uart_line::{Counters, Kind, Report};
+use shared::uart_line::{Counters, ReportKind, Report};
 use shared::units::{LOOK_BACK, Millis, Patch, WINDOW};
 
 use crate::input::Input;
@@ -225,7 +225,7 @@ impl Device<'_> {
         let filled = bridged - self.counters.bridged;
         self.window.extend((0..filled).map(|_| false));
         self.counters = report.counters;
-        if report.kind == Kind::Label {
+        if report.kind == ReportKind::Label {
             assert!(
                 report.emitted.since(report.instant) < WINDOW as u32,
                 "{report}"

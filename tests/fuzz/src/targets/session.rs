@@ -1,6 +1,6 @@
 //! Session with armbands: any events in any order at any time.
 
-use shared::myo::{Characteristic, Event, Found, Settings};
+use shared::myo::{Characteristic, MyoEvent, Found, Settings};
 
 use crate::input::Input;
 use crate::radio::{Link, address, advertisement};
@@ -33,29 +33,29 @@ pub fn run(data: &[u8]) {
                 let (last, rssi) = (input.byte() % 4, input.byte().cast_signed());
                 link.advertise(last, rssi, &advertisement());
             }
-            19 => link.handle(Event::ScanEnded),
-            20 => link.handle(Event::Connected),
-            21 => link.handle(Event::ConnectFailed),
-            22 => link.handle(Event::Discovered(found(input.byte()))),
-            23 => link.handle(Event::Read(input.short())),
-            24 => link.handle(Event::Done),
-            25 => link.handle(Event::Failed),
+            19 => link.handle(MyoEvent::ScanEnded),
+            20 => link.handle(MyoEvent::Connected),
+            21 => link.handle(MyoEvent::ConnectFailed),
+            22 => link.handle(MyoEvent::Discovered(found(input.byte()))),
+            23 => link.handle(MyoEvent::Read(input.short())),
+            24 => link.handle(MyoEvent::Done),
+            25 => link.handle(MyoEvent::Failed),
             26 => {
                 let characteristic = Characteristic::ALL[input.below(8)];
                 let bytes = input.short();
-                link.handle(Event::Notification {
+                link.handle(MyoEvent::Notification {
                     characteristic,
                     bytes,
                 });
             }
-            27 => link.handle(Event::Disconnected),
-            28 => link.handle(Event::Pair),
+            27 => link.handle(MyoEvent::Disconnected),
+            28 => link.handle(MyoEvent::Pair),
             30 => link.session.set_imu(input.flag()),
             29 => {
                 let armband = input.flag().then(|| address(2));
-                link.handle(Event::Bind(armband));
+                link.handle(MyoEvent::Bind(armband));
             }
-            _ => link.handle(Event::Tick),
+            _ => link.handle(MyoEvent::Tick),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Accesses of the core to peripherals, and what comes of events.
 
 use super::bus::Peripheral;
-use super::register::{Kind, Written};
+use super::register::{RegisterKind, Written};
 use super::{Chip, FICR, GPIO, uicr};
 use crate::refusal::What;
 use crate::time::us;
@@ -132,7 +132,11 @@ impl Chip {
         let Some((is_event, end)) = self.ppi.end(offset) else {
             return Ok(());
         };
-        let kind = if is_event { Kind::Event } else { Kind::Task };
+        let kind = if is_event {
+            RegisterKind::Event
+        } else {
+            RegisterKind::Task
+        };
         let fits = self.peripheral(end).is_some_and(|(one, _)| {
             let offset = end.wrapping_sub(one.registers().base);
             offset < 0x1000 && one.registers().is(offset, kind)

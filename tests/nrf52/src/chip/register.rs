@@ -10,7 +10,7 @@ pub const INTEN: u32 = 0x300;
 
 /// Effect of an access to a register.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Kind {
+pub enum RegisterKind {
     /// Writing 1 starts something (6.1.6). It cannot be read.
     Task,
     /// Holds 1 after something has happened. The program writes 0 alone.
@@ -41,7 +41,7 @@ pub struct Register {
     /// Bytes from one to the next.
     pub stride: u32,
     /// Effect of an access.
-    pub kind: Kind,
+    pub kind: RegisterKind,
     /// Bits that are not reserved.
     pub mask: u32,
     /// Value that a reset leaves in it.
@@ -49,7 +49,7 @@ pub struct Register {
 }
 
 impl Register {
-    const fn new(name: &'static str, offset: u32, kind: Kind, mask: u32) -> Self {
+    const fn new(name: &'static str, offset: u32, kind: RegisterKind, mask: u32) -> Self {
         Self {
             name,
             offset,
@@ -85,41 +85,41 @@ impl Register {
 }
 
 pub const fn task(name: &'static str, offset: u32) -> Register {
-    Register::new(name, offset, Kind::Task, 1)
+    Register::new(name, offset, RegisterKind::Task, 1)
 }
 
 pub const fn event(name: &'static str, offset: u32) -> Register {
-    Register::new(name, offset, Kind::Event, 0)
+    Register::new(name, offset, RegisterKind::Event, 0)
 }
 
 /// A register that holds what was written.
 pub const fn read_write(name: &'static str, offset: u32, mask: u32) -> Register {
-    Register::new(name, offset, Kind::ReadWrite, mask)
+    Register::new(name, offset, RegisterKind::ReadWrite, mask)
 }
 
 /// A register that the program reads alone.
 pub const fn read_only(name: &'static str, offset: u32) -> Register {
-    Register::new(name, offset, Kind::ReadOnly, 0)
+    Register::new(name, offset, RegisterKind::ReadOnly, 0)
 }
 
 /// A register that the program writes alone.
 pub const fn write_only(name: &'static str, offset: u32, mask: u32) -> Register {
-    Register::new(name, offset, Kind::WriteOnly, mask)
+    Register::new(name, offset, RegisterKind::WriteOnly, mask)
 }
 
 /// A register that sets bits of the one at `of`.
 pub const fn set(name: &'static str, offset: u32, of: u32, mask: u32) -> Register {
-    Register::new(name, offset, Kind::Set(of), mask)
+    Register::new(name, offset, RegisterKind::Set(of), mask)
 }
 
 /// A register that clears bits of the one at `of`.
 pub const fn clear(name: &'static str, offset: u32, of: u32, mask: u32) -> Register {
-    Register::new(name, offset, Kind::Clear(of), mask)
+    Register::new(name, offset, RegisterKind::Clear(of), mask)
 }
 
 /// A register whose bits are cleared by ones.
 pub const fn one_clears(name: &'static str, offset: u32, mask: u32) -> Register {
-    Register::new(name, offset, Kind::OneClears, mask)
+    Register::new(name, offset, RegisterKind::OneClears, mask)
 }
 
 /// Effect of a write.
@@ -188,7 +188,7 @@ impl Registers {
     }
 
     /// Returns true if the register at an offset is of this kind.
-    pub fn is(&self, offset: u32, kind: Kind) -> bool {
+    pub fn is(&self, offset: u32, kind: RegisterKind) -> bool {
         self.find(offset).is_some_and(|one| one.kind == kind)
     }
 
@@ -196,8 +196,8 @@ impl Registers {
     pub fn read(&self, offset: u32) -> Result<u32, What> {
         let register = self.find(offset).ok_or(What::NotModelled)?;
         match register.kind {
-            Kind::Task | Kind::WriteOnly => Err(What::NotReadable),
-            Kind::Set(of) | Kind::Clear(of) => Ok(self.get(of)),
+            RegisterKind::Task | RegisterKind::WriteOnly => Err(What::NotReadable),
+            RegisterKind::Set(of) | RegisterKind::Clear(of) => Ok(self.get(of)),
             _ => Ok(self.get(offset)),
         }
     }
@@ -206,28 +206,28 @@ impl Registers {
     pub fn write(&mut self, offset: u32, value: u32) -> Result<Written, What> {
         let register = self.find(offset).ok_or(What::NotModelled)?;
         let reserved = value & !register.mask;
-        if register.kind == Kind::ReadOnly {
+        if register.kind == RegisterKind::ReadOnly {
             return Err(What::NotWritable { value });
         }
-        if register.kind == Kind::Event && value != 0 {
+        if register.kind == RegisterKind::Event && value != 0 {
             return Err(What::EventSet { value });
         }
         // Clearing a bit that is always clear is what `INTENCLR` is written all ones for.
-        if reserved != 0 && !matches!(register.kind, Kind::Clear(_)) {
+        if reserved != 0 && !matches!(register.kind, RegisterKind::Clear(_)) {
             return Err(What::Reserved { value, reserved });
         }
         match register.kind {
-            Kind::Task if value == 0 => return Ok(Written::Nothing),
-            Kind::Task => return Ok(Written::Task),
-            Kind::Set(of) => {
+            RegisterKind::Task if value == 0 => return Ok(Written::Nothing),
+            RegisterKind::Task => return Ok(Written::Task),
+            RegisterKind::Set(of) => {
                 self.put(of, self.get(of) | value);
                 return Ok(Written::Stored(of));
             }
-            Kind::Clear(of) => {
+            RegisterKind::Clear(of) => {
                 self.put(of, self.get(of) & !value);
                 return Ok(Written::Stored(of));
             }
-            Kind::OneClears => self.put(offset, self.get(offset) & !value),
+            RegisterKind::OneClears => self.put(offset, self.get(offset) & !value),
             _ => self.put(offset, value),
         }
         Ok(Written::Stored(offset))

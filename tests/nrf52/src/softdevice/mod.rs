@@ -25,14 +25,14 @@ use flash::Flash;
 
 /// Kind of SoftDevice.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Kind {
+pub enum SoftDeviceKind {
     /// S140 7.x, for the nRF52840.
     S140,
     /// S132 7.x, for the nRF52832.
     S132,
 }
 
-impl Kind {
+impl SoftDeviceKind {
     /// Address at which the program begins: the end of its flash (release notes of S140 7.3.0 and S132 7.3.0).
     pub const fn program(self) -> u32 {
         match self {
@@ -64,7 +64,7 @@ const FIRST_OF_BLUETOOTH: u8 = 0x60;
 /// A SoftDevice.
 #[derive(Debug)]
 pub struct SoftDevice {
-    kind: Kind,
+    kind: SoftDeviceKind,
     is_enabled: bool,
     speaks_bluetooth: bool,
     events: VecDeque<Vec<u8>>,
@@ -87,7 +87,7 @@ pub struct SoftDevice {
 
 impl SoftDevice {
     /// Creates a SoftDevice without armbands in reach.
-    pub fn new(kind: Kind) -> Self {
+    pub fn new(kind: SoftDeviceKind) -> Self {
         Self {
             kind,
             is_enabled: false,

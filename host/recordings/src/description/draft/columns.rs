@@ -24,7 +24,7 @@ const WORDS: usize = 64;
 
 /// Kind of a file of samples.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Kind {
+pub(super) struct ColumnKind {
     /// Ending of the file's name.
     ending: String,
     /// Separator of a text; none of an array.
@@ -35,7 +35,7 @@ pub(super) struct Kind {
     names: Vec<String>,
 }
 
-impl Kind {
+impl ColumnKind {
     /// Kind of a file; none of one without eight columns of numbers, or that cannot be read.
     pub fn of(path: &Path) -> Option<Self> {
         let ending = ending(path)

@@ -113,13 +113,13 @@ fn what_is_no_pattern_says_why() {
 }
 
 /// Whether a path matches, by a search without memory that tries every division.
-fn naive(parts: &[Part], text: &str) -> bool {
+fn naive(parts: &[PatternPart], text: &str) -> bool {
     match parts.split_first() {
         None => text.is_empty(),
-        Some((Part::Text(own), after)) => text
+        Some((PatternPart::Text(own), after)) => text
             .strip_prefix(own.as_str())
             .is_some_and(|rest| naive(after, rest)),
-        Some((Part::Field(field), after)) => (1..=text.len())
+        Some((PatternPart::Field(field), after)) => (1..=text.len())
             .filter(|&end| text.is_char_boundary(end))
             .any(|end| {
                 (*field != Field::Trial || is_number(&text[..end])) && naive(after, &text[end..])

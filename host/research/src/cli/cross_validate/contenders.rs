@@ -5,7 +5,7 @@ use presets::Preset;
 
 use super::Arguments;
 use crate::baselines::Baseline;
-use crate::cross_validation::{Contender, Kind};
+use crate::cross_validation::{Contender, ContenderKind};
 
 /// Loads the presets, whose names are folders.
 pub(super) fn presets(arguments: &Arguments) -> anyhow::Result<Vec<Preset>> {
@@ -43,13 +43,15 @@ pub(super) fn contenders(
         preset: preset.clone(),
         kind,
     };
-    let students = presets.iter().map(|preset| of(preset, Kind::Student));
+    let students = presets
+        .iter()
+        .map(|preset| of(preset, ContenderKind::Student));
     let wanted = Baseline::ALL
         .into_iter()
         .filter(|baseline| baselines.contains(baseline));
     let others = wanted
-        .map(Kind::Baseline)
-        .chain([Kind::Constant, Kind::EnergyDetector]);
+        .map(ContenderKind::Baseline)
+        .chain([ContenderKind::Constant, ContenderKind::EnergyDetector]);
     // Baselines and floors get the signal as the armband sends it.
     let mut plain = first.clone();
     plain.data.normalize = false;

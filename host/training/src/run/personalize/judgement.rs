@@ -6,7 +6,7 @@ use shared::intent::Vocabulary;
 use shared::model::file::Model;
 
 use super::error::PersonalizeError;
-use super::part::Part;
+use super::part::PersonPart;
 use super::rule::rate;
 use crate::run::StepError;
 use evaluation::integer_candidate;
@@ -30,7 +30,7 @@ pub(super) struct Judgement {
 
 impl Judgement {
     /// Runs a model file, `name` in tables, on a part.
-    pub(super) fn new(name: &str, file: &[u8], part: &Part<'_>) -> Result<Self, PersonalizeError> {
+    pub(super) fn new(name: &str, file: &[u8], part: &PersonPart<'_>) -> Result<Self, PersonalizeError> {
         let model = Model::parse(file)?;
         let recordings = part.evaluated_recordings();
         Ok(Self {
@@ -124,7 +124,7 @@ impl Judgement {
 }
 
 /// Scores a model file, `name` in tables, on a part of a person's recordings.
-pub fn judge(name: &str, file: &[u8], part: &Part<'_>) -> Result<Score, PersonalizeError> {
+pub fn judge(name: &str, file: &[u8], part: &PersonPart<'_>) -> Result<Score, PersonalizeError> {
     Judgement::new(name, file, part)?.score()
 }
 

@@ -18,8 +18,8 @@ pub use self::error::{Exchange, PersonalizeError};
 use self::exchange::exchange;
 use self::judgement::Judgement;
 pub use self::judgement::judge;
-pub use self::part::Part;
-pub use self::person::Person;
+pub use self::part::PersonPart;
+pub use self::person::PersonRecordings;
 pub use self::rule::Worse;
 use self::rule::{is_constant, worse};
 pub use self::tuning::{TuningSettings, tune};
@@ -73,7 +73,7 @@ pub fn personalize(
     mut report: impl FnMut(usize, usize),
 ) -> Result<Personalized, PersonalizeError> {
     let model = Model::parse(file)?;
-    let person = Person::new(library, subject, &model.header)?;
+    let person = PersonRecordings::new(library, subject, &model.header)?;
     if !person.outside().is_empty() {
         progress::log(&format!(
             "gestures that the model does not have, counted as none: {}",

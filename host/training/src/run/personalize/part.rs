@@ -7,7 +7,7 @@ use shared::intent::Intent;
 use shared::units::{SAMPLE_RATE_HZ, WINDOW};
 
 use super::error::PersonalizeError;
-use super::person::Person;
+use super::person::PersonRecordings;
 use evaluation::EvaluatedRecording;
 use recordings::labels::motion::{Motion, motions};
 use recordings::{Movement, Recording, runs};
@@ -31,32 +31,32 @@ struct Piece {
 
 /// Part of a person's recordings: pieces, in order.
 #[derive(Clone)]
-pub struct Part<'p> {
-    person: &'p Person,
+pub struct PersonPart<'p> {
+    person: &'p PersonRecordings,
     pieces: Vec<Piece>,
 }
 
-impl Person {
+impl PersonRecordings {
     /// Part with all of the recordings.
-    pub fn whole(&self) -> Part<'_> {
+    pub fn whole(&self) -> PersonPart<'_> {
         let all = self.recordings.iter().enumerate();
         let pieces = all.map(|(at, own)| Piece {
             recording: at,
             range: 0..own.recording.labels.len(),
         });
-        Part::new(self, pieces.collect())
+        PersonPart::new(self, pieces.collect())
     }
 }
 
-impl<'p> Part<'p> {
-    fn new(person: &'p Person, mut pieces: Vec<Piece>) -> Self {
+impl<'p> PersonPart<'p> {
+    fn new(person: &'p PersonRecordings, mut pieces: Vec<Piece>) -> Self {
         pieces.sort_by_key(|piece| (piece.recording, piece.range.start));
         pieces.retain(|piece| !piece.range.is_empty());
         Self { person, pieces }
     }
 
     /// Person whose recordings these are.
-    pub(super) const fn person(&self) -> &'p Person {
+    pub(super) const fn person(&self) -> &'p PersonRecordings {
         self.person
     }
 

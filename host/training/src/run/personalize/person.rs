@@ -24,7 +24,7 @@ pub(super) struct Own {
 ///
 /// The lag is that of `evaluate --model`: each cue's own, or one constant. It is estimated on training people whom the model has
 /// seen. If the set has no such people, it is estimated on all of the person's own recordings, held-back ones included, and reported so.
-pub struct Person {
+pub struct PersonRecordings {
     subject: String,
     pub(super) vocabulary: Vocabulary,
     pub(super) data_set: DataSet,
@@ -33,7 +33,7 @@ pub struct Person {
     outside: Vec<&'static str>,
 }
 
-impl Person {
+impl PersonRecordings {
     /// Selects the recordings of a person (`data-set/subject`, or the part after the slash); without a name, of the only person.
     pub fn new(
         library: &Library,

@@ -56,9 +56,9 @@ fn library(recordings: impl IntoIterator<Item = Recording>) -> Library {
     }
 }
 
-fn person(library: &Library, subject: Option<&str>) -> Result<Person, PersonalizeError> {
+fn person(library: &Library, subject: Option<&str>) -> Result<PersonRecordings, PersonalizeError> {
     let file = file();
-    Person::new(library, subject, &Model::parse(&file).unwrap().header)
+    PersonRecordings::new(library, subject, &Model::parse(&file).unwrap().header)
 }
 
 /// Recording that repeats rest, open, rest, close.
@@ -67,7 +67,7 @@ fn turns(times: usize) -> Recording {
 }
 
 /// Bounds of the labelled samples of each recording in a part: the first, and one past the last.
-fn labelled(part: &Part<'_>) -> Vec<(usize, usize)> {
+fn labelled(part: &PersonPart<'_>) -> Vec<(usize, usize)> {
     let span = |recording: &evaluation::EvaluatedRecording| {
         let labels = &recording.lag_compensated;
         let first = labels.iter().position(Option::is_some).unwrap();
@@ -138,7 +138,7 @@ fn what_is_too_short_for_a_third_is_divided_into_quarters_each_held_back_once() 
     assert_eq!(long.whole().divisions().unwrap().len(), 1);
 }
 
-fn person_of(recording: Recording) -> Person {
+fn person_of(recording: Recording) -> PersonRecordings {
     person(&library([recording]), None).unwrap()
 }
 
@@ -309,7 +309,7 @@ fn where_other_movement_is_shown_there_are_more_steps_and_a_lower_margin() {
     };
     let tuned = |own: Recording| {
         let header = Model::parse(&file).unwrap().header;
-        let person = Person::new(&library([own]), None, &header).unwrap();
+        let person = PersonRecordings::new(&library([own]), None, &header).unwrap();
         let mut taken = Vec::new();
         let (device, interrupt) = (Device::default().autodiff(), Interrupt::default());
         let report = |step, of| taken.push((step, of));
@@ -407,11 +407,11 @@ fn of_each_motion_half_of_the_holds_are_held_back_wherever_they_stand() {
     let person = person(&library, None).unwrap();
     let (first, second) = person.whole().halves().unwrap();
     // Holds begin with the middle of the rest before them: the third opening at 1800, the third fist at 5000.
-    let seconds = |part: &Part<'_>| (part.seconds() * 200.0) as usize;
+    let seconds = |part: &PersonPart<'_>| (part.seconds() * 200.0) as usize;
     assert_eq!(seconds(&first) + seconds(&second), 6400 + 900);
     assert_eq!(labelled(&first), [(0, 5000)]);
     assert_eq!(labelled(&second), [(1800, 6400), (0, 900)]);
-    let open = |part: &Part<'_>| {
+    let open = |part: &PersonPart<'_>| {
         let own = part.evaluated_recordings().swap_remove(0);
         own.lag_compensated
             .iter()

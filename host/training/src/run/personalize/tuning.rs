@@ -8,7 +8,7 @@ use shared::model::file::{Model, ProvenanceParts};
 use shared::units::SAMPLE_RATE_HZ;
 
 use super::error::PersonalizeError;
-use super::part::Part;
+use super::part::PersonPart;
 use crate::inference::student_logits;
 use crate::optimization::tune;
 use crate::student::dequantization::dequantize;
@@ -72,7 +72,7 @@ impl Default for TuningSettings {
 /// shown, the margin over it. After each step, `report` gets the number of steps done and of all.
 pub fn tune(
     file: &[u8],
-    part: &Part<'_>,
+    part: &PersonPart<'_>,
     settings: &TuningSettings,
     device: &Device,
     interrupt: &Interrupt,
@@ -175,7 +175,11 @@ fn spliced(
 }
 
 /// Provenance of the tuned model: the people of the old one and this person. It has no scores: they are of the old weights.
-fn provenance(old: ProvenanceParts, part: &Part<'_>, settings: &TuningSettings) -> ProvenanceParts {
+fn provenance(
+    old: ProvenanceParts,
+    part: &PersonPart<'_>,
+    settings: &TuningSettings,
+) -> ProvenanceParts {
     let person = part.person();
     let subject = person.subject().to_owned();
     let mut seen = old.subjects_seen;

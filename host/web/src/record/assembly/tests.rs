@@ -183,10 +183,10 @@ fn samples_of_a_bad_trial_stay_and_have_no_label() {
 fn a_long_part_is_cut_in_its_rests_and_nothing_is_missing() {
     // Rest and gesture alternate, five seconds each.
     let label = |at: usize| if (at / 1000).is_multiple_of(2) { R } else { O };
-    let part = |motions: Vec<Motion>| Part {
+    let part = |motions: Vec<Motion>| AssembledRecording {
         samples: vec![[0; CHANNELS]; motions.len()],
         motions,
-        ..Part::default()
+        ..AssembledRecording::default()
     };
     let long = part((0..20_000).map(label).collect());
     let files = long.files(6_500);

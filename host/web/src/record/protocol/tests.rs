@@ -14,10 +14,10 @@ const SHORT: &str = "rounds = 2\npause = 3\nsequence = [\"relax\", \"open\", \"c
 #[test]
 fn a_sequence_is_divided_into_cue_blocks_at_each_rest() {
     let protocol = Protocol::parse("some/mine.toml", SHORT).unwrap();
-    let step = |motion, samples| Step { motion, samples };
+    let step = |motion, samples| MotionStep { motion, samples };
     let [open, close] = [Intent::Open, Intent::Close].map(Motion::Intent);
     let rest = step(Motion::RELAX, 400);
-    let block = |steps: &[Step]| CueBlock {
+    let block = |steps: &[MotionStep]| CueBlock {
         steps: steps.to_vec(),
     };
     let blocks = vec![

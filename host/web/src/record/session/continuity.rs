@@ -25,9 +25,9 @@ pub const fn has_reached(index: SampleIndex, at: SampleIndex) -> bool {
 
 /// Detector of gaps: the index that is due.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub struct GapDetector(Option<SampleIndex>);
+pub struct IndexGapDetector(Option<SampleIndex>);
 
-impl GapDetector {
+impl IndexGapDetector {
     /// Index that is due; none before the first sample.
     pub const fn next(self) -> Option<SampleIndex> {
         self.0

@@ -6,7 +6,7 @@ use shared::units::SampleIndex;
 use super::HoldReason;
 use super::input::{Output, RejectReason};
 use super::{Phase, Session};
-use crate::record::protocol::{Course, Step};
+use crate::record::protocol::{Course, MotionStep};
 
 impl Session {
     pub(super) const fn is_guided(&self) -> bool {
@@ -52,7 +52,7 @@ impl Session {
         }
     }
 
-    fn begin_step(&mut self, at: SampleIndex, step: Step, trial: u32) {
+    fn begin_step(&mut self, at: SampleIndex, step: MotionStep, trial: u32) {
         self.set_cue(at, Some(step.motion), trial);
         let end = Some(at.plus(step.samples));
         self.phase = Phase::Cued { from: at, end };

@@ -20,7 +20,7 @@ use std::collections::VecDeque;
 use recordings::labels::motion::Motion;
 use shared::units::{Millis, SampleIndex};
 
-pub use self::continuity::{Continuity, GapDetector, has_reached};
+pub use self::continuity::{Continuity, IndexGapDetector, has_reached};
 pub use self::input::{Action, Input, Output, RejectReason};
 use self::schedule::RoundSchedule;
 pub use self::view::{HoldReason, UpcomingStep, View};
@@ -63,7 +63,7 @@ pub struct Session {
     trials: u32,
     bad: u32,
     lost_in_a_row: u32,
-    stream: GapDetector,
+    stream: IndexGapDetector,
     /// Time of the last samples.
     last_samples: Option<Millis>,
     round: u32,
@@ -83,7 +83,7 @@ impl Session {
             trials: 0,
             bad: 0,
             lost_in_a_row: 0,
-            stream: GapDetector::default(),
+            stream: IndexGapDetector::default(),
             last_samples: None,
             round: 0,
             outputs: VecDeque::new(),
@@ -102,7 +102,7 @@ impl Session {
             }
             Input::Hold(why) => {
                 if why == HoldReason::SourceLost {
-                    self.stream = GapDetector::default();
+                    self.stream = IndexGapDetector::default();
                 }
                 // A session that does not run needs no hold.
                 if self.is_running() {

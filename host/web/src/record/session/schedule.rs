@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use crate::record::protocol::{Course, CueBlock, Step};
+use crate::record::protocol::{Course, CueBlock, MotionStep};
 
 /// Cue blocks of a round that are due, and the current one.
 #[derive(Debug)]
@@ -44,7 +44,7 @@ impl RoundSchedule {
     }
 
     /// Begins the block that is due and returns its first step; none after the last block of the round.
-    pub(super) fn begin_block(&mut self) -> Option<Step> {
+    pub(super) fn begin_block(&mut self) -> Option<MotionStep> {
         let block = self.due.pop_front()?;
         self.previous = self.current.map(|(block, _)| block);
         self.current = Some((block, 0));
@@ -52,7 +52,7 @@ impl RoundSchedule {
     }
 
     /// Advances the current block and returns its next step; none at its end.
-    pub(super) fn next_step(&mut self) -> Option<Step> {
+    pub(super) fn next_step(&mut self) -> Option<MotionStep> {
         let (block, step) = self.current?;
         let next = self.blocks[block].steps.get(step + 1).copied()?;
         self.current = Some((block, step + 1));
@@ -86,7 +86,7 @@ impl RoundSchedule {
     }
 
     /// Steps after the current one, in this round.
-    pub(super) fn upcoming(&self) -> impl Iterator<Item = Step> {
+    pub(super) fn upcoming(&self) -> impl Iterator<Item = MotionStep> {
         let current = self
             .current
             .into_iter()

@@ -4,11 +4,11 @@ use super::*;
 
 /// Actions of a session that scans from 0 while two armbands advertise for two seconds, this one and a stronger one.
 fn after_two_armbands(driver: &mut Driver) -> Vec<Action> {
-    let mut actions = driver.handle(0, Event::Tick);
+    let mut actions = driver.handle(0, MyoEvent::Tick);
     for now in (100..2000).step_by(100) {
         actions.extend(driver.advertise(now, NEAR, -60));
         actions.extend(driver.advertise(now, FAR, -20));
-        actions.extend(driver.handle(now, Event::Tick));
+        actions.extend(driver.handle(now, MyoEvent::Tick));
     }
     actions
 }
@@ -31,7 +31,7 @@ fn a_bound_armband_is_followed_and_never_a_stronger_one() {
     let expected = [Action::Scan, Action::StopScan, Action::Connect(NEAR)];
     assert_eq!(after_two_armbands(&mut driver), expected);
     let mut driver = Driver::new(BOUND);
-    assert_eq!(driver.handle(0, Event::Tick), [Action::Scan]);
+    assert_eq!(driver.handle(0, MyoEvent::Tick), [Action::Scan]);
     for now in (100..20_000).step_by(100) {
         assert_eq!(driver.advertise(now, FAR, -20), []);
     }
@@ -52,8 +52,8 @@ fn the_settings_address_wins_over_the_bound_one_and_cannot_be_changed() {
         bound: Some(FAR),
         ..ANY
     });
-    assert_eq!(driver.handle(0, Event::Pair), [Action::Scan]);
-    assert_eq!(driver.handle(1, Event::Bind(None)), []);
+    assert_eq!(driver.handle(0, MyoEvent::Pair), [Action::Scan]);
+    assert_eq!(driver.handle(1, MyoEvent::Bind(None)), []);
     assert_eq!(driver.advertise(2, FAR, -20), []);
     let connect = [Action::StopScan, Action::Connect(NEAR)];
     assert_eq!(driver.advertise(3, NEAR, -90), connect);
@@ -64,9 +64,9 @@ fn the_settings_address_wins_over_the_bound_one_and_cannot_be_changed() {
 fn a_pairing_binds_the_strongest_armband_of_30_seconds() {
     let mut driver = Driver::new(Settings::default());
     driver.run(&[
-        (0, Event::Tick, &[]),
-        (1_000, Event::Pair, &[Action::Scan]),
-        (2_000, Event::Tick, &[]),
+        (0, MyoEvent::Tick, &[]),
+        (1_000, MyoEvent::Pair, &[Action::Scan]),
+        (2_000, MyoEvent::Tick, &[]),
     ]);
     assert_eq!(driver.session.following(), Following::Pairing);
     assert_eq!(driver.advertise(3_000, FAR, -50), []);
@@ -77,12 +77,15 @@ fn a_pairing_binds_the_strongest_armband_of_30_seconds() {
         Action::StopScan,
         Action::Connect(NEAR),
     ];
-    driver.run(&[(30_999, Event::Tick, &[]), (31_000, Event::Tick, &bound)]);
+    driver.run(&[
+        (30_999, MyoEvent::Tick, &[]),
+        (31_000, MyoEvent::Tick, &bound),
+    ]);
     assert_eq!(driver.session.following(), Following::Bound(NEAR));
     assert!(!driver.session.pairing_failed());
     // From now on it is the only one.
-    driver.run(&[(31_100, Event::ConnectFailed, &[])]);
-    driver.run(&[(31_400, Event::Tick, &[Action::Scan])]);
+    driver.run(&[(31_100, MyoEvent::ConnectFailed, &[])]);
+    driver.run(&[(31_400, MyoEvent::Tick, &[Action::Scan])]);
     assert_eq!(driver.advertise(31_500, FAR, -1), []);
 }
 
@@ -101,15 +104,15 @@ fn a_pairing_without_an_armband_changes_nothing() {
         ),
     ] {
         let mut driver = Driver::new(settings);
-        driver.handle(0, Event::Tick);
-        driver.handle(1_000, Event::Pair);
-        let other = Event::Advertisement {
+        driver.handle(0, MyoEvent::Tick);
+        driver.handle(1_000, MyoEvent::Pair);
+        let other = MyoEvent::Advertisement {
             address: address(9),
             rssi: -1,
             data: b"\x04\x09Myo",
         };
         assert_eq!(driver.handle(2_000, other), []);
-        assert_eq!(driver.handle(31_000, Event::Tick), ends);
+        assert_eq!(driver.handle(31_000, MyoEvent::Tick), ends);
         assert_eq!(driver.session.following(), after);
         assert!(driver.session.pairing_failed());
     }
@@ -118,15 +121,15 @@ fn a_pairing_without_an_armband_changes_nothing() {
 #[test]
 fn a_pairing_ends_a_stream_and_hears_its_armband_too() {
     let mut driver = Driver::new(BOUND);
-    assert_eq!(driver.handle(0, Event::Tick), [Action::Scan]);
+    assert_eq!(driver.handle(0, MyoEvent::Tick), [Action::Scan]);
     let connect = [Action::StopScan, Action::Connect(NEAR)];
     assert_eq!(driver.advertise(1, NEAR, -50), connect);
     driver.run(&[
-        (2, Event::Connected, &[Action::Discover]),
-        (3, Event::Pair, &[Action::Disconnect]),
-        (4, Event::Disconnected, &[]),
-        (303, Event::Tick, &[]),
-        (304, Event::Tick, &[Action::Scan]),
+        (2, MyoEvent::Connected, &[Action::Discover]),
+        (3, MyoEvent::Pair, &[Action::Disconnect]),
+        (4, MyoEvent::Disconnected, &[]),
+        (303, MyoEvent::Tick, &[]),
+        (304, MyoEvent::Tick, &[Action::Scan]),
     ]);
     assert_eq!(driver.advertise(400, NEAR, -50), []);
     let keep = [
@@ -134,24 +137,24 @@ fn a_pairing_ends_a_stream_and_hears_its_armband_too() {
         Action::StopScan,
         Action::Connect(NEAR),
     ];
-    assert_eq!(driver.handle(30_003, Event::Tick), keep);
+    assert_eq!(driver.handle(30_003, MyoEvent::Tick), keep);
 }
 
 #[test]
 fn a_scan_that_ends_during_a_pairing_is_repeated_and_forgets_nobody() {
     let mut driver = Driver::new(Settings::default());
-    driver.run(&[(0, Event::Pair, &[Action::Scan])]);
+    driver.run(&[(0, MyoEvent::Pair, &[Action::Scan])]);
     assert_eq!(driver.advertise(100, NEAR, -50), []);
     driver.run(&[
-        (200, Event::ScanEnded, &[]),
-        (500, Event::Tick, &[Action::Scan]),
+        (200, MyoEvent::ScanEnded, &[]),
+        (500, MyoEvent::Tick, &[Action::Scan]),
     ]);
     let keep = [
         Action::Keep(Some(NEAR)),
         Action::StopScan,
         Action::Connect(NEAR),
     ];
-    assert_eq!(driver.handle(30_000, Event::Tick), keep);
+    assert_eq!(driver.handle(30_000, MyoEvent::Tick), keep);
 }
 
 #[test]
@@ -164,9 +167,9 @@ fn binding_and_forgetting_end_the_connection_first() {
         Action::StreamEnded,
     ];
     driver.run(&[
-        (600, Event::Bind(Some(FAR)), &ended),
-        (610, Event::Disconnected, &[]),
-        (910, Event::Tick, &[Action::Scan]),
+        (600, MyoEvent::Bind(Some(FAR)), &ended),
+        (610, MyoEvent::Disconnected, &[]),
+        (910, MyoEvent::Tick, &[Action::Scan]),
     ]);
     assert_eq!(driver.advertise(1_000, NEAR, -10), []);
     let connect = [Action::StopScan, Action::Connect(FAR)];
@@ -176,21 +179,21 @@ fn binding_and_forgetting_end_the_connection_first() {
     let mut driver = Driver::new(BOUND);
     let anew = [Action::Keep(Some(FAR)), Action::StopScan, Action::Scan];
     driver.run(&[
-        (0, Event::Tick, &[Action::Scan]),
-        (1, Event::Bind(Some(FAR)), &anew),
+        (0, MyoEvent::Tick, &[Action::Scan]),
+        (1, MyoEvent::Bind(Some(FAR)), &anew),
     ]);
     assert_eq!(driver.advertise(2, NEAR, -10), []);
 
     let mut driver = Driver::new(BOUND);
     driver.run(&[
-        (0, Event::Tick, &[Action::Scan]),
+        (0, MyoEvent::Tick, &[Action::Scan]),
         (
             1,
-            Event::Bind(None),
+            MyoEvent::Bind(None),
             &[Action::Keep(None), Action::StopScan],
         ),
     ]);
     assert_eq!(driver.session.phase(), Phase::Unbound);
     assert_eq!(driver.advertise(2, NEAR, -10), []);
-    driver.run(&[(100_000, Event::Tick, &[])]);
+    driver.run(&[(100_000, MyoEvent::Tick, &[])]);
 }

@@ -5,8 +5,11 @@ use super::*;
 #[test]
 fn the_strongest_armband_of_half_a_second_wins() {
     let mut driver = Driver::new(ANY);
-    driver.run(&[(0, Event::Tick, &[Action::Scan]), (9_000, Event::Tick, &[])]);
-    let other = Event::Advertisement {
+    driver.run(&[
+        (0, MyoEvent::Tick, &[Action::Scan]),
+        (9_000, MyoEvent::Tick, &[]),
+    ]);
+    let other = MyoEvent::Advertisement {
         address: address(9),
         rssi: -1,
         data: b"\x04\x09Myo",
@@ -17,7 +20,7 @@ fn the_strongest_armband_of_half_a_second_wins() {
     assert_eq!(driver.advertise(10_200, NEAR, -50), []);
     assert_eq!(driver.advertise(10_499, address(4), -60), []);
     let connect = [Action::StopScan, Action::Connect(NEAR)];
-    assert_eq!(driver.handle(10_500, Event::Tick), connect);
+    assert_eq!(driver.handle(10_500, MyoEvent::Tick), connect);
     assert_eq!(driver.advertise(10_501, address(5), -1), []);
 }
 
@@ -25,9 +28,9 @@ fn the_strongest_armband_of_half_a_second_wins() {
 fn a_pinned_armband_is_taken_at_once_and_no_other() {
     let pinned = Address::parse("FA:00:00:00:00:01").ok();
     let mut driver = Driver::new(Settings { pinned, ..ANY });
-    assert_eq!(driver.handle(0, Event::Tick), [Action::Scan]);
+    assert_eq!(driver.handle(0, MyoEvent::Tick), [Action::Scan]);
     assert_eq!(driver.advertise(0, FAR, -20), []);
-    assert_eq!(driver.handle(2_000, Event::Tick), []);
+    assert_eq!(driver.handle(2_000, MyoEvent::Tick), []);
     // With the address kind of the report, not the assumed one.
     let kind = AddressKind::Random;
     let reported = Address { kind, ..NEAR };
@@ -39,15 +42,15 @@ fn a_pinned_armband_is_taken_at_once_and_no_other() {
 fn a_scan_that_ends_is_repeated_after_a_delay() {
     let mut driver = Driver::new(ANY);
     driver.run(&[
-        (0, Event::Tick, &[Action::Scan]),
-        (10, Event::ScanEnded, &[]),
-        (309, Event::Tick, &[]),
-        (310, Event::Tick, &[Action::Scan]),
+        (0, MyoEvent::Tick, &[Action::Scan]),
+        (10, MyoEvent::ScanEnded, &[]),
+        (309, MyoEvent::Tick, &[]),
+        (310, MyoEvent::Tick, &[Action::Scan]),
     ]);
     // With an armband received before, that one is taken.
     assert_eq!(driver.advertise(320, FAR, -80), []);
     let connect = [Action::StopScan, Action::Connect(FAR)];
-    assert_eq!(driver.handle(330, Event::ScanEnded), connect);
+    assert_eq!(driver.handle(330, MyoEvent::ScanEnded), connect);
 }
 
 #[test]
@@ -57,9 +60,9 @@ fn failed_connects_back_off_up_to_five_seconds() {
     for delay in [300, 600, 1200, 2400, 4800, 5000, 5000] {
         driver.connecting(now);
         now += 510;
-        assert_eq!(driver.handle(now, Event::ConnectFailed), []);
+        assert_eq!(driver.handle(now, MyoEvent::ConnectFailed), []);
         assert_eq!(driver.session.phase(), Phase::BackingOff);
-        assert_eq!(driver.handle(now + delay - 1, Event::Tick), []);
+        assert_eq!(driver.handle(now + delay - 1, MyoEvent::Tick), []);
         now += delay;
     }
     assert_eq!(driver.session.counters().failed_connects, 7);
@@ -70,14 +73,14 @@ fn a_stream_that_ran_makes_the_next_delay_short() {
     let mut driver = Driver::new(ANY);
     for now in [0, 1_000, 2_500] {
         driver.connecting(now);
-        driver.handle(now + 510, Event::ConnectFailed);
+        driver.handle(now + 510, MyoEvent::ConnectFailed);
     }
     driver.streaming(5_000);
     assert_eq!(driver.emg(5_510, 0), [deliver(0)]);
     driver.run(&[
-        (5_520, Event::Disconnected, &[Action::StreamEnded]),
-        (5_521, Event::Disconnected, &[]),
-        (5_819, Event::Tick, &[]),
+        (5_520, MyoEvent::Disconnected, &[Action::StreamEnded]),
+        (5_521, MyoEvent::Disconnected, &[]),
+        (5_819, MyoEvent::Tick, &[]),
     ]);
     driver.streaming(5_820);
     assert_eq!(driver.session.counters().connections, 2);
@@ -88,16 +91,16 @@ fn a_stream_without_emg_ends_too_and_backs_off_longer() {
     let mut driver = Driver::new(ANY);
     driver.streaming(0);
     assert_eq!(
-        driver.handle(510, Event::Disconnected),
+        driver.handle(510, MyoEvent::Disconnected),
         [Action::StreamEnded]
     );
     driver.streaming(810);
     assert_eq!(
-        driver.handle(1_320, Event::Disconnected),
+        driver.handle(1_320, MyoEvent::Disconnected),
         [Action::StreamEnded]
     );
-    assert_eq!(driver.handle(1_919, Event::Tick), []);
-    assert_eq!(driver.handle(1_920, Event::Tick), [Action::Scan]);
+    assert_eq!(driver.handle(1_919, MyoEvent::Tick), []);
+    assert_eq!(driver.handle(1_920, MyoEvent::Tick), [Action::Scan]);
 }
 
 #[test]
@@ -105,19 +108,19 @@ fn an_operation_that_is_not_answered_ends_the_connection() {
     let mut driver = Driver::new(ANY);
     driver.connecting(0);
     driver.run(&[
-        (5_499, Event::Tick, &[]),
-        (5_500, Event::Tick, &[Action::Disconnect]),
-        (5_501, Event::Connected, &[]), // too late: it is being closed
-        (5_510, Event::ConnectFailed, &[]),
+        (5_499, MyoEvent::Tick, &[]),
+        (5_500, MyoEvent::Tick, &[Action::Disconnect]),
+        (5_501, MyoEvent::Connected, &[]), // too late: it is being closed
+        (5_510, MyoEvent::ConnectFailed, &[]),
     ]);
     driver.discovered(5_810, everything());
     driver.run(&[
-        (11_310, Event::Tick, &[]),
-        (11_311, Event::Tick, &[Action::Disconnect]),
-        (11_312, Event::Read(&FIRMWARE), &[]),
-        (11_320, Event::Disconnected, &[]),
-        (11_919, Event::Tick, &[]),
-        (11_920, Event::Tick, &[Action::Scan]),
+        (11_310, MyoEvent::Tick, &[]),
+        (11_311, MyoEvent::Tick, &[Action::Disconnect]),
+        (11_312, MyoEvent::Read(&FIRMWARE), &[]),
+        (11_320, MyoEvent::Disconnected, &[]),
+        (11_919, MyoEvent::Tick, &[]),
+        (11_920, MyoEvent::Tick, &[Action::Scan]),
     ]);
     assert_eq!(driver.session.counters().timeouts, 2);
 }
@@ -127,12 +130,12 @@ fn a_connection_that_does_not_end_is_waited_for_5_s() {
     let mut driver = Driver::new(ANY);
     driver.connecting(0);
     driver.run(&[
-        (5_500, Event::Tick, &[Action::Disconnect]),
-        (10_500, Event::Tick, &[]),
-        (10_800, Event::Tick, &[Action::Scan]),
+        (5_500, MyoEvent::Tick, &[Action::Disconnect]),
+        (10_500, MyoEvent::Tick, &[]),
+        (10_800, MyoEvent::Tick, &[Action::Scan]),
         // The connection is established after all, too late.
-        (10_900, Event::Connected, &[Action::Disconnect]),
-        (10_901, Event::Disconnected, &[]),
+        (10_900, MyoEvent::Connected, &[Action::Disconnect]),
+        (10_901, MyoEvent::Disconnected, &[]),
     ]);
     assert_eq!(driver.session.phase(), Phase::Scanning);
 }

@@ -6,15 +6,15 @@ use super::*;
 fn emg_that_overtakes_the_answer_to_its_mode_counts() {
     let mut driver = Driver::new(ANY);
     driver.discovered(0, everything());
-    let answers = [Event::Read(&FIRMWARE), Event::Read(&[80])];
-    for answer in answers.into_iter().chain([Event::Done; 5]) {
+    let answers = [MyoEvent::Read(&FIRMWARE), MyoEvent::Read(&[80])];
+    for answer in answers.into_iter().chain([MyoEvent::Done; 5]) {
         driver.handle(502, answer);
     }
     // The mode is not written yet: this is of no stream.
     assert_eq!(driver.emg(502, 3), []);
-    assert_eq!(driver.handle(503, Event::Done), [SET_MODE]);
+    assert_eq!(driver.handle(503, MyoEvent::Done), [SET_MODE]);
     assert_eq!(driver.emg(504, 0), [deliver(0)]);
-    assert_eq!(driver.handle(505, Event::Done), []);
+    assert_eq!(driver.handle(505, MyoEvent::Done), []);
     assert_eq!(driver.emg(514, 1), [deliver(1)]);
     let counters = driver.session.counters();
     assert_eq!((counters.foreign, counters.notifications), (1, 2));
@@ -30,7 +30,7 @@ fn never_sleep_is_written_every_ten_seconds() {
         for action in driver.emg(now, number) {
             if action == NEVER_SLEEP {
                 written.push(now - 501);
-                assert_eq!(driver.handle(now, Event::Done), []);
+                assert_eq!(driver.handle(now, MyoEvent::Done), []);
             }
         }
     }
@@ -56,18 +56,18 @@ fn a_silent_stream_gets_its_mode_again_once_and_is_then_closed() {
     driver.streaming(0);
     assert_eq!(driver.emg(510, 0), [deliver(0)]);
     driver.run(&[
-        (1_009, Event::Tick, &[]),
-        (1_010, Event::Tick, &[SET_MODE]),
-        (1_011, Event::Done, &[]),
-        (1_509, Event::Tick, &[]),
+        (1_009, MyoEvent::Tick, &[]),
+        (1_010, MyoEvent::Tick, &[SET_MODE]),
+        (1_011, MyoEvent::Done, &[]),
+        (1_509, MyoEvent::Tick, &[]),
         (
             1_510,
-            Event::Tick,
+            MyoEvent::Tick,
             &[Action::Disconnect, Action::StreamEnded],
         ),
-        (1_520, Event::Disconnected, &[]),
-        (1_819, Event::Tick, &[]),
-        (1_820, Event::Tick, &[Action::Scan]),
+        (1_520, MyoEvent::Disconnected, &[]),
+        (1_819, MyoEvent::Tick, &[]),
+        (1_820, MyoEvent::Tick, &[Action::Scan]),
     ]);
     assert_eq!(driver.session.counters().stalls, 1);
 }
@@ -80,23 +80,23 @@ fn an_armband_may_begin_three_seconds_after_its_mode_is_set() {
         driver.streaming(0);
         let mut actions = Vec::new();
         for now in (501..first).step_by(50) {
-            let action = driver.handle(now, Event::Tick);
+            let action = driver.handle(now, MyoEvent::Tick);
             actions.extend(action);
         }
         let mode: &[Action] = if first > 4_501 { &[SET_MODE] } else { &[] };
         assert_eq!(actions, mode);
-        driver.handle(first, Event::Done);
+        driver.handle(first, MyoEvent::Done);
         assert_eq!(driver.emg(first, 0), [deliver(0)]);
-        assert_eq!(driver.handle(due - 1, Event::Tick), []);
-        assert_eq!(driver.handle(due, Event::Tick), [SET_MODE]);
+        assert_eq!(driver.handle(due - 1, MyoEvent::Tick), []);
+        assert_eq!(driver.handle(due, MyoEvent::Tick), [SET_MODE]);
     }
     let mut driver = Driver::new(ANY);
     driver.streaming(0);
-    assert_eq!(driver.handle(4_501, Event::Tick), [SET_MODE]);
-    assert_eq!(driver.handle(4_502, Event::Done), []);
-    assert_eq!(driver.handle(8_500, Event::Tick), []);
+    assert_eq!(driver.handle(4_501, MyoEvent::Tick), [SET_MODE]);
+    assert_eq!(driver.handle(4_502, MyoEvent::Done), []);
+    assert_eq!(driver.handle(8_500, MyoEvent::Tick), []);
     let closed = [Action::Disconnect, Action::StreamEnded];
-    assert_eq!(driver.handle(8_501, Event::Tick), closed);
+    assert_eq!(driver.handle(8_501, MyoEvent::Tick), closed);
 }
 
 #[test]
@@ -106,8 +106,8 @@ fn a_stream_that_resumes_after_the_mode_was_set_again_has_a_gap() {
     for number in 0..10 {
         assert_eq!(driver.emg(510 + 10 * number, number).len(), 1);
     }
-    assert_eq!(driver.handle(1_100, Event::Tick), [SET_MODE]);
-    assert_eq!(driver.handle(1_101, Event::Done), []);
+    assert_eq!(driver.handle(1_100, MyoEvent::Tick), [SET_MODE]);
+    assert_eq!(driver.handle(1_101, MyoEvent::Done), []);
     // 510 ms of silence: 51 were lost, and the next six cannot be placed.
     let resumed: Vec<_> = (0..10)
         .map(|n| driver.emg(1_120 + 10 * n, 61 + n))
@@ -124,7 +124,7 @@ fn a_stream_that_resumes_after_the_mode_was_set_again_has_a_gap() {
     assert_eq!(actions, expected);
     assert_eq!(driver.session.counters().given_up, 12);
     // Once per silence, not once per stream.
-    assert_eq!(driver.handle(1_710, Event::Tick), [SET_MODE]);
+    assert_eq!(driver.handle(1_710, MyoEvent::Tick), [SET_MODE]);
 }
 
 #[test]
@@ -134,7 +134,7 @@ fn short_long_and_foreign_values_are_handled_and_counted() {
     let mut notify = |now, characteristic, bytes: &[u8]| {
         driver.handle(
             now,
-            Event::Notification {
+            MyoEvent::Notification {
                 characteristic,
                 bytes,
             },
@@ -168,7 +168,7 @@ fn malformed_emg_alone_counts_as_silence() {
     driver.streaming(0);
     let characteristic = lane(0);
     let bytes = &[0; 3];
-    let malformed = Event::Notification {
+    let malformed = MyoEvent::Notification {
         characteristic,
         bytes,
     };
@@ -189,7 +189,7 @@ fn a_new_connection_starts_a_new_stream() {
         driver.emg(510 + 10 * number, number);
     }
     assert_eq!(
-        driver.handle(540, Event::Disconnected),
+        driver.handle(540, MyoEvent::Disconnected),
         [Action::StreamEnded]
     );
     assert_eq!(driver.session.battery(), Some(80)); // the last known value
@@ -203,7 +203,7 @@ const SUBSCRIBE_IMU: Action = Action::Subscribe(Imu);
 const WITH_IMU: Action = write(Command::SetMode(EmgMode::Filtered, true));
 
 /// A movement of all ones.
-const MOVEMENT: Event<'_> = Event::Notification {
+const MOVEMENT: MyoEvent<'_> = MyoEvent::Notification {
     characteristic: Imu,
     bytes: &[1; 20],
 };
@@ -219,13 +219,13 @@ fn the_imu_is_subscribed_to_and_set_in_the_mode_once_the_stream_runs_and_ends_wi
     driver.session.set_imu(true);
     assert_eq!(driver.emg(510, 0), [deliver(0), SUBSCRIBE_IMU]);
     driver.run(&[
-        (520, Event::Tick, &[]),
-        (521, Event::Done, &[WITH_IMU]),
-        (522, Event::Done, &[]),
+        (520, MyoEvent::Tick, &[]),
+        (521, MyoEvent::Done, &[WITH_IMU]),
+        (522, MyoEvent::Done, &[]),
         (530, MOVEMENT, &[MOVED]),
     ]);
     assert_eq!(driver.emg(540, 1), [deliver(1)]);
-    let short = Event::Notification {
+    let short = MyoEvent::Notification {
         characteristic: Imu,
         bytes: &[1; 19],
     };
@@ -234,32 +234,35 @@ fn the_imu_is_subscribed_to_and_set_in_the_mode_once_the_stream_runs_and_ends_wi
     driver.session.set_imu(false);
     driver.run(&[
         (560, MOVEMENT, &[SET_MODE]),
-        (561, Event::Done, &[]),
-        (570, Event::Tick, &[]),
+        (561, MyoEvent::Done, &[]),
+        (570, MyoEvent::Tick, &[]),
     ]);
     driver.session.set_imu(true);
-    driver.run(&[(580, Event::Tick, &[WITH_IMU]), (581, Event::Done, &[])]);
+    driver.run(&[
+        (580, MyoEvent::Tick, &[WITH_IMU]),
+        (581, MyoEvent::Done, &[]),
+    ]);
 }
 
 #[test]
 fn a_session_with_the_imu_asks_for_it_in_every_stream_and_its_movement_is_no_sign_of_life() {
     let mut driver = Driver::new(Settings { imu: true, ..ANY });
     driver.discovered(0, everything());
-    let answers = [Event::Read(&FIRMWARE), Event::Read(&[80])];
-    for answer in answers.into_iter().chain([Event::Done; 6]) {
+    let answers = [MyoEvent::Read(&FIRMWARE), MyoEvent::Read(&[80])];
+    for answer in answers.into_iter().chain([MyoEvent::Done; 6]) {
         driver.handle(502, answer);
     }
     driver.run(&[
-        (503, Event::Done, &[SUBSCRIBE_IMU]),
-        (504, Event::Failed, &[WITH_IMU]),
-        (505, Event::Done, &[]),
+        (503, MyoEvent::Done, &[SUBSCRIBE_IMU]),
+        (504, MyoEvent::Failed, &[WITH_IMU]),
+        (505, MyoEvent::Done, &[]),
     ]);
     assert_eq!(driver.emg(510, 0), [deliver(0)]);
     // The mode that is set again has the IMU too.
     driver.run(&[
         (1_009, MOVEMENT, &[MOVED]),
-        (1_010, Event::Tick, &[WITH_IMU]),
-        (1_011, Event::Done, &[]),
+        (1_010, MyoEvent::Tick, &[WITH_IMU]),
+        (1_011, MyoEvent::Done, &[]),
         (
             1_510,
             MOVEMENT,

@@ -6,7 +6,7 @@ use super::*;
 fn labels_from(lines: &[Report], from: u32) -> Vec<(u32, Status)> {
     let labels = lines
         .iter()
-        .filter(|line| line.kind == Kind::Label && line.emitted.0 >= from);
+        .filter(|line| line.kind == ReportKind::Label && line.emitted.0 >= from);
     labels.map(|line| (line.instant.0, line.status)).collect()
 }
 

@@ -3,7 +3,7 @@
 use core::hint::black_box;
 
 use device::timer::{self, Instant};
-use shared::model::encoder::{Part, Probe};
+use shared::model::encoder::{EncoderPart, Probe};
 
 /// Counts of a repeated piece of work.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -88,13 +88,13 @@ pub struct Steps {
 impl Probe for Steps {
     /// Reads the timer first and last: the bookkeeping between belongs to no part.
     #[inline(always)]
-    fn done(&mut self, part: Part) {
+    fn done(&mut self, part: EncoderPart) {
         let end = timer::now();
         let place = match part {
-            Part::Embed => 0,
-            Part::Attention => 1,
-            Part::FeedForward => 2,
-            Part::Head => 3,
+            EncoderPart::Embed => 0,
+            EncoderPart::Attention => 1,
+            EncoderPart::FeedForward => 2,
+            EncoderPart::Head => 3,
         };
         self.parts[place] += self.clock.between(self.last, end);
         self.last = timer::now();
