@@ -490,7 +490,7 @@ fn the_file_shows_the_simulated_arm_without_a_server_and_takes_recordings() {
     browser.wait_for("$valid.dataset.valid !== 'yes'");
     browser.wait_for(&format!("{CONNECTED} && {VALID}"));
 
-    // A recording is dropped; and a file that is none says why.
+    // A recording is dropped; another file says why it is refused.
     let mut text = String::from("gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n");
     for sample in samples(20) {
         let counts = sample.map(|count| count.to_string()).join(",");

@@ -22,17 +22,17 @@ pub trait Flash {
     async fn write(&mut self, address: u32, words: &[u8]) -> Result<(), FlashFailed>;
 }
 
-/// Flash for those who write it, in turns, and the air, for the radio and for who needs silence.
+/// Flash, which tasks write in turns; and the turn of the radio, which an erasure may have to wait for.
 pub struct SharedFlash<F> {
     flash: Mutex<NoopRawMutex, F>,
-    air: Mutex<NoopRawMutex, ()>,
+    radio_turn: Mutex<NoopRawMutex, ()>,
 }
 
 impl<F> SharedFlash<F> {
     pub const fn new(flash: F) -> Self {
         Self {
             flash: Mutex::new(flash),
-            air: Mutex::new(()),
+            radio_turn: Mutex::new(()),
         }
     }
 
@@ -41,9 +41,9 @@ impl<F> SharedFlash<F> {
         self.flash.lock().await
     }
 
-    /// Waits for the air: nobody else uses the radio, where an erasure finds no time beside it.
-    pub async fn air(&self) -> MutexGuard<'_, NoopRawMutex, ()> {
-        self.air.lock().await
+    /// Waits until the radio is idle, and keeps it so, if it leaves an erasure no time.
+    pub async fn radio_turn(&self) -> MutexGuard<'_, NoopRawMutex, ()> {
+        self.radio_turn.lock().await
     }
 }
 

@@ -43,7 +43,7 @@ pub async fn beside<F: Flash>(flash: F, radio: impl AsyncFnOnce(&SharedFlash<F>)
 async fn serve(flash: &SharedFlash<impl Flash>) -> ! {
     let mut installation = Installation::new(Region::Model.length());
     loop {
-        // The one that is dropped loses nothing. A record first: its model is given up already.
+        // The dropped future loses nothing. A record first: its model is given up already.
         let next = select(calibration::KEEP.wait(), INSTALLATION.receive()).await;
         let (ticket, request) = match next {
             Either::First(wanted) => {
@@ -76,7 +76,7 @@ async fn keep(flash: &SharedFlash<impl Flash>, Keep { learnt, model }: Keep) {
     let wanted = learnt.is_some();
     let mut learnt = learnt;
     {
-        let _air = flash.air().await;
+        let _radio_turn = flash.radio_turn().await;
         let record = learnt.as_deref_mut().map(|memory| memory.record(model));
         // What came of it is read.
         let _ = write_page(&mut *flash.lock().await, record.unwrap_or_default()).await;
@@ -128,8 +128,8 @@ async fn take(
         let outcome = match request(step) {
             Some(request) => inference(request).await,
             None => {
-                // Without a model, which the first step suspends, the radio gives the air up.
-                let _air = flash.air().await;
+                // The first step suspends the model; without one the radio is idle.
+                let _radio_turn = flash.radio_turn().await;
                 let mut flash = flash.lock().await;
                 let written = write(installation, &mut *flash, step).await;
                 written.map_err(|FlashFailed| Refused::Flash)

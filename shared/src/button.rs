@@ -6,7 +6,7 @@ use crate::units::Millis;
 /// bounce for less than 10 ms; one look may hit a bounce, two that are 30 ms apart with no other between do not.
 pub const DEBOUNCE_MS: u32 = 30;
 
-/// Milliseconds that a button has to be down to count as held. Nobody holds it so long who means to press it.
+/// Milliseconds that a button has to be down to count as held. A press is shorter.
 pub const HELD_MS: u32 = 3000;
 
 /// Most milliseconds from the beginning of a press to that of the next one which together are a double press.

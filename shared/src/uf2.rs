@@ -40,7 +40,7 @@ pub const MODEL_REGION: Range<u32> = 0x5_8000..0x8_0000;
 #[expect(missing_docs, reason = "the messages say it")]
 pub enum Uf2Error {
     #[error(
-        "block {block} is none of a UF2 file for an nRF52840 with Adafruit's boot loader: build or download the file again"
+        "block {block} is not a UF2 block for an nRF52840 with Adafruit's boot loader: build or download the file again"
     )]
     Block { block: usize },
     #[error(

@@ -37,7 +37,7 @@ pub fn show(state: PinState) {
     wake();
 }
 
-/// Has whoever sends reports look again.
+/// Wakes the task that sends reports.
 pub fn wake() {
     CHANGED.signal(());
 }

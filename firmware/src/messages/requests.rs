@@ -68,7 +68,7 @@ pub enum InstallationRequest {
     Block(u32, Block),
 }
 
-/// Requests from the control task to who keeps the outputs to a computer.
+/// Requests from the control task to the task that keeps the outputs to a computer.
 #[cfg(feature = "uf2")]
 pub static HID: Requests<shared::hid::HidCommand, shared::hid::Settings> = Requests::new();
 
@@ -108,7 +108,7 @@ impl<Q, A> Requests<Q, A> {
         if is_answered(&self.answered, own).await {
             return self.answer.try_take().unwrap_or(Err(Refusal::Busy));
         }
-        // Or it would be carried out after its caller has gone.
+        // Otherwise it would be carried out after its caller has gone.
         self.asked.reset();
         Err(Refusal::Busy)
     }

@@ -97,7 +97,7 @@ impl Lines {
         closes && baud == TOUCH
     }
 
-    /// Closes the port. Whoever opens it next would take the lines that wait for new.
+    /// Closes the port. A program that opens it next would take waiting lines for new ones.
     fn close(&self) {
         self.host.store(host::CLOSED, Ordering::Relaxed);
         self.bytes.clear();

@@ -107,8 +107,8 @@ impl<'q> SessionDriver<'q> {
                 if R::LEAVES_FLASH_TIME {
                     self.use_radio(radio, flash).await;
                 } else {
-                    // Whoever erases flash waits for it.
-                    let _air = flash.air().await;
+                    // An erasure of flash waits for its release.
+                    let _radio_turn = flash.radio_turn().await;
                     self.use_radio(radio, flash).await;
                     radio.silence().await;
                 }
@@ -121,8 +121,8 @@ impl<'q> SessionDriver<'q> {
     /// Carries out what the session asks for. Returns where a model is installed, if the radio leaves flash no time.
     async fn use_radio<R: Radio>(&self, radio: &mut R, flash: &SharedFlash<impl Flash>) {
         loop {
-            // Those that are dropped lose nothing: a signal stays until it is taken.
-            let next = select3(self.keep.wait(), unused::<R>(), self.wanted.wait());
+            // Dropped futures lose nothing: a signal stays until it is taken.
+            let next = select3(self.keep.wait(), must_be_idle::<R>(), self.wanted.wait());
             match next.await {
                 Either3::First(armband) => {
                     // Between two scans or connections: erasing a page holds the core up, for longer than a connection bears.
@@ -130,11 +130,11 @@ impl<'q> SessionDriver<'q> {
                     self.keep(flash, armband).await;
                 }
                 Either3::Second(()) => return,
-                // A connection that was not begun, or nothing that the session waits for.
+                // A connection that was not begun; or the session waits for nothing.
                 Either3::Third(Use::Nothing) => self.handle(MyoEvent::ConnectFailed),
                 Either3::Third(Use::Scan) => {
                     // The scan that is dropped ends; what it has heard was passed on.
-                    let scan = select3(self.is_changed(), self.scan(radio), unused::<R>());
+                    let scan = select3(self.is_changed(), self.scan(radio), must_be_idle::<R>());
                     if !matches!(scan.await, Either3::First(())) {
                         self.handle(MyoEvent::ScanEnded);
                     }
@@ -142,9 +142,9 @@ impl<'q> SessionDriver<'q> {
                 Either3::Third(Use::Connect(address)) => {
                     self.listens.reset();
                     self.connected.set(false);
-                    // The connection that is dropped ends, or is never established; with it an answer that is on its way.
-                    // First of the two: one that was established just now is known, and ended.
-                    let ended = select(self.is_changed(), unused::<R>());
+                    // A dropped connection ends, or is never established; an answer on its way is lost with it. The connection
+                    // is polled first: one that was established just now is known, and ended.
+                    let ended = select(self.is_changed(), must_be_idle::<R>());
                     select(radio.connect(address, self), ended).await;
                     self.request.reset();
                     self.sought.set(now());
@@ -192,10 +192,10 @@ impl<'q> SessionDriver<'q> {
             if let Following::Pinned(_) = following {
                 return Err(Refusal::BuiltIn);
             }
-            // To bind the armband that is followed and kept changes nothing, and would end its stream.
-            let is_so = matches!(following, Following::Bound(armband)
+            // Binding it again would change nothing, and end its stream.
+            let is_bound = matches!(following, Following::Bound(armband)
                 if command == BindCommand::Set(armband) && self.kept.get() == Some(armband));
-            if !is_so {
+            if !is_bound {
                 self.sought.set(now());
                 self.handle(event);
             }
@@ -217,7 +217,7 @@ impl<'q> SessionDriver<'q> {
             if model::current().is_none() || self.progress.get().is_alive(now()) {
                 heartbeat::RADIO.beat();
             }
-            // Whichever is dropped loses nothing: the ticker knows its next time, the request stays until it is taken.
+            // A dropped future loses nothing: the ticker knows its next time, the request stays until it is taken.
             let next = select(ticker.next(), requests::BIND.receive()).await;
             if let Either::Second((ticket, command)) = next {
                 requests::BIND.answer(ticket, self.bind(command));
@@ -282,8 +282,8 @@ impl<'q> SessionDriver<'q> {
     }
 }
 
-/// Waits until a model is installed, which a radio that leaves flash no time is not used beside.
-async fn unused<R: Radio>() {
+/// Resolves when an installation starts, if this radio must be idle while flash is erased; otherwise never.
+async fn must_be_idle<R: Radio>() {
     if R::LEAVES_FLASH_TIME {
         pending::<()>().await;
     }
@@ -315,7 +315,7 @@ impl ConnectionHandler for SessionDriver<'_> {
             })
             .await
         };
-        // It returns once the connection has ended: the session learns that, and waits for no answer then.
+        // Returns once the connection has ended: the session learns that, and waits for no answer.
         select(ask, listen).await;
     }
 }

@@ -124,10 +124,10 @@ pub async fn run(
     loop {
         let silence = timer_until(pipeline.deadline());
         let (asked, exchange) = (INFERENCE.receive(), MODEL.receive());
-        // Those that are dropped lose nothing: packets and requests stay until they are taken, the deadline is the pipeline's.
+        // Dropped futures lose nothing: packets and requests stay until they are taken, the deadline is the pipeline's.
         let next = select4(PACKETS.receive(), silence, asked, exchange).await;
         let now = now();
-        // Before anything else finds that it is late, and takes that for a silence of the armband.
+        // Checked first: a stall would otherwise be reported as silence of the armband.
         if dead_man.has_expired() {
             stalled(pipeline, now);
         }
@@ -222,7 +222,7 @@ pub async fn run(
                 MODEL.answer(ticket, done.map_err(|_| Refusal::Model));
             }
         }
-        // After requests too: whoever asks often enough would put the timer off for ever.
+        // After requests too: frequent requests would otherwise keep the timer from firing.
         if PACKETS.is_empty() {
             heartbeat::INFERENCE.beat();
         }
@@ -241,12 +241,12 @@ pub async fn run(
             AlignmentPhase::Aligned => true,
         };
         pin_state::set_alignment_led(calibration::led(blink).unwrap_or_else(alignment));
-        // However many packets wait: pins and lines follow each.
+        // Pins and lines follow each packet, however many wait.
         yield_now().await;
     }
 }
 
-/// Hardware made the pins safe: so is the state, if it was not.
+/// Makes the state safe after hardware made the pins safe.
 fn stalled(pipeline: &mut DevicePipeline, now: Millis) {
     if pipeline.status().valid() {
         let reports = pipeline.stalled(now);

@@ -36,7 +36,7 @@ pub fn text(rows: &[(usize, Imu)]) -> String {
     text
 }
 
-/// Reads the movement beside a recording; none if there is none.
+/// Reads the movement beside a recording; `None` without such a file.
 ///
 /// # Errors
 /// [`LoadError::Damaged`] if the file is none of these; [`LoadError::Io`] if it cannot be read.

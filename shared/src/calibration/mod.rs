@@ -37,8 +37,8 @@ use crate::stream::alignment::{Alignment, NAT};
 
 /// Fewest patches of each class, and of other movement if it is shown: those that lie whole in half a second.
 pub const FEWEST_PATCHES: u32 = 9;
-/// How much further from the template than the nearest placement the one in force may be and stay, where the opening of a
-/// calibration aligns the armband.
+/// Excess distance from the template, over the nearest placement's, up to which an opening of a calibration leaves the
+/// placement in force.
 pub const FAVOUR: u32 = 2 * NAT;
 /// Most patches of a hold that a calibration learns from: 3 s.
 pub const MOST_PATCHES: usize = 60;

@@ -92,8 +92,8 @@ pub(crate) fn solve_from(
     }
 }
 
-/// Sets the bias of the output for other movement, the last one of each look-back row. How like other movement gestures look
-/// differs from person to person, and a learnt head is surer of its gestures: without this, of any movement.
+/// Sets the bias of the output for other movement, the last one of each look-back row. Without this a
+/// learnt head would be surer of any movement, not of gestures alone, and for each person by another amount.
 fn place_other(sums: &Sums, classes: &Classes, outputs: usize, head: &mut Head) {
     for row in 0..LOOK_BACK {
         let (mut over, mut gestures) = (0.0, 0.0);
@@ -107,7 +107,7 @@ fn place_other(sums: &Sums, classes: &Classes, outputs: usize, head: &mut Head) 
 }
 
 /// Mean logit of an output over the patches that show a class.
-// Not inlined, as what follows: once in flash is enough, and nobody waits for it.
+// Not inlined, like the functions below: saves flash, and time does not matter here.
 #[inline(never)]
 fn mean_logit(sums: &Sums, class: Class, head: &Head, output: usize) -> f32 {
     let mut sum = 0.0;

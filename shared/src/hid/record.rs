@@ -8,7 +8,7 @@
 //! 16..20  CRC-32 of the bytes before, little-endian
 //! ```
 //!
-//! A record that is not whole is no record: the outputs are off then.
+//! With an incomplete record the outputs are off.
 
 use super::output::{HidKind, Output};
 use super::{GESTURES, Settings};

@@ -19,8 +19,8 @@ pub struct ConnectionParameters {
 }
 
 impl ConnectionParameters {
-    /// 7.5 to 15 ms, no latency, 2 s. The armband has a notification every 10 ms; how many of them it keeps for a longer
-    /// interval nobody knows.
+    /// 7.5 to 15 ms, no latency, 2 s. The armband has a notification every 10 ms; how many it keeps for a longer interval is
+    /// unknown.
     pub const OURS: Self = Self {
         min_interval: 6,
         max_interval: 12,

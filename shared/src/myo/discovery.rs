@@ -22,8 +22,8 @@ const BEFORE_UUID: usize = 3;
 pub enum Attribute {
     /// The value of a characteristic.
     Value(Characteristic, u16),
-    /// The descriptor that enables its notifications. The last one counts, where several are named: one that was refused is
-    /// named until one that can be read shows itself.
+    /// The descriptor that enables its notifications. If several are found, the last one counts: a
+    /// refused one is found before a readable one.
     Subscription(Characteristic, u16),
 }
 
@@ -111,7 +111,7 @@ const fn notifies(one: Characteristic) -> bool {
     )
 }
 
-/// The handle of the value and the UUID, none if it is of neither family, where `bytes` are a declaration.
+/// Handle and UUID of a declaration's value; the UUID is `None` if it belongs to neither family.
 fn declaration(handle: u16, bytes: &[u8]) -> Option<(u16, Option<Uuid>)> {
     let (before, uuid) = bytes.split_at_checked(BEFORE_UUID)?;
     let value_handle = u16::from_le_bytes([before[1], before[2]]);

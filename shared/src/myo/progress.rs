@@ -13,9 +13,9 @@ const EMPTY_STREAMS: u8 = 3;
 ///
 /// Whatever the session asks for, the stack has to answer within a minute, from the first question on: a scan is begun
 /// anew every few seconds, and that needs no other device. What came over the air has to come again within a minute too, but
-/// not before the first time: in a place without any Bluetooth device a restart would change nothing. Nor do streams without
-/// a notification count before the first one that worked: an armband that hangs looks the same, and costs one restart at
-/// most.
+/// not before the first time: in a place without any Bluetooth device a restart would change nothing. Streams
+/// without a notification do not count before the first stream that worked: an armband that hangs looks the same, and costs
+/// one restart at most.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct RadioProgress {
     /// Since when the stack owes an answer: its last one, or the first question. None while nothing is asked.
@@ -59,7 +59,7 @@ impl RadioProgress {
                 self.answered = Some(now);
             }
             MyoEvent::Answered => self.answered = Some(now),
-            // The driver's own, or the end of something that never began.
+            // The driver itself sends these, or they end an operation that never began.
             MyoEvent::ScanEnded
             | MyoEvent::ConnectFailed
             | MyoEvent::Failed

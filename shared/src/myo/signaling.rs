@@ -18,8 +18,8 @@ const RESERVED: u8 = 0x00;
 /// Bytes of the longest packet that is given to the host.
 pub const MOST_BYTES: usize = 16;
 
-/// The packet that the host refuses in place of one, of which these are the bytes up to the first fragment's end; none where
-/// nothing is to be answered: another channel, a response, a packet without an identifier.
+/// Packet that the host gets in place of a received one, to refuse it. `first` is the received one up to its first fragment's
+/// end. `None` if nothing is to be answered: another channel, a response, a packet without an identifier.
 ///
 /// A request for connection parameters becomes one for parameters that no link can have, which the host refuses as such; any
 /// other command, and a malformed one, becomes one that the host does not know.

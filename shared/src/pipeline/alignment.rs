@@ -22,7 +22,7 @@ pub(super) struct Placement {
     pub(super) current: Alignment,
     /// Alignment of each new connection: that under which the head in use was learnt.
     learnt: Alignment,
-    /// `current` was found or given, and is not only what nothing is known against.
+    /// Whether `current` was found or given, not assumed.
     is_known: bool,
     stage: Stage,
     view: View,

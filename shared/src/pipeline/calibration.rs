@@ -70,8 +70,8 @@ impl Calibration<'_> {
         }
     }
 
-    /// The electrodes were rearranged. What was shown before is forgotten, as it was of others; the opening shows itself
-    /// again, as far as the window holds it.
+    /// The electrodes were rearranged. The patches shown before are forgotten; the opening is taken again, as far as
+    /// the window holds it.
     pub(super) fn realigned(&mut self) {
         if let (Some(course), Some(memory)) = (&mut self.course, &mut self.memory) {
             memory.sums.clear();
@@ -91,7 +91,7 @@ impl Calibration<'_> {
             return;
         };
         let is_opening = course.is_realigned && course.opened.since(window_end) < 1 << 31;
-        // As many before it as are not counted of a cue: the encoder looks back.
+        // The first `REACTION` patches do not count, as in a cue: the encoder looks back.
         if is_opening && behind + (REACTION as usize) < WINDOW_PATCHES {
             let open = Shown::Intent(Intent::Open);
             memory.sums.add(encoder.hidden(state), open);

@@ -58,7 +58,7 @@ impl<E: Encode> Pipeline<'_, E> {
     ///
     /// The wearer's normalization is kept if both models require the same preprocessing; otherwise the samples so
     /// far cannot be used, and a new window begins. The alignment is kept if it was found by the template of this model, and
-    /// otherwise dropped: what is in its place depends on how each template was measured. A head that was learnt under another
+    /// otherwise dropped: alignments by different templates differ. A head that was learnt under another
     /// alignment than the one before brings its own.
     pub fn resume(&mut self, now: Millis, encoder: E, smoother: Smoother, input: Input) {
         self.interrupt_decision();

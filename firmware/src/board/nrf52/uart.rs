@@ -117,7 +117,7 @@ impl LabelPort {
             };
             rest = rest.get(count..).unwrap_or_default();
         }
-        // So that whoever waits for the line knows that the UART takes lines.
+        // Then the task that waits for the line knows that the UART takes lines.
         if self.0.flush().await.is_err() {
             defmt::error!("the UART did not send a line");
         }

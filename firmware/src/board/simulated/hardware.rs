@@ -45,7 +45,7 @@ pub enum Incident {
 }
 
 fn lock() -> MutexGuard<'static, Option<Hardware>> {
-    // Whoever panicked here had not begun to change anything.
+    // A panic here comes before any change.
     HARDWARE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -214,6 +214,6 @@ pub fn write_line(line: &[u8], ended_us: u64) {
 }
 
 fn write(file: &mut File, text: impl Display) {
-    // Who looks at the files finds out that they end.
+    // A reader of the file notices its end.
     let _ = write!(file, "{text}");
 }

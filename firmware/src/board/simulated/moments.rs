@@ -152,7 +152,7 @@ fn play(
             assert!(poll(Pin::as_mut(board)).is_pending());
         }
     };
-    let mut air: Option<MutexGuard<'_, NoopRawMutex, ()>> = None;
+    let mut radio_turn: Option<MutexGuard<'_, NoopRawMutex, ()>> = None;
     for &(at_ms, act) in acts {
         run_until(&mut board, at_ms);
         match act {
@@ -163,18 +163,18 @@ fn play(
                 assert!(poll(answer).is_ready(), "{command:?} is not answered");
             }
             Act::Model(true) => {
-                air = None;
+                radio_turn = None;
                 model::set(Some(2));
             }
             Act::Model(false) => {
                 model::set(None);
-                let mut free = pin!(flash.air());
-                while air.is_none() {
+                let mut free = pin!(flash.radio_turn());
+                while radio_turn.is_none() {
                     // The page may be written just now.
                     MockDriver::get().advance(Duration::from_millis(1));
                     assert!(poll(board.as_mut()).is_pending());
                     if let Poll::Ready(guard) = poll(free.as_mut()) {
-                        air = Some(guard);
+                        radio_turn = Some(guard);
                     }
                 }
             }

@@ -1,4 +1,4 @@
-//! Numbers in what is said of a file: the library's way to write them is 6 KiB of a board's flash.
+//! Decimal numbers in messages about a file: the library's formatting would take 6 KiB of a board's flash.
 
 use core::fmt;
 

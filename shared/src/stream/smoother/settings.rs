@@ -87,7 +87,7 @@ impl Early {
 pub(super) const CAUTION: f32 = 20.0 * SAMPLE_RATE_HZ as f32;
 
 names! {
-    /// Named operating point: how soon a label changes, against how seldom it changes for nothing. Chosen by
+    /// Named operating point: labels that change soon against labels that change seldom without intent. Chosen by
     /// cross-validation: docs/results.md has the curve.
     #[derive(Serialize, Deserialize)]
     #[serde(rename_all = "kebab-case")]

@@ -92,7 +92,7 @@ impl Controller {
         match *unit {
             [PARAMETERS_RESPONSE, identifier, 2, 0, 0 | 1, 0]
             | [COMMAND_REJECT, identifier, 2, 0, ..] => self.air.answer(identifier),
-            _ => return Err(wrong(&format!("with a signal that is none: {unit:x?}"))),
+            _ => return Err(wrong(&format!("with a malformed signal: {unit:x?}"))),
         }
         Ok(answer::SUCCESS)
     }
