@@ -19,61 +19,41 @@
 mod alignment;
 mod calibration;
 mod in_use;
-mod losses;
+mod output;
+mod window;
 
 pub use self::alignment::AlignmentPhase;
 use self::alignment::Placement;
 use self::calibration::{Calibration, Then};
-use self::in_use::InUse;
+use self::in_use::Network;
 pub use self::in_use::{Input, Smoother};
+use self::output::Output;
+use self::window::{Loss, Next, Window};
 use crate::intent::{Intent, MAX_CLASSES};
 use crate::model::Encode;
 use crate::model::file::Model;
 use crate::stream::lock::{Lock, LockTimes};
 use crate::stream::normalizer::Normalizer;
-use crate::stream::preprocess::{Preprocessing, Preprocessor};
-use crate::stream::ring::{Origin, SampleRing};
-use crate::stream::safe_state::{SafeState, SafetyEvent, Start, Status};
+use crate::stream::preprocess::Preprocessing;
+use crate::stream::ring::Origin;
+use crate::stream::safe_state::{SafetyEvent, Start, Status};
 use crate::stream::smoother::{Decision, Settings, SettingsError};
 use crate::stream::strength::{Percent, Strength};
 use crate::uart_line::calibration::CalibrationState;
-use crate::uart_line::{Counters, Report, ReportKind};
-use crate::units::{Millis, PATCH, Sample, SampleIndex, WINDOW_PATCHES};
+use crate::uart_line::{Report, ReportKind};
+use crate::units::{Millis, Sample, SampleIndex};
 
 /// Composition of all steps from samples to reports.
-#[derive(Debug)]
 pub struct Pipeline<'s, E: Encode> {
-    /// Preprocessing that the model requires.
-    preprocessing: Preprocessing,
     /// Normalizer, for a model that was trained with it. Its state outlasts gaps and disconnections.
     normalizer: Option<Normalizer>,
     /// Strength of the wearer. Its state outlasts gaps and disconnections too.
     strength: Strength,
     placement: Placement,
-    preprocessor: Preprocessor,
-    ring: SampleRing,
-    /// Complete patches in the ring that the encoder has yet to take, the newest ones.
-    behind: usize,
-    /// Model in use; `None` if it was refused, or while another model is being installed.
-    model: Option<InUse<E>>,
-    /// Borrowed: it is too large to be moved over a device's stack.
-    state: &'s mut E::State,
-    safe_state: SafeState,
-    counters: Counters,
-    /// The newest sample of the ring's newest complete patch.
-    newest_end: SampleIndex,
-    /// Position of the next sample.
-    next: SampleIndex,
-    /// Position of the newest sample, lost ones included; 0 before the first.
-    newest: SampleIndex,
-    /// The last sample, aligned, which fills gaps; none where no gap may be filled.
-    last: Option<Sample>,
-    /// The newest label; none since a reset of the window.
-    label: Option<(SampleIndex, Intent)>,
-    /// Lock of the labels; none if they are not locked.
-    lock: Option<Lock>,
+    window: Window,
+    network: Network<'s, E>,
     calibration: Calibration<'s>,
-    sequence: u32,
+    output: Output,
 }
 
 impl<'s, E: Encode> Pipeline<'s, E> {
@@ -122,35 +102,22 @@ impl<'s, E: Encode> Pipeline<'s, E> {
     /// in place.
     pub fn without_model(state: &'s mut E::State, start: Start) -> Self {
         Self {
-            preprocessing: Preprocessing::default(),
             normalizer: None,
             strength: Strength::new(),
             placement: Placement::default(),
-            preprocessor: Preprocessor::default(),
-            ring: SampleRing::new(),
-            behind: 0,
-            model: None,
-            state,
-            safe_state: SafeState::new(start),
-            counters: Counters::default(),
-            newest_end: SampleIndex(0),
-            next: SampleIndex(0),
-            newest: SampleIndex(0),
-            last: None,
-            label: None,
-            lock: None,
+            window: Window::new(),
+            network: Network::new(state),
             calibration: Calibration::default(),
-            sequence: 0,
+            output: Output::new(start),
         }
     }
 
     /// Sets the preprocessing of the model's training; before the first call it is not normalized, with the paper's
     /// median. Forgets the wearer.
     pub fn preprocess(&mut self, preprocessing: Preprocessing) {
-        self.preprocessing = preprocessing;
         self.normalizer = preprocessing.normalized.then(Normalizer::new);
         self.strength = Strength::new();
-        self.preprocessor = Preprocessor::new(preprocessing.median);
+        self.window.preprocess(preprocessing);
     }
 
     /// Takes the next sample.
@@ -191,7 +158,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
     /// Handles that only time passed. To be called at [`Pipeline::deadline`].
     pub fn tick(&mut self, now: Millis) -> Reports {
         let mut reports = Reports::default();
-        if self.safe_state.silent(now) {
+        if self.output.safe_state().silent(now) {
             self.reset_window();
             self.handle(now, SafetyEvent::Tick, &mut reports);
         }
@@ -201,52 +168,43 @@ impl<'s, E: Encode> Pipeline<'s, E> {
     /// Time from which the stream counts as silent unless a sample arrives before; none while no stream is running.
     #[must_use]
     pub fn deadline(&self) -> Option<Millis> {
-        self.safe_state.deadline()
+        self.output.safe_state().deadline()
     }
 
     /// State of the output pins.
     #[must_use]
     pub const fn status(&self) -> Status {
-        self.safe_state.status()
+        self.output.status()
     }
 
     /// Locks the labels until a sign of the wearer, or locks them no longer, from the next label on.
     pub fn set_lock(&mut self, times: Option<LockTimes>) {
-        self.lock = times.map(Lock::new);
+        self.output.set_lock(times);
     }
 
     /// Unlocks the labels, or locks them again, without a sign; nothing if they have no lock.
     pub const fn hold_lock(&mut self, is_locked: bool) {
-        match &mut self.lock {
-            Some(lock) if is_locked => lock.lock(),
-            Some(lock) => lock.unlock(),
-            None => {}
-        }
+        self.output.hold_lock(is_locked);
     }
 
     /// Lock of the labels, if they have one.
     #[must_use]
     pub const fn lock(&self) -> Option<Lock> {
-        self.lock
+        self.output.lock()
     }
 
     /// A report of the present state, as a program writes it when it starts.
     pub fn state_report(&mut self) -> Report {
-        self.report(ReportKind::State, self.newest, self.newest)
+        self.report(
+            ReportKind::State,
+            self.window.newest(),
+            self.window.newest(),
+        )
     }
 
     /// Takes one sample, aligned, received or filled in.
     fn push(&mut self, sample: Sample, origin: Origin) {
-        self.newest = self.next;
-        self.next = self.newest.plus(1);
-        self.last = Some(sample);
-        let Some(clean) = self.preprocessor.push(sample) else {
-            return;
-        };
-        if self.ring.push(clean, origin).is_some() {
-            // The preprocessor lags one sample.
-            self.newest_end = SampleIndex(self.newest.0.wrapping_sub(1));
-            self.behind += 1;
+        if self.window.push(sample, origin) {
             self.patch_completed();
         }
     }
@@ -256,7 +214,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         if self.decide_arm() {
             return true;
         }
-        if self.behind == 0 || self.model.is_none() {
+        if !self.window.is_behind() || !self.has_model() {
             return false;
         }
         if let Some(decision) = self.decide() {
@@ -267,28 +225,26 @@ impl<'s, E: Encode> Pipeline<'s, E> {
 
     /// Has the encoder take a patch, and the smoother decide.
     fn decide(&mut self) -> Option<Decision> {
-        let InUse { encoder, smoother } = self.model.as_mut()?;
+        let (encoder, smoother, state) = self.network.parts()?;
         // One patch a sample: ten times as fast as they come, and on a device less than the time between two samples.
-        let behind = self.behind.min(self.ring.complete()).saturating_sub(1);
-        self.behind = behind;
-        let patch = self.ring.before_newest(behind);
-        let rows = encoder.step(self.state, patch);
-        let after = (behind * PATCH) as u32;
-        let window_end = SampleIndex(self.newest_end.0.wrapping_sub(after));
-        self.calibration
-            .again(encoder, self.state, window_end, behind);
-        let window_full = self.ring.contiguous() as usize / PATCH >= WINDOW_PATCHES + behind;
+        let Next {
+            patch,
+            end,
+            behind,
+            is_full,
+        } = self.window.take();
+        let rows = encoder.step(state, patch);
+        self.calibration.again(encoder, state, end, behind);
         // The labels that older windows take part in were emitted under the alignment before.
-        if !window_full || behind > smoother.look_ahead() {
+        if !is_full || behind > smoother.look_ahead() {
             return None;
         }
-        let decision = smoother.push(window_end, &rows);
+        let decision = smoother.push(end, &rows);
         if !self.calibration.is_busy() {
             return decision;
         }
         if behind == 0 {
-            let state = &mut *self.state;
-            match self.calibration.push(encoder, state, window_end, decision) {
+            match self.calibration.push(encoder, state, end, decision) {
                 Then::Nothing => {}
                 Then::Encode => self.encode_anew(),
                 Then::Align(profile) => self.align_by(profile),
@@ -303,14 +259,10 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         let Some(intent) = Intent::from_class(decision.class) else {
             return;
         };
-        if self.contradicts(decision.instant, intent) {
+        if self.output.contradicts(decision.instant, intent) {
             return;
         }
-        self.label = Some((decision.instant, intent));
-        let shown = match &mut self.lock {
-            Some(lock) => lock.push(decision.instant, intent),
-            None => Some(intent),
-        };
+        let shown = self.output.show(decision.instant, intent);
         let Some(intent) = shown else {
             self.handle(now, SafetyEvent::Locked, reports);
             return;
@@ -321,50 +273,56 @@ impl<'s, E: Encode> Pipeline<'s, E> {
             intent,
             window_full: true,
         };
-        if self.safe_state.handle(now, event).is_some() {
-            reports.push(self.report(ReportKind::State, decision.instant, self.newest));
+        let newest = self.window.newest();
+        if self.output.handle(now, event) {
+            reports.push(self.report(ReportKind::State, decision.instant, newest));
         }
-        reports.push(self.report(ReportKind::Label, decision.instant, self.newest));
+        reports.push(self.report(ReportKind::Label, decision.instant, newest));
     }
 
-    /// Whether an instant has another label, or is before one that has a label. So it may be where samples were taken
-    /// again after an early label: it stands, and what the samples say now counts from the next instant on.
-    fn contradicts(&self, instant: SampleIndex, intent: Intent) -> bool {
-        self.label
-            .is_some_and(|(labelled, before)| match labelled.since(instant) {
-                0 => intent != before,
-                later => later < 1 << 31,
-            })
+    /// Samples are missing before the next one: up to 5 are filled in, more reset the window. So do fewer
+    /// with which more than 60 of the window's 600 samples would have been filled in.
+    pub fn gap(&mut self, now: Millis, missing: u32) -> Reports {
+        let mut reports = self.tick(now);
+        match self.window.lose(missing) {
+            Loss::Bridged(last) => {
+                // A patch a call at most, however far the encoder is behind: the next sample is due.
+                let mut encoded = false;
+                for _ in 0..missing {
+                    self.push(last, Origin::Bridged);
+                    encoded = encoded || self.encode(now, &mut reports);
+                }
+            }
+            Loss::Ended { is_long } => {
+                self.reset_window();
+                let event = if is_long {
+                    SafetyEvent::Gap
+                } else {
+                    SafetyEvent::Losses
+                };
+                self.handle(now, event, &mut reports);
+            }
+            Loss::None => {}
+        }
+        reports
     }
 
     /// Resets all steps: the next sample does not follow the previous one.
     fn reset_window(&mut self) {
-        if self.last.take().is_none() {
+        if !self.window.reset() {
             return;
         }
-        self.counters.resets = self.counters.resets.saturating_add(1);
-        self.preprocessor = Preprocessor::new(self.preprocessing.median);
-        self.ring.reset();
-        self.behind = 0;
-        self.label = None;
-        self.hold_lock(true);
+        self.output.reset();
         self.end_calibration(CalibrationState::Interrupted);
         self.interrupt_alignment();
-        self.restart_model();
+        self.network.restart();
     }
 
     fn handle(&mut self, now: Millis, event: SafetyEvent, reports: &mut Reports) {
-        if self.safe_state.handle(now, event).is_some() {
+        if self.output.handle(now, event) {
             let report = self.state_report();
             reports.push(report);
         }
-    }
-
-    /// Number of the next line.
-    const fn next_sequence(&mut self) -> u32 {
-        let sequence = self.sequence;
-        self.sequence = sequence.wrapping_add(1);
-        sequence
     }
 
     /// Level at rest, for the strength; 0 without a normalizer.
@@ -374,19 +332,18 @@ impl<'s, E: Encode> Pipeline<'s, E> {
 
     /// Strength of the wearer's contraction in the label of the outputs.
     pub fn strength(&self) -> Percent {
-        let label = self.safe_state.status().label();
+        let label = self.output.status().label();
         self.strength.of(label, self.rest())
     }
 
     fn report(&mut self, kind: ReportKind, instant: SampleIndex, emitted: SampleIndex) -> Report {
-        let status = self.safe_state.status();
         Report {
             kind,
-            sequence: self.next_sequence(),
+            sequence: self.output.next_sequence(),
             instant,
             emitted,
-            status,
-            counters: self.counters,
+            status: self.output.status(),
+            counters: self.window.counters(),
             strength: Some(self.strength()),
         }
     }

@@ -204,8 +204,8 @@ impl<E: Encode> Pipeline<'_, E> {
             quality,
         } = self.placement.news.take()?;
         Some(AlignmentReport {
-            sequence: self.next_sequence(),
-            emitted: self.newest,
+            sequence: self.output.next_sequence(),
+            emitted: self.window.newest(),
             state,
             gestures,
             alignment: self.placement.current,
@@ -268,9 +268,9 @@ impl<E: Encode> Pipeline<'_, E> {
         match progress {
             AlignmentProgress::Waiting | AlignmentProgress::Gesture => {}
             AlignmentProgress::Undecided(mut decision) => {
-                decision.start(self.ring.complete());
+                decision.start(self.window.ring().complete());
                 self.placement.stage = Stage::Arm(decision);
-                if self.model.is_none() {
+                if !self.has_model() {
                     self.interrupt_decision();
                 }
             }
@@ -306,9 +306,7 @@ impl<E: Encode> Pipeline<'_, E> {
             return;
         }
         self.placement.current = alignment;
-        self.preprocessor.rearrange(change);
-        self.ring.rearrange(change);
-        self.last = self.last.map(|sample| change.apply(sample));
+        self.window.rearrange(change);
         self.calibration.realigned();
         self.encode_anew();
     }

@@ -197,15 +197,15 @@ impl<'s, E: Encode> Pipeline<'s, E> {
     /// the arm, whatever the alignment in force says. `None` without memory, without a model, or if the model has no output
     /// for other movement and it is wanted.
     pub fn begin_calibration(&mut self, now: Millis, others: bool, arm: Arm) -> Option<Reports> {
-        let model = self.model.as_ref()?;
+        let (encoder, smoother) = self.network.model()?;
         let memory = self.calibration.memory.as_mut()?;
-        if others && !model.smoother.knows_other() {
+        if others && !smoother.knows_other() {
             return None;
         }
         memory.sums.clear();
-        let mut smoother = model.smoother.clone();
+        let mut smoother = smoother.clone();
         smoother.restart();
-        let session = Session::new(model.encoder.classes(), others);
+        let session = Session::new(encoder.classes(), others);
         self.cancel_alignment();
         self.calibration.course = Some(Course {
             session,

@@ -14,10 +14,48 @@ use crate::units::{LOOK_BACK, Millis};
 pub type Smoother = smoother::Smoother<MAX_LOGITS, LOOK_BACK>;
 
 /// A model, and the smoother with its settings.
-#[derive(Debug)]
-pub(super) struct InUse<E> {
-    pub(super) encoder: E,
-    pub(super) smoother: Smoother,
+struct InUse<E> {
+    encoder: E,
+    smoother: Smoother,
+}
+
+/// The model, with the memory of its encoder.
+pub(super) struct Network<'s, E: Encode> {
+    /// Model in use; `None` if it was refused, or while another model is being installed.
+    model: Option<InUse<E>>,
+    /// Borrowed: it is too large to be moved over a device's stack.
+    state: &'s mut E::State,
+}
+
+impl<'s, E: Encode> Network<'s, E> {
+    pub(super) const fn new(state: &'s mut E::State) -> Self {
+        Self { model: None, state }
+    }
+
+    /// Encoder, smoother and the encoder's memory; `None` without a model.
+    pub(super) fn parts(&mut self) -> Option<(&E, &mut Smoother, &mut E::State)> {
+        let InUse { encoder, smoother } = self.model.as_mut()?;
+        Some((encoder, smoother, self.state))
+    }
+
+    /// Encoder and smoother; `None` without a model.
+    pub(super) fn model(&self) -> Option<(&E, &Smoother)> {
+        let model = self.model.as_ref();
+        model.map(|model| (&model.encoder, &model.smoother))
+    }
+
+    /// Forgets all patches; the label is relax until there is another one.
+    pub(super) fn restart(&mut self) {
+        if let Some((encoder, smoother, state)) = self.parts() {
+            encoder.reset(state);
+            smoother.restart();
+        }
+    }
+
+    #[cfg(test)]
+    pub(super) const fn state(&self) -> &E::State {
+        self.state
+    }
 }
 
 /// Input that a model requires.
@@ -45,7 +83,7 @@ impl<E: Encode> Pipeline<'_, E> {
 
     fn give_up(&mut self, now: Millis, event: SafetyEvent) -> Reports {
         let mut reports = self.tick(now);
-        self.model = None;
+        self.network.model = None;
         self.hold_lock(true);
         self.end_calibration(CalibrationState::Interrupted);
         self.cancel_alignment();
@@ -62,7 +100,7 @@ impl<E: Encode> Pipeline<'_, E> {
     /// alignment than the one before brings its own.
     pub fn resume(&mut self, now: Millis, encoder: E, smoother: Smoother, input: Input) {
         self.interrupt_decision();
-        if self.preprocessing != input.preprocessing {
+        if self.window.preprocessing() != input.preprocessing {
             self.reset_window();
             self.preprocess(input.preprocessing);
         }
@@ -80,46 +118,38 @@ impl<E: Encode> Pipeline<'_, E> {
         self.set_model(encoder, smoother);
         self.encode_anew();
         // It gives no report: the state stays until there is a label.
-        let _ = self.safe_state.handle(now, SafetyEvent::Installed);
+        self.output.handle(now, SafetyEvent::Installed);
     }
 
     /// Whether there is a model.
     #[must_use]
     pub const fn has_model(&self) -> bool {
-        self.model.is_some()
+        self.network.model.is_some()
     }
 
     pub(super) fn set_model(&mut self, encoder: E, smoother: Smoother) {
-        encoder.reset(self.state);
-        self.model = Some(InUse { encoder, smoother });
-    }
-
-    /// Forgets all patches; the label is relax until there is another one.
-    pub(super) fn restart_model(&mut self) {
-        if let Some(model) = &mut self.model {
-            model.encoder.reset(self.state);
-            model.smoother.restart();
-        }
+        encoder.reset(self.network.state);
+        self.network.model = Some(InUse { encoder, smoother });
     }
 
     /// Encodes all samples again.
     pub(super) fn encode_anew(&mut self) {
-        self.restart_model();
-        self.behind = self.ring.complete();
+        self.network.restart();
+        self.window.rewind();
     }
 
     /// Margins in place of the model's confidence gate; empty without a model.
     #[must_use]
     pub fn gate(&self) -> Gate {
-        let model = self.model.as_ref();
-        model.map_or(Gate::default(), |model| model.smoother.gate())
+        let model = self.network.model();
+        model.map_or(Gate::default(), |(_, smoother)| smoother.gate())
     }
 
     /// Puts margins in place of the model's, from the next label on; returns whether there is a model that has all of these
     /// margins.
     pub fn set_gate(&mut self, gate: Gate) -> bool {
         let fits = |smoother: &Smoother| gate.other.is_none() || smoother.knows_other();
-        let model = self.model.as_mut();
+        let model = self.network.model.as_mut();
         let Some(model) = model.filter(|model| fits(&model.smoother)) else {
             return false;
         };

@@ -5,6 +5,7 @@ use crate::intent::MAX_LOGITS;
 use crate::model::LookBackLogits;
 use crate::stream::preprocess::{Median, Preprocessing, clean};
 use crate::stream::safe_state::Cause;
+use crate::uart_line::Counters;
 use crate::units::{CHANNELS, LOOK_BACK, PATCH, Patch};
 use alloc::{boxed::Box, vec, vec::Vec};
 use proptest::prelude::*;
@@ -104,7 +105,7 @@ fn labels_begin_after_600_samples_the_look_ahead_and_the_median() {
         ]
     );
     assert_eq!(next[1].sequence, boot.sequence + 4);
-    assert_eq!(pipeline.counters, Counters::default());
+    assert_eq!(pipeline.window.counters(), Counters::default());
 }
 
 #[test]
@@ -171,11 +172,15 @@ fn six_lost_samples_reset_the_window() {
         bridged: 0,
         resets: 1,
     };
-    assert_eq!(pipeline.counters, expected);
-    assert_eq!(*pipeline.state, SumModel.fresh(), "the model is not reset");
+    assert_eq!(pipeline.window.counters(), expected);
+    assert_eq!(
+        *pipeline.network.state(),
+        SumModel.fresh(),
+        "the model is not reset"
+    );
     // A second gap before any sample resets nothing.
     assert_eq!(fields(pipeline.gap(at(668), 1)), []);
-    assert_eq!(pipeline.counters.resets, 1);
+    assert_eq!(pipeline.window.counters().resets, 1);
 
     // The new window begins at sample 668.
     assert_eq!(fields(feed(&mut pipeline, 668, 660, 1)), []);
@@ -206,8 +211,8 @@ fn the_quota_of_bridged_samples_is_exact_and_has_its_own_cause() {
         index += 1;
     }
     assert!(pipeline.status().valid());
-    assert_eq!(pipeline.ring.bridged(), 60);
-    let before = pipeline.counters;
+    assert_eq!(pipeline.window.ring().bridged(), 60);
+    let before = pipeline.window.counters();
     let losses = Status::Safe(Cause::Losses);
     assert_eq!(
         fields(pipeline.gap(at(index), 1)),
@@ -218,8 +223,12 @@ fn the_quota_of_bridged_samples_is_exact_and_has_its_own_cause() {
         bridged: 60,
         resets: 1,
     };
-    assert_eq!(pipeline.counters, expected);
-    assert_eq!(*pipeline.state, SumModel.fresh(), "the model is not reset");
+    assert_eq!(pipeline.window.counters(), expected);
+    assert_eq!(
+        *pipeline.network.state(),
+        SumModel.fresh(),
+        "the model is not reset"
+    );
     // A full window is needed to be valid again.
     index += 1;
     assert_eq!(fields(feed(&mut pipeline, index, 660, 1)), []);
@@ -238,13 +247,17 @@ fn silence_and_disconnection_reset_the_window() {
         [(ReportKind::State, 660, 660, silent)]
     );
     assert_eq!(pipeline.status(), silent);
-    assert_eq!(*pipeline.state, SumModel.fresh(), "the model is not reset");
+    assert_eq!(
+        *pipeline.network.state(),
+        SumModel.fresh(),
+        "the model is not reset"
+    );
     let disconnected = Status::Safe(Cause::Disconnected);
     assert_eq!(
         fields(pipeline.disconnected(Millis(4000))),
         [(ReportKind::State, 660, 660, disconnected)]
     );
-    assert_eq!(pipeline.counters.resets, 1);
+    assert_eq!(pipeline.window.counters().resets, 1);
     assert_eq!(pipeline.deadline(), None);
     assert_eq!(fields(feed(&mut pipeline, 661, 660, 1)), []);
 }
@@ -269,7 +282,7 @@ fn a_sample_after_a_silence_reports_it_without_a_tick() {
     let reports = pipeline.sample(Millis(3600), constant(1));
     let silent = Status::Safe(Cause::Silence);
     assert_eq!(fields(reports), [(ReportKind::State, 660, 660, silent)]);
-    assert_eq!(pipeline.ring.contiguous(), 0);
+    assert_eq!(pipeline.window.ring().contiguous(), 0);
 }
 
 #[test]

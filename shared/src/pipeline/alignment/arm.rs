@@ -3,7 +3,6 @@
 use super::Stage;
 use crate::model::Encode;
 use crate::pipeline::Pipeline;
-use crate::pipeline::in_use::InUse;
 #[cfg(test)]
 use crate::stream::alignment::ArmDecision;
 use crate::stream::alignment::{Fit, Outcome, Poor};
@@ -37,16 +36,16 @@ impl<E: Encode> Pipeline<'_, E> {
         let Stage::Arm(decision) = &mut self.placement.stage else {
             return false;
         };
-        let Some(InUse { encoder, smoother }) = &self.model else {
+        let Some((encoder, smoother, state)) = self.network.parts() else {
             return false;
         };
         let next = decision.next();
         if next.is_first {
-            encoder.reset(self.state);
+            encoder.reset(state);
         }
-        let mut patch = *self.ring.before_newest(next.back);
+        let mut patch = *self.window.ring().before_newest(next.back);
         next.alignment.apply_to_all(&mut patch);
-        let rows = encoder.step(self.state, &patch);
+        let rows = encoder.step(state, &patch);
         let outputs = encoder.classes() + usize::from(smoother.knows_other());
         if let Some(outcome) = decision.score(&rows, outputs) {
             self.end_alignment();

@@ -186,10 +186,10 @@ fn a_real_encoders_decision_is_that_of_its_logits_over_the_window() {
         pipeline.begin_alignment(Arm::Unknown);
         run(&mut pipeline, &samples, 0..start + 1);
         // The window then: the encoder has just taken its first patch.
-        let patches: Vec<Patch> = pipeline.ring.patches().copied().collect();
+        let patches: Vec<Patch> = pipeline.window.ring().patches().copied().collect();
         let patches = &patches[patches.len() - 53..];
         // A patch of 10 samples, of which the newest is `newest_end`, wholly within patches that the alignment saw active.
-        let first = pipeline.newest_end.0 as usize + 1 - 530;
+        let first = pipeline.window.newest_end().0 as usize + 1 - 530;
         let is_open = |patch: usize| {
             let begin = first + 10 * patch;
             let within = |end: usize| begin + 9 < end && begin + 200 >= end;
@@ -233,7 +233,7 @@ fn no_sample_is_lost_while_the_model_decides_and_labels_are_those_of_an_armband_
     let longest = longest_pause(&reports);
     assert!(longest <= Some(180), "{longest:?}");
     assert!(pipeline.status().valid());
-    assert_eq!(pipeline.counters, Counters::default());
+    assert_eq!(pipeline.window.counters(), Counters::default());
 }
 
 #[test]

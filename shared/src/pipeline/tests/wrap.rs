@@ -31,7 +31,6 @@ fn the_sample_before_position_0_is_the_largest_one() {
     assert_eq!(pipeline.state_report().emitted, SampleIndex(u32::MAX - 10));
     // Ten samples: the next one has position 0.
     assert_eq!(fields(feed(&mut pipeline, 0, 10, 1)), []);
-    assert_eq!(pipeline.next, SampleIndex(0));
     let state = pipeline.state_report();
     let newest = SampleIndex(u32::MAX);
     assert_eq!((state.instant, state.emitted), (newest, newest));
@@ -87,7 +86,7 @@ fn labels_across_the_wrap_are_those_of_any_other_position() {
 #[test]
 fn line_numbers_wrap() {
     let mut pipeline = pipeline();
-    pipeline.sequence = u32::MAX;
+    pipeline.output.set_sequence(u32::MAX);
     pipeline.begin_alignment(Arm::Unknown);
     let last = pipeline.take_alignment_report().unwrap();
     assert_eq!(last.sequence, u32::MAX);
@@ -99,20 +98,20 @@ fn line_numbers_wrap() {
 fn counters_stay_at_their_maximum() {
     let mut pipeline = pipeline();
     feed(&mut pipeline, 0, 20, 1);
-    pipeline.counters = Counters {
+    pipeline.window.set_counters(Counters {
         lost: u32::MAX - 3,
         bridged: u32::MAX - 3,
         resets: u32::MAX,
-    };
+    });
     pipeline.gap(at(20), 5);
     let most = Counters {
         lost: u32::MAX,
         bridged: u32::MAX,
         resets: u32::MAX,
     };
-    assert_eq!(pipeline.counters, most);
+    assert_eq!(pipeline.window.counters(), most);
     pipeline.gap(at(25), u32::MAX);
-    assert_eq!(pipeline.counters, most);
+    assert_eq!(pipeline.window.counters(), most);
     let line = alloc::format!("{}", pipeline.state_report());
     assert!(
         line.contains(",4294967295,4294967295,4294967295,0*"),

@@ -89,25 +89,28 @@ fn another_template_drops_the_alignment_and_another_normalization_the_window() {
         (news.state, news.alignment),
         (AlignmentState::Set, Alignment::NONE)
     );
-    assert!(pipeline.ring.is_full());
+    assert!(pipeline.window.ring().is_full());
 
     let (encoder, smoother, input) = model_of(4);
     let _ = pipeline.suspend(Millis(7500));
     let mut other = input;
     other.preprocessing.normalized = true;
     pipeline.resume(Millis(7500), encoder, smoother, other);
-    assert!(!pipeline.ring.is_full(), "samples that were not normalized");
+    assert!(
+        !pipeline.window.ring().is_full(),
+        "samples that were not normalized"
+    );
     let report = pipeline.state_report();
     assert_eq!(report.counters.resets, 1);
 
     for index in 1500..2200 {
         let _ = pipeline.sample(Millis(index * 5), [20; 8]);
     }
-    assert!(pipeline.ring.is_full());
+    assert!(pipeline.window.ring().is_full());
     let (encoder, smoother, _) = model_of(4);
     other.preprocessing.median = Median::Off;
     pipeline.resume(Millis(11_000), encoder, smoother, other);
-    assert!(!pipeline.ring.is_full(), "samples after a median");
+    assert!(!pipeline.window.ring().is_full(), "samples after a median");
 }
 
 #[test]
