@@ -184,7 +184,8 @@ fn photograph(browser: &mut Browser, folder: &Path, name: &str) {
 
 #[test]
 fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> {
-    let (Some(python), Some(mut browser)) = (python(), Browser::start(BrowserKind::Chromium)) else {
+    let (Some(python), Some(mut browser)) = (python(), Browser::start(BrowserKind::Chromium))
+    else {
         return Ok(());
     };
     let folder = tempfile::tempdir()?;

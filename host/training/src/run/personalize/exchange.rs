@@ -17,7 +17,10 @@ const EXPLAINED: f64 = 0.1;
 /// exchange of two explains a tenth of balanced accuracy.
 ///
 /// Uses the published labels: lag compensation drops labels that no muscle follows, such as rest labelled as a gesture.
-pub(super) fn exchange(file: &[u8], person: &PersonRecordings) -> Result<Option<Exchange>, PersonalizeError> {
+pub(super) fn exchange(
+    file: &[u8],
+    person: &PersonRecordings,
+) -> Result<Option<Exchange>, PersonalizeError> {
     let model = Model::parse(file)?;
     let published = |own: &Own| {
         let mut recording = own.evaluated.clone();

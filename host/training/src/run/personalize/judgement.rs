@@ -30,7 +30,11 @@ pub(super) struct Judgement {
 
 impl Judgement {
     /// Runs a model file, `name` in tables, on a part.
-    pub(super) fn new(name: &str, file: &[u8], part: &PersonPart<'_>) -> Result<Self, PersonalizeError> {
+    pub(super) fn new(
+        name: &str,
+        file: &[u8],
+        part: &PersonPart<'_>,
+    ) -> Result<Self, PersonalizeError> {
         let model = Model::parse(file)?;
         let recordings = part.evaluated_recordings();
         Ok(Self {
