@@ -44,6 +44,7 @@ pub struct TestDesc {
     pub ignore: bool,
     /// Why it is ignored.
     pub ignore_message: Option<&'static str>,
+    /// Its source file.
     pub source_file: &'static str,
     /// Its first line.
     pub start_line: usize,
