@@ -57,6 +57,8 @@ pub(super) enum Loss {
 
 impl Window {
     /// An empty window for a model of the default preprocessing.
+    // Constructed in place: a device's stack has no room for a second one.
+    #[inline(always)]
     pub(super) fn new() -> Self {
         Self {
             preprocessing: Preprocessing::default(),
