@@ -1,53 +1,50 @@
 // Times of what Bluetooth brings. A page that stalls gets it afterwards, at once; then it is as far apart as it was sent, and time
 // itself waits for it: the armband was not silent.
 
-/** Pause between two ticks, and the longest one that is no stall, in ms. */
+/** Pause between two ticks, and the longest one that is no stall, in ms: so long after a stall, what has waited comes. */
 const TICK = 20;
 const STALL = 60;
-/** Pause between two notifications of an armband, and the longest one in a burst, in ms. */
-const PERIOD = 10;
+/** Longest pause between two events that have waited, in ms. */
 const BURST = 5;
 
 export class Arrival {
   #timer;
-  /** When this page did something last, when the newest event came, and the time that it was given. */
+  /** When this page did something last, until when what has waited comes, when the newest event came, and the time told last. */
   #awake = performance.now();
+  #calm = 0;
   #came = 0;
-  #given = -Infinity;
-  /** Whether events that have waited are still coming. */
+  #told = performance.now();
+  /** Whether events come that have waited. */
   #late = false;
 
   /** Calls `tick` with a time, again and again. */
   constructor(tick) {
     this.#timer = setInterval(() => {
-      const late = this.#wake() > STALL;
-      // What has waited comes first.
-      setTimeout(() => {
-        this.#late &&= performance.now() - this.#came < STALL;
-        tick(this.#late ? this.#given : performance.now());
-      }, late ? STALL : 0);
+      const now = this.#wake(STALL);
+      // A page that is hidden has timers once a second.
+      this.#told = this.#late && !document.hidden ? Math.min(now, this.#told + TICK) : now;
+      tick(this.#told);
     }, TICK);
   }
 
-  /** Pause since this page did something. */
-  #wake() {
+  /** Time now. After a stall, and a pause of the events that have waited, none has. */
+  #wake(pause) {
     const now = performance.now();
-    const pause = now - this.#awake;
-    this.#awake = now;
-    return pause;
-  }
-
-  /** Time of an event that comes now. */
-  time() {
-    const now = performance.now();
-    if (this.#wake() > STALL) {
+    if (now - this.#awake > STALL) {
+      this.#calm = now + STALL;
       this.#late = true;
-    } else if (now - this.#came > BURST) {
+    } else if (now > this.#calm && now - this.#came > pause) {
       this.#late = false;
     }
-    this.#came = now;
-    this.#given = this.#late ? Math.min(now, this.#given + PERIOD) : now;
-    return this.#given;
+    this.#awake = now;
+    return now;
+  }
+
+  /** Time of an event that comes now, sent so many ms after the one before. */
+  time(period) {
+    this.#came = this.#wake(BURST);
+    this.#told = this.#late ? Math.min(this.#came, this.#told + period) : this.#came;
+    return this.#told;
   }
 
   stop() {

@@ -4,7 +4,11 @@ import { Arrival } from "./arrival.js";
 
 const CONTROL = "d5060001-a904-deb9-4748-2c7f4a124842";
 const EMG = "d5060005-a904-deb9-4748-2c7f4a124842";
+const IMU = "d5060002-a904-deb9-4748-2c7f4a124842";
 const BATTERY = "0000180f-0000-1000-8000-00805f9b34fb";
+
+/** Pause between two notifications of EMG, in ms. */
+const PERIOD = 10;
 
 const encoder = new TextEncoder();
 const bytesOf = (value) => Array.from(new Uint8Array(value.buffer, value.byteOffset, value.byteLength));
@@ -28,7 +32,7 @@ export class Radio {
   /** Lets the user choose an armband; fails if none is chosen. */
   static async choose() {
     const filters = [{ services: [CONTROL] }];
-    return new Radio(await navigator.bluetooth.requestDevice({ filters, optionalServices: [EMG, BATTERY] }));
+    return new Radio(await navigator.bluetooth.requestDevice({ filters, optionalServices: [EMG, IMU, BATTERY] }));
   }
 
   get name() {
@@ -41,7 +45,9 @@ export class Radio {
   }
 
   #tell(event) {
-    this.#heard(encoder.encode(JSON.stringify(event)), this.#arrival?.time());
+    // Its four characteristics of EMG have their turns.
+    const period = event.characteristic?.slice(6, 8) === "05" ? PERIOD : 0;
+    this.#heard(encoder.encode(JSON.stringify(event)), this.#arrival?.time(period));
   }
 
   async take(action) {
