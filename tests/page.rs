@@ -584,6 +584,22 @@ fn an_armband_streams_into_the_file_and_is_found_again() {
     browser.wait_for(&label("open"));
     browser.wait_for(&label("close"));
     assert_eq!(browser.text("battery"), "80 %");
+    // Its movement shows the arm, once it is known how it is worn: raised by 30°, the palm down; level, and up; hanging.
+    browser.wait_for("!$arm.hidden && $arm-said.textContent.startsWith('Raise')");
+    for (pose, told) in [
+        ("15826, 0, -4240, 0", "Raised by 30°, palm down"),
+        ("0, 16384, 0, 0", "Raised by 0°, palm up"),
+        ("14189, 0, 8192, 0", "Lowered by 60°, palm down"),
+        ("11585, 11585, 0, 0", "Raised by 0°, palm to the side"),
+    ] {
+        browser.value(&format!("window.pose = [{pose}]"));
+        browser.frames(20);
+        if pose.starts_with("15826") {
+            browser.value("$arm-set.click()");
+        }
+        browser.wait_for(&format!("$arm-said.textContent === '{told}'"));
+    }
+    browser.screenshot(&Path::new(env!("CARGO_TARGET_TMPDIR")).join("page-arm.png"));
     // A page that stalls gets afterwards what came meanwhile: nothing is lost, and labels go on.
     browser.wait_for(VALID);
     browser.value("window.worst = 'yes'; new MutationObserver(() => { if ($valid.dataset.valid !== 'yes') window.worst = $valid.textContent; }) \

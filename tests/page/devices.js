@@ -91,6 +91,7 @@ const uuid = (short) => `d506${short}-a904-deb9-4748-2c7f4a124842`;
 const sig = (short) => `0000${short}-0000-1000-8000-00805f9b34fb`;
 const SERVICES = {
   [uuid("0001")]: { [uuid("0201")]: [1, 0, 5, 0, 0xb2, 7, 2, 0], [uuid("0401")]: null },
+  [uuid("0002")]: { [uuid("0402")]: null },
   [uuid("0005")]: { [uuid("0105")]: null, [uuid("0205")]: null, [uuid("0305")]: null, [uuid("0405")]: null },
   [sig("180f")]: { [sig("2a19")]: [80] },
 };
@@ -127,11 +128,11 @@ class Characteristic extends EventTarget {
   async writeValueWithResponse(bytes) {
     return this.server.operate(() => {
       needs(this.uuid === COMMAND, "NotSupportedError", "GATT operation not permitted.");
-      // Never sleep, or set mode: filtered EMG, no IMU, for whose service nobody has asked.
+      // Never sleep, or set mode: filtered EMG, and once it streams with movement.
       const command = [...bytes].join();
-      needs(["9,1,1", "1,3,2,0,0"].includes(command), "NotSupportedError", `command ${command}`);
-      if (command === "1,3,2,0,0") {
-        this.server.stream();
+      needs(["9,1,1", "1,3,2,0,0", "1,3,2,1,0"].includes(command), "NotSupportedError", `command ${command}`);
+      if (command !== "9,1,1") {
+        this.server.stream(command === "1,3,2,1,0");
       }
     });
   }
@@ -149,6 +150,7 @@ class Server {
   connections = 0;
   #busy = false;
   #timer = null;
+  #moves = false;
   #found = [];
   #next = 0;
 
@@ -168,6 +170,7 @@ class Server {
     if (this.connected) {
       this.connected = false;
       clearInterval(this.#timer);
+      this.#timer = null;
       this.#found = [];
       this.device.dispatchEvent(new Event("gattserverdisconnected"));
     }
@@ -193,7 +196,11 @@ class Server {
     })));
   }
 
-  stream() {
+  stream(withMovement) {
+    this.#moves = withMovement;
+    if (this.#timer !== null) {
+      return;
+    }
     let lane = 0;
     let due = performance.now();
     // An armband keeps its pace: what a busy machine delays comes in a burst.
@@ -202,6 +209,8 @@ class Server {
         const pair = ARMBAND.pairs[this.#next % ARMBAND.pairs.length];
         this.#found.find(({ uuid }) => uuid === EMG[lane])?.notify(pair);
         this.#next += 1;
+        const movement = [...window.pose, 0, 0, 2048, 0, 0, 0].flatMap((value) => [value, value >> 8]);
+        this.#found.find(({ uuid: own }) => this.#moves && this.#next % 2 && own === uuid("0402"))?.notify(movement);
         lane = (lane + 1) % EMG.length;
       }
     }, ARMBAND.period);
@@ -217,6 +226,9 @@ class Device extends EventTarget {
     this.allowed = allowed;
   }
 }
+
+/** Quaternion of the armband, as it sends one. */
+window.pose = [16384, 0, 0, 0];
 
 const give = (name, value) => Object.defineProperty(navigator, name, { value, configurable: true });
 give("serial", {

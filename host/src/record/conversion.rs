@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use shared::units::Sample;
 use web::record::assembly::assemble;
-use web::record::csv::{csv, pieces};
+use web::record::csv::{csv, movement, pieces};
 use web::record::quality::{Finding, Quality, judge};
 
 use super::RecordError;
@@ -57,13 +57,8 @@ pub(crate) fn convert(journal: &Path) -> Result<Conversion, RecordError> {
         let path = file(journal, number);
         let text = csv(&assembly, part, piece.clone(), header.synthetic);
         write(journal, &path, &text)?;
-        let movement = part.movement.iter();
-        let movement: Vec<_> = movement
-            .filter(|(at, _)| piece.contains(at))
-            .map(|&(at, imu)| (at - piece.start, imu))
-            .collect();
-        if !movement.is_empty() {
-            write(journal, &imu::beside(&path), &imu::text(&movement))?;
+        if let Some(text) = movement(part, &piece) {
+            write(journal, &imu::beside(&path), &text)?;
         }
         let read = load(&path, &LoadOptions::default())?;
         if let (true, Some(refused)) = (read.recordings.is_empty(), read.skipped.first()) {

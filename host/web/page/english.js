@@ -82,6 +82,8 @@ export const ENGLISH = {
   "fault.hum": "Electrode {number} hears the mains: press it on, and move away from cables.",
   "how.sure": "How sure", "distance": "Distance", "margin": "Margin",
   "how.sure.text": "Distance: how unlike those of the people in training the openings were; 0 is alike, above 8 is refused. Margin: how much worse the next placement fits; below 1 is refused.",
+  "arm": "Arm", "arm.set": "Palm down, a little raised: now", "arm.show": "Raise the forearm a little, palm down, and press.", "arm.is": "{raised}, {palm}",
+  "arm.raised": "Raised by {n}°", "arm.lowered": "Lowered by {n}°", "arm.down": "palm down", "arm.up": "palm up", "arm.side": "palm to the side",
   "turn": "Turn the armband", "turn.what": "Turns the simulated armband by three places, as one that was put on otherwise, or back; Align finds it out",
   "undo": "Undo: {placement}", "undo.what": "Puts the placement before this change in force again", "reset": "Reset: usual place",
   "reset.what": "Takes the armband to sit in its usual place", "worse": "Since then {since} % of the gestures are labelled as asked, {before} % before.",

@@ -82,6 +82,8 @@ export const GERMAN = {
   "fault.hum": "Elektrode {number} hört das Stromnetz: andrücken, und weg von Kabeln.",
   "how.sure": "Wie sicher", "distance": "Abstand", "margin": "Vorsprung",
   "how.sure.text": "Abstand: wie unähnlich das Öffnen dem der Menschen im Training war; 0 ist gleich, über 8 wird abgelehnt. Vorsprung: wie viel schlechter der nächste Sitz passt; unter 1 wird abgelehnt.",
+  "arm": "Arm", "arm.set": "Handfläche unten, etwas gehoben: jetzt", "arm.show": "Den Unterarm etwas heben, Handfläche nach unten, und drücken.", "arm.is": "{raised}, {palm}",
+  "arm.raised": "Um {n}° gehoben", "arm.lowered": "Um {n}° gesenkt", "arm.down": "Handfläche unten", "arm.up": "Handfläche oben", "arm.side": "Handfläche zur Seite",
   "turn": "Armband drehen", "turn.what": "Dreht das simulierte Armband um drei Plätze, wie eines, das anders angelegt ist, oder zurück; Ausrichten findet es heraus",
   "undo": "Zurück: {placement}", "undo.what": "Setzt den Sitz vor dieser Änderung wieder in Kraft", "reset": "Zurücksetzen: gewohnter Platz",
   "reset.what": "Nimmt an, dass das Armband am gewohnten Platz sitzt", "worse": "Seither werden {since} % der Gesten wie verlangt erkannt, davor {before} %.",

@@ -1,6 +1,7 @@
 // The page: takes messages from the program, draws, and passes on what the viewer asks for.
 
 import { Agreement } from "./agreement.js";
+import { Arm } from "./arm.js";
 import { Armband } from "./armband.js";
 import { Blocks } from "./blocks.js";
 import { find } from "./dom.js";
@@ -34,6 +35,7 @@ const traces = new Traces(find("traces"));
 const calibration = new Calibration(say);
 const blocks = new Blocks(say);
 const notes = new Notes(say);
+const arm = new Arm();
 const armband = new Armband(find("armband"));
 const agreement = new Agreement();
 const placement = new Placement(armband, say);
@@ -135,6 +137,7 @@ const TAKE = {
     aligns(message.state === "waiting");
   },
   calibration: (message) => calibration.take(message),
+  imu: (message) => arm.take(message.quaternion),
   blocks: (message) => blocks.take(message),
   remarks: (message) => notes.take(message),
   file({ name, content }) {
@@ -194,6 +197,7 @@ function noStream() {
   placement.clear();
   calibration.take(null);
   blocks.take(null);
+  arm.take(null);
   aligns(false);
 }
 

@@ -16,7 +16,7 @@ pub const FILES: &[(&str, &str, &str)] = files! {
     "" "index.html" "sessions" "sessions.html";
     ICON: "icon.svg";
     CSS: "live.css" "layout.css" "session.css" "wearer.css" "sessions.css";
-    SCRIPT: "agreement.js" "armband.js" "arrival.js" "blocks.js" "bluetooth.js" "calibration.js" "clock.js" "dom.js" "empty.js"
+    SCRIPT: "agreement.js" "arm.js" "armband.js" "arrival.js" "blocks.js" "bluetooth.js" "calibration.js" "clock.js" "dom.js" "empty.js"
             "ending.js" "english-session.js" "english.js" "german-program.js" "german-session.js" "german.js" "gestures.js"
             "guide.js" "help.js" "history.js" "link.js" "live.js" "notes.js" "now.js" "panel.js" "placement.js"
             "rates.js" "recordings.js" "result.js" "rows.js" "save.js" "serial.js" "session.js"

@@ -72,7 +72,7 @@ impl Engine {
         let settings = Settings {
             now,
             model: model.or(Some(SHIPPED)),
-            imu: false,
+            imu: true,
             speed: 1,
         };
         if let Err(why) = engine.run(&settings, wanted, file) {
@@ -93,7 +93,7 @@ impl Engine {
             Wanted::Demo => self.demo(settings, None),
             Wanted::Recording { name } => self.replay(settings, read(name, file)?),
             Wanted::Port => {
-                let leave = board::leave(false);
+                let leave = board::leave(true);
                 self.outputs.waiting.push(Output::Leave { leave });
                 let opened = self.board(settings, PORT.to_owned(), false);
                 self.connected(settings.now);

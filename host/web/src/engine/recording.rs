@@ -11,7 +11,7 @@ use super::{Lines, Output, Stored, millis};
 use crate::event::Event;
 use crate::outcome::SessionResult;
 use crate::record::assembly::assemble;
-use crate::record::csv::{csv, pieces};
+use crate::record::csv::{csv, movement, pieces};
 use crate::record::journal::{Entry, FORMAT, FULL, Header, Writer, read};
 use crate::record::protocol::Protocol;
 use crate::record::quality::judge;
@@ -359,6 +359,8 @@ pub(super) struct Files {
     pub(super) name: String,
     /// Names and contents of the recordings.
     files: Vec<(String, String)>,
+    /// Names and contents of their movement.
+    beside: Vec<(String, String)>,
     pub(super) notes: String,
     /// What is said of the recordings; none without any.
     pub(super) result: Option<SessionResult>,
@@ -384,6 +386,7 @@ impl Files {
         let mut made = Self {
             name: name.to_owned(),
             files: Vec::new(),
+            beside: Vec::new(),
             notes,
             result: None,
         };
@@ -391,11 +394,13 @@ impl Files {
             return (!made.notes.is_empty()).then_some(made);
         };
         let assembly = assemble(&contents.entries);
-        let files = (1..).zip(pieces(&assembly)).map(|(number, (part, piece))| {
+        for (number, (part, piece)) in (1..).zip(pieces(&assembly)) {
+            if let Some(text) = movement(part, &piece) {
+                made.beside.push((format!("{name}_{number}.imu"), text));
+            }
             let text = csv(&assembly, part, piece, header.synthetic);
-            (format!("{name}_{number}.csv"), text)
-        });
-        made.files = files.collect();
+            made.files.push((format!("{name}_{number}.csv"), text));
+        }
         let quality = judge(&assembly);
         let person = &header.person;
         let names = made.files.iter().map(|(name, _)| name.clone()).collect();
@@ -418,7 +423,7 @@ impl Files {
         let notes = Some(notes).filter(|(_, notes)| !notes.is_empty());
         notes
             .into_iter()
-            .chain(self.files.iter().cloned())
+            .chain(self.beside.iter().chain(&self.files).cloned())
             .collect()
     }
 }

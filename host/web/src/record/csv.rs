@@ -10,6 +10,7 @@ use std::ops::Range;
 use recordings::description::own::{
     MIRRORED_COLUMN, MOVEMENT_COLUMN, MUSCLE_COLUMN, RECORDER_COLUMNS, TURN_COLUMN,
 };
+use recordings::imu;
 use recordings::labels::motion::Motion;
 use shared::units::{CHANNELS, SAMPLE_RATE_HZ};
 
@@ -25,6 +26,13 @@ pub fn pieces(assembly: &Assembly) -> impl Iterator<Item = (&AssembledRecording,
         let files = part.files(LONGEST).into_iter();
         files.map(move |samples| (part, samples))
     })
+}
+
+/// Formats the movement beside samples of a part; none without any.
+pub fn movement(part: &Part, samples: &Range<usize>) -> Option<String> {
+    let rows = part.movement.iter().filter(|(at, _)| samples.contains(at));
+    let rows: Vec<_> = rows.map(|&(at, imu)| (at - samples.start, imu)).collect();
+    (!rows.is_empty()).then(|| imu::text(&rows))
 }
 
 /// Formats samples of a part as csv; `synthetic` marks them as such.
