@@ -17,7 +17,7 @@ use anyhow::{Context as _, Result, ensure};
 use libtest_mimic::{Arguments, Failed, Trial};
 use myointent_tests::{golden, skip};
 use xtask::{
-    count::{self, Table},
+    count::{self, CountTable},
     device::{self, Clock, Image},
     qemu,
     toolchain::{self, Toolchain},
@@ -104,8 +104,9 @@ fn counts_add_up(image: &Path) -> Result<()> {
     );
     ensure!(table.patches == 340, "{} patches", table.patches);
 
-    let mean =
-        |table: &Table, name: &str| -> Result<u64> { Ok(table.part(name).context("a part")?.mean) };
+    let mean = |table: &CountTable, name: &str| -> Result<u64> {
+        Ok(table.part(name).context("a part")?.mean)
+    };
     let sum = |names: &[&str]| -> Result<u64> { names.iter().map(|name| mean(&table, name)).sum() };
     // Each mean is rounded to the nearest.
     let whole = sum(&["preprocess", "ring", "encoder", "smoother", "rest"])?;

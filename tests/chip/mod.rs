@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
-use nrf52::chip::{APPROTECT, Model, PSELRESET, REGOUT0, Reset};
+use nrf52::chip::{APPROTECT, ChipModel, PSELRESET, REGOUT0, Reset};
 use nrf52::softdevice::{SoftDevice, SoftDeviceKind, boot};
 use nrf52::time::ms;
 use nrf52::{Image, Machine, Refusal};
@@ -206,12 +206,20 @@ impl Board {
     /// If the constant address is not an address.
     pub fn new(built: Built, image: Image, setting: Setting) -> Self {
         let (model, pins, kind) = match built {
-            Built::Nrf52840S140 => (Model::Nrf52840, Pins::NRF52840, Some(SoftDeviceKind::S140)),
-            Built::Nrf52832S132 => (Model::Nrf52832, Pins::NRF52832, Some(SoftDeviceKind::S132)),
-            Built::Xiao => (Model::Nrf52840, Pins::XIAO, None),
-            Built::Feather => (Model::Nrf52840, Pins::FEATHER, None),
-            Built::NiceNano => (Model::Nrf52840, Pins::NICE_NANO, None),
-            _ => (Model::Nrf52840, Pins::NRF52840, None),
+            Built::Nrf52840S140 => (
+                ChipModel::Nrf52840,
+                Pins::NRF52840,
+                Some(SoftDeviceKind::S140),
+            ),
+            Built::Nrf52832S132 => (
+                ChipModel::Nrf52832,
+                Pins::NRF52832,
+                Some(SoftDeviceKind::S132),
+            ),
+            Built::Xiao => (ChipModel::Nrf52840, Pins::XIAO, None),
+            Built::Feather => (ChipModel::Nrf52840, Pins::FEATHER, None),
+            Built::NiceNano => (ChipModel::Nrf52840, Pins::NICE_NANO, None),
+            _ => (ChipModel::Nrf52840, Pins::NRF52840, None),
         };
         let address = Address::parse(ARMBAND).expect("an address");
         let stranger = setting.stranger.map(|(address, rssi)| {

@@ -1,6 +1,6 @@
 //! Small programs for the emulated chip, in Thumb instructions.
 
-use nrf52::chip::Model;
+use nrf52::chip::ChipModel;
 use nrf52::softdevice::{SoftDevice, SoftDeviceKind};
 use nrf52::{Image, Machine};
 
@@ -63,7 +63,7 @@ impl Program {
     }
 
     /// The chip that runs it: it ends in a loop, and so does every exception.
-    pub fn machine(self, model: Model, kind: Option<SoftDeviceKind>) -> Machine {
+    pub fn machine(self, model: ChipModel, kind: Option<SoftDeviceKind>) -> Machine {
         let start = kind.map_or(0, SoftDeviceKind::program);
         let mut image = Vec::new();
         let mut word = |value: u32| image.extend(value.to_le_bytes());

@@ -8,7 +8,7 @@ mod program;
 mod usb;
 
 use nrf52::What;
-use nrf52::chip::Model;
+use nrf52::chip::ChipModel;
 use nrf52::softdevice::SoftDeviceKind;
 use nrf52::time::ms;
 use program::Program;
@@ -25,7 +25,11 @@ const P0: u32 = 0x5000_0000;
 const UICR: u32 = 0x1000_1000;
 
 /// Runs programs, each of which is refused in these words; without words it runs.
-fn each<const N: usize>(model: Model, kind: Option<SoftDeviceKind>, cases: [(Program, &str); N]) {
+fn each<const N: usize>(
+    model: ChipModel,
+    kind: Option<SoftDeviceKind>,
+    cases: [(Program, &str); N],
+) {
     for (number, (program, words)) in cases.into_iter().enumerate() {
         let found = program.machine(model, kind).run(ms(10));
         let found = found.err().map(|refusal| refusal.to_string());
@@ -54,7 +58,7 @@ fn programs_without_a_softdevice() {
         .store(UARTE + 0x50c, 6)
         .store(UARTE + 0x500, 8);
     each(
-        Model::Nrf52840,
+        ChipModel::Nrf52840,
         None,
         [
             (program().store(P0 + 0x508, 1).read(P0 + 0x504), ""),
@@ -150,7 +154,7 @@ fn programs_that_make_pulses() {
     let ready = || with_pulse(300);
     let disabled = "PWM0.TASKS_SEQSTART is triggered while it is disabled";
     each(
-        Model::Nrf52840,
+        ChipModel::Nrf52840,
         None,
         [
             (ready().store(START, 1).store(START, 1), ""),
@@ -183,7 +187,7 @@ fn programs_on_the_nrf52832() {
     // What FICR holds at 0x258, of which seven bits count.
     let worked_around = Program::default().store(CLOCK + 0xee4, 0x43);
     each(
-        Model::Nrf52832,
+        ChipModel::Nrf52832,
         None,
         [
             (Program::default().store(P0 + 0x808, 1), "is not modelled"),
@@ -202,7 +206,7 @@ fn programs_beside_a_softdevice() {
     let own = || Program::default().enable(SoftDeviceKind::S140);
     let flash = 0x8_0000;
     each(
-        Model::Nrf52840,
+        ChipModel::Nrf52840,
         Some(SoftDeviceKind::S140),
         [
             (own().store(0x4000_0000, 1), "belongs to the SoftDevice"),
@@ -242,7 +246,7 @@ fn programs_beside_a_softdevice() {
     let twice = own()
         .store(0x2000_8000, 1)
         .call(41, [flash, 0x2000_8000, 1]);
-    let mut machine = twice.machine(Model::Nrf52840, Some(SoftDeviceKind::S140));
+    let mut machine = twice.machine(ChipModel::Nrf52840, Some(SoftDeviceKind::S140));
     machine.chip().bus.memory.program(flash, &[0; 4]);
     let refusal = machine.run(ms(10)).expect_err("ones over zeros");
     assert!(refusal.to_string().contains("erase first"));
@@ -252,7 +256,7 @@ fn programs_beside_a_softdevice() {
 fn a_core_that_locks_up() {
     // bx to address 0x20, without the bit for Thumb; its fault's handler is broken too.
     let program = Program::default().load(0, 0x20).then(&[0x4700]);
-    let mut machine = program.machine(Model::Nrf52840, None);
+    let mut machine = program.machine(ChipModel::Nrf52840, None);
     machine.chip().bus.memory.clear_bits(12, &[0; 4]);
     let refusal = machine.run(ms(10)).expect_err("a fault in a fault");
     assert_eq!(refusal.what, What::LockedUp);
@@ -269,7 +273,7 @@ fn read_on_the_line(thousandths: i64) -> Vec<u8> {
         .store(UARTE + 0x544, 0x2000_4000)
         .store(UARTE + 0x548, 1)
         .store(UARTE + 0x008, 1);
-    let mut machine = program.machine(Model::Nrf52840, None);
+    let mut machine = program.machine(ChipModel::Nrf52840, None);
     machine.chip().bus.inaccuracy = thousandths;
     machine.run(ms(10)).expect("nothing to refuse");
     let chip = machine.chip();

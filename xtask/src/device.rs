@@ -91,7 +91,7 @@ pub enum Clock {
 
 /// Result of a program's run.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Outcome {
+pub struct DeviceOutcome {
     /// True if the program exited with 0.
     pub success: bool,
     /// Text that the program and the emulator printed.
@@ -104,7 +104,7 @@ pub fn run(
     arguments: &[impl AsRef<OsStr>],
     clock: Clock,
     limit: Duration,
-) -> Result<Outcome> {
+) -> Result<DeviceOutcome> {
     let (mut output, input) = io::pipe()?;
     let mut emulator = Command::new(QEMU);
     emulator
@@ -136,7 +136,7 @@ pub fn run(
         running.wait()?;
         bail!("no end within {limit:?}");
     };
-    Ok(Outcome {
+    Ok(DeviceOutcome {
         success: running.wait()?.success(),
         output: String::from_utf8_lossy(&bytes?).into_owned(),
     })

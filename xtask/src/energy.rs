@@ -4,7 +4,7 @@ use std::fmt;
 
 use anyhow::Result;
 
-use crate::count::{self, Table};
+use crate::count::{self, CountTable};
 
 /// Microseconds of one byte at 1 Mbit/s.
 const BYTE_US: f64 = 8.0;
@@ -114,7 +114,7 @@ impl fmt::Display for Budget {
 
 /// Prints the table of docs/energy.md.
 pub fn print() -> Result<()> {
-    let counts: Table = count::committed()?;
+    let counts: CountTable = count::committed()?;
     let cycles = counts.cycles("total");
     println!("nRF52840, streaming; a patch takes {cycles:.0} cycles\n");
     println!(

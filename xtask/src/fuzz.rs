@@ -108,13 +108,13 @@ fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 /// Result of fuzzing a target.
-struct Outcome {
+struct FuzzOutcome {
     figures: Figures,
     seconds: f64,
     finding: Option<String>,
 }
 
-impl fmt::Display for Outcome {
+impl fmt::Display for FuzzOutcome {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Figures {
             executions,
@@ -134,7 +134,7 @@ impl fmt::Display for Outcome {
     }
 }
 
-fn fuzz(program: &Path, target: &Target, arguments: &Arguments) -> Result<Outcome> {
+fn fuzz(program: &Path, target: &Target, arguments: &Arguments) -> Result<FuzzOutcome> {
     let Target { name, longest } = target;
     let learned = corpus::learned(name)?;
     let kept = corpus::kept(name)?;
@@ -177,7 +177,7 @@ fn fuzz(program: &Path, target: &Target, arguments: &Arguments) -> Result<Outcom
     let file = findings.join("log");
     fs::write(&file, log.as_bytes())?;
     let finding = (!output.status.success()).then(|| reason(&log, &file));
-    Ok(Outcome {
+    Ok(FuzzOutcome {
         figures: Figures::of(&log),
         seconds,
         finding,

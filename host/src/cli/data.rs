@@ -18,7 +18,7 @@ use recordings::{DataSet, LoadOptions, load};
 
 /// Subcommands of `myointent data`.
 #[derive(Subcommand, Debug)]
-pub enum Command {
+pub enum DataCommand {
     /// Show subjects, seconds per intent, transitions, and what is wrong with recordings
     Inspect(InspectArguments),
     /// Write a draft of a recordings.toml, which says how to read a folder of your own files
@@ -155,13 +155,13 @@ fn vocabulary(text: &str) -> Result<Vocabulary, String> {
 }
 
 /// Runs `myointent data`.
-pub(super) fn run(command: Command) -> anyhow::Result<()> {
+pub(super) fn run(command: DataCommand) -> anyhow::Result<()> {
     match command {
-        Command::Inspect(args) => inspect(&args),
-        Command::Describe(args) => write_description(&args),
-        Command::Synth(args) => write_synthetic(&args),
+        DataCommand::Inspect(args) => inspect(&args),
+        DataCommand::Describe(args) => write_description(&args),
+        DataCommand::Synth(args) => write_synthetic(&args),
         #[cfg(feature = "fetch")]
-        Command::Fetch(args) => fetch::run(&args),
+        DataCommand::Fetch(args) => fetch::run(&args),
     }
 }
 

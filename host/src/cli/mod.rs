@@ -71,7 +71,7 @@ enum Command {
     Steps(steps::Command),
     /// Inspect recordings, or write synthetic ones.
     #[command(subcommand)]
-    Data(data::Command),
+    Data(data::DataCommand),
     /// Evaluate a run's models on its held-out subjects, or model files on any recordings.
     Evaluate(evaluate::Arguments),
     /// Write one printable page on one or several runs or model files, side by side.

@@ -5,7 +5,7 @@
 
 use std::error::Error;
 
-use nrf52::chip::Model;
+use nrf52::chip::ChipModel;
 use nrf52::softdevice::{SoftDevice, SoftDeviceKind};
 use nrf52::time::{HZ, ms};
 use nrf52::{Image, Machine};
@@ -26,8 +26,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         .into_iter()
         .find(|kind| kind.program() == image.start());
     let model = match kind {
-        Some(SoftDeviceKind::S132) => Model::Nrf52832,
-        _ => Model::Nrf52840,
+        Some(SoftDeviceKind::S132) => ChipModel::Nrf52832,
+        _ => ChipModel::Nrf52840,
     };
     let bytes = match rest.first().filter(|path| !path.contains(':')) {
         Some(path) => std::fs::read(path)?,

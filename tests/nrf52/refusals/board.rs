@@ -1,6 +1,6 @@
 //! Programs that do not fit the board: its pins, its clocks, its supply.
 
-use nrf52::chip::{Chip, Model, NFCPINS, PSELRESET, REGOUT0};
+use nrf52::chip::{Chip, ChipModel, NFCPINS, PSELRESET, REGOUT0};
 use nrf52::time::{ms, us};
 
 use super::program::Program;
@@ -201,7 +201,7 @@ fn programs_that_do_not_fit_the_board() {
             .fold(Program::default(), |program, (address, value)| {
                 program.store(*address, *value)
             });
-        let mut machine = program.machine(Model::Nrf52840, None);
+        let mut machine = program.machine(ChipModel::Nrf52840, None);
         prepare(&mut machine.chip());
         let found = machine.run(ms(1)).err().map(|refusal| refusal.to_string());
         let is_so = match (&found, expected) {
@@ -218,7 +218,7 @@ fn programs_that_do_not_fit_the_board() {
 /// Milliseconds after which the low-frequency clock runs, and after which it says that its source does.
 fn started_after_ms(crystal: Option<u64>) -> [Option<u64>; 2] {
     let program = Program::default().store(LFCLKSRC, 1).store(LFCLKSTART, 1);
-    let mut machine = program.machine(Model::Nrf52840, None);
+    let mut machine = program.machine(ChipModel::Nrf52840, None);
     machine.chip().bus.slow_crystal = crystal;
     let mut found = [None; 2];
     for now in 1..=20 {

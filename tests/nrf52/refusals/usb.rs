@@ -1,6 +1,6 @@
 //! Refusals of the peripherals that boards with USB use: USBD and SAADC.
 
-use nrf52::chip::Model;
+use nrf52::chip::ChipModel;
 
 use super::each;
 use super::program::Program;
@@ -50,7 +50,7 @@ fn usb_at_the_wrong_time_or_with_packets_that_an_endpoint_cannot_give_or_take() 
     let empty = ready().store(USBD + 0x514, 3).store(STARTEPOUT1, 1);
     let off = |program: Program| program.store(USBD + 0x500, 0);
     each(
-        Model::Nrf52840,
+        ChipModel::Nrf52840,
         None,
         [
             (Program::default().store(USBD + 0x504, 1), early),
@@ -103,7 +103,7 @@ fn conversions_at_the_wrong_time_to_flash_of_no_input_or_with_other_settings() {
     let off = Program::default().store(SAADC + 0xffc, 0);
     let sampled = || started(RAM, 1).store(SAMPLE, 1);
     each(
-        Model::Nrf52840,
+        ChipModel::Nrf52840,
         None,
         [
             (sampled(), ""),

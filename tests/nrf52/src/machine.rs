@@ -8,7 +8,7 @@ use rsemu::core::space::AddressSpace;
 
 use crate::address_space::{Shared, address_space, lock};
 use crate::air::Air;
-use crate::chip::{Chip, Model, Reset};
+use crate::chip::{Chip, ChipModel, Reset};
 use crate::controller::Controller;
 use crate::core::Core;
 use crate::image::Image;
@@ -54,7 +54,12 @@ pub struct Machine {
 
 impl Machine {
     /// A chip with this image, as it was flashed, at the moment that power comes. RAM holds what `garbage` gives.
-    pub fn new(model: Model, image: Image, softdevice: Option<SoftDevice>, garbage: u64) -> Self {
+    pub fn new(
+        model: ChipModel,
+        image: Image,
+        softdevice: Option<SoftDevice>,
+        garbage: u64,
+    ) -> Self {
         let chip = Chip::new(model, garbage);
         let memory = chip.bus.memory.clone();
         for (address, bytes) in &image.segments {

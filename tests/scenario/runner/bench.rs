@@ -11,7 +11,7 @@ use shared::myo::{Address, binding};
 use shared::units::Sample;
 
 use super::expectation::Models;
-use super::file::{File, Model, Page, Scenario, Signal};
+use super::file::{File, Page, Scenario, ScenarioModel, Signal};
 
 /// Address of the armband.
 const ARMBAND: &str = "FA:12:34:56:78:9A";
@@ -91,15 +91,15 @@ fn model_file(name: &str) -> anyhow::Result<Vec<u8>> {
 }
 
 /// Returns the content of the model's region.
-pub fn model(model: &Model) -> anyhow::Result<Vec<u8>> {
+pub fn model(model: &ScenarioModel) -> anyhow::Result<Vec<u8>> {
     let mut bytes = model_file("three-class")?;
     let middle = bytes.len() / 2;
     match model {
-        Model::Shipped => {}
-        Model::Erased => bytes.fill(0xff),
-        Model::Half => bytes.truncate(middle),
-        Model::FlippedBit => bytes[middle] ^= 1,
-        Model::AnotherVersion => bytes[8] += 1,
+        ScenarioModel::Shipped => {}
+        ScenarioModel::Erased => bytes.fill(0xff),
+        ScenarioModel::Half => bytes.truncate(middle),
+        ScenarioModel::FlippedBit => bytes[middle] ^= 1,
+        ScenarioModel::AnotherVersion => bytes[8] += 1,
     }
     Ok(bytes)
 }

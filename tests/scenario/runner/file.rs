@@ -23,7 +23,7 @@ pub struct Scenario {
     pub signal: Signal,
     /// Content of the model's region.
     #[serde(default)]
-    pub model: Model,
+    pub model: ScenarioModel,
     /// Content of the page of the bound armband.
     #[serde(default)]
     pub page: Page,
@@ -99,7 +99,7 @@ pub enum Signal {
 /// Content of the model's region.
 #[derive(Deserialize, Clone, Default, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
-pub enum Model {
+pub enum ScenarioModel {
     /// Model of the README.
     #[default]
     Shipped,

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::table::{ALIGNMENT, CALIBRATION, PARTS, Table, milliseconds};
+use super::table::{ALIGNMENT, CALIBRATION, CountTable, PARTS, milliseconds};
 
 /// Instructions of a whole patch, 50 ms of EMG.
 pub const BUDGET: u64 = 130_000;
@@ -15,9 +15,9 @@ pub fn change(now: u64, before: u64) -> f64 {
 /// A table, beside the committed one if there is one to compare with.
 pub struct Comparison<'a> {
     /// Table of the new counts.
-    pub table: &'a Table,
+    pub table: &'a CountTable,
     /// Committed table to compare the new one with, if any.
-    pub committed: Option<&'a Table>,
+    pub committed: Option<&'a CountTable>,
 }
 
 impl fmt::Display for Comparison<'_> {
@@ -112,7 +112,7 @@ mod tests {
             .map(|name| format!("{name} 21 64000\n"))
             .collect();
         let text = |output: &str| {
-            let table = &Table::parse(output).unwrap();
+            let table = &CountTable::parse(output).unwrap();
             let committed = None;
             Comparison { table, committed }.to_string()
         };
@@ -129,7 +129,7 @@ mod tests {
     #[test]
     fn the_table_shows_changes_cycles_and_the_budget() {
         let [table, committed] =
-            [10_200, 10_000].map(|mean| Table::parse(&output("", mean)).unwrap());
+            [10_200, 10_000].map(|mean| CountTable::parse(&output("", mean)).unwrap());
         let committed = Some(&committed);
         let table = &table;
         let text = Comparison { table, committed }.to_string();

@@ -14,7 +14,7 @@ use std::{
 use anyhow::{Context as _, Result, ensure};
 
 pub use signal::synthetic;
-pub use table::Table;
+pub use table::CountTable;
 
 use crate::device::{self, Clock, Image};
 use crate::toolchain::TARGET;
@@ -80,13 +80,13 @@ pub fn print(arguments: &Arguments) -> Result<()> {
 }
 
 /// The counts of the last commit.
-pub fn committed() -> Result<Table> {
+pub fn committed() -> Result<CountTable> {
     let committed = fs::read_to_string(COMMITTED)
         .with_context(|| format!("{COMMITTED}: none; `cargo xtask count --accept` writes it"))?;
-    Table::parse(&committed)
+    CountTable::parse(&committed)
 }
 
-fn compare(table: &Table, committed: &Table) -> Result<()> {
+fn compare(table: &CountTable, committed: &CountTable) -> Result<()> {
     let comparison = Comparison {
         table,
         committed: Some(committed),
@@ -112,7 +112,7 @@ fn compare(table: &Table, committed: &Table) -> Result<()> {
 }
 
 /// Runs the image over samples of 8 bytes each, with a model's file or the one in models/.
-pub fn count(image: &Path, samples: &[u8], model: Option<&Path>) -> Result<Table> {
+pub fn count(image: &Path, samples: &[u8], model: Option<&Path>) -> Result<CountTable> {
     // One file per process and thread: tests count side by side.
     let name = format!("samples-{}-{:?}", process::id(), thread::current().id());
     let file = image.with_file_name(name);
@@ -122,7 +122,7 @@ pub fn count(image: &Path, samples: &[u8], model: Option<&Path>) -> Result<Table
     fs::remove_file(&file)?;
     let outcome = outcome?;
     ensure!(outcome.success, "the image failed: {}", outcome.output);
-    Table::parse(&outcome.output)
+    CountTable::parse(&outcome.output)
 }
 
 #[cfg(test)]
@@ -131,7 +131,7 @@ mod tests {
 
     #[test]
     fn the_committed_counts_are_within_the_budget() {
-        let committed = Table::parse(&fs::read_to_string(COMMITTED).unwrap()).unwrap();
+        let committed = CountTable::parse(&fs::read_to_string(COMMITTED).unwrap()).unwrap();
         assert!(committed.part("total").unwrap().mean <= BUDGET);
     }
 }

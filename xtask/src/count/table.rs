@@ -50,7 +50,7 @@ pub struct CountedPart {
 
 /// The instruction count of a run.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Table {
+pub struct CountTable {
     /// Patches counted.
     pub patches: u64,
     /// Bytes of the encoder's state.
@@ -58,7 +58,7 @@ pub struct Table {
     parts: Vec<CountedPart>,
 }
 
-impl Table {
+impl CountTable {
     /// The counts of a part, by its name.
     pub fn part(&self, name: &str) -> Option<&CountedPart> {
         self.parts.iter().find(|part| part.name == name)
@@ -132,13 +132,13 @@ pub mod tests {
 
     #[test]
     fn every_part_is_read_and_a_missing_one_is_an_error() {
-        let table = Table::parse(&output("", 10)).unwrap();
+        let table = CountTable::parse(&output("", 10)).unwrap();
         let total = table.part("total").unwrap();
         assert_eq!((table.patches, total.mean, total.largest), (5, 10, 160_000));
         assert_eq!(table.text(), output("", 10));
         for (name, _) in PARTS {
-            assert!(Table::parse(&output(name, 10)).is_err(), "{name}");
+            assert!(CountTable::parse(&output(name, 10)).is_err(), "{name}");
         }
-        assert!(Table::parse("hard fault at 0x0").is_err());
+        assert!(CountTable::parse("hard fault at 0x0").is_err());
     }
 }

@@ -17,7 +17,7 @@ const SPARE: u64 = 6 * 1024;
 
 /// Sizes of an image.
 #[derive(Clone, Copy)]
-pub struct Row {
+pub struct BudgetRow {
     /// The image.
     pub image: Image,
     /// Bytes of flash and RAM.
@@ -26,7 +26,7 @@ pub struct Row {
     pub chain: u64,
 }
 
-impl Row {
+impl BudgetRow {
     /// Bytes of RAM that are left for the stack.
     const fn left(&self) -> u64 {
         self.image
@@ -42,8 +42,8 @@ impl Row {
 }
 
 /// Fails where an image is over a budget.
-pub fn check(row: &Row) -> Result<()> {
-    let &Row { image, size, .. } = row;
+pub fn check(row: &BudgetRow) -> Result<()> {
+    let &BudgetRow { image, size, .. } = row;
     ensure!(
         size.flash() <= image.flash_budget(),
         "{image}: {} bytes of flash, the budget is {}",
@@ -72,9 +72,9 @@ pub fn check(row: &Row) -> Result<()> {
 }
 
 /// The table of `cargo xtask images`.
-pub struct Table<'r>(pub &'r [Row]);
+pub struct BudgetTable<'r>(pub &'r [BudgetRow]);
 
-impl fmt::Display for Table<'_> {
+impl fmt::Display for BudgetTable<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let kib = |bytes: u64| bytes as f64 / 1024.0;
         writeln!(
@@ -86,7 +86,7 @@ impl fmt::Display for Table<'_> {
             "|---------------|-------|-----------|-------|-----|------------|-------|------------|-----|--------------------|---------------|-------|"
         )?;
         for row in self.0 {
-            let &Row { image, size, chain } = row;
+            let &BudgetRow { image, size, chain } = row;
             writeln!(
                 f,
                 "| {image:13} | {:5.1} | {:9.1} | {:5.1} | {:3} | {:10.1} | {:5.1} | {:10.1} | {:3} | {:18.1} | {:13.1} | {:5.1} |",
@@ -111,8 +111,8 @@ impl fmt::Display for Table<'_> {
 mod tests {
     use super::*;
 
-    fn row(image: Image, size: Size) -> Row {
-        Row {
+    fn row(image: Image, size: Size) -> BudgetRow {
+        BudgetRow {
             image,
             size,
             chain: 0,
@@ -148,7 +148,7 @@ mod tests {
         assert!(check(&small(STACK_BUDGET)).is_ok());
         assert!(check(&small(STACK_BUDGET - 1)).is_err());
         let chain = STACK_BUDGET - 1536 - SPARE;
-        let deep = |chain| Row {
+        let deep = |chain| BudgetRow {
             chain,
             ..small(STACK_BUDGET)
         };

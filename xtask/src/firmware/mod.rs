@@ -13,7 +13,7 @@ pub use image::Image;
 
 use crate::toolchain::TARGET;
 use crate::{size, stack_chain, toolchain};
-use budget::{Row, Table};
+use budget::{BudgetRow, BudgetTable};
 
 /// Options of the build.
 #[derive(clap::Args)]
@@ -56,14 +56,14 @@ pub fn build(arguments: &Arguments) -> Result<()> {
                 .with_context(|| format!("{} cannot be measured", file.display()))?;
             let chain = stack_chain::deepest(&bytes)?;
             println!("{chain}");
-            rows.push(Row {
+            rows.push(BudgetRow {
                 image,
                 size,
                 chain: chain.bytes,
             });
         }
     }
-    println!("\n{}", Table(&rows));
+    println!("\n{}", BudgetTable(&rows));
     rows.iter().try_for_each(budget::check)
 }
 

@@ -27,7 +27,7 @@ pub struct ModelInfo {
 }
 
 #[derive(Debug, Serialize, Deserialize)]
-struct Header {
+struct ArtefactHeader {
     made_from: Fingerprint,
     /// Checksum of all parts.
     checksum: Fingerprint,
@@ -92,7 +92,7 @@ impl Artefact {
             .copied()
             .collect();
         let parts = self.parts.iter();
-        let header = Header {
+        let header = ArtefactHeader {
             made_from: self.made_from,
             checksum: Fingerprint::of_bytes(&content),
             about: self.about.clone(),
@@ -112,7 +112,8 @@ impl Artefact {
         let text = bytes.strip_prefix(MAGIC).ok_or("it has another format")?;
         let end = text.iter().position(|&byte| byte == b'\n');
         let (header, content) = text.split_at(end.ok_or("its header is cut off")?);
-        let header: Header = serde_json::from_slice(header).map_err(|error| error.to_string())?;
+        let header: ArtefactHeader =
+            serde_json::from_slice(header).map_err(|error| error.to_string())?;
         let mut rest = &content[1..];
         if Fingerprint::of_bytes(rest) != header.checksum {
             return Err("its checksum is wrong".to_owned());

@@ -16,7 +16,7 @@ use super::stretched;
 use super::values::counts;
 use super::words::Words;
 use crate::catalogue::{DataSet, LIST};
-use crate::examiner::rows::Rows as Judged;
+use crate::examiner::rows::JudgedRows;
 use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::{Damage, Fault, LoadError};
 use crate::readers::mat::{self, Matrix};
@@ -274,7 +274,7 @@ impl Layout {
         };
         let mut recording = timed(description, motion, recording);
         if self.polled {
-            recording = Judged::polled(&recording.samples)
+            recording = JudgedRows::polled(&recording.samples)
                 .apply(recording)
                 .remove(0);
         }

@@ -15,7 +15,7 @@ use crate::labels::compensation::Compensation;
 use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::{Damage, Fault, LoadError};
 use crate::readers::label_file::Purpose;
-use crate::readers::open::{Found, Request, SkipReason, open};
+use crate::readers::open::{Found, OpenRequest, SkipReason, open};
 use crate::readers::path::{existing, left_arm};
 use crate::recording::{Recording, Timing};
 use execution::bounded_read;
@@ -25,7 +25,7 @@ const LEFT: &str = "named after the left arm, read as it is: if the armband was 
 
 impl Described {
     /// Reads a file of the folder if its path is one of the description's.
-    pub fn open(&self, path: &Path, request: &Request<'_>) -> Result<Found, LoadError> {
+    pub fn open(&self, path: &Path, request: &OpenRequest<'_>) -> Result<Found, LoadError> {
         let description = &self.description;
         let below = path.strip_prefix(&self.folder).unwrap_or(path);
         let of_labels = |labels: &Pattern| labels.fields_of(below, |_| true).is_some();

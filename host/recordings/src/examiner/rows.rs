@@ -37,14 +37,14 @@ const CHANNELS: usize = 4;
 
 /// Rows that are samples, and the pieces that they form.
 #[derive(Clone, PartialEq, Debug)]
-pub(crate) struct Rows {
+pub(crate) struct JudgedRows {
     keep: Vec<bool>,
     /// Ranges of the rows that are kept.
     pieces: Vec<Range<usize>>,
     findings: Vec<Finding>,
 }
 
-impl Rows {
+impl JudgedRows {
     /// Judges the rows of a recording, with their clock if there is one. Where samples were filled in and marked,
     /// repeats are not judged.
     ///

@@ -20,7 +20,7 @@ use super::examiner::examine;
 use super::labels::timing;
 use super::readers::error::excerpt::excerpt;
 use super::readers::error::{Damage, LoadError};
-use super::readers::open::{Found, Request, SkipReason, of_bytes, open};
+use super::readers::open::{Found, OpenRequest, SkipReason, of_bytes, open};
 use super::readers::path::{ending, left_arm};
 use super::recording::Recording;
 use crate::examiner::finding::Finding;
@@ -115,7 +115,7 @@ pub fn load_all(paths: &[impl AsRef<Path>], options: &LoadOptions) -> Result<Lib
 /// # Errors
 /// [`LoadError::Damaged`] if it is damaged or a recording in it has no meaning; [`LoadError::NoRecordings`] if none is found.
 pub fn load_bytes(name: &Path, bytes: &[u8], options: &LoadOptions) -> Result<Library, LoadError> {
-    let request = Request {
+    let request = OpenRequest {
         data_sets: &options.data_sets,
         alone: true,
     };
@@ -146,7 +146,7 @@ fn read(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
     let (root, files) = files(given.as_ref().map_or(path, |given| &given.folder))?;
     let described = Described::of_files(given, &root, &files)?;
     let alone = !root.is_dir();
-    let request = Request {
+    let request = OpenRequest {
         data_sets: &options.data_sets,
         alone,
     };

@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use super::session::{Session, session};
+use super::session::{SessionName, session};
 use crate::catalogue::DataSet;
 use crate::readers::path::{is_number, stem};
 use crate::recording::Recording;
@@ -111,9 +111,9 @@ impl Folders {
         let mut last = Vec::new();
         while let Some(name) = self.person.last().filter(|_| !self.names_files) {
             let leaves = match session(name) {
-                Some(Session::Time | Session::Part | Session::Container) => true,
+                Some(SessionName::Time | SessionName::Part | SessionName::Container) => true,
                 // Numbers below a folder are sessions; at the top they are people.
-                Some(Session::Number) => self.person.len() > 1,
+                Some(SessionName::Number) => self.person.len() > 1,
                 None => false,
             };
             if !leaves {
@@ -121,7 +121,7 @@ impl Folders {
             }
             last.extend(self.person.pop());
         }
-        let is_time = |name: &&String| session(name) == Some(Session::Time);
+        let is_time = |name: &&String| session(name) == Some(SessionName::Time);
         let first = self.person.iter().take_while(is_time).count();
         self.sessions.extend(self.person.drain(..first));
         self.sessions.extend(last.into_iter().rev());
@@ -175,13 +175,14 @@ fn is_named_after_folder(path: &Path) -> bool {
     let folder = above(path).file_name().and_then(OsStr::to_str);
     let rest = folder.and_then(|folder| stem(path)?.strip_prefix(folder)?.strip_prefix('_'));
     let began = rest.and_then(|rest| rest.split('_').next()).unwrap_or("");
-    began.len() == 16 && session(began) == Some(Session::Time)
+    began.len() == 16 && session(began) == Some(SessionName::Time)
 }
 
 /// Name of the person of the requested folder: `own_name`, or that of the nearest folder that may be a person's.
 fn name_of(base: &Path, own_name: Option<&OsStr>, taken: &BTreeSet<String>) -> String {
     let names = base.ancestors().filter_map(Path::file_name).map(text);
-    let is_person = |name: &String| !matches!(session(name), Some(Session::Time | Session::Part));
+    let is_person =
+        |name: &String| !matches!(session(name), Some(SessionName::Time | SessionName::Part));
     let mut names = names.skip_while(|name| !is_person(name));
     let name = own_name.map(text).or_else(|| names.next());
     let name = name.unwrap_or_else(|| "unknown".to_owned());

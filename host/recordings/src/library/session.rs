@@ -2,7 +2,7 @@
 
 /// Kind of session that a folder's name shows.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Session {
+pub(crate) enum SessionName {
     /// Date, weekday or numbered session, anywhere in a path.
     Time,
     /// Part of a session, below a person's folder.
@@ -32,9 +32,9 @@ const CONTAINERS: [&str; 12] = [
 ];
 
 /// Kind of session that a folder's name shows; none if it may be a person's.
-pub(crate) fn session(name: &str) -> Option<Session> {
+pub(crate) fn session(name: &str) -> Option<SessionName> {
     if name.starts_with('.') {
-        return Some(Session::Container);
+        return Some(SessionName::Container);
     }
     let name = name.to_lowercase();
     let words: Vec<&str> = name
@@ -49,17 +49,17 @@ pub(crate) fn session(name: &str) -> Option<Session> {
     if words.is_empty() || known(&["t"]) || known(&["t", "z"]) {
         return match numbers[..] {
             [] => None,
-            _ if is_date(&numbers) => Some(Session::Time),
-            _ => Some(Session::Number),
+            _ if is_date(&numbers) => Some(SessionName::Time),
+            _ => Some(SessionName::Number),
         };
     }
     if words.iter().any(|word| TIMES.contains(word)) && known(&[&TIMES[..], &PARTS].concat()) {
-        return Some(Session::Time);
+        return Some(SessionName::Time);
     }
     if known(&PARTS) {
-        return Some(Session::Part);
+        return Some(SessionName::Part);
     }
-    known(&[&PARTS[..], &CONTAINERS].concat()).then_some(Session::Container)
+    known(&[&PARTS[..], &CONTAINERS].concat()).then_some(SessionName::Container)
 }
 
 /// Whether numbers begin with a date: 2026-11-25, 25.11.2026 or 20261125.
@@ -95,16 +95,20 @@ mod tests {
             "monday_morning",
             "visit-2",
         ] {
-            assert_eq!(session(time), Some(Session::Time), "{time}");
+            assert_eq!(session(time), Some(SessionName::Time), "{time}");
         }
         for part in ["trial_1", "training0", "Test1", "left_hand"] {
-            assert_eq!(session(part), Some(Session::Part), "{part}");
+            assert_eq!(session(part), Some(SessionName::Part), "{part}");
         }
         for container in [".ipynb_checkpoints", "backup", "raw_data", "emg"] {
-            assert_eq!(session(container), Some(Session::Container), "{container}");
+            assert_eq!(
+                session(container),
+                Some(SessionName::Container),
+                "{container}"
+            );
         }
         for number in ["1", "07", "12345-1", "99999999"] {
-            assert_eq!(session(number), Some(Session::Number), "{number}");
+            assert_eq!(session(number), Some(SessionName::Number), "{number}");
         }
         for person in [
             "anna",

@@ -48,14 +48,14 @@ impl Purpose {
 }
 
 /// First row of a text, and how all rows are divided.
-struct Header<'t> {
+struct LabelHeader<'t> {
     separator: Separator,
     fields: Vec<&'t str>,
     /// Number of fields of the other rows.
     expected: usize,
 }
 
-impl<'t> Header<'t> {
+impl<'t> LabelHeader<'t> {
     fn of(text: &'t str) -> Self {
         let mut rows = table::lines(text).map(|(_, row)| row);
         let (header, first) = (rows.next().unwrap_or_default(), rows.next());
@@ -101,7 +101,7 @@ pub fn read(path: &Path, purpose: Purpose) -> Result<Vec<Motion>, LoadError> {
 pub fn read_if_named(path: &Path, purpose: Purpose) -> Result<Option<Vec<Motion>>, LoadError> {
     let bytes = contents(path)?;
     let text = str::from_utf8(&bytes).unwrap_or_default();
-    if Header::of(text).column(purpose).is_none() {
+    if LabelHeader::of(text).column(purpose).is_none() {
         return Ok(None);
     }
     let labels = parse(&bytes, purpose).map_err(|damage| damage.in_file(path))?;
@@ -122,7 +122,7 @@ fn contents(path: &Path) -> Result<Vec<u8>, LoadError> {
 /// Parses the bytes of a file of labels.
 pub fn parse(bytes: &[u8], purpose: Purpose) -> Result<Vec<Motion>, Damage> {
     let text = str::from_utf8(bytes).unwrap_or_default();
-    let header = Header::of(text);
+    let header = LabelHeader::of(text);
     let mut purposes = Purpose::ALL.into_iter();
     if header.column(purpose).is_none()
         && (header.fields.len() > 1 || purposes.any(|other| header.column(other).is_some()))
@@ -143,7 +143,7 @@ pub fn parse(bytes: &[u8], purpose: Purpose) -> Result<Vec<Motion>, Damage> {
 pub(crate) fn rows(bytes: &[u8], purpose: Purpose) -> Result<Vec<(usize, &str)>, Damage> {
     let text = str::from_utf8(bytes);
     let text = text.map_err(|error| Damage::at_byte(error.valid_up_to() as u64, Fault::Text))?;
-    let header = Header::of(text);
+    let header = LabelHeader::of(text);
     let Some(column) = header.column(purpose) else {
         let rows = table::lines(text).map(|(line, row)| (line, unquoted(row)));
         return Ok(rows.collect());

@@ -63,7 +63,7 @@ impl fmt::Display for SkipReason {
 
 /// Request for the recordings of one file.
 #[derive(Clone, Copy)]
-pub struct Request<'r> {
+pub struct OpenRequest<'r> {
     /// Data sets that are wanted; all if empty.
     pub data_sets: &'r [DataSet],
     /// Whether it is the only file asked for: then any eight channels are read.
@@ -71,7 +71,7 @@ pub struct Request<'r> {
 }
 
 /// Reads one file if it is a recording of a data set that is wanted.
-pub(crate) fn open(path: &Path, request: &Request<'_>) -> Result<Found, LoadError> {
+pub(crate) fn open(path: &Path, request: &OpenRequest<'_>) -> Result<Found, LoadError> {
     // What only the name decides: headerless binary could be anything.
     if recording_ending(path).is_none() {
         return Ok(Found::Nothing(SkipReason::Ending));
@@ -93,7 +93,7 @@ fn recording_ending(path: &Path) -> Option<String> {
 
 /// Reads one file from its bytes if it is a recording of a data set that is wanted; files beside it are read from the
 /// folder of `path`.
-pub fn of_bytes(path: &Path, bytes: &[u8], request: &Request<'_>) -> Result<Found, LoadError> {
+pub fn of_bytes(path: &Path, bytes: &[u8], request: &OpenRequest<'_>) -> Result<Found, LoadError> {
     let Some(ending) = recording_ending(path) else {
         return Ok(Found::Nothing(SkipReason::Ending));
     };
@@ -145,7 +145,7 @@ const FIRST: usize = 100;
 /// Files that are accepted, in words.
 const KINDS: &str = "a recording (csv, npy, mat, dat or json)";
 
-impl Request<'_> {
+impl OpenRequest<'_> {
     pub(crate) fn wants(&self, data_set: DataSet) -> bool {
         self.data_sets.is_empty() || self.data_sets.contains(&data_set)
     }
@@ -193,7 +193,7 @@ impl Request<'_> {
     }
 }
 
-fn array(path: &Path, bytes: &[u8], request: &Request<'_>) -> Result<Found, LoadError> {
+fn array(path: &Path, bytes: &[u8], request: &OpenRequest<'_>) -> Result<Found, LoadError> {
     let damage = |damage: Damage| damage.in_file(path);
     let array = npy::parse(bytes).map_err(damage)?;
     // Annotations, read with their samples.

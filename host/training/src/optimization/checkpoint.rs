@@ -96,7 +96,7 @@ pub(super) struct Store<'a> {
 
 /// Line of the metrics file.
 #[derive(Serialize)]
-struct Line<'a> {
+struct MetricsLine<'a> {
     made_from: Fingerprint,
     #[serde(flatten)]
     metrics: &'a EpochMetrics,
@@ -171,7 +171,7 @@ impl Store<'_> {
         let path = self.run.metrics_path(self.name);
         let mut text = String::new();
         for metrics in &progress.epochs {
-            let line = Line {
+            let line = MetricsLine {
                 made_from: self.made_from,
                 metrics,
             };

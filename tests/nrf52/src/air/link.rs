@@ -1,6 +1,6 @@
 //! A link and its connection events, as a central.
 
-use super::{Air, Event, air_us, reason};
+use super::{Air, AirEvent, air_us, reason};
 use crate::time::{ms, us};
 
 /// Connection interval and what belongs to it: least, most, latency, time-out.
@@ -15,7 +15,7 @@ const MOST: usize = MTU as usize - 1;
 
 /// A request to the armband's attributes.
 #[derive(Debug)]
-pub enum Request {
+pub enum AirRequest {
     /// Exchange of the longest unit.
     Mtu,
     /// Read of an attribute, by its handle.
@@ -34,9 +34,9 @@ pub(super) struct Link {
     /// Packets that the armband gets at the next connection event.
     waiting: u16,
     /// Request that the armband gets at the next connection event.
-    request: Option<Request>,
+    request: Option<AirRequest>,
     /// Answer that it gives at the connection event after that.
-    response: Option<Event>,
+    response: Option<AirEvent>,
     /// Tick at which it ends, and the reason.
     ends: Option<(u64, u8)>,
     /// Tick of other parameters, and those.
@@ -81,7 +81,7 @@ impl Air {
     }
 
     /// Sends a request, one at a time; false if there is no link, or another is under way.
-    pub fn request(&mut self, request: Request) -> bool {
+    pub fn request(&mut self, request: AirRequest) -> bool {
         let is_free = |link: &&mut Link| link.request.is_none() && link.response.is_none();
         let link = self.link.as_mut().filter(is_free);
         link.is_some_and(|link| link.request.replace(request).is_none())
@@ -117,7 +117,7 @@ impl Air {
             let armband = link.armband;
             self.link = None;
             self.armbands[armband].disconnected(air_us(now));
-            return self.events.push_back(Event::Disconnected(reason));
+            return self.events.push_back(AirEvent::Disconnected(reason));
         }
         let is_lost = self.armbands[link.armband].is_lost();
         let sent = std::mem::take(&mut link.waiting);
@@ -128,16 +128,16 @@ impl Air {
         }
         let (number, parameters) = (link.armband, link.parameters);
         if !is_lost {
-            let sent = (sent > 0).then_some(Event::Sent(sent));
+            let sent = (sent > 0).then_some(AirEvent::Sent(sent));
             self.events.extend(sent.into_iter().chain(response));
         }
         self.carry_request_out(now);
         if update.is_some() {
-            self.events.push_back(Event::Updated(parameters));
+            self.events.push_back(AirEvent::Updated(parameters));
         }
         self.notify(number, now);
         let asked = self.armbands[number].take_request(air_us(now));
-        self.events.extend(asked.map(Event::Asked));
+        self.events.extend(asked.map(AirEvent::Asked));
         let armband = &self.armbands[number];
         if armband.is_lost()
             && let Some(link) = self.link.as_mut().filter(|link| link.ends.is_none())
@@ -160,15 +160,15 @@ impl Air {
         let armband = &mut self.armbands[link.armband];
         link.response = match link.request.take() {
             None => return,
-            Some(Request::Mtu) => Some(Event::Mtu(MTU)),
-            Some(Request::Read(attribute)) => {
+            Some(AirRequest::Mtu) => Some(AirEvent::Mtu(MTU)),
+            Some(AirRequest::Read(attribute)) => {
                 let mut value = armband.read(attribute);
                 value.iter_mut().for_each(|value| value.truncate(MOST));
-                Some(Event::Read(attribute, value))
+                Some(AirEvent::Read(attribute, value))
             }
-            Some(Request::Write(attribute, value)) => {
+            Some(AirRequest::Write(attribute, value)) => {
                 let is_taken = armband.write(attribute, &value, air_us(now));
-                Some(Event::Written(attribute, is_taken))
+                Some(AirEvent::Written(attribute, is_taken))
             }
         };
     }
@@ -188,7 +188,7 @@ impl Air {
             }
             let notified = notifications
                 .into_iter()
-                .map(|(attribute, value)| Event::Notified(attribute, value));
+                .map(|(attribute, value)| AirEvent::Notified(attribute, value));
             self.events.extend(notified);
         }
     }

@@ -1,6 +1,6 @@
 //! The air between the chip's radio and armbands: scans, attempts to connect, one link as a central, requests to attributes.
 //!
-//! The SoftDevice or the controller takes its [`Event`]s and gives them the form that the program knows. Links
+//! The SoftDevice or the controller takes its [`AirEvent`]s and gives them the form that the program knows. Links
 //! lose nothing, and nobody interferes.
 
 mod link;
@@ -12,7 +12,7 @@ use virtual_armband::Armband;
 
 use crate::time::us;
 use link::Link;
-pub use link::{Parameters, Request, parameters_are_allowed};
+pub use link::{AirRequest, Parameters, parameters_are_allowed};
 pub use scan::ScanTimes;
 use scan::{Attempt, Scan};
 
@@ -28,7 +28,7 @@ mod reason {
 
 /// Something that the radio tells.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub enum Event {
+pub enum AirEvent {
     /// An armband, by its index, was heard to advertise.
     Advertised(usize),
     /// The scan is over.
@@ -57,7 +57,7 @@ pub enum Event {
 
 #[derive(Default, Debug)]
 pub struct Air {
-    events: VecDeque<Event>,
+    events: VecDeque<AirEvent>,
     scan: Option<Scan>,
     /// Ticks of the scans that have ended.
     scanned: u64,
@@ -106,7 +106,7 @@ impl Air {
     }
 
     /// Takes the next event.
-    pub fn take(&mut self) -> Option<Event> {
+    pub fn take(&mut self) -> Option<AirEvent> {
         self.events.pop_front()
     }
 

@@ -3,7 +3,7 @@
 use shared::myo::Address;
 
 use super::link::{Link, Parameters};
-use super::{Air, Event, air_us};
+use super::{Air, AirEvent, air_us};
 use crate::time::{ms, us};
 
 /// Ticks from one advertisement of an armband to its next.
@@ -149,7 +149,7 @@ impl Air {
         };
         if scan.until <= now {
             self.stop_scan(now);
-            return self.events.push_back(Event::ScanTimedOut);
+            return self.events.push_back(AirEvent::ScanTimedOut);
         }
         if scan.is_paused || scan.at > now {
             return;
@@ -161,7 +161,7 @@ impl Air {
         let heard = self.armbands.get(scan.turn).filter(|_| scan.hears(now));
         if heard.is_some_and(|one| one.advertisement(air_us(now)).is_some()) {
             scan.is_paused = scan.pauses;
-            self.events.push_back(Event::Advertised(scan.turn));
+            self.events.push_back(AirEvent::Advertised(scan.turn));
         }
     }
 
@@ -171,7 +171,7 @@ impl Air {
         };
         if attempt.until <= now {
             self.attempt = None;
-            return self.events.push_back(Event::AttemptTimedOut);
+            return self.events.push_back(AirEvent::AttemptTimedOut);
         }
         if attempt.at > now {
             return;
@@ -188,6 +188,7 @@ impl Air {
         let parameters = [interval, interval, latency, timeout];
         let is_kept = self.armbands[armband].connected();
         self.link = Some(Link::new(armband, parameters, now + CONNECTING, is_kept));
-        self.events.push_back(Event::Connected(armband, parameters));
+        self.events
+            .push_back(AirEvent::Connected(armband, parameters));
     }
 }

@@ -3,7 +3,7 @@
 //! Clocks take their time to start. Where a test says so, the high-frequency clock is off on the UART's line until its
 //! crystal runs, and the crystal of the low-frequency clock starts late or never. The supply is ideal.
 
-use super::Model;
+use super::ChipModel;
 use super::bus::{Bus, Peripheral, Reset};
 use super::register::{
     INTEN, Register, Registers, clear, event, one_clears, read_only, read_write, set, task,
@@ -89,7 +89,7 @@ const RETAINED: [u32; 4] = [RESETREAS, 0x51c, 0x520, USBREGSTATUS];
 #[derive(Debug)]
 pub struct ClockAndPower {
     registers: Registers,
-    model: Model,
+    model: ChipModel,
     high: Option<u64>,
     /// Tick at which the low-frequency clock runs, from its source or, while the crystal starts, from the RC oscillator.
     low: Option<u64>,
@@ -101,10 +101,10 @@ pub struct ClockAndPower {
 
 impl ClockAndPower {
     /// After a reset at this tick; `before` is what ran until then.
-    pub fn new(model: Model, why: Reset, now: u64, before: Option<&Self>) -> Self {
+    pub fn new(model: ChipModel, why: Reset, now: u64, before: Option<&Self>) -> Self {
         let table = match model {
-            Model::Nrf52840 => NRF52840,
-            Model::Nrf52832 => NRF52832,
+            ChipModel::Nrf52840 => NRF52840,
+            ChipModel::Nrf52832 => NRF52832,
         };
         let mut registers = Registers::new("CLOCK/POWER", 0x4000_0000, table);
         if let Some(before) = before.filter(|_| why != Reset::Power) {
@@ -185,7 +185,7 @@ impl ClockAndPower {
     /// Returns true if RAM can be trusted after the core has slept, by the trim value that the factory wrote to FICR:
     /// erratum 108 of the nRF52832.
     pub fn keeps_ram_asleep(&self, trim: u32) -> bool {
-        self.model != Model::Nrf52832 || self.registers.get(ERRATUM_108) == trim & 0x4f
+        self.model != ChipModel::Nrf52832 || self.registers.get(ERRATUM_108) == trim & 0x4f
     }
 }
 
@@ -215,7 +215,7 @@ impl Peripheral for ClockAndPower {
             LFCLKSTART => {
                 let source = self.registers.get(LFCLKSRC);
                 let is_early = ERRATUM_132.contains(&(bus.now - self.low_stopped));
-                if source & 3 == 0 && self.model == Model::Nrf52832 && is_early {
+                if source & 3 == 0 && self.model == ChipModel::Nrf52832 && is_early {
                     return self.untimely(
                         offset,
                         bus,

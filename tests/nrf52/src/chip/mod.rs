@@ -56,14 +56,14 @@ const FICR: u32 = ficr::BASE;
 
 /// Model of a chip.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Model {
+pub enum ChipModel {
     /// 1 MiB of flash, 256 KiB of RAM.
     Nrf52840,
     /// 512 KiB of flash, 64 KiB of RAM.
     Nrf52832,
 }
 
-impl Model {
+impl ChipModel {
     /// Bytes of flash.
     pub const fn flash(self) -> u32 {
         match self {
@@ -100,7 +100,7 @@ impl Model {
 pub struct Chip {
     /// Time, memory, and what peripherals ask of the core.
     pub bus: Bus,
-    pub model: Model,
+    pub model: ChipModel,
     clock_and_power: ClockAndPower,
     uarte: Uarte,
     gpiote: Gpiote,
@@ -163,18 +163,18 @@ fn egus() -> [Egu; 6] {
 
 impl Chip {
     /// A blank chip, at the moment that power comes.
-    pub fn new(model: Model, garbage: u64) -> Self {
+    pub fn new(model: ChipModel, garbage: u64) -> Self {
         let memory = Memory::new(model.flash(), model.ram(), garbage);
         let (part, variant) = match model {
-            Model::Nrf52840 => (0x5_2840, *b"AAF0"),
-            Model::Nrf52832 => (0x5_2832, *b"AAG0"),
+            ChipModel::Nrf52840 => (0x5_2840, *b"AAF0"),
+            ChipModel::Nrf52832 => (0x5_2832, *b"AAG0"),
         };
         let (ram, flash) = (model.ram() / 1024, model.flash() / 1024);
         let mut chip = Self {
             bus: Bus::new(memory),
             model,
             clock_and_power: ClockAndPower::new(model, Reset::Power, 0, None),
-            uarte: Uarte::new(model == Model::Nrf52832, None),
+            uarte: Uarte::new(model == ChipModel::Nrf52832, None),
             gpiote: Gpiote::new(),
             timers: timers(),
             rtcs: rtcs(),
@@ -205,7 +205,7 @@ impl Chip {
     pub fn reset(&mut self, why: Reset) {
         let (now, before) = (self.bus.now, &self.clock_and_power);
         self.clock_and_power = ClockAndPower::new(self.model, why, now, Some(before));
-        let short = self.model == Model::Nrf52832;
+        let short = self.model == ChipModel::Nrf52832;
         let before = std::mem::replace(&mut self.uarte, Uarte::new(short, None));
         self.uarte = Uarte::new(short, Some(before));
         self.gpiote = Gpiote::new();
@@ -266,7 +266,7 @@ impl Chip {
 
     fn peripheral(&mut self, address: u32) -> Option<(&mut dyn Peripheral, &mut Bus)> {
         let bus = &mut self.bus;
-        let many = self.model == Model::Nrf52840;
+        let many = self.model == ChipModel::Nrf52840;
         let one: &mut dyn Peripheral = match address & !0xfff {
             0x4000_0000 => &mut self.clock_and_power,
             0x4000_2000 => &mut self.uarte,

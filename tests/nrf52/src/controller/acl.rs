@@ -5,7 +5,7 @@ use virtual_armband::gatt::ASKED_PARAMETERS;
 
 use super::hci::HANDLE;
 use super::{Controller, answer, needs, take, wrong};
-use crate::air::{Event, Request};
+use crate::air::{AirEvent, AirRequest};
 use crate::memory::Memory;
 use crate::refusal::What;
 
@@ -71,10 +71,10 @@ impl Controller {
             }
         }
         let request = match *unit {
-            [MTU_REQUEST, _, _] => Request::Mtu,
-            [READ_REQUEST, a, b] => Request::Read(u16::from_le_bytes([a, b])),
+            [MTU_REQUEST, _, _] => AirRequest::Mtu,
+            [READ_REQUEST, a, b] => AirRequest::Read(u16::from_le_bytes([a, b])),
             [WRITE_REQUEST, a, b, ref value @ ..] => {
-                Request::Write(u16::from_le_bytes([a, b]), value.to_vec())
+                AirRequest::Write(u16::from_le_bytes([a, b]), value.to_vec())
             }
             _ => return Err(wrong(&format!("of a kind that is not modelled: {unit:x?}"))),
         };
@@ -98,23 +98,23 @@ impl Controller {
     }
 
     /// Tells the program what comes from the armband.
-    pub(super) fn tell_of_data(&mut self, event: Event) {
+    pub(super) fn tell_of_data(&mut self, event: AirEvent) {
         let failed = |request: u8, attribute: u16, why: u8| {
             let [a, b] = attribute.to_le_bytes();
             vec![ERROR, request, a, b, why]
         };
         let unit = match event {
-            Event::Mtu(bytes) => [&[MTU_RESPONSE], &bytes.to_le_bytes()[..]].concat(),
-            Event::Read(_, Some(value)) => [&[READ_RESPONSE], &value[..]].concat(),
-            Event::Read(attribute, None) => failed(READ_REQUEST, attribute, READ_NOT_PERMITTED),
-            Event::Written(_, true) => vec![WRITE_RESPONSE],
-            Event::Written(attribute, false) => {
+            AirEvent::Mtu(bytes) => [&[MTU_RESPONSE], &bytes.to_le_bytes()[..]].concat(),
+            AirEvent::Read(_, Some(value)) => [&[READ_RESPONSE], &value[..]].concat(),
+            AirEvent::Read(attribute, None) => failed(READ_REQUEST, attribute, READ_NOT_PERMITTED),
+            AirEvent::Written(_, true) => vec![WRITE_RESPONSE],
+            AirEvent::Written(attribute, false) => {
                 failed(WRITE_REQUEST, attribute, WRITE_NOT_PERMITTED)
             }
-            Event::Notified(attribute, value) => {
+            AirEvent::Notified(attribute, value) => {
                 [&[NOTIFICATION], &attribute.to_le_bytes()[..], &value].concat()
             }
-            Event::Asked(identifier) => {
+            AirEvent::Asked(identifier) => {
                 let fields = ASKED_PARAMETERS.map(u16::to_le_bytes).concat();
                 let head = [PARAMETERS_REQUEST, identifier, fields.len() as u8, 0];
                 return self.channel_data(SIGNALS, &[&head, &fields[..]].concat());

@@ -6,7 +6,7 @@ use shared::myo::{Address, AddressKind};
 
 use super::commands::UNKNOWN_CONNECTION;
 use super::{Controller, answer, give, needs, wrong};
-use crate::air::{Event, Parameters};
+use crate::air::{AirEvent, Parameters};
 use crate::memory::Memory;
 use crate::refusal::What;
 
@@ -164,28 +164,28 @@ impl Controller {
     }
 
     /// Tells the program of something on the air.
-    pub(super) fn tell(&mut self, event: Event) {
+    pub(super) fn tell(&mut self, event: AirEvent) {
         let handle = HANDLE.to_le_bytes();
         match event {
-            Event::Advertised(armband) => self.report(armband),
+            AirEvent::Advertised(armband) => self.report(armband),
             // Without a limit of time.
-            Event::ScanTimedOut | Event::AttemptTimedOut => {}
-            Event::Connected(armband, with) => {
+            AirEvent::ScanTimedOut | AirEvent::AttemptTimedOut => {}
+            AirEvent::Connected(armband, with) => {
                 let peer = address(self.air.armbands[armband].address);
                 self.connection(0, &peer, with);
             }
-            Event::Disconnected(reason) => {
+            AirEvent::Disconnected(reason) => {
                 self.hci.in_flight = 0;
                 self.hci.is_ending = false;
                 if self.hci.mask & DISCONNECTIONS != 0 {
                     self.event(0x05, &[&[0], &handle[..], &[reason]].concat());
                 }
             }
-            Event::Updated(with) => {
+            AirEvent::Updated(with) => {
                 let body = [&[0], &handle[..], &parameters(with)].concat();
                 self.le_event(0x03, &body);
             }
-            Event::Sent(count) => {
+            AirEvent::Sent(count) => {
                 self.hci.in_flight = self.hci.in_flight.saturating_sub(count as u8);
                 self.event(0x13, &[&[1], &handle[..], &count.to_le_bytes()].concat());
             }

@@ -30,7 +30,7 @@ struct Wanted {
 }
 
 #[derive(Clone, Copy, Default, PartialEq, Eq, Debug)]
-enum State {
+enum TimeslotState {
     #[default]
     Idle,
     /// It starts then, for so long.
@@ -50,7 +50,7 @@ pub struct Timeslot {
     pub(super) memory: Option<(u32, Vec<u8>)>,
     /// The session's callback, while it is open.
     callback: Option<u32>,
-    state: State,
+    state: TimeslotState,
     /// Number of requests, from the next one on, that find no time, but for urgent ones.
     pub blocked: usize,
     /// Number of time slots that have begun.
@@ -69,22 +69,25 @@ impl Timeslot {
 
     /// Returns true while the radio is the program's.
     pub const fn is_granted(&self) -> bool {
-        matches!(self.state, State::Granted { .. } | State::Running { .. })
+        matches!(
+            self.state,
+            TimeslotState::Granted { .. } | TimeslotState::Running { .. }
+        )
     }
 
     pub(super) const fn next(&self) -> Option<u64> {
         match self.state {
-            State::Requested { at, .. } | State::Blocked { at } => Some(at),
+            TimeslotState::Requested { at, .. } | TimeslotState::Blocked { at } => Some(at),
             _ => None,
         }
     }
 
     /// The interrupt of TIMER0: what to call, if a slot begins.
     pub(super) fn begin(&mut self) -> Option<Callback> {
-        let State::Granted { since, length } = self.state else {
+        let TimeslotState::Granted { since, length } = self.state else {
             return None;
         };
-        self.state = State::Running { since, length };
+        self.state = TimeslotState::Running { since, length };
         self.begun += 1;
         self.callback.map(|function| Callback {
             function,
@@ -127,7 +130,7 @@ impl Controller {
     pub(super) fn close_session(&mut self, [id, ..]: [u32; 4]) -> i32 {
         match self.timeslot.callback.take_if(|_| id as u8 == 0) {
             Some(callback) => {
-                self.timeslot.state = State::Idle;
+                self.timeslot.state = TimeslotState::Idle;
                 self.call_later(callback, [0, CLOSED]);
                 answer::SUCCESS
             }
@@ -143,7 +146,7 @@ impl Controller {
         if self.timeslot.callback.is_none() || id as u8 != 0 {
             return Ok(answer::NO_ENTRY);
         }
-        if self.timeslot.state != State::Idle {
+        if self.timeslot.state != TimeslotState::Idle {
             return Ok(answer::AGAIN);
         }
         let Some(wanted) = wanted(request, &chip.bus.memory)? else {
@@ -170,22 +173,22 @@ impl Controller {
             Some(_) => None,
         };
         self.timeslot.state = match at.filter(|at| !is_blocked && at - now <= timeout) {
-            Some(at) => State::Requested { at, length },
-            None => State::Blocked { at: now + timeout },
+            Some(at) => TimeslotState::Requested { at, length },
+            None => TimeslotState::Blocked { at: now + timeout },
         };
     }
 
     pub(super) fn advance_timeslot(&mut self, chip: &mut Chip) {
         let now = chip.bus.now;
         match self.timeslot.state {
-            State::Requested { at, length } if at <= now => {
-                self.timeslot.state = State::Granted { since: now, length };
+            TimeslotState::Requested { at, length } if at <= now => {
+                self.timeslot.state = TimeslotState::Granted { since: now, length };
                 chip.owner = Owner::TimeSlot;
                 chip.start_slot_timer();
                 self.interrupts.push(TIMER0);
             }
-            State::Blocked { at } if at <= now => {
-                self.timeslot.state = State::Idle;
+            TimeslotState::Blocked { at } if at <= now => {
+                self.timeslot.state = TimeslotState::Idle;
                 self.signal(BLOCKED);
             }
             _ => {}
@@ -201,7 +204,7 @@ impl Controller {
     /// The callback has returned from the start of a slot, with what it wants (`mpsl_timeslot_signal_return_param_t`).
     pub(super) fn end_of_start(&mut self, wants: u32, chip: &mut Chip) -> Result<(), What> {
         let now = chip.bus.now;
-        if let State::Running { since, length } = self.timeslot.state
+        if let TimeslotState::Running { since, length } = self.timeslot.state
             && now - since > length
         {
             let (took, granted) = ((now - since) / us(1), length / us(1));
@@ -212,7 +215,7 @@ impl Controller {
         needs(chip.nvmc.is_read_only(), "that left flash writable")?;
         chip.owner = Owner::Controller;
         chip.stop_slot_timer();
-        self.timeslot.state = State::Idle;
+        self.timeslot.state = TimeslotState::Idle;
         match take(&chip.bus.memory, wants, 1)?[0] {
             END => self.signal(IDLE),
             REQUEST => {

@@ -6,7 +6,7 @@ use virtual_armband::gatt::ASKED_PARAMETERS;
 use super::calls::answer;
 use super::events::{self, HANDLE};
 use super::{SoftDevice, wrong};
-use crate::air::{Event, Parameters, ScanTimes, parameters_are_allowed};
+use crate::air::{AirEvent, Parameters, ScanTimes, parameters_are_allowed};
 use crate::memory::Memory;
 use crate::refusal::What;
 use crate::time::ms;
@@ -146,31 +146,31 @@ impl SoftDevice {
     }
 
     /// Tells the program of an event.
-    pub(super) fn tell(&mut self, event: Event, memory: &Memory) {
+    pub(super) fn tell(&mut self, event: AirEvent, memory: &Memory) {
         let event = match event {
-            Event::Advertised(armband) => {
+            AirEvent::Advertised(armband) => {
                 let armband = &self.air.armbands[armband];
                 let data = armband.advertisement(u64::MAX).unwrap_or_default();
                 memory.write(self.scan_buffer, data);
                 let length = data.len() as u16;
                 events::advertised(armband.address, armband.rssi, self.scan_buffer, length)
             }
-            Event::ScanTimedOut => events::timed_out(SCAN),
-            Event::AttemptTimedOut => events::timed_out(CONNECT),
-            Event::Connected(armband, parameters) => {
+            AirEvent::ScanTimedOut => events::timed_out(SCAN),
+            AirEvent::AttemptTimedOut => events::timed_out(CONNECT),
+            AirEvent::Connected(armband, parameters) => {
                 events::connected(HANDLE, self.air.armbands[armband].address, parameters)
             }
-            Event::Disconnected(reason) => events::disconnected(HANDLE, reason),
-            Event::Updated(parameters) => events::updated(HANDLE, parameters),
-            Event::Asked(identifier) => {
+            AirEvent::Disconnected(reason) => events::disconnected(HANDLE, reason),
+            AirEvent::Updated(parameters) => events::updated(HANDLE, parameters),
+            AirEvent::Asked(identifier) => {
                 self.asked = Some(identifier);
                 events::asked(HANDLE, ASKED_PARAMETERS)
             }
             // Only writes without a response are told of (`BLE_GATTC_EVT_WRITE_CMD_TX_COMPLETE`).
-            Event::Sent(_) | Event::Mtu(_) => return,
-            Event::Read(attribute, value) => events::read(HANDLE, attribute, value.as_deref()),
-            Event::Written(attribute, is_taken) => events::written(HANDLE, attribute, is_taken),
-            Event::Notified(attribute, value) => events::notified(HANDLE, attribute, &value),
+            AirEvent::Sent(_) | AirEvent::Mtu(_) => return,
+            AirEvent::Read(attribute, value) => events::read(HANDLE, attribute, value.as_deref()),
+            AirEvent::Written(attribute, is_taken) => events::written(HANDLE, attribute, is_taken),
+            AirEvent::Notified(attribute, value) => events::notified(HANDLE, attribute, &value),
         };
         self.push(event);
     }

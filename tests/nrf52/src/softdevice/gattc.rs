@@ -3,7 +3,7 @@
 use super::calls::answer;
 use super::events::HANDLE;
 use super::{SoftDevice, wrong};
-use crate::air::Request;
+use crate::air::AirRequest;
 use crate::memory::Memory;
 use crate::refusal::What;
 
@@ -12,7 +12,7 @@ const WRITE_REQUEST: u8 = 1;
 
 impl SoftDevice {
     pub(super) fn read_attribute(&mut self, handle: u16, attribute: u16) -> u32 {
-        self.request(handle, Request::Read(attribute))
+        self.request(handle, AirRequest::Read(attribute))
     }
 
     pub(super) fn write_attribute(
@@ -37,10 +37,10 @@ impl SoftDevice {
         let Some(value) = memory.read(value, length.into()) else {
             return Err(wrong("with a value that is no memory"));
         };
-        Ok(self.request(handle, Request::Write(attribute, value)))
+        Ok(self.request(handle, AirRequest::Write(attribute, value)))
     }
 
-    fn request(&mut self, handle: u16, request: Request) -> u32 {
+    fn request(&mut self, handle: u16, request: AirRequest) -> u32 {
         if handle != HANDLE || !self.air.is_linked() {
             return answer::INVALID_CONN_HANDLE;
         }

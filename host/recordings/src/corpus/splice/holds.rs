@@ -11,7 +11,7 @@ use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 use shared::intent::Intent;
 
-use super::source::{Joined, Source};
+use super::source::{Joined, SpliceSource};
 use crate::labels::runs::runs;
 
 /// Samples of a crop of a steady hold: 0.6 to 3 s.
@@ -20,10 +20,10 @@ pub(super) const HOLD: Range<usize> = 120..601;
 const REST_BETWEEN: f64 = 0.6;
 
 /// Recordings of one steady label, by label; none is movement outside the vocabulary.
-pub(super) type Holds<'a> = BTreeMap<Option<Intent>, Vec<&'a Source<'a>>>;
+pub(super) type Holds<'a> = BTreeMap<Option<Intent>, Vec<&'a SpliceSource<'a>>>;
 
 /// The steady holds among a subject's recordings.
-pub(super) fn holds<'a>(sources: &'a [Source<'a>]) -> Holds<'a> {
+pub(super) fn holds<'a>(sources: &'a [SpliceSource<'a>]) -> Holds<'a> {
     let mut holds: Holds<'a> = BTreeMap::new();
     for source in sources {
         if let [run] = runs(&source.labels)[..]

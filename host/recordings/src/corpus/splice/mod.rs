@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 use rand_chacha::ChaCha8Rng;
 
 use self::holds::Holds;
-use self::source::{Joined, Source};
+use self::source::{Joined, SpliceSource};
 use self::transitions::Piece;
 use crate::recording::Recording;
 use crate::seed;
@@ -55,9 +55,9 @@ pub fn splice(recordings: &[&Recording], options: &SpliceOptions) -> Vec<Recordi
     }
     let mut spliced = Vec::new();
     for (subject, recordings) in by_subject {
-        let sources: Vec<Source<'_>> = recordings
+        let sources: Vec<SpliceSource<'_>> = recordings
             .iter()
-            .map(|r| Source::new(r, options.other))
+            .map(|r| SpliceSource::new(r, options.other))
             .collect();
         let material = Material::of(&sources);
         for index in 0..options.count {
@@ -90,7 +90,7 @@ enum Material<'a> {
 }
 
 impl<'a> Material<'a> {
-    fn of(sources: &'a [Source<'a>]) -> Self {
+    fn of(sources: &'a [SpliceSource<'a>]) -> Self {
         let pieces = transitions::pieces(sources);
         let holds = holds::holds(sources);
         if pieces.is_empty() {

@@ -11,7 +11,7 @@ use crate::recording::Recording;
 use crate::recording::movement::{self, Movement};
 
 /// A recording with the labels that the pieces carry.
-pub(super) struct Source<'a> {
+pub(super) struct SpliceSource<'a> {
     samples: &'a [Sample],
     /// Labels; none in movement outside the vocabulary, so that it is spliced like a gesture and not like rest.
     pub labels: Vec<Option<Intent>>,
@@ -19,7 +19,7 @@ pub(super) struct Source<'a> {
     other: Vec<Movement>,
 }
 
-impl<'a> Source<'a> {
+impl<'a> SpliceSource<'a> {
     pub fn new(recording: &'a Recording, other_is_a_class: bool) -> Self {
         let other_movement = recording.other_movement.iter();
         Self {
@@ -58,7 +58,7 @@ pub(super) struct Joined {
 
 impl Joined {
     /// Appends a cut, up to `samples` in all.
-    pub fn append(&mut self, source: &Source<'_>, cut: Range<usize>, samples: usize) {
+    pub fn append(&mut self, source: &SpliceSource<'_>, cut: Range<usize>, samples: usize) {
         let end = cut.end.min(cut.start + samples - self.samples.len());
         self.samples
             .extend_from_slice(&source.samples[cut.start..end]);

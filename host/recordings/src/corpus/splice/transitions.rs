@@ -14,7 +14,7 @@ use rand_chacha::ChaCha8Rng;
 use shared::intent::Intent;
 
 use super::holds::Holds;
-use super::source::{Joined, Source};
+use super::source::{Joined, SpliceSource};
 use crate::labels::runs::{Run, runs};
 
 /// Chance that a steady hold of the current label comes before the next transition.
@@ -24,7 +24,7 @@ const STEADY_FOR: Range<usize> = 200..1000;
 
 /// One transition and the places where it may be cut.
 pub(super) struct Piece<'a> {
-    source: &'a Source<'a>,
+    source: &'a SpliceSource<'a>,
     from: Option<Intent>,
     to: Option<Intent>,
     start: Range<usize>,
@@ -32,7 +32,7 @@ pub(super) struct Piece<'a> {
 }
 
 /// The pieces of a subject's recordings.
-pub(super) fn pieces<'a>(sources: &'a [Source<'a>]) -> Vec<Piece<'a>> {
+pub(super) fn pieces<'a>(sources: &'a [SpliceSource<'a>]) -> Vec<Piece<'a>> {
     let mut pieces: Vec<Piece<'a>> = sources.iter().flat_map(pieces_of).collect();
     // A piece into a label that no piece starts in (a motion without a recorded end) would stop the walk.
     loop {
@@ -45,7 +45,7 @@ pub(super) fn pieces<'a>(sources: &'a [Source<'a>]) -> Vec<Piece<'a>> {
     }
 }
 
-fn pieces_of<'a>(source: &'a Source<'a>) -> Vec<Piece<'a>> {
+fn pieces_of<'a>(source: &'a SpliceSource<'a>) -> Vec<Piece<'a>> {
     // The middle half: of a rest of 1 s a quarter covers most people's deviation from the lag.
     // Joined runs are then 0.5 to 1.5 times as long as the recorded ones.
     let middle = |run: &Run| {

@@ -40,7 +40,7 @@ impl ColumnKind {
     pub fn of(path: &Path) -> Option<Self> {
         let ending = ending(path)
             .filter(|ending| matches!(ending.as_str(), "npy" | "csv" | "txt" | "tsv"))?;
-        let table = Table::of(path).ok()??;
+        let table = DraftTable::of(path).ok()??;
         table.columns.first().filter(|column| !column.is_empty())?;
         let width = table.columns.len();
         let is_known = table.named.is_some();
@@ -54,7 +54,7 @@ impl ColumnKind {
 }
 
 /// Beginning of a file by columns.
-struct Table {
+struct DraftTable {
     separator: Option<&'static str>,
     names: Vec<String>,
     /// Columns of the channels and of the label, where names tell.
@@ -62,7 +62,7 @@ struct Table {
     columns: Vec<Vec<String>>,
 }
 
-impl Table {
+impl DraftTable {
     /// Reads a file; none if it is no table.
     fn of(path: &Path) -> Result<Option<Self>, LoadError> {
         let bytes = bounded_read::read(path, bounded_read::RECORDING);
@@ -162,7 +162,7 @@ pub(super) struct Columns {
 impl Columns {
     /// Columns of a file; none if it has no eight columns of numbers.
     pub fn of(path: &Path) -> Result<Option<Self>, LoadError> {
-        let Some(table) = Table::of(path)? else {
+        let Some(table) = DraftTable::of(path)? else {
             return Ok(None);
         };
         let numbers = table.numbers();
@@ -192,7 +192,7 @@ impl Columns {
 }
 
 /// Counts for a value of 1.
-fn scale(table: &Table, channels: &[usize; CHANNELS]) -> Result<f64, Finding> {
+fn scale(table: &DraftTable, channels: &[usize; CHANNELS]) -> Result<f64, Finding> {
     let mut detector = ScaleDetector::default();
     for row in 0..table.columns[channels[0]].len() {
         let value = |at: &usize| table.columns[*at][row].parse::<f64>().unwrap_or(0.0);

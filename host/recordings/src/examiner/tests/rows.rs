@@ -3,7 +3,7 @@
 use super::*;
 use crate::catalogue::DataSet;
 use crate::examiner::clock::Clock;
-use crate::examiner::rows::Rows;
+use crate::examiner::rows::JudgedRows;
 use crate::recording::Recording;
 use crate::recording::movement::{Movement, MovementKind};
 
@@ -296,7 +296,7 @@ fn a_recording_is_cut_into_very_many_pieces() {
         let gap = row.saturating_sub(whole - 1) as f64;
         clock.push(&(row as f64 * 0.005 + gap).to_string());
     }
-    let found = Rows::of(&samples, Some(&clock), true).unwrap();
+    let found = JudgedRows::of(&samples, Some(&clock), true).unwrap();
     let labels = vec![None; rows];
     let recording = Recording::new(DataSet::OWN, "anna", samples, labels);
     assert_eq!(found.apply(recording).len(), torn + 1);

@@ -4,7 +4,7 @@ use super::MAGIC;
 use crate::readers::error::{Damage, Fault};
 
 /// Content of the header.
-pub(super) struct Header {
+pub(super) struct NpyHeader {
     /// Element type as numpy writes it.
     pub descr: String,
     /// Whether the first axis is the fastest (Fortran order).
@@ -15,7 +15,7 @@ pub(super) struct Header {
     pub data_start: usize,
 }
 
-impl Header {
+impl NpyHeader {
     /// Parses the header that a file starts with.
     pub fn parse(bytes: &[u8]) -> Result<Self, Damage> {
         let (text, data_start) = text(bytes)?;

@@ -13,7 +13,7 @@ use std::path::Path;
 use super::error::{Damage, Fault, LoadError};
 use element::{Element, ascii, utf32};
 use execution::bounded_read;
-use header::Header;
+use header::NpyHeader;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 
@@ -92,12 +92,12 @@ pub fn read(path: &Path) -> Result<Array, LoadError> {
 /// Damage with the byte of the fault: no npy file, an element type or order that is not read here, or another length
 /// than the header requires.
 pub fn parse(bytes: &[u8]) -> Result<Array, Damage> {
-    let Header {
+    let NpyHeader {
         descr,
         by_column,
         shape,
         data_start,
-    } = Header::parse(bytes)?;
+    } = NpyHeader::parse(bytes)?;
     let bad = |what: &str| Damage::at_byte(10, Fault::Npy(what.to_owned()));
     let element = Element::parse(&descr)
         .ok_or_else(|| bad(&format!("elements of type {descr} are not read here")))?;
@@ -152,7 +152,7 @@ pub fn parse(bytes: &[u8]) -> Result<Array, Damage> {
 
 /// The bytes of an npy file in C order; `data` holds the elements in the type `descr`.
 pub fn encode(descr: &str, shape: &[usize], data: &[u8]) -> Vec<u8> {
-    let mut bytes = Header::encode(descr, shape);
+    let mut bytes = NpyHeader::encode(descr, shape);
     bytes.extend(data);
     bytes
 }

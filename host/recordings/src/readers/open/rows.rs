@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Found, KINDS, Request};
+use super::{Found, KINDS, OpenRequest};
 use crate::catalogue::DataSet;
 use crate::description::{own, repetitions};
 use crate::examiner::wide;
@@ -13,7 +13,11 @@ use crate::readers::table::columns::Columns;
 use execution::file_kind::FileKind;
 
 /// Reads text, of any encoding.
-pub(super) fn open(path: &Path, bytes: &[u8], request: &Request<'_>) -> Result<Found, LoadError> {
+pub(super) fn open(
+    path: &Path,
+    bytes: &[u8],
+    request: &OpenRequest<'_>,
+) -> Result<Found, LoadError> {
     let text = match std::str::from_utf8(bytes) {
         Ok(text) if FileKind::of(bytes) != FileKind::Utf16 => {
             text.strip_prefix('\u{feff}').unwrap_or(text)
@@ -33,7 +37,7 @@ pub(super) fn open(path: &Path, bytes: &[u8], request: &Request<'_>) -> Result<F
 }
 
 /// Refuses text in another encoding if it would be a recording in UTF-8.
-fn encoded(path: &Path, bytes: &[u8], request: &Request<'_>) -> Result<Found, LoadError> {
+fn encoded(path: &Path, bytes: &[u8], request: &OpenRequest<'_>) -> Result<Found, LoadError> {
     let kind = FileKind::of(bytes);
     let (text, fault) = match (kind, std::str::from_utf8(bytes)) {
         (FileKind::Utf16, _) | (_, Ok(_)) => {
@@ -82,7 +86,11 @@ fn beginning_of_utf8(bytes: &[u8]) -> String {
 }
 
 /// Reads rows of numbers.
-pub(super) fn of_text(path: &Path, text: &str, request: &Request<'_>) -> Result<Found, LoadError> {
+pub(super) fn of_text(
+    path: &Path,
+    text: &str,
+    request: &OpenRequest<'_>,
+) -> Result<Found, LoadError> {
     let damage = |damage: Damage| damage.in_file(path);
     wide::in_table(text).map_err(|finding| damage(Damage::refused(finding)))?;
     match Columns::of(text) {
@@ -101,7 +109,7 @@ fn bare(
     path: &Path,
     text: &str,
     columns: &Columns,
-    request: &Request<'_>,
+    request: &OpenRequest<'_>,
 ) -> Result<Found, LoadError> {
     let Some(metadata) = libemg::metadata(path) else {
         return request.unknown(|| own::table(path, text, columns));

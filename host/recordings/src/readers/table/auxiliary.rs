@@ -5,7 +5,7 @@ use shared::units::Sample;
 use crate::examiner::bands::{Devices, is_device};
 use crate::examiner::clock::Clock;
 use crate::examiner::finding::Finding;
-use crate::examiner::rows::Rows;
+use crate::examiner::rows::JudgedRows;
 use crate::readers::table::columns::Columns;
 use crate::readers::table::separator::Separator;
 
@@ -95,11 +95,11 @@ impl AuxiliaryColumns {
     ///
     /// # Errors
     /// When the rows are those of several armbands, or not at 200 Hz.
-    pub fn rows(&self, samples: &[Sample]) -> Result<Rows, Finding> {
+    pub fn rows(&self, samples: &[Sample]) -> Result<JudgedRows, Finding> {
         if let Some((_, devices)) = &self.devices {
             devices.judge()?;
         }
-        Rows::of(samples, self.clock(), self.filled_in)
+        JudgedRows::of(samples, self.clock(), self.filled_in)
     }
 }
 

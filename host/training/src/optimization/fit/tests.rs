@@ -12,7 +12,7 @@ use execution::run_folder::kill;
 use presets::training::LrSchedule;
 
 /// Learns `y = 2 x`. Its validation loss is lowest at `y = x`, so the best epoch is in the middle.
-struct Line {
+struct MetricsLine {
     device: Device,
     /// Number of losses computed.
     losses: AtomicUsize,
@@ -20,7 +20,7 @@ struct Line {
     stop: Option<(Interrupt, usize)>,
 }
 
-impl Learner for Line {
+impl Learner for MetricsLine {
     type Model = Linear;
     type Item = f32;
     type Shard = f32;
@@ -107,7 +107,7 @@ fn run(
         checkpoint_every,
         interrupt: &interrupt,
     };
-    let line = Line {
+    let line = MetricsLine {
         device,
         losses: AtomicUsize::new(0),
         stop: stop.map(|after| (interrupt.clone(), after)),

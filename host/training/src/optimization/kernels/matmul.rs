@@ -33,7 +33,7 @@ pub(crate) trait Columns<const M: usize>: Copy {
 
 /// A matrix whose rows start `stride` values apart.
 #[derive(Clone, Copy)]
-pub(crate) struct Rows<'a> {
+pub(crate) struct MatrixRows<'a> {
     pub values: &'a [f32],
     pub stride: usize,
 }
@@ -44,7 +44,7 @@ pub(crate) struct RowsMut<'a> {
     pub stride: usize,
 }
 
-impl<'a> Rows<'a> {
+impl<'a> MatrixRows<'a> {
     /// Returns the submatrix that begins at a row and a column.
     #[inline(always)]
     pub(crate) fn from(self, row: usize, column: usize) -> Self {
@@ -74,7 +74,7 @@ impl RowsMut<'_> {
     }
 }
 
-impl Left for Rows<'_> {
+impl Left for MatrixRows<'_> {
     #[inline(always)]
     fn rows<const M: usize>(self, row: usize, depth: usize) -> impl Columns<M> {
         let mut rows = [[].as_slice(); M];
@@ -102,7 +102,7 @@ impl<const M: usize> Columns<M> for ByRow<'_, M> {
 
 /// The transpose of a matrix whose rows start `stride` values apart.
 #[derive(Clone, Copy)]
-pub(crate) struct Transposed<'a>(pub Rows<'a>);
+pub(crate) struct Transposed<'a>(pub MatrixRows<'a>);
 
 impl Left for Transposed<'_> {
     #[inline(always)]
@@ -112,7 +112,7 @@ impl Left for Transposed<'_> {
 }
 
 #[derive(Clone, Copy)]
-struct ByColumn<'a>(Rows<'a>);
+struct ByColumn<'a>(MatrixRows<'a>);
 
 impl<const M: usize> Columns<M> for ByColumn<'_> {
     #[inline(always)]
@@ -130,7 +130,7 @@ pub(crate) fn product<S: Simd, const ADD: bool>(
     simd: S,
     result: RowsMut<'_>,
     left: impl Left,
-    right: Rows<'_>,
+    right: MatrixRows<'_>,
     sizes: [usize; 3],
 ) {
     // Compiled once for all callers, not into each.
@@ -145,7 +145,7 @@ pub(crate) fn product<S: Simd, const ADD: bool>(
 struct Product<'a, L: Left, const ADD: bool> {
     result: RowsMut<'a>,
     left: L,
-    right: Rows<'a>,
+    right: MatrixRows<'a>,
     sizes: [usize; 3],
 }
 
@@ -225,7 +225,7 @@ mod tests {
 
         fn with_simd<S: Simd>(self, simd: S) {
             let stride = self.3[2];
-            let right = Rows {
+            let right = MatrixRows {
                 values: self.2,
                 stride,
             };
@@ -260,7 +260,7 @@ mod tests {
                 2.0 * sum
             };
             let mut found = vec![f32::NAN; rows * width];
-            let by_rows = Rows {
+            let by_rows = MatrixRows {
                 values: &left,
                 stride: depth,
             };
@@ -269,7 +269,7 @@ mod tests {
                 assert_eq!(found, expected(at, &|row, k| row * depth + k));
             }
             let mut found = vec![f32::NAN; rows * width];
-            let by_columns = Transposed(Rows {
+            let by_columns = Transposed(MatrixRows {
                 values: &left,
                 stride: rows,
             });

@@ -3,7 +3,7 @@
 use pulp::Simd;
 
 use super::parameters::{Linear, Norm};
-use crate::optimization::kernels::matmul::{Rows, RowsMut, Transposed, product};
+use crate::optimization::kernels::matmul::{MatrixRows, RowsMut, Transposed, product};
 use crate::optimization::kernels::{dot, fold};
 use crate::student::model::NORM_EPSILON;
 
@@ -153,8 +153,8 @@ impl Normalized {
 }
 
 #[inline(always)]
-pub(super) fn matrix(values: &[f32], stride: usize) -> Rows<'_> {
-    Rows { values, stride }
+pub(super) fn matrix(values: &[f32], stride: usize) -> MatrixRows<'_> {
+    MatrixRows { values, stride }
 }
 
 #[inline(always)]
