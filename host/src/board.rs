@@ -57,7 +57,7 @@ pub enum BoardError {
     },
     #[error("the board refuses: {0}")]
     Refused(#[from] Refusal),
-    #[error("stopped before the board had all of it")]
+    #[error("stopped before the board had the whole model")]
     Stopped,
     #[error(transparent)]
     Install(#[from] InstallError),

@@ -234,7 +234,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
             is_full,
         } = self.window.take();
         let rows = encoder.step(state, patch);
-        self.calibration.again(encoder, state, end, behind);
+        self.calibration.show_opening(encoder, state, end, behind);
         // The labels that older windows take part in were emitted under the alignment before.
         if !is_full || behind > smoother.look_ahead() {
             return None;

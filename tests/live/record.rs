@@ -42,15 +42,15 @@ pub fn wish(viewer: &mut Viewer, wish: &str) {
     viewer.say(&format!(r#"{{"do":"session","wish":"{wish}"}}"#));
 }
 
-/// Returns the next message of the session for which `is_it` holds, and the number of times that the session had to be
+/// Returns the next message of the session for which `is_wanted` holds, and the number of times that the session had to be
 /// told to go on: on a machine that is busy with other work the source may stop for two seconds.
-pub fn reach(viewer: &mut Viewer, is_it: impl Fn(&Value) -> bool) -> (Value, u64) {
+pub fn reach(viewer: &mut Viewer, is_wanted: impl Fn(&Value) -> bool) -> (Value, u64) {
     let mut held = 0;
     loop {
         let message = viewer.find("session", |message| {
-            is_it(message) || message["phase"] == "held"
+            is_wanted(message) || message["phase"] == "held"
         });
-        if is_it(&message) {
+        if is_wanted(&message) {
             return (message, held);
         }
         held += 1;

@@ -95,12 +95,12 @@ impl Viewer {
         self.waiting.pop_front()
     }
 
-    /// Returns the next message of a type for which `is_it` holds.
-    pub fn find(&mut self, kind: &str, is_it: impl Fn(&Value) -> bool) -> Value {
+    /// Returns the next message of a type for which `is_wanted` holds.
+    pub fn find(&mut self, kind: &str, is_wanted: impl Fn(&Value) -> bool) -> Value {
         let end = Instant::now() + PATIENCE;
         while Instant::now() < end {
             let message = self.next().expect("a message, not the end");
-            if message["type"] == kind && is_it(&message) {
+            if message["type"] == kind && is_wanted(&message) {
                 return message;
             }
         }

@@ -33,11 +33,11 @@ fn each<const N: usize>(
     for (number, (program, words)) in cases.into_iter().enumerate() {
         let found = program.machine(model, kind).run(ms(10));
         let found = found.err().map(|refusal| refusal.to_string());
-        let is_so = match &found {
+        let is_expected = match &found {
             Some(found) => !words.is_empty() && found.contains(words),
             None => words.is_empty(),
         };
-        assert!(is_so, "{number}: {found:?}, expected {words:?}");
+        assert!(is_expected, "{number}: {found:?}, expected {words:?}");
     }
 }
 

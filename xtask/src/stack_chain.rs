@@ -55,7 +55,7 @@ pub fn deepest(elf: &[u8]) -> Result<Chain> {
         let function = functions.iter().find(|(_, function)| function.name == name);
         function.map(|(&at, _)| at)
     };
-    let reset = named("Reset").context("no function Reset: nothing can be said about the image")?;
+    let reset = named("Reset").context("no function Reset: the image cannot be checked")?;
     let vectors = file
         .section_by_name(".vector_table")
         .context("no vector table")?;
@@ -158,10 +158,7 @@ fn functions(file: &object::File<'_>) -> Result<BTreeMap<u64, Function>> {
             found.insert(at, (name.to_owned(), symbol.size()));
         }
     }
-    ensure!(
-        !found.is_empty(),
-        "no symbols: nothing can be said about the image"
-    );
+    ensure!(!found.is_empty(), "no symbols: the image cannot be checked");
     let mut functions = BTreeMap::new();
     let is_code = |section: &object::Section<'_, '_>| section.kind() == SectionKind::Text;
     for section in file.sections().filter(is_code) {

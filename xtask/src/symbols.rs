@@ -20,7 +20,7 @@ pub fn check(elf: &[u8]) -> Result<()> {
         .collect();
     ensure!(
         names.iter().any(|name| name.contains("main")),
-        "no symbols: nothing can be said about the image"
+        "no symbols: the image cannot be checked"
     );
     match forbidden(&names) {
         Some(name) => anyhow::bail!(

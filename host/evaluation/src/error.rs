@@ -49,7 +49,7 @@ pub enum EvaluationError {
         "none of {0} people holds each gesture {SET_ASIDE} times for half a second: leave out --calibrate, or give others"
     )]
     NobodyHolds(usize),
-    #[error("the recordings are of {}: say whose are meant with --subject", _0.join(", "))]
+    #[error("the recordings are of {}: name the person with --subject", _0.join(", "))]
     Whose(Vec<String>),
     #[error(
         "found {0} labelled holds of each gesture of half a second or more, with rest between them; {FEWEST_ROUNDS} are needed: record more"

@@ -63,7 +63,7 @@ pub struct Source {
     _layouts: IgnoredAny,
 }
 
-/// Licence of sets for which nobody states one.
+/// Licence of sets without a stated one.
 fn none_stated() -> String {
     "none stated in the copy that was read: without a licence there is no permission to redistribute; read the page before use".to_owned()
 }
@@ -158,17 +158,17 @@ impl DataSet {
     /// Whether training uses the set by default.
     ///
     /// `uci-gestures` shows which muscles are active, but not what a sample looks like. Nothing was gained by learning
-    /// from the five sets of other groups (docs/results.md): they show what a model does where nobody taught it.
+    /// from the five sets of other groups (docs/results.md): they show what a model does on sets that it has not seen.
     pub fn trained_by_default(self) -> bool {
         self.entry().is_none_or(|own| own.trained)
     }
 
-    /// Whether the set is daily life: nobody in it means a gesture.
+    /// Whether the set is daily life: no gesture is meant in it.
     pub fn is_daily_life(self) -> bool {
         self.entry().is_some_and(|own| own.daily_life)
     }
 
-    /// Whether the set only teaches: its recordings are too short to be judged, so nobody of it is held out.
+    /// Whether the set only teaches: its recordings are too short to be judged, so none of its people is held out.
     pub fn only_teaches(self) -> bool {
         self.entry().is_some_and(|own| own.only_teaches)
     }

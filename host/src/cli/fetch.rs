@@ -99,7 +99,9 @@ fn agree(own: &Source, stated: Option<&str>, accepted: bool) -> anyhow::Result<(
         return Ok(());
     }
     if !std::io::stdin().is_terminal() {
-        bail!("nobody is there to agree to the licence: read the page, then give --accept-licence");
+        bail!(
+            "the licence needs agreement, and there is no terminal to ask at: read the page, then give --accept-licence"
+        );
     }
     let mut err = std::io::stderr().lock();
     write!(err, "agree to it, and download? yes / no: ")?;

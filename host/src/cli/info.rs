@@ -84,11 +84,11 @@ fn reaction(margins: Margins) -> &'static str {
     if margins.early.is_none() {
         return "waits";
     }
-    let is_it = |reaction: &Reaction| {
+    let has_margins = |reaction: &Reaction| {
         let named = reaction.margins();
         (named.entry, named.early) == (margins.entry, margins.early)
     };
-    let named = Reaction::ALL.into_iter().find(is_it);
+    let named = Reaction::ALL.into_iter().find(has_margins);
     named.map_or("own", Reaction::name)
 }
 

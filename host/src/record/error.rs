@@ -33,7 +33,7 @@ pub enum RecordError {
         path: PathBuf,
     },
     /// The first line of a journal is damaged.
-    #[error("{}: the line that says whose it is is damaged; it is left as it is", path.display())]
+    #[error("{}: the line with the person's name is damaged; the file is left as it is", path.display())]
     Headless {
         /// The journal.
         path: PathBuf,
@@ -111,7 +111,7 @@ pub enum RecordError {
         reason: String,
     },
     /// The recording reads back differently.
-    #[error("{} is not read as it was written; the journal is kept", path.display())]
+    #[error("{} differs from the session when read back; the journal is kept", path.display())]
     Unlike {
         /// The recording.
         path: PathBuf,

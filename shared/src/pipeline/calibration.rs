@@ -79,8 +79,8 @@ impl Calibration<'_> {
         }
     }
 
-    /// Takes a step of the encoder over the window, with this many patches behind it.
-    pub(super) fn again<E: Encode>(
+    /// Takes the encoder's step at a patch of the opening again, after the electrodes were rearranged; `behind` patches follow it.
+    pub(super) fn show_opening<E: Encode>(
         &mut self,
         encoder: &E,
         state: &E::State,

@@ -32,6 +32,6 @@ pub enum Refusal {
     NotBegun,
     #[error("the file is no model that this program can run: the line says why")]
     Model,
-    #[error("the flash memory did not take it: send it again")]
+    #[error("flash was not written: send it again")]
     Flash,
 }

@@ -204,12 +204,12 @@ fn programs_that_do_not_fit_the_board() {
         let mut machine = program.machine(ChipModel::Nrf52840, None);
         prepare(&mut machine.chip());
         let found = machine.run(ms(1)).err().map(|refusal| refusal.to_string());
-        let is_so = match (&found, expected) {
+        let is_expected = match (&found, expected) {
             (Some(found), Some(expected)) => found.contains(expected),
             (found, expected) => found.is_none() && expected.is_none(),
         };
         assert!(
-            is_so,
+            is_expected,
             "{number}: {words:x?}: {found:?}, expected {expected:?}"
         );
     }

@@ -112,11 +112,11 @@ fn on_air(uuid: Uuid) -> Vec<u8> {
 
 /// Returns the handle of a characteristic's value.
 pub fn value_handle(table: &[Attribute], characteristic: Characteristic) -> u16 {
-    let is_it = |one: &Attribute| matches!(one, Attribute::Value(it) if *it == characteristic);
+    let is_value = |one: &Attribute| matches!(one, Attribute::Value(it) if *it == characteristic);
     // Every characteristic that is used is in the table.
     table
         .iter()
-        .position(is_it)
+        .position(is_value)
         .map_or(0, |place| place as u16 + 1)
 }
 

@@ -48,7 +48,7 @@ pub struct Library {
     pub repeats: Vec<Repeat>,
     /// Files that are not read: no recordings (licences, notes, settings), or of no wanted data set.
     pub ignored: Vec<Ignored>,
-    /// Sentences on how people were named whom no publication names.
+    /// Sentences on how people were named if no publication names them.
     pub people: Vec<String>,
     /// Whether channels were turned into the common frame.
     pub in_common_frame: bool,

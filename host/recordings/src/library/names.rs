@@ -8,7 +8,7 @@ use super::Library;
 use crate::recording::Recording;
 
 impl Library {
-    /// The first two recordings whose names are one file's. Only those of several paths have such.
+    /// The first two recordings whose names would be one file. Only recordings of several paths can have them.
     pub fn named_alike(&self) -> Option<[&Recording; 2]> {
         let mut named = HashMap::new();
         let mut recordings = self.recordings.iter();

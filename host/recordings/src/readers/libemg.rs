@@ -25,8 +25,8 @@ const NAMES: [(&str, &str); 2] = [
 /// Whether a file names the classes of those beside it.
 pub(crate) fn is_metadata(path: &Path, text: &str) -> bool {
     let path = with_small_ending(path);
-    let is_it = |(name, key): &(&str, &str)| path.ends_with(name) && text.contains(key);
-    NAMES.iter().any(is_it)
+    let names_classes = |(name, key): &(&str, &str)| path.ends_with(name) && text.contains(key);
+    NAMES.iter().any(names_classes)
 }
 
 /// Text of the file beside a recording that names its class.

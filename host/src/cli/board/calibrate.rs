@@ -124,7 +124,7 @@ fn result(report: CalibrationReport) -> String {
         State::Unusable => "what was shown gives no usable weights; try again",
         State::Interrupted => "samples were lost, or the stream ended; try again",
         State::Cancelled => "it was cancelled",
-        State::NotKept => "the flash memory did not take it; the model's own last layer is in use",
+        State::NotKept => "flash was not written; the model's own last layer is in use",
         State::Unavailable => {
             "this board has no memory for it (nRF52832), or its model no output for other movement"
         }

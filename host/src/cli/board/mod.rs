@@ -274,7 +274,7 @@ fn run_align(board: &mut Board, align: &Align) -> anyhow::Result<()> {
     }
     writeln!(out, "open the hand twice, with rest before and after")?;
     let Some(result) = board.aligned(PATIENCE)? else {
-        bail!("the board did not say what came of the alignment");
+        bail!("the board did not report the result of the alignment");
     };
     match result.state {
         AlignmentState::Aligned => {

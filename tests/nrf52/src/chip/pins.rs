@@ -66,7 +66,7 @@ impl Chip {
             ),
         ];
         let mut cases = cases.into_iter();
-        cases.find(|(is_so, _)| *is_so).map(|(_, why)| why)
+        cases.find(|(is_wrong, _)| *is_wrong).map(|(_, why)| why)
     }
 
     /// The pin that resets the chip: both words name it (4.5.1.4).

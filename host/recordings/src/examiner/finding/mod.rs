@@ -103,7 +103,7 @@ pub enum Finding {
     FewChannels { own: usize },
     #[error("{} silent", are(channels))]
     Dead { channels: Vec<usize> },
-    #[error("channels say the same as others: {}", pairs.iter().map(|(own, of)| format!("{own} as {of}")).collect::<Vec<_>>().join(", "))]
+    #[error("channels equal others: {}", pairs.iter().map(|(own, of)| format!("{own} as {of}")).collect::<Vec<_>>().join(", "))]
     SameChannel { pairs: Vec<(usize, usize)> },
     #[error("{} saturated in up to {percent:.0} % of the samples", are(channels))]
     Saturated { channels: Vec<usize>, percent: f64 },

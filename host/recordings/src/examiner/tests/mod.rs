@@ -169,7 +169,7 @@ fn every_channel_with_a_defect_is_named() {
         (sample[3], sample[6], sample[7]) = (sample[1], sample[1], sample[2]);
         sample
     };
-    let words = "channels say the same as others: 4 as 2, 7 as 2, 8 as 3";
+    let words = "channels equal others: 4 as 2, 7 as 2, 8 as 3";
     assert_eq!(told(&copied), [words]);
     let single = each(&emg(2000, 1), |_, sample| [sample[3]; CHANNELS]);
     assert!(refusal(&counts(&single)).contains("found 1 with a signal"));

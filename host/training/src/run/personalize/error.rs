@@ -11,7 +11,7 @@ use execution::run_folder::RunError;
 #[derive(Debug, Error)]
 #[expect(missing_docs, reason = "the messages say it")]
 pub enum PersonalizeError {
-    #[error("the recordings are of {}: say whose the model shall be with --subject", .found.join(", "))]
+    #[error("the recordings are of {}: name the person with --subject", .found.join(", "))]
     SeveralPeople { found: Vec<String> },
     #[error("no recording of {wanted}; there are recordings of {}", .found.join(", "))]
     UnknownPerson { wanted: String, found: Vec<String> },

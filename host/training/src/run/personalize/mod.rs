@@ -92,7 +92,7 @@ pub fn personalize(
             .iter()
             .map(|(_, judged)| Judgement::new("before", file, judged)),
     )?;
-    // What chooses a margin does not judge it, nor the model before.
+    // The half that chooses a margin judges neither it nor the model before.
     let before = match settings.other_per_minute {
         Some(_) => before.halves().1,
         None => before,
