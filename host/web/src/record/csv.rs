@@ -29,7 +29,7 @@ pub fn pieces(assembly: &Assembly) -> impl Iterator<Item = (&AssembledRecording,
 }
 
 /// Formats the movement beside samples of a part; none without any.
-pub fn movement(part: &Part, samples: &Range<usize>) -> Option<String> {
+pub fn movement(part: &AssembledRecording, samples: &Range<usize>) -> Option<String> {
     let rows = part.movement.iter().filter(|(at, _)| samples.contains(at));
     let rows: Vec<_> = rows.map(|&(at, imu)| (at - samples.start, imu)).collect();
     (!rows.is_empty()).then(|| imu::text(&rows))
