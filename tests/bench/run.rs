@@ -13,7 +13,7 @@ use xtask::emulator;
 
 use super::process::KillOnDrop;
 use super::{Place, Python, Scenario, program};
-use crate::output::{ARMBAND_LOG, LINES, Output};
+use crate::output::{ARMBAND_LOG, BoardOutput, LINES};
 
 /// Longest wait. Far more than a healthy run needs, for a machine that is busy with other work.
 const TIMEOUT: Duration = Duration::from_secs(90);
@@ -33,7 +33,7 @@ pub struct Run {
     board: Option<KillOnDrop>,
     armband: Option<KillOnDrop>,
     folder: TempDir,
-    output: Output,
+    output: BoardOutput,
     slowed: u32,
     _place: Place,
 }
@@ -90,7 +90,7 @@ impl Run {
         Ok(Self {
             board: None,
             armband: None,
-            output: Output::new(folder.path()),
+            output: BoardOutput::new(folder.path()),
             folder,
             slowed,
             _place: place,
@@ -187,9 +187,9 @@ impl Run {
 }
 
 impl Deref for Run {
-    type Target = Output;
+    type Target = BoardOutput;
 
-    fn deref(&self) -> &Output {
+    fn deref(&self) -> &BoardOutput {
         &self.output
     }
 }

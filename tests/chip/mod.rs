@@ -32,7 +32,7 @@ pub const BOOT_LOADER_RAM: std::ops::Range<u32> = 0x2000_7f7c..0x2004_0000;
 
 /// Pins of a board by their names on it, as its maker's documents have them: the second port's follow at 32.
 #[derive(Clone, Copy, Debug)]
-pub struct Pins {
+pub struct ChipPins {
     /// One for each intent, in class order.
     pub intents: [u32; 6],
     /// `valid`.
@@ -53,7 +53,7 @@ pub struct Pins {
     pub reset: u32,
 }
 
-impl Pins {
+impl ChipPins {
     const NRF52840: Self = Self {
         intents: [33, 34, 35, 36, 37, 38],
         valid: 39,
@@ -195,7 +195,7 @@ impl Default for Setting {
 pub struct Board {
     /// Its chip, and the armbands.
     pub machine: Machine,
-    pub pins: Pins,
+    pub pins: ChipPins,
 }
 
 impl Board {
@@ -208,18 +208,18 @@ impl Board {
         let (model, pins, kind) = match built {
             Built::Nrf52840S140 => (
                 ChipModel::Nrf52840,
-                Pins::NRF52840,
+                ChipPins::NRF52840,
                 Some(SoftDeviceKind::S140),
             ),
             Built::Nrf52832S132 => (
                 ChipModel::Nrf52832,
-                Pins::NRF52832,
+                ChipPins::NRF52832,
                 Some(SoftDeviceKind::S132),
             ),
-            Built::Xiao => (ChipModel::Nrf52840, Pins::XIAO, None),
-            Built::Feather => (ChipModel::Nrf52840, Pins::FEATHER, None),
-            Built::NiceNano => (ChipModel::Nrf52840, Pins::NICE_NANO, None),
-            _ => (ChipModel::Nrf52840, Pins::NRF52840, None),
+            Built::Xiao => (ChipModel::Nrf52840, ChipPins::XIAO, None),
+            Built::Feather => (ChipModel::Nrf52840, ChipPins::FEATHER, None),
+            Built::NiceNano => (ChipModel::Nrf52840, ChipPins::NICE_NANO, None),
+            _ => (ChipModel::Nrf52840, ChipPins::NRF52840, None),
         };
         let address = Address::parse(ARMBAND).expect("an address");
         let stranger = setting.stranger.map(|(address, rssi)| {

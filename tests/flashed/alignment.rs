@@ -7,7 +7,7 @@
 use myointent_tests::chip::{self, Board, Setting};
 use myointent_tests::found;
 use myointent_tests::oracle::{Input, expected_lines};
-use myointent_tests::output::Output;
+use myointent_tests::output::BoardOutput;
 use shared::intent::Vocabulary;
 use shared::model::dimensions::Dimensions;
 use shared::model::file::random::random_model;
@@ -85,7 +85,7 @@ fn an_opening_that_does_not_tell_the_arm_is_decided_by_the_model_and_the_lines_e
     board.run_ms(200)?;
     let folder = tempfile::tempdir()?;
     board.write_output(folder.path())?;
-    let output = Output::new(folder.path());
+    let output = BoardOutput::new(folder.path());
     let news = output.alignments()?;
     let begun = news[0].emitted.0 as usize + 1;
     let (before, after) = samples.split_at(begun);

@@ -3,7 +3,7 @@
 use std::iter::repeat_n;
 
 use myointent_tests::chip::{self, Board, Setting};
-use myointent_tests::output::Output;
+use myointent_tests::output::BoardOutput;
 use recordings::synthetic::Follower;
 use shared::calibration::from_record;
 use shared::intent::Intent;
@@ -51,7 +51,7 @@ fn what_a_wearer_shows_is_learnt_in_time_kept_and_used() {
         assert!(kept.is_ok(), "{kept:?}");
         let folder = tempfile::tempdir().unwrap();
         board.write_output(folder.path()).unwrap();
-        let output = Output::new(folder.path());
+        let output = BoardOutput::new(folder.path());
         output.check(false).unwrap();
         let said = output.comments();
         assert!(

@@ -5,7 +5,7 @@ use shared::intent::Intent;
 use shared::stream::safe_state::SILENCE_MS;
 use shared::uart_line::ReportKind;
 
-use super::{Line, Output, Pins};
+use super::{BoardLine, BoardOutput, PinLevels};
 
 /// Longest time from the last byte to the pin: the silence, the sample's way in, and delays of a busy host.
 const SAFE_WITHIN_US: u32 = SILENCE_MS * 1000 + 25_000;
@@ -13,7 +13,7 @@ const SAFE_WITHIN_US: u32 = SILENCE_MS * 1000 + 25_000;
 /// Longest such time where a fault keeps the program from it.
 const SAFE_BY_HARDWARE_WITHIN_US: u32 = 250_000;
 
-impl Output {
+impl BoardOutput {
     /// Checks the conditions that hold in every run; with `may_restart` the board may have restarted.
     ///
     /// # Errors
@@ -41,7 +41,7 @@ impl Output {
                     line.sequence()
                 )));
             }
-            let Line::Report(report) = line else {
+            let BoardLine::Report(report) = line else {
                 continue;
             };
             if report.kind == ReportKind::Label && !report.status.valid() {
@@ -53,7 +53,7 @@ impl Output {
 
     fn bad_pin(&self, may_restart: bool) -> Option<String> {
         let pins = self.pins();
-        let high = |pins: &&Pins| !pins.valid && pins.high != [Intent::Relax];
+        let high = |pins: &&PinLevels| !pins.valid && pins.high != [Intent::Relax];
         if let Some(high) = pins.iter().find(high) {
             return Some(format!("not valid, and yet not relax: {high:?}"));
         }
@@ -62,7 +62,7 @@ impl Output {
         } else {
             SAFE_WITHIN_US
         };
-        let late = |pair: &&[Pins]| {
+        let late = |pair: &&[PinLevels]| {
             pair[0].valid && !pair[1].valid && pair[1].since_last_byte_us() > within
         };
         let late = pins.windows(2).find(late)?;

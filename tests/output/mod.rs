@@ -11,7 +11,7 @@ use anyhow::Context as _;
 use serde_json::Value;
 use shared::uart_line::{Report, alignment::AlignmentReport, emg::EmgReport};
 
-pub use pins::Pins;
+pub use pins::PinLevels;
 
 /// Name of the file with the lines of UART0.
 pub const LINES: &str = "uart0.out";
@@ -34,13 +34,13 @@ const STARTED: &str = "# myointent ";
 
 /// Line of UART0 for programs.
 #[derive(Clone, Copy, Debug)]
-pub enum Line {
+pub enum BoardLine {
     /// Label or state.
     Report(Report),
     Alignment(AlignmentReport),
 }
 
-impl Line {
+impl BoardLine {
     pub fn parse(line: &str) -> anyhow::Result<Self> {
         let bytes = line.as_bytes();
         let parsed = if line.starts_with("$ALIGN,") {
@@ -76,11 +76,11 @@ impl Line {
 
 /// Files of a board.
 #[derive(Clone, Debug)]
-pub struct Output {
+pub struct BoardOutput {
     folder: PathBuf,
 }
 
-impl Output {
+impl BoardOutput {
     /// Refers to the files in a folder.
     pub fn new(folder: &Path) -> Self {
         let folder = folder.to_owned();
@@ -135,30 +135,30 @@ impl Output {
     /// Returns labels and states, parsed.
     pub fn reports(&self) -> anyhow::Result<Vec<Report>> {
         let lines = self.parsed()?.into_iter();
-        Ok(lines.filter_map(Line::report).collect())
+        Ok(lines.filter_map(BoardLine::report).collect())
     }
 
     /// Returns the reports of alignments, parsed.
     pub fn alignments(&self) -> anyhow::Result<Vec<AlignmentReport>> {
         let lines = self.parsed()?.into_iter();
-        Ok(lines.filter_map(Line::alignment).collect())
+        Ok(lines.filter_map(BoardLine::alignment).collect())
     }
 
-    fn parsed(&self) -> anyhow::Result<Vec<Line>> {
+    fn parsed(&self) -> anyhow::Result<Vec<BoardLine>> {
         let lines = self.lines().into_iter();
-        lines.map(|line| Line::parse(&line)).collect()
+        lines.map(|line| BoardLine::parse(&line)).collect()
     }
 
     /// Returns the lines for programs after each start of the program, the newest start last.
-    pub fn lines_by_start(&self) -> anyhow::Result<Vec<Vec<Line>>> {
-        let mut starts: Vec<Vec<Line>> = Vec::new();
+    pub fn lines_by_start(&self) -> anyhow::Result<Vec<Vec<BoardLine>>> {
+        let mut starts: Vec<Vec<BoardLine>> = Vec::new();
         for line in self.complete(LINES, |_| true) {
             if line.starts_with(STARTED) {
                 starts.push(Vec::new());
             } else if is_numbered(&line) {
                 let lines = starts.last_mut();
                 let lines = lines.with_context(|| format!("before the start: {line}"))?;
-                lines.push(Line::parse(&line)?);
+                lines.push(BoardLine::parse(&line)?);
             }
         }
         Ok(starts)
@@ -168,14 +168,17 @@ impl Output {
     pub fn reports_by_start(&self) -> anyhow::Result<Vec<Vec<Report>>> {
         let starts = self.lines_by_start()?.into_iter();
         Ok(starts
-            .map(|lines| lines.into_iter().filter_map(Line::report).collect())
+            .map(|lines| lines.into_iter().filter_map(BoardLine::report).collect())
             .collect())
     }
 
     /// Returns every state of the pins.
-    pub fn pins(&self) -> Vec<Pins> {
+    pub fn pins(&self) -> Vec<PinLevels> {
         let lines = self.complete(LEVELS, |_| true);
-        lines.iter().filter_map(|line| Pins::parse(line)).collect()
+        lines
+            .iter()
+            .filter_map(|line| PinLevels::parse(line))
+            .collect()
     }
 
     /// Returns the events in the armband's log.

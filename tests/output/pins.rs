@@ -4,7 +4,7 @@ use shared::intent::Intent;
 
 /// State of the pins from one instant on.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Pins {
+pub struct PinLevels {
     /// Time of the board's clock, in microseconds; wraps after 71 minutes.
     pub at_us: u32,
     /// Time at which the newest byte from the controller was received, on the same clock.
@@ -19,7 +19,7 @@ pub struct Pins {
     pub alignment_led: bool,
 }
 
-impl Pins {
+impl PinLevels {
     /// Parses a line; returns `None` if it is of another kind or damaged.
     pub fn parse(line: &str) -> Option<Self> {
         let mut words = line.trim_end().strip_prefix("PINS ")?.split(' ');
@@ -67,11 +67,11 @@ mod tests {
     #[test]
     fn levels_and_times_are_read_and_anything_else_is_no_line() {
         let line = "PINS 5200 5000 valid=1 relax=0 open=1 close=0 wave-in=0 wave-out=0 pinch=0 armband=1 alignment=1\r\n";
-        let pins = Pins::parse(line).unwrap();
+        let pins = PinLevels::parse(line).unwrap();
         assert!(pins.valid && pins.armband && pins.alignment_led);
         assert_eq!(pins.high, [Intent::Open]);
         assert_eq!(pins.since_last_byte_us(), 200);
-        let overtaken = Pins {
+        let overtaken = PinLevels {
             last_byte_us: 5229,
             ..pins
         };
@@ -83,7 +83,7 @@ mod tests {
             "PINS 1 2 thumb=1",
             "PINS 1 x valid=1",
         ] {
-            assert_eq!(Pins::parse(wrong), None, "{wrong}");
+            assert_eq!(PinLevels::parse(wrong), None, "{wrong}");
         }
     }
 }

@@ -13,7 +13,7 @@ use tempfile::TempDir;
 
 pub use events::Start;
 
-use crate::output::Output;
+use crate::output::BoardOutput;
 
 /// Surroundings of a simulated board.
 #[derive(Clone, Copy, Debug)]
@@ -34,7 +34,7 @@ pub struct Inputs<'s> {
 
 /// Output of a simulated board.
 pub struct Ran {
-    output: Output,
+    output: BoardOutput,
     /// Content of the model's flash region at the end.
     pub region: Vec<u8>,
     /// Content of the calibration's page at the end.
@@ -50,9 +50,9 @@ impl Ran {
 }
 
 impl Deref for Ran {
-    type Target = Output;
+    type Target = BoardOutput;
 
-    fn deref(&self) -> &Output {
+    fn deref(&self) -> &BoardOutput {
         &self.output
     }
 }
@@ -87,7 +87,7 @@ pub fn run(program: &Path, inputs: &Inputs<'_>) -> anyhow::Result<Ran> {
         .arg(folder.path())
         .output()
         .with_context(|| program.display().to_string())?;
-    let output = Output::new(folder.path());
+    let output = BoardOutput::new(folder.path());
     ensure!(
         ran.status.success(),
         "{}: {}\n{}",

@@ -37,7 +37,7 @@ pub fn everything() -> Found {
 }
 
 /// Session with its clock and the checks of its actions.
-pub struct Link {
+pub struct FuzzLink {
     pub session: MyoSession,
     now: Millis,
     progress: RadioProgress,
@@ -58,7 +58,7 @@ pub struct Link {
     position: u32,
 }
 
-impl Link {
+impl FuzzLink {
     /// Creates a session before its first event, at any time of the clock.
     pub fn new(settings: Settings, now: u32) -> Self {
         Self {

@@ -5,7 +5,7 @@ mod pins;
 use super::installed;
 use anyhow::{Context as _, bail, ensure};
 use myointent_tests::oracle::{Input, expected_lines};
-use myointent_tests::output::Output;
+use myointent_tests::output::BoardOutput;
 use serde::Deserialize;
 use shared::stream::alignment::Alignment;
 use shared::stream::smoother::{Gate, Reaction};
@@ -162,7 +162,7 @@ impl Expectation {
         &self,
         models: Models<'_>,
         samples: &[Sample],
-        output: &Output,
+        output: &BoardOutput,
     ) -> anyhow::Result<()> {
         output.check(self.may_restart)?;
         self.check_lines(models, samples, output)?;
@@ -178,7 +178,7 @@ impl Expectation {
         &self,
         models: Models<'_>,
         samples: &[Sample],
-        output: &Output,
+        output: &BoardOutput,
     ) -> anyhow::Result<()> {
         let Some(reached) = &self.pipeline else {
             return Ok(());
@@ -228,7 +228,7 @@ impl Expectation {
         Ok(())
     }
 
-    fn check_reports(&self, output: &Output) -> anyhow::Result<()> {
+    fn check_reports(&self, output: &BoardOutput) -> anyhow::Result<()> {
         let reports = output.reports()?;
         if let Some(expected) = &self.states {
             let states = reports
@@ -260,7 +260,7 @@ impl Expectation {
         Ok(())
     }
 
-    fn check_people(&self, output: &Output) -> anyhow::Result<()> {
+    fn check_people(&self, output: &BoardOutput) -> anyhow::Result<()> {
         let comments = output.comments();
         if let Some(expected) = &self.starts {
             let starts = comments

@@ -3,7 +3,7 @@
 use anyhow::{Context as _, bail};
 use myointent_tests::chip::{self, Board, Setting};
 use myointent_tests::found;
-use myointent_tests::output::Output;
+use myointent_tests::output::BoardOutput;
 use nrf52::chip::Chip;
 use nrf52::time::{HZ, ms};
 use shared::myo::Address;
@@ -41,7 +41,7 @@ pub fn run(file: &File, built: Image) -> anyhow::Result<()> {
     }
     let folder = tempfile::tempdir()?;
     board.write_output(folder.path())?;
-    let output = Output::new(folder.path());
+    let output = BoardOutput::new(folder.path());
     let models = Models {
         first: &model,
         other: &[],

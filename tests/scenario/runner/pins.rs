@@ -3,7 +3,7 @@
 use super::*;
 
 impl Expectation {
-    pub(super) fn check_pins(&self, output: &Output) -> anyhow::Result<()> {
+    pub(super) fn check_pins(&self, output: &BoardOutput) -> anyhow::Result<()> {
         let pins = output.pins();
         if let Some(expected) = self.rises {
             let rises = pins
@@ -35,7 +35,7 @@ impl Expectation {
         Ok(())
     }
 
-    pub(super) fn check_delay(&self, output: &Output) -> anyhow::Result<()> {
+    pub(super) fn check_delay(&self, output: &BoardOutput) -> anyhow::Result<()> {
         let Some(expected) = self.delay_tenths_ms else {
             return Ok(());
         };
@@ -65,7 +65,7 @@ impl Expectation {
         Ok(())
     }
 
-    pub(super) fn check_raw(&self, samples: &[Sample], output: &Output) -> anyhow::Result<()> {
+    pub(super) fn check_raw(&self, samples: &[Sample], output: &BoardOutput) -> anyhow::Result<()> {
         let raw = output.emg()?;
         if let Some(least) = self.raw_at_least {
             ensure!(

@@ -20,7 +20,7 @@ pub enum Protocol {
     LeaveGroupsOut(usize),
     /// All subjects of one data set per fold: what a user meets who was recorded elsewhere. The sets that nothing is
     /// [trained on by default](DataSet::trained_by_default) share the last fold, whose model learns from all others. The people of
-    /// [daily life](DataSet::is_daily_life) are divided among the folds: who means no gesture belongs to no set of gestures.
+    /// [daily life](DataSet::is_daily_life) are divided among the folds: they belong to no set of gestures.
     LeaveSetsOut,
 }
 

@@ -10,7 +10,7 @@ use crate::labels::motion::Motion;
 use crate::recording::movement::MovementKind;
 use crate::seed::generator;
 
-/// Samples for which a person does one thing who may do anything.
+/// Samples of each movement of a person who may do any.
 const WHIM: u32 = 300;
 
 /// A person who follows cues, a reaction time later.

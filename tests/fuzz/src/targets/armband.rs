@@ -5,7 +5,7 @@ use shared::myo::{Attribute, Characteristic, Discovery, MyoEvent, MyoSession, Ph
 use shared::units::Millis;
 
 use crate::input::Input;
-use crate::radio::{CONTROL, Link, address};
+use crate::radio::{CONTROL, FuzzLink, address};
 
 /// Takes the data of one advertisement: the session follows only data that lists the armband's service.
 pub fn advertisement(data: &[u8]) {
@@ -82,7 +82,7 @@ pub fn discovery(data: &[u8]) {
 /// Takes notifications of a running stream, each a byte for its kind, the time since the one before, and perhaps bytes.
 pub fn notification(data: &[u8]) {
     let mut input = Input(data);
-    let mut link = Link::streaming(input.word());
+    let mut link = FuzzLink::streaming(input.word());
     while !input.is_empty() {
         let kind = input.byte();
         link.wait(input.pause());

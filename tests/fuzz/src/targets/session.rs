@@ -3,7 +3,7 @@
 use shared::myo::{Characteristic, MyoEvent, Found, Settings};
 
 use crate::input::Input;
-use crate::radio::{Link, address, advertisement};
+use crate::radio::{FuzzLink, address, advertisement};
 
 /// Takes settings and a first time, then events: a byte for the kind, the time since the one before, then its
 /// arguments.
@@ -18,7 +18,7 @@ pub fn run(data: &[u8]) {
         imu: bits & 8 != 0,
         ..Settings::default()
     };
-    let mut link = Link::new(settings, input.word());
+    let mut link = FuzzLink::new(settings, input.word());
     while !input.is_empty() {
         let kind = input.byte();
         link.wait(input.pause());

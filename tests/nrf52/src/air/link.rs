@@ -25,7 +25,7 @@ pub enum AirRequest {
 }
 
 #[derive(Debug)]
-pub(super) struct Link {
+pub(super) struct AirLink {
     /// Index of the armband.
     pub(super) armband: usize,
     parameters: Parameters,
@@ -43,7 +43,7 @@ pub(super) struct Link {
     update: Option<(u64, Parameters)>,
 }
 
-impl Link {
+impl AirLink {
     /// A link whose first connection event is at this time; the armband may end it there.
     pub(super) fn new(armband: usize, parameters: Parameters, at: u64, is_kept: bool) -> Self {
         Self {
@@ -82,7 +82,7 @@ impl Air {
 
     /// Sends a request, one at a time; false if there is no link, or another is under way.
     pub fn request(&mut self, request: AirRequest) -> bool {
-        let is_free = |link: &&mut Link| link.request.is_none() && link.response.is_none();
+        let is_free = |link: &&mut AirLink| link.request.is_none() && link.response.is_none();
         let link = self.link.as_mut().filter(is_free);
         link.is_some_and(|link| link.request.replace(request).is_none())
     }

@@ -11,7 +11,7 @@ use std::collections::VecDeque;
 use virtual_armband::Armband;
 
 use crate::time::us;
-use link::Link;
+use link::AirLink;
 pub use link::{AirRequest, Parameters, parameters_are_allowed};
 pub use scan::ScanTimes;
 use scan::{Attempt, Scan};
@@ -62,7 +62,7 @@ pub struct Air {
     /// Ticks of the scans that have ended.
     scanned: u64,
     attempt: Option<Attempt>,
-    link: Option<Link>,
+    link: Option<AirLink>,
     /// Armbands within reach.
     pub armbands: Vec<Armband>,
     /// Notifications of the wearer's armband: the tick at which each was received, and its number.

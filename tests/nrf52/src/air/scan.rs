@@ -2,7 +2,7 @@
 
 use shared::myo::Address;
 
-use super::link::{Link, Parameters};
+use super::link::{AirLink, Parameters};
 use super::{Air, AirEvent, air_us};
 use crate::time::{ms, us};
 
@@ -187,7 +187,7 @@ impl Air {
         self.attempt = None;
         let parameters = [interval, interval, latency, timeout];
         let is_kept = self.armbands[armband].connected();
-        self.link = Some(Link::new(armband, parameters, now + CONNECTING, is_kept));
+        self.link = Some(AirLink::new(armband, parameters, now + CONNECTING, is_kept));
         self.events
             .push_back(AirEvent::Connected(armband, parameters));
     }
