@@ -58,9 +58,6 @@ pub struct Pipeline<'s, E: Encode> {
 
 impl<'s, E: Encode> Pipeline<'s, E> {
     /// A pipeline before its first sample, in the safe state. Resets `state`.
-    ///
-    /// # Errors
-    /// If the smoother refuses the settings or the encoder's number of classes.
     pub fn new(
         encoder: E,
         state: &'s mut E::State,
@@ -83,9 +80,6 @@ impl<'s, E: Encode> Pipeline<'s, E> {
 
     /// A pipeline of a model file before its first sample, as the device has it after a boot; `encoder` must be made from the
     /// same model.
-    ///
-    /// # Errors
-    /// If the smoother refuses the settings of the model.
     pub fn of_model(
         model: &Model<'_>,
         encoder: E,

@@ -106,9 +106,6 @@ impl Uf2 {
     }
 
     /// Puts a model file into its region in place of another one, and erases the page that says how far an installation is.
-    ///
-    /// # Errors
-    /// [`Uf2Error::Model`].
     pub fn put_model(&mut self, file: &[u8]) -> Result<(), Uf2Error> {
         if file.len() > MODEL_REGION.len() {
             return Err(Uf2Error::Model { length: file.len() });

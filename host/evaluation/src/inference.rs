@@ -30,9 +30,6 @@ pub fn input(samples: &[Sample], preprocessing: Preprocessing) -> Vec<CleanSampl
 }
 
 /// Logits after each of the patches of a stream, from its beginning.
-///
-/// # Errors
-/// If the encoder refuses the model.
 pub fn outputs(model: &Model<'_>, patches: &[Patch]) -> Result<Vec<LookBackLogits>, ModelError> {
     Ok(outputs_of(&HostEncoder::new(model)?, patches))
 }
@@ -46,9 +43,6 @@ fn outputs_of(encoder: &HostEncoder<'_>, patches: &[Patch]) -> Vec<LookBackLogit
 
 /// Logits of an integer student at every whole patch of a recording, as the device computes them, after a
 /// lead-in of one window.
-///
-/// # Errors
-/// When the encoder refuses the model.
 pub fn integer_logits(
     model: &Model<'_>,
     emg: &[CleanSample],
@@ -57,9 +51,6 @@ pub fn integer_logits(
 }
 
 /// Logits like [`integer_logits`], with a head in place of the model's own.
-///
-/// # Errors
-/// When the encoder refuses the model.
 pub fn logits_with(
     model: &Model<'_>,
     head: Option<&Head>,

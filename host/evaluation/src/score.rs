@@ -93,9 +93,6 @@ fn with_buffers<S: Serializer>(
 }
 
 /// Rows of [`score`] for every candidate under each condition that it allows, against each truth.
-///
-/// # Errors
-/// When labels cannot be compared or the smoother's settings are invalid.
 pub fn score_all(
     candidates: &[Candidate],
     recordings: &[EvaluatedRecording],
@@ -118,9 +115,6 @@ pub fn score_all(
 
 /// Scores a candidate under one condition: a row for each data set among the recordings, and one over all of them if
 /// there are several; each for the people of either [`Group`], if there are any.
-///
-/// # Errors
-/// When labels cannot be compared or the smoother's settings are invalid.
 pub fn score(
     candidate: &Candidate,
     recordings: &[EvaluatedRecording],
@@ -147,9 +141,6 @@ pub fn score(
 }
 
 /// Scores the labels of a model or of any program, in the order of the recordings: rows as of [`score`].
-///
-/// # Errors
-/// When labels cannot be compared.
 pub fn score_labels(
     model: &System,
     labels: &[SmoothedLabels],
@@ -267,9 +258,6 @@ fn score_recording(
 }
 
 /// The gestures of all recordings, judged by the labels that a candidate emits: lag-compensated labels.
-///
-/// # Errors
-/// When labels cannot be compared or the smoother's settings are invalid.
 pub fn gestures(
     candidate: &Candidate,
     recordings: &[EvaluatedRecording],
@@ -289,9 +277,6 @@ pub fn gestures(
 
 /// Confusion matrix of a candidate over all recordings: lag-compensated labels, each predicted label at its reference
 /// time.
-///
-/// # Errors
-/// When labels cannot be compared or the smoother's settings are invalid.
 pub fn confusion(
     candidate: &Candidate,
     recordings: &[EvaluatedRecording],

@@ -24,9 +24,6 @@ const MEDIAN_LAG: usize = 1;
 ///
 /// A label holds until the next one. Samples before the first label have none; on the reference time base,
 /// neither have samples after the last label's hold time.
-///
-/// # Errors
-/// When the settings do not fit the logits.
 pub fn smooth(
     logits: &[LookBackLogits],
     samples: usize,

@@ -68,9 +68,6 @@ pub fn log(message: &str) {
 
 /// Results of `work` for every item, in the items' order, computed on all cores; `name` is shown beside the progress
 /// bar.
-///
-/// # Errors
-/// When the user interrupts.
 pub fn map<T: Sync, R: Send>(
     name: &str,
     items: &[T],

@@ -90,9 +90,6 @@ impl RunFolder {
 
     /// Opens the folder of an earlier command for reading. No lock is needed, since every file in it is complete at any
     /// time.
-    ///
-    /// # Errors
-    /// When the folder does not exist.
     pub fn existing(path: impl Into<PathBuf>) -> Result<Self, RunError> {
         let path = path.into();
         fs::metadata(&path).map_err(|source| RunError::io(&path, source))?;
@@ -100,9 +97,6 @@ impl RunFolder {
     }
 
     /// Opens the folder for writing too.
-    ///
-    /// # Errors
-    /// When another process has it open.
     pub fn locked(mut self) -> Result<Self, RunError> {
         if self.lock.is_none() {
             self.lock = Some(Arc::new(Lock::of(&self.path)?));
@@ -130,9 +124,6 @@ impl RunFolder {
     }
 
     /// Removes files of an earlier run in this folder, if they exist.
-    ///
-    /// # Errors
-    /// When a file cannot be removed.
     pub fn remove_files(&self, names: &[&str]) -> Result<(), RunError> {
         for name in names {
             let path = self.file(name);
@@ -147,9 +138,6 @@ impl RunFolder {
     }
 
     /// Removes the checkpoints and metrics of every training in the folder: a run that begins must not continue them.
-    ///
-    /// # Errors
-    /// When a file cannot be removed.
     pub fn remove_checkpoints(&self) -> Result<(), RunError> {
         durable::remove_ending(&self.path, &[CHECKPOINT, METRICS])
             .map_err(|source| RunError::io(&self.path, source))

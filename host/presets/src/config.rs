@@ -70,18 +70,12 @@ pub struct Fold {
 
 impl ResolvedConfig {
     /// Writes the configuration into a run folder, and the preset also as TOML.
-    ///
-    /// # Errors
-    /// When the folder cannot be written.
     pub fn save(&self, run: &RunFolder) -> Result<(), RunError> {
         write_whole(&run.file("preset.toml"), self.preset.to_toml().as_bytes())?;
         run.save_json(CONFIG, self)
     }
 
     /// Reads the configuration of a run folder.
-    ///
-    /// # Errors
-    /// When the folder holds none.
     pub fn load(run: &RunFolder) -> Result<Self, RunError> {
         run.load_json(CONFIG)
     }

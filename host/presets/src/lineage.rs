@@ -121,9 +121,6 @@ impl ResolvedConfig {
     }
 
     /// Fingerprint of the weights that the run's student learns from, the teacher's.
-    ///
-    /// # Errors
-    /// When they are missing or not this run's.
     pub fn teaching_weights(&self, run: &RunFolder) -> Result<Fingerprint, RunError> {
         run.weights_fingerprint(teacher::NAME, self.teacher_lineage())
     }
@@ -136,9 +133,6 @@ impl ResolvedConfig {
     /// Fingerprint of what a student of `run` is made from, by the name of its files. If it learns from the teacher,
     /// that includes the teacher's weights in `run`. An ensemble is not included: it is made from the same inputs as
     /// its student.
-    ///
-    /// # Errors
-    /// When that teacher is missing or not this run's.
     pub fn student_lineage(&self, name: &str, run: &RunFolder) -> Result<Fingerprint, RunError> {
         let distillation = self.distillation(name);
         let teacher = if distillation.needs_teacher() {

@@ -59,9 +59,6 @@ impl ResolvedConfig {
     /// With a fold, the fold says who is held out, and the validation subjects are drawn at random from the others; the
     /// preset's own lists and the development people of `host/recordings/people.toml` are for a run without a fold.
     /// Test people are in no fold.
-    ///
-    /// # Errors
-    /// When there are too few subjects or no labels.
     pub fn new(
         mut preset: Preset,
         library: &Library,
@@ -112,9 +109,6 @@ impl ResolvedConfig {
     /// The recordings that have labels of the preset's classes: of the preset's data sets, or of all if none of these
     /// was found; daily life where the preset learns from it. A set that is not [trained on by default](recordings::DataSet::trained_by_default) is used where the
     /// preset names it, or one of its subjects to hold out.
-    ///
-    /// # Errors
-    /// When no recording has such labels.
     pub fn labelled<'l>(
         preset: &Preset,
         library: &'l Library,

@@ -13,9 +13,6 @@ pub struct NotRaw {
 }
 
 /// Samples of rows of eight whole numbers from -128 to 127; numbers after the last whole row are left out.
-///
-/// # Errors
-/// At the first other number.
 pub fn raw_samples(values: &[f64]) -> Result<Vec<Sample>, NotRaw> {
     if let Some(at) = values
         .iter()

@@ -87,9 +87,6 @@ pub fn to_record<'b>(
 }
 
 /// Reads the record at the start of some bytes, which begin at a multiple of four and may go on behind it.
-///
-/// # Errors
-/// Each [`RecordError`].
 pub fn from_record<'b>(bytes: &'b [u8], model: &Model<'_>) -> Result<KeptHead<'b>, RecordError> {
     let (start, body) = bytes
         .split_first_chunk::<HEAD_START>()

@@ -138,9 +138,6 @@ impl Installation {
 
     /// Begins a transfer, or continues it. `journal` is what the journal says; none while a model is in use, for then it
     /// means nothing. Asks for nothing to be done.
-    ///
-    /// # Errors
-    /// [`Refused::Length`].
     pub fn begin(
         &mut self,
         transfer: Transfer,
@@ -162,9 +159,6 @@ impl Installation {
 
     /// Takes a block; [`Installation::step`] says what is to be done with it. One that was not asked for changes nothing.
     /// `is_ours` looks at the file's first block, and says whether the file is one for this program.
-    ///
-    /// # Errors
-    /// [`Refused::NotBegun`], [`Refused::NoSuchBlock`], [`Refused::Model`].
     pub fn take(
         &mut self,
         number: u32,

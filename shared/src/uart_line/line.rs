@@ -108,9 +108,6 @@ impl LineReader {
     }
 
     /// Takes a byte; if it ends a line, gives the line or why it is damaged.
-    ///
-    /// # Errors
-    /// Errors of [`Line::parse`], once for each damaged line.
     pub fn push(&mut self, byte: u8) -> Option<Result<Line<'_>, ParseError>> {
         if self.is_done {
             *self = Self {

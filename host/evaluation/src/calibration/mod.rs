@@ -43,9 +43,6 @@ pub struct Calibration {
 }
 
 /// Calibrates a model on the first rounds of a person's parts, as the lesson says.
-///
-/// # Errors
-/// When the encoder or the smoother refuses the model.
 pub fn calibrate(
     model: &Model<'_>,
     recordings: &[&EvaluatedRecording],

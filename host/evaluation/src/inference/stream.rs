@@ -53,9 +53,6 @@ struct WearerCalibration<'s, E> {
 impl<'s, E: Encode + Copy> Stream<'s, E> {
     /// A stream before its first sample; `encoder` is that of the model. With `align`, an alignment begins with the
     /// first sample.
-    ///
-    /// # Errors
-    /// When the smoother refuses the settings of the model.
     pub fn new(
         model: &Model<'_>,
         encoder: E,
@@ -189,9 +186,6 @@ impl<'s, E: Encode + Copy> Stream<'s, E> {
 impl<'s> Stream<'s, HostEncoder<'s>> {
     /// Begins a calibration after so many samples, rounded up to a notification; with other movement if wanted. The wearer
     /// follows the cues that are written. To be called before the first sample, with the stream's model.
-    ///
-    /// # Errors
-    /// When the encoder or the smoother refuses the model.
     pub fn calibrate(
         &mut self,
         model: &Model<'s>,

@@ -37,9 +37,6 @@ pub struct RecordingScore {
 
 impl RecordingScore {
     /// Scores one recording; samples after the last predicted one are not counted.
-    ///
-    /// # Errors
-    /// See [`EvaluationError`].
     pub fn new(
         subject: &str,
         name: &str,

@@ -30,9 +30,6 @@ impl NamedModel {
     }
 
     /// Reads a model file; its name is the file's without the extension, and that of a run folder's model the folder's.
-    ///
-    /// # Errors
-    /// When it cannot be read.
     pub fn read(path: &Path) -> std::io::Result<Self> {
         let bytes = bounded_read::read_model(path)?;
         let folder = path.parent().and_then(Path::file_name);

@@ -19,9 +19,6 @@ use crate::{EvaluationError, Score, System};
 use shared::uart_line::alignment::AlignmentState;
 
 /// Writes the report to `page`. `data` names the recordings.
-///
-/// # Errors
-/// When the file cannot be written.
 pub fn write(evaluation: &ModelEvaluation, data: &str, page: &Path) -> Result<(), EvaluationError> {
     let results = &evaluation.results;
     let entries = entries(evaluation);

@@ -20,9 +20,6 @@ use presets::config::ResolvedConfig;
 pub const REPORT: &str = "report.html";
 
 /// Writes the report of a run's models to `page`.
-///
-/// # Errors
-/// When a file cannot be written.
 pub fn write(
     folder: &RunFolder,
     config: &ResolvedConfig,

@@ -101,9 +101,6 @@ impl Reported {
 }
 
 /// The tables that the terminal shows: the page's if `wide`, else what matters in them.
-///
-/// # Errors
-/// When the metrics of a run cannot be read.
 pub fn tables(reported: &[Reported], wide: bool) -> Result<Vec<Table>, EvaluationError> {
     if let [Reported::Run(run)] = reported {
         return Ok(super::scores::tables(&run.results, wide));

@@ -101,9 +101,6 @@ impl Table {
     }
 
     /// Header and rows as CSV.
-    ///
-    /// # Errors
-    /// When a row has another number of cells than the header.
     pub fn csv(&self) -> Result<Vec<u8>, csv::Error> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         for record in std::iter::once(&self.header).chain(&self.rows) {

@@ -48,9 +48,6 @@ pub struct Artefact {
 
 impl Artefact {
     /// An artefact without parts.
-    ///
-    /// # Errors
-    /// When `about` cannot be written as JSON.
     pub fn new(made_from: Fingerprint, about: &impl Serialize) -> Result<Self, serde_json::Error> {
         Ok(Self {
             made_from,
@@ -66,17 +63,11 @@ impl Artefact {
     }
 
     /// Description of the content.
-    ///
-    /// # Errors
-    /// When it has another shape.
     pub fn about<T: DeserializeOwned>(&self) -> Result<T, String> {
         T::deserialize(&self.about).map_err(|error| error.to_string())
     }
 
     /// Takes a part out.
-    ///
-    /// # Errors
-    /// When no part has this name.
     pub fn take(&mut self, name: &str) -> Result<Vec<u8>, String> {
         let at = self.parts.iter().position(|(known, _)| known == name);
         let at = at.ok_or_else(|| format!("it has no part {name}"))?;
@@ -134,9 +125,6 @@ impl Artefact {
 
 impl RunFolder {
     /// Writes a binary file.
-    ///
-    /// # Errors
-    /// When the file cannot be written.
     pub fn save_artefact(&self, path: &Path, artefact: &Artefact) -> Result<(), RunError> {
         let bytes = artefact
             .encode()
@@ -145,9 +133,6 @@ impl RunFolder {
     }
 
     /// Reads a binary file, whatever it was made from.
-    ///
-    /// # Errors
-    /// When the file is missing or damaged.
     pub fn load_artefact(&self, path: &Path) -> Result<Artefact, RunError> {
         let bytes = fs::read(path).map_err(|source| match source.kind() {
             ErrorKind::NotFound => RunError::NotTrained { path: path.into() },
@@ -171,9 +156,6 @@ impl RunFolder {
     }
 
     /// Fingerprint of a model's weights that were made from `made_from`.
-    ///
-    /// # Errors
-    /// As [`RunFolder::artefact_of`].
     pub fn weights_fingerprint(
         &self,
         name: &str,

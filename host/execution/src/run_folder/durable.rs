@@ -15,9 +15,6 @@ const PARTIAL: &str = ".partial";
 /// The content reaches the disk before the name does, and the name before this returns: after a power failure, too,
 /// the file is the old one or the new one. A rename alone promises that for a killed process only, since file systems
 /// may write the name first.
-///
-/// # Errors
-/// When the file cannot be written.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), RunError> {
     write(path, bytes).map_err(|source| RunError::io(path, source))
 }

@@ -25,9 +25,6 @@ pub struct Stamped<T> {
 
 impl RunFolder {
     /// Lines of a metrics file; none if there is no such file.
-    ///
-    /// # Errors
-    /// When a line has unexpected content.
     pub fn lines<T: DeserializeOwned>(&self, name: &str) -> Result<Vec<T>, RunError> {
         let path = self.file(name);
         let Ok(text) = fs::read_to_string(&path) else {
@@ -39,9 +36,6 @@ impl RunFolder {
     }
 
     /// Writes a JSON file.
-    ///
-    /// # Errors
-    /// When the file cannot be written.
     pub fn save_json(&self, name: &str, value: &impl Serialize) -> Result<(), RunError> {
         let path = self.file(name);
         let json =
@@ -50,9 +44,6 @@ impl RunFolder {
     }
 
     /// Reads a JSON file.
-    ///
-    /// # Errors
-    /// When the file is missing or has unexpected content.
     pub fn load_json<T: DeserializeOwned>(&self, name: &str) -> Result<T, RunError> {
         let path = self.file(name);
         let file = File::open(&path).map_err(|source| RunError::io(&path, source))?;
@@ -61,9 +52,6 @@ impl RunFolder {
     }
 
     /// Writes a JSON file that says what it was made from.
-    ///
-    /// # Errors
-    /// When the file cannot be written.
     pub fn save_stamped(
         &self,
         name: &str,

@@ -41,9 +41,6 @@ pub(crate) fn preset(held_out: &[&str], validation: &[&str]) -> Preset {
 
 /// Configuration of the preset `quickstart` on two data sets of the user's own, with these people held out and these to
 /// validate with.
-///
-/// # Errors
-/// As [`ResolvedConfig::new`].
 pub fn resolve(held_out: &[&str], validation: &[&str]) -> Result<ResolvedConfig, ConfigError> {
     ResolvedConfig::new(preset(held_out, validation), &library(), None, false, None)
 }

@@ -210,9 +210,6 @@ impl Described {
     }
 
     /// Reads a description.
-    ///
-    /// # Errors
-    /// [`LoadError::Io`] or [`LoadError::Description`].
     pub fn read(file: &Path) -> Result<Self, LoadError> {
         let text = bounded_read::read_text(file, bounded_read::PRESET);
         let text = text.map_err(|source| LoadError::io(file, source))?;

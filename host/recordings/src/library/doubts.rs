@@ -9,9 +9,6 @@ use execution::printable::printable;
 
 impl Library {
     /// Refuses a library in which no recording is left.
-    ///
-    /// # Errors
-    /// [`LoadError::NoneLeft`].
     pub fn not_empty(&self, path: &Path) -> Result<(), LoadError> {
         match self.skipped.first() {
             Some(first) if self.recordings.is_empty() => Err(LoadError::NoneLeft {

@@ -95,9 +95,6 @@ pub fn read(path: &Path, purpose: Purpose) -> Result<Vec<Motion>, LoadError> {
 }
 
 /// Reads the labels of a file that need not have any of this purpose: none where it is no csv with such a column.
-///
-/// # Errors
-/// As [`read`].
 pub fn read_if_named(path: &Path, purpose: Purpose) -> Result<Option<Vec<Motion>>, LoadError> {
     let bytes = contents(path)?;
     let text = str::from_utf8(&bytes).unwrap_or_default();
@@ -165,9 +162,6 @@ pub(crate) fn rows(bytes: &[u8], purpose: Purpose) -> Result<Vec<(usize, &str)>,
 }
 
 /// Motion of a class number, 0 to 5, of -1 for unknown, or of -2 for other movement.
-///
-/// # Errors
-/// Another number.
 pub fn from_number(value: f64) -> Result<Motion, Fault> {
     let whole = (value.fract() == 0.0).then_some(value as i64);
     let motion = whole.and_then(Motion::from_number);
@@ -178,9 +172,6 @@ pub fn from_number(value: f64) -> Result<Motion, Fault> {
 }
 
 /// Motion of a name ([`Motion::from_name`]) or a number.
-///
-/// # Errors
-/// Another text.
 pub fn from_text(text: &str) -> Result<Motion, Fault> {
     if let Some(motion) = Motion::from_name(text) {
         return Ok(motion);

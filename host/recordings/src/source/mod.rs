@@ -117,9 +117,6 @@ fn must_hold(folder: &Path, data_set: DataSet) -> Result<(), FetchError> {
 }
 
 /// Refuses a folder that is there already.
-///
-/// # Errors
-/// When the folder exists.
 pub fn free(folder: &Path) -> Result<(), FetchError> {
     if folder.exists() {
         return Err(FetchError::Exists(folder.to_owned()));

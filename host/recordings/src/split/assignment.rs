@@ -33,9 +33,6 @@ pub struct Assignment<'a> {
 /// Each data set holds out and validates with its listed subjects. A set without a listed subject takes those of
 /// `host/recordings/people.toml` ([`PredefinedSplit`]). A set that this does not name draws its share, at least one
 /// subject, from three subjects on. Test people have no other role, unless they are listed as held out.
-///
-/// # Errors
-/// See [`SplitError`].
 pub fn assign<'r>(
     recordings: impl IntoIterator<Item = &'r Recording>,
     assignment: &Assignment<'_>,
@@ -147,9 +144,6 @@ fn take<'s>(rest: &mut Vec<&'s str>, wanted: impl Fn(&str) -> bool) -> Vec<&'s s
 
 /// The subjects that a list names: by themselves, or those of a data set that `of_set` accepts. `list` is its name in
 /// errors.
-///
-/// # Errors
-/// [`SplitError::Unknown`].
 pub fn expand<'s>(
     list: &'static str,
     names: &[String],
