@@ -80,6 +80,12 @@ fn folder(variable: &str, default: &str) -> PathBuf {
     )
 }
 
+/// Returns the path of a model of the repository.
+pub fn shipped(name: &str) -> PathBuf {
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
+    models.join(name).with_extension("intent")
+}
+
 /// Writes a small model of random weights that has seen these people.
 ///
 /// # Panics

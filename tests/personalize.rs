@@ -11,6 +11,7 @@ use std::process::ExitCode;
 use clap::Parser as _;
 use evaluation::Measure;
 use myointent::cli::Cli;
+use myointent_tests::shipped;
 use recordings::synthetic::{self, SynthOptions};
 use recordings::{LoadOptions, load};
 use shared::model::file::Model;
@@ -20,10 +21,6 @@ use training::run::personalize::{PersonRecordings, judge};
 
 /// Exit code of a command that keeps the old model.
 const KEPT: u8 = 3;
-
-fn shipped() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/three-class.intent")
-}
 
 fn personalize(model: &Path, data: &Path, out: &Path) -> ExitCode {
     let [model, data, out] = [model, data, out].map(|path| path.to_str().unwrap());
@@ -105,16 +102,17 @@ fn who_is_unlike_the_people_of_the_training_gets_a_better_model() {
     let recordings = folder.join("recordings");
     person(&recordings).iter().for_each(|path| turn(path));
     let out = folder.join("new.intent");
-    let code = personalize(&shipped(), &recordings, &out);
+    let code = personalize(&shipped("three-class"), &recordings, &out);
     assert_eq!(code, ExitCode::SUCCESS);
-    let [before, after] = [&shipped(), &out].map(|file| on_the_part_held_back(file, &recordings));
+    let [before, after] =
+        [&shipped("three-class"), &out].map(|file| on_the_part_held_back(file, &recordings));
     assert!(after > before + 0.02, "{before} {after}");
-    let mut expected = seen(&shipped());
+    let mut expected = seen(&shipped("three-class"));
     expected.push("synthetic/s1".to_owned());
     assert_eq!(seen(&out), expected);
 
     // A file is not replaced, whatever its content.
-    let again = personalize(&shipped(), &recordings, &out);
+    let again = personalize(&shipped("three-class"), &recordings, &out);
     assert_eq!(again, ExitCode::FAILURE);
     assert_eq!(seen(&out), expected);
 }
@@ -130,7 +128,7 @@ fn the_old_model_is_kept_if_the_new_one_is_worse() {
         exchange(path, ["1", "2"]);
     }
     let out = folder.join("new.intent");
-    let code = personalize(&shipped(), &recordings, &out);
+    let code = personalize(&shipped("three-class"), &recordings, &out);
     assert_eq!(code, ExitCode::from(KEPT));
     let names = fs::read_dir(&folder)
         .unwrap()
@@ -149,6 +147,6 @@ fn exchanged_labels_are_not_tuned_on() {
     let files = person(&recordings);
     files.iter().for_each(|path| exchange(path, ["1", "2"]));
     let out = folder.join("new.intent");
-    let code = personalize(&shipped(), &recordings, &out);
+    let code = personalize(&shipped("three-class"), &recordings, &out);
     assert_eq!((code, out.exists()), (ExitCode::from(KEPT), false));
 }

@@ -6,6 +6,7 @@ mod calibration;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
+use myointent_tests::shipped;
 use myointent_tests::simulation::{self, Inputs, Ran};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -23,8 +24,7 @@ fn program() -> &'static Path {
 
 /// Reads a model of the repository.
 fn model(name: &str) -> Vec<u8> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
-    std::fs::read(folder.join(name).with_extension("intent")).unwrap()
+    std::fs::read(shipped(name)).unwrap()
 }
 
 /// Returns the page of a board that the armband is bound to.

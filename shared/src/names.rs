@@ -1,6 +1,7 @@
-//! Enums whose variants have names on the UART line.
+//! Enums whose variants have names.
 
 /// Declares an enum with a name for each variant, and `ALL`, `name` and `from_name`.
+#[macro_export]
 macro_rules! names {
     (
         $(#[$attribute:meta])*
@@ -14,7 +15,7 @@ macro_rules! names {
             /// Every value, in the order of declaration.
             pub const ALL: [Self; [$($name),+].len()] = [$(Self::$variant),+];
 
-            /// Name on the UART line.
+            /// Name on the UART line, in files and in tables.
             #[must_use]
             pub const fn name(self) -> &'static str {
                 match self {

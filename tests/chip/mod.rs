@@ -3,7 +3,6 @@
 mod output;
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
 use nrf52::chip::{APPROTECT, ChipModel, PSELRESET, REGOUT0, Reset};
@@ -152,8 +151,7 @@ pub fn elf(image: Built) -> Option<Vec<u8>> {
 /// # Panics
 /// If it is not in the repository.
 pub fn model() -> Vec<u8> {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../models/three-class.intent");
-    std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+    std::fs::read(crate::shipped("three-class")).expect("a model of the repository")
 }
 
 /// Contents and surroundings of a board.

@@ -1,12 +1,11 @@
 //! Channels of published sets: one frame in every command.
 
 use std::fs;
-use std::path::Path;
 
 use evaluation::model_evaluation::{NamedModel, Selection, evaluate_models};
 use evaluation::smooth;
 use myointent::cli::replay;
-use myointent_tests::recorded;
+use myointent_tests::{recorded, shipped};
 use recordings::{LoadOptions, load};
 use shared::intent::Intent;
 use shared::model::file::Model;
@@ -16,7 +15,7 @@ use crate::small::{folder, myointent};
 #[test]
 fn predict_gives_the_labels_that_evaluate_scores_of_files_of_published_sets() {
     let folder = folder("frame");
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/three-class.intent");
+    let file = shipped("three-class");
     let named = NamedModel::read(&file).unwrap();
     let model = Model::parse(&named.bytes).unwrap();
     let settings = model.header.smoother.in_patches();

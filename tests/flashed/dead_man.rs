@@ -7,7 +7,7 @@ use xtask::firmware::Image;
 
 use super::faults::{effort, is_valid};
 use myointent_tests::chip::{self, Board, Setting};
-use myointent_tests::found;
+use myointent_tests::{found, shipped};
 
 /// Milliseconds of a core that stands still: more than the timer takes, less than the watchdog.
 const HALT_MS: u64 = 400;
@@ -16,8 +16,7 @@ const SAFE_MS: u64 = 250;
 
 /// The model of six classes, which sees this one in everything.
 pub fn model_of(intent: Intent) -> anyhow::Result<Vec<u8>> {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/six-class.intent");
-    let file = std::fs::read(path)?;
+    let file = std::fs::read(shipped("six-class"))?;
     let model = Model::parse(&file)?;
     let outputs = model.header.dimensions.row_outputs();
     let mut parts = model.to_parts();

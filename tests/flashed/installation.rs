@@ -15,7 +15,7 @@ use xtask::firmware::Image;
 
 use super::air;
 use myointent_tests::chip::{self, Board, MODEL, Setting};
-use myointent_tests::found;
+use myointent_tests::{found, shipped};
 
 /// Blocks of a page of flash.
 const PAGE_BLOCKS: u32 = 64;
@@ -28,12 +28,6 @@ struct Sender {
 }
 
 impl Sender {
-    fn of_models(name: &str) -> anyhow::Result<Self> {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/");
-        let file = std::fs::read(format!("{folder}{name}"))?;
-        Ok(Self { file })
-    }
-
     /// A small file: two pages of flash, the second one not full.
     fn small(seed: u64) -> Self {
         let dimensions = Dimensions {
@@ -145,7 +139,8 @@ fn the_stream_goes_on_after_an_installation_that_flash_refuses() -> anyhow::Resu
     let softdevice = board.machine.softdevice.as_mut();
     let flash = &mut softdevice.expect("an image with one").flash;
     flash.fates.extend(repeat_n(Fate::TimeOut, 4));
-    let sender = Sender::of_models("five-class.intent")?;
+    let file = std::fs::read(shipped("five-class"))?;
+    let sender = Sender { file };
     ask(&mut board, Command::Install(sender.transfer()))?;
     let answer = ask(&mut board, sender.block(0))?.context("a restart")?;
     assert!(answer.starts_with("$ERR,flash"), "{answer}");

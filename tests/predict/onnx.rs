@@ -114,10 +114,10 @@ fn the_runtime_gives_the_logits_of_the_float_student_and_the_integers_nearly_its
     };
     let (folder, device) = (folder("onnx"), Device::default());
     for name in ["three-class", "six-class"] {
-        let shipped = format!("{}/../models/{name}.intent", env!("CARGO_MANIFEST_DIR"));
+        let shipped = myointent_tests::shipped(name);
         let file = folder.join(format!("{name}.onnx"));
         let out = file.display();
-        let export = format!("export --onnx --model {shipped} --out {out}");
+        let export = format!("export --onnx --model {} --out {out}", shipped.display());
         assert!(myointent(&export));
         assert!(!myointent(&export), "the file is there already");
         let bytes = fs::read(&shipped).unwrap();

@@ -33,8 +33,7 @@ fn the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_mad
         return;
     };
     let all = evaluated(library);
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/three-class.intent");
-    let bytes = std::fs::read(file).unwrap();
+    let bytes = std::fs::read(myointent_tests::shipped("three-class")).unwrap();
     let model = Model::parse(&bytes).unwrap();
     let provenance = &model.header.provenance;
     let left_out = |recording: &EvaluatedRecording| {

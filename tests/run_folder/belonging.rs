@@ -115,7 +115,7 @@ fn a_run_is_not_replaced_by_a_second_one() {
 #[test]
 fn a_model_and_a_recording_are_never_replaced_by_what_a_command_writes() {
     let bench = Bench::new("outputs");
-    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/three-class.intent");
+    let shipped = myointent_tests::shipped("three-class");
     let model = bench.path("mine.intent");
     fs::copy(&shipped, &model).unwrap();
     let recording = bench.data.join("s1/s1_synthetic_1.csv");

@@ -81,8 +81,7 @@ pub const CHIPS: [Image; 3] = [Image::Nrf52840S140, Image::Nrf52840Sdc, Image::N
 
 /// Builds an image and writes it with all that belongs to it into one file.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let image = CHIPS.into_iter().find(|one| one.name() == arguments.image);
-    let image = image.context("no image of a chip")?;
+    let image = Image::from_name(&arguments.image).context("no image of a chip")?;
     let (elf, model) = arguments.files.read(image)?;
     let mut parts = vec![
         FlashPart::program(&elf)?,

@@ -18,10 +18,7 @@ pub struct Arguments {
 
 /// Builds a board's image and writes it with a model into one file.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let image = Image::UF2
-        .into_iter()
-        .find(|one| one.name() == arguments.board);
-    let image = image.context("no board with a boot loader for UF2 files")?;
+    let image = Image::from_name(&arguments.board).context("no board of this name")?;
     let (elf, model) = arguments.files.read(image)?;
     let written = file(&elf, &model)?;
     let out = arguments.files.write(image, "uf2", written)?;

@@ -13,31 +13,21 @@ pub enum Truth {
     LagCompensated,
 }
 
-/// Look-ahead and aggregation mode: which logits a label is based on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum LookAhead {
-    /// No look-ahead: the logits of the newest patch.
-    None,
-    /// 0.25 s of look-ahead, aggregation [`AllRowsFrom`](AggregationMode::AllRowsFrom).
-    AllRows,
-    /// 0.25 s of look-ahead, aggregation [`SameInstant`](AggregationMode::SameInstant).
-    SameInstant,
+shared::names! {
+    /// Look-ahead and aggregation mode: which logits a label is based on.
+    #[derive(Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum LookAhead {
+        /// No look-ahead: the logits of the newest patch.
+        None = "0",
+        /// 0.25 s of look-ahead, aggregation [`AllRowsFrom`](AggregationMode::AllRowsFrom).
+        AllRows = "0.25 s, all rows",
+        /// 0.25 s of look-ahead, aggregation [`SameInstant`](AggregationMode::SameInstant).
+        SameInstant = "0.25 s, same instant",
+    }
 }
 
 impl LookAhead {
-    /// All three conditions.
-    pub const ALL: [Self; 3] = [Self::None, Self::AllRows, Self::SameInstant];
-
-    /// Name in tables.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::None => "0",
-            Self::AllRows => "0.25 s, all rows",
-            Self::SameInstant => "0.25 s, same instant",
-        }
-    }
-
     /// The smoother's settings; each label is held for 0.1 s in all of them.
     pub(crate) const fn settings(self) -> Settings {
         let paper = Settings::PAPER_IN_PATCHES;

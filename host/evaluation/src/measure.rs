@@ -6,78 +6,53 @@ use super::metric::summary::{SubjectScore, Summary};
 use super::score::Score;
 use recordings::statistics::{Interval, MeanSd};
 
-/// A measure with one value for each person.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Measure {
-    /// Balanced accuracy.
-    BalancedAccuracy,
-    /// Balanced accuracy, each label at its emission time.
-    BalancedAccuracyEmitted,
-    /// Transition accuracy with the widest buffer.
-    TransitionAccuracy,
-    /// Transition accuracy with a buffer of 120 samples.
-    TransitionAccuracyMiddle,
-    /// Transition accuracy with a buffer of 60 samples.
-    TransitionAccuracyNarrow,
-    /// Transition accuracy with the widest buffer, each label at its emission time.
-    TransitionAccuracyEmitted,
-    /// Share of gestures recognised.
-    Recognition,
-    /// Share of gestures whose one decision is right, balanced over labels.
-    Decided,
-    /// Share of rest spans that stay at rest.
-    RestKept,
-    /// Share of gestures recognised within 100 ms of their onset.
-    Within100,
-    /// Share of gestures recognised within 150 ms of their onset.
-    Within150,
-    /// Share of gestures recognised within 200 ms of their onset.
-    Within200,
-    /// Share of gestures recognised within 300 ms of their onset.
-    Within300,
-    /// False activations a minute of rest.
-    FalseActivations,
-    /// Activations a minute of movement outside the vocabulary.
-    OtherActivations,
-    /// Share of movements outside the vocabulary that raise a label.
-    Raised,
-    /// Activations a minute of daily life.
-    DailyActivations,
-    /// Share of daily life with an active label.
-    DailyActive,
-    /// Label changes a minute beyond the true ones.
-    Flicker,
-    /// Raw accuracy.
-    RawAccuracy,
+shared::names! {
+    /// A measure with one value for each person.
+    pub enum Measure {
+        /// Balanced accuracy.
+        BalancedAccuracy = "balanced",
+        /// Balanced accuracy, each label at its emission time.
+        BalancedAccuracyEmitted = "balanced emitted",
+        /// Transition accuracy with the widest buffer.
+        TransitionAccuracy = "TA",
+        /// Transition accuracy with a buffer of 120 samples.
+        TransitionAccuracyMiddle = "TA (120)",
+        /// Transition accuracy with a buffer of 60 samples.
+        TransitionAccuracyNarrow = "TA (60)",
+        /// Transition accuracy with the widest buffer, each label at its emission time.
+        TransitionAccuracyEmitted = "TA emitted",
+        /// Share of gestures recognised.
+        Recognition = "recognised",
+        /// Share of gestures whose one decision is right, balanced over labels.
+        Decided = "decided",
+        /// Share of rest spans that stay at rest.
+        RestKept = "rest kept",
+        /// Share of gestures recognised within 100 ms of their onset.
+        Within100 = "in 100 ms",
+        /// Share of gestures recognised within 150 ms of their onset.
+        Within150 = "in 150 ms",
+        /// Share of gestures recognised within 200 ms of their onset.
+        Within200 = "in 200 ms",
+        /// Share of gestures recognised within 300 ms of their onset.
+        Within300 = "in 300 ms",
+        /// False activations a minute of rest.
+        FalseActivations = "false/min",
+        /// Activations a minute of movement outside the vocabulary.
+        OtherActivations = "other/min",
+        /// Share of movements outside the vocabulary that raise a label.
+        Raised = "other raised",
+        /// Activations a minute of daily life.
+        DailyActivations = "daily/min",
+        /// Share of daily life with an active label.
+        DailyActive = "daily active",
+        /// Label changes a minute beyond the true ones.
+        Flicker = "flicker/min",
+        /// Raw accuracy.
+        RawAccuracy = "raw",
+    }
 }
 
 impl Measure {
-    /// Name in tables.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::BalancedAccuracy => "balanced",
-            Self::BalancedAccuracyEmitted => "balanced emitted",
-            Self::TransitionAccuracy => "TA",
-            Self::TransitionAccuracyMiddle => "TA (120)",
-            Self::TransitionAccuracyNarrow => "TA (60)",
-            Self::TransitionAccuracyEmitted => "TA emitted",
-            Self::Recognition => "recognised",
-            Self::Decided => "decided",
-            Self::RestKept => "rest kept",
-            Self::Within100 => "in 100 ms",
-            Self::Within150 => "in 150 ms",
-            Self::Within200 => "in 200 ms",
-            Self::Within300 => "in 300 ms",
-            Self::FalseActivations => "false/min",
-            Self::OtherActivations => "other/min",
-            Self::Raised => "other raised",
-            Self::DailyActivations => "daily/min",
-            Self::DailyActive => "daily active",
-            Self::Flicker => "flicker/min",
-            Self::RawAccuracy => "raw",
-        }
-    }
-
     /// The value of each person who has one, in alphabetical order.
     pub fn values<'a>(self, score: &'a Score) -> Vec<(&'a str, f64)> {
         let of_scores = |of: &'a Summary, value: fn(&SubjectScore) -> Option<f64>| {

@@ -4,8 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context as _, ensure};
-use myointent_tests::found;
 use myointent_tests::simulation::{self, Inputs};
+use myointent_tests::{found, shipped};
 use shared::model::noise::Noise;
 use shared::myo::{Address, binding};
 use shared::units::Sample;
@@ -85,9 +85,7 @@ fn synthetic(signal: Signal, count: usize) -> Vec<Sample> {
 
 /// Reads a model of the repository.
 fn model_file(name: &str) -> anyhow::Result<Vec<u8>> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
-    let path = folder.join(name).with_extension("intent");
-    fs::read(&path).with_context(|| path.display().to_string())
+    fs::read(shipped(name)).with_context(|| name.to_owned())
 }
 
 /// Returns the content of the model's region.

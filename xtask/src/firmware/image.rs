@@ -2,52 +2,31 @@
 
 use std::fmt;
 
-/// A program for one board with one radio.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Image {
-    /// nRF52840 under the SoftDevice S140.
-    Nrf52840S140,
-    /// nRF52840 with the Bluetooth controller linked in.
-    Nrf52840Sdc,
-    /// Seeed's XIAO nRF52840; this and the next two without a SoftDevice, behind a boot loader for UF2 files.
-    Xiao,
-    /// Adafruit's Feather nRF52840 Express.
-    Feather,
-    /// nice!nano 2.
-    NiceNano,
-    /// nRF52832 under the SoftDevice S132.
-    Nrf52832S132,
+shared::names! {
+    /// A program for one board with one radio.
+    pub enum Image {
+        /// nRF52840 under the SoftDevice S140.
+        Nrf52840S140 = "nrf52840-s140",
+        /// nRF52840 with the Bluetooth controller linked in.
+        Nrf52840Sdc = "nrf52840-sdc",
+        /// Seeed's XIAO nRF52840; this and the next two without a SoftDevice, behind a boot loader for UF2 files.
+        Xiao = "xiao",
+        /// Adafruit's Feather nRF52840 Express.
+        Feather = "feather",
+        /// nice!nano 2.
+        NiceNano = "nice-nano",
+        /// nRF52832 under the SoftDevice S132.
+        Nrf52832S132 = "nrf52832-s132",
+    }
 }
 
 impl Image {
-    /// Every image.
-    pub const ALL: [Self; 6] = [
-        Self::Nrf52840S140,
-        Self::Nrf52840Sdc,
-        Self::Xiao,
-        Self::Feather,
-        Self::NiceNano,
-        Self::Nrf52832S132,
-    ];
-
     /// Images of boards with USB and a boot loader for UF2 files.
     pub const UF2: [Self; 3] = [Self::Xiao, Self::Feather, Self::NiceNano];
 
     /// Returns true if the Bluetooth controller is linked into it.
     pub fn has_controller(self) -> bool {
         self == Self::Nrf52840Sdc || Self::UF2.contains(&self)
-    }
-
-    /// Its name, and its file's.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Nrf52840S140 => "nrf52840-s140",
-            Self::Nrf52840Sdc => "nrf52840-sdc",
-            Self::Xiao => "xiao",
-            Self::Feather => "feather",
-            Self::NiceNano => "nice-nano",
-            Self::Nrf52832S132 => "nrf52832-s132",
-        }
     }
 
     /// The features of the firmware that select it.

@@ -13,39 +13,19 @@ use serde::Deserialize;
 
 use crate::readers::path::{is_number, with_small_ending};
 
-/// Field of a pattern.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub(crate) enum Field {
-    /// The person.
-    Person,
-    /// A session of the person; part of the recording's name only.
-    Session,
-    /// The label of the whole file.
-    Gesture,
-    /// A number; part of the recording's name only.
-    Trial,
-    /// Text without meaning.
-    Any,
-}
-
-impl Field {
-    const ALL: [Self; 5] = [
-        Self::Person,
-        Self::Session,
-        Self::Gesture,
-        Self::Trial,
-        Self::Any,
-    ];
-
-    /// Name in a pattern.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Person => "person",
-            Self::Session => "session",
-            Self::Gesture => "gesture",
-            Self::Trial => "trial",
-            Self::Any => "any",
-        }
+shared::names! {
+    /// Field of a pattern.
+    pub(crate) enum Field {
+        /// The person.
+        Person = "person",
+        /// A session of the person; part of the recording's name only.
+        Session = "session",
+        /// The label of the whole file.
+        Gesture = "gesture",
+        /// A number; part of the recording's name only.
+        Trial = "trial",
+        /// Text without meaning.
+        Any = "any",
     }
 }
 
@@ -133,8 +113,7 @@ fn parts(name: &str) -> Result<Vec<PatternPart>, PatternError> {
         };
         let (field, after) = open.split_once('}').ok_or_else(brace)?;
         let unknown = || PatternError::Field(field.to_owned());
-        let mut known = Field::ALL.into_iter();
-        let field = known.find(|own| own.name() == field).ok_or_else(unknown)?;
+        let field = Field::from_name(field).ok_or_else(unknown)?;
         if matches!(parts.last(), Some(PatternPart::Field(_))) {
             return Err(PatternError::Adjacent(name.to_owned()));
         }

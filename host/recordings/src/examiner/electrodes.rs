@@ -37,25 +37,15 @@ pub fn levels(samples: &[Sample]) -> [f64; CHANNELS] {
     Signal::of(samples).levels
 }
 
-/// Fault of an electrode.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Fault {
-    /// Less signal than the noise of an electrode on skin.
-    Silent,
-    /// Values at the ends of the range.
-    Clipped,
-    /// Mains hum.
-    Hum,
-}
-
-impl Fault {
-    /// Name, such as `silent`.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Silent => "silent",
-            Self::Clipped => "clipped",
-            Self::Hum => "hum",
-        }
+shared::names! {
+    /// Fault of an electrode.
+    pub enum Fault {
+        /// Less signal than the noise of an electrode on skin.
+        Silent = "silent",
+        /// Values at the ends of the range.
+        Clipped = "clipped",
+        /// Mains hum.
+        Hum = "hum",
     }
 }
 

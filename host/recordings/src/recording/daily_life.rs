@@ -6,48 +6,23 @@ use shared::units::Sample;
 use super::Recording;
 use crate::labels::activity::{Activity, activity};
 
-/// Kind of a daily activity.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum DailyKind {
-    /// Typing on a keyboard.
-    Typing,
-    /// Writing by hand.
-    Writing,
-    /// Use of a phone.
-    Phone,
-    /// Walking.
-    Walking,
-    /// Eating.
-    Eating,
-    /// Signing: words and letters of a sign language.
-    Signing,
-    /// Any other activity.
-    Other,
-}
-
-impl DailyKind {
-    /// All kinds, in the order of tables.
-    pub const ALL: [Self; 7] = [
-        Self::Typing,
-        Self::Writing,
-        Self::Phone,
-        Self::Walking,
-        Self::Eating,
-        Self::Signing,
-        Self::Other,
-    ];
-
-    /// Name in tables and descriptions.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Typing => "typing",
-            Self::Writing => "writing",
-            Self::Phone => "phone",
-            Self::Walking => "walking",
-            Self::Eating => "eating",
-            Self::Signing => "signing",
-            Self::Other => "daily-life",
-        }
+shared::names! {
+    /// Kind of a daily activity.
+    pub enum DailyKind {
+        /// Typing on a keyboard.
+        Typing = "typing",
+        /// Writing by hand.
+        Writing = "writing",
+        /// Use of a phone.
+        Phone = "phone",
+        /// Walking.
+        Walking = "walking",
+        /// Eating.
+        Eating = "eating",
+        /// Signing: words and letters of a sign language.
+        Signing = "signing",
+        /// Any other activity.
+        Other = "daily-life",
     }
 }
 

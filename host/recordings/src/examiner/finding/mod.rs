@@ -10,26 +10,17 @@ use shared::units::{CHANNELS, SAMPLE_RATE_HZ, Sample, WINDOW};
 
 pub use groups::{Group, grouped};
 
-/// Severity of a finding.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Severity {
-    /// Information only.
-    Note,
-    /// The recording is usable, but has a defect.
-    Warning,
-    /// Results on the recording are unreliable.
-    Serious,
-}
-
-impl Severity {
-    /// Name in tables.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Note => "note",
-            Self::Warning => "warning",
-            Self::Serious => "serious",
-        }
+shared::names! {
+    /// Severity of a finding.
+    #[derive(PartialOrd, Ord, Serialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Severity {
+        /// Information only.
+        Note = "note",
+        /// The recording is usable, but has a defect.
+        Warning = "warning",
+        /// Results on the recording are unreliable.
+        Serious = "serious",
     }
 }
 
