@@ -65,7 +65,6 @@ impl Bridge {
         })
     }
 
-    /// The terminal's path.
     pub fn port(&self) -> &Path {
         &self.port
     }

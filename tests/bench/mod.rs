@@ -28,7 +28,6 @@ const PLACES: usize = 2;
 static FREE: Mutex<usize> = Mutex::new(PLACES);
 static FREED: Condvar = Condvar::new();
 
-/// One of the [`PLACES`].
 struct Place(());
 
 impl Place {
@@ -55,7 +54,6 @@ impl Drop for Place {
 pub struct Scenario<'s> {
     /// The model's flash region from its start; the rest is erased.
     pub model: &'s [u8],
-    /// Samples that the armband streams.
     pub samples: &'s [Sample],
     /// Page of the bound armband from its start; erased where it ends.
     pub page: Vec<u8>,
@@ -65,13 +63,11 @@ pub struct Scenario<'s> {
     pub pace: f64,
     /// Steps of misbehaviour, as `tests/armband/misbehaviour.py` describes them.
     pub script: serde_json::Value,
-    /// More arguments of the armband.
     pub arguments: Vec<String>,
 }
 
 /// Python that can run the armband, and a place to do it.
 pub struct Python {
-    /// The interpreter.
     pub path: PathBuf,
     place: Place,
 }

@@ -24,7 +24,6 @@ impl KillOnDrop {
         Ok(Self { name, child })
     }
 
-    /// Standard input of the process.
     pub fn input(&mut self) -> anyhow::Result<&mut ChildStdin> {
         let input = self.child.stdin.as_mut();
         input.with_context(|| format!("{} takes no input", self.name))

@@ -117,7 +117,6 @@ impl Run {
         Ok(())
     }
 
-    /// Sends bytes to the UART.
     pub fn send(&mut self, bytes: impl AsRef<[u8]>) -> anyhow::Result<()> {
         let board = self.board.as_mut().context("no board")?;
         board.input()?.write_all(bytes.as_ref())?;
@@ -139,7 +138,6 @@ impl Run {
         Ok(self.answers().swap_remove(before))
     }
 
-    /// Waits until a condition holds.
     pub fn wait_for(
         &mut self,
         what: &str,

@@ -15,7 +15,6 @@ use virtual_armband::{Armband, Behaviour, End};
 use xtask::firmware::{self, Image as Built};
 use xtask::toolchain;
 
-/// The armband's address.
 pub const ARMBAND: &str = "FA:12:34:56:78:9A";
 /// Strength of its signal, dBm.
 const RSSI: i8 = -50;
@@ -42,13 +41,11 @@ pub struct ChipPins {
     pub leds: [u32; 3],
     /// Level that lights them.
     pub led_on: bool,
-    /// The button: low while it is down.
     pub button: u32,
     /// The UART: sends, receives.
     pub uart: [u32; 2],
     /// A pin that is low for good.
     pub low: Option<u32>,
-    /// Resets the chip.
     pub reset: u32,
 }
 
@@ -161,9 +158,7 @@ pub struct Setting {
     pub model: Vec<u8>,
     /// The page of the bound armband from its start.
     pub page: Vec<u8>,
-    /// Samples that the armband streams.
     pub samples: Vec<Sample>,
-    /// Behaviour of the armband.
     pub behaviour: Behaviour,
     /// Another armband: its address, and the strength of its signal.
     pub stranger: Option<(Address, i8)>,
@@ -191,7 +186,6 @@ impl Default for Setting {
 
 #[derive(Debug)]
 pub struct Board {
-    /// Its chip, and the armbands.
     pub machine: Machine,
     pub pins: ChipPins,
 }
@@ -263,7 +257,6 @@ impl Board {
         self.machine.air().armbands[0].sent()
     }
 
-    /// Returns the text that the UART has sent.
     pub fn text(&self) -> String {
         self.text_from(0)
     }
@@ -276,7 +269,6 @@ impl Board {
         String::from_utf8_lossy(&bytes).into_owned()
     }
 
-    /// Returns the number of bytes that the UART has sent.
     pub fn sent_bytes(&self) -> usize {
         self.machine.chip().sent().len()
     }
@@ -296,20 +288,17 @@ impl Board {
         self.send_bytes(format!("${body}*{sum:02X}\r\n").bytes());
     }
 
-    /// Sends bytes to the UART.
     pub fn send_bytes(&mut self, bytes: impl IntoIterator<Item = u8>) {
         let now = self.machine.now();
         let bytes = bytes.into_iter().map(|byte| (byte, false));
         self.machine.chip().receive(now, bytes);
     }
 
-    /// Presses the button, or releases it.
     pub fn set_button(&mut self, is_down: bool) {
         let button = self.pins.button;
         self.machine.chip().drive(button, is_down.then_some(false));
     }
 
-    /// Runs for so many milliseconds.
     pub fn run_ms(&mut self, count: u64) -> Result<(), Refusal> {
         self.machine.run(ms(count))
     }

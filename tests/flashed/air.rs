@@ -9,7 +9,6 @@ use xtask::firmware::Image;
 use myointent_tests::chip::{self, Board, Setting};
 use myointent_tests::found;
 
-/// Seconds of EMG: more than any test runs for.
 const STREAM: usize = 120;
 
 fn samples() -> Vec<Sample> {

@@ -17,7 +17,6 @@ use super::air;
 use myointent_tests::chip::{self, Board, MODEL, Setting};
 use myointent_tests::{found, shipped};
 
-/// Blocks of a page of flash.
 const PAGE_BLOCKS: u32 = 64;
 /// Lives of a board whose power fails at every operation: no installation takes more.
 const MOST_LIVES: usize = 250;

@@ -9,7 +9,6 @@ use xtask::merge::{FlashPart, merged};
 
 use myointent_tests::chip::{self, MODEL};
 
-/// Base address of UICR.
 const UICR: u32 = 0x1000_1000;
 /// Bytes of a SoftDevice that ends where the program begins.
 const SOFTDEVICE: u32 = 0x2_6000;

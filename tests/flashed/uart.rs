@@ -11,7 +11,6 @@ use super::start::FLASHED;
 use myointent_tests::chip::{self, BINDING, Board, Setting};
 use myointent_tests::found;
 
-/// Bytes of noise in all.
 const NOISE: usize = 1_000_000;
 const OTHER: &str = "F1:23:45:67:89:AB";
 

@@ -21,7 +21,6 @@ const UART_PINS: [u32; 2] = [0x4000_250c, 0x4000_2514];
 /// POWER.GPREGRET.
 const GPREGRET: u32 = 0x4000_051c;
 
-/// A board with an armband.
 pub fn started(built: Image) -> Option<Board> {
     let image = chip::image(built)?;
     let setting = Setting {
@@ -44,7 +43,6 @@ pub fn control(board: &mut Board, setup: [u8; 8], data: &[u8]) -> anyhow::Result
     Ok(done.data)
 }
 
-/// Reads a descriptor.
 fn descriptor(board: &mut Board, kind: u8, number: u8, length: u8) -> anyhow::Result<Vec<u8>> {
     control(board, [0x80, 6, number, kind, 0, 0, length, 0], &[])
 }
@@ -56,7 +54,6 @@ pub struct Endpoints {
     commands: usize,
     /// Endpoint of the keyboard, mouse or gamepad, if there is one.
     pub reports: Option<usize>,
-    /// Number of its interface.
     pub interface: u8,
 }
 

@@ -82,7 +82,6 @@ fn real(golden: &Path, processing: &str) -> Option<(Vec<Sample>, Vec<Input>)> {
     Some((raw, expected))
 }
 
-/// Parses a line of eight numbers.
 fn row(line: &str) -> Sample {
     let mut numbers = line.split(',').map(|number| number.trim().parse().unwrap());
     array::from_fn(|_| numbers.next().unwrap())

@@ -22,7 +22,6 @@ pub struct Inputs<'s> {
     pub scenario: &'s str,
     /// Content of the model's flash region, from its start.
     pub model: &'s [u8],
-    /// Samples that the armband streams.
     pub samples: &'s [Sample],
     /// Content of the page of the bound armband, from its start.
     pub page: &'s [u8],

@@ -4,7 +4,6 @@
 pub struct Input<'b>(pub &'b [u8]);
 
 impl<'b> Input<'b> {
-    /// Returns true if nothing is left.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -16,7 +15,6 @@ impl<'b> Input<'b> {
         taken
     }
 
-    /// Takes the next bytes as an array.
     pub fn array<const N: usize>(&mut self) -> [u8; N] {
         let mut bytes = [0; N];
         let taken = self.take(N);
@@ -24,7 +22,6 @@ impl<'b> Input<'b> {
         bytes
     }
 
-    /// Takes the next byte.
     pub fn byte(&mut self) -> u8 {
         let [byte] = self.array();
         byte
@@ -40,7 +37,6 @@ impl<'b> Input<'b> {
         self.byte() & 1 == 1
     }
 
-    /// Takes a number of 32 bits.
     pub fn word(&mut self) -> u32 {
         u32::from_le_bytes(self.array())
     }

@@ -9,13 +9,11 @@ use shared::units::Millis;
 
 /// Largest number of actions of an event: the notifications that a session holds back, and the others of one event.
 const MOST_ACTIONS: usize = 2 * 27 + 4;
-/// Bytes of an EMG notification.
 const EMG_BYTES: usize = 16;
 
 /// Service by which an armband is recognised.
 pub const CONTROL: Uuid = Uuid::Vendor(0x0001);
 
-/// Returns the address of an armband.
 pub const fn address(last: u8) -> Address {
     Address {
         kind: AddressKind::Public,
@@ -23,7 +21,6 @@ pub const fn address(last: u8) -> Address {
     }
 }
 
-/// Returns the advertisement of an armband.
 pub fn advertisement() -> [u8; 18] {
     let mut data = [0; 18];
     data[..2].copy_from_slice(&[17, 0x06]);
@@ -31,7 +28,6 @@ pub fn advertisement() -> [u8; 18] {
     data
 }
 
-/// Returns every characteristic.
 pub fn everything() -> Found {
     Characteristic::ALL.into_iter().collect()
 }
@@ -94,7 +90,6 @@ impl FuzzLink {
         link
     }
 
-    /// Advances the time.
     pub fn wait(&mut self, milliseconds: u32) {
         self.now = self.now.plus(milliseconds);
     }

@@ -80,12 +80,10 @@ impl Core {
         status.unwrap_or_default()
     }
 
-    /// Registers 0 to 15.
     pub fn register(&self, number: u8) -> u32 {
         self.cpu.reg(number)
     }
 
-    /// Sets a register.
     pub fn set_register(&mut self, number: u8, value: u32) {
         self.cpu.set_reg(number, value);
     }
@@ -104,7 +102,6 @@ impl Core {
             .with_sys(|system| system.write_word(address, 1 << (interrupt % 32)));
     }
 
-    /// The main stack pointer.
     pub fn stack_pointer(&self) -> u32 {
         self.cpu.msp()
     }
@@ -134,24 +131,20 @@ impl Core {
         self.cpu.reset_requested()
     }
 
-    /// Returns true if it handles an exception.
     pub fn is_in_handler(&self) -> bool {
         self.cpu.regs().in_handler()
     }
 
-    /// Returns true if it handles a hard fault.
     pub fn is_in_hard_fault(&self) -> bool {
         self.cpu.current_exception() == Exception(HARD_FAULT)
     }
 
-    /// Sets the levels of the interrupts.
     pub fn set_interrupts(&mut self, levels: u64) {
         for number in 0..INTERRUPTS {
             self.cpu.set_irq(number, levels >> number & 1 == 1);
         }
     }
 
-    /// Makes an interrupt pending.
     pub fn pend(&mut self, interrupt: u16) {
         self.cpu.pend_irq(interrupt);
     }
@@ -165,7 +158,6 @@ impl Core {
         })
     }
 
-    /// Sets the priority of an interrupt.
     pub fn set_priority(&mut self, interrupt: u16, priority: u8) {
         const IPR: u32 = 0xe000_e400;
         let address = IPR + u32::from(interrupt / 4) * 4;
@@ -176,7 +168,6 @@ impl Core {
         });
     }
 
-    /// Sets the priority of supervisor calls.
     pub fn set_call_priority(&mut self, priority: u8) {
         const SHPR2: u32 = 0xe000_ed1c;
         self.cpu

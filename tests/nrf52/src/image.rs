@@ -6,7 +6,6 @@ use crate::controller::Library;
 use object::read::elf::ProgramHeader as _;
 use object::{Object as _, ObjectSymbol as _, SymbolKind};
 
-/// No image.
 #[derive(Debug, thiserror::Error)]
 pub enum ImageError {
     #[error("the image is no ELF file: build it with `cargo xtask images`")]
@@ -24,7 +23,6 @@ pub struct Image {
 }
 
 impl Image {
-    /// Reads an ELF file.
     pub fn parse(elf: &[u8]) -> Result<Self, ImageError> {
         let file = object::read::elf::ElfFile32::<object::Endianness>::parse(elf)?;
         let mut segments = Vec::new();

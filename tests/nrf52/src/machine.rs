@@ -24,11 +24,9 @@ const CALL: u16 = 0xdf;
 pub enum Incident {
     /// It started, for this reason.
     Started(Reset),
-    /// A hard fault came, here.
     HardFault(String),
 }
 
-/// A chip with a program.
 #[derive(Debug)]
 pub struct Machine {
     core: Core,
@@ -46,7 +44,6 @@ pub struct Machine {
     pub controller: Option<Controller>,
     /// Incidents, each with the tick at which it happened.
     pub incidents: Vec<(u64, Incident)>,
-    /// Instructions that were run.
     pub instructions: u64,
     /// Refusals, kept while the program goes on, to see all of them at once. Without a list the first one ends the run.
     pub survey: Option<Vec<Refusal>>,
@@ -127,7 +124,6 @@ impl Machine {
         self.now
     }
 
-    /// Runs for `ticks`.
     pub fn run(&mut self, ticks: u64) -> Result<(), Refusal> {
         self.run_until(self.now + ticks, |_| false)
     }
@@ -273,7 +269,6 @@ impl Machine {
         Ok(())
     }
 
-    /// Answers a supervisor call.
     fn take_call(&mut self) -> Result<(), Refusal> {
         let frame = self.shared.call.swap(0, Ordering::Relaxed) as u32;
         if frame == 0 {
@@ -329,7 +324,6 @@ impl Machine {
         Ok(())
     }
 
-    /// Resets the chip.
     pub fn reset(&mut self, why: Reset) {
         let mut chip = lock(&self.chip);
         chip.advance(self.now);

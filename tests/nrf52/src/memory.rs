@@ -7,12 +7,9 @@ use rsemu::core::space::RamStore;
 
 use crate::refusal::{What, wrong};
 
-/// Address at which RAM begins.
 pub const RAM: u32 = 0x2000_0000;
-/// Value of a byte of erased flash.
 pub const ERASED: u8 = 0xff;
 
-/// Flash and RAM.
 #[derive(Clone, Debug)]
 pub struct Memory {
     /// Flash, from address 0 on.

@@ -13,7 +13,6 @@ mod recording;
 mod report;
 mod session;
 
-/// Target of fuzzing.
 #[derive(Clone, Copy)]
 pub struct Target {
     /// Name on the command line, and of its folder of seeds.

@@ -13,10 +13,8 @@ const MTU: u16 = 23;
 /// Bytes that an answer has room for, without its header.
 const MOST: usize = MTU as usize - 1;
 
-/// A request to the armband's attributes.
 #[derive(Debug)]
 pub enum AirRequest {
-    /// Exchange of the longest unit.
     Mtu,
     /// Read of an attribute, by its handle.
     Read(u16),
@@ -26,10 +24,8 @@ pub enum AirRequest {
 
 #[derive(Debug)]
 pub(super) struct AirLink {
-    /// Index of the armband.
     pub(super) armband: usize,
     parameters: Parameters,
-    /// The next connection event.
     pub(super) at: u64,
     /// Packets that the armband gets at the next connection event.
     waiting: u16,

@@ -31,15 +31,12 @@ mod reason {
 pub enum AirEvent {
     /// An armband, by its index, was heard to advertise.
     Advertised(usize),
-    /// The scan is over.
     ScanTimedOut,
-    /// The attempt to connect is over.
     AttemptTimedOut,
     /// The link to an armband, by its index, is there.
     Connected(usize, Parameters),
     /// The link has ended, for this reason.
     Disconnected(u8),
-    /// The link has other parameters.
     Updated(Parameters),
     /// The armband asks for other parameters, with this identifier.
     Asked(u8),
@@ -90,22 +87,18 @@ impl Air {
         self.scan.is_some() || self.attempt.is_some() || self.link.is_some()
     }
 
-    /// Returns true while it scans.
     pub const fn scans(&self) -> bool {
         self.scan.is_some()
     }
 
-    /// Returns true while it tries to connect.
     pub const fn connects(&self) -> bool {
         self.attempt.is_some()
     }
 
-    /// Returns true while there is a link.
     pub const fn is_linked(&self) -> bool {
         self.link.is_some()
     }
 
-    /// Takes the next event.
     pub fn take(&mut self) -> Option<AirEvent> {
         self.events.pop_front()
     }
@@ -118,7 +111,6 @@ impl Air {
         [scan, attempt, link].into_iter().flatten().min()
     }
 
-    /// Does what is due.
     pub fn advance(&mut self, now: u64) {
         self.advance_scan(now);
         self.advance_attempt(now);

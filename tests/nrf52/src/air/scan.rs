@@ -109,7 +109,6 @@ impl Air {
         true
     }
 
-    /// Ends the scan; false if no scan runs.
     pub fn stop_scan(&mut self, now: u64) -> bool {
         let scan = self.scan.take();
         self.scanned += scan.as_ref().map_or(0, |scan| scan.receiver_on(now));

@@ -7,12 +7,9 @@ use super::register::Registers;
 use crate::memory::Memory;
 use crate::refusal::What;
 
-/// Why the chip resets.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Reset {
-    /// Power came.
     Power,
-    /// The level of the reset pin.
     Pin,
     Watchdog,
     /// The program asked for it, by the core's AIRCR.
@@ -24,19 +21,15 @@ pub enum Reset {
 pub struct Bus {
     /// Ticks since power came.
     pub now: u64,
-    /// Flash and RAM.
     pub memory: Memory,
     /// Addresses of events that have happened and not yet reached the interconnect.
     pub events: VecDeque<u32>,
     /// Ticks that the core is to be halted.
     pub halt: u64,
-    /// A reset that is to come.
     pub reset: Option<Reset>,
     /// First refusal: the address, and what is wrong.
     pub refused: Option<(u32, What)>,
-    /// True if the low-frequency clock runs.
     pub low_frequency_runs: bool,
-    /// True if the crystal of the high-frequency clock runs.
     pub crystal_runs: bool,
     /// Thousandths by which the high-frequency clock is fast while its crystal does not run. A test sets it; HFINT is off by
     /// 20 at most (5.4.7).
@@ -86,7 +79,6 @@ impl Bus {
         self.refused.get_or_insert((address, what));
     }
 
-    /// Resets the chip.
     pub fn reset(&mut self, why: Reset) {
         self.attention = true;
         self.reset.get_or_insert(why);
@@ -101,14 +93,13 @@ impl Bus {
         }
     }
 
-    /// Halts the core for `ticks`.
     pub fn halt(&mut self, ticks: u64) {
         self.attention = true;
         self.halt += ticks;
     }
 }
 
-/// A part of the chip with registers of its own.
+/// A part of the chip with registers of its own. `new` gives its state after a reset.
 pub trait Peripheral: std::fmt::Debug + Send {
     fn registers(&mut self) -> &mut Registers;
 
@@ -120,7 +111,6 @@ pub trait Peripheral: std::fmt::Debug + Send {
     /// The register at this offset was written.
     fn stored(&mut self, _offset: u32, _bus: &mut Bus) {}
 
-    /// A task starts.
     fn task(&mut self, _offset: u32, _bus: &mut Bus) {}
 
     /// Tasks that this event starts by a shortcut.
@@ -136,7 +126,6 @@ pub trait Peripheral: std::fmt::Debug + Send {
     /// It is that time.
     fn due(&mut self, _bus: &mut Bus) {}
 
-    /// An event happens.
     fn raise(&mut self, event: u32, bus: &mut Bus) {
         let registers = self.registers();
         registers.put(event, 1);

@@ -14,14 +14,12 @@ const TABLE: &[Register] = &[
     clear("INTENCLR", 0x308, INTEN, 0xffff),
 ];
 
-/// One of six.
 #[derive(Debug)]
 pub struct Egu {
     registers: Registers,
 }
 
 impl Egu {
-    /// After a reset.
     pub fn new(name: &'static str, base: u32) -> Self {
         Self {
             registers: Registers::new(name, base, TABLE),

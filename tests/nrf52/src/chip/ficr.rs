@@ -25,7 +25,6 @@ const TABLE: &[Register] = &[
 /// Offset of the value that the workaround of erratum 108 of the nRF52832 copies: it has no name.
 pub const ERRATUM_108: u32 = 0x258;
 
-/// Base address of FICR.
 pub const BASE: u32 = 0x1000_0000;
 
 /// Creates the FICR of a chip, from its part number, variant, KiB of RAM and KiB of flash.

@@ -29,7 +29,6 @@ const TABLE: &[Register] = &[
         .reset(DISCONNECTED),
 ];
 
-/// A port.
 #[derive(Debug)]
 pub struct Gpio {
     registers: Registers,
@@ -40,7 +39,6 @@ pub struct Gpio {
 }
 
 impl Gpio {
-    /// After a reset.
     pub fn new(name: &'static str, number: u32) -> Self {
         Self {
             registers: Registers::new(name, 0x5000_0000 + number * PORT, TABLE),
@@ -79,7 +77,6 @@ impl Gpio {
         self.registers.get(DIR) >> pin & 1 == 1
     }
 
-    /// Returns true if a pin can be read.
     pub fn is_input(&self, pin: u32) -> bool {
         self.registers.get(PIN_CNF + 4 * pin) & 3 == 0
     }

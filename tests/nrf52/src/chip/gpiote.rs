@@ -25,7 +25,6 @@ const TABLE: &[Register] = &[
 const DISABLED: u32 = 0;
 const TASK: u32 = 3;
 
-/// The tasks of pins.
 #[derive(Debug)]
 pub struct Gpiote {
     registers: Registers,
@@ -33,7 +32,6 @@ pub struct Gpiote {
 }
 
 impl Gpiote {
-    /// After a reset.
     pub fn new() -> Self {
         Self {
             registers: Registers::new("GPIOTE", 0x4000_6000, TABLE),
@@ -47,7 +45,6 @@ impl Gpiote {
         Some(self.levels[channel as usize])
     }
 
-    /// Returns the number of channels that drive a pin.
     pub fn channels(&self, pin: u32) -> usize {
         self.of_pin(pin).count()
     }

@@ -64,7 +64,6 @@ pub enum ChipModel {
 }
 
 impl ChipModel {
-    /// Bytes of flash.
     pub const fn flash(self) -> u32 {
         match self {
             Self::Nrf52840 => 1024 * 1024,
@@ -72,7 +71,6 @@ impl ChipModel {
         }
     }
 
-    /// Bytes of RAM.
     pub const fn ram(self) -> u32 {
         match self {
             Self::Nrf52840 => 256 * 1024,
@@ -110,7 +108,6 @@ pub struct Chip {
     rng: Rng,
     watchdog: Watchdog,
     egus: [Egu; 6],
-    /// The controller of flash.
     pub nvmc: Nvmc,
     ppi: Ppi,
     pwm: Pwm,

@@ -20,7 +20,6 @@ const ICACHECNF: u32 = 0x540;
 /// CONFIG: writing is enabled, erasing is.
 const WRITES: u32 = 1;
 const ERASES: u32 = 2;
-/// Bytes of a page.
 pub const PAGE: u32 = 4096;
 
 const TABLE: &[Register] = &[
@@ -38,9 +37,7 @@ const TABLE: &[Register] = &[
 /// Ticks that an operation of flash takes: the longest that the specification gives.
 #[derive(Clone, Copy, Debug)]
 pub struct FlashTimes {
-    /// A word.
     pub write: u64,
-    /// A page.
     pub erase: u64,
 }
 
@@ -57,7 +54,6 @@ impl FlashTimes {
     };
 }
 
-/// The controller of flash.
 #[derive(Debug)]
 pub struct Nvmc {
     registers: Registers,
@@ -82,7 +78,6 @@ impl Nvmc {
         }
     }
 
-    /// Returns true if writes are enabled.
     pub fn writes(&self) -> bool {
         self.registers.get(CONFIG) == WRITES
     }
@@ -92,7 +87,6 @@ impl Nvmc {
         self.registers.get(CONFIG) == 0
     }
 
-    /// Writes a word of flash.
     pub fn write(&mut self, address: u32, value: u32, bus: &mut Bus) {
         let page = address & !(PAGE - 1);
         let old = bus.memory.word(address).unwrap_or_default();

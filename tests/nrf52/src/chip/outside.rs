@@ -88,13 +88,11 @@ impl Chip {
         self.settle();
     }
 
-    /// A time slot ends.
     pub fn stop_slot_timer(&mut self) {
         self.timers[0] = Timer::new("TIMER0", 0x4000_8000, 4);
         self.settle();
     }
 
-    /// A word of UICR.
     pub fn uicr(&self, offset: u32) -> u32 {
         self.uicr.get(offset)
     }
@@ -104,7 +102,6 @@ impl Chip {
         self.uicr.put(offset, value);
     }
 
-    /// The name of the register at an address.
     pub fn name_of(&mut self, address: u32) -> String {
         match address & !0xfff {
             FICR => self.ficr.name_of(address - FICR),

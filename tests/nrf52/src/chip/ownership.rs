@@ -6,11 +6,8 @@ use crate::refusal::What;
 /// Owner of the part of the chip that is taken.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Owner {
-    /// The program alone.
     Program,
-    /// The SoftDevice, enabled.
     SoftDevice,
-    /// MPSL and the controller.
     Controller,
     /// The controller's library, in a time slot: the radio, TIMER0 and flash are the program's.
     TimeSlot,

@@ -24,14 +24,12 @@ const TABLE: &[Register] = &[
     read_write("FORK.TEP", FORK, !0).times(32),
 ];
 
-/// The interconnect.
 #[derive(Debug)]
 pub struct Ppi {
     registers: Registers,
 }
 
 impl Ppi {
-    /// After a reset.
     pub fn new() -> Self {
         Self {
             registers: Registers::new("PPI", 0x4001_f000, TABLE),

@@ -46,7 +46,6 @@ const TABLE: &[Register] = &[
     read_write("PSEL.OUT", PSEL, !0).times(4).reset(!0),
 ];
 
-/// The pulse width modulator.
 #[derive(Debug)]
 pub struct Pwm {
     registers: Registers,
@@ -60,7 +59,6 @@ pub struct Pwm {
 }
 
 impl Pwm {
-    /// After a reset.
     pub fn new() -> Self {
         Self {
             registers: Registers::new("PWM0", 0x4001_c000, TABLE),

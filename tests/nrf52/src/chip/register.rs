@@ -8,7 +8,6 @@ use crate::refusal::What;
 /// Offset of the enabled interrupts in every peripheral that has any (product specification, 6.1.5).
 pub const INTEN: u32 = 0x300;
 
-/// Effect of an access to a register.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum RegisterKind {
     /// Writing 1 starts something (6.1.6). It cannot be read.
@@ -36,7 +35,6 @@ pub struct Register {
     pub name: &'static str,
     /// Offset of the first one from the peripheral's base address, in bytes.
     pub offset: u32,
-    /// Number of registers side by side.
     pub count: u32,
     /// Bytes from one to the next.
     pub stride: u32,
@@ -61,17 +59,14 @@ impl Register {
         }
     }
 
-    /// Sets the number of such registers.
     pub const fn times(self, count: u32) -> Self {
         Self { count, ..self }
     }
 
-    /// Sets the bytes from one such register to the next.
     pub const fn every(self, stride: u32) -> Self {
         Self { stride, ..self }
     }
 
-    /// Its value after a reset.
     pub const fn reset(self, reset: u32) -> Self {
         Self { reset, ..self }
     }
@@ -92,40 +87,32 @@ pub const fn event(name: &'static str, offset: u32) -> Register {
     Register::new(name, offset, RegisterKind::Event, 0)
 }
 
-/// A register that holds what was written.
 pub const fn read_write(name: &'static str, offset: u32, mask: u32) -> Register {
     Register::new(name, offset, RegisterKind::ReadWrite, mask)
 }
 
-/// A register that the program reads alone.
 pub const fn read_only(name: &'static str, offset: u32) -> Register {
     Register::new(name, offset, RegisterKind::ReadOnly, 0)
 }
 
-/// A register that the program writes alone.
 pub const fn write_only(name: &'static str, offset: u32, mask: u32) -> Register {
     Register::new(name, offset, RegisterKind::WriteOnly, mask)
 }
 
-/// A register that sets bits of the one at `of`.
 pub const fn set(name: &'static str, offset: u32, of: u32, mask: u32) -> Register {
     Register::new(name, offset, RegisterKind::Set(of), mask)
 }
 
-/// A register that clears bits of the one at `of`.
 pub const fn clear(name: &'static str, offset: u32, of: u32, mask: u32) -> Register {
     Register::new(name, offset, RegisterKind::Clear(of), mask)
 }
 
-/// A register whose bits are cleared by ones.
 pub const fn one_clears(name: &'static str, offset: u32, mask: u32) -> Register {
     Register::new(name, offset, RegisterKind::OneClears, mask)
 }
 
-/// Effect of a write.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Written {
-    /// A task starts.
     Task,
     /// No effect: a task was written 0.
     Nothing,
@@ -136,9 +123,7 @@ pub enum Written {
 /// The registers of one peripheral.
 #[derive(Debug)]
 pub struct Registers {
-    /// The peripheral's name.
     pub name: &'static str,
-    /// Its base address.
     pub base: u32,
     table: &'static [Register],
     values: Vec<u32>,
@@ -161,7 +146,6 @@ impl Registers {
         registers
     }
 
-    /// The value at an offset.
     pub fn get(&self, offset: u32) -> u32 {
         self.values[offset as usize / 4]
     }
@@ -175,7 +159,6 @@ impl Registers {
         self.table.iter().find(|one| one.holds(offset))
     }
 
-    /// The name of the register at an offset.
     pub fn name_of(&self, offset: u32) -> String {
         match self.find(offset) {
             Some(one) if one.count > 1 => {

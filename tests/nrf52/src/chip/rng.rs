@@ -22,7 +22,6 @@ const TABLE: &[Register] = &[
     read_only("VALUE", VALUE),
 ];
 
-/// The source of random numbers.
 #[derive(Debug)]
 pub struct Rng {
     registers: Registers,
@@ -31,7 +30,6 @@ pub struct Rng {
 }
 
 impl Rng {
-    /// After a reset.
     pub fn new() -> Self {
         Self {
             registers: Registers::new("RNG", 0x4000_d000, TABLE),

@@ -37,7 +37,6 @@ const TABLE: &[Register] = &[
     read_write("CC", CC, 0xff_ffff).times(CHANNELS),
 ];
 
-/// A real-time counter.
 #[derive(Debug)]
 pub struct Rtc {
     registers: Registers,
@@ -53,7 +52,6 @@ pub struct Rtc {
 }
 
 impl Rtc {
-    /// After a reset.
     pub fn new(name: &'static str, base: u32) -> Self {
         Self {
             registers: Registers::new(name, base, TABLE),

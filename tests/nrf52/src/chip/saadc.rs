@@ -63,7 +63,6 @@ const TABLE: &[Register] = &[
     read_write("POWER", POWER, 1).reset(1),
 ];
 
-/// The converter.
 #[derive(Debug)]
 pub struct Saadc {
     registers: Registers,

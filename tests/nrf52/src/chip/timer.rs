@@ -55,7 +55,6 @@ pub struct Timer {
 }
 
 impl Timer {
-    /// After a reset.
     pub fn new(name: &'static str, base: u32, channels: u32) -> Self {
         Self {
             registers: Registers::new(name, base, if channels == 4 { FOUR } else { SIX }),

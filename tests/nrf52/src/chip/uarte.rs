@@ -99,12 +99,10 @@ macro_rules! table {
 const LONG: &[Register] = table!(0xffff);
 const SHORT: &[Register] = table!(0xff);
 
-/// Byte that comes on the line.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Received {
     /// Tick at which its last bit is over.
     pub at: u64,
-    /// Its bits.
     pub byte: u8,
     /// True if its stop bit is missing.
     pub is_broken: bool,
@@ -117,7 +115,6 @@ struct Buffer {
     done: u32,
 }
 
-/// A UART with DMA.
 #[derive(Debug)]
 pub struct Uarte {
     registers: Registers,

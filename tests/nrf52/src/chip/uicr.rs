@@ -13,7 +13,6 @@ const TABLE: &[Register] = &[
     read_write("REGOUT0", REGOUT0, !0),
 ];
 
-/// Base address of UICR.
 pub const BASE: u32 = 0x1000_1000;
 /// Offset of the register that decides if a debugger may access the chip.
 pub const APPROTECT: u32 = 0x208;

@@ -159,7 +159,6 @@ impl Usbd {
         self.registers.get(ENABLE) & self.registers.get(USBPULLUP) == 1
     }
 
-    /// The address that the host has given it.
     pub fn address(&self) -> u32 {
         self.registers.get(USBADDR)
     }
@@ -176,7 +175,6 @@ impl Usbd {
         is_polled == is_frame && (is_polled || self.reads)
     }
 
-    /// Looks if the host has anything to do.
     fn schedule(&mut self, bus: &Bus) {
         if self.is_suspended {
             return;

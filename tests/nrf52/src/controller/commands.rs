@@ -22,7 +22,6 @@ const INVALID: u8 = 0x12;
 /// Reasons of the host's for the end of a connection (7.1.6).
 const REASONS: [u8; 7] = [0x05, 0x13, 0x14, 0x15, 0x1a, 0x29, 0x3b];
 
-/// Parameters of scans (7.8.10).
 #[derive(Clone, Copy, Debug)]
 pub struct ScanParameters {
     interval: u16,

@@ -70,7 +70,6 @@ fn parameters([_, interval, latency, timeout]: Parameters) -> Vec<u8> {
 }
 
 impl Controller {
-    /// Gives the next packet.
     pub(super) fn give_message(
         &mut self,
         [packet, kind, ..]: [u32; 4],

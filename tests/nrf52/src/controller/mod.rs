@@ -99,7 +99,6 @@ impl Controller {
         }
     }
 
-    /// The chip resets.
     pub fn reset(&mut self, now: u64) {
         self.air.reset(now);
         self.frames.clear();
@@ -111,7 +110,6 @@ impl Controller {
         self.interrupts.clear();
     }
 
-    /// Takes the interrupts that are to become pending.
     pub fn take_interrupts(&mut self) -> Vec<u16> {
         std::mem::take(&mut self.interrupts)
     }
@@ -138,7 +136,6 @@ impl Controller {
         all.into_iter().flatten().min()
     }
 
-    /// Does what is due.
     pub fn advance(&mut self, chip: &mut Chip) {
         let now = chip.bus.now;
         if let Some(callback) = self.mpsl.crystal_callback(now) {

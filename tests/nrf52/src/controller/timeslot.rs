@@ -235,7 +235,6 @@ impl Controller {
     }
 }
 
-/// Reads a request; none if it is not allowed.
 fn wanted(request: u32, memory: &Memory) -> Result<Option<Wanted>, What> {
     const EARLIEST_KIND: u8 = 0;
     let bytes = take(memory, request, 16)?;

@@ -44,7 +44,6 @@ pub struct Flash {
 }
 
 impl Flash {
-    /// After a reset.
     pub fn reset(&mut self) {
         self.under_way = None;
     }

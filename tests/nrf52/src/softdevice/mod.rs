@@ -110,7 +110,6 @@ impl SoftDevice {
         RAM_END
     }
 
-    /// The chip resets.
     pub fn reset(&mut self, now: u64) {
         self.air.reset(now);
         self.is_enabled = false;
@@ -145,7 +144,6 @@ impl SoftDevice {
         self.flash.next().into_iter().chain(self.air.next()).min()
     }
 
-    /// Does what is due.
     pub fn advance(&mut self, chip: &mut Chip) {
         self.finish_flash(chip);
         self.air.advance(chip.bus.now);
@@ -155,7 +153,6 @@ impl SoftDevice {
         chip.bus.attention |= self.interrupts;
     }
 
-    /// Answers a supervisor call.
     pub fn call(
         &mut self,
         number: u8,

@@ -28,7 +28,6 @@ pub const AGAIN: usize = 66;
 /// Samples of a decision between the arms, in each of which the encoder takes a patch: 53 for either.
 const DECISION: usize = 106;
 
-/// Instructions of an alignment.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Counts {
     /// The whole pipeline for a patch while gestures are waited for.

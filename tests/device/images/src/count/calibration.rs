@@ -18,7 +18,6 @@ use crate::spans::{Clock, Spans};
 /// Samples of both rounds of a model of six classes, and more.
 const MOST: usize = 16_000;
 
-/// Instructions of a calibration.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Counts {
     /// The whole pipeline for a patch of round one.

@@ -19,7 +19,6 @@ use shared::units::{LOOK_BACK, Millis, PATCH, Patch, SAMPLE_PERIOD_MS, Sample, S
 
 use crate::spans::{Clock, Spans};
 
-/// Instructions per patch.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Counts {
     preprocess: Spans,

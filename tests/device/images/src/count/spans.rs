@@ -14,14 +14,12 @@ pub struct Spans {
 }
 
 impl Spans {
-    /// Adds one.
     pub fn push(&mut self, instructions: u32) {
         self.sum += u64::from(instructions);
         self.largest = self.largest.max(instructions);
         self.count += 1;
     }
 
-    /// Their number.
     pub const fn count(&self) -> u32 {
         self.count
     }

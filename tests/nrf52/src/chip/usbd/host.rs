@@ -10,7 +10,6 @@ const RESUME: u32 = 1 << 9;
 /// The request that the peripheral answers itself (6.35.9).
 const SET_ADDRESS: u8 = 5;
 
-/// A control transfer of the host's.
 #[derive(Clone, Default, Debug)]
 pub struct Control {
     /// Bytes that it sent, or those that have come.
@@ -35,7 +34,6 @@ impl Chip {
         self.settle();
     }
 
-    /// Resets the bus.
     pub fn reset_usb(&mut self) {
         self.as_host(|usb, bus| {
             usb.is_suspended = false;
