@@ -4,7 +4,7 @@
 //! `cote-allard` has it on the second, `one-subject-myo` on the fourth. `roshambo` records no extension; its pattern of
 //! open against close correlates best with that of `cote-allard` rotated by this one electrode (mean over pairs of people
 //! 0.35, as recorded 0.12). The others are fitted on the mean patterns of the gestures that two sets share
-//! (tests/recordings.rs).
+//! (tests/recordings/main.rs).
 
 use serde::Deserialize;
 use shared::units::{CHANNELS, Sample};

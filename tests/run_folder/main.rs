@@ -1,11 +1,9 @@
 //! Run folders: their files, the process that works in them, and the state that a stopped program leaves behind.
 
-#[path = "small.rs"]
+#[path = "../small.rs"]
 mod small;
 
-#[path = "run_folder/belonging.rs"]
 mod belonging;
-#[path = "run_folder/processes.rs"]
 mod processes;
 
 use std::fs;

@@ -1,15 +1,13 @@
 //! Model files evaluated on any recordings, by the command line, on recordings of one person a file.
 
-#[path = "small.rs"]
+#[path = "../small.rs"]
 #[expect(dead_code, reason = "nothing is trained here")]
 mod small;
 
-#[path = "live/browser.rs"]
+#[path = "../live/browser.rs"]
 #[expect(dead_code, reason = "a page without keys")]
 mod browser;
-#[path = "evaluate_models/frame.rs"]
 mod frame;
-#[path = "evaluate_models/placement.rs"]
 mod placement;
 
 use std::fs;

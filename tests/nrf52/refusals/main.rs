@@ -1,10 +1,8 @@
 //! Each refusal has a program that earns it.
 
-#[path = "refusals/board.rs"]
 mod board;
-#[path = "program.rs"]
+#[path = "../program.rs"]
 mod program;
-#[path = "refusals/usb.rs"]
 mod usb;
 
 use nrf52::What;

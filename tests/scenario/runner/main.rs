@@ -3,15 +3,10 @@
 //! Every file of `tests/scenario` is a test on the simulated board in virtual time, and on the emulated chip unless its
 //! `not_on_chip` says why not. README.md there describes the format.
 
-#[path = "scenario/runner/bench.rs"]
 mod bench;
-#[path = "scenario/runner/expectation.rs"]
 mod expectation;
-#[path = "scenario/runner/file.rs"]
 mod file;
-#[path = "scenario/runner/installed.rs"]
 mod installed;
-#[path = "scenario/runner/on_chip.rs"]
 mod on_chip;
 
 use std::path::{Path, PathBuf};

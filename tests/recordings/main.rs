@@ -1,15 +1,10 @@
 //! Published recordings: counts, labels, lag and splices are as their description states. The recordings themselves are
 //! outside the repository.
 
-#[path = "recordings/described.rs"]
 mod described;
-#[path = "recordings/labels.rs"]
 mod labels;
-#[path = "recordings/placement.rs"]
 mod placement;
-#[path = "recordings/sets.rs"]
 mod sets;
-#[path = "recordings/shipped_model.rs"]
 mod shipped_model;
 
 use std::collections::BTreeMap;
