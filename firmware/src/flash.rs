@@ -36,7 +36,6 @@ impl<F> SharedFlash<F> {
         }
     }
 
-    /// Waits for flash.
     pub async fn lock(&self) -> MutexGuard<'_, NoopRawMutex, F> {
         self.flash.lock().await
     }
@@ -58,18 +57,15 @@ pub enum Region {
     /// The outputs to a computer: a page.
     #[cfg(feature = "uf2")]
     Hid,
-    /// The model file.
     Model,
 }
 
 impl Region {
-    /// The address of a byte.
     pub fn address(self, offset: u32) -> u32 {
         let (start, _) = bounds(self);
         start + offset
     }
 
-    /// Bytes of it.
     pub fn length(self) -> u32 {
         let (start, end) = bounds(self);
         end - start
@@ -209,7 +205,6 @@ mod simulated {
         region[..length].copy_from_slice(&bytes[..length]);
     }
 
-    /// Erases bytes.
     pub fn erase(address: u32, length: u32) {
         let from = (address - START) as usize;
         lock()[from..from + length as usize].fill(0xff);

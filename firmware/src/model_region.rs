@@ -19,7 +19,6 @@ use shared::units::Patch;
 
 use crate::flash::{self, Region};
 
-/// Why the region's content cannot be run.
 #[derive(Clone, Copy, Debug, thiserror::Error)]
 pub enum ModelRefused {
     #[error("model refused: {0}")]
@@ -90,15 +89,10 @@ impl Encode for BoardEncoder {
     }
 }
 
-/// A model that can be run.
 pub struct Loaded {
-    /// Encoder of the model.
     pub encoder: BoardEncoder,
-    /// Smoother with the model's settings.
     pub smoother: Smoother,
-    /// Input that the model requires.
     pub input: Input,
-    /// CRC-32 of its file.
     pub checksum: u32,
     /// Whether the encoder has the wearer's calibration, or why not.
     pub calibration: Result<(), RecordError>,
@@ -127,7 +121,6 @@ pub fn load(take: &mut dyn FnMut(Loaded)) -> Result<(), ModelRefused> {
     Ok(())
 }
 
-/// Journal of an installation that is not complete.
 pub fn journal() -> Option<Journal> {
     journal::read(&Region::Journal.read(0))
 }

@@ -4,7 +4,6 @@ use shared::intent::Intent;
 use shared::stream::safe_state::Status;
 use shared::stream::strength::Percent;
 
-/// Receiver of the pulses.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Pulses {
     /// A motor's driver: 1 kHz; the share of a period is the strength of the label, whichever it is.
@@ -14,7 +13,6 @@ pub enum Pulses {
 }
 
 impl Pulses {
-    /// Microseconds from pulse to pulse.
     pub const fn period_us(self) -> u16 {
         match self {
             Self::Pwm => 1000,

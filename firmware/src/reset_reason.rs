@@ -1,6 +1,5 @@
 //! Why the program started, and what the run before said at its end.
 
-/// Why the core was reset.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum ResetReason {
     /// Power, the reset button or a debugger.

@@ -19,7 +19,6 @@ compile_error!("choose a board: --features nrf52840 or nrf52832");
 )))]
 compile_error!("choose a radio: --features radio-softdevice or radio-trouble");
 
-/// Starts the board and every task.
 pub fn start(spawner: Spawner) {
     // The outputs come first: from reset to here every pin floats.
     let board = board::start();

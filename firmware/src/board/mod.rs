@@ -23,19 +23,16 @@ pub use simulated::{
 
 use crate::reset_reason::ResetReason;
 
-/// Received bytes were lost.
 pub struct BytesLost;
 
 /// Lines that commands come by: the UART, and USB where the board has it.
 pub const LINES: usize = if cfg!(feature = "uf2") { 2 } else { 1 };
 
-/// A board after its start.
 pub struct Board {
     /// The UART that labels are written to, and USB.
     pub labels: LabelPort,
     /// The lines that commands come from: the same.
     pub commands: CommandPort,
-    /// Label pins and LEDs.
     pub pins: Pins,
     /// Pressed and held by a person.
     pub button: Button,
@@ -47,6 +44,5 @@ pub struct Board {
     /// Measures the board's own battery.
     #[cfg(feature = "uf2")]
     pub battery: Battery,
-    /// Why the program started.
     pub reset_reason: ResetReason,
 }

@@ -5,10 +5,8 @@ use core::cell::Cell;
 use embassy_sync::blocking_mutex::{Mutex, raw::CriticalSectionRawMutex};
 use shared::myo::{Address, Counters, FirmwareVersion, MyoSession, Phase};
 
-/// State of the armband.
 #[derive(Clone, Copy, Default)]
 pub struct Armband {
-    /// Address of the connected armband.
     pub address: Option<Address>,
     pub firmware: Option<FirmwareVersion>,
     /// Battery charge, percent.

@@ -18,7 +18,6 @@ const CURVE: [(u32, u32); 7] = [
 const LOW: u8 = 10;
 const NO_LONGER_LOW: u8 = 20;
 
-/// Charge at a voltage in millivolts.
 pub fn charge(millivolts: u32) -> Charge {
     let mut before = (0, 0);
     for (voltage, percent) in CURVE {
@@ -38,7 +37,6 @@ pub fn charge(millivolts: u32) -> Charge {
     }
 }
 
-/// Whether the battery is low.
 #[derive(Default)]
 pub struct Low(bool);
 
@@ -63,7 +61,6 @@ mod newest {
     static CURRENT: Mutex<CriticalSectionRawMutex, Cell<Option<Charge>>> =
         Mutex::new(Cell::new(None));
 
-    /// Keeps a charge.
     pub fn set(charge: Charge) {
         CURRENT.lock(|cell| cell.set(Some(charge)));
     }

@@ -30,9 +30,7 @@ static IN_USE: Mutex<CriticalSectionRawMutex, Cell<Result<(), RecordError>>> =
 
 /// Record that is to be in flash: that of a learnt head, or none. The inference has given up the model.
 pub struct Keep {
-    /// The learnt head.
     pub learnt: Option<&'static mut Memory>,
-    /// CRC-32 of its model.
     pub model: u32,
 }
 
@@ -47,7 +45,6 @@ pub fn report(report: CalibrationReport) {
     uart::enqueue(UartMessage::Calibration(report));
 }
 
-/// How far a calibration is.
 pub fn current() -> CalibrationReport {
     REPORT.lock(Cell::get).0
 }
@@ -65,7 +62,6 @@ pub fn led(blink: bool) -> Option<bool> {
     }
 }
 
-/// Whether a calibration is in use.
 pub fn is_in_use() -> bool {
     IN_USE.lock(Cell::get).is_ok()
 }

@@ -13,18 +13,15 @@ use super::pin_state::PinState;
 
 static SETTINGS: Mutex<CriticalSectionRawMutex, Cell<Settings>> =
     Mutex::new(Cell::new(Settings::OFF));
-/// State that the pins show.
 static SHOWN: Mutex<CriticalSectionRawMutex, Cell<PinState>> =
     Mutex::new(Cell::new(PinState::SAFE));
 static CHANGED: Signal<CriticalSectionRawMutex, ()> = Signal::new();
 static SET: Signal<CriticalSectionRawMutex, ()> = Signal::new();
 
-/// The settings in force.
 pub fn settings() -> Settings {
     SETTINGS.lock(Cell::get)
 }
 
-/// Puts settings in force.
 pub fn set(settings: Settings) {
     SETTINGS.lock(|cell| cell.set(settings));
     SET.signal(());

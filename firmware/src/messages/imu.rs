@@ -14,7 +14,6 @@ pub fn switch(on: bool) {
     WANTED.store(on, Ordering::Relaxed);
 }
 
-/// Whether movement is written.
 pub fn is_wanted() -> bool {
     WANTED.load(Ordering::Relaxed)
 }

@@ -9,14 +9,11 @@ use embassy_sync::{
 use shared::stream::safe_state::{Cause, Status};
 use shared::stream::strength::Percent;
 
-/// State of pins and LEDs.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct PinState {
     /// Label and `valid`. Exactly one intent's pin is high: relax in the safe state.
     pub status: Status,
-    /// Strength of the label.
     pub strength: Percent,
-    /// Whether an armband streams.
     pub armband: bool,
     /// Whether the LED of alignment and calibration is lit.
     pub alignment_led: bool,
@@ -44,7 +41,6 @@ pub fn set_status(status: Status, strength: Percent) {
     update(|state| (state.status, state.strength) = (status, strength));
 }
 
-/// Sets whether an armband streams.
 pub fn set_armband(streams: bool) {
     update(|state| state.armband = streams);
 }
@@ -66,7 +62,6 @@ fn update(change: impl FnOnce(&mut PinState)) {
     });
 }
 
-/// The newest state.
 pub fn current() -> PinState {
     STATE.lock(Cell::get)
 }

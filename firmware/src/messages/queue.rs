@@ -14,7 +14,6 @@ pub struct Queue<T, const N: usize> {
 }
 
 impl<T, const N: usize> Queue<T, N> {
-    /// An empty queue.
     pub const fn new() -> Self {
         Self {
             entries: Channel::new(),
@@ -22,7 +21,6 @@ impl<T, const N: usize> Queue<T, N> {
         }
     }
 
-    /// Adds an entry.
     pub fn push(&self, entry: T) {
         let mut entry = entry;
         while let Err(TrySendError::Full(rejected)) = self.entries.try_send(entry) {
@@ -33,12 +31,10 @@ impl<T, const N: usize> Queue<T, N> {
         }
     }
 
-    /// Waits for the oldest entry.
     pub async fn receive(&self) -> T {
         self.entries.receive().await
     }
 
-    /// Whether no entry waits.
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }

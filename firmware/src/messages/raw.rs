@@ -22,12 +22,10 @@ pub fn enqueue(report: EmgReport) {
     }
 }
 
-/// Waits for the oldest two samples.
 pub async fn receive() -> EmgReport {
     SAMPLES.receive().await
 }
 
-/// Whether no samples wait.
 pub fn is_idle() -> bool {
     SAMPLES.is_empty()
 }

@@ -18,11 +18,8 @@ pub static INFERENCE: Requests<InferenceRequest, InferenceAnswer> = Requests::ne
 
 #[derive(Clone, Copy)]
 pub enum InferenceRequest {
-    /// An alignment.
     Align(AlignCommand),
-    /// The confidence gate.
     Gate(GateCommand),
-    /// The lock of the labels.
     Lock(LockCommand),
     Calibrate(CalibrateCommand),
     /// The button was pressed: end a calibration, unlock labels that are locked, or begin an alignment.
@@ -33,7 +30,6 @@ pub enum InferenceRequest {
 pub enum InferenceAnswer {
     /// The command is accepted.
     Align(Accepted),
-    /// This alignment is in force.
     Alignment(Alignment),
     /// This gate is in force from now on.
     Gate(Gate),
@@ -46,7 +42,6 @@ pub enum InferenceAnswer {
 /// Requests from the installation to the inference. A channel of its own: flash is erased on the strength of its answer.
 pub static MODEL: Requests<ModelRequest, ()> = Requests::new();
 
-/// Request of the installation to the inference.
 #[derive(Clone, Copy)]
 pub enum ModelRequest {
     /// Enter the safe state, and read the model's region no more.
@@ -118,7 +113,6 @@ impl<Q, A> Requests<Q, A> {
         self.asked.wait().await
     }
 
-    /// Answers a request.
     pub fn answer(&self, ticket: Ticket, answer: Result<A, Refusal>) {
         self.answer.signal(answer);
         self.answered.signal(ticket);

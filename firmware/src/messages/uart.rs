@@ -25,11 +25,8 @@ use crate::settings;
 
 #[derive(Clone, Copy)]
 pub enum UartMessage {
-    /// A label, or a change of state.
     Report(Report),
-    /// Progress or result of an alignment.
     Alignment(AlignmentReport),
-    /// Progress or result of a calibration.
     Calibration(CalibrationReport),
     /// The calibration that is kept is not used.
     CalibrationRefused(RecordError),
@@ -44,24 +41,20 @@ pub enum UartMessage {
     ModelRefused(ModelRefused),
     /// Armband that is followed from now on.
     Following(Following),
-    /// No armband was heard in a pairing.
     PairingFailed,
     /// The binding, or its removal, was not kept: a restart forgets it.
     NotKept,
-    /// An armband streams.
     Armband(Armband),
     /// A stream ended; counts of all streams since the start.
     StreamEnded(Counters),
     /// The armband's battery is low; percent.
     LowBattery(u8),
-    /// The board's own battery is low.
     #[cfg(feature = "uf2")]
     BoardBattery(shared::uart_line::answer::Charge),
     /// The inference is too slow: packets dropped since the start.
     PacketsDropped(u32),
     /// Received bytes were lost, and the command that they belonged to.
     BytesLost,
-    /// Connection parameters that the armband prefers.
     Preferred(ConnectionParameters),
 }
 
@@ -111,7 +104,6 @@ pub fn dropped() -> u32 {
     MESSAGES.dropped()
 }
 
-/// Whether no line waits.
 pub fn is_idle() -> bool {
     MESSAGES.is_empty() && ANSWERS.is_empty() && raw::is_idle()
 }
@@ -120,7 +112,6 @@ pub fn is_idle() -> bool {
 pub enum Next {
     Message(UartMessage),
     Answer(Answer<'static>),
-    /// Raw samples.
     Emg(EmgReport),
 }
 
@@ -158,7 +149,6 @@ pub fn identity(model: Option<u32>, armband: Armband) -> Identity<'static> {
     }
 }
 
-/// The text of a message.
 pub type Line = heapless::String<MAX_BYTES>;
 
 impl UartMessage {

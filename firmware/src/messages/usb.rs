@@ -18,7 +18,6 @@ mod host {
     pub const CLOSED: u8 = 2;
 }
 
-/// The lines of the board.
 #[cfg(feature = "uf2")]
 pub static LINES: Lines = Lines::new();
 
@@ -64,7 +63,6 @@ impl Lines {
         self.bytes.read(packet).await
     }
 
-    /// Whether no byte waits.
     pub fn is_empty(&self) -> bool {
         self.bytes.is_empty()
     }

@@ -64,7 +64,6 @@ pub struct SessionDriver<'q> {
     sought: Cell<Millis>,
     /// Whether an armband's preferred parameters were said.
     has_said_preferred: Cell<bool>,
-    /// Handles of the current connection.
     handles: Cell<Handles>,
     /// Address to keep, until that was tried.
     keep: Signal<NoopRawMutex, Option<Address>>,
@@ -225,7 +224,6 @@ impl<'q> SessionDriver<'q> {
         }
     }
 
-    /// Scans until the radio ends that.
     async fn scan(&self, radio: &mut impl Radio) {
         let pace = || match now().elapsed_since(self.sought.get()) {
             SOUGHT_MS.. => Pace::Seldom,

@@ -11,7 +11,6 @@ pub struct Handles {
 }
 
 impl Handles {
-    /// Adds an attribute that was discovered.
     pub fn insert(&mut self, attribute: Attribute) {
         match attribute {
             Attribute::Value(characteristic, handle) => {
@@ -38,7 +37,6 @@ impl Handles {
         found.map(|place| Characteristic::ALL[place])
     }
 
-    /// The characteristics that were discovered.
     pub fn found(&self) -> Found {
         let there = |characteristic: &Characteristic| self.value(*characteristic).is_some();
         Characteristic::ALL.into_iter().filter(there).collect()

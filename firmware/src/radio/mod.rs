@@ -21,9 +21,7 @@ const ENABLE_NOTIFICATIONS: [u8; 2] = [1, 0];
 /// An advertisement of an armband or of any other device.
 #[derive(Clone, Copy)]
 pub struct Advertisement {
-    /// Address of the sender.
     pub address: Address,
-    /// Signal strength, dBm.
     pub rssi: i8,
     bytes: [u8; MAX_VALUE_BYTES],
     length: usize,
@@ -49,20 +47,16 @@ impl Advertisement {
     }
 }
 
-/// No connection was established.
 pub struct ConnectFailed;
 
 /// An operation did not succeed. The cause is only logged.
 pub struct OperationFailed;
 
-/// The connection is closed or lost.
 pub struct Disconnected;
 
-/// Result of a scan.
 pub enum Scanned<'a> {
     /// The stack has answered: it has begun the scan, or ended it in time.
     Answered,
-    /// An advertisement was received.
     Advertisement(&'a Advertisement),
 }
 
@@ -103,7 +97,6 @@ pub trait Radio {
     ) -> Result<(), ConnectFailed>;
 }
 
-/// Handler of a connection's events.
 pub trait ConnectionHandler {
     /// Runs on a link that has just been established.
     async fn run(&self, link: &impl Link);

@@ -8,10 +8,8 @@ use crate::messages::{
     uart::{self, UartMessage},
 };
 
-/// Time between two measurements.
 const PERIOD: Duration = Duration::from_secs(10);
 
-/// Runs forever.
 #[embassy_executor::task]
 pub async fn run(mut battery: Battery) -> ! {
     let mut low = Low::default();

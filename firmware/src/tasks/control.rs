@@ -29,7 +29,6 @@ const AT_ONCE: usize = 32;
 /// Milliseconds between two messages that bytes were lost: on a noisy line that is always so.
 const REMINDER_MS: u32 = 10_000;
 
-/// Runs forever.
 #[embassy_executor::task]
 pub async fn run(mut port: CommandPort, mut button: Button) -> ! {
     let mut readers = [const { CommandReader::new() }; LINES];

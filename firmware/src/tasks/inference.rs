@@ -77,7 +77,6 @@ fn fresh(reason: ResetReason) -> &'static mut DevicePipeline {
     pipeline
 }
 
-/// Puts the model in flash in use.
 fn resume(pipeline: &mut DevicePipeline) -> Result<(), ModelRefused> {
     model_region::load(&mut |loaded| {
         let Loaded {
@@ -377,13 +376,11 @@ impl Default for Absence {
 }
 
 impl Absence {
-    /// Notes a report.
     const fn began(&mut self, now: Millis, reason: ModelRefused) {
         self.reported = now;
         self.reason = reason;
     }
 
-    /// Whether a report is due.
     fn is_due(&mut self, now: Millis) -> bool {
         let is_due = now.elapsed_since(self.reported) >= REPEAT_MS;
         if is_due {

@@ -11,7 +11,6 @@ use crate::messages::{
     uart::{self, Next, UartMessage},
 };
 
-/// Runs forever.
 #[embassy_executor::task]
 pub async fn run(mut port: LabelPort, mut pins: Pins) {
     join(set_pins(&mut pins), write_messages(&mut port)).await;

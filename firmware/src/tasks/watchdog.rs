@@ -5,7 +5,6 @@ use embassy_time::Timer;
 use crate::board::Watchdog;
 use crate::messages::heartbeat;
 
-/// Runs forever.
 #[embassy_executor::task]
 pub async fn run(mut watchdog: Watchdog) -> ! {
     loop {

@@ -30,7 +30,6 @@ pub struct Parts {
 pub struct Battery(Parts);
 
 impl Battery {
-    /// Takes the parts.
     pub fn start(parts: Parts) -> Self {
         interrupt::SAADC.set_priority(Priority::P3);
         Self(parts)

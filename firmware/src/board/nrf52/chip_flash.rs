@@ -7,7 +7,6 @@ use crate::flash::{Flash, FlashFailed, PAGE_BYTES};
 /// Attempts of an operation: a stack that finds no time for it beside the radio gives up, and it has not begun then.
 const ATTEMPTS: usize = 4;
 
-/// Flash as a Bluetooth stack gives it.
 pub struct ChipFlash<F>(pub F);
 
 impl<F: NorFlash> Flash for ChipFlash<F> {

@@ -24,7 +24,6 @@ const EXPIRES_US: u32 = DEAD_MAN_MS * 1000;
 /// Relax rises after the other labels have fallen, as everywhere.
 const RELAX_US: u32 = EXPIRES_US + 2;
 
-/// Peripherals of the dead-man timer.
 pub struct Parts {
     pub timer: Peri<'static, TIMER1>,
     pub links: [Peri<'static, AnyConfigurableChannel>; 4],

@@ -18,7 +18,6 @@ static HIGH_US: AtomicU16 = AtomicU16::new(0);
 /// Bit of a value whose pulse begins with the period.
 const FIRST_EDGE_FALLS: u16 = 1 << 15;
 
-/// Peripherals of the drive.
 pub struct Parts {
     pub pwm: Peri<'static, PWM0>,
     pub pin: Peri<'static, AnyPin>,

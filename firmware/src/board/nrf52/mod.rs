@@ -152,7 +152,6 @@ struct Outputs {
     valid: OutputChannel<'static>,
     /// Pulses of the strength.
     drive: Drive,
-    /// The dead-man timer has expired.
     expired: Event<'static>,
     valid_led: Output<'static>,
     armband_led: Output<'static>,
@@ -182,7 +181,6 @@ impl Outputs {
     }
 }
 
-/// Label pins and LEDs.
 pub struct Pins(());
 
 impl Pins {
@@ -222,7 +220,6 @@ fn set_outputs(state: PinState) {
     });
 }
 
-/// The dead-man timer has ended the pulses.
 fn pulses_stopped() {
     critical_section::with(|section| {
         if let Ok(mut outputs) = OUTPUTS.borrow(section).try_borrow_mut()

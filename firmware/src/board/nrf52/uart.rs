@@ -79,7 +79,6 @@ impl typelevel::Handler<typelevel::UARTE0> for ByteHandler {
     }
 }
 
-/// Parts of the UART.
 pub struct Parts {
     pub uart: Peri<'static, UARTE0>,
     pub tx: Peri<'static, AnyPin>,
@@ -229,12 +228,10 @@ impl CommandPort {
         }
     }
 
-    /// Bytes that were counted and not taken.
     fn waiting(&self) -> u32 {
         self.counter.cc(0).capture().wrapping_sub(self.taken)
     }
 
-    /// Takes bytes that wait.
     fn take(&mut self, buffer: &mut [u8]) -> Result<usize, BytesLost> {
         let waiting = usize::try_from(self.waiting()).unwrap_or(usize::MAX);
         let count = buffer.len().min(waiting);
@@ -259,7 +256,6 @@ impl CommandPort {
         Ok(count)
     }
 
-    /// Skips `count` bytes.
     fn pass(&mut self, count: usize) {
         self.taken = self.taken.wrapping_add(count as u32);
         self.place = (self.place + count) % RING_BYTES;
@@ -298,7 +294,6 @@ impl CommandPort {
         errors.0 != 0 || place.rem_euclid(RING_BYTES as i64) != 0
     }
 
-    /// Tells the receiver to stop.
     fn stop(&mut self) {
         let uart = pac::UARTE0;
         uart.shorts().write(|_| {});

@@ -54,7 +54,6 @@ const MOVEMENT: Duration = Duration::from_millis(10);
 
 type UsbDriver<'d> = Driver<'d, HardwareVbusDetect>;
 
-/// Received bytes.
 pub static RECEIVED: Pipe<CriticalSectionRawMutex, { 4 * PACKET }> = Pipe::new();
 
 /// Starts it. To be called once.

@@ -13,7 +13,6 @@ use super::person::ScenarioPerson;
 use super::power;
 use crate::reset_reason::ResetReason;
 
-/// Microseconds of one turn of all tasks.
 const TURN_US: u64 = 20;
 /// Pause after one turn that follows the PC.
 const PAUSE: Duration = Duration::from_micros(200);

@@ -69,7 +69,6 @@ pub fn radio_has_stopped() -> bool {
     RADIO_HAS_STOPPED.load(Ordering::Relaxed)
 }
 
-/// Waits until the Bluetooth stack works.
 pub async fn radio_works() {
     if radio_has_stopped() {
         future::pending().await

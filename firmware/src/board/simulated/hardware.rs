@@ -53,7 +53,6 @@ fn with<R>(act: impl FnOnce(&mut Hardware) -> R) -> Option<R> {
     lock().as_mut().map(act)
 }
 
-/// Microseconds since the start.
 pub fn now_us() -> u64 {
     Instant::now().as_micros()
 }
@@ -168,12 +167,10 @@ pub fn packets_sent() -> usize {
     SENT.load(Ordering::Relaxed)
 }
 
-/// Something was received by the radio.
 pub fn heard() {
     with(|hardware| hardware.last_received_us = now_us());
 }
 
-/// The packet with this number was received.
 pub fn received(number: usize) {
     heard();
     happened("PACKET", number);

@@ -8,11 +8,9 @@ use crate::messages::pin_state::PinState;
 
 /// `PINS`, the time, the time of the newest packet, then every level.
 pub struct Levels {
-    /// Microseconds since the start.
     pub now_us: u64,
     /// Time at which the newest byte of a packet was received, on the same clock.
     pub last_received_us: u64,
-    /// State that the outputs show.
     pub state: PinState,
 }
 

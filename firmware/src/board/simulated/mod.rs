@@ -173,7 +173,6 @@ pub fn start() -> Board {
     }
 }
 
-/// Runs the Myo session forever.
 pub async fn run_radio(_: Spawner, _: RadioParts, driver: &SessionDriver<'_>) {
     let Surroundings {
         arguments,
@@ -235,7 +234,6 @@ impl CommandPort {
     }
 }
 
-/// Label pins and LEDs.
 pub struct Pins(PinState);
 
 impl Pins {
@@ -255,7 +253,6 @@ impl Pins {
 pub struct Button(());
 
 impl Button {
-    /// Whether the button is down at this moment.
     pub fn is_down(&mut self) -> bool {
         IS_DOWN.load(Ordering::Relaxed)
     }

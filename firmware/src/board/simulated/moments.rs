@@ -77,7 +77,6 @@ impl<R: Radio> Radio for Exclusive<R> {
     }
 }
 
-/// Event beside the board.
 #[derive(Clone, Copy, Debug)]
 enum Act {
     Wish(BindCommand),

@@ -51,12 +51,10 @@ pub struct ScenarioPerson {
     sending: VecDeque<u8>,
     next_byte_us: u64,
     released_us: u64,
-    /// Model file to install.
     file: Vec<u8>,
     sender: Option<Sender>,
 }
 
-/// An installation in progress.
 struct Sender {
     /// Time at which the next command is sent, or the last one is given up.
     due_us: u64,

@@ -66,9 +66,7 @@ pub struct Arguments {
 /// A reset that the program is told of by hardware.
 #[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq)]
 pub enum Reset {
-    /// Reset by a loss of power.
     Power,
-    /// Reset by the watchdog.
     Watchdog,
     /// Reset by the program, after a panic.
     Software,
@@ -84,7 +82,6 @@ pub fn keep(arguments: Arguments) -> &'static Arguments {
 }
 
 impl Arguments {
-    /// Why the program starts.
     pub const fn reset_reason(&self) -> ResetReason {
         match self.reset {
             None | Some(Reset::Power) => ResetReason::Power,

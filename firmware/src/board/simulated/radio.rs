@@ -16,7 +16,6 @@ use crate::radio::{
 
 /// Milliseconds between two advertisements of an armband.
 const ADVERTISING_MS: u64 = 100;
-/// Milliseconds until a connection is established.
 const CONNECTING_MS: u64 = 50;
 /// Milliseconds of a request and its response.
 const REQUEST_MS: u64 = 15;
@@ -25,7 +24,6 @@ const NOTICED_MS: u64 = 1;
 
 /// The board's Bluetooth stack, in a room with armbands.
 pub struct SimulatedRadio<'a> {
-    /// Armbands within reach.
     pub armbands: &'a [RefCell<Armband>],
 }
 

@@ -20,12 +20,9 @@ pub struct Scenario {
     /// The EMG characteristic that a stream starts with.
     #[serde(default)]
     pub first_lane: u8,
-    /// Faults of the armband.
     #[serde(default)]
     pub armband: Vec<ArmbandFault>,
-    /// Another armband.
     pub stranger: Option<Stranger>,
-    /// Acts of a person.
     #[serde(default)]
     pub person: Vec<Act>,
     /// Fault of the board.
@@ -45,7 +42,6 @@ pub struct Scenario {
 }
 
 impl Scenario {
-    /// Behaviour of the wearer's armband.
     pub fn behaviour(&self) -> Behaviour {
         Behaviour {
             pace: self.pace,
@@ -65,7 +61,6 @@ const fn one() -> usize {
     1
 }
 
-/// Another armband.
 #[derive(Deserialize, Clone)]
 #[serde(deny_unknown_fields)]
 pub struct Stranger {
@@ -79,16 +74,11 @@ pub struct Stranger {
 #[derive(Deserialize, Clone)]
 #[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Act {
-    /// Presses the button and holds it.
     Press {
-        /// Notifications before.
         at: usize,
-        /// Milliseconds.
         for_ms: u64,
     },
-    /// Sends a line to the UART.
     Send {
-        /// Notifications before.
         at: usize,
         /// Milliseconds from then on, or from the act before.
         #[serde(default)]
@@ -96,19 +86,15 @@ pub enum Act {
         /// Command without `$`, checksum and line end.
         command: String,
     },
-    /// Sends bytes to the UART.
     SendBytes {
-        /// Notifications before.
         at: usize,
         /// Bytes as text, one per character.
         text: String,
-        /// Number of repetitions.
         #[serde(default = "one")]
         times: usize,
     },
     /// Installs a model: begins, and sends the blocks that the board asks for.
     Install {
-        /// Notifications before.
         at: usize,
         /// Numbers of blocks after which the line is pulled, once for each.
         #[serde(default)]
@@ -128,7 +114,6 @@ const fn a_second() -> u64 {
 }
 
 impl Act {
-    /// Notifications before it.
     pub const fn at(&self) -> usize {
         match self {
             Self::Press { at, .. }

@@ -14,14 +14,10 @@ const SET_MODE: u8 = 1;
 /// UUID of the preferred connection parameters, as in the declaration of their characteristic.
 const PREFERRED: [u8; 2] = [0x04, 0x2a];
 
-/// Request to the armband's attributes.
 #[derive(Clone, Copy)]
 pub(super) enum Request {
-    /// Discovery of all characteristics.
     Discover,
-    /// Read of a value.
     Read(Characteristic),
-    /// Start of notifications.
     Subscribe(Characteristic),
     /// Write of a value, with response.
     Write(Characteristic, Payload),

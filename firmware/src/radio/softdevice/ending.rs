@@ -13,7 +13,6 @@ use nrf_softdevice::{RawError, ble::Connection, raw};
 /// has gone.
 const LOOK: Duration = Duration::from_millis(10);
 
-/// Connections that are to end.
 #[derive(Default)]
 pub struct Ending {
     /// Kept, so that it is not dropped too early.

@@ -129,7 +129,6 @@ impl Link for SoftdeviceLink<'_> {
     }
 }
 
-/// A notification.
 struct Value {
     handle: u16,
     bytes: [u8; MAX_VALUE_BYTES],

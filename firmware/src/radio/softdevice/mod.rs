@@ -23,7 +23,6 @@ use crate::flash::{Flash, SharedFlash};
 use ending::Ending;
 use link::SoftdeviceLink;
 
-/// Runs the session forever.
 pub async fn run(
     softdevice: &Softdevice,
     driver: &SessionDriver<'_>,
@@ -156,7 +155,6 @@ impl Radio for SoftdeviceRadio<'_> {
     }
 }
 
-/// An advertisement that the SoftDevice reports.
 fn advertisement(report: &raw::ble_gap_evt_adv_report_t) -> Advertisement {
     let address = Address::from_raw(report.peer_addr);
     let address = myo::Address {

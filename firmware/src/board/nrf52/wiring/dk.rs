@@ -5,7 +5,6 @@
 
 use embassy_nrf::gpio::Level;
 
-/// Level that lights an LED.
 pub const LED_ON: Level = Level::Low;
 
 macro_rules! pins {

@@ -8,7 +8,6 @@
 
 use embassy_nrf::gpio::Level;
 
-/// Level that lights an LED.
 pub const LED_ON: Level = Level::High;
 /// Battery's voltage over what the pin sees: 100 kOhm each.
 pub const DIVIDER: (u32, u32) = (2, 1);

@@ -34,7 +34,6 @@ use shared::intent::MAX_CLASSES;
 pub use board::DIVIDER;
 pub use board::LED_ON;
 
-/// Pins of a board, by purpose.
 struct Pins {
     /// Pins of the intents, in class order: relax, open, close, wave-in, wave-out, pinch.
     intents: [Peri<'static, AnyPin>; MAX_CLASSES],
@@ -46,7 +45,6 @@ struct Pins {
     button: Peri<'static, AnyPin>,
     tx: Peri<'static, AnyPin>,
     rx: Peri<'static, AnyPin>,
-    /// Measures the battery.
     #[cfg(feature = "uf2")]
     battery: AnyInput<'static>,
     /// Keeps what it is measured by in use.
@@ -62,9 +60,7 @@ pub struct Wiring {
     pub valid: OutputChannel<'static>,
     /// Pulses of the strength.
     pub drive: super::drive::Parts,
-    /// LED: the label is valid.
     pub valid_led: Output<'static>,
-    /// LED: an armband streams.
     pub armband_led: Output<'static>,
     /// LED: what an alignment does.
     pub alignment_led: Output<'static>,
@@ -73,7 +69,6 @@ pub struct Wiring {
     /// The UART of labels and commands, 115200 8N1.
     pub uart: super::uart::Parts,
     pub radio: super::RadioParts,
-    /// Measures the battery.
     #[cfg(feature = "uf2")]
     pub battery: super::battery::Parts,
     /// The dead-man timer and its connections to the pins.
@@ -153,7 +148,6 @@ pub fn wire(p: Peripherals) -> Wiring {
     }
 }
 
-/// Level of an LED's pin.
 pub fn level_of_led(on: bool) -> Level {
     Level::from(on == (LED_ON == Level::High))
 }

@@ -9,7 +9,6 @@
 
 use embassy_nrf::gpio::Level;
 
-/// Level that lights an LED.
 pub const LED_ON: Level = Level::High;
 /// Battery's voltage over what the converter sees: the chip's own divider of VDDH, which is the battery's.
 pub const DIVIDER: (u32, u32) = (5, 1);
