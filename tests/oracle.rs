@@ -77,7 +77,7 @@ pub fn expected_lines(model: &[u8], inputs: &[Input<'_>]) -> anyhow::Result<Vec<
                 let encoder = DeviceEncoder::new(&model)?;
                 let settings = model.header.smoother.in_patches();
                 let smoother = Smoother::new(settings, encoder.classes())?;
-                let input = pipeline::Input {
+                let input = pipeline::ModelInput {
                     preprocessing: model.header.preprocessing,
                     template: model.header.template,
                     alignment: Alignment::NONE,

@@ -12,7 +12,7 @@ use shared::model::file::{Model, ModelError};
 #[cfg(not(feature = "nrf52832"))]
 use shared::model::head::Head;
 use shared::model::{Encode, LookBackLogits};
-use shared::pipeline::{Input, Smoother};
+use shared::pipeline::{ModelInput, Smoother};
 use shared::stream::alignment::Alignment;
 use shared::stream::smoother::SettingsError;
 use shared::units::Patch;
@@ -92,7 +92,7 @@ impl Encode for BoardEncoder {
 pub struct Loaded {
     pub encoder: BoardEncoder,
     pub smoother: Smoother,
-    pub input: Input,
+    pub input: ModelInput,
     pub checksum: u32,
     /// Whether the encoder has the wearer's calibration, or why not.
     pub calibration: Result<(), RecordError>,
@@ -110,7 +110,7 @@ pub fn load(take: &mut dyn FnMut(Loaded)) -> Result<(), ModelRefused> {
     take(Loaded {
         smoother: Smoother::new(settings, encoder.classes())?,
         encoder,
-        input: Input {
+        input: ModelInput {
             preprocessing: model.header.preprocessing,
             template: model.header.template,
             alignment: calibration.unwrap_or_default(),

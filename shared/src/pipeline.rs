@@ -26,7 +26,7 @@ pub use self::alignment::AlignmentPhase;
 use self::alignment::Placement;
 use self::calibration::{Calibration, Then};
 use self::in_use::Network;
-pub use self::in_use::{Input, Smoother};
+pub use self::in_use::{ModelInput, Smoother};
 use self::output::Output;
 use self::window::{Loss, Next, Window};
 use crate::intent::{Intent, MAX_CLASSES};

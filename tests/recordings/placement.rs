@@ -6,7 +6,7 @@ use recordings::alignment::{open_hand, openings, template};
 use recordings::split::predefined::is_test;
 use recordings::{Library, Recording};
 use shared::intent::{Intent, Vocabulary};
-use shared::stream::alignment::{Alignment, Outcome};
+use shared::stream::alignment::{Alignment, AlignmentOutcome};
 use shared::units::Sample;
 
 use super::{aligned_samples, read};
@@ -170,8 +170,8 @@ fn placements(people: &BTreeMap<String, Vec<Labelled>>) -> BTreeMap<&str, Option
         .filter_map(|(number, (subject, own))| {
             let openings = openings(&borrowed(own))?;
             let outcome = match openings.outcome(&templates[number % 4]) {
-                Outcome::Aligned(fit) => Some(fit.alignment),
-                Outcome::Poor(..) | Outcome::Timeout => None,
+                AlignmentOutcome::Aligned(fit) => Some(fit.alignment),
+                AlignmentOutcome::Poor(..) | AlignmentOutcome::Timeout => None,
             };
             Some((subject.as_str(), outcome))
         });

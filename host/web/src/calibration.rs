@@ -1,6 +1,6 @@
 //! A calibration for the page: what the wearer is asked for now, how long, and what comes next.
 
-use shared::calibration::{Session, Shown};
+use shared::calibration::{CalibrationSession, Shown};
 use shared::uart_line::calibration::{CalibrationReport, CalibrationState, name};
 use shared::units::{PATCH, SAMPLE_RATE_HZ};
 
@@ -22,7 +22,7 @@ pub struct Calibration {
 impl Calibration {
     /// Learns the model's number of classes.
     pub fn know(&mut self, classes: usize) {
-        self.cues = Session::new(classes, false).coming().collect();
+        self.cues = CalibrationSession::new(classes, false).coming().collect();
     }
 
     /// Cue of the wearer; none while no calibration is in progress.

@@ -7,7 +7,7 @@ use shared::intent::Intent;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::{Model, ModelError};
 use shared::model::head::Head;
-use shared::pipeline::{AlignmentPhase, Input, Pipeline, Reports, Smoother};
+use shared::pipeline::{AlignmentPhase, ModelInput, Pipeline, Reports, Smoother};
 use shared::stream::alignment::{Alignment, Arm};
 use shared::stream::smoother::SettingsError;
 use shared::uart_line::Report;
@@ -167,7 +167,7 @@ impl ScoredPipeline {
     fn put(&mut self, now: Millis, head: Option<&'static Head>, alignment: Alignment) {
         let encoder = head.map_or(self.encoder, |head| self.encoder.with_head(head));
         let header = &self.model.header;
-        let input = Input {
+        let input = ModelInput {
             preprocessing: header.preprocessing,
             template: header.template,
             alignment,

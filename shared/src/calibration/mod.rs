@@ -26,7 +26,7 @@ mod sums;
 pub use judgement::Judgement;
 pub use record::{KeptHead, RECORD_BYTES, RecordError, from_record, to_record};
 pub(crate) use session::REACTION;
-pub use session::{Activity, CalibrationProgress, Session};
+pub use session::{Activity, CalibrationProgress, CalibrationSession};
 pub(crate) use solve::solve_from;
 pub use solve::{SCRATCH, solve};
 pub use sums::{Shown, Sums};

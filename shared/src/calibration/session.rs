@@ -24,7 +24,7 @@ const OTHERS: u32 = 120;
 
 /// A calibration in progress.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Session {
+pub struct CalibrationSession {
     classes: usize,
     others: bool,
     is_judging: bool,
@@ -54,7 +54,7 @@ pub enum CalibrationProgress {
     Weak,
 }
 
-impl Session {
+impl CalibrationSession {
     /// A calibration before its first cue, for a model's number of classes; with other movement in round one if wanted.
     #[must_use]
     pub fn new(classes: usize, others: bool) -> Self {
@@ -226,7 +226,7 @@ mod tests {
     /// Runs a session in which each cue has this level of activity and these labels; returns the cues with their patches, and
     /// the end.
     fn run(
-        session: &mut Session,
+        session: &mut CalibrationSession,
         level: impl Fn(Shown) -> i8,
         labels: impl Fn(Shown) -> [Option<Intent>; 2],
     ) -> (Vec<(Shown, u32)>, CalibrationProgress) {
@@ -268,7 +268,7 @@ mod tests {
             (3, false, &[Close][..]),
             (5, true, &[Close, WaveIn, WaveOut]),
         ] {
-            let mut session = Session::new(classes, others);
+            let mut session = CalibrationSession::new(classes, others);
             let coming = session.coming().map(|(cue, patches, _)| (cue, patches));
             let coming: Vec<_> = coming.collect();
             let (cues, end) = run(&mut session, strong, as_asked);
@@ -291,21 +291,21 @@ mod tests {
     fn who_does_nothing_or_never_rests_is_told_at_the_first_gesture() {
         // Rest of less than a count is taken for one count.
         for level in [0, 1, 30] {
-            let mut session = Session::new(3, false);
+            let mut session = CalibrationSession::new(3, false);
             let (cues, end) = run(&mut session, |_| level, |_| [None; 2]);
             assert_eq!((cues.len(), end), (2, CalibrationProgress::Weak), "{level}");
         }
         // 1.4 times rest.
         for (level, cues) in [(13, 2), (14, 8)] {
             let own = |cue| if strong(cue) == 2 { 10 } else { level };
-            let mut session = Session::new(3, false);
+            let mut session = CalibrationSession::new(3, false);
             assert_eq!(run(&mut session, own, |_| [None; 2]).0.len(), cues);
         }
     }
 
     #[test]
     fn what_is_done_in_the_first_second_of_a_cue_counts_for_nothing() {
-        let mut session = Session::new(3, false);
+        let mut session = CalibrationSession::new(3, false);
         for _ in 0..REACTION {
             assert!(!session.counts());
             session.sample([127; CHANNELS]);

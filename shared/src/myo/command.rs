@@ -15,7 +15,7 @@ pub enum EmgMode {
 
 /// A command. The gesture classifier stays off: its notifications would take air time.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub(super) enum Command {
+pub(super) enum ArmbandCommand {
     /// Stream EMG at 200 Hz, and the IMU at 50 Hz or not at all. Lost at a disconnection.
     SetMode(EmgMode, bool),
     /// Never sleep: without it the armband drops the link after about 30 s of inactivity, even while
@@ -23,7 +23,7 @@ pub(super) enum Command {
     NeverSleep,
 }
 
-impl Command {
+impl ArmbandCommand {
     /// The bytes to write: command, payload length, payload.
     #[must_use]
     pub(super) const fn payload(self) -> Payload {
@@ -41,12 +41,12 @@ mod tests {
 
     #[test]
     fn commands_are_the_vendors_bytes() {
-        let bytes = |command: Command| command.payload();
-        let set_mode = |mode, imu| bytes(Command::SetMode(mode, imu));
+        let bytes = |command: ArmbandCommand| command.payload();
+        let set_mode = |mode, imu| bytes(ArmbandCommand::SetMode(mode, imu));
         let filtered = |imu| set_mode(EmgMode::Filtered, imu);
         assert_eq!(filtered(false).as_slice(), [1, 3, 2, 0, 0]);
         assert_eq!(filtered(true).as_slice(), [1, 3, 2, 1, 0]);
         assert_eq!(set_mode(EmgMode::Raw, false).as_slice(), [1, 3, 3, 0, 0]);
-        assert_eq!(bytes(Command::NeverSleep).as_slice(), [9, 1, 1]);
+        assert_eq!(bytes(ArmbandCommand::NeverSleep).as_slice(), [9, 1, 1]);
     }
 }

@@ -36,7 +36,7 @@ pub(super) struct Placed {
 
 /// Result of one arrival.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Outcome {
+pub(super) enum OrderOutcome {
     /// Nothing to count.
     InOrder,
     /// Two notifications were swapped.
@@ -74,14 +74,18 @@ impl Order {
     }
 
     /// Takes the next notification; places up to three, oldest first.
-    pub(super) fn push(&mut self, arrival: Arrival, place: &mut impl FnMut(Placed)) -> Outcome {
+    pub(super) fn push(
+        &mut self,
+        arrival: Arrival,
+        place: &mut impl FnMut(Placed),
+    ) -> OrderOutcome {
         match core::mem::replace(&mut self.held, Held::Nothing) {
             Held::Nothing => self.take(arrival, place),
             Held::Early(early) => {
                 if self.due == Some(arrival.lane) {
                     let late = arrival;
                     self.held = Held::Swapped { early, late };
-                    return Outcome::InOrder;
+                    return OrderOutcome::InOrder;
                 }
                 self.put(early, place);
                 self.take(arrival, place);
@@ -94,14 +98,14 @@ impl Order {
                         let at = arrival.at;
                         self.put(Arrival { at, ..arrived }, place);
                     }
-                    return Outcome::Reordered;
+                    return OrderOutcome::Reordered;
                 }
                 self.put(early, place);
                 self.take(arrival, place);
-                return Outcome::Dropped;
+                return OrderOutcome::Dropped;
             }
         }
-        Outcome::InOrder
+        OrderOutcome::InOrder
     }
 
     /// Places the notification, or holds it, while none is held.
@@ -132,7 +136,7 @@ mod tests {
 
     /// Pushes numbered notifications, each at its due time, and returns what was placed: the number,
     /// and how many are missing before it.
-    fn place(numbers: &[u8]) -> (Vec<(u8, u32)>, Vec<Outcome>) {
+    fn place(numbers: &[u8]) -> (Vec<(u8, u32)>, Vec<OrderOutcome>) {
         let mut order = Order::new();
         let mut placed = Vec::new();
         let outcomes = numbers.iter().map(|number| {
@@ -145,14 +149,16 @@ mod tests {
                 placed.push((one.pair[0][0] as u8, one.missing));
             })
         });
-        let outcomes = outcomes.filter(|one| *one != Outcome::InOrder).collect();
+        let outcomes = outcomes
+            .filter(|one| *one != OrderOutcome::InOrder)
+            .collect();
         (placed, outcomes)
     }
 
     #[test]
     fn notifications_are_placed_as_the_table_says() {
-        use Outcome::{Dropped, Reordered};
-        type Row<'a> = (&'a [u8], &'a [(u8, u32)], &'a [Outcome]);
+        use OrderOutcome::{Dropped, Reordered};
+        type Row<'a> = (&'a [u8], &'a [(u8, u32)], &'a [OrderOutcome]);
         let table: [Row; 9] = [
             (&[2, 3, 4, 5], &[(2, 0), (3, 0), (4, 0), (5, 0)], &[]),
             (&[0, 2], &[(0, 0)], &[]), // 2 is held

@@ -13,7 +13,7 @@
 
 use super::arrival_timing::{ArrivalTiming, Ordered};
 use super::counters::{Counters, count};
-use super::order::{Arrival, Order, Outcome};
+use super::order::{Arrival, Order, OrderOutcome};
 use super::packet::PAIR_SAMPLES;
 
 /// A repeated lane with the same bytes within this time is a duplicate. Later it is a loss of three,
@@ -59,9 +59,9 @@ impl Sequence {
             });
         });
         match outcome {
-            Outcome::InOrder => {}
-            Outcome::Reordered => count(&mut counters.reordered, 1),
-            Outcome::Dropped => given_up += 1,
+            OrderOutcome::InOrder => {}
+            OrderOutcome::Reordered => count(&mut counters.reordered, 1),
+            OrderOutcome::Dropped => given_up += 1,
         }
         count(&mut counters.lost, lost);
         count(&mut counters.given_up, given_up * PAIR_SAMPLES);

@@ -55,7 +55,7 @@ pub enum Phase {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum State {
+enum SessionState {
     Idle,
     Unbound,
     Scanning(Scan),
@@ -87,7 +87,7 @@ enum State {
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct MyoSession {
     settings: Settings,
-    state: State,
+    state: SessionState,
     bound: Option<Address>,
     pairing: Option<Pairing>,
     pairing_failed: bool,
@@ -106,7 +106,7 @@ impl MyoSession {
     pub fn new(settings: Settings) -> Self {
         Self {
             settings,
-            state: State::Idle,
+            state: SessionState::Idle,
             bound: settings.bound,
             pairing: None,
             pairing_failed: false,
@@ -128,7 +128,7 @@ impl MyoSession {
                 rssi,
                 data,
             } => {
-                if let State::Scanning(scan) = &mut self.state {
+                if let SessionState::Scanning(scan) = &mut self.state {
                     if let Some(pairing) = &mut self.pairing {
                         pairing.advertisement(now, address, rssi, data);
                     } else if let Some(address) = scan.advertisement(now, address, rssi, data) {
@@ -163,14 +163,14 @@ impl MyoSession {
     #[must_use]
     pub const fn phase(&self) -> Phase {
         match self.state {
-            State::Idle => Phase::Idle,
-            State::Unbound => Phase::Unbound,
-            State::Scanning(_) => Phase::Scanning,
-            State::Connecting { .. } => Phase::Connecting,
-            State::SettingUp { .. } => Phase::SettingUp,
-            State::Streaming(_) => Phase::Streaming,
-            State::Disconnecting { .. } => Phase::Disconnecting,
-            State::BackingOff { .. } => Phase::BackingOff,
+            SessionState::Idle => Phase::Idle,
+            SessionState::Unbound => Phase::Unbound,
+            SessionState::Scanning(_) => Phase::Scanning,
+            SessionState::Connecting { .. } => Phase::Connecting,
+            SessionState::SettingUp { .. } => Phase::SettingUp,
+            SessionState::Streaming(_) => Phase::Streaming,
+            SessionState::Disconnecting { .. } => Phase::Disconnecting,
+            SessionState::BackingOff { .. } => Phase::BackingOff,
         }
     }
 

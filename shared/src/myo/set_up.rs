@@ -2,7 +2,7 @@
 
 use super::action::Action;
 use super::characteristic::{Characteristic, Found};
-use super::command::{Command, EmgMode};
+use super::command::{ArmbandCommand, EmgMode};
 use super::event::MyoEvent;
 use super::lane::Lane;
 use super::packet::{FirmwareVersion, parse_battery};
@@ -44,8 +44,8 @@ impl SetUpStep {
             Self::ReadBattery => Action::Read(Characteristic::BatteryLevel),
             Self::SubscribeEmg(lane) => Action::Subscribe(Characteristic::Emg(lane)),
             Self::SubscribeBattery => Action::Subscribe(Characteristic::BatteryLevel),
-            Self::NeverSleep => write(Command::NeverSleep),
-            Self::SetMode => write(Command::SetMode(emg, false)),
+            Self::NeverSleep => write(ArmbandCommand::NeverSleep),
+            Self::SetMode => write(ArmbandCommand::SetMode(emg, false)),
         }
     }
 
@@ -98,6 +98,6 @@ impl SetUpStep {
 }
 
 /// A write of `command`.
-pub(super) const fn write(command: Command) -> Action {
+pub(super) const fn write(command: ArmbandCommand) -> Action {
     Action::Write(Characteristic::Command, command.payload())
 }

@@ -6,8 +6,8 @@ use super::Pipeline;
 use crate::calibration::FAVOUR;
 use crate::model::Encode;
 use crate::stream::alignment::{
-    Aligner, Alignment, AlignmentProgress, Arm, ArmDecision, Fit, GESTURES, Outcome, Poor, Profile,
-    Template,
+    Aligner, Alignment, AlignmentOutcome, AlignmentProgress, Arm, ArmDecision, Fit, GESTURES, Poor,
+    Profile, Template,
 };
 use crate::stream::preprocess::Preprocessor;
 use crate::uart_line::alignment::{AlignmentReport, AlignmentState};
@@ -279,21 +279,25 @@ impl<E: Encode> Pipeline<'_, E> {
     }
 
     /// Ends an alignment with an outcome.
-    fn finish(&mut self, outcome: Outcome) {
+    fn finish(&mut self, outcome: AlignmentOutcome) {
         let placement = &mut self.placement;
         let gestures = placement.stage.gestures().unwrap_or(GESTURES);
         placement.stage = Stage::Idle;
         placement.news = Some(match outcome {
-            Outcome::Aligned(fit) => News::result(AlignmentState::Aligned, fit),
-            Outcome::Poor(fit, Poor::Distance) => News::result(AlignmentState::PoorDistance, fit),
-            Outcome::Poor(fit, Poor::Margin) => News::result(AlignmentState::PoorMargin, fit),
-            Outcome::Timeout => News::of(AlignmentState::Timeout, gestures),
+            AlignmentOutcome::Aligned(fit) => News::result(AlignmentState::Aligned, fit),
+            AlignmentOutcome::Poor(fit, Poor::Distance) => {
+                News::result(AlignmentState::PoorDistance, fit)
+            }
+            AlignmentOutcome::Poor(fit, Poor::Margin) => {
+                News::result(AlignmentState::PoorMargin, fit)
+            }
+            AlignmentOutcome::Timeout => News::of(AlignmentState::Timeout, gestures),
         });
         // A calibration has one opening, of three seconds.
         if let (true, Some(news)) = (self.calibration.is_busy(), &mut placement.news) {
             news.gestures = 1;
         }
-        if let Outcome::Aligned(fit) = outcome {
+        if let AlignmentOutcome::Aligned(fit) = outcome {
             self.realign(self.placement.current.then(fit.alignment));
         }
     }

@@ -1,7 +1,7 @@
 //! Calibration as a part of the pipeline: the wearer's last layer, learnt while the stream goes on.
 
 use super::{Pipeline, Reports, Smoother};
-use crate::calibration::{CalibrationProgress, Memory, REACTION, Session, Shown};
+use crate::calibration::{CalibrationProgress, CalibrationSession, Memory, REACTION, Shown};
 use crate::intent::Intent;
 use crate::model::Encode;
 use crate::stream::alignment::{Alignment, Arm, Profile};
@@ -36,7 +36,7 @@ pub(super) enum Then {
 /// A calibration in progress.
 #[derive(Debug)]
 struct Course {
-    session: Session,
+    session: CalibrationSession,
     /// Smoother of the learnt head's logits.
     smoother: Smoother,
     /// Newest labels of the head in use and of the learnt one.
@@ -205,7 +205,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         memory.sums.clear();
         let mut smoother = smoother.clone();
         smoother.restart();
-        let session = Session::new(encoder.classes(), others);
+        let session = CalibrationSession::new(encoder.classes(), others);
         self.cancel_alignment();
         self.calibration.course = Some(Course {
             session,

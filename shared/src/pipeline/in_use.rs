@@ -60,7 +60,7 @@ impl<'s, E: Encode> Network<'s, E> {
 
 /// Input that a model requires.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Input {
+pub struct ModelInput {
     /// Processing between the samples and the encoder.
     pub preprocessing: Preprocessing,
     /// Pattern of an open hand.
@@ -98,7 +98,7 @@ impl<E: Encode> Pipeline<'_, E> {
     /// far cannot be used, and a new window begins. The alignment is kept if it was found by the template of this model, and
     /// otherwise dropped: alignments by different templates differ. A head that was learnt under another
     /// alignment than the one before brings its own.
-    pub fn resume(&mut self, now: Millis, encoder: E, smoother: Smoother, input: Input) {
+    pub fn resume(&mut self, now: Millis, encoder: E, smoother: Smoother, input: ModelInput) {
         self.interrupt_decision();
         if self.window.preprocessing() != input.preprocessing {
             self.reset_window();

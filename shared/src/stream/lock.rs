@@ -35,7 +35,7 @@ impl LockTimes {
 
 /// State between labels.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum State {
+enum LockState {
     Locked,
     /// The sign was given, and the hand is still open.
     Signed,
@@ -46,7 +46,7 @@ enum State {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Lock {
     times: LockTimes,
-    state: State,
+    state: LockState,
     /// The newest label, and the instant from which on it is the same; none since the lock began or changed by command.
     run: Option<(Intent, SampleIndex)>,
 }
@@ -57,7 +57,7 @@ impl Lock {
     pub const fn new(times: LockTimes) -> Self {
         Self {
             times,
-            state: State::Locked,
+            state: LockState::Locked,
             run: None,
         }
     }
@@ -71,7 +71,7 @@ impl Lock {
     /// Returns true while no label is shown.
     #[must_use]
     pub const fn is_locked(&self) -> bool {
-        matches!(self.state, State::Locked)
+        matches!(self.state, LockState::Locked)
     }
 
     /// Takes a label, and returns the shown one; `None` while locked. Instants do not run backwards.
@@ -83,27 +83,27 @@ impl Lock {
         self.run = Some((intent, start));
         let lasted = instant.since(start);
         self.state = match (self.state, intent) {
-            (State::Locked, Intent::Open) if lasted >= self.times.sign => State::Signed,
-            (State::Signed, intent) if intent != Intent::Open => State::Unlocked,
-            (State::Unlocked, Intent::Relax) if lasted >= self.times.rest => State::Locked,
+            (LockState::Locked, Intent::Open) if lasted >= self.times.sign => LockState::Signed,
+            (LockState::Signed, intent) if intent != Intent::Open => LockState::Unlocked,
+            (LockState::Unlocked, Intent::Relax) if lasted >= self.times.rest => LockState::Locked,
             (state, _) => state,
         };
         match self.state {
-            State::Locked => None,
-            State::Signed => Some(Intent::Relax),
-            State::Unlocked => Some(intent),
+            LockState::Locked => None,
+            LockState::Signed => Some(Intent::Relax),
+            LockState::Unlocked => Some(intent),
         }
     }
 
     /// Locks: whatever was seen of a sign is forgotten.
     pub const fn lock(&mut self) {
-        self.state = State::Locked;
+        self.state = LockState::Locked;
         self.run = None;
     }
 
     /// Unlocks, without a sign. A rest counts from the next label on.
     pub const fn unlock(&mut self) {
-        self.state = State::Unlocked;
+        self.state = LockState::Unlocked;
         self.run = None;
     }
 }

@@ -17,7 +17,7 @@ use shared::intent::Intent;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
 use shared::model::head::Head;
-use shared::stream::alignment::{Alignment, AlignmentProgress, Arm, Outcome};
+use shared::stream::alignment::{Alignment, AlignmentOutcome, AlignmentProgress, Arm};
 use shared::units::{CleanSample, PATCH, WINDOW_PATCHES};
 
 pub use self::own::{FEWEST_ROUNDS, OwnCalibration, calibrate_file, calibrate_on};
@@ -186,8 +186,8 @@ fn alignment(
         AlignmentProgress::Waiting | AlignmentProgress::Gesture => return Ok(Alignment::NONE),
     };
     Ok(match outcome {
-        Outcome::Aligned(fit) => fit.alignment,
-        Outcome::Poor(..) | Outcome::Timeout => Alignment::NONE,
+        AlignmentOutcome::Aligned(fit) => fit.alignment,
+        AlignmentOutcome::Poor(..) | AlignmentOutcome::Timeout => Alignment::NONE,
     })
 }
 

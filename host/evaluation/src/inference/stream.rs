@@ -7,7 +7,7 @@ use shared::model::Encode;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
 use shared::model::head::Head;
-use shared::pipeline::{Input, Pipeline, Smoother};
+use shared::pipeline::{ModelInput, Pipeline, Smoother};
 use shared::stream::alignment::{Alignment, Arm};
 use shared::stream::lock::LockTimes;
 use shared::stream::smoother::SettingsError;
@@ -41,7 +41,7 @@ struct WearerCalibration<'s, E> {
     /// The model as it is put in use again; its head is replaced.
     encoder: E,
     smoother: Smoother,
-    input: Input,
+    input: ModelInput,
     with_head: fn(E, &'s Head) -> E,
     recalls: Option<Recalls>,
     /// Place of the head that is used.
@@ -200,7 +200,7 @@ impl<'s> Stream<'s, HostEncoder<'s>> {
             others,
             smoother: Smoother::new(model.header.smoother.in_patches(), encoder.classes())?,
             encoder,
-            input: Input {
+            input: ModelInput {
                 preprocessing: model.header.preprocessing,
                 template: model.header.template,
                 alignment: Alignment::NONE,

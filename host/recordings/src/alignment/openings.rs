@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use shared::intent::Intent;
-use shared::stream::alignment::{Aligner, AlignmentProgress, Arm, Outcome, Template};
+use shared::stream::alignment::{Aligner, AlignmentOutcome, AlignmentProgress, Arm, Template};
 use shared::stream::preprocess::{Median, clean};
 use shared::units::{PATCH, Sample};
 
@@ -89,19 +89,19 @@ impl Openings {
 
     /// Outcome of these openings with a template and no model: where both arms fit nearly equally well, the nearest fit
     /// is taken. A timeout if there are too few openings.
-    pub fn outcome(&self, template: &Template) -> Outcome {
+    pub fn outcome(&self, template: &Template) -> AlignmentOutcome {
         let emg: Vec<_> = clean(self.stream(), Median::Three).collect();
         let mut aligner = Aligner::new(Arm::Unknown);
         for patch in emg.as_chunks::<PATCH>().0 {
             match aligner.push(patch, template) {
                 AlignmentProgress::Waiting | AlignmentProgress::Gesture => {}
                 AlignmentProgress::Undecided(decision) => {
-                    return Outcome::Aligned(decision.fits().nearest);
+                    return AlignmentOutcome::Aligned(decision.fits().nearest);
                 }
                 AlignmentProgress::Done(outcome) => return outcome,
             }
         }
-        Outcome::Timeout
+        AlignmentOutcome::Timeout
     }
 
     /// The samples of a recording that are part of the first `count` openings.
@@ -156,7 +156,7 @@ mod tests {
         let (samples, labels) = recording(6, worn.inverse().apply([58, 43, 31, 22, 16, 12, 8, 6]));
         let own = openings(&[(&samples, &labels)]).unwrap();
         match own.outcome(&template) {
-            Outcome::Aligned(fit) => assert_eq!(fit.alignment, worn),
+            AlignmentOutcome::Aligned(fit) => assert_eq!(fit.alignment, worn),
             other => panic!("{other:?}"),
         }
         // A second of rest, then gestures of 500 samples with a second behind each.

@@ -113,8 +113,8 @@ impl MyoSession {
             act(Action::Keep(self.bound));
         }
         match (&self.state, strongest) {
-            (State::Scanning(_), Some(armband)) => self.connect(now, armband, act),
-            (State::Scanning(_), None) => self.look_anew(now, act),
+            (SessionState::Scanning(_), Some(armband)) => self.connect(now, armband, act),
+            (SessionState::Scanning(_), None) => self.look_anew(now, act),
             _ => {}
         }
     }
@@ -122,16 +122,18 @@ impl MyoSession {
     /// Another armband is to be followed than before: ends the connection to that one, and scans.
     fn look_anew(&mut self, now: Millis, act: &mut impl FnMut(Action)) {
         match &mut self.state {
-            State::Idle => {}
-            State::Unbound => self.start_scan(act),
+            SessionState::Idle => {}
+            SessionState::Unbound => self.start_scan(act),
             // Begun anew even where it goes on: between two scans there is time to keep the new armband.
-            State::Scanning(_) => {
+            SessionState::Scanning(_) => {
                 act(Action::StopScan);
                 self.start_scan(act);
             }
-            State::Disconnecting { delay, .. } => *delay = CHANGE_MS,
-            State::BackingOff { since, delay } => (*since, *delay) = (now, CHANGE_MS),
-            State::Connecting { .. } | State::SettingUp { .. } | State::Streaming(_) => {
+            SessionState::Disconnecting { delay, .. } => *delay = CHANGE_MS,
+            SessionState::BackingOff { since, delay } => (*since, *delay) = (now, CHANGE_MS),
+            SessionState::Connecting { .. }
+            | SessionState::SettingUp { .. }
+            | SessionState::Streaming(_) => {
                 self.disconnect(now, CHANGE_MS, act);
             }
         }

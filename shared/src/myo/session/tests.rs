@@ -4,7 +4,7 @@ use super::*;
 use crate::myo::AddressKind;
 use crate::myo::Uuid;
 use crate::myo::characteristic::Characteristic::{self, BatteryLevel, Emg, Imu};
-use crate::myo::command::Command;
+use crate::myo::command::ArmbandCommand;
 use crate::myo::lane::Lane;
 use crate::myo::set_up::write;
 use alloc::vec::Vec;
@@ -15,8 +15,8 @@ mod streaming;
 
 const NEAR: Address = address(1);
 const FAR: Address = address(2);
-const NEVER_SLEEP: Action = write(Command::NeverSleep);
-const SET_MODE: Action = write(Command::SetMode(EmgMode::Filtered, false));
+const NEVER_SLEEP: Action = write(ArmbandCommand::NeverSleep);
+const SET_MODE: Action = write(ArmbandCommand::SetMode(EmgMode::Filtered, false));
 /// Settings without an address: the strongest armband is followed.
 const ANY: Settings = Settings {
     pinned: None,
@@ -180,7 +180,7 @@ fn the_mode_is_the_settings() {
     for answer in answers.into_iter().chain([MyoEvent::Done; 6]) {
         last = driver.handle(600, answer);
     }
-    assert_eq!(last, [write(Command::SetMode(EmgMode::Raw, false))]);
+    assert_eq!(last, [write(ArmbandCommand::SetMode(EmgMode::Raw, false))]);
 }
 
 #[test]

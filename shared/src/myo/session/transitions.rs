@@ -4,7 +4,7 @@ use super::*;
 use crate::myo::arrival_timing::Ordered;
 use crate::myo::back_off::REFUSED_MS;
 use crate::myo::characteristic::Characteristic;
-use crate::myo::command::Command;
+use crate::myo::command::ArmbandCommand;
 use crate::myo::counters::count;
 use crate::myo::lane::Lane;
 use crate::myo::order::Arrival;
@@ -16,14 +16,14 @@ use crate::units::Millis;
 
 impl MyoSession {
     pub(super) fn connect(&mut self, now: Millis, address: Address, act: &mut impl FnMut(Action)) {
-        self.state = State::Connecting { since: now };
+        self.state = SessionState::Connecting { since: now };
         act(Action::StopScan);
         self.armband = Some(address);
         act(Action::Connect(address));
     }
 
     pub(super) fn scan_ended(&mut self, now: Millis, act: &mut impl FnMut(Action)) {
-        let State::Scanning(scan) = &self.state else {
+        let SessionState::Scanning(scan) = &self.state else {
             return;
         };
         match scan.strongest() {
@@ -35,17 +35,20 @@ impl MyoSession {
 
     pub(super) fn connected(&mut self, now: Millis, act: &mut impl FnMut(Action)) {
         match self.state {
-            State::Connecting { .. } => {
+            SessionState::Connecting { .. } => {
                 count(&mut self.counters.connections, 1);
                 (self.battery, self.firmware) = (None, None);
                 self.begin_step(now, SetUpStep::Discover, Found::NONE, act);
             }
             // Too late: the attempt has timed out. An open connection would keep the armband from
             // advertising.
-            State::Idle | State::Unbound | State::Scanning(_) | State::BackingOff { .. } => {
-                act(Action::Disconnect)
-            }
-            State::SettingUp { .. } | State::Streaming(_) | State::Disconnecting { .. } => {}
+            SessionState::Idle
+            | SessionState::Unbound
+            | SessionState::Scanning(_)
+            | SessionState::BackingOff { .. } => act(Action::Disconnect),
+            SessionState::SettingUp { .. }
+            | SessionState::Streaming(_)
+            | SessionState::Disconnecting { .. } => {}
         }
     }
 
@@ -57,16 +60,16 @@ impl MyoSession {
         act: &mut impl FnMut(Action),
     ) {
         match (&self.state, event) {
-            (State::Disconnecting { delay, .. }, _) => {
+            (SessionState::Disconnecting { delay, .. }, _) => {
                 let delay = *delay;
-                self.state = State::BackingOff { since: now, delay };
+                self.state = SessionState::BackingOff { since: now, delay };
             }
-            (State::Connecting { .. }, _) => {
+            (SessionState::Connecting { .. }, _) => {
                 count(&mut self.counters.failed_connects, 1);
                 self.back_off(now);
             }
-            (State::SettingUp { .. }, MyoEvent::Disconnected) => self.back_off(now),
-            (State::Streaming(_), MyoEvent::Disconnected) => {
+            (SessionState::SettingUp { .. }, MyoEvent::Disconnected) => self.back_off(now),
+            (SessionState::Streaming(_), MyoEvent::Disconnected) => {
                 self.back_off(now);
                 act(Action::StreamEnded);
             }
@@ -76,13 +79,13 @@ impl MyoSession {
 
     fn back_off(&mut self, now: Millis) {
         let delay = self.back_off.delay();
-        self.state = State::BackingOff { since: now, delay };
+        self.state = SessionState::BackingOff { since: now, delay };
     }
 
     /// Closes the connection; the delay before the next attempt begins with its end.
     pub(super) fn disconnect(&mut self, now: Millis, delay: u32, act: &mut impl FnMut(Action)) {
-        let streaming = matches!(self.state, State::Streaming(_));
-        self.state = State::Disconnecting { since: now, delay };
+        let streaming = matches!(self.state, SessionState::Streaming(_));
+        self.state = SessionState::Disconnecting { since: now, delay };
         act(Action::Disconnect);
         if streaming {
             act(Action::StreamEnded);
@@ -96,7 +99,7 @@ impl MyoSession {
         found: Found,
         act: &mut impl FnMut(Action),
     ) {
-        self.state = State::SettingUp {
+        self.state = SessionState::SettingUp {
             since: now,
             step,
             found,
@@ -111,8 +114,10 @@ impl MyoSession {
         act: &mut impl FnMut(Action),
     ) {
         let (step, mut found) = match &mut self.state {
-            State::SettingUp { step, found, .. } => (*step, *found),
-            State::Streaming(monitor) if matches!(event, MyoEvent::Done | MyoEvent::Failed) => {
+            SessionState::SettingUp { step, found, .. } => (*step, *found),
+            SessionState::Streaming(monitor)
+                if matches!(event, MyoEvent::Done | MyoEvent::Failed) =>
+            {
                 return monitor.write_answered();
             }
             _ => return,
@@ -149,7 +154,10 @@ impl MyoSession {
         bytes: &[u8],
         act: &mut impl FnMut(Action),
     ) {
-        let connected = matches!(self.state, State::SettingUp { .. } | State::Streaming(_));
+        let connected = matches!(
+            self.state,
+            SessionState::SettingUp { .. } | SessionState::Streaming(_)
+        );
         match characteristic {
             Characteristic::Emg(lane) => self.emg(now, lane, bytes, act),
             Characteristic::BatteryLevel if connected => match parse_battery(bytes) {
@@ -157,7 +165,7 @@ impl MyoSession {
                 Err(_) => count(&mut self.counters.malformed, 1),
             },
             Characteristic::Imu
-                if IMU && self.settings.imu && matches!(self.state, State::Streaming(_)) =>
+                if IMU && self.settings.imu && matches!(self.state, SessionState::Streaming(_)) =>
             {
                 match Imu::parse(bytes) {
                     Ok(imu) => act(Action::Imu(imu)),
@@ -170,7 +178,7 @@ impl MyoSession {
 
     fn emg(&mut self, now: Millis, lane: Lane, bytes: &[u8], act: &mut impl FnMut(Action)) {
         // The first EMG may overtake the confirmation of the mode, and belongs to the stream.
-        if let State::SettingUp {
+        if let SessionState::SettingUp {
             since,
             step: SetUpStep::SetMode,
             ..
@@ -178,7 +186,7 @@ impl MyoSession {
         {
             self.start_stream(now, Some(since));
         }
-        let State::Streaming(monitor) = &mut self.state else {
+        let SessionState::Streaming(monitor) = &mut self.state else {
             return count(&mut self.counters.foreign, 1);
         };
         monitor.notified(now);
@@ -207,33 +215,35 @@ impl MyoSession {
     pub(super) fn handle_time(&mut self, now: Millis, act: &mut impl FnMut(Action)) {
         self.end_pairing(now, act);
         match &mut self.state {
-            State::Idle => self.start_scan(act),
-            State::BackingOff { since, delay } if now.elapsed_since(*since) >= *delay => {
+            SessionState::Idle => self.start_scan(act),
+            SessionState::BackingOff { since, delay } if now.elapsed_since(*since) >= *delay => {
                 self.start_scan(act);
             }
-            State::Scanning(scan) => {
+            SessionState::Scanning(scan) => {
                 if self.pairing.is_none()
                     && let Some(address) = scan.choice(now)
                 {
                     self.connect(now, address, act);
                 }
             }
-            State::Connecting { since } | State::SettingUp { since, .. }
+            SessionState::Connecting { since } | SessionState::SettingUp { since, .. }
                 if now.elapsed_since(*since) >= OPERATION_MS =>
             {
                 self.time_out(now, act);
             }
-            State::Disconnecting { since, delay } if now.elapsed_since(*since) >= OPERATION_MS => {
+            SessionState::Disconnecting { since, delay }
+                if now.elapsed_since(*since) >= OPERATION_MS =>
+            {
                 let delay = *delay;
                 count(&mut self.counters.timeouts, 1);
-                self.state = State::BackingOff { since: now, delay };
+                self.state = SessionState::BackingOff { since: now, delay };
             }
-            State::Streaming(monitor) => match monitor.due(now, self.settings.imu) {
+            SessionState::Streaming(monitor) => match monitor.due(now, self.settings.imu) {
                 Due::Nothing => {}
-                Due::NeverSleep => act(write(Command::NeverSleep)),
+                Due::NeverSleep => act(write(ArmbandCommand::NeverSleep)),
                 Due::SubscribeImu => act(Action::Subscribe(Characteristic::Imu)),
                 Due::SetMode => {
-                    act(write(Command::SetMode(
+                    act(write(ArmbandCommand::SetMode(
                         self.settings.emg,
                         monitor.has_imu(),
                     )));
@@ -252,15 +262,15 @@ impl MyoSession {
     /// Starts a stream; `write` where the mode's confirmation is still to come.
     fn start_stream(&mut self, now: Millis, write: Option<Millis>) {
         self.sequence = Sequence::new();
-        self.state = State::Streaming(StreamMonitor::new(now, write));
+        self.state = SessionState::Streaming(StreamMonitor::new(now, write));
     }
 
     pub(super) fn start_scan(&mut self, act: &mut impl FnMut(Action)) {
         let following = self.following();
         if following == Following::Nobody {
-            self.state = State::Unbound;
+            self.state = SessionState::Unbound;
         } else {
-            self.state = State::Scanning(Scan::new(following.address()));
+            self.state = SessionState::Scanning(Scan::new(following.address()));
             act(Action::Scan);
         }
     }

@@ -5,7 +5,7 @@ use crate::model::Encode;
 use crate::pipeline::Pipeline;
 #[cfg(test)]
 use crate::stream::alignment::ArmDecision;
-use crate::stream::alignment::{Fit, Outcome, Poor};
+use crate::stream::alignment::{AlignmentOutcome, Fit, Poor};
 
 impl<E: Encode> Pipeline<'_, E> {
     /// A decision between the arms lacks the samples or the model to go on: neither was shown to be the better one.
@@ -19,7 +19,7 @@ impl<E: Encode> Pipeline<'_, E> {
             ..fits.nearest
         };
         self.end_alignment();
-        self.finish(Outcome::Poor(undecided, Poor::Margin));
+        self.finish(AlignmentOutcome::Poor(undecided, Poor::Margin));
     }
 
     /// A decision between the arms in progress.

@@ -261,7 +261,7 @@ fn instants(look_ahead: usize, aligned_at: u32) -> Vec<u32> {
     instants
 }
 
-pub(super) fn model_of(seed: u64) -> (SmallEncoder, Smoother, Input) {
+pub(super) fn model_of(seed: u64) -> (SmallEncoder, Smoother, ModelInput) {
     let dimensions = Dimensions {
         width: 16,
         layers: 2,
@@ -272,7 +272,7 @@ pub(super) fn model_of(seed: u64) -> (SmallEncoder, Smoother, Input) {
     let bytes: &'static [u8] = random_model(dimensions, seed).to_bytes().unwrap().leak();
     let model = Model::parse(bytes).unwrap();
     let smoother = Smoother::new(SETTINGS, 3).unwrap();
-    let input = Input {
+    let input = ModelInput {
         preprocessing: Preprocessing::default(),
         template: model.header.template,
         alignment: Alignment::NONE,

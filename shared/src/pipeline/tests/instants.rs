@@ -140,7 +140,7 @@ proptest! {
                     Between::OtherModel => {
                         check(pipeline.suspend(now))?;
                         let smoother = Smoother::new(settings, 3).unwrap();
-                        let input = Input { preprocessing: Preprocessing::default(), template: None, alignment: Alignment::NONE };
+                        let input = ModelInput { preprocessing: Preprocessing::default(), template: None, alignment: Alignment::NONE };
                         pipeline.resume(now, SumModel, smoother, input);
                     }
                     Between::Gap(missing) => check(pipeline.gap(now, missing))?,

@@ -2,7 +2,7 @@
 
 use super::arm_decision::{ArmDecision, SURE};
 use super::gesture::GestureDetector;
-use super::outcome::Outcome;
+use super::outcome::AlignmentOutcome;
 use super::placement::{Alignment, Arm};
 use super::profile::{COUNT, Profile};
 use super::template::{Fit, Template};
@@ -37,7 +37,7 @@ pub enum AlignmentProgress {
     /// The end, but for the arm, which the template alone does not tell.
     Undecided(ArmDecision),
     /// The end.
-    Done(Outcome),
+    Done(AlignmentOutcome),
 }
 
 impl Aligner {
@@ -69,7 +69,7 @@ impl Aligner {
         self.patches = self.patches.saturating_add(1);
         let Some(gesture) = self.detector.push(patch) else {
             return if self.patches >= TIMEOUT_PATCHES {
-                AlignmentProgress::Done(Outcome::Timeout)
+                AlignmentProgress::Done(AlignmentOutcome::Timeout)
             } else {
                 AlignmentProgress::Waiting
             };
@@ -102,13 +102,13 @@ impl AlignmentProgress {
             Arm::Unknown => fits.nearest,
             Arm::Known { mirrored } => template.fit_on(mirrored, profile),
         };
-        let outcome = Outcome::of(nearest);
-        if !matches!(outcome, Outcome::Aligned(_)) {
+        let outcome = AlignmentOutcome::of(nearest);
+        if !matches!(outcome, AlignmentOutcome::Aligned(_)) {
             return Self::Done(outcome);
         }
         let in_force = template.distance(profile.values());
         if arm != (Arm::Known { mirrored: true }) && in_force < nearest.distance + favour {
-            return Self::Done(Outcome::Aligned(Fit {
+            return Self::Done(AlignmentOutcome::Aligned(Fit {
                 alignment: Alignment::NONE,
                 distance: in_force,
                 ..nearest
@@ -178,7 +178,7 @@ mod tests {
     fn two_openings_align_whatever_the_placement() {
         for alignment in Alignment::all() {
             match two(Arm::Unknown, &template(), alignment.inverse().apply(OPEN)) {
-                AlignmentProgress::Done(Outcome::Aligned(fit)) => {
+                AlignmentProgress::Done(AlignmentOutcome::Aligned(fit)) => {
                     assert_eq!(fit.alignment, alignment)
                 }
                 other => panic!("{alignment:?}: {other:?}"),
@@ -199,7 +199,10 @@ mod tests {
             &template(),
             &[(REST, 20), (OPEN, 20), (REST, 1000)],
         );
-        assert_eq!(late, (AlignmentProgress::Done(Outcome::Timeout), 600));
+        assert_eq!(
+            late,
+            (AlignmentProgress::Done(AlignmentOutcome::Timeout), 600)
+        );
     }
 
     #[test]
@@ -208,7 +211,7 @@ mod tests {
         assert!(
             matches!(
                 far,
-                AlignmentProgress::Done(Outcome::Poor(_, Poor::Distance))
+                AlignmentProgress::Done(AlignmentOutcome::Poor(_, Poor::Distance))
             ),
             "{far:?}"
         );
@@ -217,7 +220,7 @@ mod tests {
         assert!(
             matches!(
                 flat,
-                AlignmentProgress::Done(Outcome::Poor(_, Poor::Margin))
+                AlignmentProgress::Done(AlignmentOutcome::Poor(_, Poor::Margin))
             ),
             "{flat:?}"
         );

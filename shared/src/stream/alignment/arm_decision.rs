@@ -9,7 +9,7 @@
 //!
 //! The order of the sums is part of the definition: patches in time order, rows newest first, in f32.
 
-use super::outcome::Outcome;
+use super::outcome::AlignmentOutcome;
 use super::placement::Alignment;
 use super::template::{Fits, NAT};
 use crate::intent::{Intent, MAX_LOGITS};
@@ -115,7 +115,7 @@ impl ArmDecision {
         &mut self,
         rows: &[[f32; MAX_LOGITS]; LOOK_BACK],
         outputs: usize,
-    ) -> Option<Outcome> {
+    ) -> Option<AlignmentOutcome> {
         self.remaining -= 1;
         for (back, row) in rows.iter().enumerate() {
             // Patches before the first one are in no bit.
@@ -142,7 +142,7 @@ impl ArmDecision {
         } else {
             self.fits.nearest
         };
-        Some(Outcome::of(fit))
+        Some(AlignmentOutcome::of(fit))
     }
 }
 
@@ -187,7 +187,7 @@ mod tests {
     }
 
     /// The outcome if `open` leads by so much in each placement.
-    fn outcome(fits: Fits, active: u64, leads: [f32; 2]) -> Option<Outcome> {
+    fn outcome(fits: Fits, active: u64, leads: [f32; 2]) -> Option<AlignmentOutcome> {
         let mut decision = ArmDecision::new(fits, active);
         decision.start(20);
         for lead in leads {
@@ -215,7 +215,11 @@ mod tests {
             ([9.0, -9.0], NEAREST),
         ] {
             let found = outcome(FITS, ACTIVE, leads);
-            assert_eq!(found, Some(Outcome::Aligned(expected)), "{leads:?}");
+            assert_eq!(
+                found,
+                Some(AlignmentOutcome::Aligned(expected)),
+                "{leads:?}"
+            );
         }
     }
 
@@ -224,7 +228,7 @@ mod tests {
         let older_than_twenty = ACTIVE << 20;
         for active in [0, 1, older_than_twenty] {
             let found = outcome(FITS, active, [-9.0, 9.0]);
-            assert_eq!(found, Some(Outcome::Aligned(NEAREST)));
+            assert_eq!(found, Some(AlignmentOutcome::Aligned(NEAREST)));
         }
     }
 
@@ -236,7 +240,7 @@ mod tests {
         };
         let fits = Fits { other_arm, ..FITS };
         let found = outcome(fits, ACTIVE, [-9.0, 9.0]);
-        assert_eq!(found, Some(Outcome::Poor(other_arm, Poor::Margin)));
+        assert_eq!(found, Some(AlignmentOutcome::Poor(other_arm, Poor::Margin)));
     }
 
     #[test]

@@ -20,7 +20,7 @@ mod trigger;
 
 pub use aligner::{Aligner, AlignmentProgress, GESTURES, TIMEOUT_PATCHES};
 pub use arm_decision::{ArmDecision, Next};
-pub use outcome::{Outcome, Poor};
+pub use outcome::{AlignmentOutcome, Poor};
 pub use placement::{Alignment, Arm};
 pub use profile::{COUNT, OCTAVE, Profile};
 pub use template::{Fit, Fits, NAT, PRECISION_ONE, TEMPLATE_BYTES, Template, TemplateError};

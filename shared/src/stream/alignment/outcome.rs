@@ -9,7 +9,7 @@ const LEAST_MARGIN: u32 = NAT;
 
 /// Outcome of an alignment.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Outcome {
+pub enum AlignmentOutcome {
     /// The armband sits like this, seen from the alignment in force so far.
     Aligned(Fit),
     /// Nothing is to be changed.
@@ -27,7 +27,7 @@ pub enum Poor {
     Margin,
 }
 
-impl Outcome {
+impl AlignmentOutcome {
     /// The outcome for the placement that was chosen.
     pub(super) const fn of(fit: Fit) -> Self {
         if fit.distance > FURTHEST {

@@ -200,7 +200,7 @@ fn a_new_connection_starts_a_new_stream() {
 }
 
 const SUBSCRIBE_IMU: Action = Action::Subscribe(Imu);
-const WITH_IMU: Action = write(Command::SetMode(EmgMode::Filtered, true));
+const WITH_IMU: Action = write(ArmbandCommand::SetMode(EmgMode::Filtered, true));
 
 /// A movement of all ones.
 const MOVEMENT: MyoEvent<'_> = MyoEvent::Notification {

@@ -77,7 +77,7 @@ fn another_template_drops_the_alignment_and_another_normalization_the_window() {
     run(&mut pipeline);
     let _ = pipeline.take_alignment_report();
     let (encoder, smoother, input) = model_of(4);
-    let other = Input {
+    let other = ModelInput {
         template: None,
         ..input
     };
@@ -120,7 +120,7 @@ fn the_alignment_of_a_learnt_head_is_in_force_with_it_and_in_each_connection() {
     let use_head = |pipeline: &mut SmallPipeline, alignment| {
         let _ = pipeline.suspend(Millis(0));
         let (encoder, smoother, input) = model_of(3);
-        let input = Input { alignment, ..input };
+        let input = ModelInput { alignment, ..input };
         pipeline.resume(Millis(0), encoder, smoother, input);
         (pipeline.alignment(), pipeline.alignment_phase())
     };

@@ -96,7 +96,7 @@ fn what_ends_a_decision_changes_nothing() {
             if !plain.has_model() {
                 for pipeline in [&mut deciding, &mut plain] {
                     let (encoder, smoother, input) = model_of(4);
-                    let input = Input {
+                    let input = ModelInput {
                         template: Some(symmetrical()),
                         ..input
                     };
