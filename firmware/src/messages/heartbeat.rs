@@ -9,7 +9,7 @@ use crate::settings::WATCHDOG_MS;
 /// The longest time that a task may wait without a beat.
 pub const PERIOD: Duration = Duration::from_millis(WATCHDOG_MS as u64 / 4);
 
-/// Beats while the session shows [progress](shared::myo::Progress).
+/// Beats while the session shows [progress](shared::myo::RadioProgress).
 pub static RADIO: Heartbeat = Heartbeat::new();
 /// Beats while packets pass the pipeline, or no packet waits.
 pub static INFERENCE: Heartbeat = Heartbeat::new();

@@ -5,7 +5,7 @@
 //! [`MyoSession`] and carries out the [`Action`]s that it returns, in order:
 //!
 //! ```text
-//! radio --Event, Millis--> MyoSession --Action--> radio     Scan, Connect, Discover, Read, Write ...
+//! radio --MyoEvent, Millis--> MyoSession --Action--> radio     Scan, Connect, Discover, Read, Write ...
 //!                               |
 //!                               +-----Action----> pipeline  Deliver, Gap, StreamEnded
 //! ```

@@ -5,7 +5,7 @@
 //! the position is a gap, another stream number is a disconnection.
 //!
 //! ```text
-//! MyoSession -> Sequencer -> queue -> GapDetector -> Pipeline
+//! MyoSession -> Sequencer -> queue -> QueueGapDetector -> Pipeline
 //! ```
 
 use crate::units::{Sample, SampleIndex};
