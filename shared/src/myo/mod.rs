@@ -6,8 +6,8 @@
 //!
 //! ```text
 //! radio --MyoEvent, Millis--> MyoSession --Action--> radio     Scan, Connect, Discover, Read, Write ...
-//!                               |
-//!                               +-----Action----> pipeline  Deliver, Gap, StreamEnded
+//!                                  |
+//!                                  +-----Action----> pipeline  Deliver, Gap, StreamEnded
 //! ```
 //!
 //! The session follows one armband: its settings' or the bound one. [`binding`] keeps it over restarts.
