@@ -1,7 +1,7 @@
 //! Session with armbands as its radio sees it, and the conditions that hold of its actions.
 
 use shared::myo::{
-    Action, Address, AddressKind, Characteristic, MyoEvent, Following, Found, MyoSession, Phase,
+    Action, Address, AddressKind, Characteristic, Following, Found, MyoEvent, MyoSession, Phase,
     RadioProgress, Settings, Uuid,
 };
 use shared::stream::link_sequence::{QueueGapDetector, Sequencer};
@@ -230,8 +230,10 @@ fn is_answer(outstanding: Option<Action>, event: MyoEvent<'_>) -> bool {
         (
             Some(Action::Connect(_)),
             MyoEvent::Connected | MyoEvent::ConnectFailed
-        ) | (Some(Action::Discover), MyoEvent::Discovered(_) | MyoEvent::Failed)
-            | (Some(Action::Read(_)), MyoEvent::Read(_) | MyoEvent::Failed)
+        ) | (
+            Some(Action::Discover),
+            MyoEvent::Discovered(_) | MyoEvent::Failed
+        ) | (Some(Action::Read(_)), MyoEvent::Read(_) | MyoEvent::Failed)
             | (
                 Some(Action::Subscribe(_) | Action::Write(..)),
                 MyoEvent::Done | MyoEvent::Failed

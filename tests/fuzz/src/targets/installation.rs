@@ -4,7 +4,8 @@ use std::sync::LazyLock;
 
 use shared::installation::journal::{self, JOURNAL_BYTES};
 use shared::installation::{
-    BLOCK_BYTES, Block, Installation, PAGE_BYTES, InstallationProgress, Refused, InstallationStep, Transfer,
+    BLOCK_BYTES, Block, Installation, InstallationProgress, InstallationStep, PAGE_BYTES, Refused,
+    Transfer,
 };
 
 use crate::input::Input;
@@ -104,7 +105,9 @@ pub fn run(data: &[u8]) {
             let outcome = match step {
                 InstallationStep::Verify if !flash.region.starts_with(file) => Err(Refused::Model),
                 InstallationStep::Resume if !flash.has_model() => Err(Refused::Model),
-                InstallationStep::Suspend | InstallationStep::Resume if !success => Err(Refused::Busy),
+                InstallationStep::Suspend | InstallationStep::Resume if !success => {
+                    Err(Refused::Busy)
+                }
                 _ if !success => Err(Refused::Flash),
                 _ => Ok(()),
             };

@@ -8,7 +8,7 @@ use shared::stream::preprocess::{Median, Preprocessing};
 use shared::stream::safe_state::{SILENCE_MS, Start};
 use shared::stream::smoother::{Margins, Reaction, Settings};
 use shared::uart_line::alignment::AlignmentReport;
-use shared::uart_line::{Counters, ReportKind, Report};
+use shared::uart_line::{Counters, Report, ReportKind};
 use shared::units::{LOOK_BACK, Millis, Patch, WINDOW};
 
 use crate::input::Input;

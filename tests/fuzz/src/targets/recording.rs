@@ -9,7 +9,7 @@ use crate::input::Input;
 use recordings::Recording;
 use recordings::readers::label_file::{Purpose, parse};
 use recordings::readers::npy;
-pub use recordings::readers::open::{Found, Request, of_bytes};
+pub use recordings::readers::open::{Found, OpenRequest, of_bytes};
 
 /// Paths, one of each layout. No such folder exists: a file that would be read beside another is missing, unless it is
 /// one of [`PAIRS`].
@@ -59,7 +59,7 @@ pub fn run(data: &[u8]) {
 }
 
 fn read(path: &Path, bytes: &[u8]) {
-    let request = Request {
+    let request = OpenRequest {
         data_sets: &[],
         alone: true,
     };
@@ -96,7 +96,7 @@ fn read_again(recording: &Recording) {
         })
         .collect();
     let bytes = npy::encode("|i1", &[recording.samples.len(), 9], &data);
-    let request = Request {
+    let request = OpenRequest {
         data_sets: &[],
         alone: true,
     };

@@ -1,6 +1,6 @@
 //! Session with armbands: any events in any order at any time.
 
-use shared::myo::{Characteristic, MyoEvent, Found, Settings};
+use shared::myo::{Characteristic, Found, MyoEvent, Settings};
 
 use crate::input::Input;
 use crate::radio::{FuzzLink, address, advertisement};
