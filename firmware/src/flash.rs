@@ -40,7 +40,8 @@ impl<F> SharedFlash<F> {
         self.flash.lock().await
     }
 
-    /// Waits until the radio is idle, and keeps it so, if it leaves an erasure no time.
+    /// Waits for the turn of the radio. The driver holds it while it uses a radio that leaves an erasure no time, an erasure
+    /// while it needs the radio idle.
     pub async fn radio_turn(&self) -> MutexGuard<'_, NoopRawMutex, ()> {
         self.radio_turn.lock().await
     }

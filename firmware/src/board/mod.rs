@@ -23,6 +23,7 @@ pub use simulated::{
 
 use crate::reset_reason::ResetReason;
 
+/// Received bytes were lost: not taken in time, or by an error on the line.
 pub struct BytesLost;
 
 /// Lines that commands come by: the UART, and USB where the board has it.

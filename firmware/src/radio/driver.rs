@@ -106,7 +106,7 @@ impl<'q> SessionDriver<'q> {
                 if R::LEAVES_FLASH_TIME {
                     self.use_radio(radio, flash).await;
                 } else {
-                    // An erasure of flash waits for its release.
+                    // An erasure of flash waits until the radio is idle.
                     let _radio_turn = flash.radio_turn().await;
                     self.use_radio(radio, flash).await;
                     radio.silence().await;

@@ -89,7 +89,8 @@ pub trait Radio {
     /// Waits until nothing is left of an operation that was dropped.
     async fn silence(&mut self);
 
-    /// Connects, runs the handler on the connection, and disconnects when the handler returns.
+    /// Connects, runs the handler on the connection, and disconnects when the handler returns. Fails if no connection was
+    /// established: the handler was not run then.
     async fn connect(
         &mut self,
         address: Address,

@@ -175,7 +175,7 @@ impl Preset {
         require(
             self.other() || point.is_none_or(|point| point.other.is_none()),
             "smoother.reaction",
-            point,
+            point.unwrap_or_default().to_string(),
             "a margin over other movement only with data.other_movement = \"class\"",
         )
     }

@@ -43,7 +43,9 @@ impl FromStr for OperatingPoint {
                 let names = || Reaction::ALL.map(Reaction::name).join(", ");
                 let found = Reaction::from_name(word);
                 let found = found.ok_or_else(|| format!("`{word}`: expected {}", names()))?;
-                point.reaction = Some(found);
+                if point.reaction.replace(found).is_some() {
+                    return Err(format!("`{word}`: expected one reaction"));
+                }
                 continue;
             };
             let (place, least) = match name {
@@ -55,7 +57,9 @@ impl FromStr for OperatingPoint {
             let margin = value.parse().ok();
             let margin = margin.filter(|margin| (least..=MAX_ENTRY_MARGIN).contains(margin));
             let wrong = || format!("`{word}`: expected {least} to {MAX_ENTRY_MARGIN}");
-            *place = Some(margin.ok_or_else(wrong)?);
+            if place.replace(margin.ok_or_else(wrong)?).is_some() {
+                return Err(format!("`{name}`: expected once"));
+            }
         }
         if point.caution.is_some() && point.reaction.is_none() {
             return Err("caution: expected a reaction beside it".to_owned());
@@ -120,6 +124,8 @@ mod tests {
             "relax=1",
             "caution=8",
             "fast,",
+            "fast,steady",
+            "entry=1,entry=2",
             "fast,caution=-1",
         ] {
             assert!(text.parse::<OperatingPoint>().is_err(), "{text}");

@@ -115,9 +115,7 @@ const CASES: usize = 6 * DRAWS
             + 2 * LENGTHS.len()
             + 1);
 
-/// Runs all checks on an implementation and returns their number.
-///
-/// The first difference.
+/// Runs all checks on an implementation and returns their number, or the first difference.
 fn check<K: Kernels>() -> Result<usize, Mismatch> {
     let mut checked = 0;
     let mut noise = Noise(0x2545_f491);

@@ -12,7 +12,7 @@ use super::window::{Example, WindowShape, examples};
 use crate::optimization::fit::{Training, fit};
 use crate::optimization::learner::{Learner, SHARDS, WeightedMetric};
 use crate::optimization::loss::cross_entropy;
-use crate::optimization::{best_class, read_back};
+use crate::optimization::{best_class, initial, read_back};
 use crate::weights::Weights as _;
 use execution::run_folder::RunError;
 use presets::augmentation::Variation;
@@ -64,7 +64,8 @@ impl<'a> TeacherLearner<'a> {
         let Some(lora) = self.config.lora else {
             return fit(self, model, config, training);
         };
-        let adapted = fit(self, adapt(lora, model), config, training)?;
+        let model = initial(self.seed, self.device, || adapt(lora, model));
+        let adapted = fit(self, model, config, training)?;
         let merged = adapted.valid().materialize();
         training.run.save_model(NAME, training.made_from, &merged)?;
         Ok(merged)

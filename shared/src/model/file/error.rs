@@ -62,8 +62,11 @@ pub enum ModelError {
     Template(#[from] TemplateError),
     #[error("entry margin {}, expected one of 0 to {} for all classes: export with it", Decimal(.found), Decimal(&MAX_ENTRY_MARGIN))]
     EntryMargin { found: f32 },
-    #[error("margins of early labels, expected 0 to {}, of relax 1 and 0.5: export with them", Decimal(&MAX_ENTRY_MARGIN))]
-    EarlyMargin,
+    #[error(
+        "margin of early labels {}, expected 0 to {}, and 1 and 0.5 for relax: export with them",
+        Decimal(.found), Decimal(&MAX_ENTRY_MARGIN)
+    )]
+    EarlyMargin { found: f32 },
     #[error(
         "margin over other movement {}, expected -{} to {}: export with one",
         Decimal(.found), Decimal(&MAX_ENTRY_MARGIN), Decimal(&MAX_ENTRY_MARGIN)

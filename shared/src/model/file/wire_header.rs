@@ -229,16 +229,23 @@ impl<'m> WireHeader<'m> {
         }
         let early = match early {
             None => None,
-            Some([entry, other, Early::RELAX, Early::LEAVE, caution])
-                if [entry, other, caution].iter().all(valid) =>
-            {
+            Some([entry, other, relax, leave, caution]) => {
+                let margins = [
+                    (entry, valid(&entry)),
+                    (other, valid(&other)),
+                    (relax, relax == Early::RELAX),
+                    (leave, leave == Early::LEAVE),
+                    (caution, valid(&caution)),
+                ];
+                if let Some((found, _)) = margins.into_iter().find(|(_, is_valid)| !is_valid) {
+                    return Err(ModelError::EarlyMargin { found });
+                }
                 Some(Early {
                     entry,
                     other,
                     caution,
                 })
             }
-            Some(_) => return Err(ModelError::EarlyMargin),
         };
         Ok(SmootherDefaults {
             aggregation,

@@ -12,7 +12,7 @@ use execution::run_folder::kill;
 use presets::training::LrSchedule;
 
 /// Learns `y = 2 x`. Its validation loss is lowest at `y = x`, so the best epoch is in the middle.
-struct MetricsLine {
+struct LineLearner {
     device: Device,
     /// Number of losses computed.
     losses: AtomicUsize,
@@ -20,7 +20,7 @@ struct MetricsLine {
     stop: Option<(Interrupt, usize)>,
 }
 
-impl Learner for MetricsLine {
+impl Learner for LineLearner {
     type Model = Linear;
     type Item = f32;
     type Shard = f32;
@@ -107,7 +107,7 @@ fn run(
         checkpoint_every,
         interrupt: &interrupt,
     };
-    let line = MetricsLine {
+    let line = LineLearner {
         device,
         losses: AtomicUsize::new(0),
         stop: stop.map(|after| (interrupt.clone(), after)),

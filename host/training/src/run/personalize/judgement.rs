@@ -109,7 +109,7 @@ impl Judgement {
         self.candidate.margins.other = Some(margin);
     }
 
-    /// Raises the margin over other movement until it raises at most `wanted` labels a minute, and returns it.
+    /// Raises the margin over other movement, by at most 10, until it raises at most `wanted` labels a minute, and returns it.
     pub(super) fn raise_margin(&mut self, wanted: f64) -> Result<f32, PersonalizeError> {
         let own = self.candidate.margins.other;
         let own = own.ok_or(PersonalizeError::NoOtherClass)?;

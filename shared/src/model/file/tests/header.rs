@@ -65,15 +65,15 @@ fn every_other_field_has_its_refusal() {
         |header| header.entry_margins[2] = found,
         ModelError::EntryMargin { found },
     );
-    for margins in [
-        [50.5, 0.5, 1.0, 0.5],
-        [0.5, -0.5, 1.0, 0.5],
-        [0.5, 0.5, 0.9, 0.5],
-        [0.5, 0.5, 1.0, f32::NAN],
+    for (margins, found) in [
+        ([50.5, 0.5, 1.0, 0.5], 50.5),
+        ([0.5, -0.5, 1.0, 0.5], -0.5),
+        ([0.5, 0.5, 0.9, 0.5], 0.9),
+        ([0.5, 0.5, 1.0, 0.6], 0.6),
     ] {
         refuses(
             |header| header.aggregation = WireAggregation::SameInstantEarly(margins),
-            ModelError::EarlyMargin,
+            ModelError::EarlyMargin { found },
         );
     }
     for found in [-50.5, 50.5, f32::INFINITY] {
