@@ -42,7 +42,7 @@ const EDGES: &str = "(() => { const edge = (first, last) => [first.getBoundingCl
     const right = Math.min(...shown.map((card) => innerWidth - card.getBoundingClientRect().right)); \
     return head === [left, right].map(Math.round).join(); })()";
 
-/// Ids of those elements that every window has.
+/// Ids of the elements that every window must show and this one does not.
 const LOST: &str = "['mark', 'save', 'letters', 'valid', 'share', 'legend', 'notice'].filter((id) => !document.getElementById(id).checkVisibility()).join() + \
     ($traces.clientHeight > 340 ? '' : 'scores')";
 

@@ -264,7 +264,7 @@ impl Running {
                 }
                 Output::Install => {
                     if let Some(tuned) = &self.tuned {
-                        // The page offers it where there is a board.
+                        // There is always a source.
                         let _ = self.engine.install(self.hub.now(), tuned);
                     }
                 }

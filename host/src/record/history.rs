@@ -71,7 +71,7 @@ impl HistoryOf {
             }
         }
         for path in paths.iter().filter(|path| has(path, NOTES)) {
-            let remarks = Remark::read(&std::fs::read_to_string(path)?);
+            let remarks = Remark::read(&String::from_utf8_lossy(&std::fs::read(path)?));
             if let Some((id, began, protocol)) = stem(path).and_then(named) {
                 let session = sessions.entry(subject(&id)).or_default();
                 (session.began, session.protocol) = (began, protocol);

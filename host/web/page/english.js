@@ -46,7 +46,7 @@ export const ENGLISH = {
   "blocks.left": "{n} s left · blocks moved:", "blocks.running": "It is being played.", "blocks.done": "{n} block in 60 s|{n} blocks in 60 s",
   "blocks.cancelled": "Ended early: it does not count.", "blocks.interrupted": "The signal was not good: it does not count. Play again.",
   "help.blocks": "What this means: box and blocks", "help.blocks.text": "A block is a fist and then an open hand, each recognised for 0.2 s. The 60 s begin with the first fist. In a recording session the score is kept with its notes.",
-  "notes": "Notes on this session", "notes.label": "Note", "notes.what": "At most 200 letters; kept with the recordings of this session", "notes.add": "Keep",
+  "notes": "Notes on this session", "notes.label": "Note", "notes.what": "At most 200 characters; kept with the recordings of this session", "notes.add": "Keep",
   "strength": "Strength",
   "wearer": "Wearer", "wearer.what": "A calm view for the person who wears the armband", "wearer.back": "All of it",
   "wearer.free": "Move your hand", "wearer.none": "Wait", "wearer.right": "✓ that is it", "wearer.wrong": "not yet", "wearer.next": "next: {what}",

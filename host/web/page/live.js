@@ -136,7 +136,10 @@ const TAKE = {
     placement.take(message, isOld);
     aligns(message.state === "waiting");
   },
-  calibration: (message) => calibration.take(message),
+  calibration(message) {
+    calibration.take(message);
+    find("play").disabled = !connected || calibration.isRunning;
+  },
   imu: (message) => arm.take(message.quaternion),
   blocks: (message) => blocks.take(message),
   remarks: (message) => notes.take(message),
@@ -333,7 +336,9 @@ addEventListener("keydown", (event) => {
   const id = keys[event.key.toLowerCase()];
   if (id && !(event.key === " " && event.target instanceof HTMLButtonElement)) {
     event.preventDefault();
-    find(id).click();
+    if (!find(id).hidden) {
+      find(id).click();
+    }
   }
   if (paused !== null && (event.key === "ArrowLeft" || event.key === "ArrowRight")) {
     event.preventDefault();

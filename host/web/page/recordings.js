@@ -62,6 +62,7 @@ export class Recordings {
   }
 
   async #recover(name) {
+    find("kept-verdict").textContent = "";
     this.#tab.say({ do: "recover", name }, await this.#store.read(name));
     this.#tab.say({ do: "keep" });
   }

@@ -65,7 +65,7 @@ export class Result {
     // Of a session that was kept before, the dialog alone is shown.
     const lines = [...find("findings").children].map(({ children }) => [...children].map((part) => part.textContent).join(" "));
     find("kept-verdict").textContent = [find("verdict").textContent, find("amount").textContent, ...lines].join("\n");
-    this.next = !find("keep").hidden ? "keep" : good ? "tune" : "again";
+    this.next = !find("keep").hidden ? "keep" : good && !find("tune").hidden ? "tune" : "again";
     this.#scores([]);
     this.#taken(null);
     find("tuned").textContent = "";

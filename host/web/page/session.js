@@ -249,6 +249,9 @@ export class Session {
       finish: running || view.phase === "held",
     };
     const watches = this.#watches();
+    for (const own of find("note-form").elements) {
+      own.disabled = watches;
+    }
     find("pause").disabled = find("language").disabled = running;
     find("calibrate").hidden = find("play").hidden = running;
     for (const id of BUTTONS) {

@@ -1,4 +1,4 @@
-// The worker of the page that needs no program: runs the pipeline, a WebAssembly module, and lets its time pass.
+// The worker of the page that needs no program: runs the pipeline, a WebAssembly module, and lets its time pass; with Bluetooth the page does.
 
 const PERIOD = 10;
 const encoder = new TextEncoder();

@@ -83,10 +83,8 @@ impl Armband {
     }
 
     /// Runs another model. Emits it and the pipeline's state.
-    pub fn set_model(&mut self, at: f64, scored: ScoredPipeline, emit: &mut dyn FnMut(Event)) {
-        self.scored = scored;
-        emit(Event::of_model(self.scored.model()));
-        emit(Event::of_report(at, &self.scored.state_report()));
+    pub fn set_model(&mut self, now: Now, scored: ScoredPipeline, emit: &mut dyn FnMut(Event)) {
+        self.scored.replace(now.session, now.at, scored, emit);
     }
 
     /// Handles an event of the radio, or a tick. The answer to an action needs a call of its own.

@@ -67,22 +67,22 @@ impl Blocks {
     }
 
     /// Takes an event of the source. Returns what it changes.
-    pub fn take(&mut self, event: &Event) -> Option<Event> {
+    pub fn take(&mut self, now: f64, event: &Event) -> Option<Event> {
         match *event {
             _ if !self.runs => None,
             Event::Report {
-                at,
                 is_label: true,
                 instant,
                 label,
                 valid: true,
                 ..
-            } => self.label(at, instant, label),
-            Event::Report {
-                at, valid: false, ..
+            } => self.label(now, instant, label),
+            Event::Report { valid: false, .. }
+            | Event::Source {
+                connected: false, ..
             } => {
                 self.runs = false;
-                Some(self.event(at, "interrupted", None))
+                Some(self.event(now, "interrupted", None))
             }
             _ => None,
         }
@@ -153,7 +153,8 @@ mod tests {
         let begun = blocks.begin(0.0);
         let labels = labels.iter().cycle().take(count);
         let reports = (0..).step_by(20).zip(labels);
-        let changes = reports.filter_map(|(instant, label)| blocks.take(&report(instant, *label)));
+        let changes =
+            reports.filter_map(|(instant, label)| blocks.take(0.0, &report(instant, *label)));
         let changes = std::iter::once(begun).chain(changes);
         let told = changes.map(|event| match event {
             Event::Blocks {
@@ -185,6 +186,15 @@ mod tests {
         let states: Vec<_> = told.iter().map(|own| own.0).collect();
         assert_eq!(states, ["running", "running", "interrupted"]);
         let mut blocks = Blocks::default();
+        blocks.begin(0.0);
+        let lost = Event::Source {
+            kind: "port",
+            name: String::new(),
+            connected: false,
+            detail: String::new(),
+            steps: Vec::new(),
+        };
+        assert!(blocks.take(0.0, &lost).is_some());
         assert_eq!(blocks.cancel(0.0), None);
         blocks.begin(0.0);
         assert!(blocks.cancel(0.0).is_some());

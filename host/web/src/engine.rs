@@ -110,6 +110,8 @@ pub enum Stored {
     Failed(HoldReason, String),
     /// It is left without recordings, with advice.
     Left(String),
+    /// A note is not kept, with the reason; the session goes on.
+    Unkept(String),
     /// Recordings were made of it.
     Kept(SessionResult),
 }
@@ -180,7 +182,7 @@ impl Outputs {
         if let Some(recording) = &mut self.recording {
             recording.event(millis(now), &event);
         }
-        let more = [self.electrodes.take(&event), self.blocks.take(&event)];
+        let more = [self.electrodes.take(&event), self.blocks.take(now, &event)];
         for event in std::iter::once(event).chain(more.into_iter().flatten()) {
             if let Some(topic) = event.topic() {
                 self.newest.insert(topic, event.clone());
@@ -318,7 +320,7 @@ impl Engine {
         let checksum = scored.model().checksum;
         match &mut self.running {
             Running::Playback { playback, .. } => playback.set_model(now, scored, emit),
-            Running::Armband { armband, .. } => armband.set_model(now, scored, emit),
+            Running::Armband { armband, .. } => armband.set_model(time(now), scored, emit),
             _ => return Err(NO_BOARD),
         }
         emit(Event::Installing(InstallationState::here(checksum)));
@@ -571,6 +573,7 @@ impl Engine {
         };
         let recording = RecordedSession::new(header, protocol, time - now, makes_files);
         self.outputs.recording = Some(recording);
+        self.outputs.newest.remove(&Topic::Remarks);
     }
 
     /// Takes what became of lines of the journal.

@@ -83,7 +83,7 @@ pub struct TuningState {
     pub commands: Vec<String>,
 }
 
-/// State of an installation of the tuned model on the board.
+/// State of an installation of a model on the board, or of one that runs here.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 #[expect(missing_docs, reason = "names of the page's messages")]
 pub struct InstallationState {

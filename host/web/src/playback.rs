@@ -127,9 +127,7 @@ impl Playback {
 
     /// Runs another model. Emits it and the pipeline's state.
     pub fn set_model(&mut self, at: f64, scored: ScoredPipeline, emit: &mut dyn FnMut(Event)) {
-        self.scored = scored;
-        emit(Event::of_model(self.scored.model()));
-        emit(Event::of_report(at, &self.scored.state_report()));
+        self.scored.replace(self.now(), at, scored, emit);
     }
 
     /// Tells a simulated person what a session asks for, and a task.

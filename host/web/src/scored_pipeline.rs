@@ -180,6 +180,22 @@ impl ScoredPipeline {
         self.last = None;
     }
 
+    /// Runs another model from the next sample on, as after an installation on a board: samples, alignment and wearer stay
+    /// where both models allow it. Emits the model and the pipeline's state.
+    pub fn replace(&mut self, now: Millis, at: f64, other: Self, emit: &mut dyn FnMut(Event)) {
+        self.file = other.file;
+        self.model = other.model;
+        self.encoder = other.encoder;
+        self.smoother = other.smoother;
+        self.calibration.know(self.encoder.classes());
+        self.put(now, None, Alignment::NONE);
+        let _ = self.pipeline.take_calibration_report();
+        emit(Event::of_model(&self.model));
+        emit(Event::of_report(at, &self.state_report()));
+        let idle = CalibrationReport::of(CalibrationState::Idle, None);
+        self.calibration.event(at, idle, false).map(emit);
+    }
+
     /// Reports that samples are missing before the next one.
     pub fn gap(&mut self, now: Millis, missing: u32) -> Reports {
         self.pipeline.gap(now, missing)

@@ -193,7 +193,7 @@ impl Keeper {
         };
         if let Err(error) = write() {
             let text = format!("the note is not kept: {}: {error}", path.display());
-            self.tell(Stored::Left(Self::warn(text)));
+            self.tell(Stored::Unkept(Self::warn(text)));
         }
     }
 

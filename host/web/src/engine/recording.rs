@@ -265,6 +265,7 @@ impl RecordedSession {
                 self.handle(now, Input::Hold(reason));
             }
             Stored::Left(text) => self.trouble = text,
+            Stored::Unkept(text) => self.notice = text,
             Stored::Kept(_) => {}
         }
         if before != (self.trouble.clone(), self.notice.clone()) {

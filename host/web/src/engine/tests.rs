@@ -505,13 +505,29 @@ fn an_installation_waits_for_the_board_goes_on_after_a_loss_and_says_how_it_ends
 fn without_a_board_a_model_runs_here_and_one_that_is_refused_does_not() {
     let mut engine = Engine::default();
     engine.demo(&SETTINGS, None).unwrap();
-    engine.take();
-    engine.install(0.0, models::SHIPPED[1].1).unwrap();
+    let run = |engine: &mut Engine, from: u32| {
+        (from..from + 5000)
+            .step_by(10)
+            .for_each(|now| engine.tick(f64::from(now)));
+        engine.take()
+    };
+    run(&mut engine, 0);
+    engine.install(5000.0, models::SHIPPED[1].1).unwrap();
     let outputs = engine.take();
     let runs = |output: &Output| matches!(output, Output::Event(Event::Model { classes, .. }) if classes.len() == 5);
     let is_done = |output: &Output| matches!(output, Output::Event(Event::Installing(state)) if state.state == "done");
     assert!(runs(&outputs[0]) && is_done(&outputs[2]), "{outputs:?}");
-    engine.install(0.0, b"no model").unwrap();
+    // Samples go on, and an alignment stays.
+    let place = br#"{"do":"place","turn":3,"mirrored":false}"#;
+    engine.request(5000.0, place, &[]);
+    let is_placed = |output: &Output| matches!(output, Output::Event(Event::Alignment { .. }));
+    assert!(engine.take().iter().any(is_placed));
+    engine.install(5000.0, models::SHIPPED[1].1).unwrap();
+    let outputs = run(&mut engine, 5000);
+    assert!(!outputs.iter().any(is_placed));
+    let goes_on = |output: &Output| matches!(output, Output::Event(Event::Report { is_label: true, emitted, .. }) if *emitted > 1000);
+    assert!(outputs.iter().any(goes_on), "{outputs:?}");
+    engine.install(10_000.0, b"no model").unwrap();
     let outputs = engine.take();
     let [Output::Event(Event::Installing(state))] = &outputs[..] else {
         panic!("{outputs:?}");

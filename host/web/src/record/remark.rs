@@ -36,10 +36,10 @@ pub enum Remark {
 }
 
 impl Remark {
-    /// Note of a text, cut to 200 characters; none without a letter.
+    /// Note of a text, cut to 200 characters, each control character a space; none of an empty text.
     pub fn note(at: String, text: &str) -> Option<Self> {
-        let letters = text.trim().chars().filter(|letter| !letter.is_control());
-        let text: String = letters.take(MOST).collect();
+        let text = text.replace(char::is_control, " ");
+        let text: String = text.trim().chars().take(MOST).collect();
         (!text.is_empty()).then_some(Self::Note { at, text })
     }
 
@@ -80,7 +80,7 @@ mod tests {
         let score = Remark::blocks("now".to_owned(), 14);
         let text = note.line() + "{\"is\":\"no\n" + &score.line();
         assert_eq!(Remark::read(&text), [note, score]);
-        assert_eq!(Remark::note(String::new(), "\n "), None);
+        assert_eq!(Remark::note(String::new(), "\u{1} \u{1}"), None);
         let Some(Remark::Note { text, .. }) = Remark::note(String::new(), &"ä".repeat(300)) else {
             panic!("no note");
         };
