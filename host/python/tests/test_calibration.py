@@ -32,5 +32,5 @@ class CalibrationTest(unittest.TestCase):
 
     def test_it_must_be_clear_whose_holds_are_meant(self):
         for person in [None, "nobody"]:
-            with self.assertRaisesRegex(myointent.Error, "say whose are meant"):
+            with self.assertRaisesRegex(myointent.Error, "name the person"):
                 myointent.calibrate(self.model, self.folder, person=person)
