@@ -195,6 +195,13 @@ impl Outputs {
         }
     }
 
+    /// Ends box and blocks without a score, if somebody plays.
+    fn cancel_blocks(&mut self, now: f64) {
+        if let Some(ended) = self.blocks.cancel(now) {
+            self.event(now, ended);
+        }
+    }
+
     /// Keeps a remark on the session, made at a time in words. Without a session it is of nobody.
     fn remark(&mut self, now: f64, remark: impl FnOnce(String) -> Option<Remark>) {
         let Some(recording) = &mut self.recording else {
@@ -479,10 +486,7 @@ impl Engine {
             ViewerMessage::Session { command } => match command {
                 SessionCommand::Action(action) => {
                     recording?.act(now, *action);
-                    let ended = self.outputs.blocks.cancel(now);
-                    ended
-                        .into_iter()
-                        .for_each(|own| self.outputs.event(now, own));
+                    self.outputs.cancel_blocks(now);
                 }
                 SessionCommand::Again => {
                     if recording?.restart() {
@@ -505,10 +509,7 @@ impl Engine {
                 self.outputs.event(now, begun);
             }
             ViewerMessage::Blocks { begin: false } => {
-                let ended = self.outputs.blocks.cancel(now);
-                ended
-                    .into_iter()
-                    .for_each(|own| self.outputs.event(now, own));
+                self.outputs.cancel_blocks(now);
             }
             ViewerMessage::Note { text } => {
                 recording?;

@@ -34,7 +34,7 @@ pub(super) struct Window {
 /// Patch that the encoder takes next.
 pub(super) struct Next<'w> {
     pub(super) patch: &'w Patch,
-    /// Its newest sample.
+    /// Newest sample of the patch.
     pub(super) end: SampleIndex,
     /// Patches that the encoder has yet to take after it.
     pub(super) behind: usize,

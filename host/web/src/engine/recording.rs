@@ -363,7 +363,7 @@ pub(super) struct Files {
     /// Names and contents of their movement.
     beside: Vec<(String, String)>,
     pub(super) notes: String,
-    /// What is said of the recordings; none without any.
+    /// Verdict on the recordings; none without any.
     pub(super) result: Option<SessionResult>,
 }
 

@@ -44,7 +44,7 @@ pub struct TestDesc {
     pub ignore: bool,
     /// Why it is ignored.
     pub ignore_message: Option<&'static str>,
-    /// Its source file.
+    /// Source file of the test.
     pub source_file: &'static str,
     /// Its first line.
     pub start_line: usize,
