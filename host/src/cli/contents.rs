@@ -118,20 +118,14 @@ pub(super) fn tables(recordings: &Recordings) -> String {
             &inspection.skipped,
         );
     }
-    for Group {
-        severity,
-        what,
-        advice,
-        which,
-        ..
-    } in &inspection.findings
-    {
-        let advice = if advice.is_empty() {
-            String::new()
-        } else {
-            format!(": {advice}")
-        };
-        let head = format!("{}: {what}{advice} ({})", severity.name(), which.len());
+    for Group { finding, which } in &inspection.findings {
+        let colon = if finding.advice.is_empty() { "" } else { ": " };
+        let head = format!(
+            "{}: {finding}{colon}{} ({})",
+            finding.severity.name(),
+            finding.advice,
+            which.len()
+        );
         text += &list(&head, which);
     }
     for ignored in &inspection.ignored {

@@ -345,7 +345,7 @@ mod tests {
         let library = load(folder.path(), &LoadOptions::default()).unwrap();
         let inspection = Inspection::new(&library);
         let mut findings = inspection.findings.iter();
-        let short = findings.find(|group| group.kind == "short");
+        let short = findings.find(|group| group.finding.kind == "short");
         let printed = &short.unwrap().which[1];
         let found = one_recording(folder.path(), Some(printed)).unwrap();
         assert_eq!(found.name, "s1_b");

@@ -5,7 +5,6 @@
 //! [`draft`] writes a first one.
 
 pub mod draft;
-mod error;
 pub mod own;
 mod pattern;
 pub(crate) mod published;
@@ -24,7 +23,6 @@ use shared::units::SAMPLE_PERIOD_MS;
 
 use crate::readers::error::LoadError;
 use crate::readers::table::separator::Separator;
-pub(crate) use error::{DescriptionError, Problem};
 use execution::bounded_read;
 use pattern::{Field, Fields, Pattern};
 pub(crate) use rows::labels;
@@ -75,8 +73,8 @@ pub(crate) struct Description {
 
 impl Description {
     /// Parses the text of a description; `path` is for messages.
-    fn parse(path: &Path, text: &str) -> Result<Self, DescriptionError> {
-        let error = |line, problem| DescriptionError {
+    fn parse(path: &Path, text: &str) -> Result<Self, LoadError> {
+        let error = |line, problem| LoadError::Description {
             path: path.to_owned(),
             line,
             problem,
@@ -84,7 +82,7 @@ impl Description {
         let description: Self = toml::from_str(text).map_err(|reason| {
             let before = reason.span().and_then(|span| text.get(..span.start));
             let line = before.map(|before| before.matches('\n').count() + 1);
-            error(line, Problem::Syntax(reason.message().to_owned()))
+            error(line, reason.message().to_owned())
         })?;
         match description.contradiction() {
             Some(problem) => Err(error(None, problem)),
@@ -92,73 +90,69 @@ impl Description {
         }
     }
 
-    fn contradiction(&self) -> Option<Problem> {
-        let needs = |field, needs, advice| {
-            Some(Problem::Needs {
-                field,
-                needs,
-                advice,
-            })
-        };
+    /// Fields that do not go together: what was expected, found, and what to do.
+    fn contradiction(&self) -> Option<String> {
         let has_gesture = self.files.has(Field::Gesture);
         let has_words = self.label.is_some() || self.label_files.is_some() || has_gesture;
-        let is_named = |column: &&Column| matches!(column, Column::Named(_));
+        let is_by_activity = self.timing == LabelTiming::FromActivity;
+        let is_named = |column: &Column| matches!(column, Column::Named(_));
         let channels = self.channels.iter().flat_map(|channels| &channels.0);
         let mut columns = channels.chain(&self.time).chain(&self.label);
-        if self.label.is_some() && self.label_files.is_some() {
-            return Some(Problem::Both("label", "label_files"));
+        let both =
+            |one, other| format!("expected one of `{one}` and `{other}`, found both: remove one");
+        let needs = |field, needs, advice| format!("`{field}` needs {needs}, found none: {advice}");
+        let labels_file = self.label_files.as_ref();
+        if self.label.is_some() && labels_file.is_some() {
+            return Some(both("label", "label_files"));
         }
-        if let Some(beyond) = self
-            .label_files
-            .as_ref()
-            .and_then(|own| own.beyond(&self.files))
-        {
-            return Some(Problem::Beyond(beyond.name()));
+        if let Some(beyond) = labels_file.and_then(|own| own.beyond(&self.files)) {
+            return Some(format!(
+                "expected in `label_files` fields that `files` has, found {{{}}}: a file of labels is named after its recording",
+                beyond.name()
+            ));
         }
-        if has_words && self.labels.is_empty() {
-            let advice =
-                "say what the words mean, or write {any} for {gesture} and leave `label` out";
-            return needs("{gesture}, `label` or `label_files`", "`labels`", advice);
-        }
-        if !has_words && !self.labels.is_empty() {
-            let needed = "{gesture} in `files`, `label` or `label_files`";
-            return needs("labels", needed, "say where the words are");
-        }
-        if self.timing == LabelTiming::FromActivity {
-            if !has_gesture {
-                return needs(
-                    "timing = \"from-activity\"",
-                    "{gesture} in `files`",
-                    "it labels one gesture a file",
-                );
-            }
-            if self.label.is_some() || self.label_files.is_some() {
-                return Some(Problem::Both("timing = \"from-activity\"", "label"));
-            }
-        }
-        if self.cue_lag_ms.is_some() && self.timing != LabelTiming::Cues {
-            return needs(
+        let by_hand = self.separator.is_some() || self.header.is_some();
+        Some(if has_words && self.labels.is_empty() {
+            needs(
+                "{gesture}, `label` or `label_files`",
+                "`labels`",
+                "say what the words mean, or write {any} for {gesture} and leave `label` out",
+            )
+        } else if !has_words && !self.labels.is_empty() {
+            needs(
+                "labels",
+                "{gesture} in `files`, `label` or `label_files`",
+                "say where the words are",
+            )
+        } else if is_by_activity && !has_gesture {
+            needs(
+                "timing = \"from-activity\"",
+                "{gesture} in `files`",
+                "it labels one gesture a file",
+            )
+        } else if is_by_activity && (self.label.is_some() || labels_file.is_some()) {
+            both("timing = \"from-activity\"", "label")
+        } else if self.cue_lag_ms.is_some() && self.timing != LabelTiming::Cues {
+            needs(
                 "cue_lag_ms",
                 "timing = \"cues\"",
                 "other labels are not late",
-            );
-        }
-        let by_hand = self.separator.is_some() || self.header.is_some();
-        if by_hand && self.channels.is_none() {
-            return needs(
+            )
+        } else if by_hand && self.channels.is_none() {
+            needs(
                 "separator` and `header",
                 "`channels`",
                 "without it, columns are found by their names",
-            );
-        }
-        if self.header == Some(false) && columns.any(|column| is_named(&column)) {
-            return needs(
+            )
+        } else if self.header == Some(false) && columns.any(is_named) {
+            needs(
                 "header = false",
                 "columns by number",
                 "without a header they have no names",
-            );
-        }
-        None
+            )
+        } else {
+            return None;
+        })
     }
 
     /// Order of the channels.
@@ -219,21 +213,30 @@ impl Described {
             .folder
             .as_ref()
             .map_or(own.to_owned(), |folder| own.join(folder));
-        let missing = |_| DescriptionError {
+        let real = dunce::canonicalize(&folder).ok();
+        let missing = || LoadError::Description {
             path: file.to_owned(),
             line: None,
-            problem: Problem::Folder(folder.clone()),
+            problem: format!(
+                "expected `folder` to be a folder, found none at {}",
+                folder.display()
+            ),
         };
-        let folder = match dunce::canonicalize(&folder) {
-            Ok(folder) if folder.is_dir() => folder,
-            other => return Err(missing(other).into()),
-        };
+        let folder = real.filter(|real| real.is_dir()).ok_or_else(missing)?;
         Ok(Self {
             file: file.to_owned(),
-            folder,
+            ..Self::new(&folder, description)
+        })
+    }
+
+    /// Description in the folder that it describes.
+    fn new(folder: &Path, description: Description) -> Self {
+        Self {
+            file: folder.join(FILE_NAME),
+            folder: folder.to_owned(),
             description,
             above: String::new(),
-        })
+        }
     }
 
     /// The description with people named as seen from a folder: `lab/anna` where it describes the folder `lab` in it.

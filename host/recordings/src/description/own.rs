@@ -100,7 +100,7 @@ pub(crate) fn table(
             rows.labels.words = Some(words);
             notes.push(printable(&note));
         }
-        Some(one_hot::Found::Unread(why)) => unread = Some(Finding::Known(why)),
+        Some(one_hot::Found::Unread(why)) => unread = Some(Finding::known(why)),
         None => {}
     }
     let label = columns.label.and_then(|column| columns.names.get(column));

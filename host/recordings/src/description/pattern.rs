@@ -44,27 +44,11 @@ pub(crate) struct Pattern {
     names: Vec<Vec<PatternPart>>,
 }
 
-/// Reason why a text is no pattern.
-#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
-pub(crate) enum PatternError {
-    #[error(
-        "expected the path of the files below the folder, such as {{person}}/{{gesture}}_{{trial}}.csv, found \"{0}\""
-    )]
-    Path(String),
-    #[error("expected a closing brace after each opening one, found \"{0}\"")]
-    Brace(String),
-    #[error("expected {{person}}, {{session}}, {{gesture}}, {{trial}} or {{any}}, found {{{0}}}")]
-    Field(String),
-    #[error("expected {{{0}}} once, found it twice: write {{any}} for one of them")]
-    Twice(&'static str),
-    #[error("expected text between two fields, found none in \"{0}\"")]
-    Adjacent(String),
-}
-
 impl TryFrom<String> for Pattern {
-    type Error = PatternError;
+    /// Reason why the text is no pattern.
+    type Error = String;
 
-    fn try_from(text: String) -> Result<Self, PatternError> {
+    fn try_from(text: String) -> Result<Self, String> {
         let names: Vec<Vec<PatternPart>> = text.split('/').map(parts).collect::<Result<_, _>>()?;
         let leaves = |name: &Vec<PatternPart>| match &name[..] {
             [] => true,
@@ -72,13 +56,20 @@ impl TryFrom<String> for Pattern {
             _ => false,
         };
         if names.iter().any(leaves) || text.contains('\\') {
-            return Err(PatternError::Path(text));
+            return Err(format!(
+                "expected the path of the files below the folder, such as {{person}}/{{gesture}}_{{trial}}.csv, found \"{text}\""
+            ));
         }
         let pattern = Self { names };
         let mut seen = HashSet::new();
         let twice = |field: &Field| *field != Field::Any && !seen.insert(*field);
         let twice = pattern.fields().find(twice);
-        twice.map_or(Ok(pattern), |field| Err(PatternError::Twice(field.name())))
+        twice.map_or(Ok(pattern), |field| {
+            let name = field.name();
+            Err(format!(
+                "expected {{{name}}} once, found it twice: write {{any}} for one of them"
+            ))
+        })
     }
 }
 
@@ -96,8 +87,8 @@ fn with_small_endings(names: &[Vec<PatternPart>]) -> Cow<'_, [Vec<PatternPart>]>
     names
 }
 
-fn parts(name: &str) -> Result<Vec<PatternPart>, PatternError> {
-    let brace = || PatternError::Brace(name.to_owned());
+fn parts(name: &str) -> Result<Vec<PatternPart>, String> {
+    let brace = || format!("expected a closing brace after each opening one, found \"{name}\"");
     let (mut parts, mut rest) = (Vec::new(), name);
     while !rest.is_empty() {
         let text = &rest[..rest.find('{').unwrap_or(rest.len())];
@@ -112,10 +103,15 @@ fn parts(name: &str) -> Result<Vec<PatternPart>, PatternError> {
             continue;
         };
         let (field, after) = open.split_once('}').ok_or_else(brace)?;
-        let unknown = || PatternError::Field(field.to_owned());
-        let field = Field::from_name(field).ok_or_else(unknown)?;
+        let field = Field::from_name(field).ok_or_else(|| {
+            format!(
+                "expected {{person}}, {{session}}, {{gesture}}, {{trial}} or {{any}}, found {{{field}}}"
+            )
+        })?;
         if matches!(parts.last(), Some(PatternPart::Field(_))) {
-            return Err(PatternError::Adjacent(name.to_owned()));
+            return Err(format!(
+                "expected text between two fields, found none in \"{name}\""
+            ));
         }
         parts.push(PatternPart::Field(field));
         rest = after;

@@ -262,7 +262,7 @@ fn other_columns_without_names_are_no_clocks() {
     let library = described(text, &[("anna.csv", rows)]).unwrap();
     let findings: Vec<_> = library
         .findings()
-        .map(|(_, finding)| finding.kind())
+        .map(|(_, finding)| finding.kind)
         .collect();
     assert!(!findings.contains(&"clock-unclear"), "{findings:?}");
     assert_eq!(library.recordings.len(), 1);

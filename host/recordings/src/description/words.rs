@@ -49,37 +49,31 @@ pub(super) const ALL_OTHERS: &str = "*";
 #[serde(try_from = "BTreeMap<String, Vec<Word>>")]
 pub(crate) struct Labels(BTreeMap<String, Motion>);
 
-/// Reason why labels have no meaning.
-#[derive(Clone, PartialEq, Debug, thiserror::Error)]
-pub(super) enum LabelsError {
-    #[error(
-        "expected lists of words under relax, open, close, wave-in, wave-out, pinch, other, a kind of other movement such \
-         as point, or unknown, found \"{0}\""
-    )]
-    Class(String),
-    #[error("expected words and finite numbers, found {0}: write it as a word, in quotes")]
-    Number(f64),
-    #[error("expected each word once, found \"{0}\" twice")]
-    Twice(String),
-}
-
 impl TryFrom<BTreeMap<String, Vec<Word>>> for Labels {
-    type Error = LabelsError;
+    /// Reason why a list has no meaning.
+    type Error = String;
 
-    fn try_from(lists: BTreeMap<String, Vec<Word>>) -> Result<Self, LabelsError> {
+    fn try_from(lists: BTreeMap<String, Vec<Word>>) -> Result<Self, String> {
         let mut labels = BTreeMap::new();
         for (class, words) in lists {
             let motion = Motion::from_name(&class).filter(|motion| motion.name() == class);
-            let motion = motion.ok_or(LabelsError::Class(class))?;
+            let motion = motion.ok_or_else(|| {
+                format!(
+                    "expected lists of words under relax, open, close, wave-in, wave-out, pinch, other, a kind of other \
+                     movement such as point, or unknown, found \"{class}\""
+                )
+            })?;
             for word in words {
                 if let Word::Number(number) = word
                     && !number.is_finite()
                 {
-                    return Err(LabelsError::Number(number));
+                    return Err(format!(
+                        "expected words and finite numbers, found {number}: write it as a word, in quotes"
+                    ));
                 }
                 let word = word.plain();
                 if labels.insert(word.clone(), motion).is_some() {
-                    return Err(LabelsError::Twice(word));
+                    return Err(format!("expected each word once, found \"{word}\" twice"));
                 }
             }
         }

@@ -27,6 +27,9 @@ const UNRELATED: f64 = -0.11;
 /// Minimum number of channels that must agree.
 const FEWEST: usize = 3;
 
+/// Kind of the findings of two armbands in a file.
+pub(super) const TWO_ARMBANDS: &str = "two-armbands";
+
 /// Whether a column says from which armband a row came, by its name.
 pub(crate) fn is_device(name: &str) -> bool {
     let name = plain(name);
@@ -81,10 +84,17 @@ impl Devices {
         if self.rows.len() < 2 || !in_turn && SIDES.contains(&&*plain(&self.name)) {
             return Ok(());
         }
-        Err(Finding::Devices {
-            column: self.name.clone(),
-            devices: self.rows.keys().cloned().collect(),
-        })
+        let devices: Vec<&str> = self.rows.keys().map(String::as_str).collect();
+        Err(Finding::warning(
+            TWO_ARMBANDS,
+            format!(
+                "expected the rows of one armband, found those of {} in column \"{}\": {}",
+                devices.len(),
+                self.name,
+                devices.join(", ")
+            ),
+            "keep the rows of one armband in a file",
+        ))
     }
 }
 
@@ -94,6 +104,13 @@ pub(super) fn in_turn(signal: &Signal<'_>) -> Result<(), Finding> {
     if samples.len() < ENOUGH {
         return Ok(());
     }
+    let found = |rows: usize| {
+        Err(Finding::warning(
+            TWO_ARMBANDS,
+            format!("expected the samples of one armband, found two in turn, {rows} of each"),
+            "write each armband's rows into a file of its own",
+        ))
+    };
     for channel in (0..CHANNELS).filter(|&channel| signal.levels[channel] > LOUD) {
         let level = |first: usize| {
             let rows = samples.iter().skip(first).step_by(2);
@@ -102,7 +119,7 @@ pub(super) fn in_turn(signal: &Signal<'_>) -> Result<(), Finding> {
         };
         let (even, odd) = (level(0), level(1));
         if even.max(odd) > UNLIKE * even.min(odd) {
-            return Err(Finding::InTurn { rows: 1 });
+            return found(1);
         }
     }
     // All loud channels must agree: a single one may follow the arm's movement.
@@ -111,12 +128,12 @@ pub(super) fn in_turn(signal: &Signal<'_>) -> Result<(), Finding> {
     };
     let unrelated = |all: &[f64]| all.iter().all(|&own| own > UNRELATED);
     if related(&signal.autocorrelations(2, 0, 1)) && unrelated(&signal.autocorrelations(1, 0, 1)) {
-        return Err(Finding::InTurn { rows: 1 });
+        return found(1);
     }
     let phases = [0, 1].map(|phase| signal.autocorrelations(1, phase, 2));
     for (one, other) in [(0, 1), (1, 0)] {
         if related(&phases[one]) && unrelated(&phases[other]) {
-            return Err(Finding::InTurn { rows: 2 });
+            return found(2);
         }
     }
     Ok(())

@@ -25,6 +25,8 @@ const COPY: f64 = 0.8;
 const ENOUGH: usize = 150;
 /// Rows in common with another recording from which an overlap is reported.
 const OVERLAP: usize = 400;
+/// Kind of the finding of an overlap.
+pub(crate) const OVERLAP_KIND: &str = "overlap";
 /// Parts of names in lower case that mark a copy's path.
 #[rustfmt::skip]
 const MARKS: [&str; 8] = [
@@ -78,10 +80,13 @@ pub(crate) fn leave_out(recordings: &mut Vec<Recording>) -> Vec<Repeat> {
             let finding = copy(&recordings[at], &recordings[owner]);
             left_out.insert(at, finding);
         } else if most >= OVERLAP {
-            let finding = Finding::Overlap {
-                of: recordings[owner].path.clone(),
-                seconds: most as f64 / f64::from(SAMPLE_RATE_HZ),
-            };
+            let what = format!(
+                "{:.0} s of its samples are also in {}",
+                most as f64 / f64::from(SAMPLE_RATE_HZ),
+                recordings[owner].path.display()
+            );
+            let advice = "remove one of the two: a gesture would count twice";
+            let finding = Finding::warning(OVERLAP_KIND, what, advice);
             recordings[at].findings.push(finding);
         }
     }
@@ -102,11 +107,28 @@ pub(crate) fn leave_out(recordings: &mut Vec<Recording>) -> Vec<Repeat> {
 }
 
 fn copy(copy: &Recording, kept: &Recording) -> Finding {
-    Finding::Copy {
-        of: kept.path.clone(),
-        labels: copy.samples == kept.samples && copy.labels != kept.labels,
-        person: person(copy) != person(kept) && marks(&copy.path) <= marks(&kept.path),
-    }
+    let has_other_labels = copy.samples == kept.samples && copy.labels != kept.labels;
+    let is_of_other = person(copy) != person(kept) && marks(&copy.path) <= marks(&kept.path);
+    let what = format!(
+        "the same samples as in {}{}{}, left out",
+        kept.path.display(),
+        if has_other_labels {
+            ", with other labels"
+        } else {
+            ""
+        },
+        if is_of_other {
+            ", under another person's name"
+        } else {
+            ""
+        }
+    );
+    let advice = if is_of_other {
+        "one of the names is wrong: remove the copy that is"
+    } else {
+        "remove the copy"
+    };
+    Finding::warning("copy", what, advice).serious_if(is_of_other)
 }
 
 /// Last folder of a person's name: `anna` of `backup/anna`.

@@ -2,7 +2,7 @@
 
 use shared::units::{CHANNELS, Sample};
 
-use super::hum;
+use super::hum::{self, Hum};
 use super::signal::Signal;
 use crate::examiner::clock::rises_evenly;
 use crate::examiner::finding::Finding;
@@ -20,6 +20,9 @@ const COPY: f64 = 0.995;
 const FEWEST: usize = 3;
 /// Hum, in percent of a channel's power, above which correlated channels are no copies.
 const ALIKE_BY_HUM: f64 = 50.0;
+
+/// Advice on channels without a signal of their own.
+const STREAMS: &str = "check that the armband streams, and that the columns are the EMG channels";
 
 /// Share of the samples at either end of the range, by channel.
 pub fn saturation(samples: &[Sample]) -> [f64; CHANNELS] {
@@ -52,10 +55,7 @@ shared::names! {
 /// Fault of each electrode in some seconds of a stream.
 pub fn faults(samples: &[Sample]) -> [Option<Fault>; CHANNELS] {
     let (levels, saturation) = (levels(samples), saturation(samples));
-    let hums = match hum::find(samples) {
-        Some(Finding::Hum { channels, .. }) => channels,
-        _ => Vec::new(),
-    };
+    let hums = hum::find(samples).map_or(Vec::new(), |hum| hum.channels);
     std::array::from_fn(|channel| {
         if levels[channel] < SILENT {
             Some(Fault::Silent)
@@ -68,37 +68,52 @@ pub fn faults(samples: &[Sample]) -> [Option<Fault>; CHANNELS] {
 }
 
 /// Judges the electrodes; the error is a finding that makes the recording meaningless.
-pub(super) fn examine(signal: &Signal<'_>, hum: Option<&Finding>) -> Result<Vec<Finding>, Finding> {
+pub(super) fn examine(signal: &Signal<'_>, hum: Option<&Hum>) -> Result<Vec<Finding>, Finding> {
     if signal.levels.iter().all(|&level| level == 0.0) {
-        let sample = signal.samples[0];
-        return Err(Finding::Constant { sample });
+        let what = format!(
+            "expected samples that change, found {:?} throughout",
+            signal.samples[0]
+        );
+        return Err(Finding::warning("constant", what, STREAMS));
     }
     let values = || signal.samples.iter().flatten();
     if values().all(|&value| value >= 0) || values().all(|&value| value <= 0) {
-        return Err(Finding::OneSided);
+        return Err(Finding::warning(
+            "one-sided",
+            "expected EMG around zero, found values on one side only: rectified, or its envelope (EMG mode 1)",
+            "record in EMG mode 2 (filtered, not rectified) at 200 Hz",
+        ));
     }
     let values = |channel: usize| -> Vec<f64> {
         let samples = signal.samples.iter();
         samples.map(|sample| f64::from(sample[channel])).collect()
     };
     if let Some(channel) = (0..CHANNELS).find(|&channel| rises_evenly(&values(channel))) {
-        return Err(Finding::Counter {
-            channel: channel + 1,
-        });
+        let channel = channel + 1;
+        return Err(Finding::warning(
+            "counter",
+            format!(
+                "expected EMG in each channel, found a column that counts in channel {channel}"
+            ),
+            "take the eight columns beside it for the channels",
+        ));
     }
     let saturation = saturation(signal.samples);
     let all = saturation.iter().sum::<f64>() / CHANNELS as f64;
     if all > CLIPPED {
-        return Err(Finding::Clipped {
-            percent: 100.0 * all,
-        });
+        let percent = 100.0 * all;
+        return Err(Finding::warning(
+            "clipped",
+            format!("expected EMG, found {percent:.0} % of all values at -128 or 127"),
+            "check the scale: counts from -128 to 127",
+        ));
     }
-    let alike = matches!(hum, Some(Finding::Hum { percent, .. }) if *percent > ALIKE_BY_HUM);
+    let alike = hum.is_some_and(|hum| hum.percent > ALIKE_BY_HUM);
     let all: Vec<usize> = (0..CHANNELS).collect();
     let (dead, alive) = all
         .into_iter()
         .partition::<Vec<_>, _>(|&channel| signal.levels[channel] < SILENT);
-    let (mut own, mut copies): (Vec<usize>, Vec<(usize, usize)>) = (Vec::new(), Vec::new());
+    let (mut own, mut copies): (Vec<usize>, Vec<String>) = (Vec::new(), Vec::new());
     for &channel in &alive {
         let same = |&&other: &&usize| {
             let mut samples = signal.samples.iter();
@@ -106,12 +121,16 @@ pub(super) fn examine(signal: &Signal<'_>, hum: Option<&Finding>) -> Result<Vec<
                 || (!alike && signal.correlation(channel, other).abs() > COPY)
         };
         match own.iter().find(same) {
-            Some(&of) => copies.push((channel + 1, of + 1)),
+            Some(&of) => copies.push(format!("{} as {}", channel + 1, of + 1)),
             None => own.push(channel),
         }
     }
     if own.len() < FEWEST {
-        return Err(Finding::FewChannels { own: own.len() });
+        let what = format!(
+            "expected {CHANNELS} channels, found {} with a signal of their own",
+            own.len()
+        );
+        return Err(Finding::warning("few-channels", what, STREAMS));
     }
     let saturated = alive
         .into_iter()
@@ -119,18 +138,50 @@ pub(super) fn examine(signal: &Signal<'_>, hum: Option<&Finding>) -> Result<Vec<
     let saturated: Vec<usize> = saturated.collect();
     let most = saturated.iter().map(|&channel| saturation[channel]);
     let percent = 100.0 * most.fold(0.0, f64::max);
-    let numbers = |channels: Vec<usize>| channels.into_iter().map(|channel| channel + 1).collect();
     let mut findings = Vec::new();
     if !dead.is_empty() {
-        let channels = numbers(dead);
-        findings.push(Finding::Dead { channels });
+        findings.push(Finding::warning(
+            "silent-channel",
+            format!("{} silent", are(&dead)),
+            "press the electrode against the skin, wipe skin and electrode; if it stays silent, it is broken",
+        ));
     }
     if !copies.is_empty() {
-        findings.push(Finding::SameChannel { pairs: copies });
+        findings.push(Finding::warning(
+            "same-channel",
+            format!("channels equal others: {}", copies.join(", ")),
+            "check how the columns were written",
+        ));
     }
     if !saturated.is_empty() {
-        let channels = numbers(saturated);
-        findings.push(Finding::Saturated { channels, percent });
+        findings.push(Finding::warning(
+            "saturated-channel",
+            format!(
+                "{} saturated in up to {percent:.0} % of the samples",
+                are(&saturated)
+            ),
+            "less force, or move the armband a little",
+        ));
     }
     Ok(findings)
+}
+
+/// Channels, given from 0, in words: `channels 2, 4 to 6 and 8 are`.
+fn are(channels: &[usize]) -> String {
+    let number = |channel: &usize| (channel + 1).to_string();
+    if let [only] = channels {
+        return format!("channel {} is", number(only));
+    }
+    let mut parts: Vec<String> = Vec::new();
+    for run in channels.chunk_by(|a, b| a + 1 == *b) {
+        match run {
+            [first, _, .., last] => parts.push(format!("{} to {}", number(first), number(last))),
+            few => parts.extend(few.iter().map(number)),
+        }
+    }
+    let last = parts.pop().unwrap_or_default();
+    match &parts[..] {
+        [] => format!("channels {last} are"),
+        before => format!("channels {} and {last} are", before.join(", ")),
+    }
 }

@@ -22,8 +22,31 @@ const SHORT_SHARE: f64 = 0.3;
 /// Seconds below which a recording is short.
 const SHORT: usize = 10;
 
+/// Mains hum of a recording.
+pub(super) struct Hum {
+    hz: usize,
+    /// Channels with hum, from 0.
+    pub channels: Vec<usize>,
+    /// Largest share of a channel's power, in percent.
+    pub percent: f64,
+}
+
+impl Hum {
+    pub fn finding(&self) -> Finding {
+        let (hz, percent, channels) = (self.hz, self.percent, self.channels.len());
+        let finding = Finding::warning(
+            "hum",
+            format!(
+                "mains hum: up to {percent:.0} % of a channel's power is at {hz} Hz, in {channels} of {CHANNELS} channels"
+            ),
+            "record in EMG mode 2, which filters it, not in mode 3; wipe the electrodes and keep away from mains cables",
+        );
+        finding.serious_if(channels == CHANNELS && percent > 50.0)
+    }
+}
+
 /// Mains hum of a recording, at the stronger of the two frequencies; none below the threshold.
-pub(super) fn find(samples: &[Sample]) -> Option<Finding> {
+pub(super) fn find(samples: &[Sample]) -> Option<Hum> {
     let windows: Vec<&[Sample]> = samples.chunks_exact(WINDOW).collect();
     let every = windows.len().div_ceil(MOST_WINDOWS).max(1);
     let least = if windows.len() < SHORT {
@@ -40,7 +63,7 @@ pub(super) fn find(samples: &[Sample]) -> Option<Finding> {
         .into_iter()
         .max_by(|(_, a), (_, b)| worst(a).total_cmp(&worst(b)))?;
     let channels: Vec<usize> = (0..CHANNELS).filter(|&at| shares[at] > least).collect();
-    (!channels.is_empty()).then(|| Finding::Hum {
+    (!channels.is_empty()).then(|| Hum {
         hz,
         channels,
         percent: 100.0 * worst(&shares),

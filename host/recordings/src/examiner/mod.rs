@@ -42,9 +42,11 @@ pub(crate) fn examine(recording: &Recording) -> Result<Vec<Finding>, Finding> {
     let mut findings = Vec::new();
     let samples = &recording.samples;
     if samples.len() < WINDOW {
-        findings.push(Finding::Short {
-            samples: samples.len(),
-        });
+        let what = format!(
+            "{} samples: a label needs {WINDOW} and the model's look-ahead",
+            samples.len()
+        );
+        findings.push(Finding::warning("short", what, "record longer"));
     }
     if samples.len() < FEWEST {
         return Ok(findings);
@@ -57,7 +59,7 @@ pub(crate) fn examine(recording: &Recording) -> Result<Vec<Finding>, Finding> {
         bands::in_turn(&signal)?;
         findings.extend(rows::neighbours(&signal));
     }
-    findings.extend(hum);
+    findings.extend(hum.map(|hum| hum.finding()));
     Ok(findings)
 }
 

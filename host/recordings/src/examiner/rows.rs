@@ -64,7 +64,13 @@ impl JudgedRows {
         if let Some(clock) = &clock {
             let column = clock.name.clone();
             match clock.timebase() {
-                Timebase::Unclear => findings.push(Finding::ClockUnclear { column }),
+                Timebase::Unclear => findings.push(Finding::warning(
+                    "clock-unclear",
+                    format!(
+                        "column \"{column}\" is not used: its values are no times, do not rise, or have no known unit"
+                    ),
+                    "check that the rows are 200 a second, or give times in s, ms, us or ns (time_ms)",
+                )),
                 Timebase::Rate { hz, gaps } => {
                     judge_rate(hz, &column, &mut findings)?;
                     pieces = split(rows, &gaps);
@@ -72,13 +78,14 @@ impl JudgedRows {
                         .iter()
                         .max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))
                     {
-                        let finding = Finding::Gap {
-                            column,
-                            gaps: gaps.len(),
-                            row: row + 1,
-                            seconds,
-                            pieces: pieces.len(),
-                        };
+                        let (gaps, row, pieces_of_it) = (gaps.len(), row + 1, pieces.len());
+                        let finding = Finding::warning(
+                            "gap",
+                            format!(
+                                "column \"{column}\" leaps {gaps} times, by {seconds:.2} s at row {row}: read as {pieces_of_it} recordings"
+                            ),
+                            "nothing is joined across a gap; record without losses if there are many",
+                        );
                         let whole = pieces.iter().filter(|piece| piece.len() >= WINDOW);
                         if 2 * whole.map(|piece| piece.len()).sum::<usize>() < rows
                             && rows >= WINDOW
@@ -91,10 +98,12 @@ impl JudgedRows {
             }
         }
         if let Some((row, rows)) = standstill(samples).filter(|&(_, rows)| rows < samples.len()) {
-            findings.push(Finding::Standstill {
-                row: row + 1,
-                seconds: rows as f64 / f64::from(SAMPLE_RATE_HZ),
-            });
+            let (row, seconds) = (row + 1, rows as f64 / f64::from(SAMPLE_RATE_HZ));
+            findings.push(Finding::warning(
+                "standstill",
+                format!("the samples stand still for {seconds:.1} s from row {row} on"),
+                "the armband did not stream then: cut the rows out, into two files",
+            ));
         }
         Ok(Self {
             keep,
@@ -111,7 +120,7 @@ impl JudgedRows {
         let mut findings = Vec::new();
         if dropped as f64 >= REPEATED * samples.len() as f64 && dropped > 0 {
             let times = samples.len() as f64 / (samples.len() - dropped) as f64;
-            findings.push(Finding::Polled { times, dropped });
+            findings.push(polled(times, dropped));
         } else {
             keep.fill(true);
         }
@@ -172,9 +181,11 @@ fn kept(
     let all = vec![true; samples.len()];
     let Repeats::Even(times) = repeats else {
         if let Repeats::Uneven(share) = repeats {
-            let finding = Finding::Repeats {
-                percent: 100.0 * share,
-            };
+            let percent = 100.0 * share;
+            let what = format!(
+                "{percent:.0} % of the rows repeat the one before in no pattern: as many samples may be lost"
+            );
+            let finding = Finding::warning("repeats", what, ONCE);
             if share > REPEATED {
                 return Err(finding);
             }
@@ -198,27 +209,44 @@ fn kept(
         _ => left.len() >= FEWEST && mean(&Signal::of(&left).autocorrelations(1, 0, 1)) < RELATED,
     };
     if !at_200_hz {
-        return Err(Finding::Held { times });
+        let what = format!(
+            "each row is there {times:.2} times, and what is left without repeats is not at {SAMPLE_RATE_HZ} Hz: samples are missing"
+        );
+        return Err(Finding::warning("held", what, ONCE));
     }
-    findings.push(Finding::Polled {
-        times,
-        dropped: samples.len() - left.len(),
-    });
+    findings.push(polled(times, samples.len() - left.len()));
     Ok((keep, clock))
+}
+
+/// Advice on rows that repeat.
+const ONCE: &str =
+    "take each sample once, from the armband's notifications, not at a rate of your own";
+
+/// Finding of repeats that are left out.
+fn polled(times: f64, dropped: usize) -> Finding {
+    Finding::warning(
+        "polled",
+        format!(
+            "each sample is there {times:.2} times, evenly: polled faster than {SAMPLE_RATE_HZ} Hz; {dropped} repeats are left out"
+        ),
+        "take samples from the armband's notifications, not at a rate of your own",
+    )
 }
 
 fn judge_rate(hz: f64, column: &str, findings: &mut Vec<Finding>) -> Result<(), Finding> {
     let off = (hz / f64::from(SAMPLE_RATE_HZ) - 1.0).abs();
-    let finding = || Finding::Rate {
-        column: column.to_owned(),
-        hz,
-    };
+    if off <= QUIETLY_OFF {
+        return Ok(());
+    }
+    let finding = Finding::warning(
+        "rate",
+        format!("expected {SAMPLE_RATE_HZ} rows a second, found {hz:.0} by column \"{column}\""),
+        "record at 200 Hz: missing samples cannot be made, and times would be wrong by this factor",
+    );
     if off > OFF {
-        return Err(finding());
+        return Err(finding);
     }
-    if off > QUIETLY_OFF {
-        findings.push(finding());
-    }
+    findings.push(finding);
     Ok(())
 }
 
@@ -240,8 +268,23 @@ pub(super) fn neighbours(signal: &Signal<'_>) -> Option<Finding> {
     let (samples, correlation) = (signal.samples.len(), mean(&correlations));
     let all = |related: &dyn Fn(f64) -> bool| correlations.iter().all(|&own| related(own));
     if samples >= ENOUGH && all(&|own| UNRELATED.contains(&own)) {
-        return Some(Finding::Unrelated { correlation });
+        return Some(Finding::warning(
+            "unrelated-samples",
+            format!(
+                "samples hardly correlate with the next ({correlation:.2}; -0.2 to -0.4 at {SAMPLE_RATE_HZ} Hz): every second one may be missing"
+            ),
+            "check that the armband was recorded at 200 Hz, each sample once",
+        ));
     }
     let resembling = correlation > RESEMBLING && all(&|own| own > UNRELATED.end);
-    (samples >= ENOUGH_RESEMBLING && resembling).then_some(Finding::Resembling { correlation })
+    (samples >= ENOUGH_RESEMBLING && resembling).then(|| {
+        Finding::warning(
+            "resembling-samples",
+            format!(
+                "samples resemble the next (correlation {correlation:.2}; -0.2 to -0.4 at {SAMPLE_RATE_HZ} Hz): sampled faster than \
+                 {SAMPLE_RATE_HZ} Hz, filtered, or of another device"
+            ),
+            "give the armband's own samples, 200 a second, as EMG mode 2 sends them",
+        )
+    })
 }

@@ -1,6 +1,6 @@
 //! Scale of values that should be counts: -128 to 127, whole.
 
-use crate::examiner::finding::{Finding, Scale};
+use crate::examiner::finding::Finding;
 
 /// Maximum number of rows whose values are kept to find their step.
 const KEPT: usize = 4096;
@@ -25,6 +25,60 @@ const KNOWN: [(f64, &str); 8] = [
     (1e-3, "millivolts, 0.001 a count"),
     (256.0, "counts times 256, the bytes of each value exchanged"),
 ];
+
+/// Scale of values that should be counts.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) enum Scale {
+    /// Counts, a few damaged rows among them.
+    Counts,
+    /// Whole multiples of the value of one count.
+    Step(f64, Option<&'static str>),
+    /// Bytes without a sign, 0 to 255: those above 127 are negative counts.
+    Unsigned,
+    /// Bytes with 128 added, 0 to 255.
+    Offset,
+    /// Values that are multiples of no step.
+    Unknown,
+}
+
+impl Scale {
+    /// Value of one count, if there is one that makes counts of all values.
+    pub const fn step(self) -> Option<f64> {
+        match self {
+            Self::Counts => Some(1.0),
+            Self::Step(step, _) => Some(step),
+            _ => None,
+        }
+    }
+
+    /// Description of the values, and advice on converting them to counts.
+    fn words(self) -> [String; 2] {
+        match self {
+            Self::Counts => ["counts", ""].map(str::to_owned),
+            Self::Step(step, known) => [
+                known.map_or_else(|| format!("whole multiples of {step}"), str::to_owned),
+                if step < 1.0 {
+                    format!("multiply by {} and round", (1.0 / step).round())
+                } else {
+                    format!("divide by {step}")
+                },
+            ],
+            Self::Unsigned => [
+                "bytes without a sign",
+                "subtract 256 from each value above 127",
+            ]
+            .map(str::to_owned),
+            Self::Offset => {
+                ["bytes with 128 added", "subtract 128 from each value"].map(str::to_owned)
+            }
+            Self::Unknown => [
+                "filtered, normalized, or of another device",
+                "export the armband's own samples, as they came",
+            ]
+            .map(str::to_owned),
+        }
+    }
+}
 
 /// Detector of the scale of a file's values, row by row.
 #[derive(Clone, PartialEq, Debug)]
@@ -69,36 +123,30 @@ impl ScaleDetector {
         }
     }
 
-    /// Accepts counts, a few damaged rows among them.
+    /// Accepts counts.
     ///
     /// # Errors
-    /// [`Finding::Scale`] if the values are no counts.
+    /// The scale if the values are no counts.
     pub fn finish(&self) -> Result<(), Finding> {
+        let scale = self.scale();
+        if scale == Scale::Counts {
+            return Ok(());
+        }
+        let [words, advice] = scale.words();
+        let (least, most) = (self.least, self.most);
+        let what = format!(
+            "expected the armband's counts, whole numbers from -128 to 127; found values from {least} to {most}: {words}"
+        );
+        Err(Finding::warning("scale", what, advice))
+    }
+
+    /// Scale of the values.
+    pub fn scale(&self) -> Scale {
         let largest = self.least.abs().max(self.most.abs());
         let counts = self.counts as f64 >= COUNTS * self.rows as f64 && largest >= LEAST;
         if self.rows == 0 || counts || largest == 0.0 {
-            return Ok(());
+            return Scale::Counts;
         }
-        Err(Finding::Scale {
-            scale: self.scale(largest),
-            least: self.least,
-            most: self.most,
-        })
-    }
-
-    /// Value of one count, if there is one that makes counts of all values.
-    pub fn scale_of_counts(&self) -> Option<f64> {
-        match self.finish() {
-            Ok(()) => Some(1.0),
-            Err(Finding::Scale {
-                scale: Scale::Step { step, .. },
-                ..
-            }) => Some(step),
-            Err(_) => None,
-        }
-    }
-
-    fn scale(&self, largest: f64) -> Scale {
         if self.whole && self.least >= 0.0 && self.most > 127.0 && self.most <= 255.0 {
             let middle = self
                 .values
@@ -117,15 +165,12 @@ impl ScaleDetector {
         // The largest step that fits: its multiples are multiples of smaller steps too.
         let known = KNOWN.iter().filter(|(step, _)| fits(*step));
         if let Some(&(step, name)) = known.max_by(|(a, _), (b, _)| a.total_cmp(b)) {
-            return Scale::Step {
-                step,
-                known: Some(name),
-            };
+            return Scale::Step(step, Some(name));
         }
         let smallest = self.values.iter().map(|value| value.abs());
         let step = smallest.fold(f64::INFINITY, f64::min);
         if fits(step) {
-            Scale::Step { step, known: None }
+            Scale::Step(step, None)
         } else {
             Scale::Unknown
         }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use shared::units::CHANNELS;
 
+use super::bands::TWO_ARMBANDS;
 use super::finding::Finding;
 use super::scale::ScaleDetector;
 use crate::readers::table::columns::{Group, channels};
@@ -22,6 +23,9 @@ const ARMBANDS: [&str; 11] = [
 ];
 /// Least number of values in a row from which they are several samples: fewer are two armbands.
 const SEVERAL: usize = 3 * CHANNELS;
+
+/// Advice on the columns of two armbands.
+const ONE_ARMBAND: &str = "keep the columns of one armband in a file";
 
 /// Refuses a table whose rows have the channels of two armbands, or several samples.
 pub(crate) fn in_table(text: &str) -> Result<(), Finding> {
@@ -44,7 +48,7 @@ pub(crate) fn windows(text: &str) -> Result<(), Finding> {
     let muscle = groups.iter().filter(|group| group.is_muscle());
     let named: usize = muscle.map(Group::len).sum();
     if named >= SEVERAL && named.is_multiple_of(CHANNELS) {
-        return Err(Finding::Windows { values: named });
+        return Err(windowed(named));
     }
     let Some(shape) = Shape::of(text) else {
         return Ok(());
@@ -57,7 +61,9 @@ pub(crate) fn in_rows(columns: usize, numbers: usize, rows: &[Vec<f64>]) -> Resu
     const TWO: usize = 2 * CHANNELS;
     several(columns, numbers, rows)?;
     if (TWO..=TWO + 1).contains(&columns) && are_counts(rows) {
-        return Err(Finding::ManyChannels { columns });
+        let what =
+            format!("expected {CHANNELS} channels, found {columns} columns: those of two armbands");
+        return Err(Finding::warning(TWO_ARMBANDS, what, ONE_ARMBAND));
     }
     Ok(())
 }
@@ -67,9 +73,20 @@ fn several(columns: usize, numbers: usize, rows: &[Vec<f64>]) -> Result<(), Find
     let values = numbers / CHANNELS * CHANNELS;
     let is_negative = || rows.iter().flatten().any(|&value| value < 0.0);
     if values >= SEVERAL && columns <= values + 1 && is_negative() && are_counts(rows) {
-        return Err(Finding::Windows { values });
+        return Err(windowed(values));
     }
     Ok(())
+}
+
+fn windowed(values: usize) -> Finding {
+    Finding::warning(
+        "windows",
+        format!(
+            "expected a sample of {CHANNELS} channels a row, found {values} values: {} samples a row",
+            values / CHANNELS
+        ),
+        "write each sample, channels 1 to 8, into a row of its own, with its label",
+    )
 }
 
 /// Whether values are counts, or of a scale that makes them counts. Either end of a row may be a label.
@@ -78,7 +95,7 @@ fn are_counts(rows: &[Vec<f64>]) -> bool {
     for row in rows {
         detector.push(row.get(1..row.len().max(2) - 1).unwrap_or_default());
     }
-    detector.scale_of_counts().is_some()
+    detector.scale().step().is_some()
 }
 
 /// Refuses a header with the channels of two armbands.
@@ -109,9 +126,13 @@ fn in_header(names: &[&str]) -> Result<(), Finding> {
         [] | [_] => return Ok(()),
         _ => full.iter().map(|names| columns(names)).collect(),
     };
-    Err(Finding::ManyColumns {
-        armbands: armbands.into_iter().flatten().collect(),
-    })
+    let armbands: Vec<String> = armbands.into_iter().flatten().collect();
+    let what = format!(
+        "expected {CHANNELS} columns of EMG, found those of {} armbands: {}",
+        armbands.len(),
+        armbands.join("; ")
+    );
+    Err(Finding::warning(TWO_ARMBANDS, what, ONE_ARMBAND))
 }
 
 /// Whether the name of numbered columns is one of muscle activity or of an armband: features have other names.

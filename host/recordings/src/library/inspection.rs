@@ -196,7 +196,7 @@ pub(crate) fn groups(library: &Library) -> Vec<Group> {
         .recordings
         .iter()
         .flat_map(|recording| {
-            let known = |note: &String| (recording.full_name(), Finding::Known(note.clone()));
+            let known = |note: &String| (recording.full_name(), Finding::known(note));
             recording.notes.iter().map(known)
         })
         .collect();
@@ -272,14 +272,18 @@ mod tests {
     fn findings_and_notes_are_told_once_for_all_recordings() {
         let mut library = library();
         let recording = &mut library.recordings[0];
-        recording.findings.push(Finding::Dead { channels: vec![3] });
+        recording.findings.push(Finding::warning(
+            "silent-channel",
+            "channel 3 is silent",
+            "",
+        ));
         let mut second = recording.clone();
         second.name = "b".into();
         library.recordings.push(second);
         let findings = Inspection::new(&library).findings;
         let told: Vec<_> = findings
             .iter()
-            .map(|f| (f.what.as_str(), f.which.len()))
+            .map(|f| (f.finding.what.as_str(), f.which.len()))
             .collect();
         assert_eq!(told, [("channel 3 is silent", 2), ("known", 2)]);
         assert_eq!(findings[0].which, ["own/s1/a", "own/s1/b"]);

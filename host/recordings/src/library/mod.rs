@@ -101,8 +101,8 @@ pub fn load_all(paths: &[impl AsRef<Path>], options: &LoadOptions) -> Result<Lib
         let recordings = &mut library.recordings;
         recordings.retain(|own| seen.insert((own.path.clone(), own.full_name())));
         for own in &mut *recordings {
-            let is_kept = |finding: &Finding| !matches!(finding, Finding::Overlap { .. });
-            own.findings.retain(is_kept);
+            own.findings
+                .retain(|found| found.kind != copies::OVERLAP_KIND);
         }
         library.repeats.extend(copies::leave_out(recordings));
     }

@@ -34,7 +34,7 @@ pub fn run(data: &[u8]) {
             }
         }
         Err(error) => {
-            let is_refused = matches!(error, LoadError::Description(_));
+            let is_refused = matches!(error, LoadError::Description { .. });
             assert!(!is_written || !is_refused, "written, and refused: {error}");
         }
     }

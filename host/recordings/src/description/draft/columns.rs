@@ -5,10 +5,11 @@ use std::path::Path;
 
 use shared::units::CHANNELS;
 
+use super::quoted;
 use crate::examiner::clock::{rises, seconds_of};
-use crate::examiner::finding::{Finding, Scale};
+use crate::examiner::finding::Finding;
 use crate::examiner::scale::ScaleDetector;
-use crate::readers::error::{Fault, LoadError};
+use crate::readers::error::Fault;
 use crate::readers::npy::{self, Values};
 use crate::readers::path::ending;
 use crate::readers::table;
@@ -22,39 +23,64 @@ const EXAMINED: usize = 20_000;
 /// Maximum number of different words of a column of labels.
 const WORDS: usize = 64;
 
-/// Kind of a file of samples.
-#[derive(Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct ColumnKind {
-    /// Ending of the file's name.
-    ending: String,
-    /// Separator of a text; none of an array.
-    pub separator: Option<&'static str>,
-    /// Number of columns; 0 where channels are known by their names.
-    width: usize,
-    /// Names of the columns, where channels are not known by them.
-    names: Vec<String>,
+/// Columns of a file of samples, as a description has them.
+pub(super) struct Columns {
+    /// Ending of the file's name, and lines on its channels; none where they are found by their names, or are all that
+    /// there is. Files of one kind have the same.
+    pub kind: (String, String),
+    /// Column of the labels, and whether it is ReactEMG's.
+    pub label: Option<(String, bool)>,
+    /// Counts for a value of 1, or what the examiner says of values that no scale makes counts.
+    pub scale: Result<f64, Finding>,
 }
 
-impl ColumnKind {
-    /// Kind of a file; none of one without eight columns of numbers, or that cannot be read.
+impl Columns {
+    /// Columns of a file; none of one without eight columns of numbers, or that cannot be read.
     pub fn of(path: &Path) -> Option<Self> {
         let ending = ending(path)
             .filter(|ending| matches!(ending.as_str(), "npy" | "csv" | "txt" | "tsv"))?;
-        let table = DraftTable::of(path).ok()??;
+        let bytes = bounded_read::read(path, bounded_read::RECORDING).ok()?;
+        let table = match npy::parse(&bytes) {
+            Ok(array) => Table::of_array(&array)?,
+            Err(_) => Table::of_text(str::from_utf8(&bytes).ok()?)?,
+        };
         table.columns.first().filter(|column| !column.is_empty())?;
-        let width = table.columns.len();
-        let is_known = table.named.is_some();
-        (is_known || table.numbers().len() >= CHANNELS).then(|| Self {
-            ending,
-            separator: table.separator,
-            width: if is_known { 0 } else { width },
-            names: if is_known { Vec::new() } else { table.names },
+        let numbers: Vec<usize> = (0..table.columns.len())
+            .filter(|&at| table.is_numeric(at) && !table.is_clock(at))
+            .collect();
+        let named = table.named.as_ref();
+        let channels = match named {
+            Some(named) => named.channels,
+            None => numbers.get(..CHANNELS)?.try_into().ok()?,
+        };
+        let is_plain_array = table.separator.is_none() && table.columns.len() == CHANNELS;
+        let mut lines = String::new();
+        if named.is_none() && !is_plain_array {
+            if let Some(separator) = table.separator {
+                let header = !table.names.is_empty();
+                lines = format!("separator = {}\nheader = {header}\n", quoted(separator));
+            }
+            let channels = channels.map(|at| table.column(at)).join(", ");
+            lines += &format!("channels = [{channels}]\n");
+        }
+        let is_words = |at: &usize| {
+            let words: BTreeSet<&String> = table.columns[*at].iter().collect();
+            !numbers.contains(at) && (2..=WORDS).contains(&words.len()) && !table.is_clock(*at)
+        };
+        let words = || (0..table.columns.len()).find(is_words);
+        let label = named.map_or_else(words, |own| own.label);
+        let is_gt = |at: usize| table.names.get(at).is_some_and(|name| name == "gt");
+        Some(Self {
+            kind: (ending, lines),
+            label: label.map(|at| (table.column(at), is_gt(at))),
+            scale: table.scale(channels),
         })
     }
 }
 
 /// Beginning of a file by columns.
-struct DraftTable {
+struct Table {
+    /// Separator of a text; none of an array.
     separator: Option<&'static str>,
     names: Vec<String>,
     /// Columns of the channels and of the label, where names tell.
@@ -62,31 +88,27 @@ struct DraftTable {
     columns: Vec<Vec<String>>,
 }
 
-impl DraftTable {
-    /// Reads a file; none if it is no table.
-    fn of(path: &Path) -> Result<Option<Self>, LoadError> {
-        let bytes = bounded_read::read(path, bounded_read::RECORDING);
-        let bytes = bytes.map_err(|source| LoadError::io(path, source))?;
-        if let Ok(array) = npy::parse(&bytes) {
-            let (&[_, width], Values::Numbers(values)) = (&array.shape[..], &array.values) else {
-                return Ok(None);
-            };
-            let column = |at: usize| {
-                let values = values.iter().skip(at).step_by(width.max(1));
-                values.take(EXAMINED).map(f64::to_string).collect()
-            };
-            return Ok(Some(Self {
-                separator: None,
-                names: Vec::new(),
-                named: None,
-                columns: (0..width.min(bytes.len())).map(column).collect(),
-            }));
-        }
-        let text = str::from_utf8(&bytes).unwrap_or_default();
-        let text = text.trim_start_matches('\u{feff}');
-        let Some(head) = Head::of(text, None) else {
-            return Ok(None);
+impl Table {
+    fn of_array(array: &npy::Array) -> Option<Self> {
+        let (&[_, width], Values::Numbers(values)) = (&array.shape[..], &array.values) else {
+            return None;
         };
+        let column = |at: usize| {
+            let values = values.iter().skip(at).step_by(width);
+            values.take(EXAMINED).map(f64::to_string).collect()
+        };
+        Some(Self {
+            separator: None,
+            names: Vec::new(),
+            named: None,
+            // An array without rows may claim any number of columns.
+            columns: (0..width.min(values.len())).map(column).collect(),
+        })
+    }
+
+    fn of_text(text: &str) -> Option<Self> {
+        let text = text.trim_start_matches('\u{feff}');
+        let head = Head::of(text, None)?;
         let named = match Named::of(text) {
             Ok(columns) => Some(columns).filter(|columns| !columns.names.is_empty()),
             // A person says which columns these are.
@@ -98,7 +120,7 @@ impl DraftTable {
             {
                 None
             }
-            Err(_) => return Ok(None),
+            Err(_) => return None,
         };
         let first = head.line + usize::from(head.is_names);
         let rows = table::rows(text).skip_while(|(line, _)| *line < first);
@@ -111,103 +133,50 @@ impl DraftTable {
                 }
             }
         }
-        let mark = Separator::TEXTS
-            .into_iter()
-            .find(|(own, _)| *own == head.separator);
+        let mut marks = Separator::TEXTS.into_iter();
+        let mark = marks.find(|(own, _)| *own == head.separator);
         let names = head.fields.iter().filter(|_| head.is_names);
-        Ok(Some(Self {
+        Some(Self {
             separator: mark.map(|(_, text)| text),
             names: names.map(|&name| name.to_owned()).collect(),
             named,
             columns,
-        }))
+        })
     }
 
-    /// Columns of numbers, but for those of times and counters.
-    fn numbers(&self) -> Vec<usize> {
-        let is_number = |text: &String| text.parse::<f64>().is_ok();
-        let is_numeric = |at: &usize| {
-            let column = &self.columns[*at];
-            2 * column.iter().filter(|text| is_number(text)).count() > column.len()
-        };
-        let is_value = |at: &usize| is_numeric(at) && !self.is_clock(*at);
-        (0..self.columns.len()).filter(is_value).collect()
+    /// A column by its name, or by its number if names are missing or not different.
+    fn column(&self, at: usize) -> String {
+        let different: BTreeSet<&String> = self.names.iter().collect();
+        match self.names.get(at) {
+            Some(name) if different.len() == self.names.len() => quoted(name.trim()),
+            _ => (at + 1).to_string(),
+        }
     }
 
-    /// Whether a column rises from row to row.
+    fn is_numeric(&self, at: usize) -> bool {
+        let column = &self.columns[at];
+        let numbers = column.iter().filter(|text| text.parse::<f64>().is_ok());
+        2 * numbers.count() > column.len()
+    }
+
+    /// Whether a column rises from row to row, as times and counters do.
     fn is_clock(&self, at: usize) -> bool {
-        let times: Option<Vec<f64>> = self.columns[at]
-            .iter()
-            .map(|text| seconds_of(text))
-            .collect();
+        let texts = self.columns[at].iter();
+        let times: Option<Vec<f64>> = texts.map(|text| seconds_of(text)).collect();
         times.is_some_and(|times| rises(&times))
     }
-}
 
-/// Columns of the files of a kind, by the first of them.
-pub(super) struct Columns {
-    /// Names in the header; none without one.
-    pub names: Vec<String>,
-    /// Columns of the channels; none where they are found by their names, or are all that there is.
-    pub channels: Option<[usize; CHANNELS]>,
-    /// Number of columns of numbers, if there are more than eight.
-    pub more: Option<usize>,
-    /// Column of times or a counter, unless it is found by its name.
-    pub time: Option<usize>,
-    pub label: Option<usize>,
-    /// Counts for a value of 1, or what the examiner says of values that no scale makes counts.
-    pub scale: Result<f64, Finding>,
-}
-
-impl Columns {
-    /// Columns of a file; none if it has no eight columns of numbers.
-    pub fn of(path: &Path) -> Result<Option<Self>, LoadError> {
-        let Some(table) = DraftTable::of(path)? else {
-            return Ok(None);
-        };
-        let numbers = table.numbers();
-        let by_number = || numbers.get(..CHANNELS)?.try_into().ok();
-        let named = table.named.as_ref();
-        let Some(channels) = named.map(|own| own.channels).or_else(by_number) else {
-            return Ok(None);
-        };
-        let is_plain_array = table.separator.is_none() && table.columns.len() == CHANNELS;
-        let is_known = named.is_some() || is_plain_array;
-        let is_words = |at: &usize| {
-            let words: BTreeSet<&String> = table.columns[*at].iter().collect();
-            !numbers.contains(at) && (2..=WORDS).contains(&words.len()) && !table.is_clock(*at)
-        };
-        let words = || (0..table.columns.len()).find(is_words);
-        Ok(Some(Self {
-            more: (!is_known && numbers.len() > CHANNELS).then_some(numbers.len()),
-            channels: (!is_known).then_some(channels),
-            time: (0..table.columns.len())
-                .filter(|at| !is_known && !channels.contains(at))
-                .find(|&at| table.is_clock(at)),
-            label: named.map_or_else(words, |own| own.label),
-            scale: scale(&table, &channels),
-            names: table.names,
-        }))
-    }
-}
-
-/// Counts for a value of 1.
-fn scale(table: &DraftTable, channels: &[usize; CHANNELS]) -> Result<f64, Finding> {
-    let mut detector = ScaleDetector::default();
-    for row in 0..table.columns[channels[0]].len() {
-        let value = |at: &usize| table.columns[*at][row].parse::<f64>().unwrap_or(0.0);
-        detector.push(&channels.iter().map(value).collect::<Vec<f64>>());
-    }
-    match detector.finish() {
-        Ok(()) => Ok(1.0),
-        Err(Finding::Scale {
-            scale: Scale::Step { step, .. },
-            ..
-        }) if step < 1.0 => Ok((1.0 / step).round()),
-        Err(Finding::Scale {
-            scale: Scale::Step { step, .. },
-            ..
-        }) => Ok(1.0 / step),
-        Err(finding) => Err(finding),
+    /// Counts for a value of 1.
+    fn scale(&self, channels: [usize; CHANNELS]) -> Result<f64, Finding> {
+        let mut detector = ScaleDetector::default();
+        for row in 0..self.columns[channels[0]].len() {
+            let value = |at: usize| self.columns[at][row].parse::<f64>().unwrap_or(0.0);
+            detector.push(&channels.map(value));
+        }
+        match detector.scale().step() {
+            Some(step) if step < 1.0 => Ok((1.0 / step).round()),
+            Some(step) => Ok(1.0 / step),
+            None => detector.finish().map(|()| 1.0),
+        }
     }
 }

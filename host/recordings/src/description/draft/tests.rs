@@ -46,7 +46,10 @@ fn names_numbers_and_words_tell_the_columns() {
         r#"labels = { close = ["fist"], relax = ["rest"], unknown = ["snap"] }"#,
     ];
     assert_eq!(fields(&text), expected);
-    assert!(text.contains("9 columns are numbers"), "{text}");
+    assert!(
+        text.contains("the first eight columns of numbers"),
+        "{text}"
+    );
     // Columns with names that are known are found by them.
     let known = "emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7,gt\n";
     let text = written(&[("1.csv", table(known, 8, |row| format!(",{}", row / 200)))]).unwrap();
@@ -65,17 +68,18 @@ fn names_numbers_and_words_tell_the_columns() {
 }
 
 #[test]
-fn paths_show_people_gestures_and_trials() {
+fn what_is_the_same_in_all_paths_is_text_and_the_outermost_folder_is_the_person() {
     for (paths, pattern) in [
-        (
-            ["p1/open_1.csv", "p2/fist_2.csv"],
-            "{person}/{gesture}_{trial}.csv",
-        ),
+        (["p1/open_1.csv", "p2/fist_2.csv"], "{person}/{any}.csv"),
         (
             ["p1/m/x_a.CSV", "p2/n/y_a.csv"],
             "{person}/{session}/{any}_a.csv",
         ),
-        (["all/wave_in_3.csv", "all/open_3.csv"], "all/{any}.csv"),
+        (
+            ["all/a_1_emg.csv", "all/a_02_emg.csv"],
+            "all/a_{any}_emg.csv",
+        ),
+        (["a_emg.csv", "a_b_emg.csv"], "{any}.csv"),
     ] {
         let text = written(&paths.map(|path| (path, plain()))).unwrap();
         let expected = format!("files = \"{pattern}\"");
@@ -90,12 +94,12 @@ fn the_kind_of_most_files_is_described_and_the_others_are_told() {
         ("a_1.csv", plain()),
         ("a_2.csv", plain()),
         ("deeper/a_3.csv", plain()),
-        ("b/x.csv", table("", 9, |_| String::new())),
+        ("b/x.csv", table("a,b,c,d,e,f,g,h\n", 8, |_| String::new())),
         ("notes.txt", "hello\n".into()),
     ])
     .unwrap();
     for words in [
-        "files = \"a_{trial}.csv\"",
+        "files = \"a_{any}.csv\"",
         "Named otherwise, and not read: 1, such as deeper/a_3.csv",
         "With other columns, and not read: 1, such as b/x.csv",
     ] {

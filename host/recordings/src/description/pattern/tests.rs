@@ -107,7 +107,7 @@ fn what_is_no_pattern_says_why() {
         ("{person}/{person}_{trial}.csv", "{person} once"),
         ("{person}{trial}.csv", "between two fields"),
     ] {
-        let error = Pattern::try_from(text.to_owned()).unwrap_err().to_string();
+        let error = Pattern::try_from(text.to_owned()).unwrap_err();
         assert!(error.contains(words), "{text}: {error}");
     }
 }

@@ -278,7 +278,7 @@ fn rows_of_myo_readings_doubled_by_fast_polling_are_dropped_with_their_labels() 
     let recording = read("/d/69069-1/1.txt", text).unwrap();
     assert_eq!(recording.samples, samples);
     assert_eq!(recording.labels[2000..2002], [RELAX, Some(Intent::WaveIn)]);
-    assert_eq!(recording.findings[0].kind(), "polled");
+    assert_eq!(recording.findings[0].kind, "polled");
 }
 
 #[test]

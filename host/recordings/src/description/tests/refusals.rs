@@ -51,10 +51,10 @@ fn a_description_that_cannot_be_used_names_file_line_and_field() {
         let text = text.replace("FILES", "files = \"{person}/{trial}.csv\"");
         let text = text.replace(" ; ", "\n") + "\n";
         let error = described(&text, &[]).unwrap_err();
-        let LoadError::Description(found) = &error else {
+        let LoadError::Description { line: found, .. } = &error else {
             panic!("{text}: {error}");
         };
-        assert_eq!(found.line, line.parse().ok(), "{text}: {error}");
+        assert_eq!(*found, line.parse().ok(), "{text}: {error}");
         let error = error.to_string();
         assert!(
             error.contains(words) && error.contains("recordings.toml"),

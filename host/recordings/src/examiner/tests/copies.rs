@@ -29,9 +29,9 @@ fn equal_samples_count_once_whatever_their_folder() {
         ("anna/anna_1.csv", &text),
         ("anna/anna_2.csv", &other_labels),
     ]);
-    assert!(groups(&library)[0].what.contains("other labels"));
+    assert!(groups(&library)[0].finding.what.contains("other labels"));
     let library = read(&[("anna/anna_1.csv", &text), ("bob/bob_1.csv", &text)]);
-    let found = &groups(&library)[0];
+    let found = &groups(&library)[0].finding;
     assert!(
         found.what.contains("another person's name"),
         "{}",

@@ -26,7 +26,10 @@ fn counts(samples: &[Sample]) -> String {
 
 /// Kinds of the findings.
 fn kinds(library: &Library) -> Vec<&'static str> {
-    groups(library).iter().map(|group| group.kind).collect()
+    groups(library)
+        .iter()
+        .map(|group| group.finding.kind)
+        .collect()
 }
 
 /// Message that refuses the only file.
@@ -130,7 +133,7 @@ fn mains_hum_is_found_at_either_frequency_and_on_one_channel() {
                 sample
             });
             let library = one(&counts(&hummed));
-            let found = &groups(&library)[0];
+            let found = &groups(&library)[0].finding;
             assert_eq!(found.kind, "hum");
             let words = format!("at {hz} Hz, in {channels} of 8");
             assert!(found.what.contains(&words), "{}", found.what);
@@ -142,7 +145,7 @@ fn mains_hum_is_found_at_either_frequency_and_on_one_channel() {
 fn every_channel_with_a_defect_is_named() {
     let told = |of: &dyn Fn(usize, Sample) -> Sample| -> Vec<String> {
         let found = groups(&one(&counts(&each(&emg(4000, 1), of))));
-        found.iter().map(|own| own.what.clone()).collect()
+        found.iter().map(|own| own.finding.what.clone()).collect()
     };
     for (channels, words) in [
         (&[4][..], "channel 4 is silent"),

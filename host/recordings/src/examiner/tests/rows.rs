@@ -137,7 +137,7 @@ fn nothing_is_joined_across_a_gap() {
     ];
     assert_eq!(pieces, expected);
     assert_eq!(library.recordings[1].samples, samples[2500..]);
-    let what = &groups(&library)[0].what;
+    let what = &groups(&library)[0].finding.what;
     assert!(what.contains("30.00 s at row 2501"), "{what}");
     let counted = with_column(&counts(&samples), "sample", |row| {
         (row + row / 3000 * 40).to_string()
@@ -225,7 +225,7 @@ fn every_second_sample_without_a_clock_and_a_standstill_are_told() {
             sample
         }
     });
-    let what = groups(&one(&counts(&still)))[0].what.clone();
+    let what = groups(&one(&counts(&still)))[0].finding.what.clone();
     assert!(what.contains("5.0 s from row 3001"), "{what}");
 }
 
@@ -239,11 +239,11 @@ fn samples_that_resemble_the_next_are_told() {
         });
         let smooth: Vec<Sample> = filtered.collect();
         let found = groups(&one(&counts(&smooth)));
-        assert_eq!(found[0].kind, "resembling-samples", "{own}");
+        assert_eq!(found[0].finding.kind, "resembling-samples", "{own}");
         assert!(
-            found[0].what.contains("faster than 200 Hz"),
+            found[0].finding.what.contains("faster than 200 Hz"),
             "{}",
-            found[0].what
+            found[0].finding.what
         );
     }
 }

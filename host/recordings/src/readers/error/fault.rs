@@ -118,7 +118,7 @@ pub enum Fault {
     Objects,
     #[error("expected {expected} gestures marked, found {found}")]
     Gestures { expected: usize, found: usize },
-    #[error("{finding}; {}", finding.advice())]
+    #[error("{finding}; {}", finding.advice)]
     Refused { finding: Finding },
     #[error("expected a recording of at most {most} s, found one of {seconds:.0} s")]
     Duration { most: f64, seconds: f64 },

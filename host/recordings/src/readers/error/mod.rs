@@ -6,7 +6,6 @@ mod fault;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use crate::description::DescriptionError;
 use crate::examiner::finding::Finding;
 use execution::printable::printable;
 pub use fault::Fault;
@@ -66,7 +65,7 @@ impl Damage {
     }
 
     /// Damage of a file without meaning.
-    pub(crate) const fn refused(finding: Finding) -> Self {
+    pub(crate) fn refused(finding: Finding) -> Self {
         Self::of_file(Fault::Refused { finding })
     }
 
@@ -100,8 +99,13 @@ pub enum LoadError {
         skipped: usize,
         first: String,
     },
-    #[error(transparent)]
-    Description(#[from] DescriptionError),
+    #[error("{}{}: {}", path.display(), line.map_or(String::new(), |line| format!(", line {line}")), printable(problem))]
+    Description {
+        path: PathBuf,
+        /// Line of the fault, 1 first; none where it is not in one line.
+        line: Option<usize>,
+        problem: String,
+    },
     #[error("{}, {damage}", path.display())]
     Damaged { path: PathBuf, damage: Damage },
 }

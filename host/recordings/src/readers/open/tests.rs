@@ -208,7 +208,10 @@ fn a_column_for_each_class_is_read_or_told() {
         let text = format!("{},{names}\n{rows}", NAMES[1..].join(","));
         let folder = folder(&[("anna/1.csv", &text)]);
         let library = load(folder.path(), &LoadOptions::default()).unwrap();
-        let told: Vec<String> = groups(&library).into_iter().map(|own| own.what).collect();
+        let told: Vec<String> = groups(&library)
+            .into_iter()
+            .map(|own| own.finding.what)
+            .collect();
         (library.recordings[0].labels.clone(), told.join("; "))
     };
     let number = |at: usize, own: usize| u8::from(class(at) == own).to_string();
