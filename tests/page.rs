@@ -664,6 +664,44 @@ fn a_board_streams_into_the_file_and_may_be_unplugged() {
     assert_eq!(browser.complaints, [""; 0]);
 }
 
+/// Script that drops the shipped five-class model on the page, and says yes.
+fn drop_five() -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/five-class.intent");
+    let bytes = json!(std::fs::read(path).unwrap());
+    format!(
+        "(() => {{ window.confirm = () => true; const data = new DataTransfer(); \
+         data.items.add(new File([Uint8Array.from({bytes})], 'five.intent')); \
+         document.body.dispatchEvent(new DragEvent('drop', {{ dataTransfer: data, bubbles: true, cancelable: true }})); }})()"
+    )
+}
+
+#[test]
+fn the_simulated_board_shows_labels_and_takes_a_dropped_model() {
+    let Some(mut browser) = open(BrowserKind::Chromium, "") else {
+        return;
+    };
+    browser.wait_for(CONNECTED);
+    click(&mut browser, "use-simulated");
+    let scores = |count| format!("{CONNECTED} && {VALID} && $legend.childElementCount === {count}");
+    browser.wait_for(&scores(4));
+    assert_eq!(browser.text("source"), "board on simulated USB");
+    browser.wait_for("$battery.textContent === '80 %'");
+    assert!(browser.text("board").starts_with("simulated, "));
+    browser.wait_for(&label("open"));
+    // Its wearer has turned the armband, and its file tells that nobody wore it.
+    browser.value("$turn.click()");
+    browser.press("a");
+    browser.wait_for("$placement.textContent === 'Aligned: turned by 3 places'");
+    browser.press("s");
+    browser.wait_for("$notice.textContent.includes('simulated_')");
+    browser.value(&drop_five());
+    browser.wait_for("$notice.textContent.startsWith('Installed')");
+    browser.wait_for(&scores(6));
+    let picture = Path::new(env!("CARGO_TARGET_TMPDIR")).join("page-simulated-board.png");
+    browser.screenshot(&picture);
+    assert_eq!(browser.complaints, [""; 0]);
+}
+
 #[test]
 fn a_dropped_model_is_installed_on_the_emulated_board() -> anyhow::Result<()> {
     let Some(image) = chip::image(Image::Nrf52840S140) else {
@@ -710,12 +748,7 @@ fn a_dropped_model_is_installed_on_the_emulated_board() -> anyhow::Result<()> {
     until(&mut browser, &scores(4))?;
     let model =
         std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/five-class.intent"))?;
-    let bytes = json!(model);
-    browser.value(&format!(
-        "(() => {{ window.confirm = () => true; const data = new DataTransfer(); \
-         data.items.add(new File([Uint8Array.from({bytes})], 'five.intent')); \
-         document.body.dispatchEvent(new DragEvent('drop', {{ dataTransfer: data, bubbles: true, cancelable: true }})); }})()"
-    ));
+    browser.value(&drop_five());
     until(&mut browser, "!$onto-board.hidden")?;
     until(&mut browser, "$notice.textContent.startsWith('Installed')")?;
     // Its scores are those of the new model, and its labels go on.

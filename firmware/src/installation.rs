@@ -65,7 +65,7 @@ async fn serve(flash: &SharedFlash<impl Flash>) -> ! {
                 take(&mut installation, flash, number, &block).await
             }
         };
-        INSTALLATION.answer(ticket, answer.map_err(refusal));
+        INSTALLATION.answer(ticket, answer.map_err(Refusal::from));
     }
 }
 
@@ -104,17 +104,6 @@ async fn write_page(flash: &mut impl Flash, record: &[u8]) -> Result<(), FlashFa
         put(flash, region, block * BLOCK_BYTES as u32, words).await?;
     }
     Ok(())
-}
-
-const fn refusal(refused: Refused) -> Refusal {
-    match refused {
-        Refused::Length => Refusal::Length,
-        Refused::NotBegun => Refusal::NotBegun,
-        Refused::NoSuchBlock => Refusal::Arguments,
-        Refused::Busy => Refusal::Busy,
-        Refused::Flash => Refusal::Flash,
-        Refused::Model => Refusal::Model,
-    }
 }
 
 async fn take(

@@ -18,6 +18,7 @@
 
 mod alignment;
 mod calibration;
+mod commands;
 mod in_use;
 mod output;
 mod window;

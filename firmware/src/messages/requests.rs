@@ -5,16 +5,14 @@ use core::sync::atomic::{AtomicU8, Ordering};
 use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, signal::Signal};
 use embassy_time::{Duration, with_timeout};
 use shared::installation::{Block, InstallationProgress, Transfer};
-use shared::stream::alignment::Alignment;
-use shared::stream::smoother::Gate;
-use shared::uart_line::answer::{Accepted, Binding, Refusal};
+use shared::uart_line::answer::{Answer, Binding, Refusal};
 use shared::uart_line::calibration::CalibrateCommand;
 use shared::uart_line::command::{AlignCommand, BindCommand};
 use shared::uart_line::gate::GateCommand;
-use shared::uart_line::lock::{LockCommand, Locking};
+use shared::uart_line::lock::LockCommand;
 
 /// Requests from the control task to the inference.
-pub static INFERENCE: Requests<InferenceRequest, InferenceAnswer> = Requests::new();
+pub static INFERENCE: Requests<InferenceRequest, Answer<'static>> = Requests::new();
 
 #[derive(Clone, Copy)]
 pub enum InferenceRequest {
@@ -24,19 +22,6 @@ pub enum InferenceRequest {
     Calibrate(CalibrateCommand),
     /// The button was pressed: end a calibration, unlock labels that are locked, or begin an alignment.
     Press,
-}
-
-#[derive(Clone, Copy)]
-pub enum InferenceAnswer {
-    /// The command is accepted.
-    Align(Accepted),
-    Alignment(Alignment),
-    /// This gate is in force from now on.
-    Gate(Gate),
-    /// This lock is in force from now on.
-    Lock(Option<Locking>),
-    /// The command about the calibration is carried out.
-    Calibrated,
 }
 
 /// Requests from the installation to the inference. A channel of its own: flash is erased on the strength of its answer.
@@ -133,6 +118,8 @@ mod tests {
 
     use embassy_time::MockDriver;
 
+    use shared::stream::smoother::Gate;
+
     use super::*;
     use crate::clock::alone;
 
@@ -162,12 +149,9 @@ mod tests {
         assert!(now!(installation).is_pending() && now!(control).is_pending());
         // The gate is answered first. Flash would be erased under a model in use.
         let (ticket, _) = taken(&INFERENCE).unwrap();
-        INFERENCE.answer(ticket, Ok(InferenceAnswer::Gate(Gate::default())));
+        INFERENCE.answer(ticket, Ok(Answer::Gate(Gate::default())));
         assert!(now!(installation).is_pending(), "not suspended");
-        assert!(matches!(
-            now!(control),
-            Poll::Ready(Ok(InferenceAnswer::Gate(_)))
-        ));
+        assert!(matches!(now!(control), Poll::Ready(Ok(Answer::Gate(_)))));
         let (ticket, request) = taken(&MODEL).unwrap();
         assert!(matches!(request, ModelRequest::Suspend));
         MODEL.answer(ticket, Ok(()));

@@ -11,7 +11,7 @@ use core::future::pending;
 use embassy_futures::select::{Either, Either3, select, select3};
 use embassy_sync::{blocking_mutex::raw::NoopRawMutex, signal::Signal};
 use embassy_time::{Duration, Ticker};
-use shared::myo::{Action, Address, Following, MyoEvent, MyoSession, RadioProgress};
+use shared::myo::{Action, Address, MyoEvent, MyoSession, RadioProgress};
 use shared::stream::link_sequence::Sequencer;
 use shared::uart_line::answer::{Binding, Refusal};
 use shared::uart_line::command::BindCommand;
@@ -180,24 +180,10 @@ impl<'q> SessionDriver<'q> {
 
     /// Carries out what a person asks for.
     fn bind(&self, command: BindCommand) -> Result<Binding, Refusal> {
-        let event = match command {
-            BindCommand::Begin => Some(MyoEvent::Pair),
-            BindCommand::Set(armband) => Some(MyoEvent::Bind(Some(armband))),
-            BindCommand::Forget => Some(MyoEvent::Bind(None)),
-            BindCommand::State => None,
-        };
         let following = self.session.borrow().following();
-        if let Some(event) = event {
-            if let Following::Pinned(_) = following {
-                return Err(Refusal::BuiltIn);
-            }
-            // Binding it again would change nothing, and end its stream.
-            let is_bound = matches!(following, Following::Bound(armband)
-                if command == BindCommand::Set(armband) && self.kept.get() == Some(armband));
-            if !is_bound {
-                self.sought.set(now());
-                self.handle(event);
-            }
+        if let Some(event) = command.event(following, self.kept.get())? {
+            self.sought.set(now());
+            self.handle(event);
         }
         let session = self.session.borrow();
         Ok(Binding {

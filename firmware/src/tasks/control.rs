@@ -17,7 +17,7 @@ use crate::messages::{
     armband, calibration, model,
     packets::PACKETS,
     raw,
-    requests::{self, InferenceAnswer, InferenceRequest, InstallationRequest},
+    requests::{self, InferenceRequest, InstallationRequest},
     uart::{self, UartMessage},
 };
 
@@ -135,14 +135,8 @@ async fn carry_out(line: usize, command: Command) -> Answer<'static> {
 }
 
 async fn ask_inference(request: InferenceRequest) -> Answer<'static> {
-    match requests::INFERENCE.ask(request).await {
-        Ok(InferenceAnswer::Align(accepted)) => Answer::Align(accepted),
-        Ok(InferenceAnswer::Alignment(alignment)) => Answer::Alignment(alignment),
-        Ok(InferenceAnswer::Gate(gate)) => Answer::Gate(gate),
-        Ok(InferenceAnswer::Lock(lock)) => Answer::Lock(lock),
-        Ok(InferenceAnswer::Calibrated) => calibration::answer(),
-        Err(refusal) => Answer::Refused(refusal),
-    }
+    let answer = requests::INFERENCE.ask(request).await;
+    answer.unwrap_or_else(Answer::Refused)
 }
 
 async fn install(request: InstallationRequest) -> Answer<'static> {

@@ -8,15 +8,14 @@ use embassy_time::{Duration, Instant, Timer};
 use shared::calibration::Memory;
 use shared::model::encoder::DeviceState;
 use shared::pipeline::{AlignmentPhase, Pipeline, Reports};
-use shared::stream::alignment::{Arm, Trigger};
+use shared::stream::alignment::Trigger;
 use shared::stream::link_sequence::QueueGapDetector;
 use shared::stream::safe_state::Start;
-use shared::uart_line::answer::{Accepted, Refusal};
+use shared::uart_line::answer::{Answer, Refusal};
 use shared::uart_line::calibration::{CalibrateCommand, CalibrationReport, CalibrationState};
 use shared::uart_line::command::AlignCommand;
 use shared::uart_line::emg::EmgReport;
-use shared::uart_line::gate::GateCommand;
-use shared::uart_line::lock::{LockCommand, Locking};
+use shared::uart_line::lock::LockCommand;
 use shared::units::Millis;
 use static_cell::{ConstStaticCell, StaticCell};
 
@@ -27,7 +26,7 @@ use crate::messages::{
     heartbeat, model,
     packets::PACKETS,
     pin_state, raw,
-    requests::{INFERENCE, InferenceAnswer, InferenceRequest, MODEL, ModelRequest},
+    requests::{INFERENCE, InferenceRequest, MODEL, ModelRequest},
     uart::{self, UartMessage},
 };
 use crate::model_region::{self, BoardEncoder, Loaded, ModelRefused};
@@ -174,25 +173,25 @@ pub async fn run(
             }
             Either4::Third((ticket, request)) => {
                 let done = match request {
-                    InferenceRequest::Align(command) => align(pipeline, command, streams),
-                    InferenceRequest::Gate(command) => set_gate(pipeline, command),
-                    InferenceRequest::Lock(command) => Ok(set_lock(pipeline, command)),
+                    InferenceRequest::Align(command) => pipeline.align(command, streams, ARM),
+                    InferenceRequest::Gate(command) => pipeline.change_gate(command),
+                    InferenceRequest::Lock(command) => Ok(pipeline.change_lock(command)),
                     InferenceRequest::Calibrate(command) => {
                         calibrate(pipeline, &mut absence, command, streams)
                     }
                     InferenceRequest::Press if pipeline.cancel_calibration() => {
-                        Ok(InferenceAnswer::Calibrated)
+                        Ok(calibration::answer())
                     }
                     InferenceRequest::Press
                         if pipeline.lock().is_some_and(|lock| lock.is_locked()) =>
                     {
-                        Ok(set_lock(pipeline, LockCommand::Hold { is_locked: false }))
+                        Ok(pipeline.change_lock(LockCommand::Hold { is_locked: false }))
                     }
                     InferenceRequest::Press => {
-                        align(pipeline, AlignCommand::Begin(Arm::Unknown), streams)
+                        pipeline.align(AlignCommand::Begin(ARM), streams, ARM)
                     }
                 };
-                if let Ok(InferenceAnswer::Align(_)) = done {
+                if let Ok(Answer::Align(_)) = done {
                     trigger.requested();
                 }
                 INFERENCE.answer(ticket, done);
@@ -253,52 +252,18 @@ fn stalled(pipeline: &mut DevicePipeline, now: Millis) {
     }
 }
 
-fn align(
-    pipeline: &mut DevicePipeline,
-    command: AlignCommand,
-    streams: bool,
-) -> Result<InferenceAnswer, Refusal> {
-    match command {
-        AlignCommand::State => {}
-        AlignCommand::Begin(_) if !streams => return Err(Refusal::NoStream),
-        AlignCommand::Begin(arm) => {
-            // Where nothing is told of the arm, it is as the program was built.
-            let arm = if arm == Arm::Unknown { ARM } else { arm };
-            pipeline.begin_alignment(arm);
-        }
-        AlignCommand::Cancel => pipeline.cancel_alignment(),
-        AlignCommand::Set(alignment) => pipeline.set_alignment(alignment),
-    }
-    Ok(match Accepted::of(command) {
-        Some(accepted) => InferenceAnswer::Align(accepted),
-        None => InferenceAnswer::Alignment(pipeline.alignment()),
-    })
-}
-
 fn calibrate(
     pipeline: &mut DevicePipeline,
     absence: &mut Absence,
     command: CalibrateCommand,
     streams: bool,
-) -> Result<InferenceAnswer, Refusal> {
-    match command {
-        CalibrateCommand::Begin { .. } if !streams => return Err(Refusal::NoStream),
-        CalibrateCommand::Begin { others } => {
-            match pipeline.begin_calibration(now(), others, ARM) {
-                Some(reports) => enqueue(pipeline, reports),
-                None => {
-                    calibration::report(CalibrationReport::of(CalibrationState::Unavailable, None))
-                }
-            }
-        }
-        CalibrateCommand::Cancel => {
-            pipeline.cancel_calibration();
-            enqueue(pipeline, Reports::default());
-        }
-        CalibrateCommand::Forget => keep(pipeline, absence, None),
-        CalibrateCommand::State => {}
+) -> Result<Answer<'static>, Refusal> {
+    let reports = pipeline.calibrate(now(), command, streams, ARM)?;
+    enqueue(pipeline, reports);
+    if command == CalibrateCommand::Forget {
+        keep(pipeline, absence, None);
     }
-    Ok(InferenceAnswer::Calibrated)
+    Ok(calibration::answer())
 }
 
 /// Gives up the model, and has its calibration written, or none; then the installation asks for the model again.
@@ -314,26 +279,6 @@ fn keep(pipeline: &mut DevicePipeline, absence: &mut Absence, learnt: Option<&'s
     }
     absence.began(now(), ModelRefused::Keeping);
     calibration::KEEP.signal(Keep { learnt, model });
-}
-
-fn set_gate(
-    pipeline: &mut DevicePipeline,
-    command: GateCommand,
-) -> Result<InferenceAnswer, Refusal> {
-    match command {
-        GateCommand::Set(gate) if !pipeline.set_gate(gate) => Err(Refusal::Arguments),
-        GateCommand::Set(_) | GateCommand::State => Ok(InferenceAnswer::Gate(pipeline.gate())),
-    }
-}
-
-fn set_lock(pipeline: &mut DevicePipeline, command: LockCommand) -> InferenceAnswer {
-    match command {
-        LockCommand::Set(times) => pipeline.set_lock(Some(times)),
-        LockCommand::Off => pipeline.set_lock(None),
-        LockCommand::Hold { is_locked } => pipeline.hold_lock(is_locked),
-        LockCommand::State => {}
-    }
-    InferenceAnswer::Lock(pipeline.lock().map(Locking::from))
 }
 
 /// Queues what a call of the pipeline gave and what is new about alignment and calibration, in the order of the lines' numbers.

@@ -11,6 +11,7 @@ export const ENGLISH = {
   "source.silent": "the program does not answer; trying again",
   "source.stopped": "the program in this page has stopped: choose a source again", "source.unplugged": "the board is unplugged: connect it, and choose it again",
   "sources": "Source", "use.demo": "Simulated arm", "use.demo.what": "A simulated forearm: needs no hardware",
+  "use.simulated": "Simulated board", "use.simulated.what": "A simulated board on USB, with its wearer: every step of a board, without hardware",
   "use.bluetooth": "Armband", "use.bluetooth.what": "An armband over this computer's Bluetooth, without a board", "use.board": "Board", "use.board.what": "A board on a USB or serial port",
   "use.file": "Recording", "use.file.what": "A file of a recording, or a model (.intent); or drop it on this page",
   "use.record": "Record", "use.record.what": "A guided session of this armband, board or simulated arm; the recordings stay in this browser until you save them",

@@ -113,7 +113,7 @@ export const GERMAN_PROGRAM = {
   "there is no such request: load the page again, it may be of another version": "das gibt es nicht: die Seite neu laden, sie kann von einer anderen Version sein",
   "another page leads, and this one watches": "eine andere Seite führt, und diese schaut zu",
   // Sources.
-  "simulated arm": "simulierter Arm", "any armband": "irgendeines", "this computer": "dieser Computer", "this browser": "dieser Browser", "it has no recording": "darin ist keine Aufnahme", "the model is refused: {1}": "das Modell wird abgelehnt: {1}", "the recording begins again": "die Aufnahme beginnt von vorn",
+  "simulated arm": "simulierter Arm", "simulated USB": "simuliertem USB", "any armband": "irgendeines", "this computer": "dieser Computer", "this browser": "dieser Browser", "it has no recording": "darin ist keine Aufnahme", "the model is refused: {1}": "das Modell wird abgelehnt: {1}", "the recording begins again": "die Aufnahme beginnt von vorn",
   "open; nothing heard yet": "offen; noch nichts gehört", "{1}; looking for it again": "{1}; wird wieder gesucht",
   "no line for 5 s: is the board still powered?": "seit 5 s keine Zeile: hat die Platine noch Strom?",
   "no line of a board for 5 s: is this its port, and does no other program read it?": "seit 5 s keine Zeile einer Platine: ist es ihr Anschluss, und liest kein anderes Programm mit?",

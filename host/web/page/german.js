@@ -11,6 +11,7 @@ export const GERMAN = {
   "source.silent": "das Programm antwortet nicht; neuer Versuch",
   "source.stopped": "das Programm in dieser Seite steht: die Quelle neu wählen", "source.unplugged": "die Platine ist abgezogen: anschließen und neu wählen",
   "sources": "Quelle", "use.demo": "Simulierter Arm", "use.demo.what": "Ein simulierter Unterarm: braucht kein Gerät",
+  "use.simulated": "Simulierte Platine", "use.simulated.what": "Eine simulierte Platine an USB, mit der Person, die ihr Armband trägt: alle Schritte einer Platine, ohne Gerät",
   "use.bluetooth": "Armband", "use.bluetooth.what": "Ein Armband über das Bluetooth dieses Rechners, ohne Platine", "use.board": "Platine", "use.board.what": "Eine Platine an einem USB- oder seriellen Anschluss",
   "use.file": "Aufnahme", "use.file.what": "Die Datei einer Aufnahme oder ein Modell (.intent); oder auf diese Seite ziehen",
   "use.record": "Aufnehmen", "use.record.what": "Eine geführte Sitzung mit Armband, Platine oder simuliertem Arm; die Aufnahmen bleiben in diesem Browser, bis du sie sicherst",

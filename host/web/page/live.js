@@ -80,6 +80,7 @@ const TAKE = {
     connected = message.connected;
     panel.source(connected ? "connected" : "lost", message.detail ? `${name}: ${said(message.detail)}` : name);
     document.body.dataset.kind = message.kind;
+    simulated(message.kind === "demo");
     find("align").disabled = find("calibrate").disabled = find("play").disabled = !connected;
     if (!connected) {
       noStream();
@@ -91,6 +92,7 @@ const TAKE = {
     panel.legend(message);
   },
   board(message) {
+    simulated(message.image === "simulated");
     panel.number("board", `${said(message.image)}, ${message.version}`);
     panel.number("address", message.armband ?? t("none.connected"));
     panel.number("battery", message.battery === null ? "–" : `${message.battery} %`);
@@ -184,6 +186,13 @@ const TAKE = {
   },
 };
 
+/** Keeps in mind that the arm is simulated, until another stream begins. */
+function simulated(is) {
+  if (is) {
+    document.body.dataset.simulated = "";
+  }
+}
+
 function lost(text, advice) {
   connected = false;
   empty.gone(advice);
@@ -223,6 +232,7 @@ function aligns(waiting) {
 
 /** Another stream begins, in place of the one before. */
 function begun() {
+  delete document.body.dataset.simulated;
   clock.forget();
   history.clear();
   agreement.clear();
@@ -295,7 +305,7 @@ const actions = {
     }
   },
   save() {
-    panel.notice(save(history, document.body.dataset.kind), PASSING);
+    panel.notice(save(history, "simulated" in document.body.dataset), PASSING);
   },
   align: () => say({ do: aligning ? "cancel" : "align" }),
   language: choose,

@@ -4,10 +4,10 @@ import { made } from "./dom.js";
 import { csv } from "./history.js";
 import { fixed, t } from "./texts.js";
 
-/** Hands the history of a source of this kind to the browser as a file, whose name tells a simulated arm. Returns what was saved, in words. */
-export function save(history, kind) {
+/** Hands the history to the browser as a file, whose name tells a simulated arm. Returns what was saved, in words. */
+export function save(history, isSimulated) {
   const { text, seconds } = csv(history);
-  const name = fileName(kind === "demo" ? "simulated" : "live", new Date());
+  const name = fileName(isSimulated ? "simulated" : "live", new Date());
   download(name, text);
   const key = history.stretch()[0] > history.first ? "saved.gap" : "saved";
   return t(key, { seconds: fixed(seconds, 1), name });

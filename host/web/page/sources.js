@@ -21,6 +21,7 @@ export class Sources {
     find("lacks").hidden = lacks.length === 0;
     find("lacks").textContent = lacks.length === 2 ? t("lacks.both") : lacks.map(([id]) => t(`lacks.${id}`)).join();
     find("use-demo").addEventListener("click", () => this.begin());
+    find("use-simulated").addEventListener("click", () => tab.open({ source: "simulated_board" }));
     find("use-bluetooth").addEventListener("click", () => this.#choose(async () => {
       const device = await Radio.choose();
       await this.#tab.open({ source: "bluetooth", name: device.name }, { device });

@@ -17,6 +17,7 @@ use std::collections::BTreeMap;
 use recordings::labels::motion::Motion;
 use serde::{Serialize, Serializer};
 use shared::myo::{self, Action, Uuid};
+use shared::uart_line::command::Command;
 use shared::units::Millis;
 
 use crate::armband::{self, Armband, Now};
@@ -33,6 +34,7 @@ use crate::record::remark::Remark;
 use crate::record::session::{self, HoldReason, Input};
 use crate::request::{SessionCommand, SourceRequest, UNKNOWN, ViewerMessage};
 use crate::scored_pipeline::ScoredPipeline;
+use crate::simulated_board::{STEP_MS, SimulatedBoard};
 
 use self::opening::chosen;
 pub use self::opening::{Settings, Wanted};
@@ -142,6 +144,8 @@ enum Running {
         port: String,
         /// Whether the port is open: what is asked for before is not done after.
         is_open: bool,
+        /// Simulated board in place of one at a port, and the time of its next step.
+        simulated: Option<(Box<SimulatedBoard>, f64)>,
     },
     Armband {
         armband: Armband,
@@ -218,6 +222,15 @@ impl Outputs {
         self.event(now, Event::Remarks { remarks });
     }
 
+    /// Sends the board a command.
+    fn send(&mut self, simulated: &mut Option<(Box<SimulatedBoard>, f64)>, command: &Command) {
+        let line = command.to_string();
+        match simulated {
+            Some((simulated, _)) => simulated.receive(line.as_bytes()),
+            None => self.waiting.push(Output::Line { line }),
+        }
+    }
+
     fn made(&mut self, files: Files) {
         let kept = files.result.clone().map(Event::Kept);
         self.waiting.extend(kept.map(Output::Event));
@@ -239,6 +252,7 @@ impl Engine {
         if let Some(recording) = &mut self.outputs.recording {
             recording.handle(millis(now), Input::Tick);
         }
+        self.simulate(now);
         let outputs = &mut self.outputs;
         match &mut self.running {
             Running::Nothing => {}
@@ -284,16 +298,42 @@ impl Engine {
         }
     }
 
+    /// Lets the time of a simulated board pass, and takes what it sends.
+    fn simulate(&mut self, now: f64) {
+        while let Running::Board {
+            simulated: Some((simulated, due)),
+            ..
+        } = &mut self.running
+        {
+            if now - *due > LATE.as_secs_f64() * 1000.0 {
+                *due = now;
+            }
+            if *due > now {
+                return;
+            }
+            *due += f64::from(STEP_MS);
+            let outputs = &self.outputs;
+            let session = outputs.recording.as_ref().map(RecordedSession::cue);
+            let lines = simulated.step(session, outputs.blocks.hand());
+            self.heard(now, lines.as_bytes());
+        }
+    }
+
     /// Sends the board the commands that are due, and says how an installation goes.
     fn commands(&mut self, now: f64) {
-        let Running::Board { board, is_open, .. } = &mut self.running else {
+        let Running::Board {
+            board,
+            is_open,
+            simulated,
+            ..
+        } = &mut self.running
+        else {
             return;
         };
         let outputs = &mut self.outputs;
         if *is_open {
             while let Some(command) = board.command(millis(now)) {
-                let line = command.to_string();
-                outputs.waiting.push(Output::Line { line });
+                outputs.send(simulated, &command);
             }
         } else {
             board.wait(millis(now));
@@ -530,12 +570,11 @@ impl Engine {
             Running::Nothing | Running::Board { is_open: false, .. } => {}
             Running::Playback { playback, .. } => playback.request(now, request, emit),
             Running::Armband { armband, .. } => armband.request(time(now), request, emit),
-            Running::Board { .. } => {
-                if let Some(command) = request.command() {
-                    let line = command.to_string();
-                    outputs.waiting.push(Output::Line { line });
-                }
-            }
+            Running::Board { simulated, .. } => match (request.command(), simulated) {
+                (Some(command), simulated) => outputs.send(simulated, &command),
+                (None, Some((simulated, _))) if *request == SourceRequest::Turn => simulated.turn(),
+                (None, _) => {}
+            },
         }
     }
 

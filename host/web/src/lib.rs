@@ -31,6 +31,8 @@ pub mod record;
 pub mod request;
 pub mod scored_pipeline;
 mod scores;
+mod simulated_armband;
+mod simulated_board;
 
 /// Shipped three-class model.
 pub use models::THREE_CLASS as SHIPPED;

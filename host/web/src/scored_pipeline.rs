@@ -268,29 +268,16 @@ impl ScoredPipeline {
         command: CalibrateCommand,
         emit: &mut dyn FnMut(Event),
     ) {
-        let say = |own: &mut Self, state| {
-            let report = CalibrationReport::of(state, None);
-            own.calibration.event(at, report, own.head.is_some())
-        };
-        match command {
-            CalibrateCommand::Begin { others } => {
-                let begun = self.pipeline.begin_calibration(now, others, Arm::Unknown);
-                if begun.is_none() {
-                    say(self, CalibrationState::Unavailable).map(emit);
-                    return;
-                }
-                for report in begun.into_iter().flatten() {
-                    emit(Event::of_report(at, &report));
-                }
-            }
-            CalibrateCommand::Cancel => drop(self.pipeline.cancel_calibration()),
-            CalibrateCommand::Forget if self.head.is_some() => {
-                self.pipeline.cancel_calibration();
-                self.put(now, None, Alignment::NONE);
-                let _ = self.pipeline.take_calibration_report();
-                say(self, CalibrationState::Idle).map(emit);
-            }
-            CalibrateCommand::Forget | CalibrateCommand::State => {}
+        let done = self.pipeline.calibrate(now, command, true, Arm::Unknown);
+        for report in done.into_iter().flatten() {
+            emit(Event::of_report(at, &report));
+        }
+        if command == CalibrateCommand::Forget && self.head.is_some() {
+            self.pipeline.cancel_calibration();
+            self.put(now, None, Alignment::NONE);
+            let _ = self.pipeline.take_calibration_report();
+            let idle = CalibrationReport::of(CalibrationState::Idle, None);
+            self.calibration.event(at, idle, false).map(emit);
         }
     }
 

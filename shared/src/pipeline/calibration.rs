@@ -18,7 +18,7 @@ pub(super) struct Calibration<'s> {
     course: Option<Course>,
     /// A head was learnt, and is not in use yet.
     has_learnt: bool,
-    news: Option<CalibrationReport>,
+    pub(super) news: Option<CalibrationReport>,
     /// Alignment from before a calibration that ended without a head: to be put in force again.
     before: Option<Alignment>,
 }

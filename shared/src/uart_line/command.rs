@@ -60,7 +60,7 @@ use super::lock::LockCommand;
 use super::refusal::Refusal;
 use crate::hid::{HidCommand, Output};
 use crate::installation::{Block, Transfer};
-use crate::myo::Address;
+use crate::myo::{Address, Following, MyoEvent};
 use crate::stream::alignment::{Alignment, Arm};
 use crate::stream::lock::LockTimes;
 use crate::stream::smoother::Gate;
@@ -117,6 +117,33 @@ pub enum BindCommand {
     Forget,
     /// Change nothing.
     State,
+}
+
+impl BindCommand {
+    /// Event that carries it out; none where it changes nothing: binding an armband again would end its stream. `kept` is the
+    /// armband that outlasts a restart.
+    ///
+    /// # Errors
+    /// [`Refusal::BuiltIn`] where it cannot be changed.
+    pub fn event(
+        self,
+        following: Following,
+        kept: Option<Address>,
+    ) -> Result<Option<MyoEvent<'static>>, Refusal> {
+        let event = match self {
+            Self::State => return Ok(None),
+            Self::Begin => MyoEvent::Pair,
+            Self::Set(armband) => MyoEvent::Bind(Some(armband)),
+            Self::Forget => MyoEvent::Bind(None),
+        };
+        match following {
+            Following::Pinned(_) => Err(Refusal::BuiltIn),
+            Following::Bound(armband) if self == Self::Set(armband) && kept == Some(armband) => {
+                Ok(None)
+            }
+            _ => Ok(Some(event)),
+        }
+    }
 }
 
 /// A command about the alignment.

@@ -1,5 +1,7 @@
 //! Refusals of commands, and their texts.
 
+use crate::installation::Refused;
+
 /// Why a command is not carried out. `Display` is for people.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, thiserror::Error)]
 #[expect(missing_docs, reason = "the messages say it")]
@@ -34,4 +36,17 @@ pub enum Refusal {
     Model,
     #[error("flash was not written: send it again")]
     Flash,
+}
+
+impl From<Refused> for Refusal {
+    fn from(refused: Refused) -> Self {
+        match refused {
+            Refused::Length => Self::Length,
+            Refused::NotBegun => Self::NotBegun,
+            Refused::NoSuchBlock => Self::Arguments,
+            Refused::Busy => Self::Busy,
+            Refused::Flash => Self::Flash,
+            Refused::Model => Self::Model,
+        }
+    }
 }

@@ -14,6 +14,7 @@ use crate::event::Event;
 use crate::person::{Cues, DemoPerson};
 use crate::playback::{PERIOD, Playback, SampleSource};
 use crate::scored_pipeline::{Refused, ScoredPipeline};
+use crate::simulated_board::SimulatedBoard;
 use crate::{SHIPPED, demo};
 
 /// Address that stands for the armband that the wearer has chosen: a browser names none.
@@ -21,6 +22,9 @@ const CHOSEN: [u8; 6] = [1, 0, 0, 0, 0, 0xc0];
 
 /// Name of the port that the user has chosen: a browser names none.
 const PORT: &str = "USB";
+
+/// Port of the simulated board.
+const SIMULATED: &str = "simulated USB";
 
 /// Source that a page asks for.
 #[derive(Clone, PartialEq, Eq, Debug, Deserialize)]
@@ -35,6 +39,8 @@ pub enum Wanted {
     },
     /// Board on a serial port.
     Port,
+    /// Simulated board.
+    SimulatedBoard,
     /// Armband.
     Bluetooth {
         /// Name of the armband.
@@ -80,6 +86,7 @@ impl Engine {
                 Wanted::Demo => ("demo", ""),
                 Wanted::Recording { name } => ("replay", &**name),
                 Wanted::Port => ("port", PORT),
+                Wanted::SimulatedBoard => ("port", SIMULATED),
                 Wanted::Bluetooth { name } => ("bluetooth", &**name),
             };
             let state = source(kind, name, false, why, Vec::new());
@@ -99,6 +106,7 @@ impl Engine {
                 self.connected(settings.now);
                 opened
             }
+            Wanted::SimulatedBoard => return self.simulated_board(settings),
             Wanted::Bluetooth { name } => {
                 let here = ("this browser", Some(name.clone()));
                 self.follow(settings, Some(chosen()), here, Some(false))
@@ -177,7 +185,26 @@ impl Engine {
             board: Board::new(millis(now), settings.imu, scored, always),
             port,
             is_open: false,
+            simulated: None,
         };
+        Ok(())
+    }
+
+    /// Reads a simulated board that runs the page's model.
+    ///
+    /// # Errors
+    /// When no board can run the model.
+    fn simulated_board(&mut self, settings: &Settings<'_>) -> Result<(), String> {
+        let person = DemoPerson::new(demo::follower(), Cues::List(demo::cues()));
+        let started = SimulatedBoard::start(settings.model.unwrap_or(SHIPPED), person);
+        let started = Box::new(started.map_err(|error| error.to_string())?);
+        let opened = self.board(settings, SIMULATED.to_owned(), false);
+        opened.map_err(|error| error.to_string())?;
+        self.source = ("simulated board".to_owned(), true);
+        if let Running::Board { simulated, .. } = &mut self.running {
+            *simulated = Some((started, settings.now));
+        }
+        self.connected(settings.now);
         Ok(())
     }
 

@@ -1,5 +1,3 @@
-use std::collections::VecDeque;
-
 use recordings::synthetic::{self, SynthOptions};
 use shared::installation::InstallationProgress;
 use shared::model::file::Model;
@@ -13,6 +11,7 @@ use super::*;
 use crate::SHIPPED;
 use crate::outcome::InstallationState;
 use crate::record::journal::FULL;
+use crate::simulated_armband::SimulatedArmband;
 
 const SETTINGS: Settings<'static> = Settings {
     now: 0.0,
@@ -21,137 +20,58 @@ const SETTINGS: Settings<'static> = Settings {
     speed: 1,
 };
 const ADDRESS: &str = "FA:12:34:56:78:9A";
-/// Firmware version 1.5.1970, hardware revision 2.
-const FIRMWARE: [u8; 8] = [1, 0, 5, 0, 0xb2, 0x07, 2, 0];
 
-/// Armband and Bluetooth stack, simulated.
-#[derive(Default)]
-struct Peripheral {
-    samples: Vec<Sample>,
-    /// Number of notifications after which the link is lost, once.
-    lost_after: Option<usize>,
-    /// Notifications of the recording sent so far, over all connections.
-    sent: usize,
-    lane: usize,
-    streams: bool,
-    /// Whether its IMU is subscribed to, and on in its mode.
-    imu: (bool, bool),
-    /// Names of the actions, and events that the engine has not heard yet.
-    taken: Vec<&'static str>,
-    events: VecDeque<RadioEvent>,
-}
-
-impl Peripheral {
-    fn act(&mut self, action: Action) {
-        let (name, event) = match action {
-            Action::Scan => (
-                "scan",
-                RadioEvent::Advertisement {
-                    address: Address::parse(ADDRESS).unwrap(),
-                    rssi: -50,
-                    data: advertising_data([Uuid::CONTROL.to_le_bytes()]),
-                },
-            ),
-            Action::StopScan => return self.taken.push("stop"),
-            Action::Connect(_) => ("connect", RadioEvent::Connected),
-            Action::Discover => {
-                let found = Characteristic::ALL.into_iter().collect();
-                ("discover", RadioEvent::Discovered { found })
-            }
-            Action::Read(Characteristic::FirmwareVersion) => {
-                let bytes = FIRMWARE.to_vec();
-                ("firmware", RadioEvent::Read { bytes })
-            }
-            Action::Read(_) => ("battery", RadioEvent::Read { bytes: vec![80] }),
-            Action::Subscribe(Characteristic::Imu) => {
-                self.imu.0 = true;
-                ("subscribe to the IMU", RadioEvent::Done)
-            }
-            Action::Subscribe(_) => ("subscribe", RadioEvent::Done),
-            Action::Write(_, payload) => match payload.as_slice() {
-                [1, 3, 2, imu, 0] => {
-                    (self.streams, self.imu.1) = (true, *imu == 1);
-                    (if self.imu.1 { "imu" } else { "stream" }, RadioEvent::Done)
-                }
-                _ => ("write", RadioEvent::Done),
-            },
-            other => panic!("{other:?} is for the pipeline"),
-        };
-        self.taken.push(name);
-        self.events.push_back(event);
-    }
-
-    /// Sends the next samples of the recording, on the four characteristics in turn, and behind every second notification what
-    /// the IMU says: its turn is the number of the notification.
-    fn notify(&mut self) {
-        let pair: [Sample; 2] = self.samples[2 * self.sent..][..2].try_into().unwrap();
-        self.events.push_back(RadioEvent::Notification {
-            characteristic: Characteristic::ALL[2 + self.lane],
-            bytes: pair
-                .as_flattened()
-                .iter()
-                .map(|&value| value.cast_unsigned())
-                .collect(),
-        });
-        self.lane = (self.lane + 1) % 4;
-        self.sent += 1;
-        if self.imu == (true, true) && self.sent.is_multiple_of(2) {
-            let imu = [16_384, 0, 0, 0, 0, 0, -2048, self.sent as i16, 0, 0].map(i16::to_le_bytes);
-            self.events.push_back(RadioEvent::Notification {
-                characteristic: Characteristic::Imu,
-                bytes: imu.as_flattened().to_vec(),
-            });
-        }
-        if self
-            .lost_after
-            .take_if(|after| *after == self.sent)
-            .is_some()
-        {
-            self.events.push_back(RadioEvent::Disconnected);
-            (self.lane, self.streams, self.imu) = (0, false, (false, false));
-        }
-    }
-}
-
-/// Follows an armband until it has sent all of its samples. Returns the events, and the names of the radio's actions.
+/// Follows an armband until it has sent all of its samples. The link is lost once after so many notifications, if it is to be. Returns
+/// the events, and the radio's actions.
 fn followed(
     pinned: Option<Address>,
     imu: bool,
     samples: &[Sample],
     lost_after: Option<usize>,
-) -> (Vec<Event>, Vec<&'static str>) {
-    let mut peripheral = Peripheral {
-        samples: samples.to_vec(),
-        lost_after,
-        ..Peripheral::default()
-    };
+) -> (Vec<Event>, Vec<Action>) {
+    let mut armband = SimulatedArmband::default();
+    let mut pairs = samples.as_chunks().0.iter().zip(1..);
     let mut engine = Engine::default();
     let settings = Settings { imu, ..SETTINGS };
     engine.armband(&settings, pinned).unwrap();
-    let mut events = Vec::new();
+    let (mut events, mut taken) = (Vec::new(), Vec::new());
     for now in (0..).map(|tick| f64::from(tick) * 10.0) {
         engine.tick(now);
-        if peripheral.streams {
-            peripheral.notify();
+        if armband.streams() {
+            let Some((pair, sent)) = pairs.next() else {
+                break;
+            };
+            armband.notify(*pair);
+            if lost_after == Some(sent) {
+                armband.lose();
+            }
         }
         loop {
             for output in engine.take() {
                 match output {
                     Output::Event(event) => events.push(event),
-                    Output::Radio(action) => peripheral.act(action),
+                    Output::Radio(action) => {
+                        taken.push(action);
+                        armband.act(action);
+                    }
                     other => panic!("{other:?}"),
                 }
             }
-            match peripheral.events.pop_front() {
-                Some(event) => engine.radio(now, &event),
-                None => break,
+            let heard = armband.events();
+            if heard.is_empty() {
+                break;
+            }
+            for event in &heard {
+                engine.radio(now, event);
             }
         }
-        if 2 * peripheral.sent == peripheral.samples.len() {
-            break;
-        }
     }
-    (events, peripheral.taken)
+    (events, taken)
+}
+
+/// Whether an action turns EMG on, and movement if wanted.
+fn sets_mode(action: &Action, imu: bool) -> bool {
+    matches!(action, Action::Write(_, payload) if payload.as_slice() == [1, 3, 2, u8::from(imu), 0])
 }
 
 fn recording() -> Vec<Sample> {
@@ -219,15 +139,16 @@ fn an_armband_is_followed_and_labelled_as_on_a_board_and_found_again_when_it_is_
     assert_eq!(shown[begun..][..expected.len()], expected);
     connected.dedup();
     assert_eq!(connected, [false, true, false, true]);
-    assert_eq!(taken.iter().filter(|name| **name == "connect").count(), 2);
+    let connects = |action: &&Action| matches!(action, Action::Connect(_));
+    assert_eq!(taken.iter().filter(connects).count(), 2);
 }
 
 #[test]
 fn an_armband_of_an_address_is_connected_to_at_its_first_advertisement() {
     let address = Address::parse(ADDRESS).unwrap();
     let (_, taken) = followed(Some(address), false, &recording()[..400], None);
-    assert_eq!(taken[..2], ["scan", "stop"]);
-    assert!(taken.contains(&"stream"), "{taken:?}");
+    assert_eq!(taken[..2], [Action::Scan, Action::StopScan]);
+    assert!(taken.iter().any(|own| sets_mode(own, false)), "{taken:?}");
 }
 
 #[test]
@@ -239,13 +160,14 @@ fn movement_comes_where_it_is_wanted_numbered_by_the_sample_that_is_due() {
             _ => None,
         });
         let moved: Vec<_> = moved.collect();
-        let asked = ["subscribe to the IMU", "imu"].map(|name| taken.contains(&name));
+        let subscribes = taken.contains(&Action::Subscribe(Characteristic::Imu));
+        let asked = [subscribes, taken.iter().any(|own| sets_mode(own, true))];
         assert_eq!((asked, moved.len() > 50), ([imu; 2], imu), "{taken:?}");
         for ((due, movement), (next, _)) in moved.iter().zip(moved.iter().skip(1)) {
             assert_eq!(movement.quaternion(), [1.0, 0.0, 0.0, 0.0]);
             assert_eq!(movement.acceleration(), [0.0, 0.0, -1.0]);
-            assert_eq!(movement.turn_rate(), [*due as f32 / 32.0, 0.0, 0.0]);
-            assert_eq!(*next, due + 4);
+            assert_eq!(movement.turn_rate(), [0.0; 3]);
+            assert_eq!((due % 4, *next), (0, due + 4));
         }
     }
 }
@@ -564,4 +486,162 @@ fn a_session_that_a_page_keeps_takes_no_work_of_a_program() {
         &refused[..],
         [Output::Answer(1, Event::Refused { text: NO_BOARD, .. })]
     ));
+}
+
+/// Lets a simulated board run, and returns the events of so many seconds.
+fn seconds(engine: &mut Engine, now: &mut u32, seconds: u32) -> Vec<Event> {
+    let from = *now;
+    *now += seconds * 1000;
+    let outputs = run(engine, from, *now).into_iter();
+    let events = outputs.map(|output| match output {
+        Output::Event(event) => event,
+        // The line leads to the simulated board.
+        other => panic!("{other:?}"),
+    });
+    events.collect()
+}
+
+/// State of the newest calibration, and whether one is in use.
+fn calibrated(events: &[Event]) -> (Vec<&'static str>, bool) {
+    let told = events.iter().filter_map(|event| match event {
+        Event::Calibration { state, in_use, .. } => Some((*state, *in_use)),
+        _ => None,
+    });
+    let (mut states, in_use): (Vec<_>, Vec<_>) = told.unzip();
+    states.dedup();
+    (states, in_use.last() == Some(&true))
+}
+
+/// Label, validity and instant of the reports.
+fn reported(events: &[Event]) -> Vec<(u32, &'static str, bool)> {
+    let reports = events.iter().filter_map(|event| match event {
+        Event::Report {
+            instant,
+            label,
+            valid,
+            ..
+        } => Some((*instant, *label, *valid)),
+        _ => None,
+    });
+    reports.collect()
+}
+
+#[test]
+fn a_simulated_board_takes_every_step_of_a_board_over_its_line() {
+    let mut engine = Engine::open(0.0, &Wanted::SimulatedBoard, &[], None);
+    engine.take();
+    let mut now = 0;
+    let say = |engine: &mut Engine, now: u32, text: &str| {
+        engine.request(f64::from(now), text.as_bytes(), &[]);
+    };
+    // It says what it is, and its labels are those of the same pipeline.
+    let events = seconds(&mut engine, &mut now, 15);
+    let checksum = format!("{:08x}", Model::parse(&SHIPPED.to_vec()).unwrap().checksum);
+    let identity = events.iter().rev().find_map(|event| match event {
+        Event::Board {
+            image,
+            model,
+            armband,
+            battery,
+            ..
+        } => Some((&**image, model.clone(), armband.as_deref(), *battery)),
+        _ => None,
+    });
+    let expected = ("simulated", Some(checksum), Some(ADDRESS), Some(80));
+    assert_eq!(identity, Some(expected));
+    assert!(
+        events
+            .iter()
+            .any(|event| matches!(event, Event::Imu { .. }))
+    );
+    assert!(
+        events
+            .iter()
+            .any(|event| matches!(event, Event::Scores { .. }))
+    );
+    let mut scored = ScoredPipeline::open(SHIPPED).unwrap();
+    let mut expected = Vec::new();
+    for event in &events {
+        if let Event::Samples { first, emg, .. } = event {
+            for (&sample, index) in emg.iter().zip(*first..) {
+                let found = scored.sample(Millis(0), 0.0, SampleIndex(index), sample);
+                found.events(0.0, &mut |event| expected.push(event));
+            }
+        }
+    }
+    let labels = reported(&events);
+    assert!(labels.len() > 100, "{labels:?}");
+    // The first report is of its start.
+    assert_eq!(labels[1..], reported(&expected));
+
+    // The armband is turned, which an alignment finds, and turned back.
+    let placed = |events: &[Event]| {
+        events.iter().rev().find_map(|event| match event {
+            Event::Alignment { state, turn, .. } => Some((*state, *turn)),
+            _ => None,
+        })
+    };
+    say(&mut engine, now, r#"{"do":"turn"}"#);
+    say(&mut engine, now, r#"{"do":"align"}"#);
+    let events = seconds(&mut engine, &mut now, 15);
+    assert_eq!(placed(&events), Some(("aligned", 3)));
+    say(&mut engine, now, r#"{"do":"turn"}"#);
+    say(
+        &mut engine,
+        now,
+        r#"{"do":"place","turn":0,"mirrored":false}"#,
+    );
+    assert_eq!(placed(&seconds(&mut engine, &mut now, 1)), Some(("set", 0)));
+
+    // A calibration is kept while no label is valid, and taken back.
+    say(&mut engine, now, r#"{"do":"calibrate","wish":"begin"}"#);
+    let events = seconds(&mut engine, &mut now, 40);
+    let states = ["teaching", "judging", "done"];
+    assert_eq!(calibrated(&events), (states.to_vec(), true));
+    let causes = |events: &[Event], wanted| {
+        let is = |event: &Event| matches!(event, Event::Report { cause: Some(cause), .. } if *cause == wanted);
+        events.iter().any(is)
+    };
+    assert!(causes(&events, "installation"));
+    assert!(reported(&events).last().unwrap().2, "valid again");
+    say(&mut engine, now, r#"{"do":"calibrate","wish":"forget"}"#);
+    let events = seconds(&mut engine, &mut now, 2);
+    assert_eq!(calibrated(&events), (vec!["keeping", "idle"], false));
+
+    // A pairing takes 30 s, in which nothing streams.
+    say(&mut engine, now, r#"{"do":"bind"}"#);
+    let events = seconds(&mut engine, &mut now, 40);
+    let bound = events.iter().filter_map(|event| match event {
+        Event::Binding { state, kept, .. } => Some((*state, *kept)),
+        _ => None,
+    });
+    let mut bound: Vec<_> = bound.collect();
+    bound.dedup();
+    assert_eq!(bound, [("pairing", true), ("bound", true)]);
+    assert!(causes(&events, "disconnected"));
+    assert!(reported(&events).last().unwrap().2, "valid again");
+
+    // Another model is installed over the line, block by block.
+    engine
+        .install(f64::from(now), models::SHIPPED[1].1)
+        .unwrap();
+    let events = seconds(&mut engine, &mut now, 5);
+    let states: Vec<_> = events
+        .iter()
+        .filter_map(|event| match event {
+            Event::Installing(state) => Some((state.state, state.blocks)),
+            _ => None,
+        })
+        .collect();
+    let (end, of) = *states.last().unwrap();
+    assert_eq!((end, states.len() > 90), ("done", of > 90), "{states:?}");
+    assert!(causes(&events, "installation"));
+    let classes = events.iter().rev().find_map(|event| match event {
+        Event::Model { classes, .. } => Some(classes.len()),
+        _ => None,
+    });
+    assert_eq!(classes, Some(5));
+    assert!(reported(&events).last().unwrap().2, "valid again");
+    // Its recordings are those of no person.
+    assert_eq!(engine.source, ("simulated board".to_owned(), true));
 }
