@@ -8,6 +8,7 @@
 //!
 //! What tasks of the firmware do at the same time is done in turn here, every 10 ms. Flash is memory, and power never fails.
 
+use std::collections::VecDeque;
 use std::error::Error as _;
 use std::fmt::{Display, Write as _};
 
@@ -86,7 +87,7 @@ pub struct SimulatedBoard {
     in_use: Result<(), RecordError>,
     keeping: Option<Keeping>,
     reader: CommandReader,
-    received: Vec<u8>,
+    received: VecDeque<u8>,
     lines: String,
     writes_raw: bool,
     writes_imu: bool,
@@ -130,7 +131,7 @@ impl SimulatedBoard {
             in_use: Err(RecordError::Missing),
             keeping: None,
             reader: CommandReader::new(),
-            received: Vec::new(),
+            received: VecDeque::new(),
             lines: String::new(),
             writes_raw: false,
             writes_imu: false,
@@ -174,7 +175,10 @@ impl SimulatedBoard {
         self.radio(MyoEvent::Tick);
         let reports = self.pipeline.tick(self.now);
         self.report(reports);
-        for byte in std::mem::take(&mut self.received) {
+        // As the installation of a board, which keeps calibrations too, does one thing at a time.
+        while self.keeping.is_none()
+            && let Some(byte) = self.received.pop_front()
+        {
             if let Some(command) = self.reader.push(byte) {
                 let done = command.and_then(|command| self.carry_out(command));
                 self.say(done.unwrap_or_else(Answer::Refused));
