@@ -625,7 +625,7 @@ fn a_simulated_board_takes_every_step_of_a_board_over_its_line() {
     engine
         .install(f64::from(now), models::SHIPPED[1].1)
         .unwrap();
-    let events = seconds(&mut engine, &mut now, 5);
+    let events = seconds(&mut engine, &mut now, 20);
     let states: Vec<_> = events
         .iter()
         .filter_map(|event| match event {
