@@ -688,6 +688,8 @@ fn the_simulated_board_shows_labels_and_takes_a_dropped_model() {
     browser.wait_for("$battery.textContent === '80 %'");
     assert!(browser.text("board").starts_with("simulated, "));
     browser.wait_for(&label("open"));
+    // Its wearer has rested and moved: how far each electrode came above rest is told.
+    browser.wait_for("$strengths.textContent.startsWith('In gestures electrodes come to ')");
     // Its wearer has turned the armband, and its file tells that nobody wore it.
     browser.value("$turn.click()");
     browser.press("a");

@@ -5,6 +5,9 @@ import { CHANNELS } from "./history.js";
 const SVG = "http://www.w3.org/2000/svg";
 const [WIDE, HIGH] = [74, 68];
 
+/** Times above rest below which an electrode is weak. */
+export const WEAK = 2;
+
 function element(parent, name, attributes, text) {
   const made = document.createElementNS(SVG, name);
   for (const [key, value] of Object.entries(attributes)) {
@@ -30,6 +33,7 @@ export class Armband {
   #turn = 0;
   #mirrored = false;
   #faults = new Array(CHANNELS).fill(null);
+  #times = null;
 
   constructor(svg) {
     element(svg, "ellipse", { class: "arm", rx: WIDE - 22, ry: HIGH - 20 });
@@ -47,7 +51,8 @@ export class Armband {
       const number = element(group, "text", {}, String(place + 1));
       const [u, v] = [(WIDE + 25) * Math.cos(at), (HIGH + 25) * Math.sin(at)];
       const outside = element(svg, "text", { class: "place", x: u, y: v }, String(place + 1));
-      this.#pods.push({ pod, activity, number, outside });
+      const times = element(svg, "text", { class: "times", x: (WIDE - 39) * Math.cos(at), y: (HIGH - 37) * Math.sin(at) });
+      this.#pods.push({ pod, activity, number, times, outside });
     }
   }
 
@@ -87,9 +92,19 @@ export class Armband {
     this.#mark();
   }
 
+  /** Shows how many times above rest each electrode came; null before the hand was moved. */
+  strengths(times) {
+    this.#times = times;
+    this.#mark();
+  }
+
   #mark() {
-    this.#pods.forEach(({ pod }, place) => {
-      pod.classList.toggle("fault", this.#faults[electrodeAt(place, this.#turn, this.#mirrored)] !== null);
+    this.#pods.forEach(({ pod, times }, place) => {
+      const electrode = electrodeAt(place, this.#turn, this.#mirrored);
+      const own = this.#times?.[electrode];
+      pod.classList.toggle("fault", this.#faults[electrode] !== null);
+      pod.classList.toggle("weak", own < WEAK);
+      times.textContent = this.#times ? `×${own}` : "";
     });
   }
 

@@ -81,6 +81,8 @@ export const ENGLISH = {
   "help.placement.text": "Numbers are electrodes. Without an alignment each counts as the one in its place in training: bending the wrist back is strongest on electrode 3. If yours sits otherwise, Align finds out how, and the numbers outside are the places in training.",
   "fault.silent": "Electrode {number} has no contact.", "fault.clipped": "Electrode {number} is too strong: its signal is cut off.",
   "fault.hum": "Electrode {number} hears the mains: press it on, and move away from cables.",
+  "strengths.unknown": "Rest for 5 seconds, then make a fist: it shows how many times above rest each electrode comes.",
+  "strengths.good": "In gestures electrodes come to {least} to {most} times their rest: good.", "strengths.weak": "Weak: electrode {weak} hardly rises above its rest. Move the armband, or tighten it.|Weak: electrodes {weak} hardly rise above their rest. Move the armband, or tighten it.",
   "how.sure": "How sure", "distance": "Distance", "margin": "Margin",
   "how.sure.text": "Distance: how unlike those of the people in training the openings were; 0 is alike, above 8 is refused. Margin: how much worse the next placement fits; below 1 is refused.",
   "arm": "Arm", "arm.set": "Palm down, a little raised: now", "arm.show": "Raise the forearm a little, palm down, and press.", "arm.is": "{raised}, {palm}",

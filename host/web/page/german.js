@@ -81,6 +81,8 @@ export const GERMAN = {
   "help.placement.text": "Zahlen sind Elektroden. Ohne Ausrichten gilt jede als die an ihrem Platz im Training: wird das Handgelenk gestreckt, ist Elektrode 3 am stärksten. Sitzt das Armband anders, findet Ausrichten heraus wie; die Zahlen außen sind die Plätze im Training.",
   "fault.silent": "Elektrode {number} hat keinen Kontakt.", "fault.clipped": "Elektrode {number} ist zu stark: ihr Signal ist abgeschnitten.",
   "fault.hum": "Elektrode {number} hört das Stromnetz: andrücken, und weg von Kabeln.",
+  "strengths.unknown": "5 Sekunden ruhen, dann eine Faust machen: das zeigt, auf das Wievielfache der Ruhe jede Elektrode kommt.",
+  "strengths.good": "In Gesten kommen die Elektroden auf das {least}- bis {most}-Fache ihrer Ruhe: gut.", "strengths.weak": "Schwach: Elektrode {weak} steigt kaum über ihre Ruhe. Das Armband verschieben oder enger anlegen.|Schwach: die Elektroden {weak} steigen kaum über ihre Ruhe. Das Armband verschieben oder enger anlegen.",
   "how.sure": "Wie sicher", "distance": "Abstand", "margin": "Vorsprung",
   "how.sure.text": "Abstand: wie unähnlich das Öffnen dem der Menschen im Training war; 0 ist gleich, über 8 wird abgelehnt. Vorsprung: wie viel schlechter der nächste Sitz passt; unter 1 wird abgelehnt.",
   "arm": "Arm", "arm.set": "Handfläche unten, etwas gehoben: jetzt", "arm.show": "Den Unterarm etwas heben, Handfläche nach unten, und drücken.", "arm.is": "{raised}, {palm}",

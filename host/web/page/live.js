@@ -107,8 +107,10 @@ const TAKE = {
   line({ damaged, missing, samples }) {
     panel.number("line", t("line.lost", { samples, lines: missing + damaged }));
   },
-  electrodes({ faults }) {
+  electrodes({ faults, times }) {
     armband.faults(faults);
+    armband.strengths(times);
+    panel.strengths(times, faults);
     const parts = faults.map((fault, at) => fault && t(`fault.${fault}`, { number: at + 1 }));
     panel.number("electrodes", parts.filter(Boolean).join(" "));
   },
@@ -205,7 +207,7 @@ function noStream() {
   newest = report = null;
   noReport = t("no.stream");
   history.placed = 0;
-  TAKE.electrodes({ faults: new Array(CHANNELS).fill(null) });
+  TAKE.electrodes({ faults: new Array(CHANNELS).fill(null), times: null });
   placement.clear();
   calibration.take(null);
   blocks.take(null);

@@ -1,5 +1,6 @@
 // Numbers and texts around the traces. Only what has changed is written to the document.
 
+import { WEAK } from "./armband.js";
 import { find, made, write } from "./dom.js";
 import { named, t } from "./texts.js";
 
@@ -23,6 +24,14 @@ export class Panel {
   strength(percent) {
     find("strong").hidden = percent === null;
     find("strength").value = percent ?? 0;
+  }
+
+  /** How many times above rest each electrode came; null before the hand was moved. One with a fault is named by that. */
+  strengths(times, faults) {
+    const weak = times?.flatMap((own, at) => (own < WEAK && !faults[at] ? [at + 1] : [])) ?? [];
+    const good = times?.filter((_, at) => !faults[at]) ?? [];
+    const key = !times ? "strengths.unknown" : weak.length ? "strengths.weak" : "strengths.good";
+    write(find("strengths"), t(key, { n: weak.length, weak: weak.join(", "), least: Math.min(...good), most: Math.max(...good) }));
   }
 
   number(id, text) {

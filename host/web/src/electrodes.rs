@@ -1,46 +1,147 @@
-//! Check of the electrodes while the stream runs: the fault of each in the last seconds.
+//! Check of the electrodes while the stream runs: the fault of each in the last seconds, and how far it comes above rest.
 
-use recordings::examiner::electrodes::{Fault, faults};
+use recordings::examiner::electrodes::{Fault, faults, levels};
 use shared::units::{CHANNELS, Sample};
 
 use crate::event::Event;
 
-/// Samples of a check: 5 s, in which a person does something.
+/// Samples of a check for faults: 5 s, in which a person does something.
 const SPAN: usize = 1000;
+
+/// Samples after which the strength is judged anew: 1 s.
+const SECOND: usize = 200;
+
+/// Samples whose level counts: 0.25 s.
+const BLOCK: usize = 50;
+
+/// Levels that are remembered: those of 20 s, in which a person rests and makes a fist.
+const LEVELS: usize = 80;
+
+/// Fewest levels that are judged: those of 5 s.
+const FEWEST: usize = 20;
+
+/// Level of rest in counts, at least: that of an electrode's own noise.
+const NOISE: f64 = 1.0;
+
+/// Times above rest that the best electrode reaches when a person moves the hand.
+const MOVED: u8 = 3;
 
 /// Check of the electrodes of a stream.
 #[derive(Debug, Default)]
 pub struct Electrodes {
     samples: Vec<Sample>,
-    known: [Option<Fault>; CHANNELS],
+    /// Samples whose levels are taken.
+    taken: usize,
+    levels: Vec<[f64; CHANNELS]>,
+    known: Known,
 }
 
+/// Faults, and how many times above its rest each electrode came; unknown before the hand was moved.
+type Known = ([Option<Fault>; CHANNELS], Option<[u8; CHANNELS]>);
+
 impl Electrodes {
-    /// Takes an event of the stream. Returns the faults when they change.
+    /// Takes an event of the stream. Returns faults and strengths when they change.
     pub fn take(&mut self, event: &Event) -> Option<Event> {
         match event {
             Event::Samples { emg, .. } => self.samples.extend(emg),
             Event::Source {
                 connected: false, ..
-            } => self.samples.clear(),
+            } => *self = Self::default(),
             _ => {}
         }
-        if self.samples.len() < SPAN {
-            return None;
+        let second = self.samples.get(self.taken..self.taken + SECOND)?;
+        self.levels.extend(second.chunks(BLOCK).map(levels));
+        self.taken += SECOND;
+        let (mut found, known) = self.known;
+        let old = self.levels.len().saturating_sub(LEVELS);
+        self.levels.drain(..old);
+        if self.taken == SPAN {
+            found = faults(&self.samples[..SPAN]);
+            self.samples.drain(..SPAN);
+            self.taken = 0;
         }
-        let found = faults(&self.samples);
-        self.samples.clear();
-        let before = std::mem::replace(&mut self.known, found);
-        (before != found).then(|| Event::Electrodes {
+        let now = (found, times(&self.levels).or(known));
+        let before = std::mem::replace(&mut self.known, now);
+        (before != now).then(|| Event::Electrodes {
             faults: found.map(|fault| fault.map(Fault::name)),
+            times: now.1,
         })
     }
+}
+
+/// How many times above its rest each electrode came: the highest twentieth of its levels by the lowest tenth. `None` if the hand was
+/// not moved.
+fn times(levels: &[[f64; CHANNELS]]) -> Option<[u8; CHANNELS]> {
+    if levels.len() < FEWEST {
+        return None;
+    }
+    let times: [u8; CHANNELS] = std::array::from_fn(|channel| {
+        let mut own: Vec<f64> = levels.iter().map(|level| level[channel]).collect();
+        own.sort_by(f64::total_cmp);
+        (own[own.len() * 19 / 20] / own[own.len() / 10].max(NOISE)) as u8
+    });
+    times.iter().any(|own| *own >= MOVED).then_some(times)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::demo;
     use recordings::synthetic::{self, SynthOptions};
+    use shared::intent::Intent;
+
+    /// Faults of an event that tells any.
+    fn faulty(event: Event) -> Option<[Option<&'static str>; CHANNELS]> {
+        match event {
+            Event::Electrodes { faults, .. } if faults != [None; CHANNELS] => Some(faults),
+            _ => None,
+        }
+    }
+
+    /// Strengths after each second of a simulated person who rests, makes a fist, and rests again.
+    fn strengths(change: impl Fn(&mut Sample)) -> Vec<Option<[u8; CHANNELS]>> {
+        let (mut check, mut person) = (Electrodes::default(), demo::follower());
+        let asked = [(Intent::Relax, 6), (Intent::Close, 3), (Intent::Relax, 30)];
+        let seconds = asked.iter().flat_map(|(cue, seconds)| vec![*cue; *seconds]);
+        let mut known = None;
+        let told = seconds.map(|cue| {
+            for _ in 0..SECOND / 2 {
+                let mut emg = vec![person.sample(cue), person.sample(cue)];
+                emg.iter_mut().for_each(&change);
+                let (at, first, truth) = (0.0, 0, None);
+                let event = Event::Samples {
+                    at,
+                    first,
+                    emg,
+                    truth,
+                };
+                if let Some(Event::Electrodes { times, .. }) = check.take(&event) {
+                    known = times;
+                }
+            }
+            known
+        });
+        told.collect()
+    }
+
+    #[test]
+    fn a_fist_after_rest_tells_how_strong_each_electrode_is_and_which_one_is_weak() {
+        let good = strengths(|_| ());
+        assert_eq!(good[..6], [None; 6], "nothing is known at rest");
+        let fist = good[9].unwrap();
+        assert!(fist.iter().all(|times| *times >= 2), "{fist:?}");
+        // What is known outlasts a long rest.
+        assert!(good.last().unwrap().is_some());
+        let weak = strengths(|sample| {
+            // One hears its own noise alone, and one has no contact.
+            sample[3] = if sample[3] % 2 == 0 { 2 } else { -2 };
+            sample[5] = 0;
+        });
+        let weak = weak[9].unwrap();
+        assert_eq!((weak[3] < 2, weak[5]), (true, 0), "{weak:?}");
+        let others = [0, 1, 2, 4, 6, 7].map(|other| (weak[other], fist[other]));
+        assert!(others.iter().all(|(with, without)| with == without));
+    }
 
     #[test]
     fn an_electrode_without_contact_one_that_clips_and_one_with_hum_are_named_once() {
@@ -61,7 +162,10 @@ mod tests {
             events.filter_map(|event| check.take(&event)).collect()
         };
         let mut check = Electrodes::default();
-        assert_eq!(said(&samples, &mut check), []);
+        assert_eq!(
+            said(&samples, &mut check).into_iter().find_map(faulty),
+            None
+        );
         for (at, sample) in samples.iter_mut().enumerate() {
             sample[2] = 0;
             sample[4] = if at % 20 == 0 { i8::MAX } else { sample[4] };
@@ -70,7 +174,9 @@ mod tests {
         }
         let mut faults = [None; CHANNELS];
         (faults[2], faults[4], faults[6]) = (Some("silent"), Some("clipped"), Some("hum"));
-        let expected = Event::Electrodes { faults };
-        assert_eq!(said(&samples, &mut check), [expected]);
+        let said = said(&samples, &mut check);
+        let mut told: Vec<_> = said.into_iter().filter_map(faulty).collect();
+        told.dedup();
+        assert_eq!(told, [faults]);
     }
 }

@@ -110,9 +110,11 @@ pub enum Event {
         #[serde(skip_serializing_if = "Option::is_none")]
         truth: Option<Vec<Option<&'static str>>>,
     },
-    /// Fault of each electrode: `silent`, `clipped` or `hum`; null without one. When they change.
+    /// Fault of each electrode: `silent`, `clipped` or `hum`; null without one. When they change, or the strengths.
     Electrodes {
         faults: [Option<&'static str>; CHANNELS],
+        /// How many times above its rest each electrode came; null before the hand was moved.
+        times: Option<[u8; CHANNELS]>,
     },
     /// Movement of the armband.
     Imu {
