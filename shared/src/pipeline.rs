@@ -26,6 +26,7 @@ mod window;
 pub use self::alignment::AlignmentPhase;
 use self::alignment::Placement;
 use self::calibration::{Calibration, Then};
+pub use self::commands::Done;
 use self::in_use::Network;
 pub use self::in_use::{ModelInput, Smoother};
 use self::output::Output;

@@ -5,14 +5,15 @@ use core::sync::atomic::{AtomicU8, Ordering};
 use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, signal::Signal};
 use embassy_time::{Duration, with_timeout};
 use shared::installation::{Block, InstallationProgress, Transfer};
-use shared::uart_line::answer::{Answer, Binding, Refusal};
+use shared::pipeline::Done;
+use shared::uart_line::answer::{Binding, Refusal};
 use shared::uart_line::calibration::CalibrateCommand;
 use shared::uart_line::command::{AlignCommand, BindCommand};
 use shared::uart_line::gate::GateCommand;
 use shared::uart_line::lock::LockCommand;
 
 /// Requests from the control task to the inference.
-pub static INFERENCE: Requests<InferenceRequest, Answer<'static>> = Requests::new();
+pub static INFERENCE: Requests<InferenceRequest, Done> = Requests::new();
 
 #[derive(Clone, Copy)]
 pub enum InferenceRequest {
@@ -149,9 +150,9 @@ mod tests {
         assert!(now!(installation).is_pending() && now!(control).is_pending());
         // The gate is answered first. Flash would be erased under a model in use.
         let (ticket, _) = taken(&INFERENCE).unwrap();
-        INFERENCE.answer(ticket, Ok(Answer::Gate(Gate::default())));
+        INFERENCE.answer(ticket, Ok(Done::Gate(Gate::default())));
         assert!(now!(installation).is_pending(), "not suspended");
-        assert!(matches!(now!(control), Poll::Ready(Ok(Answer::Gate(_)))));
+        assert!(matches!(now!(control), Poll::Ready(Ok(Done::Gate(_)))));
         let (ticket, request) = taken(&MODEL).unwrap();
         assert!(matches!(request, ModelRequest::Suspend));
         MODEL.answer(ticket, Ok(()));

@@ -135,8 +135,10 @@ async fn carry_out(line: usize, command: Command) -> Answer<'static> {
 }
 
 async fn ask_inference(request: InferenceRequest) -> Answer<'static> {
-    let answer = requests::INFERENCE.ask(request).await;
-    answer.unwrap_or_else(Answer::Refused)
+    match requests::INFERENCE.ask(request).await {
+        Ok(done) => done.answer(calibration::answer),
+        Err(refusal) => Answer::Refused(refusal),
+    }
 }
 
 async fn install(request: InstallationRequest) -> Answer<'static> {

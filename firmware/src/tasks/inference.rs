@@ -7,11 +7,11 @@ use embassy_futures::{
 use embassy_time::{Duration, Instant, Timer};
 use shared::calibration::Memory;
 use shared::model::encoder::DeviceState;
-use shared::pipeline::{AlignmentPhase, Pipeline, Reports};
+use shared::pipeline::{AlignmentPhase, Done, Pipeline, Reports};
 use shared::stream::alignment::Trigger;
 use shared::stream::link_sequence::QueueGapDetector;
 use shared::stream::safe_state::Start;
-use shared::uart_line::answer::{Answer, Refusal};
+use shared::uart_line::answer::Refusal;
 use shared::uart_line::calibration::{CalibrateCommand, CalibrationReport, CalibrationState};
 use shared::uart_line::command::AlignCommand;
 use shared::uart_line::emg::EmgReport;
@@ -180,7 +180,7 @@ pub async fn run(
                         calibrate(pipeline, &mut absence, command, streams)
                     }
                     InferenceRequest::Press if pipeline.cancel_calibration() => {
-                        Ok(calibration::answer())
+                        Ok(Done::Calibrated)
                     }
                     InferenceRequest::Press
                         if pipeline.lock().is_some_and(|lock| lock.is_locked()) =>
@@ -191,7 +191,7 @@ pub async fn run(
                         pipeline.align(AlignCommand::Begin(ARM), streams, ARM)
                     }
                 };
-                if let Ok(Answer::Align(_)) = done {
+                if let Ok(Done::Align(_)) = done {
                     trigger.requested();
                 }
                 INFERENCE.answer(ticket, done);
@@ -257,13 +257,13 @@ fn calibrate(
     absence: &mut Absence,
     command: CalibrateCommand,
     streams: bool,
-) -> Result<Answer<'static>, Refusal> {
+) -> Result<Done, Refusal> {
     let reports = pipeline.calibrate(now(), command, streams, ARM)?;
     enqueue(pipeline, reports);
     if command == CalibrateCommand::Forget {
         keep(pipeline, absence, None);
     }
-    Ok(calibration::answer())
+    Ok(Done::Calibrated)
 }
 
 /// Gives up the model, and has its calibration written, or none; then the installation asks for the model again.

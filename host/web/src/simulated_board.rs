@@ -313,17 +313,21 @@ impl SimulatedBoard {
             }
             Command::Bind(command) => self.bind(command)?,
             Command::Align(command) => {
-                let done = self.pipeline.align(command, self.streams, Arm::Unknown);
+                let done = self.pipeline.align(command, self.streams, Arm::Unknown)?;
                 self.report(Reports::default());
-                done?
+                done.answer(|| self.calibration())
             }
-            Command::Gate(command) => self.pipeline.change_gate(command)?,
-            Command::Lock(command) => self.pipeline.change_lock(command),
+            Command::Gate(command) => {
+                let done = self.pipeline.change_gate(command)?;
+                done.answer(|| self.calibration())
+            }
+            Command::Lock(command) => {
+                let done = self.pipeline.change_lock(command);
+                done.answer(|| self.calibration())
+            }
             Command::Calibrate(command) => {
-                let (now, streams) = (self.now, self.streams);
-                let reports = self
-                    .pipeline
-                    .calibrate(now, command, streams, Arm::Unknown)?;
+                let (now, arm) = (self.now, Arm::Unknown);
+                let reports = self.pipeline.calibrate(now, command, self.streams, arm)?;
                 self.report(reports);
                 if command == CalibrateCommand::Forget {
                     self.give_up(None);

@@ -3,13 +3,42 @@
 
 use super::{Pipeline, Reports};
 use crate::model::Encode;
-use crate::stream::alignment::Arm;
+use crate::stream::alignment::{Alignment, Arm};
+use crate::stream::smoother::Gate;
 use crate::uart_line::answer::{Accepted, Answer, Refusal};
 use crate::uart_line::calibration::{CalibrateCommand, CalibrationReport, CalibrationState};
 use crate::uart_line::command::AlignCommand;
 use crate::uart_line::gate::GateCommand;
 use crate::uart_line::lock::{LockCommand, Locking};
 use crate::units::Millis;
+
+/// What a command came to.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Done {
+    /// The command about the alignment is accepted.
+    Align(Accepted),
+    /// Alignment in force.
+    Alignment(Alignment),
+    /// Gate in force from now on.
+    Gate(Gate),
+    /// Lock in force from now on.
+    Lock(Option<Locking>),
+    /// The command about the calibration is carried out.
+    Calibrated,
+}
+
+impl Done {
+    /// Answer on the line, where `calibration` answers a command about the calibration.
+    pub fn answer(self, calibration: impl FnOnce() -> Answer<'static>) -> Answer<'static> {
+        match self {
+            Self::Align(accepted) => Answer::Align(accepted),
+            Self::Alignment(alignment) => Answer::Alignment(alignment),
+            Self::Gate(gate) => Answer::Gate(gate),
+            Self::Lock(lock) => Answer::Lock(lock),
+            Self::Calibrated => calibration(),
+        }
+    }
+}
 
 impl<E: Encode> Pipeline<'_, E> {
     /// Carries out a command about the alignment. `streams` says whether an armband streams, and `arm` what is known of the arm
@@ -22,7 +51,7 @@ impl<E: Encode> Pipeline<'_, E> {
         command: AlignCommand,
         streams: bool,
         arm: Arm,
-    ) -> Result<Answer<'static>, Refusal> {
+    ) -> Result<Done, Refusal> {
         match command {
             AlignCommand::State => {}
             AlignCommand::Begin(_) if !streams => return Err(Refusal::NoStream),
@@ -32,8 +61,8 @@ impl<E: Encode> Pipeline<'_, E> {
             AlignCommand::Set(alignment) => self.set_alignment(alignment),
         }
         Ok(match Accepted::of(command) {
-            Some(accepted) => Answer::Align(accepted),
-            None => Answer::Alignment(self.alignment()),
+            Some(accepted) => Done::Align(accepted),
+            None => Done::Alignment(self.alignment()),
         })
     }
 
@@ -41,22 +70,22 @@ impl<E: Encode> Pipeline<'_, E> {
     ///
     /// # Errors
     /// [`Refusal::Arguments`] where the model has no such margins.
-    pub fn change_gate(&mut self, command: GateCommand) -> Result<Answer<'static>, Refusal> {
+    pub fn change_gate(&mut self, command: GateCommand) -> Result<Done, Refusal> {
         match command {
             GateCommand::Set(gate) if !self.set_gate(gate) => Err(Refusal::Arguments),
-            GateCommand::Set(_) | GateCommand::State => Ok(Answer::Gate(self.gate())),
+            GateCommand::Set(_) | GateCommand::State => Ok(Done::Gate(self.gate())),
         }
     }
 
     /// Carries out a command about the lock of the labels.
-    pub fn change_lock(&mut self, command: LockCommand) -> Answer<'static> {
+    pub fn change_lock(&mut self, command: LockCommand) -> Done {
         match command {
             LockCommand::Set(times) => self.set_lock(Some(times)),
             LockCommand::Off => self.set_lock(None),
             LockCommand::Hold { is_locked } => self.hold_lock(is_locked),
             LockCommand::State => {}
         }
-        Answer::Lock(self.lock().map(Locking::from))
+        Done::Lock(self.lock().map(Locking::from))
     }
 
     /// Carries out a command about the calibration, but for [`CalibrateCommand::Forget`]: whoever keeps the calibration removes it.

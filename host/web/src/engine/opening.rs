@@ -200,7 +200,7 @@ impl Engine {
         let started = Box::new(started.map_err(|error| error.to_string())?);
         let opened = self.board(settings, SIMULATED.to_owned(), false);
         opened.map_err(|error| error.to_string())?;
-        self.source = ("simulated board".to_owned(), true);
+        self.source = (SIMULATED.to_owned(), true);
         if let Running::Board { simulated, .. } = &mut self.running {
             *simulated = Some((started, settings.now));
         }

@@ -643,5 +643,5 @@ fn a_simulated_board_takes_every_step_of_a_board_over_its_line() {
     assert_eq!(classes, Some(5));
     assert!(reported(&events).last().unwrap().2, "valid again");
     // Its recordings are those of no person.
-    assert_eq!(engine.source, ("simulated board".to_owned(), true));
+    assert_eq!(engine.source, ("simulated USB".to_owned(), true));
 }
