@@ -139,6 +139,8 @@ fn samples_and_labels_are_those_of_replay_and_a_closed_pipe_is_success() {
                 found.push(fields.map(|field| message[field].clone()).to_vec().into());
             }
             "scores" => scores += 1,
+            // Those of a gesture, after a rest.
+            "electrodes" => assert!(message["times"].is_array(), "{message}"),
             "mark" => break,
             other => panic!("{other}: {message}"),
         }
