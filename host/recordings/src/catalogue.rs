@@ -4,10 +4,11 @@
 use std::cmp::Ordering;
 use std::sync::LazyLock;
 
-use serde::de::{Error as _, IgnoredAny};
+use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::alignment::rotation::Frame;
+use crate::description::published::Layout;
 
 /// A set of recordings, by its name.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -19,18 +20,16 @@ pub struct DataSet(&'static str);
 pub enum Address {
     /// A record of Zenodo, by its number: it states its files, their checksums and its licence.
     Zenodo(u32),
-    /// A repository of GitHub (`owner/name`), as an archive of its default branch, which is made on demand: it has no
-    /// checksum and cannot be resumed.
-    GitHub(String),
-    /// An archive, by its path on UCI's server.
-    Uci(String),
+    /// An archive. GitHub makes one of a repository's default branch on demand: it has no checksum and cannot be
+    /// resumed.
+    Archive(String),
     /// No download for a program; what to do instead.
     #[serde(rename = "by-hand")]
     ByHand(String),
 }
 
 /// A published data set.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Source {
     /// Name of the set.
@@ -58,9 +57,8 @@ pub struct Source {
     daily_life: bool,
     #[serde(default)]
     only_teaches: bool,
-    /// Read by `description/published.rs`.
     #[serde(default, rename = "layout")]
-    _layouts: IgnoredAny,
+    layouts: Vec<Layout>,
 }
 
 /// Licence of sets without a stated one.
@@ -84,12 +82,15 @@ struct File {
 }
 
 static SETS: LazyLock<Vec<Source>> = LazyLock::new(|| {
-    let file: File = toml::from_str(LIST).expect("a test reads the file");
+    let file: File = toml::from_str(include_str!("../published.toml")).expect("a test reads it");
     file.set
 });
 
-/// Text of the list.
-pub(crate) const LIST: &str = include_str!("../published.toml");
+/// Layouts of the files of all sets, each with its set.
+pub(crate) fn layouts() -> impl Iterator<Item = (DataSet, &'static Layout)> {
+    let of_set = |own: &'static Source| own.layouts.iter().map(|layout| (own.data_set(), layout));
+    SETS.iter().flat_map(of_set)
+}
 
 /// Every published set, in the order of lists.
 pub fn sources() -> impl Iterator<Item = &'static Source> {
@@ -171,6 +172,12 @@ impl DataSet {
     /// Whether the set only teaches: its recordings are too short to be judged, so none of its people is held out.
     pub fn only_teaches(self) -> bool {
         self.entry().is_some_and(|own| own.only_teaches)
+    }
+}
+
+impl Default for DataSet {
+    fn default() -> Self {
+        Self::OWN
     }
 }
 

@@ -4,11 +4,10 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use execution::bounded_read;
 use shared::myo::Imu;
 
 use crate::readers::error::{Damage, Fault, LoadError};
-use crate::readers::table;
+use crate::readers::{self, table};
 
 /// Number of columns.
 pub const COLUMNS: usize = 11;
@@ -45,9 +44,7 @@ pub fn read(recording: &Path) -> Result<Option<Vec<[f64; COLUMNS]>>, LoadError> 
     if !path.exists() {
         return Ok(None);
     }
-    let bytes = bounded_read::read(&path, bounded_read::RECORDING);
-    let bytes = bytes.map_err(|source| LoadError::io(&path, source))?;
-    let rows = parse(&String::from_utf8_lossy(&bytes));
+    let rows = parse(&String::from_utf8_lossy(&readers::read(&path)?));
     rows.map(Some).map_err(|damage| damage.in_file(&path))
 }
 

@@ -11,7 +11,7 @@ use evaluation::report::Table;
 use execution::progress;
 use recordings::catalogue::{Address, Source, source, sources};
 pub use recordings::printable;
-use recordings::source::{Download, Plan, Received, Servers, download, free, plan, put_in_place};
+use recordings::source::{Download, Plan, Received, ZENODO, download, free, plan, put_in_place};
 use recordings::{LoadOptions, load};
 
 /// Arguments of `data fetch`.
@@ -68,7 +68,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             by_hand(own, &[])
         );
     }
-    let planned = plan(own, &Servers::default()).with_context(|| by_hand(own, &[]))?;
+    let planned = plan(own, ZENODO).with_context(|| by_hand(own, &[]))?;
     agree(
         own,
         planned.stated_licence.as_deref(),
@@ -176,56 +176,10 @@ fn published() -> Table {
         let how = match &own.address {
             Address::ByHand(_) => "by hand",
             Address::Zenodo(_) => "download, checksum",
-            Address::GitHub(_) | Address::Uci(_) => "download",
+            Address::Archive(_) => "download",
         };
         let licence = own.licence.split([':', ';']).next().unwrap_or_default();
         table.push([&own.name, &own.page, how, licence]);
     }
     table
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Writes a tar archive of these files.
-    fn archive(folder: &Path, files: &[(&str, &str)]) -> PathBuf {
-        let path = folder.join("archive.tar");
-        let mut archive = tar::Builder::new(std::fs::File::create(&path).unwrap());
-        for (name, content) in files {
-            let mut header = tar::Header::new_ustar();
-            header.set_size(content.len() as u64);
-            header.set_mode(0o644);
-            let content = content.as_bytes();
-            archive.append_data(&mut header, name, content).unwrap();
-        }
-        archive.finish().unwrap();
-        path
-    }
-
-    fn fetch(name: &str, archive: PathBuf, to: &Path) -> anyhow::Result<()> {
-        run(&Arguments {
-            name: Some(name.to_owned()),
-            to: to.to_owned(),
-            archive: vec![archive],
-            accept_licence: true,
-        })
-    }
-
-    #[test]
-    fn a_wrong_archive_is_refused_and_the_right_one_is_put_in_place_afterwards() {
-        let folder = tempfile::tempdir().unwrap();
-        let to = folder.path().join("data");
-        let fist = "1,2,3,4,5,6,7,8,7\n".repeat(30);
-        let right = [("_readings_right_hand/12345-1/7.txt", fist.as_str())];
-        let wrong = [("notes.txt", "no recording\n")];
-        for (name, files) in [("myo-readings", &wrong), ("roshambo", &right)] {
-            let error = fetch(name, archive(folder.path(), files), &to).unwrap_err();
-            assert!(format!("{error:#}").contains(name), "{error:#}");
-            assert!(!to.exists());
-        }
-        fetch("myo-readings", archive(folder.path(), &right), &to).unwrap();
-        let whole = to.join("myo-readings/_readings_right_hand/12345-1/7.txt");
-        assert_eq!(std::fs::read_to_string(whole).unwrap(), fist);
-    }
 }

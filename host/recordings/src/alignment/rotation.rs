@@ -94,15 +94,6 @@ mod tests {
     use super::*;
     use crate::recording::Recording;
 
-    fn turned(data_set: DataSet, sample: Sample) -> Sample {
-        let mut library = Library {
-            recordings: vec![Recording::new(data_set, "", vec![sample], vec![None])],
-            ..Library::default()
-        };
-        library.turn();
-        library.recordings[0].samples[0]
-    }
-
     #[test]
     fn each_set_with_a_frame_of_its_own_is_told_and_no_other() {
         let sets = [
@@ -128,36 +119,10 @@ mod tests {
     }
 
     #[test]
-    fn frames_are_those_that_were_measured() {
-        // Channel c of the common frame, in the numbering of each set, modulo 8.
-        let own = |data_set: DataSet, c: usize| match data_set.name() {
-            "cote-allard" => c + 7,
-            "wang-myo" => c + 6,
-            "myoup" => c + 2,
-            "uci-gestures" => 14 - c,
-            "one-subject-myo" => c + 1,
-            _ => c,
-        };
+    fn channels_are_turned_either_way_round_the_arm() {
         let numbers = [0, 1, 2, 3, 4, 5, 6, 7];
-        for data_set in [
-            DataSet::named("roshambo"),
-            DataSet::named("myo-rps"),
-            DataSet::named("epn"),
-            DataSet::named("myo-readings"),
-            DataSet::named("cote-allard"),
-            DataSet::named("wang-myo"),
-            DataSet::named("myoup"),
-            DataSet::named("uci-gestures"),
-            DataSet::named("one-subject-myo"),
-        ] {
-            let expected: Vec<i8> = (0..CHANNELS)
-                .map(|c| (own(data_set, c) % 8) as i8)
-                .collect();
-            assert_eq!(
-                turned(data_set, numbers).as_slice(),
-                expected,
-                "{data_set:?}"
-            );
-        }
+        let aligned = |reversed, rotation| Frame { reversed, rotation }.align(numbers);
+        assert_eq!(aligned(false, 1), [7, 0, 1, 2, 3, 4, 5, 6]);
+        assert_eq!(aligned(true, 6), [6, 5, 4, 3, 2, 1, 0, 7]);
     }
 }

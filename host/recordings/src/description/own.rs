@@ -287,19 +287,6 @@ mod tests {
     }
 
     #[test]
-    fn faults_name_the_line() {
-        let header = "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n";
-        let read = |rows: &str| read_csv(Path::new("/d/s1_a.csv"), &format!("{header}{rows}"));
-        let label = read("0,0,0,0,0,0,0,0,0\n6,0,0,0,0,0,0,0,0\n").unwrap_err();
-        assert_eq!(label.place, Place::Line(3));
-        assert!(matches!(label.fault, Fault::Label { .. }));
-        let short = read("0,0,0\n").unwrap_err();
-        let words = "line 2: expected 9 values as in the rows before, found 3";
-        assert_eq!(short.to_string(), words);
-        assert_eq!(read("").unwrap_err().fault, Fault::Empty);
-    }
-
-    #[test]
     fn npy_has_the_label_in_front() {
         let array = Array {
             shape: vec![1, 9],

@@ -15,7 +15,7 @@ use super::rows::Rows;
 use super::stretched;
 use super::values::counts;
 use super::words::Words;
-use crate::catalogue::{DataSet, LIST};
+use crate::catalogue::{self, DataSet};
 use crate::examiner::rows::JudgedRows;
 use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::{Damage, Fault, LoadError};
@@ -25,6 +25,7 @@ use crate::readers::table::separator::Separator;
 use crate::readers::table::shape::Shape;
 use crate::readers::table::{matrix, sample};
 use crate::recording::Recording;
+use crate::seed::fnv_1a;
 use execution::file_kind::FileKind;
 
 const ROW_BYTES: usize = 2 * CHANNELS;
@@ -34,7 +35,7 @@ const ROW_BYTES: usize = 2 * CHANNELS;
 #[serde(deny_unknown_fields)]
 pub(crate) struct Layout {
     /// The set; known by where the layout stands.
-    #[serde(skip, default = "own")]
+    #[serde(skip)]
     pub set: DataSet,
     description: Description,
     person: Pattern,
@@ -82,45 +83,21 @@ struct Pulses {
     count: usize,
 }
 
-const fn own() -> DataSet {
-    DataSet::OWN
-}
-
-/// A set of the list, for its layouts alone.
-#[derive(Deserialize)]
-struct Set {
-    name: String,
-    #[serde(default)]
-    layout: Vec<Layout>,
-}
-
-#[derive(Deserialize)]
-struct File {
-    set: Vec<Set>,
-}
-
+/// Layouts of all sets, one for each pattern of paths.
 static LAYOUTS: LazyLock<Vec<Layout>> = LazyLock::new(|| {
-    let file: File = toml::from_str(LIST).expect("a test reads the file");
-    let of_set = |own: Set| {
-        let mut known = DataSet::all();
-        let set = known.find(|known| known.name() == own.name);
-        let set = set.unwrap_or(DataSet::OWN);
-        own.layout
-            .into_iter()
-            .map(move |layout| Layout { set, ..layout })
-    };
-    let all = file.set.into_iter().flat_map(of_set).flat_map(|layout| {
-        let more = layout.more.clone().into_iter().map({
-            let layout = layout.clone();
-            move |files| {
-                let mut layout = layout.clone();
-                layout.description.files = files;
-                layout
-            }
-        });
-        std::iter::once(layout).chain(more)
-    });
-    all.collect()
+    let mut all = Vec::new();
+    for (set, layout) in catalogue::layouts() {
+        let patterns = [&layout.description.files].into_iter().chain(&layout.more);
+        all.extend(patterns.map(|files| {
+            let mut own = Layout {
+                set,
+                ..layout.clone()
+            };
+            own.description.files = files.clone();
+            own
+        }));
+    }
+    all
 });
 
 impl Layout {
@@ -364,9 +341,7 @@ fn int16(bytes: &[u8]) -> Result<Vec<Sample>, Damage> {
 /// FNV-1a of samples, 64 bits, in hexadecimal digits.
 fn checksum(samples: &[Sample]) -> String {
     let values = samples.iter().flatten();
-    let hash = values.fold(0xcbf2_9ce4_8422_2325_u64, |hash, &value| {
-        (hash ^ u64::from(value.cast_unsigned())).wrapping_mul(0x0100_0000_01b3)
-    });
+    let hash = fnv_1a(values.map(|value| value.cast_unsigned()));
     format!("{hash:016x}")
 }
 

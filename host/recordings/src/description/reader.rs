@@ -17,8 +17,8 @@ use crate::readers::error::{Damage, Fault, LoadError};
 use crate::readers::label_file::Purpose;
 use crate::readers::open::{Found, OpenRequest, SkipReason, open};
 use crate::readers::path::{existing, left_arm};
+use crate::readers::read;
 use crate::recording::{Recording, Timing};
-use execution::bounded_read;
 
 /// Note of a recording that is named after the left arm.
 const LEFT: &str = "named after the left arm, read as it is: if the armband was on the left arm, write arm = \"left\"";
@@ -104,11 +104,6 @@ impl Description {
         }
         Ok(rows)
     }
-}
-
-fn read(path: &Path) -> Result<Vec<u8>, LoadError> {
-    let bytes = bounded_read::read(path, bounded_read::RECORDING);
-    bytes.map_err(|source| LoadError::io(path, source))
 }
 
 impl Rows {

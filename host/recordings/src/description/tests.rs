@@ -254,21 +254,6 @@ fn a_description_governs_its_folder_and_no_other() {
 }
 
 #[test]
-fn other_columns_without_names_are_no_clocks() {
-    let text = "files = \"{person}.csv\"\nrate = 200\nchannels = [1,2,3,4,5,6,7,8]\n";
-    let rows = table("", ",", 700, |row| {
-        (String::new(), format!(",{},{row}", row * 31 % 17))
-    });
-    let library = described(text, &[("anna.csv", rows)]).unwrap();
-    let findings: Vec<_> = library
-        .findings()
-        .map(|(_, finding)| finding.kind)
-        .collect();
-    assert!(!findings.contains(&"clock-unclear"), "{findings:?}");
-    assert_eq!(library.recordings.len(), 1);
-}
-
-#[test]
 fn without_a_person_in_the_pattern_the_folder_is_the_person() {
     let text = "files = \"{any}/{session}/{trial}.npy\"\nrate = 200\n";
     let library = described(

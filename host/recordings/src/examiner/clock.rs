@@ -54,18 +54,13 @@ pub(crate) struct Clock {
     back: Option<usize>,
 }
 
-/// Timebase that a clock gives.
+/// Rate of the rows by a clock, and gaps between them.
 #[derive(Clone, PartialEq, Debug)]
-pub(crate) enum Timebase {
-    /// Rate of the rows, and gaps between them.
-    Rate {
-        /// Rows per second, gaps left out.
-        hz: f64,
-        /// Gaps in order: the first row after each, and its seconds; negative if the times go back.
-        gaps: Vec<(usize, f64)>,
-    },
-    /// No rate: the times do not rise, or no unit fits.
-    Unclear,
+pub(crate) struct Timebase {
+    /// Rows per second, gaps left out.
+    pub hz: f64,
+    /// Gaps in order: the first row after each, and its seconds; negative if the times go back.
+    pub gaps: Vec<(usize, f64)>,
 }
 
 /// Kind of a column.
@@ -193,7 +188,7 @@ impl Clock {
     /// Precedence among the clocks of a table, least first: times that give a rate, times that are meant and do not,
     /// counters; none if the column is no clock.
     pub(crate) fn precedence(&self) -> Option<(u8, bool)> {
-        let is_clear = matches!(self.timebase(), Timebase::Rate { .. });
+        let is_clear = self.timebase().is_some();
         let is_clock = self.is_meant || is_clear && rises_evenly(&self.times);
         let rank = match (self.counts(), is_clear) {
             (false, true) => 0,
@@ -203,29 +198,24 @@ impl Clock {
         is_clock.then_some((rank, !self.is_meant))
     }
 
-    /// Rate and gaps of the rows by this clock.
-    pub(crate) fn timebase(&self) -> Timebase {
+    /// Rate and gaps of the rows by this clock; none if the times do not rise, or no unit fits.
+    pub(crate) fn timebase(&self) -> Option<Timebase> {
         let times = unwrapped(&self.times);
-        let Some(period) = period(&times).filter(|period| *period > 0.0) else {
-            return Timebase::Unclear;
-        };
+        let period = period(&times).filter(|period| *period > 0.0)?;
         let per_second = if self.counts() {
             f64::from(SAMPLE_RATE_HZ)
         } else if let Some(ClockKind::Times(Some(per_second))) = kind(&self.name) {
             per_second
         } else {
             let fits = |(_, per_second): &&(&[&str], f64)| PERIODS.contains(&(period / per_second));
-            let Some((_, per_second)) = UNITS.iter().find(fits) else {
-                return Timebase::Unclear;
-            };
-            *per_second
+            UNITS.iter().find(fits)?.1
         };
         let seconds: Vec<f64> = times.iter().map(|time| time / per_second).collect();
         let period = period / per_second;
-        Timebase::Rate {
+        Some(Timebase {
             hz: 1.0 / period,
             gaps: gaps(&seconds, period),
-        }
+        })
     }
 }
 
@@ -264,6 +254,6 @@ mod tests {
         let mut clock = Clock::of("time".to_owned());
         (0..MANY).for_each(|row| clock.push(&(row * 5).to_string()));
         let gaps = Vec::new();
-        assert_eq!(clock.timebase(), Timebase::Rate { hz: 200.0, gaps });
+        assert_eq!(clock.timebase(), Some(Timebase { hz: 200.0, gaps }));
     }
 }

@@ -62,39 +62,19 @@ impl JudgedRows {
         let rows = keep.iter().filter(|keep| **keep).count();
         let mut pieces = Vec::from_iter(std::iter::once(0..rows));
         if let Some(clock) = &clock {
-            let column = clock.name.clone();
-            match clock.timebase() {
-                Timebase::Unclear => findings.push(Finding::warning(
+            let column = &clock.name;
+            if let Some(Timebase { hz, gaps }) = clock.timebase() {
+                judge_rate(hz, column, &mut findings)?;
+                pieces = split(rows, &gaps);
+                findings.extend(judge_gaps(&gaps, column, &pieces)?);
+            } else {
+                findings.push(Finding::warning(
                     "clock-unclear",
                     format!(
                         "column \"{column}\" is not used: its values are no times, do not rise, or have no known unit"
                     ),
                     "check that the rows are 200 a second, or give times in s, ms, us or ns (time_ms)",
-                )),
-                Timebase::Rate { hz, gaps } => {
-                    judge_rate(hz, &column, &mut findings)?;
-                    pieces = split(rows, &gaps);
-                    if let Some(&(row, seconds)) = gaps
-                        .iter()
-                        .max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))
-                    {
-                        let (gaps, row, pieces_of_it) = (gaps.len(), row + 1, pieces.len());
-                        let finding = Finding::warning(
-                            "gap",
-                            format!(
-                                "column \"{column}\" leaps {gaps} times, by {seconds:.2} s at row {row}: read as {pieces_of_it} recordings"
-                            ),
-                            "nothing is joined across a gap; record without losses if there are many",
-                        );
-                        let whole = pieces.iter().filter(|piece| piece.len() >= WINDOW);
-                        if 2 * whole.map(|piece| piece.len()).sum::<usize>() < rows
-                            && rows >= WINDOW
-                        {
-                            return Err(finding);
-                        }
-                        findings.push(finding);
-                    }
-                }
+                ));
             }
         }
         if let Some((row, rows)) = standstill(samples).filter(|&(_, rows)| rows < samples.len()) {
@@ -205,7 +185,7 @@ fn kept(
         .filter(|clock| !clock.counts())
         .map(|clock| clock.kept(&keep));
     let at_200_hz = match clock.as_ref().map(Clock::timebase) {
-        Some(Timebase::Rate { hz, .. }) => (hz / f64::from(SAMPLE_RATE_HZ) - 1.0).abs() < OFF,
+        Some(Some(Timebase { hz, .. })) => (hz / f64::from(SAMPLE_RATE_HZ) - 1.0).abs() < OFF,
         _ => left.len() >= FEWEST && mean(&Signal::of(&left).autocorrelations(1, 0, 1)) < RELATED,
     };
     if !at_200_hz {
@@ -248,6 +228,40 @@ fn judge_rate(hz: f64, column: &str, findings: &mut Vec<Finding>) -> Result<(), 
     }
     findings.push(finding);
     Ok(())
+}
+
+/// Finding of the largest gap.
+///
+/// # Errors
+/// When gaps leave less than half of the rows in pieces of a window or more.
+fn judge_gaps(
+    gaps: &[(usize, f64)],
+    column: &str,
+    pieces: &[Range<usize>],
+) -> Result<Option<Finding>, Finding> {
+    let largest = gaps
+        .iter()
+        .max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()));
+    let Some((row, seconds)) = largest else {
+        return Ok(None);
+    };
+    let finding = Finding::warning(
+        "gap",
+        format!(
+            "column \"{column}\" leaps {} times, by {seconds:.2} s at row {}: read as {} recordings",
+            gaps.len(),
+            row + 1,
+            pieces.len()
+        ),
+        "nothing is joined across a gap; record without losses if there are many",
+    );
+    let lengths = pieces.iter().map(Range::len);
+    let whole = lengths.clone().filter(|rows| *rows >= WINDOW);
+    let rows: usize = lengths.sum();
+    if 2 * whole.sum::<usize>() < rows && rows >= WINDOW {
+        return Err(finding);
+    }
+    Ok(Some(finding))
 }
 
 /// The pieces between gaps.

@@ -232,15 +232,6 @@ mod tests {
     }
 
     #[test]
-    fn holds_are_found_where_they_are() {
-        let expected = [300..900, 1500..2200, 2800..3400];
-        let samples = holds(4000, &expected);
-        let found = active(&samples);
-        assert!(close_to(&found, &expected), "{found:?}");
-        assert_eq!(unknown(&samples), 0, "sharp edges are no margin");
-    }
-
-    #[test]
     fn a_hold_cut_by_an_end_reaches_to_it() {
         let expected = [0..500, 1300..2000];
         let found = active(&holds(2000, &expected));
@@ -289,20 +280,6 @@ mod tests {
         for samples in noises.into_iter().chain([vec![], vec![[100; 8]; 7]]) {
             assert_eq!(label(&samples, Motion::Other(MovementKind::Point)), None);
         }
-    }
-
-    #[test]
-    fn other_movement_has_ranges_and_rest_around_it_is_rest() {
-        let samples = holds(2000, &[500..1100]);
-        let truth = label(&samples, Motion::Other(MovementKind::Point)).unwrap();
-        let [movement] = &truth.other_movement[..] else {
-            panic!("{truth:?}");
-        };
-        assert!(
-            close_to(std::slice::from_ref(&movement.samples), &[500..1100]),
-            "{truth:?}"
-        );
-        assert_eq!(truth.labels[100], Some(Intent::Relax));
     }
 
     proptest! {

@@ -247,80 +247,69 @@ mod tests {
             .collect()
     }
 
-    fn near(found: usize, expected: usize) -> bool {
-        found.abs_diff(expected) <= 10
-    }
-
     #[test]
     fn labels_are_where_the_muscle_is_and_not_where_the_cue_was() {
-        let cues = cues(&[(R, 600), (O, 700), (R, 600), (C, 700), (R, 600)]);
-        let samples = muscle(cues.len(), &[680..1420, 1950..2700]);
-        let found = follow(&samples, &cues);
-        let labels = runs(&found.motions);
-        let names: Vec<_> = labels.iter().map(|run| run.label).collect();
-        assert_eq!(names, [R, O, R, C, R]);
-        for (run, expected) in labels.iter().skip(1).zip([680, 1420, 1950, 2700]) {
-            assert!(near(run.start, expected), "{run:?}");
+        const OTHER: Motion = Motion::OTHER;
+        const NONE: Motion = Motion::Unknown;
+        type Case<'c> = (
+            &'c [(Motion, usize)],
+            &'c [Range<usize>],
+            &'c [(Motion, usize)],
+            [i32; 2],
+        );
+        let cases: [Case<'_>; 4] = [
+            (
+                &[(R, 600), (O, 700), (R, 600), (C, 700), (R, 600)],
+                &[680..1420, 1950..2700],
+                &[(R, 0), (O, 680), (R, 1420), (C, 1950), (R, 2700)],
+                [80, 50],
+            ),
+            // From gesture to gesture the label changes as late as the muscle has followed.
+            (
+                &[(R, 600), (O, 500), (C, 500), (R, 600)],
+                &[660..1650],
+                &[(R, 0), (O, 660), (C, 1160), (R, 1650)],
+                [60, 60],
+            ),
+            // Other movement may begin at any time.
+            (
+                &[(R, 600), (OTHER, 4000), (R, 600)],
+                &[2000..2600, 3500..4700],
+                &[
+                    (R, 0),
+                    (NONE, 600),
+                    (OTHER, 2000),
+                    (NONE, 2600),
+                    (OTHER, 3500),
+                    (R, 4700),
+                ],
+                [0, 0],
+            ),
+            // What the muscle does 1.5 s after its cue is unknown.
+            (
+                &[(R, 600), (O, 600), (R, 1400)],
+                &[650..1800],
+                &[(R, 0), (O, 650), (NONE, 1500), (R, 1800)],
+                [50, 50],
+            ),
+        ];
+        for (asked, loud, expected, late) in cases {
+            let cues = cues(asked);
+            let found = follow(&muscle(cues.len(), loud), &cues);
+            let labels = runs(&found.motions);
+            assert_eq!(labels.len(), expected.len(), "{labels:?}");
+            for (run, &(label, start)) in labels.iter().zip(expected) {
+                assert_eq!(run.label, label, "{labels:?}");
+                assert!(run.start.abs_diff(start) <= 10, "{labels:?}");
+            }
+            for (hold, late) in found.holds.iter().zip(late) {
+                let Reaction::Followed(found) = hold.reaction else {
+                    panic!("{hold:?}");
+                };
+                assert!(found.abs_diff(late) <= 10, "{hold:?}");
+                assert_eq!(hold.contrasts.len(), hold.gestures.len());
+            }
         }
-        let [first, second] = &found.holds[..] else {
-            panic!("{found:?}");
-        };
-        assert!(matches!(first.reaction, Reaction::Followed(late @ 70..=90) if late > 0));
-        assert!(matches!(second.reaction, Reaction::Followed(40..=60)));
-        assert!(first.contrasts[0] > 1.0 && first.gestures == [(600, O)]);
-    }
-
-    #[test]
-    fn from_gesture_to_gesture_the_label_changes_as_late_as_the_muscle_has_followed() {
-        let cues = cues(&[(R, 600), (O, 500), (C, 500), (R, 600)]);
-        let found = follow(
-            &muscle(cues.len(), std::slice::from_ref(&(660..1650))),
-            &cues,
-        );
-        let labels = runs(&found.motions);
-        let names: Vec<_> = labels.iter().map(|run| run.label).collect();
-        assert_eq!(names, [R, O, C, R]);
-        assert!(near(labels[2].start, 1160), "{labels:?}");
-        assert_eq!(found.holds[0].contrasts.len(), 2);
-    }
-
-    #[test]
-    fn within_a_cue_of_other_movement_activity_is_other_whenever_it_begins_and_quiet_is_unknown() {
-        let cues = cues(&[(R, 600), (Motion::OTHER, 4000), (R, 600)]);
-        let found = follow(&muscle(cues.len(), &[2000..2600, 3500..4700]), &cues);
-        let labels = runs(&found.motions);
-        let names: Vec<_> = labels.iter().map(|run| run.label).collect();
-        let (other, unknown) = (Motion::OTHER, Motion::Unknown);
-        assert_eq!(names, [R, unknown, other, unknown, other, R]);
-        for (run, expected) in labels.iter().skip(1).zip([600, 2000, 2600, 3500, 4700]) {
-            assert!(near(run.start, expected), "{run:?}");
-        }
-        assert_eq!(found.holds[0].reaction, Reaction::Followed(0));
-        // A named movement must be followed, as a gesture must.
-        let named = cues.iter().map(|&cue| match cue {
-            Motion::OTHER => Motion::Other(MovementKind::Point),
-            cue => cue,
-        });
-        let named: Vec<Motion> = named.collect();
-        let found = follow(&muscle(cues.len(), &[2000..2600, 3500..4700]), &named);
-        assert_eq!(found.holds[0].reaction, Reaction::Elsewhere);
-    }
-
-    #[test]
-    fn a_cue_that_nobody_follows_is_unknown_and_the_rest_around_it_is_rest() {
-        let cues = cues(&[(R, 600), (O, 700), (R, 600), (C, 700), (R, 600)]);
-        let found = follow(
-            &muscle(cues.len(), std::slice::from_ref(&(1950..2700))),
-            &cues,
-        );
-        assert_eq!(found.holds[0].reaction, Reaction::Weak);
-        assert!(
-            found.motions[600..1300]
-                .iter()
-                .all(|&motion| motion == Motion::Unknown)
-        );
-        assert!(found.motions[..600].iter().all(|motion| *motion == R));
-        assert_eq!(found.motions[2300], C);
     }
 
     #[test]
@@ -332,23 +321,10 @@ mod tests {
             let gesture = found.motions.iter().filter(|motion| **motion == O).count();
             assert_eq!(gesture, 0, "{loud:?}");
         }
-    }
-
-    #[test]
-    fn what_a_muscle_does_long_after_its_cue_is_unknown() {
-        let cues = cues(&[(R, 600), (O, 600), (R, 1400)]);
-        let found = follow(
-            &muscle(cues.len(), std::slice::from_ref(&(650..1800))),
-            &cues,
-        );
-        assert_eq!(found.motions[1000], O);
-        assert_eq!(found.motions[1450], O);
-        assert!(
-            found.motions[1510..1780]
-                .iter()
-                .all(|&motion| motion == Motion::Unknown)
-        );
-        assert_eq!(found.motions[2500], R);
+        let point = Motion::Other(MovementKind::Point);
+        let cues = self::cues(&[(R, 600), (point, 4000), (R, 600)]);
+        let found = follow(&muscle(cues.len(), &[2000..2600, 3500..4700]), &cues);
+        assert_eq!(found.holds[0].reaction, Reaction::Elsewhere);
     }
 
     proptest::proptest! {

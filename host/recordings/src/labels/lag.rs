@@ -159,7 +159,7 @@ fn lag_of(envelope: &[f64], before: &Run, after: &Run) -> Option<f64> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use shared::units::CHANNELS;
 
     use super::*;
@@ -169,7 +169,7 @@ mod tests {
     const C: Option<Intent> = Some(Intent::Close);
 
     /// Rest and closing in turn, 200 samples each; the muscle follows `late` samples later.
-    fn recording(late: usize, weak: bool) -> Recording {
+    pub(crate) fn recording(late: usize, weak: bool) -> Recording {
         let count = 2000;
         let labels: Vec<_> = (0..count)
             .map(|at| if at / 200 % 2 == 0 { R } else { C })

@@ -218,23 +218,15 @@ pub fn lags(
 
 #[cfg(test)]
 mod tests {
-    use shared::units::CHANNELS;
-
     use super::*;
 
-    /// Rest and closing in turn; the muscle follows each cue `late` samples later.
+    /// Recording of a person whose muscle follows each cue `late` samples later.
     fn recording(data_set: DataSet, person: &str, late: usize, timing: Timing) -> Recording {
-        let class = |at: usize| Intent::from_class(2 * (at / 200 % 2));
-        let sample = |at: usize| {
-            let active = at >= late && (at - late) / 200 % 2 == 1;
-            let sign = if at.is_multiple_of(2) { 1 } else { -1 };
-            [sign * if active { 40 } else { 3 }; CHANNELS]
-        };
-        let subject = format!("{}/{person}", data_set.name());
-        let (samples, labels) = ((0..2000).map(sample), (0..2000).map(class));
         Recording {
+            data_set,
+            subject: format!("{}/{person}", data_set.name()),
             timing,
-            ..Recording::new(data_set, subject, samples.collect(), labels.collect())
+            ..crate::labels::lag::tests::recording(late, false)
         }
     }
 

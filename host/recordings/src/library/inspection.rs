@@ -109,7 +109,8 @@ fn taken(library: &Library) -> Vec<Files> {
     files(by_set, |set| (set.name().to_owned(), set.recognised_by()))
 }
 
-fn ignored(library: &Library) -> Vec<Files> {
+/// Files that no reader took, by reason.
+pub(super) fn ignored(library: &Library) -> Vec<Files> {
     let mut by_reason: BTreeMap<SkipReason, BTreeSet<&Path>> = BTreeMap::new();
     for ignored in &library.ignored {
         by_reason

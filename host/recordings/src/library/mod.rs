@@ -6,7 +6,7 @@ mod names;
 mod people;
 pub(crate) mod session;
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
@@ -129,10 +129,7 @@ pub fn load_bytes(name: &Path, bytes: &[u8], options: &LoadOptions) -> Result<Li
         }),
     }
     if library.recordings.is_empty() {
-        return Err(LoadError::NoRecordings {
-            path: name.to_owned(),
-            found: passed_over(&library.ignored),
-        });
+        return Err(no_recordings(name, &library));
     }
     library.examine(true)?;
     library.finish(options);
@@ -175,10 +172,7 @@ fn read(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
         }
     }
     if library.recordings.is_empty() && library.skipped.is_empty() {
-        return Err(LoadError::NoRecordings {
-            path: path.to_owned(),
-            found: passed_over(&library.ignored),
-        });
+        return Err(no_recordings(path, &library));
     }
     let folder = if alone { root.parent() } else { None };
     let folder = folder.unwrap_or(&root);
@@ -266,22 +260,22 @@ impl Library {
     }
 }
 
-/// Files that were passed over, by reason.
-fn passed_over(ignored: &[Ignored]) -> String {
-    let mut by_reason: BTreeMap<SkipReason, Vec<&Path>> = BTreeMap::new();
-    for Ignored { path, reason } in ignored {
-        by_reason.entry(*reason).or_default().push(path);
-    }
-    let told = by_reason.into_iter().map(|(reason, paths)| {
-        let count = paths.len();
-        let first = paths[0].file_name().unwrap_or_default().to_string_lossy();
-        format!("{count} {reason}, such as {}", excerpt(&first))
+/// Error of a library without recordings at a path: the files that were passed over, by reason.
+fn no_recordings(path: &Path, library: &Library) -> LoadError {
+    let ignored = inspection::ignored(library).into_iter();
+    let told = ignored.map(|own| {
+        let first = own.first.file_name().unwrap_or_default().to_string_lossy();
+        format!("{} {}, such as {}", own.files, own.what, excerpt(&first))
     });
     let told: Vec<String> = told.collect();
-    if told.is_empty() {
-        return "no file".to_owned();
+    let found = match &told[..] {
+        [] => "no file".to_owned(),
+        told => told.join("; "),
+    };
+    LoadError::NoRecordings {
+        path: path.to_owned(),
+        found,
     }
-    told.join("; ")
 }
 
 /// The path, absolute so that folder names are known, and the files at or below it in path order, or why one cannot be

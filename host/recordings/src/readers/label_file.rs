@@ -12,7 +12,6 @@ use super::table;
 use super::table::separator::{Separator, unquoted};
 use crate::description::{Meanings, labels};
 use crate::labels::motion::Motion;
-use execution::bounded_read;
 
 /// Role of a file's labels.
 ///
@@ -107,8 +106,7 @@ pub fn read_if_named(path: &Path, purpose: Purpose) -> Result<Option<Vec<Motion>
 
 /// Bytes of a file, without the byte order mark that some editors write.
 fn contents(path: &Path) -> Result<Vec<u8>, LoadError> {
-    let mut bytes = bounded_read::read(path, bounded_read::RECORDING)
-        .map_err(|source| LoadError::io(path, source))?;
+    let mut bytes = super::read(path)?;
     let mark = "\u{feff}".as_bytes();
     if bytes.starts_with(mark) {
         bytes.drain(..mark.len());

@@ -112,20 +112,6 @@ mod tests {
     }
 
     #[test]
-    fn the_class_comes_from_its_number() {
-        let details = r#"{"num_motions": 2, "class_map": {"0": "Hand_Close", "1": "Hand_Open"}}"#;
-        let class = |file: &str| class_name(details, &Path::new("/d/anna").join(file));
-        assert_eq!(class("C_1_R_0_emg.csv").as_deref(), Some("Hand_Open"));
-        assert_eq!(class("C_2_R_0_emg.csv"), None);
-        assert_eq!(class("R_0_C_1.csv"), None);
-        assert!(is_metadata(
-            Path::new("/d/anna/collection_details.json"),
-            details
-        ));
-        assert!(!is_metadata(Path::new("/d/anna/metadata.json"), details));
-    }
-
-    #[test]
     fn the_class_comes_from_the_metadata() {
         let read = |file: &str| {
             let path = Path::new("/d/alice").join(file);

@@ -15,7 +15,6 @@ use crate::description::own;
 use crate::description::published::Layout;
 use crate::examiner::wide;
 use crate::recording::Recording;
-use execution::bounded_read;
 use execution::file_kind::FileKind;
 
 /// Content of one file.
@@ -76,9 +75,7 @@ pub(crate) fn open(path: &Path, request: &OpenRequest<'_>) -> Result<Found, Load
     if recording_ending(path).is_none() {
         return Ok(Found::Nothing(SkipReason::Ending));
     }
-    let bytes = bounded_read::read(path, bounded_read::RECORDING);
-    let bytes = bytes.map_err(|source| LoadError::io(path, source))?;
-    of_bytes(path, &bytes, request)
+    of_bytes(path, &super::read(path)?, request)
 }
 
 /// The ending of a path that may be a recording, or one that is refused with what converts it.

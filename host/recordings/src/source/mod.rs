@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 pub use archive::Unpacked;
 use error::FetchError;
-pub use plan::{Download, Plan, Servers, plan};
+pub use plan::{Download, Plan, ZENODO, plan};
 
 use super::catalogue::{DataSet, Source};
 use super::library::{LoadOptions, load};

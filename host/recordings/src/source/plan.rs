@@ -11,26 +11,8 @@ use crate::catalogue::{Address, Source};
 /// Maximum size of a Zenodo record, in bytes.
 const RECORD: u64 = 4 << 20;
 
-/// Addresses of the servers; a test has its own.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Servers {
-    /// Zenodo.
-    pub zenodo: String,
-    /// GitHub.
-    pub github: String,
-    /// The UCI repository.
-    pub uci: String,
-}
-
-impl Default for Servers {
-    fn default() -> Self {
-        Self {
-            zenodo: "https://zenodo.org".to_owned(),
-            github: "https://github.com".to_owned(),
-            uci: "https://archive.ics.uci.edu".to_owned(),
-        }
-    }
-}
+/// Zenodo's server; a test has its own.
+pub const ZENODO: &str = "https://zenodo.org";
 
 /// One file to download.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -46,7 +28,7 @@ pub struct Download {
 }
 
 /// Downloads of a data set, and their licence.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Plan {
     /// Licence that the publisher states with the files, if there is one.
     pub stated_licence: Option<String>,
@@ -54,31 +36,23 @@ pub struct Plan {
     pub downloads: Vec<Download>,
 }
 
-/// Plans the downloads of a data set. Zenodo is asked for its record.
+/// Plans the downloads of a data set. Zenodo, at the address `zenodo`, is asked for its record.
 ///
 /// # Errors
 /// When Zenodo cannot be reached, or its record is invalid.
-pub fn plan(source: &Source, servers: &Servers) -> Result<Plan, FetchError> {
-    let alone = |url: String| Plan {
-        stated_licence: None,
-        downloads: vec![Download {
-            url,
-            file: format!("{}.zip", source.name),
-            size: None,
-            checksum: None,
-        }],
-    };
+pub fn plan(source: &Source, zenodo: &str) -> Result<Plan, FetchError> {
     match &source.address {
-        Address::Zenodo(number) => zenodo(&servers.zenodo, *number, &source.page),
-        Address::GitHub(repository) => Ok(alone(format!(
-            "{}/{repository}/archive/HEAD.zip",
-            servers.github
-        ))),
-        Address::Uci(path) => Ok(alone(format!("{}/{path}", servers.uci))),
-        Address::ByHand(_) => Ok(Plan {
+        Address::Zenodo(number) => record(zenodo, *number, &source.page),
+        Address::Archive(url) => Ok(Plan {
             stated_licence: None,
-            downloads: Vec::new(),
+            downloads: vec![Download {
+                url: url.clone(),
+                file: format!("{}.zip", source.name),
+                size: None,
+                checksum: None,
+            }],
         }),
+        Address::ByHand(_) => Ok(Plan::default()),
     }
 }
 
@@ -115,7 +89,8 @@ struct License {
     id: String,
 }
 
-fn zenodo(server: &str, number: u32, page: &str) -> Result<Plan, FetchError> {
+/// Plans the downloads of a record of Zenodo.
+fn record(server: &str, number: u32, page: &str) -> Result<Plan, FetchError> {
     let url = format!("{server}/api/records/{number}");
     let response = agent(&url).get(&url).call();
     let mut response = response.map_err(|error| request_error(&url, &error))?;

@@ -42,14 +42,6 @@ impl Server {
         self.requests.lock().unwrap().clone()
     }
 
-    fn servers(&self) -> Servers {
-        Servers {
-            zenodo: self.address.clone(),
-            github: self.address.clone(),
-            uci: self.address.clone(),
-        }
-    }
-
     fn file(&self, checksum: Option<&str>) -> Plan {
         Plan {
             stated_licence: None,
@@ -238,11 +230,7 @@ fn a_missing_file_and_a_missing_server_say_what_to_do() {
         .unwrap()
         .local_addr()
         .unwrap();
-    let gone = Servers {
-        zenodo: format!("http://{free}"),
-        ..Servers::default()
-    };
-    let error = plan(roshambo(), &gone).unwrap_err();
+    let error = plan(roshambo(), &format!("http://{free}")).unwrap_err();
     assert!(matches!(error, FetchError::NoNetwork { .. }), "{error}");
     assert!(error.to_string().contains(&free.to_string()));
 }
@@ -272,7 +260,7 @@ fn a_record_of_zenodo_gives_files_checksums_and_licence() {
     };
     let good = record("data.zip");
     let server = Server::start(move |_, _| answer("200 OK", "", good.as_bytes()));
-    let found = plan(roshambo(), &server.servers()).unwrap();
+    let found = plan(roshambo(), &server.address).unwrap();
     assert!(server.requests()[0].starts_with("get /api/records/3194792 "));
     assert_eq!(found.stated_licence.as_deref(), Some("cc-by-4.0"));
     assert_eq!(found.downloads.len(), 1);
@@ -281,11 +269,11 @@ fn a_record_of_zenodo_gives_files_checksums_and_licence() {
     for key in ["../data.zip", "a/b", "", ".hidden"] {
         let bad = record(key);
         let server = Server::start(move |_, _| answer("200 OK", "", bad.as_bytes()));
-        let error = plan(roshambo(), &server.servers()).unwrap_err();
+        let error = plan(roshambo(), &server.address).unwrap_err();
         assert!(matches!(error, FetchError::Record { .. }), "{key}: {error}");
     }
     let server = Server::start(|_, _| answer("200 OK", "", b"<html>"));
-    let error = plan(roshambo(), &server.servers()).unwrap_err();
+    let error = plan(roshambo(), &server.address).unwrap_err();
     assert!(matches!(error, FetchError::Record { .. }), "{error}");
 }
 
@@ -311,9 +299,13 @@ fn an_archive_is_put_in_place_whole_or_not_at_all_and_its_recordings_are_read() 
     let again = put_in_place(files, &place, set).unwrap_err();
     assert!(matches!(again, FetchError::Exists(_)), "{again}");
 
+    let other = folder.path().join("new/other");
+    let wrong = put_in_place(files, &other, DataSet::named("roshambo")).unwrap_err();
+    let words = "expected recordings of roshambo";
+    assert!(wrong.to_string().contains(words), "{wrong}");
+    assert!(!folder.path().join("new").exists());
     let whole = fs::read(&archive).unwrap();
     fs::write(&archive, &whole[..whole.len() - 30]).unwrap();
-    let other = folder.path().join("other");
     put_in_place(files, &other, set).unwrap_err();
     let left: Vec<_> = fs::read_dir(folder.path()).unwrap().collect();
     assert_eq!(left.len(), 2, "{left:?}");

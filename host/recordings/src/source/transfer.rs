@@ -23,16 +23,6 @@ const TRIES: usize = 4;
 /// Pause before the next attempt, times the number of these attempts.
 const PAUSE: Duration = Duration::from_millis(if cfg!(test) { 5 } else { 500 });
 
-/// Content of an answer, by its status.
-enum Answer {
-    /// The file from its beginning.
-    Whole(Response<ureq::Body>),
-    /// The rest of the file.
-    Rest(Response<ureq::Body>),
-    /// There is no rest: what was kept is no part of the file.
-    Nothing,
-}
-
 /// Notes on a file that was received in part.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct PartialDownload {
@@ -122,20 +112,23 @@ impl<'a> Transfer<'a> {
     fn attempt(&self) -> Result<(), FetchError> {
         let known = self.known();
         let kept = if known.is_some() { self.received() } else { 0 };
-        match self.ask(kept, known.as_ref())? {
-            Answer::Whole(response) => self.receive(response, 0),
-            Answer::Rest(response) => self.receive(response, kept),
-            Answer::Nothing => {
-                let _ = fs::remove_file(&self.notes);
-                match self.ask(0, None)? {
-                    Answer::Whole(response) => self.receive(response, 0),
-                    Answer::Rest(_) | Answer::Nothing => Err(self.broken("no file is sent")),
-                }
-            }
+        if let Some((response, from)) = self.ask(kept, known.as_ref())? {
+            return self.receive(response, from);
         }
+        let _ = fs::remove_file(&self.notes);
+        let (response, from) = self
+            .ask(0, None)?
+            .ok_or_else(|| self.broken("no file is sent"))?;
+        self.receive(response, from)
     }
 
-    fn ask(&self, kept: u64, known: Option<&PartialDownload>) -> Result<Answer, FetchError> {
+    /// Asks for the bytes after those that are kept: an answer, and the byte that it begins with. None if what was kept is
+    /// no part of the file.
+    fn ask(
+        &self,
+        kept: u64,
+        known: Option<&PartialDownload>,
+    ) -> Result<Option<(Response<ureq::Body>, u64)>, FetchError> {
         let url = &self.of.url;
         let mut request = agent(url).get(url);
         if kept > 0 {
@@ -152,10 +145,10 @@ impl<'a> Transfer<'a> {
             }
         })?;
         match response.status().as_u16() {
-            200 => Ok(Answer::Whole(response)),
+            200 => Ok(Some((response, 0))),
             // A range other than the one asked for is not used.
-            206 if kept > 0 && starts_at(&response) == Some(kept) => Ok(Answer::Rest(response)),
-            206 | 416 => Ok(Answer::Nothing),
+            206 if kept > 0 && starts_at(&response) == Some(kept) => Ok(Some((response, kept))),
+            206 | 416 => Ok(None),
             status @ (404 | 410) => Err(FetchError::NotFound {
                 url: url.clone(),
                 status,

@@ -174,18 +174,6 @@ mod tests {
     }
 
     #[test]
-    fn as_many_folds_as_people_hold_one_out_each() {
-        let all = recordings(3, 5);
-        let groups = Protocol::LeaveOneSubjectOut.groups(&all, 42);
-        let of = |set: &str| {
-            let own = |group: &Vec<String>| group.iter().filter(|s| s.starts_with(set)).count();
-            groups.iter().map(own).collect::<Vec<_>>()
-        };
-        assert_eq!(of("ss-stm/"), [1; 5]);
-        assert_eq!(of("roshambo/"), [1, 1, 1, 0, 0]);
-    }
-
-    #[test]
     fn protocols_are_read_from_their_names() {
         let all = recordings(3, 5);
         for (name, folds) in [("loso", 5), ("4-fold", 4), ("sets", 2)] {

@@ -7,7 +7,6 @@ use shared::intent::Intent;
 use super::holds::HOLD;
 use super::{SpliceOptions, splice};
 use crate::catalogue::DataSet;
-use crate::labels::compensation::Compensation;
 use crate::labels::runs::{Run, runs};
 use crate::recording::Recording;
 use crate::recording::movement::{Movement, MovementKind, mask};
@@ -110,22 +109,6 @@ fn the_order_is_broken_and_only_recorded_transitions_occur() {
 }
 
 #[test]
-fn samples_and_labels_are_cut_together() {
-    let late = recording("a", &[(R, 300), (C, 300), (R, 300)].repeat(4))
-        .compensated(Compensation::Constant(20));
-    let spliced = &splice(&[&late], &OPTIONS)[0];
-    let wrong = spliced.samples.iter().zip(&spliced.labels);
-    let wrong = wrong
-        .filter(|(sample, label)| sample[0] != mark(**label))
-        .count();
-    let changes = runs(&spliced.labels).len() - 1;
-    assert!(
-        wrong >= 20 * (changes - 1) && wrong <= 20 * (changes + 1),
-        "{wrong} {changes}"
-    );
-}
-
-#[test]
 fn motions_without_a_known_end_do_not_stop_the_walk() {
     let close = recording("a", &[(R, 200), (C, 400), (R, 400)]);
     let unknown = recording("a", &[(R, 200), (None, 800)]);
@@ -199,26 +182,4 @@ fn movement_outside_the_vocabulary_is_spliced_as_a_gesture_and_marked() {
     let unknown = splice_all(false);
     assert!(unknown.labels.contains(&None) && unknown.other_movement.is_empty());
     assert!(unknown.samples.iter().all(|sample| sample[0] != 55));
-}
-
-#[test]
-fn a_person_of_steady_holds_alone_has_other_movement_between_them() {
-    let mut other = recording("a", &[(None, 1000)]);
-    other.other_movement = vec![Movement::new(MovementKind::Point, 0..1000)];
-    let holds = [
-        recording("a", &[(R, 1000)]),
-        recording("a", &[(C, 1000)]),
-        other,
-    ];
-    let options = SpliceOptions {
-        samples: 20_000,
-        other: true,
-        ..OPTIONS
-    };
-    let spliced = &splice(&holds.iter().collect::<Vec<_>>(), &options)[0];
-    let others = mask(&spliced.other_movement, spliced.labels.len());
-    let of_other = spliced.samples.iter().zip(&others);
-    let of_other = of_other.filter(|(sample, _)| sample[0] == mark(None));
-    assert!(of_other.clone().count() > 2000);
-    assert!(of_other.into_iter().all(|(_, &other)| other));
 }

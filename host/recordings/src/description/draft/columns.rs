@@ -12,11 +12,11 @@ use crate::examiner::scale::ScaleDetector;
 use crate::readers::error::Fault;
 use crate::readers::npy::{self, Values};
 use crate::readers::path::ending;
+use crate::readers::read;
 use crate::readers::table;
 use crate::readers::table::columns::Columns as Named;
 use crate::readers::table::head::Head;
 use crate::readers::table::separator::Separator;
-use execution::bounded_read;
 
 /// Rows of a file that are looked at.
 const EXAMINED: usize = 20_000;
@@ -39,7 +39,7 @@ impl Columns {
     pub fn of(path: &Path) -> Option<Self> {
         let ending = ending(path)
             .filter(|ending| matches!(ending.as_str(), "npy" | "csv" | "txt" | "tsv"))?;
-        let bytes = bounded_read::read(path, bounded_read::RECORDING).ok()?;
+        let bytes = read(path).ok()?;
         let table = match npy::parse(&bytes) {
             Ok(array) => Table::of_array(&array)?,
             Err(_) => Table::of_text(str::from_utf8(&bytes).ok()?)?,

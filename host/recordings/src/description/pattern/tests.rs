@@ -91,27 +91,6 @@ fn fields_name_the_file_of_the_labels() {
     );
 }
 
-#[test]
-fn what_is_no_pattern_says_why() {
-    for (text, words) in [
-        ("", "below the folder"),
-        ("/data/{person}.csv", "below the folder"),
-        ("../{person}.csv", "below the folder"),
-        ("{person}\\{trial}.csv", "below the folder"),
-        ("{person/{trial}.csv", "closing brace"),
-        ("person}.csv", "closing brace"),
-        (
-            "{peron}.csv",
-            "{person}, {session}, {gesture}, {trial} or {any}, found {peron}",
-        ),
-        ("{person}/{person}_{trial}.csv", "{person} once"),
-        ("{person}{trial}.csv", "between two fields"),
-    ] {
-        let error = Pattern::try_from(text.to_owned()).unwrap_err();
-        assert!(error.contains(words), "{text}: {error}");
-    }
-}
-
 /// Whether a path matches, by a search without memory that tries every division.
 fn naive(parts: &[PatternPart], text: &str) -> bool {
     match parts.split_first() {
@@ -128,20 +107,6 @@ fn naive(parts: &[PatternPart], text: &str) -> bool {
 }
 
 proptest! {
-    /// A path that a pattern writes is one that it matches, and gives the path again.
-    #[test]
-    fn a_written_path_matches(person in "[a-z_]{1,6}", gesture in "[a-z_]{1,6}", trial in "[0-9]{1,3}") {
-        let pattern = pattern("{person}/x_{gesture}_{trial}.csv");
-        let fields = Fields(vec![
-            (Field::Person, person),
-            (Field::Gesture, gesture.clone()),
-            (Field::Trial, trial),
-        ]);
-        let path = pattern.path_of(&fields);
-        let found = pattern.fields_of(&path, |word| word == gesture).unwrap();
-        prop_assert_eq!(pattern.path_of(&found), path);
-        prop_assert_eq!(found, fields);
-    }
 
     /// The search agrees with one that tries everything.
     #[test]

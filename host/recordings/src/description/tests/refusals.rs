@@ -31,7 +31,18 @@ const UNUSABLE: &str = r#"3 | unknown field `foo`, expected one of `folder`, `fi
 3 | 0 to 2000 ms, found -5 | FILES ; rate = 200 ; cue_lag_ms = -5
 3 | found "fist" | FILES ; rate = 200 ; labels = { fist = [1] }
 1 | found {peron} | files = "{peron}.csv" ; rate = 200
+1 | below the folder | files = "" ; rate = 200
+1 | below the folder | files = "/data/{person}.csv" ; rate = 200
+1 | below the folder | files = "../{person}.csv" ; rate = 200
+1 | below the folder | files = '{person}\{trial}.csv' ; rate = 200
+1 | closing brace | files = "{person/{trial}.csv" ; rate = 200
+1 | closing brace | files = "person}.csv" ; rate = 200
+1 | {person} once | files = "{person}/{person}_{trial}.csv" ; rate = 200
+1 | between two fields | files = "{person}{trial}.csv" ; rate = 200
 1 | recordings.toml | files = [
+3 | found "1" twice | FILES ; rate = 200 ; labels = { open = [1], close = ["1.0"] }
+3 | found "none" | FILES ; rate = 200 ; labels = { none = [1] }
+3 | invalid type | FILES ; rate = 200 ; labels = { open = 1 }
 - | needs `labels` | FILES ; rate = 200 ; label = "gt"
 - | {gesture} in `files`, `label` or `label_files` | FILES ; rate = 200 ; labels = { open = [1] }
 - | both | FILES ; rate = 200 ; label = 9 ; label_files = "{trial}.txt" ; labels = { open = [1] }

@@ -60,21 +60,3 @@ fn a_part_of_a_recording_is_left_out_and_an_overlap_is_told() {
         (2, vec!["overlap"])
     );
 }
-
-#[test]
-fn different_recordings_of_one_person_are_no_copies() {
-    let files: Vec<(String, String)> = (0..6)
-        .map(|number| {
-            (
-                format!("anna/anna_{number}.csv"),
-                counts(&emg(2000, number)),
-            )
-        })
-        .collect();
-    let files: Vec<(&str, &str)> = files
-        .iter()
-        .map(|(name, text)| (name.as_str(), text.as_str()))
-        .collect();
-    let library = read(&files);
-    assert_eq!((library.recordings.len(), library.repeats.len()), (6, 0));
-}

@@ -83,20 +83,6 @@ fn values_that_are_no_counts_are_refused_with_their_scale() {
 }
 
 #[test]
-fn one_damaged_value_is_told_with_its_line_and_not_as_a_scale() {
-    let text = counts(&emg(1000, 1)).replacen("\n0,", "\n0,500,", 1);
-    let fields = refusal(&text);
-    assert!(fields.contains("line 2"), "{fields}");
-    let mut lines: Vec<String> = counts(&emg(1000, 1)).lines().map(str::to_owned).collect();
-    lines[500] = "0,1,2,3,4,5,6,7,500".into();
-    let range = refusal(&lines.join("\n"));
-    assert!(
-        range.contains("line 501") && range.contains("500"),
-        "{range}"
-    );
-}
-
-#[test]
 fn values_on_one_side_and_those_that_never_change_are_refused() {
     let samples = emg(2000, 1);
     let rectified = each(&samples, |_, sample| {

@@ -249,25 +249,6 @@ fn samples_that_resemble_the_next_are_told() {
 }
 
 #[test]
-fn columns_of_times_without_a_name_are_a_clock_too() {
-    let numbered = |step: f64| -> String {
-        let samples = emg(3000, 1);
-        let row = |(at, sample): (usize, &Sample)| {
-            let counts = sample.map(|count| count.to_string()).join(",");
-            format!("{at},{:.3},{counts}\n", 100.0 + at as f64 * step)
-        };
-        samples.iter().enumerate().map(row).collect()
-    };
-    let read = |text: String| {
-        let folder = folder(&[("anna.csv", &text)]);
-        load(&folder.path().join("anna.csv"), &LoadOptions::default()).unwrap()
-    };
-    assert_eq!(kinds(&read(numbered(0.005))), Vec::<&str>::new());
-    let slow = read(numbered(0.01)).skipped[0].to_string();
-    assert!(slow.contains("found 100 by column \"number 2\""), "{slow}");
-}
-
-#[test]
 fn other_movement_goes_with_its_samples_where_a_gap_divides_them() {
     let text = counts(&emg(3000, 1));
     let seconds = |row: usize| row as f64 * 0.005 + if row < 1500 { 0.0 } else { 5.0 };

@@ -5,14 +5,11 @@
 //! unchecked, allocates what a `descr` claims, and each bracket in a header doubles its time (18 of them: 8 s).
 //! Source: NEP 1, *A Simple File Format for NumPy Arrays*.
 
-mod element;
 mod header;
 
 use std::path::Path;
 
 use super::error::{Damage, Fault, LoadError};
-use element::{Element, ascii, utf32};
-use execution::bounded_read;
 use header::NpyHeader;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
@@ -81,9 +78,7 @@ impl Array {
 /// # Errors
 /// [`LoadError::Io`], or [`LoadError::Damaged`] with the byte of the fault.
 pub fn read(path: &Path) -> Result<Array, LoadError> {
-    let bytes = bounded_read::read(path, bounded_read::RECORDING)
-        .map_err(|source| LoadError::io(path, source))?;
-    parse(&bytes).map_err(|damage| damage.in_file(path))
+    parse(&super::read(path)?).map_err(|damage| damage.in_file(path))
 }
 
 /// Parses the bytes of an npy file.
@@ -99,11 +94,10 @@ pub fn parse(bytes: &[u8]) -> Result<Array, Damage> {
         data_start,
     } = NpyHeader::parse(bytes)?;
     let bad = |what: &str| Damage::at_byte(10, Fault::Npy(what.to_owned()));
-    let element = Element::parse(&descr)
+    let (kind, size) = element(&descr)
         .ok_or_else(|| bad(&format!("elements of type {descr} are not read here")))?;
 
     let data = &bytes[data_start..];
-    let size = element.bytes();
     let expected = shape
         .iter()
         .try_fold(size, |product, &axis| product.checked_mul(axis));
@@ -123,12 +117,11 @@ pub fn parse(bytes: &[u8]) -> Result<Array, Damage> {
     if by_column && shape.len() > 2 {
         return Err(bad("more than two axes are read in C order only"));
     }
-    let values = match element {
-        Element::Number(kind) => {
-            Values::Numbers(data.chunks_exact(size).map(|e| kind.value(e)).collect())
-        }
-        Element::Ascii(_) => Values::Text(data.chunks_exact(size).map(ascii).collect()),
-        Element::Utf32(_) => Values::Text(data.chunks_exact(size).map(utf32).collect()),
+    let elements = data.chunks_exact(size);
+    let values = match kind {
+        'S' => Values::Text(elements.map(ascii).collect()),
+        'U' => Values::Text(elements.map(utf32).collect()),
+        _ => Values::Numbers(elements.map(|bytes| number(kind, bytes)).collect()),
     };
     let row_bytes = if by_column {
         size
@@ -148,6 +141,54 @@ pub fn parse(bytes: &[u8]) -> Result<Array, Damage> {
             row_bytes,
         },
     })
+}
+
+/// Kind and bytes of an element of a `descr`; none if it is not read here.
+fn element(descr: &str) -> Option<(char, usize)> {
+    let (order, rest) = descr.split_at_checked(1)?;
+    let kind = rest.chars().next()?;
+    let size: usize = rest[kind.len_utf8()..].parse().ok()?;
+    // Big-endian elements (`>`) appear in none of the sets; single bytes carry `|`.
+    let is_read = match (kind, size) {
+        ('i' | 'u', 1 | 2 | 4 | 8) | ('b', 1) | ('f', 4 | 8) => true,
+        ('S' | 'U', 1..=1024) => true,
+        _ => false,
+    };
+    let bytes = if kind == 'U' { 4 * size } else { size };
+    (is_read && matches!(order, "<" | "|")).then_some((kind, bytes))
+}
+
+/// Value of a numeric element of up to 8 bytes.
+fn number(kind: char, element: &[u8]) -> f64 {
+    let mut bytes = [0; 8];
+    bytes[..element.len()].copy_from_slice(element);
+    let word = u64::from_le_bytes(bytes);
+    match (kind, element.len()) {
+        ('f', 4) => f64::from(f32::from_bits(word as u32)),
+        ('f', _) => f64::from_bits(word),
+        ('i', size) => {
+            let unused = 64 - 8 * size as u32;
+            ((word << unused) as i64 >> unused) as f64
+        }
+        _ => word as f64,
+    }
+}
+
+/// Text of an element of bytes, padding removed.
+fn ascii(element: &[u8]) -> String {
+    String::from_utf8_lossy(element)
+        .trim_end_matches('\0')
+        .to_owned()
+}
+
+/// Text of an element of UTF-32 code points, padding removed.
+fn utf32(element: &[u8]) -> String {
+    let (codes, _) = element.as_chunks::<4>();
+    let codes = codes.iter().map(|&code| u32::from_le_bytes(code));
+    let letters = codes.take_while(|&code| code != 0);
+    letters
+        .map(|code| char::from_u32(code).unwrap_or(char::REPLACEMENT_CHARACTER))
+        .collect()
 }
 
 /// The bytes of an npy file in C order; `data` holds the elements in the type `descr`.
