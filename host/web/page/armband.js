@@ -51,7 +51,7 @@ export class Armband {
       const number = element(group, "text", {}, String(place + 1));
       const [u, v] = [(WIDE + 25) * Math.cos(at), (HIGH + 25) * Math.sin(at)];
       const outside = element(svg, "text", { class: "place", x: u, y: v }, String(place + 1));
-      const times = element(svg, "text", { class: "times", x: (WIDE - 39) * Math.cos(at), y: (HIGH - 37) * Math.sin(at) });
+      const times = element(svg, "text", { class: "times", x: (WIDE - 43) * Math.cos(at), y: (HIGH - 39) * Math.sin(at) });
       this.#pods.push({ pod, activity, number, times, outside });
     }
   }

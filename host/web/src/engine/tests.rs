@@ -536,7 +536,9 @@ fn a_simulated_board_takes_every_step_of_a_board_over_its_line() {
     };
     // It says what it is, and its labels are those of the same pipeline.
     let events = seconds(&mut engine, &mut now, 15);
-    let checksum = format!("{:08x}", Model::parse(&SHIPPED.to_vec()).unwrap().checksum);
+    // On the heap, which aligns it as a model requires.
+    let file = SHIPPED.to_vec();
+    let checksum = format!("{:08x}", Model::parse(&file).unwrap().checksum);
     let identity = events.iter().rev().find_map(|event| match event {
         Event::Board {
             image,
