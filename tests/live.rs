@@ -25,10 +25,6 @@ macro_rules! open {
 #[cfg(target_os = "linux")]
 #[path = "live/owner.rs"]
 mod a_whole_loop;
-#[path = "live/accessible.rs"]
-mod accessible;
-#[path = "live/agreement.rs"]
-mod agreement;
 #[path = "live/align.rs"]
 mod align;
 #[cfg(target_os = "linux")]
@@ -39,9 +35,8 @@ mod ask;
 mod board;
 #[path = "live/browser.rs"]
 mod browser;
-#[cfg(target_os = "linux")]
-#[path = "live/cuts.rs"]
-mod cuts;
+#[path = "live/demo.rs"]
+mod demo;
 #[cfg(target_os = "linux")]
 #[path = "live/empty.rs"]
 mod empty;
@@ -52,34 +47,25 @@ mod guided;
 #[cfg(target_os = "linux")]
 #[path = "live/install.rs"]
 mod install;
-#[cfg(target_os = "linux")]
-#[path = "live/installing_board.rs"]
-mod installing_board;
-#[cfg(unix)]
-#[path = "live/interrupt.rs"]
-mod interrupt;
-#[cfg(unix)]
-#[path = "live/json.rs"]
-mod json;
-#[path = "live/keys.rs"]
-mod keys;
 #[path = "live/languages.rs"]
 mod languages;
-#[path = "live/page.rs"]
-mod page;
 #[cfg(target_os = "linux")]
 #[path = "live/port.rs"]
 mod port;
+#[cfg(unix)]
+#[path = "live/process.rs"]
+mod process;
 #[path = "live/record.rs"]
 mod record;
-#[cfg(unix)]
-#[path = "live/record_process.rs"]
-mod record_process;
+#[path = "live/replay.rs"]
+mod replay;
 #[cfg(target_os = "linux")]
 #[path = "live/scripted.rs"]
 mod scripted;
 #[path = "live/server.rs"]
 mod server;
+#[path = "live/session.rs"]
+mod session;
 #[path = "live/sessions.rs"]
 mod sessions;
 #[path = "live/sizes.rs"]
@@ -89,10 +75,6 @@ mod sizes;
 mod steps;
 #[path = "live/viewer.rs"]
 mod viewer;
-#[path = "live/wearer.rs"]
-mod wearer;
-#[path = "live/words.rs"]
-mod words;
 
 use std::path::Path;
 
@@ -100,16 +82,20 @@ use myointent::live::{self, Live, Options, Source};
 use recordings::Recording;
 use recordings::synthetic::{self, SynthOptions};
 
-/// Starts the page of a source, on any free port of this machine.
-fn serve(source: Source) -> Live {
-    live::start(Options {
+/// Options of a page of a source, on any free port of this machine.
+fn options(source: Source) -> Options {
+    Options {
         source,
         model: None,
         listen: "127.0.0.1:0".parse().unwrap(),
         imu: false,
         record: None,
-    })
-    .unwrap()
+    }
+}
+
+/// Starts the page of a source.
+fn serve(source: Source) -> Live {
+    live::start(options(source)).unwrap()
 }
 
 fn shipped() -> Vec<u8> {

@@ -7,8 +7,6 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 pub use myointent_tests::bench::terminal;
-use rand::{RngExt as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
 use serial2::SerialPort;
 use shared::hid;
 use shared::model::encoder::HostEncoder;
@@ -30,13 +28,8 @@ const PACE: Duration = Duration::from_micros(2500);
 /// Number of notifications that a pairing lasts: 5 s, so that a busy machine sees it.
 const PAIRING: usize = 2000;
 
-/// Damage to the board's bytes on their way.
-#[derive(Clone, Copy)]
-pub enum Damage {
-    None,
-    /// Chunks that may be cut short or followed by garbage, drawn from this seed.
-    CutsAndGarbage(u64),
-}
+/// Number of times that a test pulls the line.
+pub const CUTS: usize = 100;
 
 /// Board that runs until it is dropped.
 pub struct Board {
@@ -48,24 +41,23 @@ pub struct Board {
 
 impl Board {
     /// Plays a board whose terminal is at the path `link`.
-    pub fn start(link: &Path, damage: Damage) -> Self {
-        Self::play(link, damage, Vec::new(), Following::Pinned(armband()))
+    pub fn start(link: &Path) -> Self {
+        Self::pulled(link, Vec::new())
     }
 
     /// Plays a board to which no armband is bound yet. A first pairing hears no armband, a second one does.
     pub fn unbound(link: &Path) -> Self {
-        Self::play(link, Damage::None, Vec::new(), Following::Nobody)
+        Self::play(link, Vec::new(), Following::Nobody)
     }
 
     /// Plays a board that stays on while its line is pulled and put back, once for each of `dialogues`. Each gives the
     /// bytes in both directions after which the line is pulled, counted from the first byte that a PC sends. The
     /// machine's load therefore moves no cut.
     pub fn pulled(link: &Path, dialogues: Vec<usize>) -> Self {
-        let armband = Following::Pinned(armband());
-        Self::play(link, Damage::None, dialogues, armband)
+        Self::play(link, dialogues, Following::Pinned(armband()))
     }
 
-    fn play(link: &Path, damage: Damage, dialogues: Vec<usize>, following: Following) -> Self {
+    fn play(link: &Path, dialogues: Vec<usize>, following: Following) -> Self {
         let (stop, raw) = (Arc::default(), Arc::default());
         let cuts = Arc::default();
         let wire = Wire {
@@ -74,11 +66,6 @@ impl Board {
             dialogues: dialogues.into_iter(),
             left: None,
             cuts: Arc::clone(&cuts),
-            damage,
-            random: ChaCha8Rng::seed_from_u64(match damage {
-                Damage::CutsAndGarbage(seed) => seed,
-                Damage::None => 0,
-            }),
         };
         let thread = {
             let (stop, raw) = (Arc::clone(&stop), Arc::clone(&raw));
@@ -266,8 +253,6 @@ struct Wire {
     /// Bytes until the line is pulled; `None` before a dialogue, and once all dialogues are over.
     left: Option<usize>,
     cuts: Arc<AtomicUsize>,
-    damage: Damage,
-    random: ChaCha8Rng,
 }
 
 impl Wire {
@@ -280,16 +265,7 @@ impl Wire {
     }
 
     fn write(&mut self, text: &str) {
-        let mut bytes = text.as_bytes().to_vec();
-        if let Damage::CutsAndGarbage(_) = self.damage {
-            if self.random.random_bool(0.1) {
-                bytes.truncate(self.random.random_range(0..bytes.len()));
-            }
-            if self.random.random_bool(0.1) {
-                let noise: [u8; 12] = self.random.random();
-                bytes.extend(noise);
-            }
-        }
+        let bytes = text.as_bytes();
         let length = self.left.map_or(bytes.len(), |left| left.min(bytes.len()));
         // If nobody reads, or reads slowly, bytes are lost, as on a real line.
         let _ = self.terminal.master.write_all(&bytes[..length]);

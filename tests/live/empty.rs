@@ -3,7 +3,7 @@
 use myointent::live::Source;
 use shared::myo::{Address, Following};
 
-use super::board::{Board, Damage};
+use super::board::Board;
 use super::browser::{Browser, LOST, VALID};
 use super::record::pictures;
 use super::scripted::{Scripted, binding, identity};
@@ -30,7 +30,7 @@ fn a_port_that_is_not_there_is_named_with_what_to_do() {
     browser.screenshot(&pictures().join("empty-port.png"));
 
     // It is gone as soon as there is something to see, and back when that is gone.
-    let board = Board::start(&link, Damage::None);
+    let board = Board::start(&link);
     browser.wait_for(&format!("$empty.hidden && {VALID}"));
     browser.wait_for("$battery.textContent === '80 %'");
     assert!(browser.text("legend").contains("--model FILE"));

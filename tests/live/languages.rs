@@ -8,10 +8,9 @@ use myointent::live::Source;
 use super::browser::{Browser, VALID};
 use super::record::{SHORT, pictures, record};
 use super::serve;
-use super::viewer::Viewer;
 
 /// Keys that one of the tables lacks, or has twice.
-const UNEQUAL: &str = "import('./texts.js').then(async ({ TABLES }) => { \
+pub const UNEQUAL: &str = "import('./texts.js').then(async ({ TABLES }) => { \
     const [en, de] = [TABLES.en, TABLES.de].map((table) => Object.keys(table)); \
     const parts = await Promise.all(['english', 'english-session', 'german', 'german-session'].map((name) => import(`./${name}.js`))); \
     const all = parts.flatMap((part) => Object.keys(Object.values(part)[0])); \
@@ -20,38 +19,20 @@ const UNEQUAL: &str = "import('./texts.js').then(async ({ TABLES }) => { \
     const other = en.filter((key) => key in TABLES.de && holes(TABLES.en[key]) !== holes(TABLES.de[key])); \
     return [...en.filter((key) => !(key in TABLES.de)), ...de.filter((key) => !(key in TABLES.en)), ...other, ...twice].join(); })";
 
-/// English texts that a German page shows: contents, titles and names, visible or not.
-const ENGLISH: &str = "import('./texts.js').then(({ TABLES }) => { \
+/// What is English on a German page, visible or not, in contents, titles and names: texts of the English table; texts with a word that
+/// only English has, but for commands and addresses; and numbers with a decimal point, but for versions.
+pub const ENGLISH: &str = "import('./texts.js').then(({ TABLES }) => { \
     const whole = Object.entries(TABLES.en).filter(([key, text]) => text !== TABLES.de[key] && key !== 'language' && !Object.values(TABLES.de).includes(text)); \
     const english = new Set(whole.flatMap(([, text]) => text.split('|'))); \
     const shown = []; const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT); \
-    while (texts.nextNode()) shown.push(texts.currentNode.data.trim()); \
-    for (const one of document.querySelectorAll('[title], [aria-label]')) shown.push(one.title, one.ariaLabel ?? ''); \
-    return shown.filter((text) => english.has(text)).join('; '); })";
-
-/// Texts of a German page with a word that only English has; commands and addresses are not looked at.
-const ENGLISH_WORDS: &str = "(() => { const shown = []; const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT); \
-    while (texts.nextNode()) { const node = texts.currentNode; if (!node.parentElement.closest('code, noscript, script, #language')) shown.push(node.data); } \
+    while (texts.nextNode()) { const node = texts.currentNode; if (!node.parentElement.closest('code, noscript, script, #language')) shown.push(node.data.trim()); } \
     for (const one of document.querySelectorAll('[title], [aria-label]')) if (one.id !== 'language') shown.push(one.title, one.ariaLabel ?? ''); \
     const words = /(^|[^\\p{L}-])(the|is|are|of|and|not|with|this|that|were|has|your|for|from|it|be|no|to|space|enter)([^\\p{L}-]|$)/u; \
-    return shown.filter((text) => words.test(text)).join('; '); })()";
+    const points = document.body.innerText.match(/(^|[\\s(])\\d+\\.\\d+(?=[\\s%)]|$)/g) ?? []; \
+    return [...shown.filter((text) => english.has(text) || words.test(text)), ...points].join('; '); })";
 
-/// English words, and numbers with a point, that a German page shows.
-fn english(browser: &mut Browser) -> String {
-    let texts = browser.value(ENGLISH);
-    let words = browser.value(ENGLISH_WORDS);
-    let points = browser.value(POINTS);
-    format!(
-        "{}{}{}",
-        texts.as_str().unwrap(),
-        words.as_str().unwrap(),
-        points.as_str().unwrap()
-    )
-}
-
-/// Numbers with a decimal point, but for versions.
-const POINTS: &str =
-    "(document.body.innerText.match(/(^|[\\s(])\\d+\\.\\d+(?=[\\s%)]|$)/g) ?? []).join('; ')";
+/// Whether the page is German.
+pub const GERMAN: &str = "document.documentElement?.lang === 'de'";
 
 /// Paths and texts of the files of the page.
 fn page_files() -> Vec<(PathBuf, String)> {
@@ -230,26 +211,23 @@ fn what_the_program_says_has_its_german() {
     assert_eq!(dead, [""; 0], "said by nobody");
 }
 
-const GERMAN: &str = "document.documentElement?.lang === 'de'";
-
-/// Has the browser ask for German.
-fn ask_for_german(browser: &mut Browser) {
-    browser.look(1440, 900, "light", "no-preference");
-    let tongue = serde_json::json!({ "userAgent": "test", "acceptLanguage": "de-DE" });
-    browser.command("Emulation.setUserAgentOverride", tongue);
-}
-
 #[test]
 fn each_state_of_a_german_page_is_german() {
     let mut browser = start!();
-    ask_for_german(&mut browser);
+    browser.look(1440, 900, "light", "no-preference");
+    // The browser asks for it.
+    let tongue = serde_json::json!({ "userAgent": "test", "acceptLanguage": "de-DE" });
+    browser.command("Emulation.setUserAgentOverride", tongue);
     let folder = tempfile::tempdir().unwrap();
+    let reach = |browser: &mut Browser, state: &str| {
+        browser.wait_for(state);
+        assert_eq!(browser.value(ENGLISH), "", "{state}");
+    };
 
     // A port that is not there.
     let live = serve(Source::Port(folder.path().join("board")));
     browser.open(live.url());
-    browser.wait_for(&format!("{GERMAN} && !$empty.hidden"));
-    assert_eq!(english(&mut browser), "");
+    reach(&mut browser, &format!("{GERMAN} && !$empty.hidden"));
     browser.screenshot(&pictures().join("german-port.png"));
     live.stop().unwrap();
 
@@ -257,74 +235,28 @@ fn each_state_of_a_german_page_is_german() {
     let live = record(folder.path(), Source::Demo, SHORT, 16);
     std::fs::write(folder.path().join("anna"), "").unwrap();
     browser.open(live.url());
-    browser.wait_for(&format!("{GERMAN} && {VALID}"));
+    reach(&mut browser, &format!("{GERMAN} && {VALID}"));
     browser.press("Enter");
-    browser.wait_for("!$trouble.hidden");
-    assert_eq!(english(&mut browser), "");
+    reach(&mut browser, "!$trouble.hidden");
     std::fs::remove_file(folder.path().join("anna")).unwrap();
     browser.press("Enter");
-    browser.wait_for("$session.dataset.phase === 'cued'");
+    reach(&mut browser, "$task.textContent === 'Die Hand weit öffnen'");
+    browser.screenshot(&pictures().join("german-session.png"));
     browser.press("h");
-    browser.wait_for("$session.dataset.phase === 'held'");
-    assert_eq!(english(&mut browser), "");
+    reach(&mut browser, "$session.dataset.phase === 'held'");
     browser.press("e");
-    browser.wait_for("$ending.open");
-    assert_eq!(english(&mut browser), "");
+    reach(&mut browser, "$ending.open");
     browser.press("e");
-    browser.wait_for("!$result.hidden");
-    assert_eq!(english(&mut browser), "");
+    reach(&mut browser, "!$result.hidden");
     browser.screenshot(&pictures().join("german-result.png"));
 
-    // A tuning that fails, and a request that is refused.
+    // A tuning that fails, the wearer's view, and the person's sessions.
     browser.press("t");
-    browser.wait_for("$tuned.dataset.state === 'failed'");
-    assert_eq!(english(&mut browser), "");
-    let mut other = Viewer::connect(live.url());
-    other.say(r#"{"do":"mark","sample":1,"text":"Marke"}"#);
+    reach(&mut browser, "$tuned.dataset.state === 'failed'");
     browser.press("w");
-    browser.wait_for("document.body.dataset.view === 'wearer'");
-    assert_eq!(english(&mut browser), "");
-    assert_eq!(browser.complaints, [""; 0]);
-    live.stop().unwrap();
-}
-
-#[test]
-fn the_page_is_german_where_the_browser_or_the_viewer_asks_for_it() {
-    let mut browser = start!();
-    browser.look(1440, 900, "light", "no-preference");
-    let folder = tempfile::tempdir().unwrap();
-    let live = serve(Source::Demo);
-    browser.open(live.url());
-    browser.wait_for(VALID);
-    assert_eq!(browser.value(UNEQUAL), "");
-    assert_eq!(browser.value("document.documentElement?.lang"), "en");
-    // By the switch, and kept.
-    browser.value("$language.click()");
-    let german = "document.documentElement?.lang === 'de' && ".to_owned() + VALID;
-    browser.wait_for(&german);
-    browser.open(live.url());
-    browser.wait_for(&german);
-    browser.wait_for("$label.textContent === 'Faust'");
-    browser.wait_for("!$share.hidden");
-    assert_eq!(english(&mut browser), "");
-    browser.screenshot(&pictures().join("german.png"));
-    live.stop().unwrap();
-    browser.wait_for("$empty.hidden === false");
-    assert_eq!(english(&mut browser), "");
-
-    // By the browser's language, on the page of a session and its record.
-    ask_for_german(&mut browser);
-    let live = record(folder.path(), Source::Demo, SHORT, 16);
-    browser.open(live.url());
-    browser.wait_for(&german);
-    assert_eq!(english(&mut browser), "");
-    browser.press("Enter");
-    browser.wait_for("$task.textContent === 'Die Hand weit öffnen'");
-    assert_eq!(english(&mut browser), "");
-    browser.screenshot(&pictures().join("german-session.png"));
+    reach(&mut browser, "document.body.dataset.view === 'wearer'");
     browser.open(&format!("{}sessions", live.url()));
-    browser.wait_for("$state?.textContent.startsWith('In diesem Ordner')");
-    assert_eq!(english(&mut browser), "");
+    reach(&mut browser, "$state?.textContent.endsWith('…') === false");
     assert_eq!(browser.complaints, [""; 0]);
     live.stop().unwrap();
 }

@@ -11,18 +11,16 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use bytemuck::cast_slice;
-use myointent::live::{self, Live, Options, RecordOptions, Source};
+use myointent::live::{Live, Source};
 use myointent_tests::bench::{Bridge, Run, Scenario, python};
 use recordings::synthetic::Follower;
 use serde_json::json;
 use shared::intent::Intent;
 use shared::stream::alignment::Alignment;
 use shared::units::Sample;
-use training::backend::BackendArguments;
-use web::record::protocol::Protocol;
 
 use super::browser::{Browser, BrowserKind, VALID};
-use super::record::{pictures, step};
+use super::record::{phase, pictures, record_with, step};
 use super::shipped;
 use super::viewer::Viewer;
 
@@ -49,28 +47,13 @@ fn wait(seconds: f64) {
     std::thread::sleep(Duration::from_secs_f64(seconds * f64::from(SLOWED)));
 }
 
-/// Thread that works until it is told to stop, and then gives a result.
-struct Working<T> {
+/// Armband that sends samples until it is dropped.
+struct Worn {
     stop: Arc<AtomicBool>,
-    thread: Option<JoinHandle<T>>,
+    thread: Option<JoinHandle<()>>,
 }
 
-impl<T: Send + 'static> Working<T> {
-    fn start(work: impl FnOnce(&AtomicBool) -> T + Send + 'static) -> Self {
-        let stop = Arc::new(AtomicBool::new(false));
-        let stopped = stop.clone();
-        let thread = Some(std::thread::spawn(move || work(&stopped)));
-        Self { stop, thread }
-    }
-
-    fn stop(mut self) -> T {
-        self.stop.store(true, Ordering::Relaxed);
-        self.thread.take().unwrap().join().unwrap()
-    }
-}
-
-/// Stops the thread, also where a test fails.
-impl<T> Drop for Working<T> {
+impl Drop for Worn {
     fn drop(&mut self) {
         self.stop.store(true, Ordering::Relaxed);
         if let Some(thread) = self.thread.take() {
@@ -97,29 +80,33 @@ impl Wearer {
         self.asked(Intent::Relax);
     }
 
-    /// Appends the person's samples to the armband's recording at its rate; the result is the intent asked for at each
-    /// sample.
-    fn wear(&self, mut recording: File) -> Working<Vec<Intent>> {
+    /// Appends the person's samples to the armband's recording at its rate.
+    fn wear(&self, mut recording: File) -> Worn {
         let Self(asked) = self.clone();
-        Working::start(move |stop| {
+        let stop = Arc::new(AtomicBool::new(false));
+        let stopped = stop.clone();
+        let thread = std::thread::spawn(move || {
             let mut person = Follower::new(HARD);
-            let mut done = Vec::new();
+            let mut sent = 0;
             let began = Instant::now();
-            while !stop.load(Ordering::Relaxed) {
+            while !stopped.load(Ordering::Relaxed) {
                 let pairs = began.elapsed().as_millis() / (PAIR * SLOWED).as_millis();
                 let mut samples: Vec<Sample> = Vec::new();
-                while (done.len() as u128) < 2 * pairs {
+                while sent < 2 * pairs {
                     let intent = *asked.lock().unwrap();
                     samples.push(TURNED.inverse().apply(person.sample(intent)));
-                    done.push(intent);
+                    sent += 1;
                 }
                 recording
                     .write_all(cast_slice::<Sample, u8>(&samples))
                     .unwrap();
                 std::thread::sleep(Duration::from_millis(5));
             }
-            done
-        })
+        });
+        Worn {
+            stop,
+            thread: Some(thread),
+        }
     }
 
     /// Does what the page asks for, until the program ends.
@@ -153,20 +140,6 @@ fn reach(browser: &mut Browser, expression: &str, mut meanwhile: impl FnMut(&mut
         );
         meanwhile(browser);
         std::thread::sleep(Duration::from_millis(100));
-    }
-}
-
-/// Part of the loop, with its start.
-struct LoopPart(Instant);
-
-impl LoopPart {
-    fn begin() -> Self {
-        Self(Instant::now())
-    }
-
-    /// Returns the seconds since the start, on a clock that is `scale` times slower.
-    fn seconds(&self, scale: u32) -> f64 {
-        self.0.elapsed().as_secs_f64() / f64::from(scale)
     }
 }
 
@@ -210,37 +183,20 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     let port = line.port().to_owned();
 
     // Bind it, on the page of `record`.
-    let protocol = Protocol::parse("session.toml", SESSION)?;
-    let live = live::start(Options {
-        source: Source::Port(port),
-        model: Some(shipped()),
-        listen: "127.0.0.1:0".parse()?,
-        imu: false,
-        record: Some(RecordOptions {
-            folder: folder.path().to_owned(),
-            person: "anna".to_owned(),
-            protocol,
-            model: "models/three-class.intent".into(),
-            device: BackendArguments { backend: None }.device()?,
-            speed: 1,
-            unattended: false,
-        }),
-    })?;
+    let source = Source::Port(port);
+    let live = record_with(folder.path(), source, Some(shipped()), SESSION, 1);
     browser.look(1440, 960, "light", "no-preference");
     browser.open(live.url());
     reach(&mut browser, &step("bind", "now"), |_| {});
-    let bound = LoopPart::begin();
     browser.press("b");
     reach(&mut browser, &step("bind", "done"), |_| {});
     assert!(browser.text("step-bind").contains(ARMBAND));
-    let bound = bound.seconds(SLOWED);
     // Samples from before the stream would come with it, and late.
     let worn = wearer.wear(muscles);
     reach(&mut browser, VALID, |_| {});
 
     // Align it.
     reach(&mut browser, &step("align", "now"), |_| {});
-    let aligned = LoopPart::begin();
     let placed = "$placement.textContent";
     let waiting = "$align.getAttribute('aria-pressed') === 'true'";
     let ended = "$align.getAttribute('aria-pressed') === 'false'";
@@ -262,7 +218,6 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     assert_eq!(text, "Aligned: turned by 3 places");
     assert!(browser.is(&step("align", "done")));
     assert!(browser.text("step-align").contains("turned by 3 places"));
-    let aligned = aligned.seconds(SLOWED);
     // For the picture.
     wearer.asked(Intent::Open);
     wait(1.5);
@@ -271,9 +226,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
 
     // Record it, and tune a model on it.
     let follows = wearer.follow(&live);
-    let phase = |phase: &str| format!("$session.dataset.phase === '{phase}'");
     browser.wait_for(&phase("waiting"));
-    let recorded = LoopPart::begin();
     browser.press("Enter");
     let fist = "$task.textContent === 'Make a fist'";
     let go_on = |browser: &mut Browser| {
@@ -286,7 +239,6 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     photograph(&mut browser, folder.path(), "owner-session.png");
     reach(&mut browser, &phase("over"), go_on);
     browser.wait_for("!$result.hidden");
-    let recorded = recorded.seconds(SLOWED);
     let verdict = browser.text("verdict");
     assert!(
         verdict.starts_with("Good enough"),
@@ -295,24 +247,19 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     );
     // Traces and labels below the tables are to be seen.
     browser.look(1440, 1060, "light", "no-preference");
-    let tuned = LoopPart::begin();
     browser.press("t");
     browser.wait_for("Boolean($tuned.dataset.state)");
     let state = "$tuned.dataset.state";
     reach(&mut browser, &format!("{state} !== 'running'"), |_| {});
-    // The computer's clock is not slowed down.
-    let tuned = tuned.seconds(1);
     assert_eq!(browser.value(state), "better", "{}", browser.text("tuned"));
     assert!(browser.text("commands").contains("myointent board --port"));
     photograph(&mut browser, folder.path(), "owner-tuned.png");
 
     // On the board, without a restart.
-    let installed = LoopPart::begin();
     browser.press("i");
     let state = "$installed.dataset.state";
     browser.wait_for(&format!("{state} === 'running'"));
     reach(&mut browser, &format!("{state} !== 'running'"), |_| {});
-    let installed = installed.seconds(SLOWED);
     assert_eq!(
         browser.value(state),
         "done",
@@ -340,15 +287,10 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     photograph(&mut browser, folder.path(), "owner-own-model.png");
     let main = "document.querySelectorAll('#result button.main').length";
     assert_eq!(browser.value(main), 0, "nothing is left to do");
-    println!(
-        "seconds of the board: bound {bound:.0}, aligned {aligned:.0}, recorded {recorded:.0}, installed {installed:.0}; \
-         of the computer: tuned {tuned:.0}; together {:.0}",
-        bound + aligned + recorded + tuned + installed
-    );
     assert_eq!(browser.complaints, [""; 0]);
     live.stop()?;
     follows.join().unwrap();
-    worn.stop();
+    drop(worn);
     let mut run = line.run();
     assert_eq!(run.lines_by_start()?.len(), 1, "the board restarted");
     // The board runs the tuned file, and no other.

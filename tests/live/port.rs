@@ -1,36 +1,27 @@
-//! Board on a pseudo-terminal: connected, damaged, lost and back.
+//! Board on a pseudo-terminal: asked what it is, and pulled at 100 random moments of a session.
 
-use myointent::live::{self, Live, Options, Source};
-use rand::{RngExt as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
-use std::path::{Path, PathBuf};
+use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
-use super::board::{Board, Damage};
+use myointent::live::{self, Options, Source};
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+
+use super::board::{Board, CUTS};
+use super::record::{SHORT, assert_equal, record, recorded, wish};
 use super::viewer::Viewer;
-use super::{shipped, synthetic};
-
-fn serve(port: &Path, model: Option<Vec<u8>>) -> Live {
-    live::start(Options {
-        source: Source::Port(port.to_owned()),
-        model,
-        listen: "127.0.0.1:0".parse().unwrap(),
-        imu: false,
-        record: None,
-    })
-    .unwrap()
-}
-
-/// Returns a path for a board's terminal.
-fn link(folder: &tempfile::TempDir) -> PathBuf {
-    folder.path().join("board")
-}
+use super::{options, shipped, synthetic};
 
 #[test]
 fn a_board_is_asked_what_it_is_and_shown_with_samples_labels_and_scores() {
     let folder = tempfile::tempdir().unwrap();
-    let board = Board::start(&link(&folder), Damage::None);
-    let live = serve(&link(&folder), Some(shipped()));
+    let link = folder.path().join("board");
+    let board = Board::start(&link);
+    let live = live::start(Options {
+        model: Some(shipped()),
+        ..options(Source::Port(link))
+    })
+    .unwrap();
     let mut viewer = Viewer::connect(live.url());
     viewer.find("source", |source| source["connected"] == true);
     let identity = viewer.find("board", |_| true);
@@ -59,51 +50,58 @@ fn a_board_is_asked_what_it_is_and_shown_with_samples_labels_and_scores() {
 }
 
 #[test]
-fn a_board_that_is_lost_is_found_again_and_viewers_are_told_both() {
+fn a_line_pulled_at_100_random_moments_of_a_session_loses_nothing_that_came() {
     let folder = tempfile::tempdir().unwrap();
-    let live = serve(&link(&folder), None);
+    let link = folder.path().join("board");
+    let mut random = ChaCha8Rng::seed_from_u64(31);
+    // Cuts fall between the first command of the dialogue and a second of samples after it.
+    let dialogues = (0..CUTS).map(|_| f64::exp(random.random_range(0.0..9.0)) as usize + 1);
+    let board = Board::pulled(&link, dialogues.collect());
+    let live = record(folder.path(), Source::Port(link), SHORT, 1);
     let mut viewer = Viewer::connect(live.url());
-    let source = viewer.find("source", |source| source["connected"] == false);
-    let detail = source["detail"].as_str().unwrap();
-    assert!(detail.contains("looking for it again"), "{detail}");
-    let mut random = ChaCha8Rng::seed_from_u64(5);
-    for _ in 0..10 {
-        let board = Board::start(&link(&folder), Damage::None);
-        viewer.find("source", |source| source["connected"] == true);
-        viewer.find("samples", |_| true);
-        // The cut falls at any moment of the dialogue.
-        std::thread::sleep(Duration::from_micros(random.random_range(0..100_000)));
-        drop(board);
-        let source = viewer.find("source", |source| source["connected"] == false);
-        let detail = source["detail"].as_str().unwrap();
-        assert!(detail.contains("looking for it again"), "{detail}");
-    }
-    live.stop().unwrap();
-}
-
-#[test]
-fn a_damaged_line_shows_no_wrong_sample_and_its_losses_are_counted() {
-    let folder = tempfile::tempdir().unwrap();
-    let board = Board::start(&link(&folder), Damage::CutsAndGarbage(7));
-    let live = serve(&link(&folder), Some(shipped()));
-    let mut viewer = Viewer::connect(live.url());
-    let recording = synthetic(60).samples;
-    let (mut seen, mut next, mut gaps) = (0, None, 0);
-    while seen < 1200 {
+    let source = synthetic(60).samples;
+    viewer.find("samples", |_| true);
+    wish(&mut viewer, "begin");
+    // Numbers of the samples that a viewer was shown in the middle of a task.
+    let mut seen = BTreeSet::new();
+    let (mut lost, mut done) = (0, 0);
+    let (mut in_task, mut held) = (false, false);
+    // After the last cut the line stays whole and the session goes on.
+    while board.cuts() < CUTS || done < 3 {
         let message = viewer.next().unwrap();
-        if message["type"] != "samples" {
-            continue;
+        match message["type"].as_str().unwrap() {
+            "source" if message["connected"] == false => {
+                let detail = message["detail"].as_str().unwrap();
+                lost += usize::from(detail.contains("looking for it again"));
+                in_task = false;
+            }
+            "session" => {
+                in_task = message["phase"] == "cued";
+                held = message["phase"] == "held";
+                done = message["done"].as_u64().unwrap();
+            }
+            // The traces move again: a person presses the key until the session goes on.
+            "samples" if held => wish(&mut viewer, "begin"),
+            "samples" if in_task => {
+                let first = message["first"].as_u64().unwrap() as usize;
+                let shown = message["emg"].as_array().unwrap();
+                for (number, shown) in (first..).zip(shown) {
+                    let expected = serde_json::to_value(source[number % source.len()]).unwrap();
+                    assert_eq!(*shown, expected, "sample {number}");
+                    seen.insert(number);
+                }
+            }
+            _ => {}
         }
-        let first = message["first"].as_u64().unwrap();
-        let expected = &recording[first as usize..][..2];
-        assert_eq!(message["emg"], serde_json::to_value(expected).unwrap());
-        gaps += first - next.unwrap_or(first);
-        next = Some(first + 2);
-        seen += 2;
     }
-    assert!(gaps > 60, "{gaps}: nothing was cut");
-    let line = viewer.find("line", |line| line["samples"].as_u64().unwrap() >= gaps);
-    assert!(line["damaged"].as_u64().unwrap() > 3, "{line}");
+    assert!(lost > CUTS / 2, "{lost}: the page was not told");
+    wish(&mut viewer, "finish");
+    viewer.find("kept", |_| true);
     live.stop().unwrap();
-    drop(board);
+    let files = recorded(folder.path());
+    assert_equal(&files, &source);
+    let kept: BTreeSet<usize> = files.iter().flat_map(|file| file.keys().copied()).collect();
+    let missing = seen.difference(&kept).count();
+    assert!(seen.len() > 2000, "{}", seen.len());
+    assert_eq!(missing, 0, "of {} samples shown in a task", seen.len());
 }

@@ -1,4 +1,4 @@
-//! Guided session: led by a viewer and in a browser, recorded to the sample, over breaks, a kill and a full disk.
+//! Guided session, led by viewers and recorded to the sample; and what the tests of sessions share.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -10,31 +10,42 @@ use shared::units::Sample;
 use training::backend::BackendArguments;
 use web::record::protocol::Protocol;
 
-use super::synthetic;
 use super::viewer::Viewer;
+use super::{options, synthetic};
 
 /// Protocol of two rounds of three openings and three fists: 46 s.
 pub const SHORT: &str = "rounds = 2\npause = 1\n\
     sequence = [\"relax\", \"open\", \"relax\", \"close\", \"relax\", \"open\", \"relax\", \"close\", \"relax\", \"open\", \"relax\", \"close\", \"relax\"]\n\
     [seconds]\nrelax = 1.5\nopen = 2\nclose = 2\n";
 
+/// Starts the page of a session of `anna`, on any free port of this machine.
 pub fn record(folder: &Path, source: Source, protocol: &str, speed: u32) -> Live {
-    live::start(Options {
-        source,
-        model: None,
-        listen: "127.0.0.1:0".parse().unwrap(),
-        imu: false,
-        record: Some(RecordOptions {
-            folder: folder.to_owned(),
-            person: "anna".to_owned(),
-            protocol: Protocol::parse("short.toml", protocol).unwrap(),
-            model: "models/three-class.intent".into(),
-            device: BackendArguments { backend: None }.device().unwrap(),
-            speed,
-            unattended: false,
-        }),
-    })
-    .unwrap()
+    record_with(folder, source, None, protocol, speed)
+}
+
+/// Starts the page of a session with a model.
+pub fn record_with(
+    folder: &Path,
+    source: Source,
+    model: Option<Vec<u8>>,
+    protocol: &str,
+    speed: u32,
+) -> Live {
+    let record = RecordOptions {
+        folder: folder.to_owned(),
+        person: "anna".to_owned(),
+        protocol: Protocol::parse("short.toml", protocol).unwrap(),
+        model: "models/three-class.intent".into(),
+        device: BackendArguments { backend: None }.device().unwrap(),
+        speed,
+        unattended: false,
+    };
+    let options = Options {
+        model,
+        record: Some(record),
+        ..options(source)
+    };
+    live::start(options).unwrap()
 }
 
 /// Sends the message of a pressed button.
@@ -134,16 +145,12 @@ pub fn pictures() -> PathBuf {
 }
 
 #[test]
-fn a_session_is_recorded_sample_for_sample_and_led_by_one_viewer() {
+fn a_session_is_recorded_sample_for_sample_and_led_by_one_viewer_at_a_time() {
     let folder = tempfile::tempdir().unwrap();
     let recording = synthetic(20);
     let samples = recording.samples.clone();
-    let live = record(
-        folder.path(),
-        Source::Replay(Box::new(recording)),
-        SHORT,
-        16,
-    );
+    let source = Source::Replay(Box::new(recording));
+    let live = record(folder.path(), source, SHORT, 16);
     let mut leader = Viewer::connect(live.url());
     let mut other = Viewer::connect(live.url());
     leader.find("samples", |_| true);
@@ -155,66 +162,19 @@ fn a_session_is_recorded_sample_for_sample_and_led_by_one_viewer() {
     let (_, mut held) = reach(&mut leader, |message| message["cue"] == "open");
     wish(&mut leader, "repeat");
     held += reach(&mut leader, |message| message["bad"].as_u64() > Some(held)).1;
-    held += reach(&mut leader, |message| message["phase"] == "over").1;
+    // The session waits for the next one who leads.
+    drop(leader);
+    other.find("session", |message| message["why"] == "leader-left");
+    wish(&mut other, "begin");
+    held += 1 + reach(&mut other, |message| message["phase"] == "over").1;
     live.stop().unwrap();
     let files = recorded(folder.path());
     let count = assert_equal(&files, &samples);
     // Two rounds, and what was repeated.
     assert!(count >= 2 * 4700, "{count}");
-    let left: Vec<_> = std::fs::read_dir(folder.path().join("anna"))
-        .unwrap()
-        .flatten()
-        .collect();
+    let left = std::fs::read_dir(folder.path().join("anna")).unwrap();
+    let left: Vec<_> = left.flatten().collect();
     assert_eq!(left.len(), files.len(), "{left:?}");
     let expected = 2..=2 + held as usize;
     assert!(expected.contains(&files.len()), "{left:?}");
-}
-
-#[test]
-fn a_leader_who_leaves_holds_the_session_and_the_next_one_goes_on() {
-    let folder = tempfile::tempdir().unwrap();
-    let live = record(folder.path(), Source::Demo, SHORT, 8);
-    let mut leader = Viewer::connect(live.url());
-    let mut other = Viewer::connect(live.url());
-    leader.find("samples", |_| true);
-    wish(&mut leader, "begin");
-    other.find("session", |message| message["cue"] == "open");
-    drop(leader);
-    let held = other.find("session", |message| message["phase"] == "held");
-    assert_eq!(held["why"], "leader-left", "{held}");
-    wish(&mut other, "begin");
-    reach(&mut other, |message| message["cue"] == "open");
-    // Ctrl-C: what was recorded is kept.
-    live.stop().unwrap();
-    assert!(!recorded(folder.path()).is_empty());
-}
-
-#[cfg(target_os = "linux")]
-#[test]
-fn a_board_that_is_lost_in_a_session_costs_the_gesture_in_progress_alone() {
-    use super::board::{Board, Damage};
-
-    let folder = tempfile::tempdir().unwrap();
-    let link = folder.path().join("board");
-    let board = Board::start(&link, Damage::None);
-    let live = record(folder.path(), Source::Port(link.clone()), SHORT, 1);
-    let mut viewer = Viewer::connect(live.url());
-    viewer.find("samples", |_| true);
-    wish(&mut viewer, "begin");
-    reach(&mut viewer, |message| message["cue"] == "close");
-    drop(board);
-    viewer.find("session", |message| message["why"] == "source-lost");
-    let board = Board::start(&link, Damage::None);
-    viewer.find("source", |message| message["connected"] == true);
-    viewer.find("samples", |_| true);
-    wish(&mut viewer, "begin");
-    reach(&mut viewer, |message| message["done"] == 3);
-    wish(&mut viewer, "finish");
-    let kept = viewer.find("kept", |_| true);
-    assert!(kept["files"].as_array().unwrap().len() >= 2, "{kept}");
-    live.stop().unwrap();
-    drop(board);
-    let source = super::synthetic(60).samples;
-    let count = assert_equal(&recorded(folder.path()), &source);
-    assert!(count > 200 * 10, "{count}");
 }

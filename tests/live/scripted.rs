@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 
-use shared::myo::{Address, Following};
+use shared::myo::Following;
 use shared::uart_line::answer::{Answer, Binding, Identity};
 use shared::uart_line::command::{Command, CommandReader};
 
@@ -77,8 +77,4 @@ pub fn binding(following: Following) -> Answer<'static> {
         following,
         is_kept: true,
     })
-}
-
-pub fn armband(text: &str) -> Address {
-    Address::parse(text).unwrap()
 }

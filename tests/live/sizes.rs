@@ -1,4 +1,7 @@
-//! Page in windows of all sizes: label and cue are in view, nothing is wider than the window, no card is half empty.
+//! Page in windows of all sizes, and for all people: label and cue are in view, nothing is wider than the window, no card is half
+//! empty, controls have names and sizes, and no region interrupts a reader.
+
+use std::process::Command;
 
 use myointent::live::Source;
 
@@ -7,7 +10,7 @@ use super::record::{SHORT, phase, pictures, record};
 use super::serve;
 
 /// Name, width and height of each window; the zoomed ones are 1440 x 900 and 1366 x 768 at 200 %.
-pub const WINDOWS: [(&str, u32, u32); 7] = [
+const WINDOWS: [(&str, u32, u32); 7] = [
     ("1366", 1366, 768),
     ("1440", 1440, 900),
     ("2560", 2560, 1440),
@@ -17,23 +20,25 @@ pub const WINDOWS: [(&str, u32, u32); 7] = [
     ("zoomed-small", 683, 384),
 ];
 
-/// Ids of those elements that are not in view as a whole.
-fn hidden(browser: &mut Browser, ids: &[&str]) -> String {
-    let ids = ids.join("','");
-    let expression = format!(
-        "['{ids}'].filter((id) => {{ const box = document.getElementById(id).getBoundingClientRect(); \
-         return !(box.height > 0 && box.top >= 0 && box.bottom <= innerHeight && box.left >= 0 && box.right <= innerWidth); }}).join()"
-    );
-    browser.value(&expression).as_str().unwrap().to_owned()
-}
+/// Rules, each of which names what breaks it.
+const RULES: [&str; 4] = [
+    // Cards whose lowest content ends far above their lower edge.
+    "[...document.querySelectorAll('main section, main .lead > *')].filter((card) => card.checkVisibility() && card.id !== 'result') \
+     .filter((card) => { const inner = [...card.querySelectorAll('*')].filter((one) => one.checkVisibility() && !one.closest('.unseen')); \
+         const lowest = Math.max(...inner.map((one) => one.getBoundingClientRect().bottom)); \
+         return card.getBoundingClientRect().bottom - lowest > 60; }).map((card) => card.className).join()",
+    // Controls smaller than 24 px (WCAG 2.2, target size).
+    "[...document.querySelectorAll('button, summary, a, input')].filter((one) => one.checkVisibility()) \
+     .filter((one) => { const { width, height } = one.getBoundingClientRect(); return width < 24 || height < 24; }) \
+     .map((one) => one.id || one.textContent).join()",
+    // Controls without a name.
+    "[...document.querySelectorAll('button, summary, canvas, svg[role], progress, [role=toolbar], dialog')] \
+     .filter((one) => !(one.ariaLabel || one.textContent.trim() || one.getAttribute('aria-labelledby'))).map((one) => one.outerHTML).join()",
+    // Live regions that interrupt the reader, but for errors.
+    "[...document.querySelectorAll('[aria-live=assertive], [role=alert]')].filter((one) => one.id !== 'trouble').map((one) => one.id).join()",
+];
 
-/// Cards whose lowest content ends far above their lower edge.
-const HALF_EMPTY: &str = "[...document.querySelectorAll('main section, main .lead > *')].filter((card) => card.checkVisibility() && card.id !== 'result') \
-    .filter((card) => { const inner = [...card.querySelectorAll('*')].filter((one) => one.checkVisibility() && !one.closest('.unseen')); \
-        const lowest = Math.max(...inner.map((one) => one.getBoundingClientRect().bottom)); \
-        return card.getBoundingClientRect().bottom - lowest > 60; }).map((card) => card.className).join()";
-
-/// Distances of the header's content and the cards' from the edges of the window, left and right.
+/// Whether the header's content and the cards are equally far from the edges of the window, left and right.
 const EDGES: &str = "(() => { const edge = (first, last) => [first.getBoundingClientRect().left, innerWidth - last.getBoundingClientRect().right].map(Math.round).join(); \
     const head = edge(document.querySelector('h1'), document.querySelector('header > .page')); \
     const cards = document.querySelectorAll('main > *'); \
@@ -46,20 +51,40 @@ const EDGES: &str = "(() => { const edge = (first, last) => [first.getBoundingCl
 const LOST: &str = "['mark', 'save', 'letters', 'valid', 'share', 'legend', 'notice'].filter((id) => !document.getElementById(id).checkVisibility()).join() + \
     ($traces.clientHeight > 340 ? '' : 'scores')";
 
+/// The parts of the wearer's view that are not in view as a whole, or cover each other; a hand that is not square, whose arm would
+/// have an end; and whether the view scrolls.
+pub const UNWORN: &str = "(() => { const ids = ['worn-do', 'worn-hand', 'worn-word', 'worn-sign', 'worn-back', 'drawn']; \
+    const boxes = ids.map((id) => [id, document.getElementById(id).getBoundingClientRect()]); \
+    const outside = boxes.filter(([, box]) => !(box.height > 0 && box.top >= 0 && box.bottom <= innerHeight && box.left >= 0 && box.right <= innerWidth)); \
+    const covered = boxes.filter(([, one], at) => boxes.slice(at + 1).some(([, other]) => \
+        one.left < other.right - 1 && other.left < one.right - 1 && one.top < other.bottom - 1 && other.top < one.bottom - 1)); \
+    const { width, height } = $worn-hand.getBoundingClientRect(); \
+    const { scrollHeight, scrollWidth } = document.documentElement; \
+    return [...outside, ...covered].map(([id]) => id).join() + (Math.abs(width - height) < 2 ? '' : ' no square') \
+        + (scrollHeight > innerHeight || scrollWidth > innerWidth ? ' scrolls' : ''); })()";
+
 /// Checks a window in which these elements have to be in view.
 fn check(browser: &mut Browser, name: &str, ids: &[&str]) {
     browser.frames(20);
     browser.screenshot(&pictures().join(format!("{name}.png")));
-    assert_eq!(hidden(browser, ids), "", "{name}");
+    let ids = ids.join("','");
+    let hidden = format!(
+        "['{ids}'].filter((id) => {{ const box = document.getElementById(id).getBoundingClientRect(); \
+         return !(box.height > 0 && box.top >= 0 && box.bottom <= innerHeight && box.left >= 0 && box.right <= innerWidth); }}).join()"
+    );
+    assert_eq!(browser.value(&hidden), "", "{name}");
     assert!(browser.is(FITS), "{name}");
-    assert_eq!(browser.value(HALF_EMPTY), "", "{name}");
+    for rule in RULES {
+        assert_eq!(browser.value(rule), "", "{name}: {rule}");
+    }
 }
 
 #[test]
-fn label_and_cue_are_in_view_in_windows_of_all_sizes() {
+fn label_cue_and_the_wearers_hand_are_in_view_in_windows_of_all_sizes() {
     let (mut browser, live) = open!(serve(Source::Demo));
-    for (name, width, height) in WINDOWS {
-        browser.look(width, height, "light", "no-preference");
+    let schemes = ["light", "dark"].into_iter().cycle();
+    for ((name, width, height), scheme) in WINDOWS.into_iter().zip(schemes) {
+        browser.look(width, height, scheme, "no-preference");
         browser.open(live.url());
         browser.wait_for(&format!("{VALID} && !$truth.hidden && !$share.hidden"));
         let ids = ["label", "truth", "agrees", "traces"];
@@ -68,8 +93,43 @@ fn label_and_cue_are_in_view_in_windows_of_all_sizes() {
         assert!(width <= 860 || browser.is(EDGES), "{name}");
         // However large the letters are, nothing is lost (WCAG 1.4.4).
         assert_eq!(browser.value(LOST), "", "{name}");
+        browser.press("w");
+        browser.wait_for("document.body.dataset.view === 'wearer'");
+        browser.frames(3);
+        assert_eq!(browser.value(UNWORN), "", "{name}");
+        browser.screenshot(&pictures().join(format!("wearer-{name}-{scheme}.png")));
     }
+    // Word and hand are of the label, the task is the cue in words; a sign besides the colour says whether they agree.
+    for class in ["open", "close", "relax"] {
+        let hand = format!("$worn-hand.dataset.gesture === '{class}'");
+        browser.wait_for(&format!("{hand} && $worn-word.textContent === '{class}'"));
+    }
+    let right = "$worn-sign.textContent.startsWith('✓')";
+    browser.wait_for(&format!(
+        "{right} && $worn-do.textContent === 'Make a fist'"
+    ));
+    // While the armband is aligned, that is what to do.
+    browser.press("a");
+    let opens = "$worn-do.textContent === 'Open the hand twice, with rest before and after'";
+    browser.wait_for(opens);
+    browser.press("a");
+    browser.wait_for(&format!("!({opens})"));
+    // A reader hears task and label politely, and nothing moves.
+    for id in ["worn-do", "spoken"] {
+        let heard = format!("${id}.checkVisibility() && ${id}.getAttribute('role')");
+        assert_eq!(browser.value(&heard), "status");
+    }
+    browser.look(1440, 900, "light", "reduce");
+    assert_eq!(browser.value("document.getAnimations().length"), 0);
+    // By its address too, and back again.
+    browser.press("w");
+    browser.wait_for("document.body.dataset.view === 'all' && $traces.checkVisibility()");
+    browser.open("about:blank");
+    browser.open(&format!("{}#wearer", live.url()));
+    browser.wait_for("$worn?.checkVisibility()");
     live.stop().unwrap();
+    browser.wait_for("$worn.dataset.label === 'none'");
+    assert_eq!(browser.complaints, [""; 0]);
 }
 
 #[test]
@@ -82,11 +142,47 @@ fn task_and_label_are_in_view_in_a_session_in_windows_of_all_sizes() {
     for (name, width, height) in WINDOWS {
         browser.look(width, height, "light", "no-preference");
         browser.wait_for(&phase("cued"));
-        check(
-            &mut browser,
-            &format!("session-{name}"),
-            &["task", "label", "agrees"],
-        );
+        let ids = ["task", "label", "agrees"];
+        check(&mut browser, &format!("session-{name}"), &ids);
     }
     live.stop().unwrap();
+}
+
+#[test]
+fn axe_finds_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let npm = Command::new("npm")
+        .args(["install", "--no-audit", "--no-fund", "axe-core@4.14.1"])
+        .arg("--prefix")
+        .arg(folder.path())
+        .status();
+    if !npm.is_ok_and(|status| status.success()) {
+        myointent_tests::skip("npm cannot install axe-core");
+        return;
+    }
+    let mut browser = start!();
+    let axe = folder.path().join("node_modules/axe-core/axe.min.js");
+    let axe = std::fs::read_to_string(axe).unwrap();
+    let findings = "axe.run().then(({ violations }) => violations.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.html).join(' ')}`).join('\\n'))";
+    let sessions = tempfile::tempdir().unwrap();
+    for live in [
+        serve(Source::Demo),
+        record(sessions.path(), Source::Demo, SHORT, 1),
+        serve(Source::Port(folder.path().join("board"))),
+    ] {
+        for scheme in ["light", "dark"] {
+            browser.look(1440, 900, scheme, "reduce");
+            browser.open(live.url());
+            browser.wait_for(&format!("$empty?.hidden === false || {VALID}"));
+            browser.run(&axe);
+            assert_eq!(browser.value(findings), "", "{scheme} {}", live.url());
+            browser.value("location.hash = 'wearer'");
+            assert_eq!(browser.value(findings), "", "{scheme}, the wearer's view");
+            browser.open(&format!("{}sessions", live.url()));
+            browser.wait_for("/[^…]$/.test($state?.textContent ?? '')");
+            browser.run(&axe);
+            assert_eq!(browser.value(findings), "", "{scheme}, the record");
+        }
+        live.stop().unwrap();
+    }
 }

@@ -403,3 +403,6 @@ impl Installer {
         self.end = Some(Err(error));
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -95,3 +95,75 @@ impl Refusal {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hid;
+    use crate::installation::{Block, InstallationProgress, Transfer};
+    use crate::myo::Address;
+    use crate::stream::alignment::{Alignment, Arm};
+    use crate::stream::lock::LockTimes;
+    use crate::stream::smoother::Gate;
+    use crate::uart_line::answer::{Binding, Counts, Identity};
+    use crate::uart_line::lock::Locking;
+
+    #[test]
+    #[rustfmt::skip]
+    fn an_answer_is_told_from_those_to_other_commands() {
+        use Answer::{Alignment as Placed, Gate as Of, Raw, Refused};
+        use Command::{Align, Bind, Counters, Gate as Set, Hid, Identify, Install, Lock};
+        let identity = Answer::Identity(Identity {
+            version: "0.1.0", revision: "0", image: "test", model: Some(7), armband: None, firmware: None, battery: None,
+        });
+        let [mine, other] = ["FA:12:34:56:78:9A", "FA:12:34:56:78:9B"].map(|text| Address::parse(text).unwrap());
+        let binding = |following| Answer::Binding(Binding { following, is_kept: true });
+        let [bound, bound_to_other] = [mine, other].map(|armband| binding(Following::Bound(armband)));
+        let [nobody, pairing, strongest] = [Following::Nobody, Following::Pairing, Following::Strongest].map(binding);
+        // The line does not say which alignment is set.
+        let turned = Alignment::new(3, true);
+        let [begin, cancel, set] = [AlignCommand::Begin(Arm::Unknown), AlignCommand::Cancel, AlignCommand::Set(turned)].map(Align);
+        let [begun, cancelled, was_set] = [Accepted::Begin, Accepted::Cancel, Accepted::Set].map(Answer::Align);
+        let refusals = [
+            Refusal::NoModel, Refusal::NoStream, Refusal::BuiltIn, Refusal::Length,
+            Refusal::Block, Refusal::NotBegun, Refusal::Model, Refusal::Flash,
+        ].map(Refused);
+        let [no_model, no_stream, built_in, length, _, not_begun, model, flash] = refusals;
+        let next = |block| Answer::Install(InstallationProgress::Next(block));
+        let counts = Answer::Counts(Counts::default());
+        let lock = |locked| Answer::Lock(Some(Locking { times: LockTimes::USUAL, locked }));
+        let gate = |entry| Gate { entry: Some(entry), other: None, reaction: None };
+        let off = Answer::Hid(hid::Settings::OFF);
+        let switch = HidCommand::Switch(true);
+        let transfer = Transfer { length: 84_729, checksum: 7 };
+        let table: [(Command, &[Answer<'_>], Answer<'_>); 21] = [
+            (Identify, &refusals, identity),
+            (Counters, &refusals, counts),
+            (Command::Raw(true), &refusals, Raw(true)),
+            (Identify, &[counts, next(1), nobody], identity),
+            (Command::Raw(true), &[Raw(false)], Raw(true)),
+            (begin, &[cancelled, was_set, Placed(turned), built_in, flash, length], begun),
+            (cancel, &[begun, was_set, no_stream, built_in], cancelled),
+            (set, &[begun, cancelled, Placed(turned)], was_set),
+            (Align(AlignCommand::State), &[begun, was_set, no_stream], Placed(turned)),
+            (Bind(BindCommand::Begin), &[bound, nobody], pairing),
+            (Bind(BindCommand::Set(mine)), &[nobody, pairing, bound_to_other], bound),
+            (Bind(BindCommand::Forget), &[pairing, bound], nobody),
+            (Bind(BindCommand::Forget), &[bound], strongest),
+            (Bind(BindCommand::State), &[counts, no_stream], bound),
+            (Set(GateCommand::Set(gate(150))), &[Of(gate(50)), no_stream, built_in, flash], Of(gate(150))),
+            (Set(GateCommand::State), &[nobody, identity], Of(gate(1))),
+            (Lock(LockCommand::Set(LockTimes::USUAL)), &[Answer::Lock(None), counts, no_model], lock(true)),
+            (Lock(LockCommand::Hold { is_locked: false }), &[lock(true)], lock(false)),
+            (Hid(switch), &[off, counts], Answer::Hid(hid::Settings::OFF.after(switch))),
+            (Install(transfer), &[counts, not_begun, no_stream, model], next(0)),
+            (Command::Block(0, Block::ERASED), &[length, Raw(true)], next(64)),
+        ];
+        for (command, others, own) in table {
+            assert!(own.answers(command), "{command:?} {own:?}");
+            for other in others {
+                assert!(!other.answers(command), "{command:?} {other:?}");
+            }
+        }
+    }
+}
