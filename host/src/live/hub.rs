@@ -1,109 +1,38 @@
 //! Distribution of events from one source to all viewers. A slow viewer loses messages; the source never waits for one.
 
-use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use tokio::sync::broadcast;
+use tokio::sync::broadcast::error::TryRecvError;
 
-use web::event::{Event, Topic, ViewerId};
+use web::event::{Event, Known, ViewerId};
 
 /// Number of messages that a viewer may be behind: 4 s of samples.
 const BEHIND: usize = 512;
-
-/// Number of the newest messages with samples that a new viewer gets: 5 s, the width of the picture.
-const RECENT: usize = 500;
 
 /// Message as JSON.
 pub(crate) type Message = Arc<str>;
 
 /// Viewer that a message is for, none for all; and the message.
-pub(crate) type Addressed = (Option<ViewerId>, Message);
+type Addressed = (Option<ViewerId>, Message);
 
 /// Distributor of events to all present viewers.
 #[derive(Debug)]
 pub(crate) struct Hub {
-    state: Mutex<State>,
-    began: Instant,
-}
-
-#[derive(Debug)]
-struct State {
-    newest: BTreeMap<Topic, Message>,
-    recent: Recent,
+    known: Mutex<Known>,
     sender: broadcast::Sender<Addressed>,
-}
-
-/// Samples, scores, reports and marks of the last seconds, in order.
-#[derive(Debug, Default)]
-struct Recent {
-    messages: VecDeque<(MessageKind, Message)>,
-    samples: usize,
-    reports: usize,
-}
-
-/// Kind of a recent message.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum MessageKind {
-    Samples,
-    Report,
-    Other,
-}
-
-impl Recent {
-    fn push(&mut self, event: &Event, message: &Message) {
-        let kind = match event {
-            Event::Samples { .. } => MessageKind::Samples,
-            Event::Report { .. } => MessageKind::Report,
-            Event::Scores { .. } | Event::Mark { .. } => MessageKind::Other,
-            _ => return,
-        };
-        self.messages.push_back((kind, message.clone()));
-        self.samples += usize::from(kind == MessageKind::Samples);
-        self.reports += usize::from(kind == MessageKind::Report);
-        // The second bound is for a source without samples.
-        while self.samples > RECENT || self.messages.len() > 2 * RECENT {
-            let Some((kind, _)) = self.messages.pop_front() else {
-                break;
-            };
-            self.samples -= usize::from(kind == MessageKind::Samples);
-            self.reports -= usize::from(kind == MessageKind::Report);
-        }
-    }
+    began: Instant,
 }
 
 /// Messages for one viewer.
 #[derive(Debug)]
 pub(crate) struct Subscription {
-    /// Newest message of each topic, and for a new viewer those of the last seconds; sent first.
-    pub(crate) known: Vec<Message>,
+    viewer: ViewerId,
+    /// Messages that come first.
+    first: Vec<Message>,
     /// Messages that follow, without a gap.
-    pub(crate) following: broadcast::Receiver<Addressed>,
-}
-
-impl State {
-    fn subscription(&self) -> Subscription {
-        Subscription {
-            known: self.newest.values().cloned().collect(),
-            following: self.sender.subscribe(),
-        }
-    }
-
-    /// Forgets what is known about labels, placement and board: there is no stream, or another one begins.
-    fn forget_stream(&mut self) {
-        for topic in [
-            Topic::Report,
-            Topic::Alignment,
-            Topic::Calibration,
-            Topic::Electrodes,
-            Topic::Board,
-            Topic::Binding,
-            Topic::Counts,
-        ] {
-            self.newest.remove(&topic);
-        }
-        self.recent = Recent::default();
-    }
+    following: broadcast::Receiver<Addressed>,
 }
 
 /// Message of an event.
@@ -114,13 +43,9 @@ pub(crate) fn json(event: &Event) -> Message {
 
 impl Hub {
     pub(crate) fn new() -> Self {
-        let state = State {
-            newest: BTreeMap::new(),
-            recent: Recent::default(),
-            sender: broadcast::channel(BEHIND).0,
-        };
         Self {
-            state: Mutex::new(state),
+            known: Mutex::default(),
+            sender: broadcast::channel(BEHIND).0,
             began: Instant::now(),
         }
     }
@@ -131,63 +56,53 @@ impl Hub {
         (self.began.elapsed().as_secs_f64() * 10_000.0).round() / 10.0
     }
 
-    /// Sends an event to all viewers.
-    pub(crate) fn publish(&self, event: &Event) {
-        let message = json(event);
-        let mut state = self.lock();
-        match event {
-            Event::Source {
-                connected: false, ..
-            } => state.forget_stream(),
-            Event::Session { view, .. } if view.phase == "waiting" => {
-                for topic in [Topic::Kept, Topic::Tuning, Topic::Installing] {
-                    state.newest.remove(&topic);
+    /// Sends an event to one viewer, or to all.
+    pub(crate) fn send(&self, viewer: Option<ViewerId>, event: &Event) {
+        let mut known = self.lock();
+        if viewer.is_none() {
+            known.take(event);
+        }
+        // There may be no viewer.
+        let _ = self.sender.send((viewer, json(event)));
+    }
+
+    /// Subscribes a viewer: what is known comes first.
+    pub(crate) fn subscribe(&self, viewer: ViewerId) -> Subscription {
+        let known = self.lock();
+        Subscription {
+            viewer,
+            first: known.events().map(json).collect(),
+            following: self.sender.subscribe(),
+        }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Known> {
+        // A panic leaves nothing half-changed: each insertion is whole.
+        self.known.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Subscription {
+    /// Takes the messages since the last call. A viewer that is too far behind is told how many it has lost, and what is known.
+    pub(crate) fn take(&mut self, hub: &Hub) -> Vec<Message> {
+        let mut messages = std::mem::take(&mut self.first);
+        loop {
+            match self.following.try_recv() {
+                Ok((viewer, message)) if viewer.is_none_or(|viewer| viewer == self.viewer) => {
+                    messages.push(message);
+                }
+                Ok(_) => {}
+                Err(TryRecvError::Empty | TryRecvError::Closed) => return messages,
+                Err(TryRecvError::Lagged(lost)) => {
+                    // With those that it has not taken yet.
+                    let lost = lost + self.following.len() as u64;
+                    *self = hub.subscribe(self.viewer);
+                    let skipped = format!(r#"{{"type":"skipped","messages":{lost}}}"#);
+                    messages.push(skipped.into());
+                    messages.append(&mut self.first);
                 }
             }
-            _ => {}
         }
-        if let Some(topic) = event.topic() {
-            state.newest.insert(topic, message.clone());
-        }
-        state.recent.push(event, &message);
-        // There may be no viewer.
-        let _ = state.sender.send((None, message));
-    }
-
-    /// Sends an event to one viewer.
-    pub(crate) fn answer(&self, viewer: ViewerId, event: &Event) {
-        let _ = self.lock().sender.send((Some(viewer), json(event)));
-    }
-
-    /// Subscribes a new viewer.
-    pub(crate) fn subscribe(&self) -> Subscription {
-        let state = self.lock();
-        let mut subscription = state.subscription();
-        if state.recent.reports > 0 {
-            let others = state
-                .newest
-                .iter()
-                .filter(|(topic, _)| **topic != Topic::Report);
-            subscription.known = others.map(|(_, message)| message.clone()).collect();
-        }
-        let recent = state.recent.messages.iter();
-        subscription
-            .known
-            .extend(recent.map(|(_, message)| message.clone()));
-        subscription
-    }
-
-    /// Subscribes a viewer again that has lost messages. Returns a message with their number, untaken ones included.
-    pub(crate) fn resubscribe(&self, subscription: &mut Subscription, lost: u64) -> Message {
-        let state = self.lock();
-        let messages = lost + subscription.following.len() as u64;
-        *subscription = state.subscription();
-        format!(r#"{{"type":"skipped","messages":{messages}}}"#).into()
-    }
-
-    fn lock(&self) -> MutexGuard<'_, State> {
-        // A panic leaves nothing half-changed: each insertion is whole.
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -209,68 +124,35 @@ mod tests {
     }
 
     #[test]
-    fn a_new_viewer_is_told_the_newest_of_each_kind_and_what_follows() {
+    fn a_viewer_is_told_the_newest_of_each_kind_what_follows_and_what_it_lost() {
         let hub = Hub::new();
-        for event in [line(1), mark(1), Event::End, line(2)] {
-            hub.publish(&event);
-        }
-        let mut viewer = hub.subscribe();
-        let expected = [
-            r#"{"type":"line","damaged":2,"missing":0,"samples":0}"#,
-            r#"{"type":"mark","sample":1,"text":""}"#,
-        ];
-        let known: Vec<&str> = viewer.known.iter().map(|message| &**message).collect();
-        assert_eq!(known, expected);
-        hub.publish(&mark(7));
-        let (_, next) = viewer.following.try_recv().unwrap();
-        assert_eq!(&*next, r#"{"type":"mark","sample":7,"text":""}"#);
-    }
-
-    #[test]
-    fn a_new_viewer_gets_the_samples_and_reports_of_the_last_seconds_in_order() {
-        let hub = Hub::new();
-        let samples = |first: usize| Event::Samples {
-            at: 0.0,
-            first: first as u32,
-            emg: Vec::new(),
-            truth: None,
-        };
-        let report = |number| Event::Report {
-            at: 0.0,
-            is_label: true,
-            number,
-            instant: 0,
-            emitted: 0,
-            label: "open",
-            valid: true,
-            cause: None,
-            lost: 0,
-            bridged: 0,
-            resets: 0,
-            strength: None,
-        };
-        hub.publish(&report(1));
-        for first in 0..RECENT {
-            hub.publish(&samples(first));
-        }
-        assert_eq!(hub.subscribe().known.len(), 1 + RECENT);
-        // Without a recent report, the newest one is known.
-        hub.publish(&samples(RECENT));
-        let known = hub.subscribe().known;
-        assert_eq!(known.len(), 1 + RECENT);
-        assert!(known[0].contains(r#""number":1,"#), "{}", known[0]);
-        hub.publish(&report(2));
-        let known = hub.subscribe().known;
-        assert_eq!(known.len(), RECENT + 1);
-        assert!(known[0].contains(r#""first":1,"#), "{}", known[0]);
-        assert!(known[RECENT].contains(r#""number":2,"#));
-        hub.publish(&Event::Source {
+        let send = |event| hub.send(None, &event);
+        let texts = |messages: Vec<Message>| messages.join("\n");
+        [line(1), mark(1), Event::End, line(2)]
+            .into_iter()
+            .for_each(send);
+        let mut viewer = hub.subscribe(7);
+        let known = r#"{"type":"line","damaged":2,"missing":0,"samples":0}"#;
+        assert_eq!(texts(viewer.take(&hub)), known);
+        hub.send(Some(8), &mark(8));
+        hub.send(Some(7), &mark(7));
+        assert_eq!(
+            texts(viewer.take(&hub)),
+            r#"{"type":"mark","sample":7,"text":""}"#
+        );
+        (0..600).map(mark).for_each(send);
+        let skipped = r#"{"type":"skipped","messages":600}"#;
+        assert_eq!(texts(viewer.take(&hub)), format!("{skipped}\n{known}"));
+        send(mark(9));
+        assert_eq!(viewer.take(&hub).len(), 1);
+        // Of a stream that is gone no loss is known, and of its source that it is.
+        send(Event::Source {
             kind: "demo",
             name: String::new(),
             connected: false,
             detail: String::new(),
             steps: Vec::new(),
         });
-        assert_eq!(hub.subscribe().known.len(), 1);
+        assert_eq!(hub.subscribe(9).take(&hub).len(), 2);
     }
 }

@@ -4,51 +4,42 @@
 
 use std::io::Write;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use tokio::sync::broadcast::error::RecvError;
-use tokio::sync::watch;
-use tokio::time::sleep;
-
-use super::hub::{Addressed, Hub, Subscription};
+use super::hub::{Hub, Subscription};
 
 /// Longest time without a line: only a write shows that the reader has closed the output.
 const QUIET: Duration = Duration::from_secs(1);
 /// Time that a reader has to take the last lines.
 const PATIENCE: Duration = Duration::from_secs(1);
+/// Pause between two looks for messages: short beside the 10 ms between two of an armband.
+const PAUSE: Duration = Duration::from_millis(2);
 
 /// Thread that writes the lines.
 #[derive(Debug)]
 pub(crate) struct JsonLines {
     thread: JoinHandle<std::io::Result<()>>,
-    stop: watch::Sender<bool>,
-}
-
-/// Event that wakes the writer.
-enum Wakeup {
-    Received(Result<Addressed, RecvError>),
-    Stop,
-    Quiet,
+    stop: Arc<AtomicBool>,
 }
 
 impl JsonLines {
     /// Starts the thread that writes every event from now on, each line at once.
     ///
     /// # Errors
-    /// When the system gives no thread or no clock.
+    /// When the system gives no thread.
     pub(crate) fn start(
         hub: Arc<Hub>,
         mut output: impl Write + Send + 'static,
     ) -> std::io::Result<Self> {
-        let runtime = tokio::runtime::Builder::new_current_thread()
-            .enable_time()
-            .build()?;
-        let (stop, stopped) = watch::channel(false);
-        let subscription = hub.subscribe();
+        let stop = Arc::<AtomicBool>::default();
+        let stopped = stop.clone();
+        // No viewer of a page has this number.
+        let mut subscription = hub.subscribe(0);
         let thread = std::thread::Builder::new()
             .name("lines".to_owned())
-            .spawn(move || runtime.block_on(write(&hub, subscription, &mut output, stopped)))?;
+            .spawn(move || write(&hub, &mut subscription, &mut output, &stopped))?;
         Ok(Self { thread, stop })
     }
 
@@ -62,7 +53,7 @@ impl JsonLines {
     /// # Errors
     /// Error that kept a line from being written.
     pub(crate) fn stop(self) -> std::io::Result<()> {
-        let _ = self.stop.send(true);
+        self.stop.store(true, Ordering::Release);
         let end = Instant::now() + PATIENCE;
         while !self.thread.is_finished() {
             if Instant::now() > end {
@@ -78,63 +69,58 @@ impl JsonLines {
 }
 
 /// Writes lines until the output is closed or the program ends.
-async fn write(
+fn write(
     hub: &Hub,
-    mut subscription: Subscription,
+    subscription: &mut Subscription,
     output: &mut impl Write,
-    mut stop: watch::Receiver<bool>,
+    stop: &AtomicBool,
 ) -> std::io::Result<()> {
-    for message in subscription.known.drain(..) {
-        line(output, &message)?;
-    }
+    let mut last = Instant::now();
     loop {
-        // Biased order: what was published before the end is still written.
-        let wakeup = tokio::select! {
-            biased;
-            received = subscription.following.recv() => Wakeup::Received(received),
-            _ = stop.wait_for(|stop| *stop) => Wakeup::Stop,
-            () = sleep(QUIET) => Wakeup::Quiet,
-        };
-        match wakeup {
-            Wakeup::Received(Ok((None, message))) => line(output, &message)?,
-            Wakeup::Received(Ok((Some(_), _))) => {}
-            Wakeup::Received(Err(RecvError::Lagged(messages))) => {
-                let skipped = hub.resubscribe(&mut subscription, messages);
-                line(output, &skipped)?;
-                for message in subscription.known.drain(..) {
-                    line(output, &message)?;
-                }
-            }
-            Wakeup::Received(Err(RecvError::Closed)) | Wakeup::Stop => return Ok(()),
-            Wakeup::Quiet => {
-                let quiet = serde_json::json!({ "type": "quiet", "at": hub.now() });
-                line(output, &quiet.to_string())?;
-            }
+        // Looked at first: what was published before the end is still written.
+        let is_over = stop.load(Ordering::Acquire);
+        let mut messages = subscription.take(hub);
+        if messages.is_empty() && last.elapsed() > QUIET {
+            let quiet = serde_json::json!({ "type": "quiet", "at": hub.now() });
+            messages.push(quiet.to_string().into());
         }
+        if !messages.is_empty() {
+            last = Instant::now();
+        }
+        for message in messages {
+            writeln!(output, "{message}")?;
+            output.flush()?;
+        }
+        if is_over {
+            return Ok(());
+        }
+        std::thread::sleep(PAUSE);
     }
-}
-
-fn line(output: &mut impl Write, message: &str) -> std::io::Result<()> {
-    writeln!(output, "{message}")?;
-    output.flush()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::io::ErrorKind;
-    use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+    use std::io::{Error, ErrorKind};
+    use std::sync::mpsc::{SyncSender, sync_channel};
     use web::event::Event;
 
-    /// Output with a slow reader, who may close it.
-    struct Pipe(SyncSender<String>);
+    /// Output with a slow reader, or on a full disk.
+    enum Pipe {
+        Slow(SyncSender<Vec<u8>>),
+        Full,
+    }
 
     impl Write for Pipe {
         fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-            let text = String::from_utf8_lossy(bytes).into_owned();
-            let sent = self.0.send(text);
-            sent.map_err(|_| ErrorKind::BrokenPipe)?;
-            Ok(bytes.len())
+            match self {
+                Self::Slow(sender) => {
+                    let sent = sender.send(bytes.to_vec());
+                    sent.map_err(|_| Error::from(ErrorKind::BrokenPipe))?;
+                    Ok(bytes.len())
+                }
+                Self::Full => Err(ErrorKind::StorageFull.into()),
+            }
         }
 
         fn flush(&mut self) -> std::io::Result<()> {
@@ -142,27 +128,24 @@ mod tests {
         }
     }
 
-    fn started() -> (Arc<Hub>, JsonLines, Receiver<String>) {
+    /// Writes to an output, and publishes marks.
+    fn written(output: Pipe, marks: u32) -> JsonLines {
         let hub = Arc::new(Hub::new());
-        let (sender, lines) = sync_channel(1);
-        let running = JsonLines::start(hub.clone(), Pipe(sender)).unwrap();
-        (hub, running, lines)
-    }
-
-    fn mark(sample: u32) -> Event {
-        let text = String::new();
-        Event::Mark { sample, text }
+        let running = JsonLines::start(hub.clone(), output).unwrap();
+        for sample in 0..marks {
+            let text = String::new();
+            hub.send(None, &Event::Mark { sample, text });
+        }
+        running
     }
 
     #[test]
     fn a_slow_reader_is_told_how_many_messages_it_lost() {
-        let (hub, running, lines) = started();
-        for sample in 0..3000 {
-            hub.publish(&mark(sample));
-        }
-        let reader = std::thread::spawn(move || lines.iter().collect::<String>());
+        let (sender, lines) = sync_channel(1);
+        let running = written(Pipe::Slow(sender), 3000);
+        let reader = std::thread::spawn(move || lines.iter().flatten().collect::<Vec<u8>>());
         running.stop().unwrap();
-        let text = reader.join().unwrap();
+        let text = String::from_utf8(reader.join().unwrap()).unwrap();
         let (mut marks, mut skipped) = (0, 0);
         for line in text.lines() {
             let message: serde_json::Value = serde_json::from_str(line).unwrap();
@@ -174,29 +157,10 @@ mod tests {
     }
 
     #[test]
-    fn a_full_disk_is_no_closed_output() {
-        struct Full;
-        impl Write for Full {
-            fn write(&mut self, _: &[u8]) -> std::io::Result<usize> {
-                Err(ErrorKind::StorageFull.into())
-            }
-
-            fn flush(&mut self) -> std::io::Result<()> {
-                Ok(())
-            }
-        }
-        let hub = Arc::new(Hub::new());
-        let running = JsonLines::start(hub.clone(), Full).unwrap();
-        hub.publish(&mark(1));
-        assert_eq!(running.stop().unwrap_err().kind(), ErrorKind::StorageFull);
-    }
-
-    #[test]
-    fn a_reader_that_takes_nothing_does_not_hold_up_the_end() {
-        let (hub, running, _lines) = started();
-        for sample in 0..100 {
-            hub.publish(&mark(sample));
-        }
-        running.stop().unwrap();
+    fn a_full_disk_is_an_error_and_a_reader_that_takes_nothing_does_not_hold_up_the_end() {
+        let full = written(Pipe::Full, 1).stop().unwrap_err();
+        assert_eq!(full.kind(), ErrorKind::StorageFull);
+        let (sender, _lines) = sync_channel(1);
+        written(Pipe::Slow(sender), 100).stop().unwrap();
     }
 }

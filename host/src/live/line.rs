@@ -85,7 +85,7 @@ impl State {
                 missing.0.clear();
                 // What was asked for before there was a connection is not done.
                 self.received.try_iter().for_each(drop);
-                self.tell(Input::Opened);
+                self.tell(Input::Port(Ok(())));
                 self.carry(&port)
             });
             let Err(error) = ended else {
@@ -95,7 +95,7 @@ impl State {
             let told = (format!("{why}; looking for it again"), steps);
             // What has not changed is told once.
             if told != missing {
-                self.tell(Input::Lost(told.0.clone(), told.1.clone()));
+                self.tell(Input::Port(Err(told.clone())));
                 missing = told;
             }
             let end = Instant::now() + AGAIN;

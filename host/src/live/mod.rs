@@ -180,7 +180,7 @@ pub(crate) fn print(
         std::thread::sleep(Duration::from_millis(50));
     }
     let result = stream.stop();
-    hub.publish(&Event::End);
+    hub.send(None, &Event::End);
     if let Some(server) = server {
         server.stop();
     }
@@ -206,7 +206,7 @@ impl Live {
     pub fn stop(self) -> anyhow::Result<()> {
         let hub = self.stream.hub.clone();
         let result = self.stream.stop();
-        hub.publish(&Event::End);
+        hub.send(None, &Event::End);
         self.server.stop();
         result
     }

@@ -31,10 +31,8 @@ pub(crate) enum Input {
     Request(ViewerId, ViewerMessage),
     /// A viewer has left.
     Left(ViewerId),
-    /// The board's port is open.
-    Opened,
-    /// The board's port cannot be used, with the reason and steps that help.
-    Lost(String, Vec<String>),
+    /// The board's port is open, or cannot be used: the reason, and steps that help.
+    Port(Result<(), (String, Vec<String>)>),
     /// Bytes of the board.
     Heard(Vec<u8>),
     /// Event of the Bluetooth stack.
@@ -238,8 +236,7 @@ impl Running {
         match input {
             Input::Request(viewer, message) => engine.request_of(now, viewer, &message),
             Input::Left(viewer) => engine.left(now, viewer),
-            Input::Opened => engine.connected(now),
-            Input::Lost(why, steps) => engine.lost(now, why, steps),
+            Input::Port(opened) => engine.port(now, opened),
             Input::Heard(bytes) => engine.heard(now, &bytes),
             Input::Radio(RadioEvent::Gone(why)) => bail!("Bluetooth: {why}"),
             Input::Radio(event) => engine.radio(now, &event),
@@ -254,8 +251,8 @@ impl Running {
     fn deliver(&mut self) {
         for output in self.engine.take() {
             match output {
-                Output::Event(event) => self.hub.publish(&event),
-                Output::Answer(viewer, event) => self.hub.answer(viewer, &event),
+                Output::Event(event) => self.hub.send(None, &event),
+                Output::Answer(viewer, event) => self.hub.send(Some(viewer), &event),
                 Output::Journal(lines) => self.store(Work::Lines(lines)),
                 Output::Remark(lines) => self.store(Work::Remark(lines)),
                 Output::Tune => {

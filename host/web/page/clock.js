@@ -15,11 +15,6 @@ export class Clock {
     return performance.now() + this.#offset;
   }
 
-  /** Whether a clock that stands at `now` may be the one known so far: within 2 s. */
-  goesOn(now) {
-    return this.#stream !== null && Math.abs(this.now() - now) < 2000;
-  }
-
   /** Another stream begins. */
   forget() {
     this.#stream = null;

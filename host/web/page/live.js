@@ -121,7 +121,7 @@ const TAKE = {
     clock.samples(end, message.at);
     rates.samples(message.at, message.emg.length);
   },
-  report(message, isOld, repeats) {
+  report(message, isOld) {
     if (!traces.model && !find("legend").hasChildNodes()) {
       panel.legend(null);
     }
@@ -130,7 +130,7 @@ const TAKE = {
     history.report(message);
     panel.report(message);
     panel.strength(message.strength);
-    if (!repeats) {
+    if (!isOld) {
       count(message);
     }
   },
@@ -171,7 +171,7 @@ const TAKE = {
   installing(message) {
     session.installing(message);
     const { state, text, blocks, of } = message;
-    find("onto-board").hidden = find("sources").hidden || state !== "running";
+    find("onto-board").hidden = state !== "running";
     find("onto-board").max = of || 1;
     find("onto-board").value = blocks;
     panel.notice(`${t(`installing.${state}`)} ${said(text)}`, state === "running" ? undefined : PASSING);
@@ -251,16 +251,10 @@ function opened() {
 }
 
 function take(messages) {
-  // The first ones repeat the last seconds; after a break, this page may have them.
-  const [first] = messages;
-  const again = first?.type === "hello" && clock.goesOn(first.now) ? history.end : null;
+  // The first ones say what is known.
+  const isOld = messages[0]?.type === "hello";
   for (const message of messages) {
-    const repeats = again !== null && isBefore(message, again);
-    // A report may be the newest there is, and changes nothing if it is known.
-    if (repeats && message.type !== "report") {
-      continue;
-    }
-    TAKE[message.type]?.(message, first?.type === "hello", repeats);
+    TAKE[message.type]?.(message, isOld);
     steps.take(message);
     empty.take(message);
   }
@@ -272,12 +266,6 @@ function closed(text, advice) {
     lost(text, advice);
   }
   return ended ? 3000 : 1000;
-}
-
-/** Whether a message is about samples before this one. */
-function isBefore(message, end) {
-  const of = { samples: "first", report: "emitted", scores: "instant", mark: "sample" }[message.type];
-  return of !== undefined && message[of] < end;
 }
 
 function say(message) {

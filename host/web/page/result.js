@@ -89,13 +89,10 @@ export class Result {
     }
   }
 
-  installing({ state, text, blocks, of }) {
+  installing({ state, text }) {
     this.isInstalling = state === "running";
     this.next = state === "done" ? null : "install";
     this.#told("installed", state, t(`installing.${state}`), said(text));
-    find("sent").hidden = !this.isInstalling;
-    find("sent").max = of || 1;
-    find("sent").value = blocks;
   }
 
   clear() {
@@ -129,7 +126,6 @@ export class Result {
     find("install").hidden = !offered;
     write(find("install").firstElementChild, t(isBoard() ? "install" : "use.here"));
     find("install").title = isBoard() ? t("install.what") : "";
-    find("sent").hidden = true;
     find("installed").textContent = "";
   }
 

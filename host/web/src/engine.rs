@@ -12,8 +12,6 @@
 mod opening;
 mod recording;
 
-use std::collections::BTreeMap;
-
 use recordings::labels::motion::Motion;
 use serde::{Serialize, Serializer};
 use shared::myo::{self, Action, Uuid};
@@ -24,7 +22,7 @@ use crate::armband::{self, Armband, Now};
 use crate::blocks::Blocks;
 use crate::board::{self, Board};
 use crate::electrodes::Electrodes;
-use crate::event::{Event, Topic, ViewerId};
+use crate::event::{Event, Known, ViewerId};
 use crate::outcome::{InstallationState, SessionResult};
 use crate::playback::{LATE, Playback};
 use crate::radio::{ForRadio, RadioEvent, advertising_data};
@@ -172,8 +170,7 @@ pub struct Engine {
 #[derive(Default)]
 struct Outputs {
     waiting: Vec<Output>,
-    /// Newest event of each topic.
-    newest: BTreeMap<Topic, Event>,
+    known: Known,
     electrodes: Electrodes,
     blocks: Blocks,
     recording: Option<RecordedSession>,
@@ -188,9 +185,7 @@ impl Outputs {
         }
         let more = [self.electrodes.take(&event), self.blocks.take(now, &event)];
         for event in std::iter::once(event).chain(more.into_iter().flatten()) {
-            if let Some(topic) = event.topic() {
-                self.newest.insert(topic, event.clone());
-            }
+            self.known.take(&event);
             let score = event.score();
             self.waiting.push(Output::Event(event));
             if let Some(score) = score {
@@ -374,36 +369,29 @@ impl Engine {
         Ok(())
     }
 
-    /// Begins the dialogue with the board: its port is open.
-    pub fn connected(&mut self, now: f64) {
-        if let Running::Board {
+    /// Takes that the board's port is open, which begins the dialogue, or cannot be used: the reason, and steps that help.
+    pub fn port(&mut self, now: f64, opened: Result<(), (String, Vec<String>)>) {
+        let Running::Board {
             board,
             port,
             is_open,
-            ..
         } = &mut self.running
-        {
-            *is_open = true;
-            board.connected(millis(now));
-            let state = source("port", port, false, board::NOTHING_YET.to_owned(), vec![]);
-            self.outputs.event(now, state);
-        }
-    }
-
-    /// Takes that the board's port cannot be used, with the reason and steps that help.
-    pub fn lost(&mut self, now: f64, why: String, steps: Vec<String>) {
-        if let Running::Board {
-            board,
-            port,
-            is_open,
-            ..
-        } = &mut self.running
-        {
-            *is_open = false;
-            board.ended(millis(now));
-            let state = source("port", port, false, why, steps);
-            self.outputs.event(now, state);
-        }
+        else {
+            return;
+        };
+        *is_open = opened.is_ok();
+        let (why, steps) = match opened {
+            Ok(()) => {
+                board.connected(millis(now));
+                (board::NOTHING_YET.to_owned(), Vec::new())
+            }
+            Err(missing) => {
+                board.ended(millis(now));
+                missing
+            }
+        };
+        let state = source("port", port, false, why, steps);
+        self.outputs.event(now, state);
     }
 
     /// Takes what a device has sent: bytes of a board, or an event of a browser's Bluetooth as JSON. What is neither is dropped.
@@ -589,7 +577,7 @@ impl Engine {
         let protocol = Protocol::find(protocol).map_err(|_| UNKNOWN)?;
         self.record(now, person.to_owned(), protocol, time, true);
         self.outputs.event(now, Event::hello(now, 1, true, false));
-        let known = self.outputs.newest.values().cloned();
+        let known = self.outputs.known.events().cloned();
         self.outputs.waiting.extend(known.map(Output::Event));
         Ok(())
     }
@@ -613,7 +601,8 @@ impl Engine {
         };
         let recording = RecordedSession::new(header, protocol, time - now, makes_files);
         self.outputs.recording = Some(recording);
-        self.outputs.newest.remove(&Topic::Remarks);
+        let remarks = Vec::new();
+        self.outputs.known.take(&Event::Remarks { remarks });
     }
 
     /// Takes what became of lines of the journal.

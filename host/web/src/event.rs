@@ -1,5 +1,7 @@
 //! Events for viewers: the messages of the websocket, each a JSON object with its `type`.
 
+use std::collections::BTreeMap;
+
 use serde::{Serialize, Serializer};
 use shared::intent::Intent;
 use shared::model::file::Model;
@@ -223,6 +225,41 @@ fn units<S: Serializer>(imu: &Imu, output: S) -> Result<S::Ok, S::Error> {
         turn_rate,
     }
     .serialize(output)
+}
+
+/// Newest event of each topic: what a new viewer has to know.
+#[derive(Debug, Default)]
+pub struct Known(BTreeMap<Topic, Event>);
+
+impl Known {
+    /// Takes an event. One that the stream is gone has all forgotten about labels, placement and board; one that a session waits,
+    /// about the session before it.
+    pub fn take(&mut self, event: &Event) {
+        let is_over: fn(Topic) -> bool = match event {
+            Event::Source {
+                connected: false, ..
+            } => |topic| {
+                use Topic::{Alignment, Binding, Board, Calibration, Counts, Electrodes, Report};
+                matches!(
+                    topic,
+                    Report | Alignment | Calibration | Electrodes | Board | Binding | Counts
+                )
+            },
+            Event::Session { view, .. } if view.phase == "waiting" => {
+                |topic| matches!(topic, Topic::Kept | Topic::Tuning | Topic::Installing)
+            }
+            _ => |_| false,
+        };
+        self.0.retain(|topic, _| !is_over(*topic));
+        if let Some(topic) = event.topic() {
+            self.0.insert(topic, event.clone());
+        }
+    }
+
+    /// The events, in the order of the topics.
+    pub fn events(&self) -> impl Iterator<Item = &Event> {
+        self.0.values()
+    }
 }
 
 /// Kinds of events whose newest one a new viewer gets first.

@@ -25,7 +25,7 @@ fn what_was_asked_for_before_the_board_was_there_is_not_done_and_its_raw_stream_
     }
     let terminal = std::fs::read_link(format!("/proc/self/fd/{}", slave.as_raw_fd()));
     symlink(terminal.unwrap(), path).unwrap();
-    let opened = |input| matches!(input, Input::Opened);
+    let opened = |input| matches!(input, Input::Port(Ok(())));
     while !opened(received.recv_timeout(PATIENCE).unwrap()) {}
     let sent = [true, false].map(|on| Command::Raw(on).to_string());
     line.send(sent[0].clone());

@@ -5,7 +5,7 @@
 //! redirect, are answered. The port is not compared: a tunnel has its own.
 
 use std::fmt::Write as _;
-use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
+use std::net::{IpAddr, SocketAddr};
 
 use axum::http::{HeaderMap, StatusCode, header};
 use subtle::ConstantTimeEq as _;
@@ -53,62 +53,6 @@ impl Denied {
 /// Greatest number of characters of a refused name in the answer.
 const MAX_NAME: usize = 64;
 
-/// Host that cannot be redirected to another machine, and port.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-struct Authority {
-    name: Name,
-    port: u16,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Name {
-    Localhost,
-    Address(IpAddr),
-}
-
-impl Authority {
-    /// Parses a `Host`, or an origin without its scheme (RFC 3986, 3.2); none for any other name.
-    fn parse(text: &str) -> Option<Self> {
-        let (name, port) = match text.strip_prefix('[') {
-            Some(rest) => {
-                let (address, port) = rest.split_once(']')?;
-                let address: Ipv6Addr = address.parse().ok()?;
-                (Name::Address(address.to_canonical()), port)
-            }
-            None => {
-                let (name, port) = text.split_at(text.find(':').unwrap_or(text.len()));
-                // A fully qualified name may end with a dot.
-                let name = name.strip_suffix('.').unwrap_or(name);
-                let address = || name.parse().map(|address: Ipv4Addr| address.into());
-                let name = if name.eq_ignore_ascii_case("localhost") {
-                    Name::Localhost
-                } else {
-                    Name::Address(address().ok()?)
-                };
-                (name, port)
-            }
-        };
-        let port = match port.strip_prefix(':') {
-            Some(digits) if digits.bytes().all(|byte| byte.is_ascii_digit()) => {
-                digits.parse().ok()?
-            }
-            // Default port of HTTP.
-            None if port.is_empty() => 80,
-            _ => return None,
-        };
-        Some(Self { name, port })
-    }
-}
-
-/// Request that is answered.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub(super) struct AllowedRequest<'p> {
-    /// Path without the token and the slashes around.
-    pub(super) path: &'p str,
-    /// Name of this server in the browser.
-    pub(super) host: String,
-}
-
 impl Access {
     /// Rule for a server on an address; draws a token unless the address is of this machine alone.
     pub(crate) fn new(address: SocketAddr) -> Self {
@@ -131,54 +75,56 @@ impl Access {
         }
     }
 
-    /// Checks the origin, the host and the token of a request.
+    /// Checks the host, the origin and the token of a request. Returns the path without the token and the slashes around, and the
+    /// name of this server in the browser.
     ///
     /// # Errors
     /// [`Denied`], by the first check that fails.
-    pub(super) fn check<'p>(
+    pub(super) fn check<'r>(
         &self,
-        path: &'p str,
-        headers: &HeaderMap,
-    ) -> Result<AllowedRequest<'p>, Denied> {
-        let host = headers
-            .get(header::HOST)
-            .and_then(|host| host.to_str().ok())
-            .unwrap_or_default();
-        let own = Authority::parse(host)
-            .filter(|authority| self.is_own(authority.name))
-            .ok_or_else(|| Denied::host(host))?;
-        if let Some(origin) = headers.get(header::ORIGIN) {
-            let origin = origin.to_str().ok();
-            let origin = origin.and_then(|origin| origin.strip_prefix("http://"));
-            if origin.and_then(Authority::parse) != Some(own) {
-                return Err(Denied::Origin);
-            }
+        path: &'r str,
+        headers: &'r HeaderMap,
+    ) -> Result<(&'r str, &'r str), Denied> {
+        let text = |name| {
+            headers
+                .get(name)
+                .map(|own| own.to_str().unwrap_or_default())
+        };
+        let host = text(header::HOST).unwrap_or_default();
+        if !self.is_own(host) {
+            return Err(Denied::host(host));
+        }
+        // A browser writes both alike.
+        let is_own = |origin: &str| origin.strip_prefix("http://") == Some(host);
+        if !text(header::ORIGIN).is_none_or(is_own) {
+            return Err(Denied::Origin);
         }
         let path = path.strip_prefix('/').unwrap_or(path);
-        let path = match &self.token {
-            None => path,
-            Some(token) => {
-                let (found, path) = path.split_once('/').ok_or(Denied::Token)?;
-                // The length of a token is not secret.
-                let same: bool = found.as_bytes().ct_eq(token.as_bytes()).into();
-                if !same {
-                    return Err(Denied::Token);
-                }
-                path
-            }
+        let Some(token) = &self.token else {
+            return Ok((path, host));
         };
-        Ok(AllowedRequest {
-            path,
-            host: host.to_owned(),
-        })
+        let (found, path) = path.split_once('/').ok_or(Denied::Token)?;
+        // The length of a token is not secret.
+        let same: bool = found.as_bytes().ct_eq(token.as_bytes()).into();
+        if same {
+            Ok((path, host))
+        } else {
+            Err(Denied::Token)
+        }
     }
 
-    /// Whether this server may be reached by this name.
-    const fn is_own(&self, name: Name) -> bool {
-        match name {
-            Name::Localhost => true,
-            Name::Address(address) => is_local(address) || !is_local(self.address.ip()),
-        }
+    /// Whether this server may be reached by a host: `localhost` or an address, which nobody can redirect to another machine, with or
+    /// without a port.
+    fn is_own(&self, host: &str) -> bool {
+        let with_port = host.parse().map(|at: SocketAddr| at.ip());
+        let address = with_port.or_else(|_| {
+            let bare = host.strip_prefix('[').and_then(|own| own.strip_suffix(']'));
+            bare.unwrap_or(host).parse::<IpAddr>()
+        });
+        let (name, port) = host.split_once(':').unwrap_or((host, "80"));
+        let is_localhost = name.eq_ignore_ascii_case("localhost") && port.parse::<u16>().is_ok();
+        let is_ours = |address| is_local(address) || !is_local(self.address.ip());
+        address.map_or(is_localhost, is_ours)
     }
 }
 

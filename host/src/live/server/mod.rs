@@ -20,7 +20,7 @@ use axum::http::{HeaderMap, Method, StatusCode, Uri};
 use axum::response::{IntoResponse as _, Response};
 use tokio::sync::{Mutex, Semaphore, watch};
 
-use self::access::{Access, Denied};
+use self::access::Access;
 use super::hub::Hub;
 use super::stream::Input;
 use crate::record::HistoryOf;
@@ -119,19 +119,19 @@ async fn answer(
     headers: HeaderMap,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Response {
-    let allowed = match state.access.check(uri.path(), &headers) {
+    let (path, host) = match state.access.check(uri.path(), &headers) {
         Ok(allowed) => allowed,
-        Err(denied) => return refuse(&denied),
+        Err(denied) => return (denied.status(), denied.to_string()).into_response(),
     };
     if method != Method::GET && method != Method::HEAD {
         return StatusCode::METHOD_NOT_ALLOWED.into_response();
     }
-    if let ("sessions.json", Some(history)) = (allowed.path, &state.history) {
+    if let ("sessions.json", Some(history)) = (path, &state.history) {
         let one_at_a_time = history.lock().await;
         return sessions(Arc::clone(&one_at_a_time)).await;
     }
-    if allowed.path != "socket" {
-        return assets::answer(allowed.path, &allowed.host);
+    if path != "socket" {
+        return assets::answer(path, host);
     }
     let upgrade = match upgrade {
         Ok(upgrade) => upgrade,
@@ -167,10 +167,3 @@ async fn sessions(history: Arc<HistoryOf>) -> Response {
     ];
     (headers, answer).into_response()
 }
-
-fn refuse(denied: &Denied) -> Response {
-    (denied.status(), denied.to_string()).into_response()
-}
-
-#[cfg(test)]
-mod tests;

@@ -5,13 +5,12 @@ use std::time::Duration;
 
 use axum::body::Bytes;
 use axum::extract::ws::{Message as Frame, WebSocket};
-use tokio::sync::broadcast::error::TryRecvError;
 use tokio::time::{MissedTickBehavior, interval, interval_at, timeout};
 use web::event::{Event, ViewerId};
 use web::request::UNKNOWN;
 
 use super::ServerState;
-use crate::live::hub::{Message, Subscription, json};
+use crate::live::hub::{Message, json};
 use crate::live::stream::Input;
 
 /// Time for which messages are collected: half a frame of a screen.
@@ -46,17 +45,12 @@ impl Viewer {
 
     async fn run(&self, mut socket: WebSocket) {
         let mut stop = self.server.stop.clone();
-        let mut subscription = self.server.hub.subscribe();
+        let hub = &self.server.hub;
+        let mut subscription = hub.subscribe(self.id);
         let records = self.server.history.is_some();
-        let tunes = cfg!(feature = "train");
-        let hello = json(&Event::hello(
-            self.server.hub.now(),
-            self.id,
-            records,
-            tunes,
-        ));
-        let known = std::mem::take(&mut subscription.known);
-        if !send(&mut socket, std::iter::once(hello).chain(known)).await {
+        let hello = Event::hello(hub.now(), self.id, records, cfg!(feature = "train"));
+        let first = std::iter::once(json(&hello)).chain(subscription.take(hub));
+        if !send(&mut socket, first).await {
             return;
         }
         let mut ticks = interval(COLLECT);
@@ -74,7 +68,7 @@ impl Viewer {
             };
             let stays = match wakeup {
                 Wakeup::Stop => break,
-                Wakeup::Tick => self.send_following(&mut socket, &mut subscription).await,
+                Wakeup::Tick => send(&mut socket, subscription.take(hub)).await,
                 Wakeup::Ping => is_sent(&mut socket, Frame::Ping(Bytes::new())).await,
                 Wakeup::Received(Some(Ok(Frame::Text(text)))) => {
                     self.handle_message(&mut socket, &text).await
@@ -87,35 +81,9 @@ impl Viewer {
             }
         }
         // The end of the program was published before.
-        if self.send_following(&mut socket, &mut subscription).await {
+        if send(&mut socket, subscription.take(hub)).await {
             let _ = timeout(COLLECT, socket.send(Frame::Close(None))).await;
         }
-    }
-
-    /// Sends the messages since the last call; false if the viewer is gone.
-    async fn send_following(
-        &self,
-        socket: &mut WebSocket,
-        subscription: &mut Subscription,
-    ) -> bool {
-        let mut messages = Vec::new();
-        loop {
-            match subscription.following.try_recv() {
-                Ok((viewer, message)) if viewer.is_none_or(|viewer| viewer == self.id) => {
-                    messages.push(message);
-                }
-                Ok(_) => {}
-                Err(TryRecvError::Empty | TryRecvError::Closed) => break,
-                Err(TryRecvError::Lagged(messages_lost)) => {
-                    // The topics known may be older than the lost messages.
-                    let skipped = self.server.hub.resubscribe(subscription, messages_lost);
-                    messages.clear();
-                    messages.push(skipped);
-                    messages.append(&mut subscription.known);
-                }
-            }
-        }
-        messages.is_empty() || send(socket, messages).await
     }
 
     /// Passes a message on to the engine. Returns false if the viewer is gone or the message is malformed.
@@ -135,17 +103,11 @@ impl Viewer {
     }
 }
 
-/// Sends messages as one JSON array; false if the viewer is gone.
+/// Sends messages as one JSON array, if there are any; false if the viewer is gone.
 async fn send(socket: &mut WebSocket, messages: impl IntoIterator<Item = Message>) -> bool {
-    let mut text = String::from("[");
-    for message in messages {
-        if text.len() > 1 {
-            text.push(',');
-        }
-        text += &message;
-    }
-    text.push(']');
-    is_sent(socket, Frame::text(text)).await
+    let messages: Vec<_> = messages.into_iter().collect();
+    let text = format!("[{}]", messages.join(","));
+    messages.is_empty() || is_sent(socket, Frame::text(text)).await
 }
 
 /// Sends a frame; false if the viewer is gone.

@@ -103,7 +103,7 @@ impl Engine {
                 let leave = board::leave(true);
                 self.outputs.waiting.push(Output::Leave { leave });
                 let opened = self.board(settings, PORT.to_owned(), false);
-                self.connected(settings.now);
+                self.port(settings.now, Ok(()));
                 opened
             }
             Wanted::SimulatedBoard => return self.simulated_board(settings),

@@ -240,7 +240,6 @@ impl RecordedSession {
 
     /// Takes what became of the journal's lines.
     pub(super) fn stored(&mut self, now: Millis, stored: Stored) {
-        let before = (self.trouble.clone(), self.notice.clone());
         match stored {
             Stored::Refused(text) => {
                 self.journal = None;
@@ -258,19 +257,18 @@ impl RecordedSession {
                 self.handle(now, Input::Hold(HoldReason::Gone));
             }
             Stored::Failed(reason, text) => {
-                // While waiting, the error only says that it will be tried again: the first one stays.
-                if self.trouble.is_empty() {
-                    self.trouble = text;
-                }
                 self.handle(now, Input::Hold(reason));
+                if !self.trouble.is_empty() {
+                    // While waiting, the error only says that it will be tried again: the first one stays.
+                    return;
+                }
+                self.trouble = text;
             }
             Stored::Left(text) => self.trouble = text,
             Stored::Unkept(text) => self.notice = text,
-            Stored::Kept(_) => {}
+            Stored::Kept(_) => return,
         }
-        if before != (self.trouble.clone(), self.notice.clone()) {
-            self.published = None;
-        }
+        self.published = None;
     }
 
     /// Begins the session when samples come, and continues it after a hold. Returns whether it is over.

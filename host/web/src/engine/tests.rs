@@ -317,7 +317,7 @@ fn a_board_is_told_a_placement_once_its_port_is_open() {
     };
     let lead = place(&mut engine, 2);
     assert_eq!(lead, [Output::Event(Event::Lead { viewer: Some(1) })]);
-    engine.connected(0.0);
+    engine.port(0.0, Ok(()));
     engine.take();
     let set = AlignCommand::Set(Alignment::new(2, true));
     let line = Command::Align(set).to_string();
@@ -398,25 +398,25 @@ fn an_installation_waits_for_the_board_goes_on_after_a_loss_and_says_how_it_ends
     engine.tick(40_000.0);
     assert_eq!(engine.take(), []);
     for begun in [40_000.0, 60_000.0] {
-        engine.connected(begun);
+        engine.port(begun, Ok(()));
         let (states, begins) = answer(&mut engine, begun, Ok(InstallationProgress::Next(0)));
         assert_eq!(begins, 1);
         assert!(states.iter().all(|state| state.state == "running"));
-        engine.lost(begun, "pulled".to_owned(), Vec::new());
+        engine.port(begun, Err(("pulled".to_owned(), Vec::new())));
         engine.take();
     }
-    engine.connected(61_000.0);
+    engine.port(61_000.0, Ok(()));
     let (states, _) = answer(&mut engine, 61_000.0, Ok(InstallationProgress::Installed));
     let last = states.last().unwrap();
     assert_eq!((last.state, last.blocks, last.of), ("done", 100, 100));
     // A board that is lost for good is given up, and one that refuses has its words.
     engine.install(62_000.0, &file).unwrap();
     answer(&mut engine, 62_000.0, Ok(InstallationProgress::Next(0)));
-    engine.lost(62_000.0, "pulled".to_owned(), Vec::new());
+    engine.port(62_000.0, Err(("pulled".to_owned(), Vec::new())));
     engine.take();
     engine.tick(93_000.0);
     assert_eq!(state(&engine.take()).0, "failed");
-    engine.connected(94_000.0);
+    engine.port(94_000.0, Ok(()));
     engine.install(94_000.0, &file).unwrap();
     let (states, _) = answer(&mut engine, 94_000.0, Err(Refusal::Length));
     let last = states.last().unwrap();
