@@ -5,9 +5,9 @@ use serde_json::{Value, json};
 use shared::model::file::Model;
 
 use super::browser::{self, Browser, BrowserKind, FITS};
-use super::record::{SHORT, pictures, reach, record, recorded, wish};
+use super::record::{SHORT, pictures, reach, record, wish};
+use super::shipped;
 use super::viewer::{Viewer, get};
-use super::{serve, shipped};
 
 /// Sessions of the person, as the program sends them.
 fn sessions(live: &Live) -> Value {
@@ -101,30 +101,4 @@ fn the_sessions_of_a_person_are_listed_with_their_numbers_and_print_on_one_page(
         assert_eq!(browser.complaints, [""; 0]);
     }
     live.stop().unwrap();
-
-    // `live` records nobody.
-    let live = serve(Source::Demo);
-    assert_eq!(get(live.url(), "sessions.json").0, 404);
-    live.stop().unwrap();
-}
-
-#[test]
-fn two_sessions_of_the_demo_are_not_of_equal_samples() {
-    let folder = tempfile::tempdir().unwrap();
-    for _ in 0..2 {
-        let live = record(folder.path(), Source::Demo, SHORT, 16);
-        let mut leader = Viewer::connect(live.url());
-        leader.find("samples", |_| true);
-        wish(&mut leader, "begin");
-        reach(&mut leader, |message| message["done"] == 6);
-        live.stop().unwrap();
-    }
-    let files = recorded(folder.path());
-    let [one, other] = &files[..] else {
-        panic!("{} files", files.len());
-    };
-    let is_equal = |(number, sample)| other.get(number) == Some(sample);
-    let equal = one.iter().filter(|&entry| is_equal(entry)).count();
-    // Rest has few values: some samples are equal by chance.
-    assert!(20 * equal < one.len(), "{equal} of {}", one.len());
 }

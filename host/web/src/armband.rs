@@ -78,7 +78,7 @@ impl Armband {
     }
 
     /// Does what is asked for.
-    pub fn request(&mut self, now: Now, request: &SourceRequest, emit: &mut dyn FnMut(Event)) {
+    pub fn request(&mut self, now: Now, request: SourceRequest, emit: &mut dyn FnMut(Event)) {
         self.scored.request(now.session, now.at, request, emit);
     }
 

@@ -16,7 +16,7 @@ use recordings::labels::motion::Motion;
 use serde::{Serialize, Serializer};
 use shared::myo::{self, Action, Uuid};
 use shared::uart_line::command::Command;
-use shared::units::Millis;
+use shared::units::{CHANNELS, Millis};
 
 use crate::armband::{self, Armband, Now};
 use crate::blocks::Blocks;
@@ -426,7 +426,7 @@ impl Engine {
     /// Takes a message of the only page, as JSON; `file` is the journal or model that it is about, or empty.
     pub fn request(&mut self, now: f64, text: &[u8], file: &[u8]) {
         let Ok(message) = serde_json::from_slice::<ViewerMessage>(text) else {
-            return self.refuse(1, "", UNKNOWN);
+            return self.refuse(1, UNKNOWN);
         };
         let result = match &message {
             ViewerMessage::Record {
@@ -451,7 +451,7 @@ impl Engine {
             message => self.act(now, 1, message),
         };
         if let Err(why) = result {
-            self.refuse(1, message.name(), why);
+            self.refuse(1, why);
         }
     }
 
@@ -468,7 +468,7 @@ impl Engine {
             Err(WATCHES)
         };
         if let Err(why) = result {
-            self.refuse(viewer, message.name(), why);
+            self.refuse(viewer, why);
         }
     }
 
@@ -487,8 +487,8 @@ impl Engine {
         self.outputs.event(now, Event::Lead { viewer });
     }
 
-    fn refuse(&mut self, viewer: ViewerId, request: &'static str, text: &'static str) {
-        let refused = Event::Refused { request, text };
+    fn refuse(&mut self, viewer: ViewerId, text: &'static str) {
+        let refused = Event::Refused { text };
         self.outputs.waiting.push(Output::Answer(viewer, refused));
     }
 
@@ -543,15 +543,25 @@ impl Engine {
                 recording?;
                 self.outputs.remark(now, |at| Remark::note(at, text));
             }
-            ViewerMessage::Bind if !matches!(self.running, Running::Board { .. }) => {
-                return Err(NO_BOARD);
-            }
-            message => self.source(now, &message.for_source().ok_or(UNKNOWN)?),
+            ViewerMessage::Source(request) => match request {
+                SourceRequest::Place { turn, .. } if usize::from(*turn) >= CHANNELS => {
+                    return Err(UNKNOWN);
+                }
+                SourceRequest::Bind if !matches!(self.running, Running::Board { .. }) => {
+                    return Err(NO_BOARD);
+                }
+                request => self.source(now, *request),
+            },
+            // Of a page without a program.
+            ViewerMessage::Record { .. }
+            | ViewerMessage::Recover { .. }
+            | ViewerMessage::Install
+            | ViewerMessage::Keep => return Err(UNKNOWN),
         }
         Ok(())
     }
 
-    fn source(&mut self, now: f64, request: &SourceRequest) {
+    fn source(&mut self, now: f64, request: SourceRequest) {
         let outputs = &mut self.outputs;
         let emit = &mut |event| outputs.event(now, event);
         match &mut self.running {
@@ -560,7 +570,7 @@ impl Engine {
             Running::Armband { armband, .. } => armband.request(time(now), request, emit),
             Running::Board { simulated, .. } => match (request.command(), simulated) {
                 (Some(command), simulated) => outputs.send(simulated, &command),
-                (None, Some((simulated, _))) if *request == SourceRequest::Turn => simulated.turn(),
+                (None, Some((simulated, _))) if request == SourceRequest::Turn => simulated.turn(),
                 (None, _) => {}
             },
         }

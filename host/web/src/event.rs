@@ -40,11 +40,7 @@ pub enum Event {
     /// Answer to a ping.
     Pong { sent: f64, now: f64 },
     /// Refusal of a request, with the reason.
-    Refused {
-        #[serde(rename = "do")]
-        request: &'static str,
-        text: &'static str,
-    },
+    Refused { text: &'static str },
     /// Source of the stream, and whether it is connected.
     Source {
         /// `demo`, `replay`, `port` or `bluetooth`.

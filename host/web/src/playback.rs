@@ -118,7 +118,7 @@ impl Playback {
     }
 
     /// Does what is asked for.
-    pub fn request(&mut self, at: f64, request: &SourceRequest, emit: &mut dyn FnMut(Event)) {
+    pub fn request(&mut self, at: f64, request: SourceRequest, emit: &mut dyn FnMut(Event)) {
         match (request, &mut self.samples) {
             (SourceRequest::Turn, SampleSource::Person(person)) => person.turn(),
             _ => self.scored.request(self.now(), at, request, emit),

@@ -4,7 +4,6 @@ use serde::Deserialize;
 use shared::stream::alignment::{Alignment, Arm};
 use shared::uart_line::calibration::CalibrateCommand;
 use shared::uart_line::command::{AlignCommand, BindCommand, Command};
-use shared::units::CHANNELS;
 
 use crate::record::session::Action;
 
@@ -28,25 +27,6 @@ pub enum ViewerMessage {
         /// Text of the mark.
         text: String,
     },
-    /// Begin an alignment.
-    Align,
-    /// Cancel the alignment.
-    Cancel,
-    /// Put a known alignment in force.
-    Place {
-        /// Turn in electrodes, 0 to 7.
-        turn: u8,
-        /// Whether the armband is on the other arm.
-        mirrored: bool,
-    },
-    /// Begin or end a calibration, or take it back.
-    Calibrate {
-        /// Command.
-        #[serde(rename = "wish")]
-        command: CalibrationWish,
-    },
-    /// Turn a simulated armband, or turn it back.
-    Turn,
     /// Begin or end box and blocks.
     Blocks {
         /// Whether it begins.
@@ -57,8 +37,6 @@ pub enum ViewerMessage {
         /// Text of the note.
         text: String,
     },
-    /// Begin a pairing on the board.
-    Bind,
     /// Control the recording session.
     Session {
         /// Command.
@@ -88,73 +66,9 @@ pub enum ViewerMessage {
     Install,
     /// Give the newest recordings as files.
     Keep,
-}
-
-impl ViewerMessage {
-    /// Name of the request, for its refusal.
-    pub const fn name(&self) -> &'static str {
-        match self {
-            Self::Ping { .. } => "ping",
-            Self::Mark { .. } => "mark",
-            Self::Align => "align",
-            Self::Cancel => "cancel",
-            Self::Place { .. } => "place",
-            Self::Calibrate { .. } => "calibrate",
-            Self::Turn => "turn",
-            Self::Blocks { .. } => "blocks",
-            Self::Note { .. } => "note",
-            Self::Bind => "bind",
-            Self::Install
-            | Self::Session {
-                command: SessionCommand::Install,
-            } => "install",
-            Self::Session { .. } => "session",
-            Self::Gesture { .. } => "gesture",
-            Self::Record { .. } => "record",
-            Self::Recover { .. } => "recover",
-            Self::Keep => "keep",
-        }
-    }
-
-    /// Request to the source that the message makes; none if it makes none.
-    pub fn for_source(&self) -> Option<SourceRequest> {
-        Some(match *self {
-            Self::Align => SourceRequest::Align,
-            Self::Cancel => SourceRequest::CancelAlignment,
-            Self::Place { turn, mirrored } if usize::from(turn) < CHANNELS => {
-                SourceRequest::SetAlignment(Alignment::new(turn, mirrored))
-            }
-            Self::Calibrate { command } => command.for_source(),
-            Self::Bind => SourceRequest::Bind,
-            Self::Turn => SourceRequest::Turn,
-            _ => return None,
-        })
-    }
-}
-
-/// Command of a viewer to a calibration.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum CalibrationWish {
-    /// Begin one.
-    Begin,
-    /// End the one in progress.
-    Cancel,
-    /// Use the model's own last layer.
-    Forget,
-    /// Save the calibrated model as a file.
-    Save,
-}
-
-impl CalibrationWish {
-    const fn for_source(self) -> SourceRequest {
-        SourceRequest::Calibrate(match self {
-            Self::Begin => CalibrateCommand::Begin { others: false },
-            Self::Cancel => CalibrateCommand::Cancel,
-            Self::Forget => CalibrateCommand::Forget,
-            Self::Save => return SourceRequest::SaveModel,
-        })
-    }
+    /// Request to the source.
+    #[serde(untagged)]
+    Source(SourceRequest),
 }
 
 /// Command of a viewer to the session.
@@ -173,34 +87,72 @@ pub enum SessionCommand {
 }
 
 /// Request to a source.
-#[derive(Clone, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
+#[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
 pub enum SourceRequest {
     /// Begin an alignment.
     Align,
     /// Cancel the alignment in progress.
-    CancelAlignment,
+    Cancel,
     /// Put an alignment in force that is known.
-    SetAlignment(Alignment),
-    /// Begin, end or forget a calibration.
-    Calibrate(CalibrateCommand),
-    /// Give the file of the calibrated model; without a board only, which keeps the calibration itself.
-    SaveModel,
+    Place {
+        /// Turn in electrodes, 0 to 7.
+        turn: u8,
+        /// Whether the armband is on the other arm.
+        mirrored: bool,
+    },
+    /// Begin or end a calibration, or take it back.
+    Calibrate {
+        /// What is asked for.
+        wish: CalibrationWish,
+    },
     /// Begin a pairing; boards only.
     Bind,
     /// Turn the armband, or turn it back; simulated persons only.
     Turn,
 }
 
+/// Request to a calibration.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CalibrationWish {
+    /// Begin one.
+    Begin,
+    /// End the one in progress.
+    Cancel,
+    /// Use the model's own last layer.
+    Forget,
+    /// Give the file of the calibrated model; without a board only, which keeps the calibration itself.
+    Save,
+}
+
+impl CalibrationWish {
+    /// Command for it; none to save.
+    pub const fn command(self) -> Option<CalibrateCommand> {
+        Some(match self {
+            Self::Begin => CalibrateCommand::Begin { others: false },
+            Self::Cancel => CalibrateCommand::Cancel,
+            Self::Forget => CalibrateCommand::Forget,
+            Self::Save => return None,
+        })
+    }
+}
+
 impl SourceRequest {
     /// Command that asks a board for it; none for a model.
-    pub const fn command(&self) -> Option<Command> {
+    pub const fn command(self) -> Option<Command> {
         Some(match self {
             Self::Align => Command::Align(AlignCommand::Begin(Arm::Unknown)),
-            Self::CancelAlignment => Command::Align(AlignCommand::Cancel),
-            Self::SetAlignment(known) => Command::Align(AlignCommand::Set(*known)),
-            Self::Calibrate(command) => Command::Calibrate(*command),
+            Self::Cancel => Command::Align(AlignCommand::Cancel),
+            Self::Place { turn, mirrored } => {
+                Command::Align(AlignCommand::Set(Alignment::new(turn, mirrored)))
+            }
+            Self::Calibrate { wish } => match wish.command() {
+                Some(command) => Command::Calibrate(command),
+                None => return None,
+            },
             Self::Bind => Command::Bind(BindCommand::Begin),
-            Self::SaveModel | Self::Turn => return None,
+            Self::Turn => return None,
         })
     }
 }

@@ -235,21 +235,19 @@ impl ScoredPipeline {
         &mut self,
         now: Millis,
         at: f64,
-        request: &SourceRequest,
+        request: SourceRequest,
         emit: &mut dyn FnMut(Event),
     ) {
         match request {
             SourceRequest::Align => self.begin_alignment(),
-            SourceRequest::CancelAlignment => self.pipeline.cancel_alignment(),
-            SourceRequest::SetAlignment(alignment) => self.set_alignment(*alignment),
-            SourceRequest::Calibrate(command) => self.calibrate(now, at, *command, emit),
-            SourceRequest::SaveModel => {
-                if let Some(bytes) = self.calibrated_file() {
-                    let name = "calibrated.intent".to_owned();
-                    let content = bytes.into_iter().map(char::from).collect();
-                    emit(Event::File { name, content });
-                }
+            SourceRequest::Cancel => self.pipeline.cancel_alignment(),
+            SourceRequest::Place { turn, mirrored } => {
+                self.set_alignment(Alignment::new(turn, mirrored));
             }
+            SourceRequest::Calibrate { wish } => match wish.command() {
+                Some(command) => self.calibrate(now, at, command, emit),
+                None => self.save(emit),
+            },
             // There is no board.
             SourceRequest::Bind | SourceRequest::Turn => {}
         }
@@ -278,6 +276,15 @@ impl ScoredPipeline {
             let _ = self.pipeline.take_calibration_report();
             let idle = CalibrationReport::of(CalibrationState::Idle, None);
             self.calibration.event(at, idle, false).map(emit);
+        }
+    }
+
+    /// Emits the file of the calibrated model, if a head is in use that was learnt.
+    fn save(&self, emit: &mut dyn FnMut(Event)) {
+        if let Some(bytes) = self.calibrated_file() {
+            let name = "calibrated.intent".to_owned();
+            let content = bytes.into_iter().map(char::from).collect();
+            emit(Event::File { name, content });
         }
     }
 

@@ -95,8 +95,7 @@ impl Viewer {
                 .send(Input::Request(self.id, message))
                 .is_ok(),
             Err(_) => {
-                let (request, text) = ("", UNKNOWN);
-                send(socket, [json(&Event::Refused { request, text })]).await;
+                send(socket, [json(&Event::Refused { text: UNKNOWN })]).await;
                 false
             }
         }

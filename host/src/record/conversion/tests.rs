@@ -10,7 +10,7 @@ use crate::record::{PersonQuality, quality_by_person};
 use recordings::labels::motion::Motion;
 use recordings::synthetic::Follower;
 use recordings::{DataSet, MovementKind};
-use web::record::journal::{Entry, FORMAT, Header, read};
+use web::record::journal::{Entry, FORMAT, Header, Writer};
 use web::record::protocol::Protocol;
 use web::record::session::{Action, Input, Output, Session};
 
@@ -18,8 +18,20 @@ const SHORT: &str = "rounds = 2\npause = 1\nsequence = [\"relax\", \"open\", \"r
     [seconds]\nrelax = 2\nopen = 2\nclose = 2\n";
 
 /// Records a short session with a simulated person. Returns the samples from the session's first one on.
-fn record(path: &Path, synthetic: bool, seconds: u32) -> Vec<Sample> {
-    record_by(SHORT, path, synthetic, seconds)
+fn record(path: &Path, seconds: u32) -> Vec<Sample> {
+    record_by(SHORT, path, seconds, |_| ())
+}
+
+/// Header of a session of `anna`.
+fn header(protocol: &Protocol) -> Header {
+    Header {
+        format: FORMAT,
+        person: "anna".into(),
+        protocol: protocol.name.clone(),
+        classes: protocol.names().into_iter().map(str::to_owned).collect(),
+        free: protocol.is_free(),
+        ..Header::default()
+    }
 }
 
 /// Movement whose turn is a 16th of the index of the sample that is due.
@@ -27,29 +39,20 @@ fn movement(due: SampleIndex) -> Imu {
     Imu([16_384, 0, 0, 0, 0, 0, 2048, due.0 as i16, 0, 0])
 }
 
-/// Records a session by the text of a protocol; an armband `moved` sends movement beside every second pair.
-fn record_by(protocol: &str, path: &Path, synthetic: bool, seconds: u32) -> Vec<Sample> {
-    record_moved(protocol, path, synthetic, seconds, false)
-}
-
-fn record_moved(
+/// Records a session by the text of a protocol; `also` changes its header. An armband that moves sends movement beside every second
+/// pair, and is in the name of the file.
+fn record_by(
     protocol: &str,
     path: &Path,
-    synthetic: bool,
     seconds: u32,
-    moved: bool,
+    also: impl FnOnce(&mut Header),
 ) -> Vec<Sample> {
     let protocol = Protocol::parse("short.toml", protocol).unwrap();
-    let header = Header {
-        format: FORMAT,
-        person: "anna".into(),
-        protocol: protocol.name.clone(),
-        classes: protocol.names().into_iter().map(str::to_owned).collect(),
-        synthetic,
-        ..Header::default()
-    };
-    let mut journal = Journal::create(path, "").unwrap();
-    journal.writer().entry(&Entry::Begin(header));
+    let mut header = header(&protocol);
+    also(&mut header);
+    let mut writer = Writer::default();
+    writer.entry(&Entry::Begin(header));
+    let moves = path.to_string_lossy().contains("moves");
     let mut session = Session::new(protocol);
     // Each file has another person: equal recordings count once.
     let mut person = Follower::new(path.file_stem().unwrap().to_str().unwrap());
@@ -72,19 +75,20 @@ fn record_moved(
             if let Output::Cue { cue, .. } = output {
                 cued = cue.unwrap_or(Motion::RELAX);
             }
-            journal.writer().entry(&Entry::of(output));
+            writer.entry(&Entry::of(output));
         }
-        journal.writer().samples(first, &samples);
-        if moved && pair % 2 == 0 {
+        writer.samples(first, &samples);
+        if moves && pair % 2 == 0 {
             let due = first.plus(2);
-            journal.writer().imu(due, movement(due));
+            writer.imu(due, movement(due));
         }
         sent.extend(samples);
         if session.is_over() {
             break;
         }
     }
-    journal.flush(Millis(0)).unwrap();
+    writer.close();
+    let journal = Journal::create(path, &writer.take()).unwrap();
     journal.close().unwrap();
     sent
 }
@@ -95,7 +99,7 @@ fn a_session_becomes_a_recording_a_round_that_readers_take_sample_for_sample() {
     let person = folder.path().join("anna");
     fs::create_dir(&person).unwrap();
     let journal = person.join("anna_20261122T110323Z_short.journal");
-    let sent = record(&journal, false, 60);
+    let sent = record(&journal, 60);
     let conversion = convert(&journal).unwrap();
     assert!(!journal.exists());
     let names: Vec<_> = conversion
@@ -129,14 +133,13 @@ fn a_session_becomes_a_recording_a_round_that_readers_take_sample_for_sample() {
 #[test]
 fn movement_is_a_file_beside_its_recording_and_changes_nothing_there() {
     let folder = tempfile::tempdir().unwrap();
-    let convert_session = |moved: bool| {
-        let person = folder.path().join(moved.to_string()).join("anna");
+    let [still, moved] = ["rests", "moves"].map(|name| {
+        let person = folder.path().join(name).join("anna");
         fs::create_dir_all(&person).unwrap();
         let journal = person.join("anna_20261122T110323Z_short.journal");
-        record_moved(SHORT, &journal, false, 60, moved);
+        record(&journal, 60);
         convert(&journal).unwrap().files
-    };
-    let (still, moved) = (convert_session(false), convert_session(true));
+    });
     assert_eq!((still.len(), moved.len()), (2, 2));
     for (still, moved) in still.iter().zip(&moved) {
         assert_eq!(fs::read(still).unwrap(), fs::read(moved).unwrap());
@@ -163,7 +166,7 @@ fn other_movement_keeps_its_name_and_is_no_gesture() {
     let person = folder.path().join("anna");
     fs::create_dir(&person).unwrap();
     let journal = person.join("anna_1_short.journal");
-    record_by(protocol, &journal, false, 60);
+    record_by(protocol, &journal, 60, |_| ());
     let conversion = convert(&journal).unwrap();
     let library = load(&person, &LoadOptions::default()).unwrap();
     let [recording] = &library.recordings[..] else {
@@ -204,7 +207,7 @@ fn sessions_are_judged_again_from_their_files_all_together() {
     fs::create_dir(&person).unwrap();
     let session = |name: &str| {
         let journal = person.join(format!("anna_{name}_short.journal"));
-        record(&journal, false, 60);
+        record(&journal, 60);
         convert(&journal).unwrap().quality
     };
     let judged = || {
@@ -227,7 +230,7 @@ fn sessions_are_judged_again_from_their_files_all_together() {
     let ended = folder.path().join("eva");
     fs::create_dir(&ended).unwrap();
     let journal = ended.join("eva_1_short.journal");
-    record(&journal, false, 2);
+    record(&journal, 2);
     convert(&journal).unwrap();
     let library = load(&ended, &LoadOptions::default()).unwrap();
     assert!(!quality_by_person(&library)[0].quality.is_good_enough());
@@ -245,63 +248,17 @@ fn sessions_are_judged_again_from_their_files_all_together() {
 fn samples_of_nobody_are_read_as_synthetic() {
     let folder = tempfile::tempdir().unwrap();
     let journal = folder.path().join("anna_1.journal");
-    record(&journal, true, 20);
+    record_by(SHORT, &journal, 20, |header| header.synthetic = true);
     let conversion = convert(&journal).unwrap();
     let library = load(&conversion.files[0], &LoadOptions::default()).unwrap();
     assert_eq!(library.recordings[0].data_set, DataSet::SYNTHETIC);
 }
 
 #[test]
-fn a_journal_cut_anywhere_gives_all_samples_of_its_whole_lines() {
-    let folder = tempfile::tempdir().unwrap();
-    let journal = folder.path().join("anna_1.journal");
-    let sent = record(&journal, false, 20);
-    let whole = fs::read(&journal).unwrap();
-    fs::remove_file(&journal).unwrap();
-    // The journal's own tests try every cut; here some all over the file.
-    for cut in (0..whole.len()).step_by(1 + whole.len() / 40) {
-        let path = folder.path().join(format!("anna_{cut}x.journal"));
-        fs::write(&path, &whole[..cut]).unwrap();
-        let found = recover(folder.path()).unwrap();
-        if !whole[..cut].contains(&b'\n') {
-            assert!(found.is_empty() && !path.exists(), "{cut}");
-            continue;
-        }
-        let [(_, Ok(conversion))] = &found[..] else {
-            panic!("{cut}: {found:?}");
-        };
-        let samples: Vec<Sample> = conversion
-            .files
-            .iter()
-            .flat_map(|file| load(file, &LoadOptions::default()).unwrap().recordings)
-            .flat_map(|recording| recording.samples)
-            .collect();
-        let written: usize = read(&whole[..cut])
-            .entries
-            .iter()
-            .map(|entry| match entry {
-                Entry::Samples { emg, .. } => Entry::decoded(emg).unwrap().len(),
-                _ => 0,
-            })
-            .sum();
-        assert_eq!(samples, sent[..samples.len()], "{cut}");
-        // A countdown without a cue after it gives no recording.
-        assert!(
-            written - samples.len() <= 200,
-            "{cut}: {} of {written}",
-            samples.len()
-        );
-        for file in &conversion.files {
-            fs::remove_file(file).unwrap();
-        }
-    }
-}
-
-#[test]
 fn a_recording_that_is_there_is_never_overwritten() {
     let folder = tempfile::tempdir().unwrap();
     let journal = folder.path().join("anna_1.journal");
-    record(&journal, false, 20);
+    record(&journal, 20);
     let other = folder.path().join("anna_1_1.csv");
     fs::write(&other, "somebody's").unwrap();
     let error = convert(&journal).unwrap_err();
@@ -317,34 +274,31 @@ fn a_recording_that_is_there_is_never_overwritten() {
 fn a_program_that_was_killed_between_files_goes_on_with_them() {
     let folder = tempfile::tempdir().unwrap();
     let journal = folder.path().join("anna_1.journal");
-    record(&journal, false, 60);
+    record(&journal, 60);
     let copy = fs::read(&journal).unwrap();
     let first = convert(&journal).unwrap();
     // Killed after the first file: the second is missing, and the journal is still there.
     fs::write(&journal, copy).unwrap();
     fs::remove_file(&first.files[1]).unwrap();
-    assert_eq!(convert(&journal).unwrap(), first);
+    let found = recover(folder.path()).unwrap();
+    assert!(
+        matches!(&found[..], [(_, Ok(own))] if *own == first),
+        "{found:?}"
+    );
+    // One that was killed before the first line was written has recorded nothing.
+    fs::write(&journal, b"5f3a0c11 0 {\"is\":\"beg").unwrap();
+    assert!(recover(folder.path()).unwrap().is_empty() && !journal.exists());
 }
 
 #[test]
 fn a_session_of_hours_becomes_recordings_that_can_be_read() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("anna_1.journal");
-    let header = Header {
-        format: FORMAT,
-        person: "anna".into(),
-        protocol: "free".into(),
-        classes: vec!["relax".into(), "open".into()],
-        free: true,
-        ..Header::default()
-    };
-    let mut journal = Journal::create(&path, "").unwrap();
-    journal.writer().entry(&Entry::Begin(header));
-    let first = SampleIndex(0);
-    journal.writer().entry(&Entry::of(Output::Round {
-        number: 1,
-        at: first,
-    }));
+    let mut writer = Writer::default();
+    let free = Protocol::find("free").unwrap();
+    writer.entry(&Entry::Begin(header(&free)));
+    let (number, at) = (1, SampleIndex(0));
+    writer.entry(&Entry::of(Output::Round { number, at }));
     // Four hours of rest with few gestures, with samples as wide in text as possible.
     let (count, together) = (4 * 3600 * 200_u32, 2000);
     for (trial, at) in (0..count).step_by(together).enumerate() {
@@ -352,9 +306,7 @@ fn a_session_of_hours_becomes_recordings_that_can_be_read() {
         let gesture = trial % 8 == 0;
         let intent = if gesture { Intent::Open } else { Intent::Relax };
         let cue = Some(intent.into());
-        journal
-            .writer()
-            .entry(&Entry::of(Output::Cue { at, cue, trial }));
+        writer.entry(&Entry::of(Output::Cue { at, cue, trial }));
         let level = if gesture { 117_u64 } else { 100 };
         let sample = |of: usize| -> Sample {
             std::array::from_fn(|channel| {
@@ -365,10 +317,10 @@ fn a_session_of_hours_becomes_recordings_that_can_be_read() {
             })
         };
         let samples: Vec<Sample> = (0..together).map(sample).collect();
-        journal.writer().entry(&Entry::samples(at, &samples));
-        let _ = journal.flush(Millis(at.0));
+        writer.entry(&Entry::samples(at, &samples));
     }
-    let _ = journal.close();
+    let journal = Journal::create(&path, &writer.take()).unwrap();
+    journal.close().unwrap();
     let conversion = convert(&path).unwrap();
     let read = |file: &PathBuf| load(file, &LoadOptions::default()).unwrap();
     let lengths = conversion.files.iter().map(|file| {
@@ -385,6 +337,7 @@ fn a_journal_that_is_being_begun_is_not_taken_by_another_start() {
     let folder = tempfile::tempdir().unwrap();
     let person = folder.path().to_owned();
     let recovering = std::sync::atomic::AtomicBool::new(true);
+    let first = Entry::Begin(header(&Protocol::find("free").unwrap())).line(0);
     std::thread::scope(|scope| {
         scope.spawn(|| {
             while recovering.load(std::sync::atomic::Ordering::Relaxed) {
@@ -394,15 +347,7 @@ fn a_journal_that_is_being_begun_is_not_taken_by_another_start() {
         });
         for number in 0..1000 {
             let path = person.join(format!("anna_{number}.journal"));
-            let header = Header {
-                format: FORMAT,
-                person: "anna".into(),
-                protocol: "free".into(),
-                classes: vec!["relax".into()],
-                free: true,
-                ..Header::default()
-            };
-            let journal = Journal::create(&path, &Entry::Begin(header).line(0));
+            let journal = Journal::create(&path, &first);
             let is_there = path.exists();
             recovering.store(
                 journal.is_ok() && is_there,

@@ -4,11 +4,11 @@
 //! or to another file, the journal is written anew from the open file.
 
 use std::fs::{self, File};
-use std::io::{self, ErrorKind, Read as _, Seek as _};
+use std::io::{self, ErrorKind, Read as _, Seek as _, Write};
 use std::path::{Path, PathBuf};
 
 use shared::units::Millis;
-use web::record::journal::{Contents, Entry, FORMAT, Header, Writer, read};
+use web::record::journal::{Contents, Entry, FORMAT, Header, read};
 
 use super::name::{create_unnamed, free_name, is_named, lock, set_name};
 use crate::record::error::{RecordError, folder};
@@ -36,7 +36,9 @@ pub(crate) enum FlushOutcome {
 #[derive(Debug)]
 pub(crate) struct Journal {
     path: PathBuf,
-    writer: Writer<File>,
+    file: File,
+    /// Bytes that the file has not taken yet; begins within a line if it took a part of it.
+    pending: Vec<u8>,
     synced: Option<Millis>,
     /// Time of the last attempt to write the file anew; none after a success.
     refused: Option<Millis>,
@@ -53,19 +55,19 @@ impl Journal {
         let failed = RecordError::io(path);
         let (unnamed, file) = create_unnamed(path).map_err(failed)?;
         lock(path, &file)?;
-        let mut writer = Writer::new(file);
-        writer.text(lines);
-        let named = writer.flush().and_then(|()| set_name(&unnamed, path));
+        let mut journal = Self {
+            path: path.to_owned(),
+            file,
+            pending: lines.as_bytes().to_vec(),
+            synced: None,
+            refused: None,
+        };
+        let named = journal.write().and_then(|()| set_name(&unnamed, path));
         named.map_err(|error| {
             let _ = fs::remove_file(&unnamed);
             failed(error)
         })?;
-        Ok(Self {
-            path: path.to_owned(),
-            writer,
-            synced: None,
-            refused: None,
-        })
+        Ok(journal)
     }
 
     /// Path of the file.
@@ -75,13 +77,11 @@ impl Journal {
 
     /// Takes whole lines; [`flush`](Self::flush) writes them.
     pub(crate) fn append(&mut self, lines: &str) {
-        self.writer.text(lines);
+        self.pending.extend_from_slice(lines.as_bytes());
     }
 
-    /// Writer of lines, for tests.
-    #[cfg(test)]
-    pub(in crate::record) const fn writer(&mut self) -> &mut Writer<File> {
-        &mut self.writer
+    fn write(&mut self) -> io::Result<()> {
+        write_pending(&mut self.file, &mut self.pending)
     }
 
     /// Writes pending lines, and once a second synchronizes them to the disk. Writes the file anew if it has lost its name.
@@ -90,7 +90,7 @@ impl Journal {
     /// When the disk takes no more. Data not yet taken is kept for the next call.
     pub(crate) fn flush(&mut self, now: Millis) -> Result<FlushOutcome, RecordError> {
         let mut flushed = FlushOutcome::InPlace;
-        if !is_named(self.writer.get_ref(), &self.path) {
+        if !is_named(&self.file, &self.path) {
             let gone = self.path.clone();
             // A long journal is not copied in vain many times a second.
             let waits = |last: Millis| now.elapsed_since(last) < SYNC_MS;
@@ -107,9 +107,9 @@ impl Journal {
         }
         self.refused = None;
         let is_due = |last: Millis| now.elapsed_since(last) >= SYNC_MS;
-        let mut written = self.writer.flush();
+        let mut written = self.write();
         if written.is_ok() && self.synced.is_none_or(is_due) {
-            written = self.writer.get_ref().sync_data();
+            written = self.file.sync_data();
             self.synced = Some(now);
         }
         written.map_err(RecordError::io(&self.path))?;
@@ -121,10 +121,9 @@ impl Journal {
     /// # Errors
     /// When the disk takes no more: what was written before can be read.
     pub(crate) fn close(mut self) -> Result<PathBuf, RecordError> {
-        self.writer.close();
         let path = self.path.clone();
         let mut elsewhere = false;
-        if !is_named(self.writer.get_ref(), &path)
+        if !is_named(&self.file, &path)
             && let Err(source) = self.rewrite(folder(&path))
         {
             // The samples are saved elsewhere: they would be lost when the program ends.
@@ -133,16 +132,16 @@ impl Journal {
             }
             elsewhere = true;
         }
-        let written = self.writer.flush();
+        let written = self.write();
         written
-            .and_then(|()| self.writer.get_ref().sync_all())
+            .and_then(|()| self.file.sync_all())
             .map_err(|source| RecordError::Cut {
                 path: self.path.clone(),
-                seconds: self.writer.pending().div_ceil(SECOND),
+                seconds: self.pending.len().div_ceil(SECOND),
                 source,
             })?;
         // Closing the file unlocks it, too.
-        let _ = self.writer.get_ref().unlock();
+        let _ = self.file.unlock();
         let found = self.path;
         if elsewhere {
             return Err(RecordError::Elsewhere { path, found });
@@ -158,7 +157,7 @@ impl Journal {
         let (unnamed, mut file) = create_unnamed(&path)?;
         // No other process knows this file yet.
         let _ = file.try_lock();
-        let mut old = self.writer.get_ref();
+        let mut old = &self.file;
         let copied = old.rewind().and_then(|()| io::copy(&mut old, &mut file));
         let named = copied
             .and_then(|_| file.sync_all())
@@ -167,10 +166,26 @@ impl Journal {
             let _ = fs::remove_file(&unnamed);
             return Err(error);
         }
-        self.writer.redirect(file);
+        self.file = file;
         self.path = path;
         Ok(())
     }
+}
+
+/// Writes pending bytes.
+///
+/// # Errors
+/// When the output takes no more. Bytes not yet taken are kept for the next call.
+pub(super) fn write_pending(out: &mut impl Write, pending: &mut Vec<u8>) -> io::Result<()> {
+    while !pending.is_empty() {
+        match out.write(pending) {
+            Ok(0) => return Err(ErrorKind::WriteZero.into()),
+            Ok(taken) => drop(pending.drain(..taken)),
+            Err(error) if error.kind() == ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
+    out.flush()
 }
 
 /// Opens and locks a journal that no session is writing.

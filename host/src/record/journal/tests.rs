@@ -8,6 +8,7 @@ use std::rc::Rc;
 use shared::intent::Intent;
 use shared::units::{CHANNELS, Millis, Sample, SampleIndex};
 
+use super::file::write_pending;
 use super::*;
 use crate::record::RecordError;
 use web::record::journal::{Contents, Entry, FORMAT, Header, Writer, read};
@@ -27,11 +28,18 @@ fn header() -> Header {
     }
 }
 
-/// Creates a journal with its header.
-fn create(path: &Path) -> Result<Journal, RecordError> {
-    let mut journal = Journal::create(path, "")?;
-    journal.writer().entry(&Entry::Begin(header()));
-    Ok(journal)
+/// Creates a journal, and a writer that has written its header.
+fn create(path: &Path) -> Result<(Journal, Writer), RecordError> {
+    let mut writer = Writer::default();
+    writer.entry(&Entry::Begin(header()));
+    Ok((Journal::create(path, &writer.take())?, writer))
+}
+
+/// Writes samples, the last ones too.
+fn put((journal, writer): &mut (Journal, Writer), first: u32, samples: &[Sample]) {
+    writer.samples(SampleIndex(first), samples);
+    writer.close();
+    journal.append(&writer.take());
 }
 
 fn sample(at: u32) -> Sample {
@@ -39,7 +47,7 @@ fn sample(at: u32) -> Sample {
 }
 
 /// Writes samples two at a time, with cues between.
-fn fill<W: Write>(writer: &mut Writer<W>, count: u32) {
+fn fill(writer: &mut Writer, count: u32) {
     for at in (0..count).step_by(2) {
         if at % 50 == 0 {
             let cue = Some(Intent::ALL[at as usize / 50 % 6].into());
@@ -58,12 +66,10 @@ fn fill<W: Write>(writer: &mut Writer<W>, count: u32) {
 }
 
 fn journal(count: u32) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    let mut writer = Writer::new(&mut bytes);
+    let mut writer = Writer::default();
     writer.entry(&Entry::Begin(header()));
     fill(&mut writer, count);
-    writer.flush().unwrap();
-    bytes
+    writer.take().into_bytes()
 }
 
 /// Collects all samples with their index.
@@ -127,23 +133,20 @@ fn what_a_full_disk_took_can_be_read_and_what_it_did_not_take_is_written_when_it
     let whole = journal(130);
     for full in 0..whole.len() {
         let room = Rc::new(Cell::new(full));
-        let mut writer = Writer::new(Disk {
+        let mut disk = Disk {
             room: room.clone(),
             bytes: Vec::new(),
-        });
-        writer.entry(&Entry::Begin(header()));
-        fill(&mut writer, 130);
-        let error = writer.flush().unwrap_err();
+        };
+        let mut pending = whole.clone();
+        let error = write_pending(&mut disk, &mut pending).unwrap_err();
         assert_eq!(error.kind(), io::ErrorKind::StorageFull);
-        let lines = whole[..full].iter().filter(|&&byte| byte == b'\n').count();
-        assert_eq!(read(&writer.get_ref().bytes).entries.len(), lines);
-        assert_eq!(writer.get_ref().bytes, whole[..full]);
+        assert_eq!(disk.bytes, whole[..full]);
         // The room grows by a few bytes, so that every line is cut somewhere.
         room.set(full + 10);
-        let _ = writer.flush();
+        let _ = write_pending(&mut disk, &mut pending);
         room.set(usize::MAX);
-        writer.flush().unwrap();
-        assert_eq!(writer.get_ref().bytes, whole, "{full}");
+        write_pending(&mut disk, &mut pending).unwrap();
+        assert_eq!(disk.bytes, whole, "{full}");
     }
 }
 
@@ -151,12 +154,12 @@ fn what_a_full_disk_took_can_be_read_and_what_it_did_not_take_is_written_when_it
 fn a_journal_is_new_and_one_session_s_alone() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.journal");
-    let mut journal = create(&path).unwrap();
-    journal.writer().samples(SampleIndex(5), &[sample(5); 30]);
-    journal.flush(Millis(0)).unwrap();
+    let mut written = create(&path).unwrap();
+    put(&mut written, 5, &[sample(5); 30]);
+    written.0.flush(Millis(0)).unwrap();
     assert!(matches!(create(&path), Err(RecordError::Io { .. })));
     assert!(matches!(open(&path), Err(RecordError::Busy { .. })));
-    journal.close().unwrap();
+    written.0.close().unwrap();
     let (_lock, found, contents) = open(&path).unwrap();
     assert_eq!(
         (found.person.as_str(), samples(&contents).len()),
@@ -172,18 +175,17 @@ fn written_around(trouble: impl FnOnce(&Path)) -> usize {
     let folder = root.path().join("anna");
     std::fs::create_dir(&folder).unwrap();
     let path = folder.join("anna_1.journal");
-    let mut journal = create(&path).unwrap();
-    let write = |journal: &mut Journal, from: u32| {
-        for at in from..from + 40 {
-            journal.writer().samples(SampleIndex(at), &[sample(at)]);
-        }
+    let mut written = create(&path).unwrap();
+    let write = |written: &mut (Journal, Writer), from: u32| {
+        let samples: Vec<_> = (from..from + 40).map(sample).collect();
+        put(written, from, &samples);
         // A loss of the name is checked later.
-        let _ = journal.flush(Millis(50 * from));
+        let _ = written.0.flush(Millis(50 * from));
     };
-    write(&mut journal, 0);
+    write(&mut written, 0);
     trouble(&path);
-    write(&mut journal, 40);
-    let _ = journal.close();
+    write(&mut written, 40);
+    let _ = written.0.close();
     let files = std::fs::read_dir(&folder).map(|files| files.flatten().collect());
     let files: Vec<std::fs::DirEntry> = files.unwrap_or_default();
     let journals = files.iter().filter_map(|file| open(&file.path()).ok());
@@ -241,15 +243,15 @@ fn a_folder_that_cannot_be_written_is_tried_again_and_at_the_end_the_journal_is_
     let folder = root.path().join("anna");
     let begin = |name: &str| {
         fs::create_dir(&folder).unwrap();
-        let mut journal = create(&folder.join(name)).unwrap();
-        journal.writer().samples(SampleIndex(0), &[sample(0); 20]);
-        assert_eq!(journal.flush(Millis(0)).unwrap(), FlushOutcome::InPlace);
+        let mut written = create(&folder.join(name)).unwrap();
+        put(&mut written, 0, &[sample(0); 20]);
+        assert_eq!(written.0.flush(Millis(0)).unwrap(), FlushOutcome::InPlace);
         fs::remove_dir_all(&folder).unwrap();
         fs::write(&folder, "somebody's").unwrap();
-        let refused = journal.flush(Millis(20)).unwrap_err();
+        let refused = written.0.flush(Millis(20)).unwrap_err();
         assert!(matches!(refused, RecordError::Gone { .. }), "{refused}");
-        journal.writer().samples(SampleIndex(20), &[sample(20); 20]);
-        journal
+        put(&mut written, 20, &[sample(20); 20]);
+        written.0
     };
     let mut journal = begin("a.journal");
     fs::remove_file(&folder).unwrap();

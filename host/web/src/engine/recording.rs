@@ -23,7 +23,7 @@ use crate::request::UNKNOWN;
 pub(super) struct RecordedSession {
     session: Session,
     /// Journal of the session; none before its beginning and after its end.
-    journal: Option<Writer<Vec<u8>>>,
+    journal: Option<Writer>,
     /// Placement of the armband, as it is aligned.
     placement: Alignment,
     /// Motion that a simulated person is asked for.
@@ -42,7 +42,8 @@ pub(super) struct RecordedSession {
     pub(super) given: usize,
     /// Time since 1970 when the clock of the engine began, in ms.
     epoch: f64,
-    makes_files: bool,
+    /// All of the journal, of which recordings are made here; none where they are made by who stores it.
+    whole: Option<String>,
 }
 
 impl RecordedSession {
@@ -69,7 +70,7 @@ impl RecordedSession {
             notice: String::new(),
             given: 0,
             epoch,
-            makes_files,
+            whole: makes_files.then(String::new),
         }
     }
 
@@ -166,9 +167,10 @@ impl RecordedSession {
         }
         self.trouble.clear();
         self.given = 0;
+        self.whole.as_mut().map(String::clear);
         self.header.began = self.utc(now);
         self.call(now);
-        self.journal = Some(Writer::new(Vec::new()));
+        self.journal = Some(Writer::default());
         self.entry(&Entry::Begin(self.header.clone()));
         self.write_placement();
         true
@@ -231,11 +233,7 @@ impl RecordedSession {
     /// Where there is no program.
     pub(super) fn job(&self, job: Output) -> Result<Option<Output>, &'static str> {
         let job = self.journal.is_none().then_some(job);
-        if self.makes_files {
-            Err(UNKNOWN)
-        } else {
-            Ok(job)
-        }
+        self.whole.as_ref().map_or(Ok(job), |_| Err(UNKNOWN))
     }
 
     /// Takes what became of the journal's lines.
@@ -302,17 +300,12 @@ impl RecordedSession {
             if is_over {
                 writer.close();
             }
-            // A list of bytes takes all.
-            let _ = writer.flush();
-            let bytes = writer.get_ref();
-            let new = if self.makes_files {
-                &bytes[self.given..]
-            } else {
-                bytes
-            };
-            let journal = String::from_utf8_lossy(new).into_owned();
+            let journal = writer.take();
             let begins = self.given == 0;
-            self.given += new.len();
+            self.given += journal.len();
+            if let Some(whole) = &mut self.whole {
+                *whole += &journal;
+            }
             if !journal.is_empty() || is_over {
                 let name = self.name.clone();
                 outputs.push(Output::Journal(Lines {
@@ -322,11 +315,9 @@ impl RecordedSession {
                     is_over,
                 }));
             }
-            if self.makes_files && is_over {
+            if let (Some(whole), true) = (&self.whole, is_over) {
                 let notes = self.remarks.iter().map(Remark::line);
-                files = Files::of(&self.name, bytes, notes.collect());
-            } else if !self.makes_files {
-                writer.redirect(Vec::new());
+                files = Files::of(&self.name, whole.as_bytes(), notes.collect());
             }
             if is_over {
                 self.journal = None;

@@ -1,4 +1,5 @@
 use recordings::synthetic::{self, SynthOptions};
+use recordings::{LoadOptions, load_bytes};
 use shared::installation::InstallationProgress;
 use shared::model::file::Model;
 use shared::myo::{Address, Characteristic};
@@ -646,4 +647,86 @@ fn a_simulated_board_takes_every_step_of_a_board_over_its_line() {
     assert!(reported(&events).last().unwrap().2, "valid again");
     // Its recordings are those of no person.
     assert_eq!(engine.source, ("simulated USB".to_owned(), true));
+
+/// Names and contents of the files that a page is given.
+fn files(outputs: &[Output]) -> Vec<(&str, &str)> {
+    let files = outputs.iter().filter_map(|output| match output {
+        Output::Event(Event::File { name, content }) => Some((&**name, &**content)),
+        _ => None,
+    });
+    files.collect()
+}
+
+#[test]
+fn what_a_killed_tab_had_written_becomes_the_recordings_and_notes_of_its_session() {
+    let keep = br#"{"do":"keep"}"#;
+    let mut tab = Engine::open(0.0, &Wanted::Demo, &[], None);
+    run(&mut tab, 0, 1000);
+    let record = br#"{"do":"record","person":"anna","protocol":"quick","time":1.75e12}"#;
+    tab.request(1000.0, record, &[]);
+    run(&mut tab, 1000, 2000);
+    tab.request(2000.0, br#"{"do":"session","wish":"begin"}"#, &[]);
+    tab.request(2000.0, br#"{"do":"note","text":"a loose band"}"#, &[]);
+    let outputs = run(&mut tab, 2000, 62_000);
+    let lines = outputs.iter().filter_map(|output| match output {
+        Output::Journal(lines) | Output::Remark(lines) => Some(&*lines.journal),
+        _ => None,
+    });
+    let written: String = lines.collect();
+    tab.request(62_000.0, br#"{"do":"session","wish":"finish"}"#, &[]);
+    tab.take();
+    tab.request(62_000.0, keep, &[]);
+    let over = tab.take();
+    let [notes, (name, csv)] = files(&over)[..] else {
+        panic!("{over:?}");
+    };
+    assert_eq!(notes.0, "anna_20250615T150641Z_quick.notes");
+    assert!(notes.1.contains("a loose band"));
+    assert_eq!(name, "anna_20250615T150641Z_quick_1.csv");
+    let samples = |csv: &str| {
+        let library = load_bytes("a.csv".as_ref(), csv.as_bytes(), &LoadOptions::default());
+        library.unwrap().recordings.remove(0).samples
+    };
+    let whole = samples(csv);
+    assert!(whole.len() > 59 * 200, "{}", whole.len());
+
+    // Another tab has the journal without its end, which was not written yet.
+    let mut later = Engine::open(0.0, &Wanted::Demo, &[], None);
+    let mut recovered = |kept: &str| {
+        let recover = br#"{"do":"recover","name":"anna_20250615T150641Z_quick"}"#;
+        later.request(1.0, recover, kept.as_bytes());
+        later.request(1.0, keep, &[]);
+        later.take()
+    };
+    let refused = recovered("no journal");
+    assert!(
+        refused
+            .iter()
+            .any(|output| matches!(output, Output::Answer(1, Event::Refused { .. })))
+    );
+    let found = recovered(&written[..written.len() - 7]);
+    let found = files(&found);
+    assert_eq!((found.len(), found[0]), (2, notes));
+    let read = samples(found[1].1);
+    assert!(read.len() > whole.len() - 60, "{}", read.len());
+    assert_eq!(read, whole[..read.len()]);
+    // A session that never began has its notes alone.
+    assert_eq!(files(&recovered(notes.1)), [notes]);
+}
+
+#[test]
+fn two_sessions_of_the_demo_are_not_of_equal_samples() {
+    let [one, other] = [0, 1].map(|earlier| {
+        let mut engine = Engine::default();
+        engine.demo(&SETTINGS, Some(earlier)).unwrap();
+        let outputs = run(&mut engine, 0, 10_000);
+        let samples = outputs.into_iter().filter_map(|output| match output {
+            Output::Event(Event::Samples { emg, .. }) => Some(emg),
+            _ => None,
+        });
+        samples.flatten().collect::<Vec<Sample>>()
+    });
+    let equal = one.iter().zip(&other).filter(|(one, other)| one == other);
+    // Rest has few values: some samples are equal by chance.
+    assert!(20 * equal.count() < one.len());
 }

@@ -8,7 +8,7 @@ use super::*;
 fn a_damaged_journal_is_kept_beside_all_that_could_be_read() {
     let folder = tempfile::tempdir().unwrap();
     let journal = folder.path().join("anna_1.journal");
-    let sent = record(&journal, false, 60);
+    let sent = record(&journal, 60);
     let whole = fs::read(&journal).unwrap();
     // A line of samples in the first round.
     let text = String::from_utf8(whole.clone()).unwrap();

@@ -1,5 +1,5 @@
 //! Line of a journal: `5f3a0c11 17 {"is":"cue",...}`, a CRC-32 of what follows, the line's number from 0 on, and JSON.
-//! Format 1 had no numbers, format 2 no movement.
+//! Format 2 had no movement.
 
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -102,8 +102,8 @@ pub enum Entry {
     },
 }
 
-/// An entry of a line, with the line's number, if it has one.
-pub type Numbered = (Option<u32>, Entry);
+/// An entry of a line, with the line's number.
+pub type Numbered = (u32, Entry);
 
 impl Entry {
     /// Entry for an output of a session.
@@ -168,9 +168,11 @@ impl Entry {
             return None;
         }
         let json = text.iter().position(|&byte| byte == b'{')?;
-        let number = std::str::from_utf8(&text[..json]).ok()?;
-        let number = number.strip_suffix(' ').and_then(|own| own.parse().ok());
-        Some((number, serde_json::from_slice(&text[json..]).ok()?))
+        let number = std::str::from_utf8(&text[..json]).ok()?.trim_end();
+        Some((
+            number.parse().ok()?,
+            serde_json::from_slice(&text[json..]).ok()?,
+        ))
     }
 
     /// The whole entries in the bytes of a line, with their places: several where ends of lines are damaged.
@@ -193,10 +195,9 @@ impl Entry {
             let end = at + json.byte_offset();
             let before = line[free.min(at)..at].iter().rev();
             let digits = before.take_while(|byte| byte.is_ascii_digit()).count();
-            let starts = [digits + 9, 8].map(|length| at.checked_sub(length));
-            let starts = starts.into_iter().flatten().filter(|&start| start >= free);
-            let entry = |start| Some((start..end, Self::parse(&line[start..end])?));
-            if let Some(entry) = starts.into_iter().find_map(entry) {
+            let start = at.checked_sub(digits + 9).filter(|&start| start >= free);
+            let entry = start.and_then(|start| Some((start..end, Self::parse(&line[start..end])?)));
+            if let Some(entry) = entry {
                 free = end;
                 found.push(entry);
             }

@@ -70,16 +70,13 @@ impl Contents {
         }
     }
 
-    fn entry(&mut self, number: Option<u32>, entry: Entry) {
-        let lost = match number {
-            Some(number) if number < self.due => return,
-            Some(number) => number - self.due,
-            None if self.entries.last() == Some(&entry) => return,
-            None => self.damaged,
-        };
-        self.lose(lost);
+    fn entry(&mut self, number: u32, entry: Entry) {
+        if number < self.due {
+            return;
+        }
+        self.lose(number - self.due);
         self.damaged = 0;
-        self.due = number.map_or(0, |number| number.saturating_add(1));
+        self.due = number.saturating_add(1);
         self.entries.push(entry);
     }
 

@@ -1,6 +1,4 @@
-//! Writer of lines to an output that may fail: data it does not take is kept and tried again.
-
-use std::io::{self, ErrorKind, Write};
+//! Lines of a journal, made of samples and of what happens between them.
 
 use shared::myo::Imu;
 use shared::units::{Sample, SampleIndex};
@@ -9,18 +7,16 @@ use super::Entry;
 
 /// Samples in a line: a tenth of a second. A killed process loses so much, and the samples on their way here.
 pub const TOGETHER: usize = 20;
-/// Bytes that are kept while the output takes nothing: more than an hour of samples.
-const MOST_PENDING: usize = 16 << 20;
 
 /// Writer of a journal's lines.
-#[derive(Debug)]
-pub struct Writer<W> {
-    out: W,
-    /// Bytes not yet taken; begins within a line if the output took a part of it.
-    pending: Vec<u8>,
-    /// Number of lines taken.
+#[derive(Debug, Default)]
+pub struct Writer {
+    /// Lines that were not taken yet.
+    text: String,
+    /// Number of all lines.
     lines: u32,
-    first: SampleIndex,
+    /// Index of the first of `samples`, which are for the next line.
+    first: u32,
     samples: Vec<Sample>,
     /// Movement since the last line, with the index of the sample that was due.
     movement: Vec<(u32, [i16; 10])>,
@@ -28,31 +24,15 @@ pub struct Writer<W> {
     repeated: Vec<Entry>,
 }
 
-impl<W: Write> Writer<W> {
-    /// Creates a writer to an empty file.
-    pub const fn new(out: W) -> Self {
-        Self {
-            out,
-            pending: Vec::new(),
-            lines: 0,
-            first: SampleIndex(0),
-            samples: Vec::new(),
-            movement: Vec::new(),
-            repeated: Vec::new(),
-        }
-    }
-
-    /// Takes consecutive samples. Beyond the limit they are dropped, which leaves a gap in their index.
+impl Writer {
+    /// Writes consecutive samples.
     pub fn samples(&mut self, first: SampleIndex, samples: &[Sample]) {
-        if self.pending.len() > MOST_PENDING {
-            return;
-        }
-        let due = self.first.plus(self.samples.len() as u32);
+        let due = SampleIndex(self.first).plus(self.samples.len() as u32);
         if due != first {
             self.close();
         }
         if self.samples.is_empty() {
-            self.first = first;
+            self.first = first.0;
         }
         self.samples.extend_from_slice(samples);
         if self.samples.len() >= TOGETHER {
@@ -60,12 +40,12 @@ impl<W: Write> Writer<W> {
         }
     }
 
-    /// Takes movement; it is written behind the next line of samples.
+    /// Writes movement, behind the next line of samples.
     pub fn imu(&mut self, due: SampleIndex, imu: Imu) {
         self.movement.push((due.0, imu.0));
     }
 
-    /// Takes an entry of another kind, after the samples before it.
+    /// Writes an entry of another kind, after the samples before it.
     pub fn entry(&mut self, entry: &Entry) {
         self.close();
         match entry {
@@ -85,22 +65,15 @@ impl<W: Write> Writer<W> {
     }
 
     fn line(&mut self, entry: &Entry) {
-        let line = entry.line(self.lines);
-        self.pending.extend_from_slice(line.as_bytes());
+        self.text += &entry.line(self.lines);
         self.lines += 1;
-    }
-
-    /// Takes whole lines, which have their numbers.
-    pub fn text(&mut self, lines: &str) {
-        self.pending.extend_from_slice(lines.as_bytes());
     }
 
     /// Ends the line of samples, and that of movement.
     pub fn close(&mut self) {
         if !self.samples.is_empty() {
-            let entry = Entry::samples(self.first, &self.samples);
-            self.samples.clear();
-            self.line(&entry);
+            let samples = std::mem::take(&mut self.samples);
+            self.line(&Entry::samples(SampleIndex(self.first), &samples));
             if !self.movement.is_empty() {
                 let rows = std::mem::take(&mut self.movement);
                 self.line(&Entry::Imu { rows });
@@ -108,34 +81,8 @@ impl<W: Write> Writer<W> {
         }
     }
 
-    /// Writes pending bytes.
-    ///
-    /// # Errors
-    /// When the output takes no more. Bytes not yet taken are kept for the next call.
-    pub fn flush(&mut self) -> io::Result<()> {
-        while !self.pending.is_empty() {
-            match self.out.write(&self.pending) {
-                Ok(0) => return Err(ErrorKind::WriteZero.into()),
-                Ok(taken) => drop(self.pending.drain(..taken)),
-                Err(error) if error.kind() == ErrorKind::Interrupted => {}
-                Err(error) => return Err(error),
-            }
-        }
-        self.out.flush()
-    }
-
-    /// Continues in another output that has all bytes taken so far.
-    pub fn redirect(&mut self, out: W) {
-        self.out = out;
-    }
-
-    /// Number of bytes not yet taken.
-    pub const fn pending(&self) -> usize {
-        self.pending.len()
-    }
-
-    /// Output of the writer.
-    pub const fn get_ref(&self) -> &W {
-        &self.out
+    /// Returns the whole lines since the last call.
+    pub fn take(&mut self) -> String {
+        std::mem::take(&mut self.text)
     }
 }
