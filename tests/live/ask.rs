@@ -180,7 +180,7 @@ fn a_lock_is_set_by_times_that_a_lock_can_have() {
     assert!(!run(&link, &["lock", "on", "--sign", "0.4"]));
     // The board says another time than was asked for.
     assert!(!run(&link, &["lock", "on", "--sign", "3"]));
-    board.end();
+    drop(board);
 }
 
 #[test]
@@ -202,7 +202,7 @@ fn an_alignment_counts_as_set_once_the_board_says_that_it_is_in_force() {
         });
         let done = run(&link, asked);
         assert_eq!(done, expected, "{asked:?} {in_force:?}");
-        board.end();
+        drop(board);
     }
 }
 

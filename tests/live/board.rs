@@ -3,12 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 pub use myointent_tests::bench::terminal;
 use serial2::SerialPort;
-use shared::hid;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
 use shared::myo::{Address, Counters, Following};
@@ -21,6 +19,7 @@ use shared::uart_line::emg::EmgReport;
 use shared::uart_line::gate::GateCommand;
 use shared::units::{Millis, Sample, SampleIndex};
 
+use super::worker::Worker;
 use super::{shipped, synthetic};
 
 /// Time between two notifications: a quarter of an armband's period.
@@ -33,10 +32,9 @@ pub const CUTS: usize = 100;
 
 /// Board that runs until it is dropped.
 pub struct Board {
-    stop: Arc<AtomicBool>,
     raw: Arc<AtomicBool>,
     cuts: Arc<AtomicUsize>,
-    thread: Option<JoinHandle<()>>,
+    _worker: Worker,
 }
 
 impl Board {
@@ -58,7 +56,7 @@ impl Board {
     }
 
     fn play(link: &Path, dialogues: Vec<usize>, following: Following) -> Self {
-        let (stop, raw) = (Arc::default(), Arc::default());
+        let raw = Arc::<AtomicBool>::default();
         let cuts = Arc::default();
         let wire = Wire {
             terminal: Terminal::new(link),
@@ -67,16 +65,11 @@ impl Board {
             left: None,
             cuts: Arc::clone(&cuts),
         };
-        let thread = {
-            let (stop, raw) = (Arc::clone(&stop), Arc::clone(&raw));
-            std::thread::spawn(move || run(wire, following, &stop, &raw))
-        };
-        let thread = Some(thread);
+        let is_raw = raw.clone();
         Self {
-            stop,
             raw,
             cuts,
-            thread,
+            _worker: Worker::start(move |stop| run(wire, following, stop, &is_raw)),
         }
     }
 
@@ -88,13 +81,6 @@ impl Board {
     /// Returns the number of times that the line was pulled.
     pub fn cuts(&self) -> usize {
         self.cuts.load(Ordering::Relaxed)
-    }
-}
-
-impl Drop for Board {
-    fn drop(&mut self) {
-        self.stop.store(true, Ordering::Relaxed);
-        let _ = self.thread.take().unwrap().join();
     }
 }
 
@@ -210,7 +196,6 @@ fn answer(command: Result<Command, Refusal>, following: Following) -> Answer<'st
             firmware: None,
             battery: Some(80),
         }),
-        Ok(Command::Battery) => Answer::Battery(None),
         Ok(Command::Counters) => Answer::Counts(Counts {
             session: Counters {
                 connections: 1,
@@ -223,8 +208,6 @@ fn answer(command: Result<Command, Refusal>, following: Following) -> Answer<'st
             Accepted::of(command).map_or(Answer::Refused(Refusal::Busy), Answer::Align)
         }
         Ok(Command::Raw(on)) => Answer::Raw(on),
-        Ok(Command::Imu(on)) => Answer::Imu(on),
-        Ok(Command::Strength(on)) => Answer::Strength(on),
         Ok(Command::Bind(command))
             if matches!(following, Following::Pinned(_)) && command != BindCommand::State =>
         {
@@ -234,13 +217,9 @@ fn answer(command: Result<Command, Refusal>, following: Following) -> Answer<'st
             following,
             is_kept: true,
         }),
-        Ok(Command::Gate(GateCommand::Set(gate))) => Answer::Gate(gate),
         Ok(Command::Gate(GateCommand::State)) => Answer::Gate(Gate::default()),
-        Ok(Command::Lock(_)) => Answer::Lock(None),
-        Ok(Command::Hid(command)) => Answer::Hid(hid::Settings::OFF.after(command)),
         Ok(Command::Calibrate(_)) => Answer::Calibration(CalibrationReport::default(), false),
-        Ok(Command::Install(_)) => Answer::Refused(Refusal::Length),
-        Ok(Command::Block(..)) => Answer::Refused(Refusal::NotBegun),
+        Ok(_) => Answer::Refused(Refusal::Unknown),
         Err(refusal) => Answer::Refused(refusal),
     }
 }

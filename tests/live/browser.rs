@@ -213,14 +213,9 @@ impl Browser {
         }
     }
 
-    /// Writes a picture of the window.
+    /// Writes a picture of Chromium's window.
     pub fn screenshot(&mut self, path: &Path) {
-        let result = match self.kind {
-            BrowserKind::Chromium => {
-                self.command("Page.captureScreenshot", json!({ "format": "png" }))
-            }
-            BrowserKind::Firefox => self.screenshot_firefox(),
-        };
+        let result = self.command("Page.captureScreenshot", json!({ "format": "png" }));
         let picture = base64(result["data"].as_str().unwrap());
         std::fs::write(path, picture).unwrap();
     }

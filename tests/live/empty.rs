@@ -59,7 +59,7 @@ fn quiet(browser: &mut Browser, following: Following, title: &str) -> String {
     browser.open(live.url());
     let text = missing(browser, title);
     live.stop().unwrap();
-    board.end();
+    drop(board);
     text
 }
 

@@ -3,7 +3,7 @@
 use myointent::live::Source;
 
 use super::browser::{Browser, BrowserKind, FITS, VALID};
-use super::record::{SHORT, phase, pictures, record};
+use super::record::{SHORT, phase, record};
 use super::replay::PICTURE;
 use super::sizes::UNWORN;
 
@@ -34,7 +34,6 @@ fn the_page_moves_aligns_leads_a_session_speaks_german_and_obeys_keys_in_firefox
     browser.press("Enter");
     let fist = "$task.textContent === 'Make a fist' && $label.textContent === 'close'";
     browser.wait_for(&format!("{fist} && $agrees.dataset.state === 'right'"));
-    browser.screenshot(&pictures().join("firefox-session.png"));
     browser.press("w");
     browser.wait_for("document.body.dataset.view === 'wearer'");
     browser.frames(3);

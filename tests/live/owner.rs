@@ -5,7 +5,7 @@
 use std::fs::File;
 use std::io::Write as _;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -16,6 +16,7 @@ use myointent_tests::bench::{Bridge, Run, Scenario, python};
 use recordings::synthetic::Follower;
 use serde_json::json;
 use shared::intent::Intent;
+use shared::model::file::Model;
 use shared::stream::alignment::Alignment;
 use shared::units::Sample;
 
@@ -23,6 +24,7 @@ use super::browser::{Browser, BrowserKind, VALID};
 use super::record::{phase, pictures, record_with, step};
 use super::shipped;
 use super::viewer::Viewer;
+use super::worker::Worker;
 
 /// Factor by which the board's clock runs slower than the PC's: it halves a pause of a busy machine.
 const SLOWED: u32 = 2;
@@ -47,21 +49,6 @@ fn wait(seconds: f64) {
     std::thread::sleep(Duration::from_secs_f64(seconds * f64::from(SLOWED)));
 }
 
-/// Armband that sends samples until it is dropped.
-struct Worn {
-    stop: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
-}
-
-impl Drop for Worn {
-    fn drop(&mut self) {
-        self.stop.store(true, Ordering::Relaxed);
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join();
-        }
-    }
-}
-
 /// Wearer of the armband, who does what is asked for.
 #[derive(Clone)]
 struct Wearer(Arc<Mutex<Intent>>);
@@ -81,15 +68,13 @@ impl Wearer {
     }
 
     /// Appends the person's samples to the armband's recording at its rate.
-    fn wear(&self, mut recording: File) -> Worn {
+    fn wear(&self, mut recording: File) -> Worker {
         let Self(asked) = self.clone();
-        let stop = Arc::new(AtomicBool::new(false));
-        let stopped = stop.clone();
-        let thread = std::thread::spawn(move || {
+        Worker::start(move |stop| {
             let mut person = Follower::new(HARD);
             let mut sent = 0;
             let began = Instant::now();
-            while !stopped.load(Ordering::Relaxed) {
+            while !stop.load(Ordering::Relaxed) {
                 let pairs = began.elapsed().as_millis() / (PAIR * SLOWED).as_millis();
                 let mut samples: Vec<Sample> = Vec::new();
                 while sent < 2 * pairs {
@@ -102,11 +87,7 @@ impl Wearer {
                     .unwrap();
                 std::thread::sleep(Duration::from_millis(5));
             }
-        });
-        Worn {
-            stop,
-            thread: Some(thread),
-        }
+        })
     }
 
     /// Does what the page asks for, until the program ends.
@@ -121,12 +102,6 @@ impl Wearer {
             }
         })
     }
-}
-
-/// Returns the CRC-32 of a model file as the board prints it.
-fn checksum(file: &[u8]) -> String {
-    let checksum = file.last_chunk().copied().unwrap_or_default();
-    format!("{:08x}", u32::from_le_bytes(checksum))
 }
 
 /// Waits for an expression of the page to be true, for `PATIENCE` at most.
@@ -253,6 +228,23 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     reach(&mut browser, &format!("{state} !== 'running'"), |_| {});
     assert_eq!(browser.value(state), "better", "{}", browser.text("tuned"));
     assert!(browser.text("commands").contains("myointent board --port"));
+    let headline = browser.text("verdict");
+    assert!(
+        headline.starts_with("A model of your own is ready"),
+        "{headline}"
+    );
+    assert!(browser.text("tuned").contains("Of the gestures "));
+    assert!(browser.text("scores").contains("balanced accuracy"));
+    let drawn = "[...document.querySelectorAll('#scores tbody tr')].every((row) => row.querySelectorAll('.bars i').length === 2)";
+    assert!(browser.is(drawn));
+    let copy = "document.querySelector('.command button')";
+    browser.value(&format!("{copy}.click()"));
+    browser.wait_for(&format!(
+        "['Copied', 'Selected'].includes({copy}.textContent)"
+    ));
+    for done in ["record", "tune", "compare"] {
+        assert!(browser.is(&step(done, "done")), "{done}");
+    }
     photograph(&mut browser, folder.path(), "owner-tuned.png");
 
     // On the board, without a restart.
@@ -295,8 +287,8 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     assert_eq!(run.lines_by_start()?.len(), 1, "the board restarted");
     // The board runs the tuned file, and no other.
     let identity = run.ask("$IDENTIFY*04\r\n")?;
-    let own = checksum(&std::fs::read(folder.path().join("anna/anna.intent"))?);
-    assert_ne!(own, checksum(&shipped()));
+    let own = std::fs::read(folder.path().join("anna/anna.intent"))?;
+    let own = format!("{:08x}", Model::parse(&own)?.checksum);
     assert_eq!(identity.split(',').nth(5), Some(&*own), "{identity}");
     Ok(())
 }

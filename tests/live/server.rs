@@ -37,7 +37,7 @@ fn the_page_is_served_to_this_machine_and_to_no_other_name_or_origin() {
 #[test]
 fn for_other_machines_the_address_has_a_token() {
     let mut options = options(Source::Demo);
-    options.listen = "0.0.0.0:0".parse().unwrap();
+    options.listen = Some("0.0.0.0:0".parse().unwrap());
     let live = live::start(options).unwrap();
     let url = live.url();
     assert_eq!(get(url, "live.js").0, 200);

@@ -132,10 +132,16 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let source = arguments
         .source
         .source(arguments.name.as_deref(), arguments.as_recorded)?;
+    let mut options = Options {
+        model,
+        imu: arguments.imu,
+        ..Options::of(source)
+    };
     if arguments.json || arguments.osc.is_some() {
-        let listen = arguments
+        options.listen = arguments
             .listen
             .map(|(address, port)| SocketAddr::new(address, port.unwrap_or_else(|| free(address))));
+        let listen = options.listen;
         let interrupt = Interrupt::listen();
         let opened = |url: &str| {
             if let Some(listen) = listen {
@@ -149,21 +155,12 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             })?),
             None => Box::new(std::io::stdout()),
         };
-        let imu = arguments.imu;
-        return live::print(source, model, imu, listen, output, opened, || {
-            interrupt.requested()
-        });
+        return live::print(options, output, opened, || interrupt.requested());
     }
     let (address, port) = arguments
         .listen
         .unwrap_or((Ipv4Addr::LOCALHOST.into(), None));
-    serve(address, port, |listen| Options {
-        source,
-        model,
-        listen,
-        imu: arguments.imu,
-        record: None,
-    })
+    serve(address, port, options)
 }
 
 impl SourceArguments {
@@ -190,11 +187,12 @@ impl SourceArguments {
 pub(super) fn serve(
     address: IpAddr,
     port: Option<u16>,
-    options: impl FnOnce(SocketAddr) -> Options,
+    mut options: Options,
 ) -> anyhow::Result<()> {
-    let listen = SocketAddr::new(address, port.unwrap_or_else(|| free(address)));
+    let port = port.unwrap_or_else(|| free(address));
+    options.listen = Some(SocketAddr::new(address, port));
     let interrupt = Interrupt::listen();
-    let live = live::start(options(listen))?;
+    let live = live::start(options)?;
     for url in urls(live.url(), address) {
         writeln!(std::io::stdout(), "{url}")?;
         if !is_local(address) && std::io::stdout().is_terminal() {

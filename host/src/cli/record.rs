@@ -1,7 +1,7 @@
 //! `myointent record`: a guided recording session on a page.
 
 use std::io::Write as _;
-use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::net::{IpAddr, Ipv4Addr};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
@@ -124,13 +124,14 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         speed: arguments.speed,
         unattended: arguments.unattended,
     };
-    serve(address, port, |listen: SocketAddr| Options {
+    let options = Options {
         source,
         model,
-        listen,
+        listen: None,
         imu: arguments.imu,
         record: Some(record),
-    })?;
+    };
+    serve(address, port, options)?;
     anyhow::ensure!(
         whole,
         "not everything of an earlier session could be kept: the first lines above say what is lost"

@@ -70,19 +70,32 @@ impl Source {
     }
 }
 
-/// Settings of the page.
+/// Source, and the page that is served of it.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// Source of the stream.
     pub source: Source,
     /// Bytes of a model file. Without one, recordings run through the shipped model, and a board has no scores.
     pub model: Option<Vec<u8>>,
-    /// Address of the page; port 0 takes any free one. An address beyond this machine needs a token.
-    pub listen: SocketAddr,
+    /// Address of the page, none for no page; port 0 takes any free one. An address beyond this machine needs a token.
+    pub listen: Option<SocketAddr>,
     /// Whether the armband's movement is asked for too.
     pub imu: bool,
     /// Settings of a recording session; none for `live`.
     pub record: Option<RecordOptions>,
+}
+
+impl Options {
+    /// A source alone: with the shipped model, and without a page.
+    pub const fn of(source: Source) -> Self {
+        Self {
+            source,
+            model: None,
+            listen: None,
+            imu: false,
+            record: None,
+        }
+    }
 }
 
 /// Settings of a recording session.
@@ -105,40 +118,40 @@ pub struct RecordOptions {
     pub unattended: bool,
 }
 
-/// Page that is being served.
+/// Source that runs, and the page that is served of it.
 #[derive(Debug)]
 pub struct Live {
     stream: Stream,
-    server: Server,
-    url: String,
+    /// Server of the page, and its URL.
+    server: Option<(Server, String)>,
 }
 
-/// Serves a page until it is stopped.
+/// Runs a source, and serves its page, until it is stopped.
 ///
 /// # Errors
 /// When the model is refused or the address cannot be listened on.
 pub fn start(options: Options) -> anyhow::Result<Live> {
-    let Options {
-        source,
-        model,
-        listen,
-        imu,
-        record,
-    } = options;
-    let (listener, access) = bind(listen)?;
-    let url = access.url();
-    let history = record.as_ref().map(|record| HistoryOf {
+    run(Arc::new(Hub::new()), options)
+}
+
+fn run(hub: Arc<Hub>, options: Options) -> anyhow::Result<Live> {
+    let page = options.listen.map(bind).transpose()?;
+    let model = options.model.as_deref().unwrap_or(SHIPPED);
+    let history = options.record.as_ref().map(|record| HistoryOf {
         folder: record.folder.clone(),
         person: record.person.clone(),
-        model: model.clone().unwrap_or_else(|| SHIPPED.to_vec()),
+        model: model.to_vec(),
     });
-    let hub = Arc::new(Hub::new());
-    let stream = Stream::start(hub.clone(), source, model, imu, record)?;
-    let server = Server::start(listener, access, hub, stream.inputs.clone(), history)?;
+    let stream = Stream::start(hub.clone(), options)?;
+    let inputs = stream.inputs.clone();
+    let server = page.map(|(listener, access)| {
+        let url = access.url();
+        let server = Server::start(listener, access, hub, inputs, history)?;
+        anyhow::Ok((server, url))
+    });
     Ok(Live {
         stream,
-        server,
-        url,
+        server: server.transpose()?,
     })
 }
 
@@ -152,46 +165,36 @@ fn bind(address: SocketAddr) -> anyhow::Result<(TcpListener, Access)> {
 
 /// Writes every event of a source as a line of JSON, until `over` returns true or the reader closes `output`.
 ///
-/// With an address in `listen`, also serves a page, whose URL is passed to `opened`.
+/// With an address, also serves a page, whose URL is passed to `opened`.
 ///
 /// # Errors
 /// When the model is refused, the address cannot be listened on, the source ends by an error or the output cannot be
 /// written. An output that its reader has closed is a [`std::io::ErrorKind::BrokenPipe`].
 pub(crate) fn print(
-    source: Source,
-    model: Option<Vec<u8>>,
-    imu: bool,
-    listen: Option<SocketAddr>,
+    options: Options,
     output: impl Write + Send + 'static,
     opened: impl FnOnce(&str),
     over: impl Fn() -> bool,
 ) -> anyhow::Result<()> {
-    let page = listen.map(bind).transpose()?;
     let hub = Arc::new(Hub::new());
     // Started before the source, so that no event is missed.
     let lines = JsonLines::start(hub.clone(), output)?;
-    let stream = Stream::start(hub.clone(), source, model, imu, None)?;
-    let server = page.map(|(listener, access)| {
-        opened(&access.url());
-        Server::start(listener, access, hub.clone(), stream.inputs.clone(), None)
-    });
-    let server = server.transpose()?;
-    while !(over() || stream.is_finished() || lines.is_finished()) {
+    let live = run(hub, options)?;
+    if let Some((_, url)) = &live.server {
+        opened(url);
+    }
+    while !(over() || live.is_over() || lines.is_finished()) {
         std::thread::sleep(Duration::from_millis(50));
     }
-    let result = stream.stop();
-    hub.send(None, &Event::End);
-    if let Some(server) = server {
-        server.stop();
-    }
+    let result = live.stop();
     result.and(lines.stop().context("standard output"))
 }
 
 impl Live {
-    /// URL of the page, with its token if there is one.
+    /// URL of the page, with its token if there is one; empty without a page.
     #[must_use]
     pub fn url(&self) -> &str {
-        &self.url
+        self.server.as_ref().map_or("", |(_, url)| url)
     }
 
     /// Whether the source has ended by an error, or an unattended session is over.
@@ -207,7 +210,9 @@ impl Live {
         let hub = self.stream.hub.clone();
         let result = self.stream.stop();
         hub.send(None, &Event::End);
-        self.server.stop();
+        if let Some((server, _)) = self.server {
+            server.stop();
+        }
         result
     }
 }

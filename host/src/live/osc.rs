@@ -123,7 +123,7 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
-    use crate::live::{self, Source};
+    use crate::live::{self, Options, Source};
 
     #[test]
     fn movement_is_three_messages() {
@@ -154,7 +154,7 @@ mod tests {
         std::thread::scope(|scope| {
             let live = scope.spawn(|| {
                 let is_over = || over.load(Ordering::Relaxed);
-                live::print(Source::Demo, None, false, None, osc, |_| (), is_over)
+                live::print(Options::of(Source::Demo), osc, |_| (), is_over)
             });
             let mut buffer = [0; 512];
             while received.len() < kinds.len() {

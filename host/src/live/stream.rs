@@ -20,7 +20,7 @@ use web::request::ViewerMessage;
 use super::hub::Hub;
 use super::line::Line;
 use super::storage::{Storage, Work};
-use super::{RecordOptions, Source};
+use super::{Options, Source};
 
 /// Stack size of the thread in bytes: room for the state of the largest accepted model.
 const STACK: usize = 16 << 20;
@@ -70,18 +70,12 @@ pub(super) struct Stream {
 }
 
 impl Stream {
-    /// Starts the thread. With `imu` the armband's movement is asked for too.
+    /// Starts the thread.
     ///
     /// # Errors
     /// When the model is refused.
-    pub(super) fn start(
-        hub: Arc<Hub>,
-        source: Source,
-        model: Option<Vec<u8>>,
-        imu: bool,
-        record: Option<RecordOptions>,
-    ) -> anyhow::Result<Self> {
-        if let Some(bytes) = &model {
+    pub(super) fn start(hub: Arc<Hub>, options: Options) -> anyhow::Result<Self> {
+        if let Some(bytes) = &options.model {
             let model = Model::parse(bytes).context("the model is refused")?;
             HostEncoder::new(&model).context("the model is refused")?;
         }
@@ -90,9 +84,7 @@ impl Stream {
         let thread = std::thread::Builder::new()
             .name("engine".to_owned())
             .stack_size(STACK)
-            .spawn(move || {
-                Running::begin(own, source, model, imu, record, &sender)?.run(&received)
-            })?;
+            .spawn(move || Running::begin(own, options, &sender)?.run(&received))?;
         Ok(Self {
             hub,
             inputs,
@@ -128,14 +120,14 @@ struct Running {
 }
 
 impl Running {
-    fn begin(
-        hub: Arc<Hub>,
-        source: Source,
-        model: Option<Vec<u8>>,
-        imu: bool,
-        record: Option<RecordOptions>,
-        sender: &Sender<Input>,
-    ) -> anyhow::Result<Self> {
+    fn begin(hub: Arc<Hub>, options: Options, sender: &Sender<Input>) -> anyhow::Result<Self> {
+        let Options {
+            source,
+            model,
+            imu,
+            record,
+            ..
+        } = options;
         let mut engine = Engine::default();
         let (now, option) = (hub.now(), source.option());
         let port = match &source {
@@ -307,7 +299,7 @@ mod tests {
     #[test]
     fn an_adapter_that_is_gone_ends_the_stream_with_its_reason() {
         let hub = Arc::new(Hub::new());
-        let stream = Stream::start(hub, Source::Demo, None, false, None).unwrap();
+        let stream = Stream::start(hub, Options::of(Source::Demo)).unwrap();
         let gone = RadioEvent::Gone("it is switched off".to_owned());
         stream.inputs.send(Input::Radio(gone)).unwrap();
         let error = stream.stop().unwrap_err();

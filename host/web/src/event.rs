@@ -1,6 +1,6 @@
 //! Events for viewers: the messages of the websocket, each a JSON object with its `type`.
 
-use std::collections::BTreeMap;
+use std::mem::discriminant;
 
 use serde::{Serialize, Serializer};
 use shared::intent::Intent;
@@ -223,87 +223,71 @@ fn units<S: Serializer>(imu: &Imu, output: S) -> Result<S::Ok, S::Error> {
     .serialize(output)
 }
 
-/// Newest event of each topic: what a new viewer has to know.
+/// Newest event of each kind: what a new viewer has to know.
 #[derive(Debug, Default)]
-pub struct Known(BTreeMap<Topic, Event>);
+pub struct Known(Vec<Event>);
 
 impl Known {
     /// Takes an event. One that the stream is gone has all forgotten about labels, placement and board; one that a session waits,
     /// about the session before it.
     pub fn take(&mut self, event: &Event) {
-        let is_over: fn(Topic) -> bool = match event {
+        let is_over: fn(&Event) -> bool = match event {
             Event::Source {
                 connected: false, ..
-            } => |topic| {
-                use Topic::{Alignment, Binding, Board, Calibration, Counts, Electrodes, Report};
-                matches!(
-                    topic,
-                    Report | Alignment | Calibration | Electrodes | Board | Binding | Counts
-                )
-            },
-            Event::Session { view, .. } if view.phase == "waiting" => {
-                |topic| matches!(topic, Topic::Kept | Topic::Tuning | Topic::Installing)
-            }
+            } => Event::is_of_stream,
+            Event::Session { view, .. } if view.phase == "waiting" => Event::is_of_ended_session,
             _ => |_| false,
         };
-        self.0.retain(|topic, _| !is_over(*topic));
-        if let Some(topic) = event.topic() {
-            self.0.insert(topic, event.clone());
+        self.0.retain(|known| !is_over(known));
+        let is_same = |known: &&mut Event| discriminant(*known) == discriminant(event);
+        match self.0.iter_mut().find(is_same) {
+            Some(known) => known.clone_from(event),
+            None if event.is_of_moment() => {}
+            None => self.0.push(event.clone()),
         }
     }
 
-    /// The events, in the order of the topics.
+    /// The events, in the order in which their kinds came.
     pub fn events(&self) -> impl Iterator<Item = &Event> {
-        self.0.values()
+        self.0.iter()
     }
 }
 
-/// Kinds of events whose newest one a new viewer gets first.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
-#[expect(missing_docs, reason = "as the variants of `Event`")]
-pub enum Topic {
-    Source,
-    Model,
-    Board,
-    Binding,
-    Counts,
-    Line,
-    Report,
-    Alignment,
-    Electrodes,
-    Calibration,
-    Blocks,
-    Remarks,
-    Session,
-    Lead,
-    Kept,
-    Tuning,
-    Installing,
-}
-
 impl Event {
-    /// Kind of an event that a new viewer gets; none for events of the moment.
-    pub const fn topic(&self) -> Option<Topic> {
-        Some(match self {
-            Self::Source { .. } => Topic::Source,
-            Self::Model { .. } => Topic::Model,
-            Self::Board { .. } => Topic::Board,
-            Self::Binding { .. } => Topic::Binding,
-            Self::Counts { .. } => Topic::Counts,
-            Self::Line { .. } => Topic::Line,
-            Self::Report { .. } => Topic::Report,
-            Self::Alignment { .. } => Topic::Alignment,
-            Self::Electrodes { .. } => Topic::Electrodes,
-            Self::Calibration { .. } => Topic::Calibration,
-            Self::Blocks { .. } => Topic::Blocks,
-            Self::Remarks { .. } => Topic::Remarks,
-            Self::Session { .. } => Topic::Session,
-            Self::Lead { .. } => Topic::Lead,
-            Self::Kept(_) => Topic::Kept,
-            Self::Tuning(_) => Topic::Tuning,
-            Self::Installing(_) => Topic::Installing,
-            _ => return None,
-        })
+    /// Whether a new viewer need not know it.
+    const fn is_of_moment(&self) -> bool {
+        matches!(
+            self,
+            Self::Hello { .. }
+                | Self::Pong { .. }
+                | Self::Refused { .. }
+                | Self::Samples { .. }
+                | Self::Imu { .. }
+                | Self::Scores { .. }
+                | Self::Mark { .. }
+                | Self::File { .. }
+                | Self::Comment { .. }
+                | Self::End
+        )
+    }
+
+    /// Whether it tells of labels, placement or the board.
+    const fn is_of_stream(&self) -> bool {
+        matches!(
+            self,
+            Self::Report { .. }
+                | Self::Alignment { .. }
+                | Self::Calibration { .. }
+                | Self::Electrodes { .. }
+                | Self::Board { .. }
+                | Self::Binding { .. }
+                | Self::Counts { .. }
+        )
+    }
+
+    /// Whether it tells what became of a session.
+    const fn is_of_ended_session(&self) -> bool {
+        matches!(self, Self::Kept(_) | Self::Tuning(_) | Self::Installing(_))
     }
 
     /// Score of a task that has ended.

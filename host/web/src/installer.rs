@@ -405,4 +405,4 @@ impl Installer {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -26,6 +26,5 @@ pub const FILES: &[(&str, &str, &str)] = files! {
 
 const HTML: &str = "text/html; charset=utf-8";
 const ICON: &str = "image/svg+xml";
-/// MIME type of a style sheet.
-pub const CSS: &str = "text/css; charset=utf-8";
+const CSS: &str = "text/css; charset=utf-8";
 const SCRIPT: &str = "text/javascript; charset=utf-8";

@@ -82,9 +82,4 @@ impl Browser {
             json!({ "context": self.context, "viewport": size, "devicePixelRatio": 1 });
         self.command("browsingContext.setViewport", parameters);
     }
-
-    pub(super) fn screenshot_firefox(&mut self) -> Value {
-        let parameters = json!({ "context": self.context });
-        self.command("browsingContext.captureScreenshot", parameters)
-    }
 }

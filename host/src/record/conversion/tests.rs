@@ -1,5 +1,3 @@
-mod damage;
-
 use shared::intent::Intent;
 use shared::myo::Imu;
 use shared::units::{Millis, Sample, SampleIndex};
@@ -359,4 +357,28 @@ fn a_journal_that_is_being_begun_is_not_taken_by_another_start() {
         }
         recovering.store(false, std::sync::atomic::Ordering::Relaxed);
     });
+}
+
+#[test]
+fn a_damaged_journal_is_kept_beside_all_that_could_be_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let journal = folder.path().join("anna_1.journal");
+    let sent = record(&journal, 60);
+    // A bit of a line of samples in the first round.
+    let mut bytes = fs::read(&journal).unwrap();
+    let ends = bytes.iter().enumerate().filter(|(_, byte)| **byte == b'\n');
+    let (end, _) = ends.skip(20).next().unwrap();
+    bytes[end + 40] ^= 1;
+    fs::write(&journal, &bytes).unwrap();
+    let conversion = convert(&journal).unwrap();
+    assert_eq!(
+        conversion.damage().unwrap(),
+        "the journal is damaged: lines lost: 1, seconds of samples in them: 0.1"
+    );
+    assert!(!journal.exists());
+    assert_eq!(fs::read(journal.with_extension(DAMAGED)).unwrap(), bytes);
+    let library = load(folder.path(), &LoadOptions::default()).unwrap();
+    let samples = library.recordings.iter().map(|own| own.samples.len());
+    let lost = sent.len() - samples.sum::<usize>();
+    assert!((1..=40).contains(&lost), "{lost} of {}", sent.len());
 }

@@ -2,15 +2,10 @@
 
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use shared::installation::journal::{self, JOURNAL_BYTES};
-use shared::installation::{Installation, InstallationStep, Refused};
 use shared::uart_line::answer::Identity;
 use shared::uart_line::line::LineReader;
 
 use super::*;
-use crate::SHIPPED;
-
-const REGION: usize = 40 * PAGE_BYTES;
 
 /// Five-class model, on the heap, which aligns it as a model requires.
 fn five_class() -> Vec<u8> {
@@ -18,7 +13,7 @@ fn five_class() -> Vec<u8> {
 }
 
 /// Answer to `IDENTIFY` of a board with this model.
-fn identity(model: Option<u32>) -> Answer<'static> {
+pub(crate) fn identity(model: Option<u32>) -> Answer<'static> {
     Answer::Identity(Identity {
         version: "0.1.0",
         revision: "0123456789ab",
@@ -66,102 +61,65 @@ fn refused(mut board: impl FnMut(Command) -> Answer<'static>) -> (String, usize)
     (end.unwrap_err().to_string(), commands)
 }
 
-/// Board that takes a model.
-struct Board {
-    region: Vec<u8>,
-    journal: [u8; JOURNAL_BYTES],
-    installation: Installation,
-    in_use: Option<u32>,
+/// Board that takes a model page by page; the first page is the last, but for its first block, which begins each time.
+struct Board<'f> {
+    file: &'f [u8],
+    /// Number of pages that it has, and the block that it wants; none before a begin.
+    pages: u32,
+    wanted: Option<u32>,
+    is_installed: bool,
 }
 
-impl Board {
-    fn new() -> Self {
-        let mut region = SHIPPED.to_vec();
-        region.resize(REGION, 0xff);
-        let mut board = Self {
-            region,
-            journal: [0xff; JOURNAL_BYTES],
-            installation: Installation::new(REGION as u32),
-            in_use: None,
-        };
-        board.in_use = board.checksum();
-        board
-    }
+impl<'f> Board<'f> {
+    const PAGE: u32 = (PAGE_BYTES / BLOCK_BYTES) as u32;
 
-    /// Loses its power, and starts again.
-    fn restart(&mut self) {
-        self.installation = Installation::new(REGION as u32);
-        self.in_use = self.checksum();
-    }
-
-    fn checksum(&self) -> Option<u32> {
-        Some(Model::parse(&self.region).ok()?.checksum)
+    const fn new(file: &'f [u8]) -> Self {
+        Self {
+            file,
+            pages: 0,
+            wanted: None,
+            is_installed: false,
+        }
     }
 
     fn answer(&mut self, command: Command) -> Answer<'static> {
-        let taken = match command {
-            Command::Identify => return identity(self.in_use),
-            Command::Install(transfer) if self.in_use == Some(transfer.checksum) => {
-                Ok(InstallationProgress::Installed)
+        let file = ModelFile::new(self.file).unwrap();
+        match command {
+            Command::Identify => {
+                return identity(Some(if self.is_installed {
+                    file.checksum()
+                } else {
+                    7
+                }));
             }
-            Command::Install(transfer) => {
-                let journal = journal::read(&self.journal).filter(|_| self.in_use.is_none());
-                let begun = self.installation.begin(transfer, journal);
-                begun.map_err(|_| Refusal::Length)
+            Command::Install(_) => self.wanted = Some(0),
+            Command::Block(number, block) if self.wanted == Some(number) => {
+                assert_eq!(block, Block::of(self.file, number));
+                let next = number + 1;
+                let is_last = next.is_multiple_of(Self::PAGE) || next == file.blocks();
+                self.pages += u32::from(is_last);
+                let all = file.blocks().div_ceil(Self::PAGE);
+                self.is_installed = self.pages == all;
+                self.wanted = Some(match (self.pages + 1) % all {
+                    _ if number > 0 && !is_last => next,
+                    0 => 1,
+                    page => page * Self::PAGE,
+                });
             }
-            Command::Block(number, block) => {
-                let is_ours = |block: &Block| {
-                    matches!(Model::parse(&block.0), Err(ModelError::Length { .. }))
-                };
-                let mut taken = self.installation.take(number, &block, is_ours);
-                while let (Ok(()), Some(step)) = (taken, self.installation.step()) {
-                    let outcome = self.step(step);
-                    taken = self.installation.done(outcome);
-                }
-                let taken = taken.map(|()| self.installation.progress());
-                taken.map_err(|refused| match refused {
-                    Refused::NotBegun => Refusal::NotBegun,
-                    Refused::Model => Refusal::Model,
-                    _ => Refusal::Arguments,
-                })
-            }
-            _ => Err(Refusal::Unknown),
-        };
-        taken.map_or_else(Answer::Refused, Answer::Install)
-    }
-
-    fn step(&mut self, step: InstallationStep) -> Result<(), Refused> {
-        match step {
-            InstallationStep::Suspend => self.in_use = None,
-            InstallationStep::Resume => self.in_use = self.checksum(),
-            InstallationStep::Verify => {
-                self.checksum().ok_or(Refused::Model)?;
-            }
-            InstallationStep::EraseJournal | InstallationStep::EndJournal => {
-                self.journal.fill(0xff)
-            }
-            InstallationStep::WriteJournal => {
-                self.journal[..16].copy_from_slice(&self.installation.record());
-            }
-            InstallationStep::MarkPage(page) => {
-                self.journal[journal::mark(page) as usize..][..4].fill(0);
-            }
-            InstallationStep::ErasePage(page) => {
-                self.region[page as usize * PAGE_BYTES..][..PAGE_BYTES].fill(0xff);
-            }
-            InstallationStep::WriteBlock(number) => {
-                let block = &mut self.region[number as usize * BLOCK_BYTES..][..BLOCK_BYTES];
-                block.copy_from_slice(&self.installation.content().0);
-            }
+            _ => {}
         }
-        Ok(())
+        match self.wanted {
+            None => Answer::Refused(Refusal::NotBegun),
+            Some(_) if self.is_installed => Answer::Install(InstallationProgress::Installed),
+            Some(block) => Answer::Install(InstallationProgress::Next(block)),
+        }
     }
 }
 
 #[test]
 fn a_model_is_installed_though_power_and_line_are_cut_at_100_random_moments() {
     let new = five_class();
-    let mut board = Board::new();
+    let mut board = Board::new(&new);
     let mut random = ChaCha8Rng::seed_from_u64(17);
     // A page has 64 blocks and is written again from its start: about one life in twenty is long enough for a page, with
     // approximately 125 bytes for a block's line and its answer.
@@ -181,7 +139,8 @@ fn a_model_is_installed_though_power_and_line_are_cut_at_100_random_moments() {
             }
             cuts += 1;
             left = lives.next().unwrap_or(usize::MAX);
-            board.restart();
+            // It has lost its power: of a page in progress nothing is left.
+            board.wanted = None;
             None
         });
         furthest = furthest.max(blocks);
@@ -190,7 +149,7 @@ fn a_model_is_installed_though_power_and_line_are_cut_at_100_random_moments() {
     assert!(installed);
     assert_eq!(cuts, 100);
     assert_eq!(furthest, Some(ModelFile::new(&new).unwrap().blocks()));
-    assert!(board.region.starts_with(&new));
+    assert!(board.is_installed);
 }
 
 #[test]
@@ -199,7 +158,7 @@ fn late_answers_to_others_are_not_taken_for_the_end() {
     let blocks = ModelFile::new(&new).unwrap().blocks() as usize;
     // The late answer comes before that to the first command, to the first block, in the middle, to the last block.
     for at in [0, 1, 700, blocks] {
-        let (mut board, mut number) = (Board::new(), 0);
+        let (mut board, mut number) = (Board::new(&new), 0);
         let (end, ..) = run(&new, |command| {
             let late = Answer::Install(InstallationProgress::Installed).to_string();
             let late = if number == at { late } else { String::new() };
@@ -207,7 +166,7 @@ fn late_answers_to_others_are_not_taken_for_the_end() {
             Some(late + &board.answer(command).to_string())
         });
         assert_eq!(end, Ok(()));
-        assert!(board.region.starts_with(&new), "{at}");
+        assert!(board.is_installed, "{at}");
     }
     // A board restarts before the first block, and is so slow that the block comes twice.
     let checksum = ModelFile::new(&new).unwrap().checksum();

@@ -2,11 +2,9 @@
 //! Format 2 had no movement.
 
 use std::fmt::Write as _;
-use std::ops::Range;
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use recordings::labels::motion::Motion;
-use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use shared::units::{CHANNELS, Sample, SampleIndex};
 
@@ -102,9 +100,6 @@ pub enum Entry {
     },
 }
 
-/// An entry of a line, with the line's number.
-pub type Numbered = (u32, Entry);
-
 impl Entry {
     /// Entry for an output of a session.
     pub fn of(output: Output) -> Self {
@@ -159,7 +154,7 @@ impl Entry {
     }
 
     /// Parses a line without its end; none if it is damaged.
-    fn parse(line: &[u8]) -> Option<Numbered> {
+    pub fn parse(line: &[u8]) -> Option<(u32, Self)> {
         let (checksum, text) = line.split_at_checked(8)?;
         let text = text.strip_prefix(b" ")?;
         let checksum = std::str::from_utf8(checksum).ok()?;
@@ -173,36 +168,6 @@ impl Entry {
             number.parse().ok()?,
             serde_json::from_slice(&text[json..]).ok()?,
         ))
-    }
-
-    /// The whole entries in the bytes of a line, with their places: several where ends of lines are damaged.
-    pub fn whole(line: &[u8]) -> Vec<(Range<usize>, Numbered)> {
-        if let Some(entry) = Self::parse(line) {
-            return vec![(0..line.len(), entry)];
-        }
-        let mut found = Vec::new();
-        let mut free = 0;
-        for (at, _) in line
-            .windows(JSON.len())
-            .enumerate()
-            .filter(|own| own.1 == JSON)
-        {
-            let json = serde_json::Deserializer::from_slice(&line[at..]);
-            let mut json = json.into_iter::<IgnoredAny>();
-            if !matches!(json.next(), Some(Ok(_))) {
-                continue;
-            }
-            let end = at + json.byte_offset();
-            let before = line[free.min(at)..at].iter().rev();
-            let digits = before.take_while(|byte| byte.is_ascii_digit()).count();
-            let start = at.checked_sub(digits + 9).filter(|&start| start >= free);
-            let entry = start.and_then(|start| Some((start..end, Self::parse(&line[start..end])?)));
-            if let Some(entry) = entry {
-                free = end;
-                found.push(entry);
-            }
-        }
-        found
     }
 
     /// Whether bytes are the beginning of a line: its checksum, and JSON as far as they reach.

@@ -21,28 +21,29 @@ pub struct Contents {
     pub entries: Vec<Entry>,
     /// Number of bytes of an unfinished line at the end.
     pub left_off: usize,
-    /// Number of the next line.
-    due: u32,
-    /// Damaged lines since the last whole one.
-    damaged: u32,
 }
 
-/// Reads all whole lines of a journal, whatever is between them. Lines that are there twice count once.
+/// Reads all whole lines of a journal; their numbers tell which are lost. Lines that are there twice count once.
 pub fn read(bytes: &[u8]) -> Contents {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let mut contents = Contents::default();
-    let end = bytes.iter().rposition(|&byte| byte == b'\n');
-    let (lines, last) = bytes.split_at(end.map_or(0, |at| at + 1));
-    for line in lines.split(|&byte| byte == b'\n') {
-        contents.line(line);
-    }
-    let mut whole = Entry::whole(last).into_iter();
-    if Entry::is_begun(last) && !last.contains(&0) && whole.all(|(own, _)| own.end == last.len()) {
+    // Number of the next line, and damaged lines since the last whole one.
+    let (mut due, mut damaged) = (0_u32, 0);
+    let mut lines: Vec<&[u8]> = bytes.split(|&byte| byte == b'\n').collect();
+    if let Some(last) = lines.pop_if(|last| Entry::is_begun(last)) {
         contents.left_off = last.len();
-    } else {
-        contents.line(last);
     }
-    contents.lose(contents.damaged);
+    for line in lines.into_iter().filter(|line| !line.is_empty()) {
+        match Entry::parse(line) {
+            Some((number, entry)) if number >= due => {
+                contents.lose(number - due);
+                contents.entries.push(entry);
+                (due, damaged) = (number.saturating_add(1), 0);
+            }
+            Some(_) => {}
+            None => damaged += 1,
+        }
+    }
+    contents.lose(damaged);
     contents
 }
 
@@ -51,33 +52,6 @@ impl Contents {
     pub fn is_damaged(&self) -> bool {
         let mut entries = self.entries.iter();
         entries.any(|entry| matches!(entry, Entry::Damage { .. }))
-    }
-
-    fn line(&mut self, line: &[u8]) {
-        let mut end = 0;
-        for (place, (number, entry)) in Entry::whole(line) {
-            self.between(&line[end..place.start]);
-            self.entry(number, entry);
-            end = place.end;
-        }
-        self.between(&line[end..]);
-    }
-
-    /// Takes bytes of no whole entry. A single one, or spaces, are the end of a line.
-    fn between(&mut self, bytes: &[u8]) {
-        if bytes.len() > 1 && !bytes.iter().all(u8::is_ascii_whitespace) {
-            self.damaged += 1;
-        }
-    }
-
-    fn entry(&mut self, number: u32, entry: Entry) {
-        if number < self.due {
-            return;
-        }
-        self.lose(number - self.due);
-        self.damaged = 0;
-        self.due = number.saturating_add(1);
-        self.entries.push(entry);
     }
 
     fn lose(&mut self, lines: u32) {

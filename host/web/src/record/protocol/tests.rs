@@ -53,41 +53,38 @@ fn every_built_in_protocol_has_each_gesture_as_often_as_personalize_needs() {
             assert!(*rounds >= 2 && once >= least, "{name}: {motion:?}");
         }
     }
-    let seconds = |name| Protocol::find(name).unwrap().samples().unwrap() as f64 / 200.0;
-    assert!((170.0..=190.0).contains(&seconds("quick")));
-    assert!((240.0..=280.0).contains(&seconds("daily")));
-    assert!((120.0..=190.0).contains(&seconds("quick-five")));
-    assert!((120.0..=230.0).contains(&seconds("quick-six")));
 }
 
-/// Seconds for which each motion of a built-in protocol is asked for.
-fn seconds_of(name: &str, is_counted: impl Fn(Motion) -> bool) -> f64 {
-    let protocol = Protocol::find(name).unwrap();
-    let Course::Guided { rounds, blocks } = protocol.course else {
+/// Steps of a round of a built-in protocol, and the number of rounds.
+fn steps_of(name: &str) -> (Vec<MotionStep>, u32) {
+    let Course::Guided { rounds, blocks } = Protocol::find(name).unwrap().course else {
         panic!("{name} is guided");
     };
-    let steps = blocks.iter().flat_map(|block| &block.steps);
-    let counted = steps.filter(|step| is_counted(step.motion));
-    f64::from(rounds) * counted.map(|step| f64::from(step.samples)).sum::<f64>() / 200.0
+    let steps = blocks.into_iter().flat_map(|block| block.steps);
+    (steps.collect(), rounds)
 }
 
 #[test]
-fn the_quick_protocol_has_half_a_minute_of_named_other_movement_and_the_daily_one_two_minutes_of_any()
- {
-    let is_named = |motion| matches!(motion, Motion::Other(_)) && motion != Motion::OTHER;
-    assert!(seconds_of("quick", is_named) >= 30.0);
-    assert!(seconds_of("daily", |motion| motion == Motion::OTHER) >= 120.0);
-}
-
-#[test]
-fn the_paper_s_sequence_is_the_paper_s() {
-    let protocol = Protocol::find("paper").unwrap();
-    let Course::Guided { blocks, .. } = protocol.course else {
-        panic!("guided");
+fn built_in_protocols_are_as_long_as_said_and_the_paper_s_sequence_is_the_paper_s() {
+    let seconds = |name: &str, is_counted: fn(Motion) -> bool| {
+        let (steps, rounds) = steps_of(name);
+        let counted = steps.iter().filter(|step| is_counted(step.motion));
+        f64::from(rounds) * counted.map(|step| f64::from(step.samples)).sum::<f64>() / 200.0
     };
-    let letters: String = blocks
-        .iter()
-        .flat_map(|block| &block.steps)
+    for (name, least, most) in [
+        ("quick", 170.0, 190.0),
+        ("daily", 240.0, 280.0),
+        ("quick-five", 120.0, 190.0),
+        ("quick-six", 120.0, 230.0),
+    ] {
+        let samples = Protocol::find(name).unwrap().samples().unwrap();
+        assert!((least..=most).contains(&(samples as f64 / 200.0)), "{name}");
+    }
+    let is_named = |motion| matches!(motion, Motion::Other(_)) && motion != Motion::OTHER;
+    assert!(seconds("quick", is_named) >= 30.0);
+    assert!(seconds("daily", |motion| motion == Motion::OTHER) >= 120.0);
+    let letters = steps_of("paper").0.into_iter();
+    let letters: String = letters
         .map(|step| step.motion.name()[..1].to_uppercase())
         .collect();
     assert_eq!(letters, "ROCORORCR");

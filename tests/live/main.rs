@@ -23,58 +23,39 @@ macro_rules! open {
 
 // Tests start by name: this one, which takes minutes, comes first, and the others run beside it.
 #[cfg(target_os = "linux")]
-#[path = "live/owner.rs"]
+#[path = "owner.rs"]
 mod a_whole_loop;
-#[path = "live/align.rs"]
 mod align;
 #[cfg(target_os = "linux")]
-#[path = "live/ask.rs"]
 mod ask;
 #[cfg(target_os = "linux")]
-#[path = "live/board.rs"]
 mod board;
-#[path = "live/browser.rs"]
 mod browser;
-#[path = "live/demo.rs"]
 mod demo;
 #[cfg(target_os = "linux")]
-#[path = "live/empty.rs"]
 mod empty;
-#[path = "live/firefox.rs"]
 mod firefox;
-#[path = "live/guided.rs"]
 mod guided;
 #[cfg(target_os = "linux")]
-#[path = "live/install.rs"]
 mod install;
-#[path = "live/languages.rs"]
 mod languages;
 #[cfg(target_os = "linux")]
-#[path = "live/port.rs"]
 mod port;
 #[cfg(unix)]
-#[path = "live/process.rs"]
 mod process;
-#[path = "live/record.rs"]
 mod record;
-#[path = "live/replay.rs"]
 mod replay;
 #[cfg(target_os = "linux")]
-#[path = "live/scripted.rs"]
 mod scripted;
-#[path = "live/server.rs"]
 mod server;
-#[path = "live/session.rs"]
 mod session;
-#[path = "live/sessions.rs"]
 mod sessions;
-#[path = "live/sizes.rs"]
 mod sizes;
 #[cfg(target_os = "linux")]
-#[path = "live/steps.rs"]
 mod steps;
-#[path = "live/viewer.rs"]
 mod viewer;
+#[cfg(target_os = "linux")]
+mod worker;
 
 use std::path::Path;
 
@@ -85,11 +66,8 @@ use recordings::synthetic::{self, SynthOptions};
 /// Options of a page of a source, on any free port of this machine.
 fn options(source: Source) -> Options {
     Options {
-        source,
-        model: None,
-        listen: "127.0.0.1:0".parse().unwrap(),
-        imu: false,
-        record: None,
+        listen: Some("127.0.0.1:0".parse().unwrap()),
+        ..Options::of(source)
     }
 }
 
