@@ -375,6 +375,7 @@ impl Engine {
             board,
             port,
             is_open,
+            ..
         } = &mut self.running
         else {
             return;

@@ -204,7 +204,7 @@ impl Engine {
         if let Running::Board { simulated, .. } = &mut self.running {
             *simulated = Some((started, settings.now));
         }
-        self.connected(settings.now);
+        self.port(settings.now, Ok(()));
         Ok(())
     }
 

@@ -25,11 +25,7 @@ const ADDRESS: &str = "FA:12:34:56:78:9A";
 
 /// Follows the armband of an address until it has sent all of its samples. The link is lost once after so many notifications, if it
 /// is to be. Returns the events, and the radio's actions.
-fn followed(
-    imu: bool,
-    samples: &[Sample],
-    lost_after: Option<usize>,
-) -> (Vec<Event>, Vec<Action>) {
+fn followed(imu: bool, samples: &[Sample], lost_after: Option<usize>) -> (Vec<Event>, Vec<Action>) {
     let mut armband = SimulatedArmband::default();
     let mut pairs = samples.as_chunks().0.iter().zip(1..);
     let mut engine = Engine::default();
@@ -634,6 +630,7 @@ fn a_simulated_board_takes_every_step_of_a_board_over_its_line() {
     assert!(reported(&events).last().unwrap().2, "valid again");
     // Its recordings are those of no person.
     assert_eq!(engine.source, ("simulated USB".to_owned(), true));
+}
 
 /// Names and contents of the files that a page is given.
 fn files(outputs: &[Output]) -> Vec<(&str, &str)> {
