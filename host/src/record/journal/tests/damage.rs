@@ -19,6 +19,10 @@ fn any_changed_byte_loses_its_own_line_and_one_that_ends_a_line_also_the_next() 
     for at in 0..whole.len() - 1 {
         let line = whole[..at].iter().filter(|&&byte| byte == b'\n').count();
         let lost = if whole[at] == b'\n' { 2 } else { 1 };
+        if line + lost > all.len() - 1 && lost == 2 {
+            // No later line has a number that tells of both.
+            continue;
+        }
         for changed in [whole[at] ^ 1, whole[at] ^ 0x80, 0] {
             let mut bytes = whole.clone();
             bytes[at] = changed;
