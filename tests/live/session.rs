@@ -11,7 +11,8 @@ const ASKS: &str = "$ending?.open === true";
 #[test]
 fn a_session_waits_asks_before_it_ends_and_shows_its_wearer_what_to_do() {
     let folder = tempfile::tempdir().unwrap();
-    let (mut browser, live) = open!(record(folder.path(), Source::Demo, &short_with_point(), 2));
+    let protocol = short_with_point().replace("rounds = 2", "rounds = 8");
+    let (mut browser, live) = open!(record(folder.path(), Source::Demo, &protocol, 2));
     browser.wait_for(&format!("{} && {CONNECTED}", phase("waiting")));
     // A picture that was frozen before moves again with the session.
     browser.press(" ");
