@@ -285,7 +285,7 @@ fn file_pattern(files: &[&str]) -> String {
     };
     let begins = |at: &usize| files.iter().all(|own| own.starts_with(&first[..*at]));
     let ends = |at: &usize| files.iter().all(|own| own.ends_with(&first[*at..]));
-    let begin = places().map(|(at, _)| at + 1).filter(begins).next_back();
+    let begin = places().map(|(at, _)| at + 1).rfind(begins);
     let end = places().map(|(at, _)| at).find(ends);
     let (begin, end) = (begin.unwrap_or(0), end.unwrap_or(first.len()));
     let is_between = |own: &&str| own.len() > begin + (first.len() - end);

@@ -149,11 +149,10 @@ fn element(descr: &str) -> Option<(char, usize)> {
     let kind = rest.chars().next()?;
     let size: usize = rest[kind.len_utf8()..].parse().ok()?;
     // Big-endian elements (`>`) appear in none of the sets; single bytes carry `|`.
-    let is_read = match (kind, size) {
-        ('i' | 'u', 1 | 2 | 4 | 8) | ('b', 1) | ('f', 4 | 8) => true,
-        ('S' | 'U', 1..=1024) => true,
-        _ => false,
-    };
+    let is_read = matches!(
+        (kind, size),
+        ('i' | 'u', 1 | 2 | 4 | 8) | ('b', 1) | ('f', 4 | 8) | ('S' | 'U', 1..=1024)
+    );
     let bytes = if kind == 'U' { 4 * size } else { size };
     (is_read && matches!(order, "<" | "|")).then_some((kind, bytes))
 }
