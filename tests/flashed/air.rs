@@ -2,6 +2,7 @@
 
 use nrf52::time::HZ;
 use shared::model::noise::Noise;
+use shared::myo::Address;
 use shared::units::Sample;
 use virtual_armband::{ArmbandFault, Behaviour};
 use xtask::firmware::Image;
@@ -107,6 +108,28 @@ fn a_link_that_is_lost_is_found_again() -> anyhow::Result<()> {
         assert_eq!(text.matches("# stream over").count(), 2, "{built}:\n{text}");
     }
     Ok(())
+}
+
+#[test]
+fn a_link_that_is_made_while_its_attempt_is_cancelled_is_not_kept_for_ever() -> anyhow::Result<()> {
+    let built = Image::Nrf52840Sdc;
+    let image = found!(chip::image(built));
+    let stranger = Address::parse("F1:23:45:67:89:AB").expect("an address");
+    let setting = Setting {
+        samples: samples(),
+        stranger: Some((stranger, -80)),
+        ..Setting::default()
+    };
+    let mut board = Board::new(built, image, setting);
+    board.machine.air_mut().cancel_comes_late = true;
+    while !board.machine.air().connects() {
+        board.run_ms(1)?;
+    }
+    // The first ends the attempt; the second has the same armband sought.
+    board.send("BIND,forget");
+    board.send("BIND,set,FA:12:34:56:78:9A");
+    // A link that no task of the program has keeps its armband from advertising, while the stranger is heard.
+    board.wait_for("# armband FA", 120_000)
 }
 
 #[test]

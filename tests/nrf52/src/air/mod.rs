@@ -60,6 +60,8 @@ pub struct Air {
     scanned: u64,
     attempt: Option<Attempt>,
     link: Option<AirLink>,
+    /// Whether a connection is made while the command that cancels its attempt is on the way.
+    pub cancel_comes_late: bool,
     /// Armbands within reach.
     pub armbands: Vec<Armband>,
     /// Notifications of the wearer's armband: the tick at which each was received, and its number.

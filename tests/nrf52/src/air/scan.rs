@@ -137,8 +137,12 @@ impl Air {
         });
     }
 
-    /// Ends the attempt to connect; false without an attempt.
-    pub fn cancel_connect(&mut self) -> bool {
+    /// Ends the attempt to connect; false without an attempt, or if the connection is there first.
+    pub fn cancel_connect(&mut self, now: u64) -> bool {
+        if let Some(attempt) = self.attempt.as_mut().filter(|_| self.cancel_comes_late) {
+            attempt.at = now;
+            self.advance_attempt(now);
+        }
         self.attempt.take().is_some()
     }
 

@@ -148,7 +148,7 @@ impl Controller {
             // Extended scanning is supported only if it is asked for.
             "le_set_ext_scan_enable" => UNKNOWN_COMMAND,
             "le_create_conn" => self.create_connection(at, now, memory)?,
-            "le_create_conn_cancel" if self.air.cancel_connect() => {
+            "le_create_conn_cancel" if self.air.cancel_connect(now) => {
                 self.connection_failed();
                 SUCCESS
             }

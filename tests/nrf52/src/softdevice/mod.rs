@@ -203,7 +203,7 @@ impl SoftDevice {
             call::GAP_SCAN_STOP if self.air.stop_scan(now) => answer::SUCCESS,
             call::GAP_SCAN_STOP => answer::INVALID_STATE,
             call::GAP_CONNECT => return self.connect([second, third, fourth], now, &memory),
-            call::GAP_CONNECT_CANCEL if self.air.cancel_connect() => answer::SUCCESS,
+            call::GAP_CONNECT_CANCEL if self.air.cancel_connect(now) => answer::SUCCESS,
             call::GAP_CONNECT_CANCEL => answer::INVALID_STATE,
             call::GAP_CONN_PARAM_UPDATE => {
                 self.update_parameters(first as u16, second, now, &memory)
