@@ -153,11 +153,20 @@ impl<C: CentralController> Radio for TroubleRadio<'_, '_, C> {
             let Ok(_session) = scanner.scan(&config).await else {
                 return;
             };
-            report(Scanned::Answered);
+            // A connection that was made while its attempt was cancelled: the host has it, nobody can end it, and its armband
+            // does not advertise. The session hears nothing then, and the watchdog restarts the board.
+            let is_held = self
+                .stack
+                .metrics(|host| host.connect_events != host.disconnect_events);
+            if !is_held {
+                report(Scanned::Answered);
+            }
             let advertisements = async {
                 loop {
                     let advertisement = self.advertisements.0.receive().await;
-                    report(Scanned::Advertisement(&advertisement));
+                    if !is_held {
+                        report(Scanned::Advertisement(&advertisement));
+                    }
                 }
             };
             // Then the session is dropped, which ends the scan.
