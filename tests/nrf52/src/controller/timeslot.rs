@@ -172,7 +172,8 @@ impl Controller {
             Some(_) if is_urgent => Some(now + EARLIEST),
             Some(_) => None,
         };
-        self.timeslot.state = match at.filter(|at| !is_blocked && at.saturating_sub(now) <= timeout) {
+        self.timeslot.state = match at.filter(|at| !is_blocked && at.saturating_sub(now) <= timeout)
+        {
             Some(at) => TimeslotState::Requested { at, length },
             None => TimeslotState::Blocked { at: now + timeout },
         };
