@@ -366,8 +366,8 @@ fn a_damaged_journal_is_kept_beside_all_that_could_be_read() {
     let sent = record(&journal, 60);
     // A bit of a line of samples in the first round.
     let mut bytes = fs::read(&journal).unwrap();
-    let ends = bytes.iter().enumerate().filter(|(_, byte)| **byte == b'\n');
-    let (end, _) = ends.skip(20).next().unwrap();
+    let mut ends = bytes.iter().enumerate().filter(|(_, byte)| **byte == b'\n');
+    let (end, _) = ends.nth(20).unwrap();
     bytes[end + 40] ^= 1;
     fs::write(&journal, &bytes).unwrap();
     let conversion = convert(&journal).unwrap();

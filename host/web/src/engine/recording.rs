@@ -167,7 +167,9 @@ impl RecordedSession {
         }
         self.trouble.clear();
         self.given = 0;
-        self.whole.as_mut().map(String::clear);
+        if let Some(whole) = &mut self.whole {
+            whole.clear();
+        }
         self.header.began = self.utc(now);
         self.call(now);
         self.journal = Some(Writer::default());
