@@ -131,6 +131,14 @@ struct TroubleRadio<'s, 'r, C: Controller> {
     advertisements: &'s Advertisements,
 }
 
+/// Whether the host has a connection beside a scan: one that is still ending, or one that was made while its attempt was
+/// cancelled. Nobody can end the latter, and its armband does not advertise: the session hears nothing, and the watchdog
+/// restarts the board.
+fn is_held<C: Controller>(stack: &Stack<'_, C, DefaultPacketPool>) -> bool {
+    let links = stack.metrics(|host| host.connect_events.wrapping_sub(host.disconnect_events));
+    links.cast_signed() > 0
+}
+
 impl<C: CentralController> Radio for TroubleRadio<'_, '_, C> {
     // Nordic's scheduler erases a page in parts, between radio events.
     const LEAVES_FLASH_TIME: bool = true;
@@ -139,6 +147,7 @@ impl<C: CentralController> Radio for TroubleRadio<'_, '_, C> {
 
     async fn scan(&mut self, pace: impl Fn() -> Pace, mut report: impl FnMut(Scanned<'_>)) {
         self.advertisements.0.clear();
+        let stack = self.stack;
         let mut scanner = Scanner::new(&mut self.central);
         loop {
             let config = ScanConfig {
@@ -153,18 +162,13 @@ impl<C: CentralController> Radio for TroubleRadio<'_, '_, C> {
             let Ok(_session) = scanner.scan(&config).await else {
                 return;
             };
-            // A connection that was made while its attempt was cancelled: the host has it, nobody can end it, and its armband
-            // does not advertise. The session hears nothing then, and the watchdog restarts the board.
-            let is_held = self
-                .stack
-                .metrics(|host| host.connect_events != host.disconnect_events);
-            if !is_held {
+            if !is_held(stack) {
                 report(Scanned::Answered);
             }
             let advertisements = async {
                 loop {
                     let advertisement = self.advertisements.0.receive().await;
-                    if !is_held {
+                    if !is_held(stack) {
                         report(Scanned::Advertisement(&advertisement));
                     }
                 }

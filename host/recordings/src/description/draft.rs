@@ -92,11 +92,11 @@ fn draft(folder: &Path, elsewhere: bool) -> Result<String, DraftError> {
         .collect();
     let mut by_kind: BTreeMap<_, Vec<usize>> = BTreeMap::new();
     for (at, (columns, _)) in found.iter().enumerate() {
-        by_kind.entry(&columns.kind).or_default().push(at);
+        let kind = (&columns.kind, &columns.label);
+        by_kind.entry(kind).or_default().push(at);
     }
     // A folder that the readers know may need no description; and they say why a file is refused.
-    let library = crate::load(folder, &crate::LoadOptions::default());
-    let (known, reason) = match &library {
+    let (known, reason) = match crate::load(folder, &crate::LoadOptions::default()) {
         Ok(library) => (
             library.recordings.len(),
             library.skipped.first().map(LoadError::line),
@@ -144,7 +144,7 @@ fn draft(folder: &Path, elsewhere: bool) -> Result<String, DraftError> {
     );
     let is_other = |path: &&PathBuf| pattern.fields_of(path, |_| true).is_none();
     let otherwise: Vec<PathBuf> = files.iter().filter(is_other).cloned().collect();
-    let others = (0..found.len()).filter(|at| !most.contains(at));
+    let others = (0..found.len()).filter(|at| most.binary_search(at).is_err());
     let others: Vec<PathBuf> = others.map(|at| below(&at)).collect();
     for (how, paths) in [
         ("Named otherwise", otherwise),
@@ -168,7 +168,7 @@ fn draft(folder: &Path, elsewhere: bool) -> Result<String, DraftError> {
     text += "\n# Labels: words in a column, one a sample in files of their own, or {gesture} in `files`. Classes: relax, open, close,\n\
          # wave-in (flexion), wave-out (extension), pinch, other (movement that is none of these) or a kind of it (point, ...).\n\
          # What stays unknown is unlabelled. \"*\": all other words.\n\
-         # label = 9\n# label_files = \"...\"\n# labels = { relax = [0], open = [1], close = [2], other = [3, 4], unknown = [\"*\"] }\n\
+         # time = 1\n# label = 9\n# label_files = \"...\"\n# labels = { relax = [0], open = [1], close = [2], other = [3, 4], unknown = [\"*\"] }\n\
          # timing = \"cues\"    # the muscle follows late; \"muscle\": labels lie on its activity; \"from-activity\": one gesture a file\n\
          # arm = \"left\"\n# rotation = 1    # channel c of the common frame is channel c + 1 here\n";
     if let (unread @ 1.., reason) = unread {
@@ -185,13 +185,17 @@ fn read(described: &Described, paths: Vec<&Path>) -> (BTreeSet<String>, (usize, 
     let words = |path: &Path| {
         let fields = described.fields_of(path)?;
         let rows = described.rows(path, &fields);
-        Some(rows.map(|rows| rows.labels.words.unwrap_or_default()))
+        Some(rows.map(|rows| {
+            let words = rows.labels.words.unwrap_or_default();
+            let distinct = words.distinct().iter();
+            distinct.map(|(word, _)| word.clone()).collect::<Vec<_>>()
+        }))
     };
     let found: Vec<_> = paths.into_par_iter().filter_map(words).collect();
     let (mut all, mut unread) = (BTreeSet::new(), (0, String::new()));
     for found in found {
         match found {
-            Ok(words) => all.extend(words.distinct().iter().map(|(word, _)| word.clone())),
+            Ok(words) => all.extend(words),
             Err(error) if unread.0 == 0 => unread = (1, error.line()),
             Err(_) => unread.0 += 1,
         }
@@ -247,7 +251,7 @@ fn labels(words: &BTreeSet<String>, is_gt: bool) -> String {
     format!("{{ {} }}", lists.join(", "))
 }
 
-/// Pattern of paths as long as the first: what is the same in all is text; of the folders that differ the outermost is the
+/// Pattern of paths as long as most are: what is the same in all is text; of the folders that differ the outermost is the
 /// person. `None` if names have braces.
 fn pattern(paths: &[PathBuf]) -> Option<Pattern> {
     let names = |path: &PathBuf| -> Option<Vec<String>> {
@@ -255,7 +259,11 @@ fn pattern(paths: &[PathBuf]) -> Option<Pattern> {
         names.collect()
     };
     let paths: Vec<Vec<String>> = paths.iter().filter_map(names).collect();
-    let depth = paths.first()?.len();
+    let mut depths: BTreeMap<usize, usize> = BTreeMap::new();
+    for path in &paths {
+        *depths.entry(path.len()).or_default() += 1;
+    }
+    let (depth, _) = depths.into_iter().max_by_key(|(_, count)| *count)?;
     let alike = paths.iter().filter(|path| path.len() == depth);
     let mut free = ["{session}", "{person}"].to_vec();
     let mut text = String::new();

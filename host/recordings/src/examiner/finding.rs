@@ -37,7 +37,7 @@ pub struct Finding {
 const KNOWN: &str = "known";
 
 impl Finding {
-    /// A defect of a usable recording, or the reason to refuse one.
+    /// Finding of severity warning; also the reason of a refusal.
     pub(crate) fn warning(
         kind: &'static str,
         what: impl Into<String>,
@@ -59,7 +59,7 @@ impl Finding {
         }
     }
 
-    /// The finding, serious if it makes results unreliable.
+    /// Finding that is serious where `is_serious`: it makes results unreliable.
     pub(crate) fn serious_if(mut self, is_serious: bool) -> Self {
         if is_serious {
             self.severity = Severity::Serious;

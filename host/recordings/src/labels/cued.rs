@@ -259,21 +259,21 @@ mod tests {
             &'c [(Motion, usize)],
             &'c [Range<usize>],
             &'c [(Motion, usize)],
-            [i32; 2],
+            &'c [i32],
         );
         let cases: [Case<'_>; 4] = [
             (
                 &[(R, 600), (O, 700), (R, 600), (C, 700), (R, 600)],
                 &[680..1420, 1950..2700],
                 &[(R, 0), (O, 680), (R, 1420), (C, 1950), (R, 2700)],
-                [80, 50],
+                &[80, 50],
             ),
             // From gesture to gesture the label changes as late as the muscle has followed.
             (
                 &[(R, 600), (O, 500), (C, 500), (R, 600)],
                 &[660..1650],
                 &[(R, 0), (O, 660), (C, 1160), (R, 1650)],
-                [60, 60],
+                &[60],
             ),
             // Other movement may begin at any time.
             (
@@ -287,14 +287,14 @@ mod tests {
                     (OTHER, 3500),
                     (R, 4700),
                 ],
-                [0, 0],
+                &[0],
             ),
             // What the muscle does 1.5 s after its cue is unknown.
             (
                 &[(R, 600), (O, 600), (R, 1400)],
                 &[650..1800],
                 &[(R, 0), (O, 650), (NONE, 1500), (R, 1800)],
-                [50, 50],
+                &[50],
             ),
         ];
         for (asked, loud, expected, late) in cases {
@@ -306,12 +306,17 @@ mod tests {
                 assert_eq!(run.label, label, "{labels:?}");
                 assert!(run.start.abs_diff(start) <= 10, "{labels:?}");
             }
-            for (hold, late) in found.holds.iter().zip(late) {
+            assert_eq!(found.holds.len(), late.len(), "{:?}", found.holds);
+            for (hold, &late) in found.holds.iter().zip(late) {
                 let Reaction::Followed(found) = hold.reaction else {
                     panic!("{hold:?}");
                 };
                 assert!(found.abs_diff(late) <= 10, "{hold:?}");
                 assert_eq!(hold.contrasts.len(), hold.gestures.len());
+                assert!(
+                    hold.contrasts.iter().all(|contrast| *contrast > 1.0),
+                    "{hold:?}"
+                );
             }
         }
     }

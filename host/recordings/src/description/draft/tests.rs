@@ -105,6 +105,17 @@ fn the_kind_of_most_files_is_described_and_the_others_are_told() {
     ] {
         assert!(text.contains(words), "{words}: {text}");
     }
+    // One that is not as deep comes first, and so does one with a column more.
+    let label = table("", 8, |at| [",rest", ",fist"][at / 200].to_owned());
+    let text = written(&[
+        ("Test.csv", plain()),
+        ("aa/0.csv", label),
+        ("anna/1.csv", plain()),
+        ("berta/1.csv", plain()),
+    ])
+    .unwrap();
+    assert!(text.contains("files = \"{person}/1.csv\""), "{text}");
+    assert!(!text.contains("Cannot be read"), "{text}");
 }
 
 #[test]
