@@ -30,7 +30,7 @@ export class Panel {
   strengths(times, faults) {
     const weak = times?.flatMap((own, at) => (own < WEAK && !faults[at] ? [at + 1] : [])) ?? [];
     const good = times?.filter((_, at) => !faults[at]) ?? [];
-    const key = !times ? "strengths.unknown" : weak.length ? "strengths.weak" : "strengths.good";
+    const key = good.length === 0 ? "strengths.unknown" : weak.length ? "strengths.weak" : "strengths.good";
     write(find("strengths"), t(key, { n: weak.length, weak: weak.join(", "), least: Math.min(...good), most: Math.max(...good) }));
   }
 
