@@ -19,7 +19,7 @@ pub const UNEQUAL: &str = "import('./texts.js').then(async ({ TABLES }) => { \
     const other = en.filter((key) => key in TABLES.de && holes(TABLES.en[key]) !== holes(TABLES.de[key])); \
     return [...en.filter((key) => !(key in TABLES.de)), ...de.filter((key) => !(key in TABLES.en)), ...other, ...twice].join(); })";
 
-/// What is English on a German page, visible or not, in contents, titles and names: texts of the English table; texts with a word that
+/// Script for the English on a German page, visible or not, in contents, titles and names: texts of the English table; texts with a word that
 /// only English has, but for commands and addresses; and numbers with a decimal point, but for versions.
 pub const ENGLISH: &str = "import('./texts.js').then(({ TABLES }) => { \
     const whole = Object.entries(TABLES.en).filter(([key, text]) => text !== TABLES.de[key] && key !== 'language' && !Object.values(TABLES.de).includes(text)); \

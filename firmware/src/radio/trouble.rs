@@ -148,6 +148,11 @@ impl<C: CentralController> Radio for TroubleRadio<'_, '_, C> {
     async fn scan(&mut self, pace: impl Fn() -> Pace, mut report: impl FnMut(Scanned<'_>)) {
         self.advertisements.0.clear();
         let stack = self.stack;
+        let mut report = |scanned: Scanned<'_>| {
+            if !is_held(stack) {
+                report(scanned);
+            }
+        };
         let mut scanner = Scanner::new(&mut self.central);
         loop {
             let config = ScanConfig {
@@ -162,15 +167,11 @@ impl<C: CentralController> Radio for TroubleRadio<'_, '_, C> {
             let Ok(_session) = scanner.scan(&config).await else {
                 return;
             };
-            if !is_held(stack) {
-                report(Scanned::Answered);
-            }
+            report(Scanned::Answered);
             let advertisements = async {
                 loop {
                     let advertisement = self.advertisements.0.receive().await;
-                    if !is_held(stack) {
-                        report(Scanned::Advertisement(&advertisement));
-                    }
+                    report(Scanned::Advertisement(&advertisement));
                 }
             };
             // Then the session is dropped, which ends the scan.

@@ -33,11 +33,16 @@ pub struct Electrodes {
     /// Samples whose levels are taken.
     taken: usize,
     levels: Vec<[f64; CHANNELS]>,
-    known: Known,
+    judged: Judged,
 }
 
-/// Faults, and how many times above its rest each electrode came; unknown before the hand was moved.
-type Known = ([Option<Fault>; CHANNELS], Option<[u8; CHANNELS]>);
+/// Judgement of the electrodes.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+struct Judged {
+    faults: [Option<Fault>; CHANNELS],
+    /// Times above its rest that each electrode came; `None` before the hand was moved.
+    times: Option<[u8; CHANNELS]>,
+}
 
 impl Electrodes {
     /// Takes an event of the stream. Returns faults and strengths when they change.
@@ -52,19 +57,18 @@ impl Electrodes {
         let second = self.samples.get(self.taken..self.taken + SECOND)?;
         self.levels.extend(second.chunks(BLOCK).map(levels));
         self.taken += SECOND;
-        let (mut found, known) = self.known;
+        let before = self.judged;
         let old = self.levels.len().saturating_sub(LEVELS);
         self.levels.drain(..old);
         if self.taken == SPAN {
-            found = faults(&self.samples[..SPAN]);
+            self.judged.faults = faults(&self.samples[..SPAN]);
             self.samples.drain(..SPAN);
             self.taken = 0;
         }
-        let now = (found, times(&self.levels).or(known));
-        let before = std::mem::replace(&mut self.known, now);
-        (before != now).then(|| Event::Electrodes {
-            faults: found.map(|fault| fault.map(Fault::name)),
-            times: now.1,
+        self.judged.times = times(&self.levels).or(before.times);
+        (before != self.judged).then(|| Event::Electrodes {
+            faults: self.judged.faults.map(|fault| fault.map(Fault::name)),
+            times: self.judged.times,
         })
     }
 }

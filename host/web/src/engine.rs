@@ -124,6 +124,12 @@ fn for_radio<S: Serializer>(action: &Action, output: S) -> Result<S::Ok, S::Erro
     ForRadio::of(*action).serialize(output)
 }
 
+/// Simulated board, and the time of its next step.
+struct Simulated {
+    board: Box<SimulatedBoard>,
+    due: f64,
+}
+
 /// Source that runs.
 #[derive(Default)]
 #[expect(clippy::large_enum_variant, reason = "an engine has one")]
@@ -142,8 +148,8 @@ enum Running {
         port: String,
         /// Whether the port is open: what is asked for before is not done after.
         is_open: bool,
-        /// Simulated board in place of one at a port, and the time of its next step.
-        simulated: Option<(Box<SimulatedBoard>, f64)>,
+        /// Simulated board in place of one at a port.
+        simulated: Option<Simulated>,
     },
     Armband {
         armband: Armband,
@@ -218,10 +224,10 @@ impl Outputs {
     }
 
     /// Sends the board a command.
-    fn send(&mut self, simulated: &mut Option<(Box<SimulatedBoard>, f64)>, command: &Command) {
+    fn send(&mut self, simulated: &mut Option<Simulated>, command: &Command) {
         let line = command.to_string();
         match simulated {
-            Some((simulated, _)) => simulated.receive(line.as_bytes()),
+            Some(simulated) => simulated.board.receive(line.as_bytes()),
             None => self.waiting.push(Output::Line { line }),
         }
     }
@@ -296,7 +302,7 @@ impl Engine {
     /// Lets the time of a simulated board pass, and takes what it sends.
     fn simulate(&mut self, now: f64) {
         while let Running::Board {
-            simulated: Some((simulated, due)),
+            simulated: Some(Simulated { board, due }),
             ..
         } = &mut self.running
         {
@@ -309,7 +315,7 @@ impl Engine {
             *due += f64::from(STEP_MS);
             let outputs = &self.outputs;
             let session = outputs.recording.as_ref().map(RecordedSession::cue);
-            let lines = simulated.step(session, outputs.blocks.hand());
+            let lines = board.step(session, outputs.blocks.hand());
             self.heard(now, lines.as_bytes());
         }
     }
@@ -571,7 +577,7 @@ impl Engine {
             Running::Armband { armband, .. } => armband.request(time(now), request, emit),
             Running::Board { simulated, .. } => match (request.command(), simulated) {
                 (Some(command), simulated) => outputs.send(simulated, &command),
-                (None, Some((simulated, _))) if request == SourceRequest::Turn => simulated.turn(),
+                (None, Some(simulated)) if request == SourceRequest::Turn => simulated.board.turn(),
                 (None, _) => {}
             },
         }

@@ -103,7 +103,7 @@ pub enum SourceRequest {
     },
     /// Begin or end a calibration, or take it back.
     Calibrate {
-        /// What is asked for.
+        /// Wish about the calibration.
         wish: CalibrationWish,
     },
     /// Begin a pairing; boards only.

@@ -6,7 +6,7 @@
 //!       DemoPerson -> SimulatedArmband --^
 //! ```
 //!
-//! What tasks of the firmware do at the same time is done in turn here, every 10 ms. Flash is memory, and power never fails.
+//! The work of the firmware's tasks is done in turn here, every 10 ms. Flash is memory, and power never fails.
 
 use std::collections::VecDeque;
 use std::error::Error as _;
@@ -23,7 +23,7 @@ use shared::intent::Intent;
 use shared::model::encoder::{DeviceEncoder, DeviceState};
 use shared::model::file::{Model, ModelError};
 use shared::myo::{Action, Address, MyoEvent, MyoSession, Phase, Settings};
-use shared::pipeline::{AlignmentPhase, ModelInput, Pipeline, Reports, Smoother};
+use shared::pipeline::{AlignmentPhase, Done, ModelInput, Pipeline, Reports, Smoother};
 use shared::stream::alignment::Arm;
 use shared::stream::link_sequence::{Packet, QueueGapDetector, Sequencer};
 use shared::stream::safe_state::Start;
@@ -65,7 +65,7 @@ struct Keeping {
     until: Millis,
     /// Model that it belongs to.
     model: u32,
-    /// What was learnt; none to remove the record.
+    /// Memory with the learnt head; `None` to remove the record.
     learnt: Option<&'static mut Memory>,
 }
 
@@ -315,15 +315,15 @@ impl SimulatedBoard {
             Command::Align(command) => {
                 let done = self.pipeline.align(command, self.streams, Arm::Unknown)?;
                 self.report(Reports::default());
-                done.answer(|| self.calibration())
+                self.answer(done)
             }
             Command::Gate(command) => {
                 let done = self.pipeline.change_gate(command)?;
-                done.answer(|| self.calibration())
+                self.answer(done)
             }
             Command::Lock(command) => {
                 let done = self.pipeline.change_lock(command);
-                done.answer(|| self.calibration())
+                self.answer(done)
             }
             Command::Calibrate(command) => {
                 let (now, arm) = (self.now, Arm::Unknown);
@@ -332,7 +332,7 @@ impl SimulatedBoard {
                 if command == CalibrateCommand::Forget {
                     self.give_up(None);
                 }
-                self.calibration()
+                self.answer(Done::Calibrated)
             }
             Command::Install(transfer) if self.model == Some(transfer.checksum) => {
                 Answer::Install(InstallationProgress::Installed)
@@ -364,6 +364,11 @@ impl SimulatedBoard {
             following: self.session.following(),
             is_kept: self.session.bound() == self.flash.armband,
         }))
+    }
+
+    /// Answer to a command to the pipeline.
+    fn answer(&self, done: Done) -> Answer<'static> {
+        done.answer(|| self.calibration())
     }
 
     fn calibration(&self) -> Answer<'static> {

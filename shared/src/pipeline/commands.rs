@@ -12,7 +12,7 @@ use crate::uart_line::gate::GateCommand;
 use crate::uart_line::lock::{LockCommand, Locking};
 use crate::units::Millis;
 
-/// What a command came to.
+/// Result of a command to a pipeline.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Done {
     /// The command about the alignment is accepted.

@@ -92,7 +92,7 @@ fn draft(folder: &Path, elsewhere: bool) -> Result<String, DraftError> {
         .collect();
     let mut by_kind: BTreeMap<_, Vec<usize>> = BTreeMap::new();
     for (at, (columns, _)) in found.iter().enumerate() {
-        let kind = (&columns.kind, &columns.label);
+        let kind = (&columns.ending, &columns.channels, &columns.label);
         by_kind.entry(kind).or_default().push(at);
     }
     // A folder that the readers know may need no description; and they say why a file is refused.
@@ -155,7 +155,7 @@ fn draft(folder: &Path, elsewhere: bool) -> Result<String, DraftError> {
             text += &format!("# {how}, and not read: {count}, such as {first}\n");
         }
     }
-    if !columns.kind.1.is_empty() {
+    if !columns.channels.is_empty() {
         text += "# Channels are the first eight columns of numbers: check.\n";
     }
     text += &fields(&pattern, columns, &words);
@@ -206,7 +206,7 @@ fn read(described: &Described, paths: Vec<&Path>) -> (BTreeSet<String>, (usize, 
 /// Lines of the fields that the files show.
 fn fields(pattern: &Pattern, columns: &Columns, words: &BTreeSet<String>) -> String {
     let mut text = format!("files = {}\n", quoted(&pattern.to_string()));
-    text += &columns.kind.1;
+    text += &columns.channels;
     if let Some((label, _)) = &columns.label {
         let _ = writeln!(text, "label = {label}");
     }

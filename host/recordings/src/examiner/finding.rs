@@ -27,7 +27,7 @@ pub struct Finding {
     pub severity: Severity,
     /// Name of the kind, by which findings are grouped.
     pub kind: &'static str,
-    /// What was expected and what was found.
+    /// Sentence of what was expected and what was found.
     pub what: String,
     /// Advice on what to do; empty if there is nothing to do.
     pub advice: Cow<'static, str>,

@@ -51,10 +51,10 @@ impl Scale {
         }
     }
 
-    /// Description of the values, and advice on converting them to counts.
-    fn words(self) -> [String; 2] {
-        match self {
-            Self::Counts => ["counts", ""].map(str::to_owned),
+    /// Description of the values, and advice on converting them to counts; `None` for counts.
+    fn words(self) -> Option<[String; 2]> {
+        Some(match self {
+            Self::Counts => return None,
             Self::Step(step, known) => [
                 known.map_or_else(|| format!("whole multiples of {step}"), str::to_owned),
                 if step < 1.0 {
@@ -76,7 +76,7 @@ impl Scale {
                 "export the armband's own samples, as they came",
             ]
             .map(str::to_owned),
-        }
+        })
     }
 }
 
@@ -128,11 +128,9 @@ impl ScaleDetector {
     /// # Errors
     /// The scale if the values are no counts.
     pub fn finish(&self) -> Result<(), Finding> {
-        let scale = self.scale();
-        if scale == Scale::Counts {
+        let Some([words, advice]) = self.scale().words() else {
             return Ok(());
-        }
-        let [words, advice] = scale.words();
+        };
         let (least, most) = (self.least, self.most);
         let what = format!(
             "expected the armband's counts, whole numbers from -128 to 127; found values from {least} to {most}: {words}"

@@ -7,7 +7,7 @@ use recordings::{DataSet, LoadOptions, Recording, load_bytes};
 use serde::Deserialize;
 use shared::myo::{self, Address};
 
-use super::{Engine, Output, Running, millis, source};
+use super::{Engine, Output, Running, Simulated, millis, source};
 use crate::armband::Armband;
 use crate::board::{self, Board};
 use crate::event::Event;
@@ -202,7 +202,10 @@ impl Engine {
         opened.map_err(|error| error.to_string())?;
         self.source = (SIMULATED.to_owned(), true);
         if let Running::Board { simulated, .. } = &mut self.running {
-            *simulated = Some((started, settings.now));
+            *simulated = Some(Simulated {
+                board: started,
+                due: settings.now,
+            });
         }
         self.port(settings.now, Ok(()));
         Ok(())

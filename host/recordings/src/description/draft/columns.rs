@@ -25,9 +25,10 @@ const WORDS: usize = 64;
 
 /// Columns of a file of samples, as a description has them.
 pub(super) struct Columns {
-    /// Ending of the file's name, and lines on its channels; none where they are found by their names, or are all that
-    /// there is. Files of one kind have the same.
-    pub kind: (String, String),
+    /// Ending of the file's name.
+    pub ending: String,
+    /// Lines on the channels; empty where they are found by their names, or are all that there is.
+    pub channels: String,
     /// Column of the labels, and whether it is ReactEMG's.
     pub label: Option<(String, bool)>,
     /// Counts for a value of 1, or what the examiner says of values that no scale makes counts.
@@ -71,7 +72,8 @@ impl Columns {
         let label = named.map_or_else(words, |own| own.label);
         let is_gt = |at: usize| table.names.get(at).is_some_and(|name| name == "gt");
         Some(Self {
-            kind: (ending, lines),
+            ending,
+            channels: lines,
             label: label.map(|at| (table.column(at), is_gt(at))),
             scale: table.scale(channels),
         })
