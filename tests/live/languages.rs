@@ -1,6 +1,6 @@
 //! Languages of the page: one table each, with the same keys; no text of the page stands elsewhere.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use myointent::live::Source;
@@ -106,109 +106,112 @@ fn no_text_of_the_page_stands_outside_of_the_tables() {
     assert_eq!(found, [""; 0]);
 }
 
-/// Files of the program whose texts the page shows.
-const SPEAKERS: [&str; 24] = [
-    "host/src/board.rs",
-    "host/src/live/line.rs",
-    "host/src/live/line/advice.rs",
-    "host/src/live/storage/mod.rs",
-    "host/src/live/storage/tuning.rs",
-    "host/src/live/stream.rs",
-    "host/src/record/error.rs",
-    "host/training/src/run/personalize/error.rs",
-    "host/training/src/run/personalize/mod.rs",
-    "host/training/src/run/personalize/part.rs",
-    "host/training/src/run/personalize/rule.rs",
-    "host/web/src/armband.rs",
-    "host/web/src/board.rs",
-    "host/web/src/dialogue.rs",
-    "host/web/src/engine.rs",
-    "host/web/src/engine/opening.rs",
-    "host/web/src/engine/recording.rs",
-    "host/web/src/installer.rs",
-    "host/web/src/outcome.rs",
-    "host/web/src/playback.rs",
-    "host/web/src/record/quality.rs",
-    "host/web/src/request.rs",
-    "host/web/src/scored_pipeline.rs",
-    "shared/src/uart_line/refusal.rs",
+/// Enums whose variants the page shows: the kind of their messages, file and name.
+const SPEAKERS: [(&str, &str, &str); 17] = [
+    ("armband", "host/web/src/armband.rs", "State"),
+    ("board", "host/web/src/installer.rs", "InstallError"),
+    ("cable", "host/src/live/line/advice.rs", "Step"),
+    (
+        "doubt",
+        "host/training/src/run/personalize/error.rs",
+        "Doubt",
+    ),
+    ("finding", "host/web/src/record/quality.rs", "Finding"),
+    ("journal", "host/src/record/error.rs", "RecordError"),
+    ("model", "host/web/src/scored_pipeline.rs", "Refused"),
+    ("port", "host/src/live/line/advice.rs", "Reason"),
+    ("refusal", "shared/src/uart_line/refusal.rs", "Refusal"),
+    ("request", "host/web/src/request.rs", "NotDone"),
+    ("session", "host/web/src/engine/recording.rs", "Notice"),
+    ("silent", "host/web/src/board.rs", "Step"),
+    ("storage", "host/src/live/storage/mod.rs", "Trouble"),
+    (
+        "tuning",
+        "host/training/src/run/personalize/error.rs",
+        "PersonalizeError",
+    ),
+    ("unheard", "host/web/src/board.rs", "Unheard"),
+    ("wear", "host/web/src/armband.rs", "Step"),
+    (
+        "worse",
+        "host/training/src/run/personalize/rule.rs",
+        "Worse",
+    ),
 ];
 
-/// Texts of these files that are written elsewhere, to the terminal or into a journal.
-const ELSEWHERE: [&str; 9] = [
-    "the model is refused",
-    "this program was built without Bluetooth",
-    "replay of {}",
-    "{} over Bluetooth",
-    " model refused: ",
-    "the storage ended; what was recorded is in the journal",
-    "gestures that the model does not have, counted as none: {}",
-    "{}: {} s to tune on, {} s held back{}",
-    ", a quarter at a time: a third is too short to judge",
-];
-
-/// Replaces what a text is filled with by empty braces.
-fn without_names(text: &str) -> String {
-    let (mut kept, mut rest) = (String::new(), text);
-    while let Some((before, from)) = rest.split_once('{') {
-        kept += before;
-        kept += "{}";
-        rest = from.split_once('}').map_or("", |(_, after)| after);
-    }
-    kept + rest
-}
-
-/// Strings of a file's code: without comments, reasons of lints, and unit tests.
-fn strings(path: &str) -> Vec<String> {
-    let whole =
-        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path));
-    let whole = whole.unwrap();
-    let code = whole.split("mod tests {").next().unwrap();
-    let is_code = |line: &&str| !line.trim_start().starts_with("//") && !line.contains("reason =");
-    let lines: Vec<&str> = code.lines().filter(is_code).collect();
-    // A string that goes on in the next line.
-    let mut joined = String::new();
-    for line in lines {
-        match joined.strip_suffix('\\') {
-            Some(begun) => joined = format!("{begun}{}", line.trim_start()),
-            None => joined = joined + "\n" + line,
+/// Names of an enum's variants as they are serialized, each with the text of its fields; without those that are skipped.
+fn variants(path: &str, name: &str) -> Vec<(String, String)> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path);
+    let whole = std::fs::read_to_string(path).unwrap();
+    let from = [format!("enum {name} {{\n"), format!("enum {name}<'p> {{\n")];
+    let body = from.iter().find_map(|from| whole.split_once(&**from));
+    let (body, _) = body.unwrap().1.split_once("\n}\n").unwrap();
+    let mut found: Vec<(String, String)> = Vec::new();
+    let mut is_skipped = false;
+    for line in body.lines() {
+        let own = line.strip_prefix("    ").unwrap_or_default();
+        if own.starts_with(|letter: char| letter.is_ascii_uppercase()) {
+            let end = own.find(|letter: char| !letter.is_alphanumeric());
+            let (name, fields) = own.split_at(end.unwrap());
+            let words = name.char_indices().map(|(at, letter)| {
+                let dash = if at > 0 && letter.is_uppercase() {
+                    "-"
+                } else {
+                    ""
+                };
+                format!("{dash}{}", letter.to_ascii_lowercase())
+            });
+            if !std::mem::take(&mut is_skipped) {
+                found.push((words.collect(), fields.to_owned()));
+            }
+        } else if let (Some((_, fields)), true) = (found.last_mut(), own.starts_with("    ")) {
+            *fields += own;
         }
+        is_skipped |= own == "#[serde(skip)]";
     }
-    let parts = joined.split('"').skip(1).step_by(2);
-    parts.map(without_names).collect()
+    found
 }
 
 #[test]
 fn what_the_program_says_has_its_german() {
-    let german = page_files()
-        .into_iter()
-        .find(|(path, _)| path.ends_with("german-program.js"));
+    let files = page_files();
+    let mut files = files.iter();
+    let german = files.find(|(path, _)| path.ends_with("german-program.js"));
     let (_, german) = german.expect("the German of the program");
-    let keys: BTreeSet<String> = german
+    let own = german
         .lines()
-        .filter(|line| line.trim_start().starts_with('"'))
-        .flat_map(|line| {
-            let strings: Vec<&str> = line.split('"').skip(1).step_by(2).collect();
-            let keys = strings.into_iter().step_by(2);
-            keys.map(without_names).collect::<Vec<_>>()
-        })
-        .collect();
-    let said: BTreeSet<String> = SPEAKERS.into_iter().flat_map(strings).collect();
-    let is_shown = |text: &&String| {
-        is_words(text) && !text.starts_with("myointent ") && !ELSEWHERE.contains(&&text[..])
-    };
-    let missing: Vec<_> = said
-        .iter()
-        .filter(is_shown)
-        .filter(|text| !keys.contains(text.trim_start()))
-        .collect();
-    assert_eq!(missing, [""; 0], "no German");
-    // The others are the operating system's.
-    let is_known = |key: &&String| {
-        said.iter().any(|text| text.trim_start() == *key) || key.contains("(os error")
-    };
-    let dead: Vec<_> = keys.iter().filter(|key| !is_known(key)).collect();
-    assert_eq!(dead, [""; 0], "said by nobody");
+        .filter_map(|line| line.trim_start().strip_prefix('"'));
+    let own: BTreeMap<&str, &str> = own.filter_map(|line| line.split_once("\": ")).collect();
+    let mut said = BTreeMap::new();
+    for (kind, path, name) in SPEAKERS {
+        for (variant, fields) in variants(path, name) {
+            if kind == "finding" {
+                said.insert(format!("advice.{variant}"), String::new());
+            }
+            said.insert(format!("{kind}.{variant}"), fields);
+        }
+    }
+    said.insert("open.empty".to_owned(), String::new());
+    for (key, fields) in &said {
+        let text = own
+            .get(&**key)
+            .unwrap_or_else(|| panic!("no German of {key}"));
+        // Fields of a struct in a variant stand elsewhere.
+        let holes = text.split('{').skip(1).filter(|_| !fields.starts_with('('));
+        for hole in holes.map(|hole| hole.split([':', '}']).next().unwrap()) {
+            assert!(
+                fields.contains(&format!("{hole}: ")),
+                "{key}: {hole} is none of {fields}"
+            );
+        }
+    }
+    let is_other = |key: &&&str| !key.starts_with("value.") && !key.starts_with("os.");
+    let mut dead = own.keys().filter(is_other);
+    assert_eq!(
+        dead.find(|key| !said.contains_key(**key)),
+        None,
+        "said by nobody"
+    );
 }
 
 #[test]

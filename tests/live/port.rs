@@ -71,7 +71,7 @@ fn a_line_pulled_at_100_random_moments_of_a_session_loses_nothing_that_came() {
         let message = viewer.next().unwrap();
         match message["type"].as_str().unwrap() {
             "source" if message["connected"] == false => {
-                let detail = message["detail"].as_str().unwrap();
+                let detail = message["detail"]["text"].as_str().unwrap_or_default();
                 lost += usize::from(detail.contains("looking for it again"));
                 in_task = false;
             }

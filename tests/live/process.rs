@@ -317,8 +317,8 @@ fn a_full_disk_holds_the_session_and_with_room_again_nothing_is_missing() {
     let bench = Bench::new();
     // A limit on the size of files stands for the full disk: the journal cannot grow, and its signal must end nothing.
     let (mut child, mut viewer) = bench.start("ulimit -S -f 100;");
-    let (told, _) = reach(&mut viewer, |message| message["trouble"] != "");
-    let trouble = told["trouble"].as_str().unwrap();
+    let (told, _) = reach(&mut viewer, |message| !message["trouble"].is_null());
+    let trouble = told["trouble"]["text"].as_str().unwrap();
     assert!(trouble.contains("what was recorded is kept"), "{trouble}");
     assert_eq!(
         (&told["phase"], &told["why"]),
@@ -333,7 +333,7 @@ fn a_full_disk_holds_the_session_and_with_room_again_nothing_is_missing() {
         child.wait().unwrap();
         return;
     }
-    viewer.find("session", |message| message["trouble"] == "");
+    viewer.find("session", |message| message["trouble"].is_null());
     wish(&mut viewer, "begin");
     reach(&mut viewer, |message| message["cue"] == "close");
     wish(&mut viewer, "finish");
@@ -354,7 +354,7 @@ fn a_full_disk_holds_the_session_and_with_room_again_nothing_is_missing() {
 fn ctrl_c_on_a_full_disk_fails_and_the_terminal_says_what_is_not_kept_and_where_the_rest_is() {
     let bench = Bench::new();
     let (child, mut viewer) = bench.start("ulimit -S -f 100;");
-    reach(&mut viewer, |message| message["trouble"] != "");
+    reach(&mut viewer, |message| !message["trouble"].is_null());
     interrupt(&child);
     let (code, told) = ended(child);
     assert_eq!(code, Some(1), "{told}");

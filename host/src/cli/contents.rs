@@ -88,11 +88,11 @@ impl fmt::Display for Guided {
         )?;
         for FindingText {
             severity,
-            text,
+            said,
             advice,
         } in &self.findings
         {
-            writeln!(f, "    {}: {text}: {advice}", severity.name())?;
+            writeln!(f, "    {}: {said}: {advice}", severity.name())?;
         }
         Ok(())
     }

@@ -150,7 +150,7 @@ mod tests {
             kind: "demo",
             name: String::new(),
             connected: false,
-            detail: String::new(),
+            detail: None,
             steps: Vec::new(),
         });
         assert_eq!(hub.subscribe(9).take(&hub).len(), 2);

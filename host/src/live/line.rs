@@ -79,10 +79,10 @@ struct State {
 
 impl State {
     fn run(self) {
-        let mut missing = (String::new(), Vec::new());
+        let mut missing = None;
         while !self.is_stopped() {
             let ended = port::open(&self.path, WAIT, WRITE).and_then(|port| {
-                missing.0.clear();
+                missing = None;
                 // What was asked for before there was a connection is not done.
                 self.received.try_iter().for_each(drop);
                 self.tell(Input::Port(Ok(())));
@@ -91,12 +91,11 @@ impl State {
             let Err(error) = ended else {
                 return;
             };
-            let Advice { why, steps } = Advice::of(&error, &self.path, &existing());
-            let told = (format!("{why}; looking for it again"), steps);
+            let advice = Advice::of(&error, &self.path, &existing());
             // What has not changed is told once.
-            if told != missing {
-                self.tell(Input::Port(Err(told.clone())));
-                missing = told;
+            if missing.as_ref() != Some(&advice) {
+                self.tell(Input::Port(Err((advice.again(), advice.steps.clone()))));
+                missing = Some(advice);
             }
             let end = Instant::now() + AGAIN;
             while !self.is_stopped() && Instant::now() < end {
@@ -145,7 +144,9 @@ fn existing() -> Vec<PathBuf> {
 /// Reason why a port cannot be opened and what helps, as lines of text.
 pub(crate) fn no_port(error: &std::io::Error, path: &Path) -> String {
     let Advice { why, steps } = Advice::of(error, path, &existing());
-    format!("{why}\n{}", steps.join("\n"))
+    let lines = std::iter::once(why).chain(steps);
+    let lines: Vec<_> = lines.map(|line| line.text).collect();
+    lines.join("\n")
 }
 
 #[cfg(all(test, unix))]

@@ -16,6 +16,7 @@ use web::engine::{Engine, Output, Settings, Stored};
 use web::event::{Event, ViewerId};
 use web::radio::RadioEvent;
 use web::request::ViewerMessage;
+use web::said::Said;
 
 use super::hub::Hub;
 use super::line::Line;
@@ -32,7 +33,7 @@ pub(crate) enum Input {
     /// A viewer has left.
     Left(ViewerId),
     /// The board's port is open, or cannot be used: the reason, and steps that help.
-    Port(Result<(), (String, Vec<String>)>),
+    Port(Result<(), (Said, Vec<Said>)>),
     /// Bytes of the board.
     Heard(Vec<u8>),
     /// Event of the Bluetooth stack.

@@ -6,10 +6,13 @@ use std::path::{Path, PathBuf};
 use super::journal::LARGEST;
 use execution::run_folder::RunError;
 use recordings::LoadError;
+use serde::Serialize;
 use web::record::journal::FORMAT;
+use web::said::{Said, as_text, os};
 
 /// Error of a journal or the recordings made of it.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, Serialize, thiserror::Error)]
+#[serde(tag = "name", rename_all = "kebab-case")]
 pub enum RecordError {
     /// A file cannot be created, written, read, renamed or removed.
     #[error("{}: {source}", path.display())]
@@ -18,6 +21,7 @@ pub enum RecordError {
         path: PathBuf,
         /// Error of the operating system.
         #[source]
+        #[serde(serialize_with = "os")]
         source: io::Error,
     },
     /// Another session writes the journal.
@@ -65,6 +69,7 @@ pub enum RecordError {
         seconds: usize,
         /// Error of the operating system.
         #[source]
+        #[serde(serialize_with = "os")]
         source: io::Error,
     },
     /// The journal was moved or deleted, and cannot be written anew.
@@ -77,6 +82,7 @@ pub enum RecordError {
         path: PathBuf,
         /// Reason why it cannot be written anew.
         #[source]
+        #[serde(serialize_with = "os")]
         source: io::Error,
     },
     /// The journal was moved or deleted, and was written anew in another folder at the end.
@@ -96,6 +102,7 @@ pub enum RecordError {
         /// The journal.
         journal: PathBuf,
         /// Error of the write.
+        #[serde(serialize_with = "as_text")]
         error: RunError,
     },
     /// A recording's name is taken by another file.
@@ -118,10 +125,16 @@ pub enum RecordError {
     },
     /// The recording cannot be read back.
     #[error(transparent)]
+    #[serde(skip)]
     Load(#[from] LoadError),
 }
 
 impl RecordError {
+    /// The error in words.
+    pub fn said(&self) -> Said {
+        Said::of("journal", self)
+    }
+
     /// Makes the error of an operation on a file.
     pub(super) fn io(path: &Path) -> impl Fn(io::Error) -> Self + Copy {
         |source| Self::Io {

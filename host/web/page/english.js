@@ -10,6 +10,7 @@ export const ENGLISH = {
   "source.port": "board on {name}", "source.bluetooth": "armband: {name}", "source.ended": "the program has ended",
   "source.silent": "the program does not answer; trying again",
   "source.stopped": "the program in this page has stopped: choose a source again", "source.unplugged": "the board is unplugged: connect it, and choose it again",
+  "place.simulated arm": "simulated arm", "place.simulated USB": "simulated USB", "place.any armband": "any armband", "place.this computer": "this computer", "place.this browser": "this browser", "place.simulated": "simulated", "mark.the recording begins again": "the recording begins again",
   "sources": "Source", "use.demo": "Simulated arm", "use.demo.what": "A simulated forearm: needs no hardware",
   "use.simulated": "Simulated board", "use.simulated.what": "A simulated board on USB, with its wearer: every step of a board, without hardware",
   "use.bluetooth": "Armband", "use.bluetooth.what": "An armband over this computer's Bluetooth, without a board", "use.board": "Board", "use.board.what": "A board on a USB or serial port",

@@ -10,6 +10,7 @@ export const GERMAN = {
   "source.port": "Platine an {name}", "source.bluetooth": "Armband: {name}", "source.ended": "das Programm ist beendet",
   "source.silent": "das Programm antwortet nicht; neuer Versuch",
   "source.stopped": "das Programm in dieser Seite steht: die Quelle neu wählen", "source.unplugged": "die Platine ist abgezogen: anschließen und neu wählen",
+  "place.simulated arm": "simulierter Arm", "place.simulated USB": "simuliertem USB", "place.any armband": "irgendeines", "place.this computer": "dieser Computer", "place.this browser": "dieser Browser", "place.simulated": "simuliert", "mark.the recording begins again": "die Aufnahme beginnt von vorn",
   "sources": "Quelle", "use.demo": "Simulierter Arm", "use.demo.what": "Ein simulierter Unterarm: braucht kein Gerät",
   "use.simulated": "Simulierte Platine", "use.simulated.what": "Eine simulierte Platine an USB, mit der Person, die ihr Armband trägt: alle Schritte einer Platine, ohne Gerät",
   "use.bluetooth": "Armband", "use.bluetooth.what": "Ein Armband über das Bluetooth dieses Rechners, ohne Platine", "use.board": "Platine", "use.board.what": "Eine Platine an einem USB- oder seriellen Anschluss",

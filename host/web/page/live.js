@@ -16,11 +16,12 @@ import { Now } from "./now.js";
 import { Panel } from "./panel.js";
 import { Placement } from "./placement.js";
 import { Rates } from "./rates.js";
+import { installation } from "./result.js";
 import { Session } from "./session.js";
 import { download, save } from "./save.js";
 import { Steps } from "./steps.js";
 import { keep, kept } from "./stored.js";
-import { choose, fill, said, t } from "./texts.js";
+import { choose, fill, named, said, t } from "./texts.js";
 import { Traces } from "./traces.js";
 import { Wearer } from "./wearer.js";
 
@@ -76,7 +77,7 @@ const TAKE = {
   },
   pong: (message) => clock.pong(message.sent, message.now),
   source(message) {
-    const name = t(`source.${message.kind}`, { name: said(message.name) });
+    const name = t(`source.${message.kind}`, { name: named("place", message.name) });
     connected = message.connected;
     panel.source(connected ? "connected" : "lost", message.detail ? `${name}: ${said(message.detail)}` : name);
     document.body.dataset.kind = message.kind;
@@ -93,7 +94,7 @@ const TAKE = {
   },
   board(message) {
     simulated(message.image === "simulated");
-    panel.number("board", `${said(message.image)}, ${message.version}`);
+    panel.number("board", `${named("place", message.image)}, ${message.version}`);
     panel.number("address", message.armband ?? t("none.connected"));
     panel.number("battery", message.battery === null ? "–" : `${message.battery} %`);
   },
@@ -153,7 +154,7 @@ const TAKE = {
       download(name, Uint8Array.from(content, (letter) => letter.charCodeAt(0)));
     }
   },
-  mark: ({ sample, text }) => history.marks.push({ sample, text: said(text) }),
+  mark: ({ sample, text }) => history.marks.push({ sample, text: named("mark", text) }),
   session(message) {
     history.cue(message.from ?? history.end ?? 0, message.cue);
     if (message.phase === "waiting") {
@@ -170,14 +171,14 @@ const TAKE = {
   tuning: (message) => session.tuning(message),
   installing(message) {
     session.installing(message);
-    const { state, text, blocks, of } = message;
+    const { state, blocks, of } = message;
     find("onto-board").hidden = state !== "running";
     find("onto-board").max = of || 1;
     find("onto-board").value = blocks;
-    panel.notice(`${t(`installing.${state}`)} ${said(text)}`, state === "running" ? undefined : PASSING);
+    panel.notice(installation(message).join(" "), state === "running" ? undefined : PASSING);
   },
-  comment: (message) => panel.number("comment", said(message.text)),
-  refused: (message) => panel.notice(t("refused", { text: said(message.text) }), PASSING),
+  comment: (message) => panel.number("comment", said(message)),
+  refused: (message) => panel.notice(t("refused", { text: said(message) }), PASSING),
   skipped(message) {
     skipped += message.messages;
     panel.number("skipped", t("skipped", { n: skipped }));

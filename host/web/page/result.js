@@ -39,6 +39,38 @@ const isBoard = () => document.body.dataset.kind === "port";
 /** Headlines after a tuning. */
 const HEADLINES = { better: t("better"), worse: t("worse.model") };
 
+/** Measures that are numbers a minute. */
+const RATES = ["at-rest", "in-others"];
+
+/** What is said of a tuning. */
+function tuned({ state, why, steps, of, rows, tuned_seconds, judged_seconds, file, doubts }) {
+  if (state === "running") {
+    return t(steps === of ? "tuning.judged" : "tuning.steps");
+  }
+  if (state === "failed") {
+    return said(why);
+  }
+  const known = rows.filter(({ measure, before, after }) => ["recognised", "in-others"].includes(measure) && before !== null && after !== null);
+  const halves = known.map(({ measure, before, after }) => {
+    const value = (of) => (RATES.includes(measure) ? fixed(of, 1) : fixed(100 * of, 0));
+    return t(`tuned.${measure}`, { before: value(before), after: value(after) });
+  });
+  return [
+    ...(why ? [`${said(why)}.`] : []),
+    t("tuned.on", { judged: fixed(judged_seconds, 0), tuned: fixed(tuned_seconds, 0) }),
+    ...halves,
+    file ? t("tuned.file", { file }) : t("tuned.nothing"),
+    ...doubts.map((doubt) => `${said(doubt)}.`),
+  ].join(" ");
+}
+
+/** What is said of an installation: a word, and a sentence. */
+export function installation({ state, why, model }) {
+  const done = () => t(isBoard() ? "installed.board" : "installed.here", { model });
+  const text = why ? t("install.again", { why: said(why) }) : state === "done" ? done() : t("installing.safe");
+  return [t(`installing.${state}`), text];
+}
+
 const number = (value, digits) => (value === null ? "–" : fixed(value, digits));
 
 export class Result {
@@ -57,9 +89,9 @@ export class Result {
     const each = counts.map(([name, count]) => t("times", { name: named("class", name), count })).join(", ");
     const unused = bad ? t("unused", { n: bad }) : "";
     find("amount").textContent = t("kept", { n: files.length, seconds: fixed(seconds, 0), each, unused, folder });
-    find("findings").replaceChildren(...findings.map(({ severity, text, advice }) => {
+    find("findings").replaceChildren(...findings.map(({ severity, advice, ...finding }) => {
       const item = made("li", "", { className: severity });
-      item.append(made("b", t(severity)), made("span", said(text)), made("span", said(advice), { className: "quiet" }));
+      item.append(made("b", t(severity)), made("span", said(finding)), made("span", said({ text: advice, name: finding.name.replace("finding", "advice") }), { className: "quiet" }));
       return item;
     }));
     // Of a session that was kept before, the dialog alone is shown.
@@ -73,10 +105,11 @@ export class Result {
     this.#commands([]);
   }
 
-  tuning({ state, text, steps, of, rows, commands }) {
+  tuning(message) {
+    const { state, steps, of, rows, commands } = message;
     this.isTuning = state === "running";
     this.next = { better: "install", worse: "again" }[state] ?? (state === "failed" ? "tune" : null);
-    this.#told("tuned", state, t(`tuning.${state}`), said(text));
+    this.#told("tuned", state, t(`tuning.${state}`), tuned(message));
     if (HEADLINES[state]) {
       find("verdict").textContent = HEADLINES[state];
       find("verdict").dataset.good = state === "better";
@@ -89,10 +122,11 @@ export class Result {
     }
   }
 
-  installing({ state, text }) {
+  installing(message) {
+    const { state } = message;
     this.isInstalling = state === "running";
     this.next = state === "done" ? null : "install";
-    this.#told("installed", state, t(`installing.${state}`), said(text));
+    this.#told("installed", state, ...installation(message));
   }
 
   clear() {
@@ -133,8 +167,8 @@ export class Result {
     find("scores").hidden = rows.length === 0;
     find("scores").tBodies[0].replaceChildren(...rows.map(({ measure, before, after }) => {
       const row = made("tr");
-      const digits = measure.includes("minute") ? 1 : 3;
-      row.append(made("th", said(measure), { scope: "row" }), made("td", number(before, digits)), made("td", number(after, digits)), bars(before, after));
+      const digits = RATES.includes(measure) ? 1 : 3;
+      row.append(made("th", t(`measure.${measure}`), { scope: "row" }), made("td", number(before, digits)), made("td", number(after, digits)), bars(before, after));
       return row;
     }));
   }

@@ -17,49 +17,34 @@ export const language = kept("always", CHOSEN) ?? own ?? "en";
 /** A number with so many digits behind its point, or comma. */
 export const fixed = (value, digits) => value.toLocaleString(language, { minimumFractionDigits: digits, maximumFractionDigits: digits, useGrouping: false });
 
+/** A text with its parts filled in: `{n}`, or `{n:1}` for a number with one digit behind its point. */
+function filled(text, parts) {
+  return text.replace(/\{(\w+)(?::(\d))?\}/g, (_, name, digits) => {
+    const part = parts[name];
+    const isNumber = typeof part === "number";
+    return isNumber && digits ? fixed(part, Number(digits)) : isNumber && !Number.isInteger(part) ? part.toLocaleString(language) : part;
+  });
+}
+
 /** Text of a key, with its parts filled in; the form before `|` is for a number `n` of one. */
 export function t(key, parts = {}) {
   const [one, several] = TABLES[language][key].split("|");
-  const text = parts.n === 1 ? one : several ?? one;
-  return text.replace(/\{(\w+)\}/g, (_, name) => (Number.isInteger(parts[name]) || typeof parts[name] !== "number" ? parts[name] : parts[name].toLocaleString(language)));
+  return filled(parts.n === 1 ? one : several ?? one, parts);
 }
 
 /** Text of a key, or the name itself if the table does not have it: what another version of the program sends. */
 export const named = (kind, name) => (`${kind}.${name}` in TABLES[language] ? t(`${kind}.${name}`) : name);
 
-/** Between two sentences. */
-const SENTENCE = /(?<=[.?!]) /;
+/** What the program says, by the names of its messages; in English its own words are shown. */
+const SAID = language === "de" ? GERMAN_PROGRAM : {};
 
-/** What the program says, as a pattern, and in the language of the page; the most specific first. */
-const SAID = Object.entries(language === "de" ? GERMAN_PROGRAM : {}).map(([english, own]) => {
-  const parts = english.split(/\{\d\}/).map((part) => part.replace(/[.*+?^${}()|[\]\\]/g, "\\$&"));
-  return { pattern: new RegExp(`^${parts.join("(.*?)")}$`, "s"), own, length: parts.join("").length, several: SENTENCE.test(english) };
-}).sort((one, other) => other.length - one.length);
+/** A value of a message: another message, names, or a number. */
+const value = (own) => (Array.isArray(own) ? own.map(value).join(", ") || SAID["value.all"] : typeof own === "string" ? SAID[`value.${own}`] ?? named("class", own) : own?.text ? said(own) : own);
 
-/** Translation of a sentence, or of several that belong together; null without one. */
-function translated(text) {
-  const several = SENTENCE.test(text);
-  const { pattern, own } = SAID.find((entry) => entry.several >= several && entry.pattern.test(text)) ?? {};
-  const parts = pattern?.exec(text);
-  return parts ? own.replace(/\{(\d)\}/g, (_, number) => said(parts[number])) : null;
-}
-
-/** What the program says, in the language of the page: a text, sentence by sentence; a number; names of classes. */
-export function said(text) {
-  if (SAID.length === 0) {
-    return text;
-  }
-  const sentences = text.split(SENTENCE);
-  const begun = text.endsWith(".") ? translated(text.slice(0, -1)) : null;
-  const whole = begun ? `${begun}.` : translated(text);
-  if (whole === null && sentences.length > 1) {
-    return sentences.map(said).join(" ");
-  }
-  const number = /^-?\d+\.\d+$/.test(text) ? text.replace(".", ",") : null;
-  if (whole === null && text.includes(": ")) {
-    return text.split(": ").map(said).join(": ");
-  }
-  return whole ?? number ?? text.split(", ").map((name) => named("class", name)).join(", ");
+/** What the program says, in the language of the page: a message with its English, and a name and values that a language has words for. */
+export function said({ text, name, ...values }) {
+  const parts = Object.entries(values).map(([key, own]) => [key, value(own)]);
+  return SAID[name] ? filled(SAID[name], Object.fromEntries(parts)) : text;
 }
 
 /** Writes the texts of elements that name them: their content, title and name for a screen reader. */

@@ -1,21 +1,46 @@
 //! An armband without a board. The Myo session of the firmware makes the decisions, and the device's pipeline makes the
 //! labels.
 
+use serde::Serialize;
 use shared::myo::{self, Action, MyoSession, Phase, Settings};
 use shared::pipeline::Reports;
 use shared::units::{Millis, Sample, SampleIndex};
 
 use crate::event::Event;
 use crate::request::SourceRequest;
+use crate::said::Said;
 use crate::scored_pipeline::ScoredPipeline;
 use execution::revision::revision;
 
-/// Advice while no armband streams, in order.
-const STEPS: [&str; 3] = [
-    "Put the armband on and move the hand: it sleeps when it is not worn. Its logo lights up or pulses when it is awake.",
-    "If it stays dark, charge it with its USB cable.",
-    "End every other program that may hold it: Myo Connect, a phone, a board of this project.",
-];
+/// Step that may help while no armband streams, in order.
+#[derive(Serialize, thiserror::Error, Debug)]
+#[serde(tag = "name", rename_all = "kebab-case")]
+enum Step {
+    #[error(
+        "Put the armband on and move the hand: it sleeps when it is not worn. Its logo lights up or pulses when it is awake."
+    )]
+    Wear,
+    #[error("If it stays dark, charge it with its USB cable.")]
+    Charge,
+    #[error(
+        "End every other program that may hold it: Myo Connect, a phone, a board of this project."
+    )]
+    End,
+}
+
+/// State of an armband that does not stream.
+#[derive(Serialize, thiserror::Error, Debug)]
+#[serde(tag = "name", rename_all = "kebab-case")]
+enum State {
+    #[error("connected; no samples yet")]
+    NoSamples,
+    #[error("connecting")]
+    Connecting,
+    #[error("lost; looking for it again")]
+    Lost,
+    #[error("looking for it: wear it, and move the hand if it sleeps")]
+    Looking,
+}
 
 /// Output of an armband's session.
 #[derive(Clone, PartialEq, Debug)]
@@ -148,21 +173,19 @@ impl Armband {
             name.unwrap_or_else(|| address.to_string())
         });
         let detail = match self.session.phase() {
-            Phase::Streaming if self.streams => "",
-            Phase::Streaming | Phase::SettingUp => "connected; no samples yet",
-            Phase::Connecting => "connecting",
-            Phase::Disconnecting | Phase::BackingOff => "lost; looking for it again",
-            Phase::Idle | Phase::Unbound | Phase::Scanning => {
-                "looking for it: wear it, and move the hand if it sleeps"
-            }
+            Phase::Streaming if self.streams => None,
+            Phase::Streaming | Phase::SettingUp => Some(State::NoSamples),
+            Phase::Connecting => Some(State::Connecting),
+            Phase::Disconnecting | Phase::BackingOff => Some(State::Lost),
+            Phase::Idle | Phase::Unbound | Phase::Scanning => Some(State::Looking),
         };
-        let steps = if self.streams { &[][..] } else { &STEPS };
+        let steps = [Step::Wear, Step::Charge, Step::End].map(|step| Said::of("wear", &step));
         let source = Event::Source {
             kind: "bluetooth",
             name: armband.clone().unwrap_or_else(|| "any armband".to_owned()),
             connected: self.streams,
-            detail: detail.to_owned(),
-            steps: steps.iter().map(|&step| step.to_owned()).collect(),
+            detail: detail.map(|state| Said::of("armband", &state)),
+            steps: steps.into_iter().filter(|_| !self.streams).collect(),
         };
         let board = Event::Board {
             version: env!("CARGO_PKG_VERSION").to_owned(),

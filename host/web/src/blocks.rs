@@ -191,7 +191,7 @@ mod tests {
             kind: "port",
             name: String::new(),
             connected: false,
-            detail: String::new(),
+            detail: None,
             steps: Vec::new(),
         };
         assert!(blocks.take(0.0, &lost).is_some());

@@ -1,5 +1,6 @@
 //! A board: its line, and beside it the scores of a model on this computer.
 
+use serde::Serialize;
 use shared::uart_line::command::Command;
 use shared::units::Millis;
 
@@ -8,10 +9,42 @@ use crate::dialogue::{BoardEvent, Dialogue, Losses};
 use crate::event::Event;
 use crate::installer::{Installer, ModelFile};
 use crate::outcome::InstallationState;
+use crate::said::Said;
 use crate::scored_pipeline::ScoredPipeline;
 
-/// State of a board before its first line.
-pub const NOTHING_YET: &str = "open; nothing heard yet";
+/// State of a board that is not heard.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, thiserror::Error)]
+#[serde(tag = "name", rename_all = "kebab-case")]
+#[expect(missing_docs, reason = "the messages say it")]
+pub enum Unheard {
+    #[error("open; nothing heard yet")]
+    NothingYet,
+    #[error("no line for 5 s: is the board still powered?")]
+    NoLine,
+    #[error("no line of a board for 5 s: is this its port, and does no other program read it?")]
+    NoBoard,
+}
+
+impl Unheard {
+    /// The state in words.
+    pub fn said(self) -> Said {
+        Said::of("unheard", &self)
+    }
+}
+
+/// Step that may help where a board is not heard.
+#[derive(Serialize, thiserror::Error, Debug)]
+#[serde(tag = "name", rename_all = "kebab-case")]
+enum Step<'p> {
+    #[error("Is the board powered? Its LED blinks while it looks for an armband.")]
+    Power,
+    #[error("Is {port} the board's port? Another device may have taken the name.")]
+    Port { port: &'p str },
+    #[error("Close every other program that reads this port: it takes part of the lines.")]
+    Close,
+    #[error("Has the board the firmware of this project? The guide `flash` says how it gets it.")]
+    Firmware,
+}
 
 /// Connection to a board.
 pub struct Board {
@@ -21,15 +54,15 @@ pub struct Board {
     /// Whether scores are shown always, and now.
     has_scores: (bool, bool),
     calibration: Calibration,
-    /// State that viewers know; empty while the board is heard.
-    published: &'static str,
+    /// State that viewers know; none while the board is heard.
+    published: Option<Unheard>,
 }
 
 /// Change of the state of a board.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Change {
-    /// State in words; empty while the board is heard.
-    pub state: &'static str,
+    /// State; none while the board is heard.
+    pub state: Option<Unheard>,
     /// Whether no line has come for 5 s.
     pub is_silent: bool,
 }
@@ -44,7 +77,7 @@ impl Board {
             scored,
             has_scores: (always, always),
             calibration: Calibration::default(),
-            published: NOTHING_YET,
+            published: Some(Unheard::NothingYet),
         }
     }
 
@@ -52,7 +85,7 @@ impl Board {
     pub fn connected(&mut self, now: Millis) {
         self.dialogue.connected(now, self.imu);
         self.calibration = Calibration::default();
-        self.published = NOTHING_YET;
+        self.published = Some(Unheard::NothingYet);
     }
 
     /// Shows the scores of another model. Returns the event that describes it.
@@ -65,7 +98,9 @@ impl Board {
     pub fn install(&mut self, now: Millis, file: &[u8], emit: &mut dyn FnMut(Event)) {
         match ModelFile::new(file) {
             Ok(file) => self.dialogue.install(Installer::new(file, now)),
-            Err(error) => emit(Event::Installing(InstallationState::failed(&error))),
+            Err(error) => emit(Event::Installing(InstallationState::failed(Said::of(
+                "board", &error,
+            )))),
         }
     }
 
@@ -150,12 +185,10 @@ impl Board {
     pub fn change(&mut self, now: Millis) -> Option<Change> {
         let is_silent = self.dialogue.is_silent(now);
         let state = match (self.dialogue.has_received(), is_silent) {
-            (true, false) => "",
-            (true, true) => "no line for 5 s: is the board still powered?",
-            (false, false) => NOTHING_YET,
-            (false, true) => {
-                "no line of a board for 5 s: is this its port, and does no other program read it?"
-            }
+            (true, false) => None,
+            (true, true) => Some(Unheard::NoLine),
+            (false, false) => Some(Unheard::NothingYet),
+            (false, true) => Some(Unheard::NoBoard),
         };
         if state == self.published {
             return None;
@@ -180,12 +213,13 @@ pub fn leave(imu: bool) -> String {
 }
 
 /// Advice for a port on which no board is heard, or no longer.
-pub fn silent(port: &str) -> Vec<String> {
-    vec![
-        "Is the board powered? Its LED blinks while it looks for an armband.".to_owned(),
-        format!("Is {port} the board's port? Another device may have taken the name."),
-        "Close every other program that reads this port: it takes part of the lines.".to_owned(),
-        "Has the board the firmware of this project? The guide `flash` says how it gets it."
-            .to_owned(),
+pub fn silent(port: &str) -> Vec<Said> {
+    [
+        Step::Power,
+        Step::Port { port },
+        Step::Close,
+        Step::Firmware,
     ]
+    .map(|step| Said::of("silent", &step))
+    .to_vec()
 }

@@ -12,8 +12,9 @@ use shared::units::{Millis, SampleIndex};
 
 use self::schedule::CommandSchedule;
 use crate::event::Event;
-use crate::installer::Installer;
+use crate::installer::{InstallError, Installer};
 use crate::outcome::InstallationState;
+use crate::said::Said;
 
 /// Time without a line after which no board is connected. A board answers every command.
 const SILENCE_MS: u32 = 5_000;
@@ -238,7 +239,7 @@ impl State {
             // Refusal of a viewer's request: an alignment or a pairing.
             Line::Answer(Answer::Refused(why)) => Event::Comment {
                 at,
-                text: format!("the board refuses: {why}"),
+                said: Said::of("board", &InstallError::Refused { why }),
             },
             Line::Answer(
                 Answer::Battery(_)
@@ -255,7 +256,7 @@ impl State {
             | Line::Calibration(_) => return,
             Line::Comment(text) => Event::Comment {
                 at,
-                text: text.trim().to_owned(),
+                said: Said::plain(text.trim()),
             },
         };
         output(BoardEvent::Publish(event));

@@ -20,7 +20,7 @@ use shared::units::{CHANNELS, Millis};
 
 use crate::armband::{self, Armband, Now};
 use crate::blocks::Blocks;
-use crate::board::{self, Board};
+use crate::board::{self, Board, Unheard};
 use crate::electrodes::Electrodes;
 use crate::event::{Event, Known, ViewerId};
 use crate::outcome::{InstallationState, SessionResult};
@@ -30,7 +30,8 @@ use crate::record::journal::Header;
 use crate::record::protocol::Protocol;
 use crate::record::remark::Remark;
 use crate::record::session::{self, HoldReason, Input};
-use crate::request::{SessionCommand, SourceRequest, UNKNOWN, ViewerMessage};
+use crate::request::{NotDone, SessionCommand, SourceRequest, ViewerMessage};
+use crate::said::Said;
 use crate::scored_pipeline::ScoredPipeline;
 use crate::simulated_board::{STEP_MS, SimulatedBoard};
 
@@ -43,10 +44,6 @@ const TICK_MS: f64 = 50.0;
 
 /// Longest pause between two calls of [`Engine::tick`] in ms.
 pub const WAIT_MS: f64 = 10.0;
-
-const WATCHES: &str = "another page leads, and this one watches";
-const NO_SESSION: &str = "no session is recorded here: `myointent record` has a page for it";
-const NO_BOARD: &str = "there is no board here: `myointent record --port PATH` has one";
 
 /// Output of an engine.
 #[derive(Clone, PartialEq, Debug, Serialize)]
@@ -101,17 +98,17 @@ pub struct Lines {
 #[derive(Clone, PartialEq, Debug)]
 pub enum Stored {
     /// The journal cannot be begun, with the reason.
-    Refused(String),
+    Refused(Said),
     /// It is written again.
     Written,
     /// It had lost its name and was written anew, with a notice.
-    Anew(String),
+    Anew(Said),
     /// It cannot be written at the moment, with advice.
-    Failed(HoldReason, String),
+    Failed(HoldReason, Said),
     /// It is left without recordings, with advice.
-    Left(String),
+    Left(Said),
     /// A note is not kept, with the reason; the session goes on.
-    Unkept(String),
+    Unkept(Said),
     /// Recordings were made of it.
     Kept(SessionResult),
 }
@@ -280,8 +277,8 @@ impl Engine {
                     } else {
                         Vec::new()
                     };
-                    let is_heard = change.state.is_empty();
-                    let state = source("port", port, is_heard, change.state.to_owned(), steps);
+                    let why = change.state.map(Unheard::said);
+                    let state = source("port", port, why.is_none(), why, steps);
                     outputs.event(now, state);
                 }
                 self.commands(now);
@@ -350,7 +347,7 @@ impl Engine {
     ///
     /// # Errors
     /// There is no source.
-    pub fn install(&mut self, now: f64, file: &[u8]) -> Result<(), &'static str> {
+    pub fn install(&mut self, now: f64, file: &[u8]) -> Result<(), NotDone> {
         let outputs = &mut self.outputs;
         let emit = &mut |event| outputs.event(now, event);
         if let Running::Board { board, .. } = &mut self.running {
@@ -361,7 +358,9 @@ impl Engine {
         let scored = match ScoredPipeline::open(file) {
             Ok(scored) => scored,
             Err(error) => {
-                emit(Event::Installing(InstallationState::failed(&error)));
+                emit(Event::Installing(InstallationState::failed(Said::of(
+                    "model", &error,
+                ))));
                 return Ok(());
             }
         };
@@ -369,14 +368,14 @@ impl Engine {
         match &mut self.running {
             Running::Playback { playback, .. } => playback.set_model(now, scored, emit),
             Running::Armband { armband, .. } => armband.set_model(time(now), scored, emit),
-            _ => return Err(NO_BOARD),
+            _ => return Err(NotDone::NoBoard),
         }
         emit(Event::Installing(InstallationState::here(checksum)));
         Ok(())
     }
 
     /// Takes that the board's port is open, which begins the dialogue, or cannot be used: the reason, and steps that help.
-    pub fn port(&mut self, now: f64, opened: Result<(), (String, Vec<String>)>) {
+    pub fn port(&mut self, now: f64, opened: Result<(), (Said, Vec<Said>)>) {
         let Running::Board {
             board,
             port,
@@ -390,14 +389,14 @@ impl Engine {
         let (why, steps) = match opened {
             Ok(()) => {
                 board.connected(millis(now));
-                (board::NOTHING_YET.to_owned(), Vec::new())
+                (Unheard::NothingYet.said(), Vec::new())
             }
             Err(missing) => {
                 board.ended(millis(now));
                 missing
             }
         };
-        let state = source("port", port, false, why, steps);
+        let state = source("port", port, false, Some(why), steps);
         self.outputs.event(now, state);
     }
 
@@ -433,7 +432,7 @@ impl Engine {
     /// Takes a message of the only page, as JSON; `file` is the journal or model that it is about, or empty.
     pub fn request(&mut self, now: f64, text: &[u8], file: &[u8]) {
         let Ok(message) = serde_json::from_slice::<ViewerMessage>(text) else {
-            return self.refuse(1, UNKNOWN);
+            return self.refuse(1, NotDone::Unknown);
         };
         let result = match &message {
             ViewerMessage::Record {
@@ -446,7 +445,7 @@ impl Engine {
                     self.outputs.made(files);
                     Ok(())
                 }
-                None => Err(UNKNOWN),
+                None => Err(NotDone::Unknown),
             },
             ViewerMessage::Install => self.install(now, file),
             ViewerMessage::Keep => {
@@ -472,7 +471,7 @@ impl Engine {
         let result = if is_ping || self.leader == Some(viewer) {
             self.act(now, viewer, message)
         } else {
-            Err(WATCHES)
+            Err(NotDone::Watches)
         };
         if let Err(why) = result {
             self.refuse(viewer, why);
@@ -494,22 +493,17 @@ impl Engine {
         self.outputs.event(now, Event::Lead { viewer });
     }
 
-    fn refuse(&mut self, viewer: ViewerId, text: &'static str) {
-        let refused = Event::Refused { text };
+    fn refuse(&mut self, viewer: ViewerId, why: NotDone) {
+        let refused = Event::refused(why);
         self.outputs.waiting.push(Output::Answer(viewer, refused));
     }
 
     /// Does what a message asks for.
     ///
     /// # Errors
-    /// The reason why it is not done, in words.
-    fn act(
-        &mut self,
-        now: f64,
-        viewer: ViewerId,
-        message: &ViewerMessage,
-    ) -> Result<(), &'static str> {
-        let recording = self.outputs.recording.as_mut().ok_or(NO_SESSION);
+    /// The reason why it is not done.
+    fn act(&mut self, now: f64, viewer: ViewerId, message: &ViewerMessage) -> Result<(), NotDone> {
+        let recording = self.outputs.recording.as_mut().ok_or(NotDone::NoSession);
         match message {
             ViewerMessage::Ping { sent } => {
                 let pong = Event::Pong { sent: *sent, now };
@@ -536,7 +530,7 @@ impl Engine {
                 }
             },
             ViewerMessage::Gesture { class } => match Motion::from_name(class) {
-                None | Some(Motion::Unknown) => return Err(UNKNOWN),
+                None | Some(Motion::Unknown) => return Err(NotDone::Unknown),
                 Some(motion) => recording?.act(now, session::Action::Mark(motion)),
             },
             ViewerMessage::Blocks { begin: true } => {
@@ -552,10 +546,10 @@ impl Engine {
             }
             ViewerMessage::Source(request) => match request {
                 SourceRequest::Place { turn, .. } if usize::from(*turn) >= CHANNELS => {
-                    return Err(UNKNOWN);
+                    return Err(NotDone::Unknown);
                 }
                 SourceRequest::Bind if !matches!(self.running, Running::Board { .. }) => {
-                    return Err(NO_BOARD);
+                    return Err(NotDone::NoBoard);
                 }
                 request => self.source(now, *request),
             },
@@ -563,7 +557,7 @@ impl Engine {
             ViewerMessage::Record { .. }
             | ViewerMessage::Recover { .. }
             | ViewerMessage::Install
-            | ViewerMessage::Keep => return Err(UNKNOWN),
+            | ViewerMessage::Keep => return Err(NotDone::Unknown),
         }
         Ok(())
     }
@@ -590,8 +584,8 @@ impl Engine {
         person: &str,
         protocol: &str,
         time: f64,
-    ) -> Result<(), &'static str> {
-        let protocol = Protocol::find(protocol).map_err(|_| UNKNOWN)?;
+    ) -> Result<(), NotDone> {
+        let protocol = Protocol::find(protocol).map_err(|_| NotDone::Unknown)?;
         self.record(now, person.to_owned(), protocol, time, true);
         self.outputs.event(now, Event::hello(now, 1, true, false));
         let known = self.outputs.known.events().cloned();
@@ -636,7 +630,7 @@ impl Engine {
     ///
     /// # Errors
     /// The trouble that keeps it from being recorded.
-    pub fn lead_unattended(&mut self, now: f64) -> Result<bool, String> {
+    pub fn lead_unattended(&mut self, now: f64) -> Result<bool, Said> {
         let recording = self.outputs.recording.as_mut();
         recording.map_or(Ok(false), |own| own.lead_unattended(now))
     }
@@ -703,8 +697,8 @@ fn source(
     kind: &'static str,
     name: &str,
     connected: bool,
-    detail: String,
-    steps: Vec<String>,
+    detail: Option<Said>,
+    steps: Vec<Said>,
 ) -> Event {
     Event::Source {
         kind,

@@ -17,6 +17,8 @@ use shared::units::{CHANNELS, Sample};
 use crate::outcome::{InstallationState, SessionResult, TuningState};
 use crate::record::remark::Remark;
 use crate::record::session::View;
+use crate::request::NotDone;
+use crate::said::Said;
 
 /// Greatest number of characters of a mark.
 const MAX_MARK: usize = 80;
@@ -40,7 +42,10 @@ pub enum Event {
     /// Answer to a ping.
     Pong { sent: f64, now: f64 },
     /// Refusal of a request, with the reason.
-    Refused { text: &'static str },
+    Refused {
+        #[serde(flatten)]
+        why: Said,
+    },
     /// Source of the stream, and whether it is connected.
     Source {
         /// `demo`, `replay`, `port` or `bluetooth`.
@@ -48,10 +53,10 @@ pub enum Event {
         /// Path or name.
         name: String,
         connected: bool,
-        /// State of the source; empty if there is nothing to say.
-        detail: String,
+        /// State of the source; null if there is nothing to say.
+        detail: Option<Said>,
         /// Steps that help, in order.
-        steps: Vec<String>,
+        steps: Vec<Said>,
     },
     /// Model that this program runs.
     Model {
@@ -185,13 +190,17 @@ pub enum Event {
     /// Mark of a viewer at a sample, or the restart of a recording.
     Mark { sample: u32, text: String },
     /// Comment line of the board.
-    Comment { at: f64, text: String },
+    Comment {
+        at: f64,
+        #[serde(flatten)]
+        said: Said,
+    },
     /// State of the recording session.
     Session {
         #[serde(flatten)]
         view: View,
-        /// Error that keeps the session from being written, and advice; empty if none.
-        trouble: String,
+        /// Error that keeps the session from being written, and advice; null if none.
+        trouble: Option<Said>,
     },
     /// Viewer who leads the session; null if nobody does.
     Lead { viewer: Option<ViewerId> },
@@ -310,6 +319,13 @@ impl Event {
             you,
             record,
             tunes,
+        }
+    }
+
+    /// Refusal of a request.
+    pub fn refused(why: NotDone) -> Self {
+        Self::Refused {
+            why: Said::of("request", &why),
         }
     }
 

@@ -1,5 +1,6 @@
 //! Installation of a model on a board, without I/O: sends the blocks that the board asks for, and continues after a break.
 
+use serde::{Serialize, Serializer};
 use shared::installation::{BLOCK_BYTES, Block, InstallationProgress, PAGE_BYTES, Transfer};
 use shared::model::encoder::DeviceEncoder;
 use shared::model::file::{Model, ModelError};
@@ -8,6 +9,8 @@ use shared::uart_line::command::Command;
 use shared::uart_line::line::Line;
 use shared::uf2::MODEL_REGION;
 use shared::units::Millis;
+
+use crate::said::{Said, as_text};
 
 /// Longest time to wait for an answer in ms. A board answers within a second, after the lines already queued for the UART.
 const ANSWER_MS: u32 = 2_000;
@@ -24,14 +27,19 @@ const MOST_BLOCKS: u32 = MOST_BEGINS * (1 + (PAGE_BYTES / BLOCK_BYTES) as u32);
 const MOST_DOUBTS: u32 = 3;
 
 /// Error of an installation.
-#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+#[derive(Clone, PartialEq, Debug, Serialize, thiserror::Error)]
+#[serde(tag = "name", rename_all = "kebab-case")]
 pub enum InstallError {
     /// No answer came.
     #[error("no answer: is the board powered, and does no other program read its port?")]
     Silent,
     /// The board refuses.
-    #[error("the board refuses: {0}")]
-    Refused(Refusal),
+    #[error("the board refuses: {why}")]
+    Refused {
+        /// Its refusal.
+        #[serde(serialize_with = "refusal")]
+        why: Refusal,
+    },
     /// The board cannot run the model.
     #[error("the board cannot run this model, and is safe; it says: {reason}")]
     Model {
@@ -50,20 +58,24 @@ pub enum InstallError {
         /// Number of times the installation was begun without progress.
         begins: u32,
     },
-    /// The board says that the model is installed, but runs another one.
+    /// The board says that the model is installed, but runs another one, or none.
     #[error(
-        "the board says that all is installed, but {}, expected {expected:08x}: close every other program that uses the port",
-        found.map_or_else(|| "runs none".to_owned(), |found| format!("runs model {found:08x}"))
+        "the board says that all is installed, but runs model {found}, expected {expected}: close every other program that uses the port"
     )]
     OtherModel {
         /// CRC-32 of the file.
-        expected: u32,
-        /// CRC-32 of the board's model; `None` if it runs no model.
-        found: Option<u32>,
+        expected: String,
+        /// CRC-32 of the board's model, or `none`.
+        found: String,
     },
     /// The file is not a model file, or no board has room for the model.
-    #[error("no board can run this file, and nothing was sent: {0}")]
-    Unfit(#[from] ModelError),
+    #[error("no board can run this file, and nothing was sent: {reason}")]
+    Unfit {
+        /// What is wrong with it.
+        #[from]
+        #[serde(serialize_with = "as_text")]
+        reason: ModelError,
+    },
     /// The file is longer than a board's flash region.
     #[error(
         "{length} bytes, a board has room for {}, and nothing was sent: train a smaller model",
@@ -73,6 +85,13 @@ pub enum InstallError {
         /// Length of the file in bytes.
         length: usize,
     },
+}
+
+fn refusal<S: Serializer>(why: &Refusal, output: S) -> Result<S::Ok, S::Error> {
+    let name = serde_json::to_value(why).ok();
+    let name = name.as_ref().and_then(serde_json::Value::as_str);
+    let name = name.map_or_else(String::new, |name| format!("refusal.{name}"));
+    Said::named(name, why).serialize(output)
 }
 
 /// Whether a board asks for the line again: it was damaged on the way, or comes too early.
@@ -275,7 +294,7 @@ impl Installer {
         }
         if self.attempts == ATTEMPTS {
             if let Some(refusal) = self.refused {
-                self.fail(InstallError::Refused(refusal));
+                self.fail(InstallError::Refused { why: refusal });
                 return None;
             }
             if !self.resume(now) {
@@ -335,7 +354,7 @@ impl Installer {
                 let reason = reason.unwrap_or_else(|| "nothing".to_owned());
                 self.fail(InstallError::Model { reason });
             }
-            (_, Answer::Refused(refusal)) => self.fail(InstallError::Refused(*refusal)),
+            (_, Answer::Refused(refusal)) => self.fail(InstallError::Refused { why: *refusal }),
             (_, Answer::Install(InstallationProgress::Installed)) => self.ask(Question::Identity),
             // A board never asks for the block that it has just taken: this answers an earlier line.
             (Question::Block(sent), Answer::Install(InstallationProgress::Next(number)))
@@ -370,7 +389,10 @@ impl Installer {
         // The answer belonged to another program's block, or was late.
         self.doubts += 1;
         if self.doubts > MOST_DOUBTS {
-            self.fail(InstallError::OtherModel { expected, found });
+            self.fail(InstallError::OtherModel {
+                expected: format!("{expected:08x}"),
+                found: found.map_or_else(|| "none".to_owned(), |found| format!("{found:08x}")),
+            });
         } else {
             self.begin();
         }

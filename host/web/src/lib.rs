@@ -29,6 +29,7 @@ pub mod playback;
 pub mod radio;
 pub mod record;
 pub mod request;
+pub mod said;
 pub mod scored_pipeline;
 mod scores;
 mod simulated_armband;

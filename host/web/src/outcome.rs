@@ -5,13 +5,15 @@ use serde::Serialize;
 
 use crate::installer::Installer;
 use crate::record::quality::Quality;
+use crate::said::Said;
 
 /// Finding as text, with its severity.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 #[expect(missing_docs, reason = "names of the page's messages")]
 pub struct FindingText {
     pub severity: Severity,
-    pub text: String,
+    #[serde(flatten)]
+    pub said: Said,
     pub advice: &'static str,
 }
 
@@ -62,6 +64,7 @@ impl SessionResult {
 #[derive(Clone, PartialEq, Debug, Serialize)]
 #[expect(missing_docs, reason = "names of the page's messages")]
 pub struct MeasureRow {
+    /// Name: `gestures-recognised`.
     pub measure: &'static str,
     pub before: Option<f64>,
     pub after: Option<f64>,
@@ -73,8 +76,15 @@ pub struct MeasureRow {
 pub struct TuningState {
     /// `running`, `better`, `worse` or `failed`.
     pub state: &'static str,
-    /// Explanation and advice.
-    pub text: String,
+    /// Why it failed, or why the new model is not better; null without a reason.
+    pub why: Option<Said>,
+    /// Seconds of recordings that the model was tuned on, and that were held back to judge it; null before.
+    pub tuned_seconds: Option<f64>,
+    pub judged_seconds: Option<f64>,
+    /// File of the new model; null without one.
+    pub file: Option<String>,
+    /// Doubts about the recordings.
+    pub doubts: Vec<Said>,
     /// Number of steps done, and of all; 0 of 0 while no tuning runs.
     pub steps: usize,
     pub of: usize,
@@ -83,14 +93,27 @@ pub struct TuningState {
     pub commands: Vec<String>,
 }
 
+impl TuningState {
+    /// State of a tuning that has failed, or cannot begin.
+    pub fn failed(why: Said) -> Self {
+        Self {
+            state: "failed",
+            why: Some(why),
+            ..Self::default()
+        }
+    }
+}
+
 /// State of an installation of a model on the board, or of one that runs here.
-#[derive(Clone, PartialEq, Debug, Serialize)]
+#[derive(Clone, PartialEq, Debug, Default, Serialize)]
 #[expect(missing_docs, reason = "names of the page's messages")]
 pub struct InstallationState {
     /// `running`, `done` or `failed`.
     pub state: &'static str,
-    /// Explanation and advice.
-    pub text: String,
+    /// Why it failed; null without a reason.
+    pub why: Option<Said>,
+    /// CRC-32 of the model, once it is in use.
+    pub model: Option<String>,
     /// Part that the board has, and the whole; 0 of 0 before its first answer.
     pub blocks: u32,
     pub of: u32,
@@ -99,25 +122,17 @@ pub struct InstallationState {
 impl InstallationState {
     /// State of an installation; its progress in whole percent.
     pub fn of(installer: &Installer) -> Self {
-        let (state, text) = match installer.end() {
-            None => (
-                "running",
-                "outputs are safe until the board has all of it".to_owned(),
-            ),
-            Some(Ok(())) => (
-                "done",
-                format!(
-                    "model {:08x} is on the board and in use",
-                    installer.checksum()
-                ),
-            ),
-            Some(Err(error)) => return Self::failed(error),
+        let (state, model) = match installer.end() {
+            None => ("running", None),
+            Some(Ok(())) => ("done", Some(format!("{:08x}", installer.checksum()))),
+            Some(Err(error)) => return Self::failed(Said::of("board", error)),
         };
         let percent = |blocks| (100 * blocks / installer.of().max(1), 100);
         let (blocks, of) = installer.blocks().map_or((0, 0), percent);
         Self {
             state,
-            text,
+            why: None,
+            model,
             blocks,
             of,
         }
@@ -127,19 +142,17 @@ impl InstallationState {
     pub fn here(checksum: u32) -> Self {
         Self {
             state: "done",
-            text: format!("model {checksum:08x} is in use here, until the program ends"),
-            blocks: 0,
-            of: 0,
+            model: Some(format!("{checksum:08x}")),
+            ..Self::default()
         }
     }
 
     /// State of an installation that has failed, or cannot begin.
-    pub fn failed(error: &dyn std::error::Error) -> Self {
+    pub fn failed(why: Said) -> Self {
         Self {
             state: "failed",
-            text: format!("{error}. Install again: it goes on where this one ended"),
-            blocks: 0,
-            of: 0,
+            why: Some(why),
+            ..Self::default()
         }
     }
 }

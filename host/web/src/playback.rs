@@ -104,7 +104,7 @@ impl Playback {
             kind,
             name,
             connected: true,
-            detail: String::new(),
+            detail: None,
             steps: Vec::new(),
         });
         emit(Event::of_model(scored.model()));

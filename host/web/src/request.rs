@@ -1,15 +1,26 @@
 //! Messages of a page to its source, each a JSON object.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use shared::stream::alignment::{Alignment, Arm};
 use shared::uart_line::calibration::CalibrateCommand;
 use shared::uart_line::command::{AlignCommand, BindCommand, Command};
 
 use crate::record::session::Action;
 
-/// Reason to refuse a message that is none of these.
-pub const UNKNOWN: &str =
-    "there is no such request: load the page again, it may be of another version";
+/// Reason to refuse a message.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, thiserror::Error)]
+#[serde(tag = "name", rename_all = "kebab-case")]
+#[expect(missing_docs, reason = "the messages say it")]
+pub enum NotDone {
+    #[error("there is no such request: load the page again, it may be of another version")]
+    Unknown,
+    #[error("another page leads, and this one watches")]
+    Watches,
+    #[error("no session is recorded here: `myointent record` has a page for it")]
+    NoSession,
+    #[error("there is no board here: `myointent record --port PATH` has one")]
+    NoBoard,
+}
 
 /// Message of a viewer.
 #[derive(Deserialize)]

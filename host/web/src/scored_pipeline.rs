@@ -2,6 +2,7 @@
 
 use std::cell::RefCell;
 
+use serde::Serialize;
 use shared::calibration::{Memory, Shown};
 use shared::intent::Intent;
 use shared::model::encoder::HostEncoder;
@@ -18,6 +19,7 @@ use shared::units::{Millis, PATCH, Sample, SampleIndex};
 use crate::calibration::Calibration;
 use crate::event::Event;
 use crate::request::SourceRequest;
+use crate::said::as_text;
 use crate::scores::{EncoderOutputs, ObservedEncoder};
 
 /// Person in the list of those whom a calibrated model has seen: nobody here asks for a name.
@@ -39,14 +41,25 @@ pub struct ScoredPipeline {
 }
 
 /// Reason why a model is not run.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, Serialize, thiserror::Error)]
+#[serde(tag = "name", rename_all = "kebab-case")]
 pub enum Refused {
     /// The file is refused.
-    #[error("the model is refused: {0}")]
-    Model(#[from] ModelError),
+    #[error("the model is refused: {reason}")]
+    File {
+        /// What is wrong with it.
+        #[from]
+        #[serde(serialize_with = "as_text")]
+        reason: ModelError,
+    },
     /// The smoother refuses the settings of the model.
-    #[error("the model is refused: {0}")]
-    Settings(#[from] SettingsError),
+    #[error("the model is refused: {reason}")]
+    Settings {
+        /// What is wrong with them.
+        #[from]
+        #[serde(serialize_with = "as_text")]
+        reason: SettingsError,
+    },
 }
 
 /// Results of one sample.

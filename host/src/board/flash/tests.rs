@@ -139,7 +139,7 @@ fn a_wrong_file_or_a_wrong_board_is_refused() {
     assert!(
         matches!(
             unfit,
-            FlashError::Model(BoardError::Install(InstallError::Unfit(_)))
+            FlashError::Model(BoardError::Install(InstallError::Unfit { .. }))
         ),
         "{unfit}"
     );

@@ -7,7 +7,7 @@ use axum::body::Bytes;
 use axum::extract::ws::{Message as Frame, WebSocket};
 use tokio::time::{MissedTickBehavior, interval, interval_at, timeout};
 use web::event::{Event, ViewerId};
-use web::request::UNKNOWN;
+use web::request::NotDone;
 
 use super::ServerState;
 use crate::live::hub::{Message, json};
@@ -95,7 +95,7 @@ impl Viewer {
                 .send(Input::Request(self.id, message))
                 .is_ok(),
             Err(_) => {
-                send(socket, [json(&Event::Refused { text: UNKNOWN })]).await;
+                send(socket, [json(&Event::refused(NotDone::Unknown))]).await;
                 false
             }
         }

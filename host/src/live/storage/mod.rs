@@ -13,10 +13,12 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use execution::progress;
+use serde::Serialize;
 use shared::units::Millis;
 use web::engine::{Lines, Stored};
 use web::record::remark::NOTES;
 use web::record::session::HoldReason;
+use web::said::{Said, os};
 
 use super::RecordOptions;
 use super::stream::Input;
@@ -26,9 +28,45 @@ use crate::record::{RecordError, convert};
 /// Longest wait for lines between two checks of the file: too short to notice.
 const WAIT: Duration = Duration::from_millis(20);
 
-/// Advice about a journal that is left.
-const NEXT_START: &str =
-    "The next start of `myointent record` for this person makes recordings of the journal";
+/// What becomes of a session's files, and advice.
+#[derive(Serialize, thiserror::Error, Debug)]
+#[serde(tag = "name", rename_all = "kebab-case")]
+enum Trouble {
+    #[error("the recording cannot begin: {why}")]
+    CannotBegin { why: Said },
+    #[error("{folder}: {why}")]
+    Folder {
+        folder: PathBuf,
+        #[serde(serialize_with = "os")]
+        why: std::io::Error,
+    },
+    #[error("the note is not kept: {path}: {why}")]
+    NoteLost {
+        path: PathBuf,
+        #[serde(serialize_with = "os")]
+        why: std::io::Error,
+    },
+    #[error(
+        "{gone} was deleted, moved or replaced: all of the session was written anew to {path}. If it was moved, what was written before is in the moved file, too"
+    )]
+    Anew { gone: PathBuf, path: PathBuf },
+    #[error("{why}; what was recorded is kept while this program runs, and writing is tried again")]
+    Retrying { why: Said },
+    #[error(
+        "{why}. The next start of `myointent record` for this person makes recordings of the journal"
+    )]
+    Cut { why: Said },
+    #[error(
+        "{why}. What was recorded is in {path}. The next start of `myointent record` for this person makes recordings of the journal"
+    )]
+    Left { why: Said, path: PathBuf },
+}
+
+impl Trouble {
+    fn said(&self) -> Said {
+        Said::of("storage", self)
+    }
+}
 
 /// Work of the storage.
 #[derive(Debug)]
@@ -152,26 +190,25 @@ impl Keeper {
     }
 
     /// Logs a warning.
-    fn warn(text: String) -> String {
-        progress::log(&format!("warning: {text}"));
-        text
+    fn warn(said: Said) -> Said {
+        progress::log(&format!("warning: {said}"));
+        said
     }
 
     fn lines(&mut self, lines: &Lines) {
         if lines.begins {
             let path = self.folder.join(format!("{}.{ENDING}", lines.name));
-            let created = std::fs::create_dir_all(&self.folder)
-                .map_err(|error| format!("{}: {error}", self.folder.display()));
+            let created = std::fs::create_dir_all(&self.folder).map_err(|why| {
+                let folder = self.folder.clone();
+                Trouble::Folder { folder, why }.said()
+            });
             let created = created.and_then(|()| {
-                Journal::create(&path, &lines.journal).map_err(|error| error.to_string())
+                Journal::create(&path, &lines.journal).map_err(|error| error.said())
             });
             self.fails = false;
             match created {
                 Ok(journal) => self.journal = Some(journal),
-                Err(error) => {
-                    let text = format!("the recording cannot begin: {error}");
-                    self.tell(Stored::Refused(text));
-                }
+                Err(why) => self.tell(Stored::Refused(Trouble::CannotBegin { why }.said())),
             }
         } else if let Some(journal) = &mut self.journal {
             journal.append(&lines.journal);
@@ -191,9 +228,9 @@ impl Keeper {
             file.write_all(line.journal.as_bytes())?;
             file.sync_data()
         };
-        if let Err(error) = write() {
-            let text = format!("the note is not kept: {}: {error}", path.display());
-            self.tell(Stored::Unkept(Self::warn(text)));
+        if let Err(why) = write() {
+            let lost = Trouble::NoteLost { path, why };
+            self.tell(Stored::Unkept(Self::warn(lost.said())));
         }
     }
 
@@ -207,13 +244,9 @@ impl Keeper {
             Ok(outcome) => {
                 let failed = std::mem::take(&mut self.fails);
                 if let FlushOutcome::Rewritten { gone } = outcome {
-                    let path = journal.path().display();
-                    let text = format!(
-                        "{} was deleted, moved or replaced: all of the session was written anew to {path}. If it was moved, what was \
-                        written before is in the moved file, too",
-                        gone.display()
-                    );
-                    self.tell(Stored::Anew(Self::warn(text)));
+                    let path = journal.path().to_owned();
+                    let anew = Trouble::Anew { gone, path };
+                    self.tell(Stored::Anew(Self::warn(anew.said())));
                 } else if failed {
                     self.tell(Stored::Written);
                 }
@@ -223,13 +256,11 @@ impl Keeper {
                     RecordError::Gone { .. } => HoldReason::Gone,
                     _ => HoldReason::Disk,
                 };
-                let mut text = format!(
-                    "{error}; what was recorded is kept while this program runs, and writing is tried again"
-                );
+                let mut trouble = Trouble::Retrying { why: error.said() }.said();
                 if !std::mem::replace(&mut self.fails, true) {
-                    text = Self::warn(text);
+                    trouble = Self::warn(trouble);
                 }
-                self.tell(Stored::Failed(reason, text));
+                self.tell(Stored::Failed(reason, trouble));
             }
         }
     }
@@ -242,11 +273,12 @@ impl Keeper {
         match journal.close() {
             Ok(path) => self.convert(path),
             Err(error) => {
-                let message = match error {
-                    RecordError::Elsewhere { .. } => error.to_string(),
-                    _ => format!("{error}. {NEXT_START}"),
+                let why = error.said();
+                let trouble = match error {
+                    RecordError::Elsewhere { .. } => why,
+                    _ => Trouble::Cut { why }.said(),
                 };
-                self.left(None, message);
+                self.left(None, trouble);
             }
         }
     }
@@ -264,17 +296,19 @@ impl Keeper {
                 self.tell(Stored::Kept(self.summary(&conversion)));
             }
             Err(error) => {
-                let message = format!(
-                    "{error}. What was recorded is in {}. {NEXT_START}",
-                    path.display()
-                );
-                self.left(Some(path), message);
+                let why = error.said();
+                let left = Trouble::Left {
+                    why,
+                    path: path.clone(),
+                };
+                self.left(Some(path), left.said());
             }
         }
     }
 
-    fn left(&mut self, journal: Option<PathBuf>, message: String) {
-        self.tell(Stored::Left(Self::warn(message.clone())));
+    fn left(&mut self, journal: Option<PathBuf>, trouble: Said) {
+        let message = trouble.text.clone();
+        self.tell(Stored::Left(Self::warn(trouble)));
         self.unconverted.push(Unconverted { journal, message });
     }
 

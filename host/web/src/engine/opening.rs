@@ -13,6 +13,7 @@ use crate::board::{self, Board};
 use crate::event::Event;
 use crate::person::{Cues, DemoPerson};
 use crate::playback::{PERIOD, Playback, SampleSource};
+use crate::said::Said;
 use crate::scored_pipeline::{Refused, ScoredPipeline};
 use crate::simulated_board::SimulatedBoard;
 use crate::{SHIPPED, demo};
@@ -89,13 +90,13 @@ impl Engine {
                 Wanted::SimulatedBoard => ("port", SIMULATED),
                 Wanted::Bluetooth { name } => ("bluetooth", &**name),
             };
-            let state = source(kind, name, false, why, Vec::new());
+            let state = source(kind, name, false, Some(why), Vec::new());
             engine.outputs.event(now, state);
         }
         engine
     }
 
-    fn run(&mut self, settings: &Settings<'_>, wanted: &Wanted, file: &[u8]) -> Result<(), String> {
+    fn run(&mut self, settings: &Settings<'_>, wanted: &Wanted, file: &[u8]) -> Result<(), Said> {
         let opened = match wanted {
             Wanted::Demo => self.demo(settings, None),
             Wanted::Recording { name } => self.replay(settings, read(name, file)?),
@@ -112,7 +113,7 @@ impl Engine {
                 self.follow(settings, Some(chosen()), here, Some(false))
             }
         };
-        opened.map_err(|error| error.to_string())
+        opened.map_err(|error| Said::of("model", &error))
     }
 
     /// Plays a simulated person; `earlier` is the number of files of earlier sessions, with which the person never does the same
@@ -194,12 +195,12 @@ impl Engine {
     ///
     /// # Errors
     /// When no board can run the model.
-    fn simulated_board(&mut self, settings: &Settings<'_>) -> Result<(), String> {
+    fn simulated_board(&mut self, settings: &Settings<'_>) -> Result<(), Said> {
         let person = DemoPerson::new(demo::follower(), Cues::List(demo::cues()));
         let started = SimulatedBoard::start(settings.model.unwrap_or(SHIPPED), person);
-        let started = Box::new(started.map_err(|error| error.to_string())?);
+        let started = Box::new(started.map_err(|error| Said::of("board", &error))?);
         let opened = self.board(settings, SIMULATED.to_owned(), false);
-        opened.map_err(|error| error.to_string())?;
+        opened.map_err(|error| Said::of("model", &error))?;
         self.source = (SIMULATED.to_owned(), true);
         if let Running::Board { simulated, .. } = &mut self.running {
             *simulated = Some(Simulated {
@@ -260,9 +261,9 @@ pub(super) const fn chosen() -> Address {
 }
 
 /// Reads the first recording of a file.
-fn read(name: &str, bytes: &[u8]) -> Result<Recording, String> {
+fn read(name: &str, bytes: &[u8]) -> Result<Recording, Said> {
     let library = load_bytes(Path::new(name), bytes, &LoadOptions::default());
-    let recordings = library.map_err(|error| error.to_string())?.recordings;
+    let recordings = library.map_err(Said::plain)?.recordings;
     let first = recordings.into_iter().next();
-    first.ok_or_else(|| "it has no recording".to_owned())
+    first.ok_or_else(|| Said::named("open.empty".to_owned(), "it has no recording"))
 }

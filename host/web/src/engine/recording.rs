@@ -4,6 +4,7 @@ use std::time::{Duration, SystemTime};
 
 use execution::utc::utc;
 use recordings::labels::motion::Motion;
+use serde::Serialize;
 use shared::stream::alignment::Alignment;
 use shared::units::{Millis, Sample, SampleIndex};
 
@@ -17,7 +18,18 @@ use crate::record::protocol::Protocol;
 use crate::record::quality::judge;
 use crate::record::remark::{NOTES, Remark};
 use crate::record::session::{self, Action, HoldReason, Input, Session, View};
-use crate::request::UNKNOWN;
+use crate::request::NotDone;
+use crate::said::Said;
+
+/// What the person is told of a session.
+#[derive(Serialize, thiserror::Error, Debug)]
+#[serde(tag = "name", rename_all = "kebab-case")]
+enum Notice {
+    #[error("no samples have come yet: begin when the traces move")]
+    NoSamples,
+    #[error("a session cannot last longer: it is ended and kept; record another one")]
+    Full,
+}
 
 /// Session with its journal.
 pub(super) struct RecordedSession {
@@ -36,8 +48,8 @@ pub(super) struct RecordedSession {
     /// View that viewers know; none after a change of the texts.
     published: Option<View>,
     /// Error that keeps the session from being written, and a warning that stays until the person continues.
-    trouble: String,
-    notice: String,
+    trouble: Option<Said>,
+    notice: Option<Said>,
     /// Bytes of the journal that were given away.
     pub(super) given: usize,
     /// Time since 1970 when the clock of the engine began, in ms.
@@ -66,8 +78,8 @@ impl RecordedSession {
             name: String::new(),
             remarks: Vec::new(),
             published: None,
-            trouble: String::new(),
-            notice: String::new(),
+            trouble: None,
+            notice: None,
             given: 0,
             epoch,
             whole: makes_files.then(String::new),
@@ -150,7 +162,7 @@ impl RecordedSession {
             if self.journal.is_none() && !self.begin(now) {
                 return;
             }
-            self.notice.clear();
+            self.notice = None;
         }
         self.handle(millis(now), Input::Action(action));
     }
@@ -162,10 +174,10 @@ impl RecordedSession {
         }
         self.published = None;
         if !self.session.has_stream() {
-            "no samples have come yet: begin when the traces move".clone_into(&mut self.trouble);
+            self.trouble = Some(Said::of("session", &Notice::NoSamples));
             return false;
         }
-        self.trouble.clear();
+        self.trouble = None;
         self.given = 0;
         if let Some(whole) = &mut self.whole {
             whole.clear();
@@ -221,8 +233,8 @@ impl RecordedSession {
         let is_over = self.session.is_over();
         if is_over {
             self.session = Session::new(self.protocol.clone());
-            self.trouble.clear();
-            self.notice.clear();
+            self.trouble = None;
+            self.notice = None;
             self.name.clear();
             self.remarks.clear();
         }
@@ -233,39 +245,41 @@ impl RecordedSession {
     ///
     /// # Errors
     /// Where there is no program.
-    pub(super) fn job(&self, job: Output) -> Result<Option<Output>, &'static str> {
+    pub(super) fn job(&self, job: Output) -> Result<Option<Output>, NotDone> {
         let job = self.journal.is_none().then_some(job);
-        self.whole.as_ref().map_or(Ok(job), |_| Err(UNKNOWN))
+        self.whole
+            .as_ref()
+            .map_or(Ok(job), |_| Err(NotDone::Unknown))
     }
 
     /// Takes what became of the journal's lines.
     pub(super) fn stored(&mut self, now: Millis, stored: Stored) {
         match stored {
-            Stored::Refused(text) => {
+            Stored::Refused(why) => {
                 self.journal = None;
                 self.session = Session::new(self.protocol.clone());
                 self.cue = Motion::RELAX;
-                self.trouble = text;
+                self.trouble = Some(why);
                 if self.remarks.is_empty() {
                     self.name.clear();
                 }
             }
-            Stored::Written => self.trouble.clear(),
-            Stored::Anew(text) => {
-                self.trouble.clear();
-                self.notice = text;
+            Stored::Written => self.trouble = None,
+            Stored::Anew(notice) => {
+                self.trouble = None;
+                self.notice = Some(notice);
                 self.handle(now, Input::Hold(HoldReason::Gone));
             }
-            Stored::Failed(reason, text) => {
+            Stored::Failed(reason, why) => {
                 self.handle(now, Input::Hold(reason));
-                if !self.trouble.is_empty() {
+                if self.trouble.is_some() {
                     // While waiting, the error only says that it will be tried again: the first one stays.
                     return;
                 }
-                self.trouble = text;
+                self.trouble = Some(why);
             }
-            Stored::Left(text) => self.trouble = text,
-            Stored::Unkept(text) => self.notice = text,
+            Stored::Left(why) => self.trouble = Some(why),
+            Stored::Unkept(why) => self.notice = Some(why),
             Stored::Kept(_) => return,
         }
         self.published = None;
@@ -275,15 +289,14 @@ impl RecordedSession {
     ///
     /// # Errors
     /// The trouble that keeps it from being recorded.
-    pub(super) fn lead_unattended(&mut self, now: f64) -> Result<bool, String> {
+    pub(super) fn lead_unattended(&mut self, now: f64) -> Result<bool, Said> {
         let session = &self.session;
         if !session.is_over() && !session.is_running() && session.has_stream() {
             self.act(now, Action::Begin);
         }
-        if self.trouble.is_empty() {
-            Ok(self.session.is_over() && self.journal.is_none())
-        } else {
-            Err(self.trouble.clone())
+        match &self.trouble {
+            None => Ok(self.session.is_over() && self.journal.is_none()),
+            Some(trouble) => Err(trouble.clone()),
         }
     }
 
@@ -324,8 +337,7 @@ impl RecordedSession {
             if is_over {
                 self.journal = None;
             } else if self.given > FULL {
-                "a session cannot last longer: it is ended and kept; record another one"
-                    .clone_into(&mut self.notice);
+                self.notice = Some(Said::of("session", &Notice::Full));
                 self.published = None;
                 // The clock has no part in it.
                 self.handle(Millis(0), Input::Action(Action::Finish));
@@ -334,12 +346,8 @@ impl RecordedSession {
         let view = self.session.view();
         if self.published.as_ref() != Some(&view) {
             self.published = Some(view.clone());
-            let texts = [&self.trouble, &self.notice];
-            let trouble = texts.into_iter().find(|text| !text.is_empty());
-            outputs.push(Output::Event(Event::Session {
-                view,
-                trouble: trouble.cloned().unwrap_or_default(),
-            }));
+            let trouble = self.trouble.as_ref().or(self.notice.as_ref()).cloned();
+            outputs.push(Output::Event(Event::Session { view, trouble }));
         }
         files
     }

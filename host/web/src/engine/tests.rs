@@ -187,7 +187,11 @@ fn run(engine: &mut Engine, from: u32, to: u32) -> Vec<Output> {
 /// Phase, reason and trouble of the newest view.
 fn view(outputs: &[Output]) -> (&'static str, Option<HoldReason>, &str) {
     let view = outputs.iter().rev().find_map(|output| match output {
-        Output::Event(Event::Session { view, trouble }) => Some((view.phase, view.why, &**trouble)),
+        Output::Event(Event::Session { view, trouble }) => Some((
+            view.phase,
+            view.why,
+            trouble.as_ref().map_or("", |trouble| &trouble.text),
+        )),
         _ => None,
     });
     view.unwrap()
@@ -216,7 +220,7 @@ fn what_becomes_of_the_journal_holds_the_session_and_is_told() {
     assert!(first.begins && !first.is_over && first.journal.contains("anna"));
     assert_eq!(first.name, "anna_20250615T150641Z_quick");
     // It cannot be begun: the session waits as before.
-    engine.stored(1000.0, Stored::Refused("no folder".to_owned()));
+    engine.stored(1000.0, Stored::Refused(Said::plain("no folder")));
     assert_eq!(view(&engine.take()), ("waiting", None, "no folder"));
     run(&mut engine, 1010, 1100);
     wish(&mut engine, 1100.0, 1, "begin");
@@ -224,7 +228,7 @@ fn what_becomes_of_the_journal_holds_the_session_and_is_told() {
     assert!(lines(&written).count() > 5 && lines(&written).all(|lines| !lines.begins));
     // The disk is full, and has room again.
     for why in ["full", "still full"] {
-        engine.stored(2000.0, Stored::Failed(HoldReason::Disk, why.to_owned()));
+        engine.stored(2000.0, Stored::Failed(HoldReason::Disk, Said::plain(why)));
     }
     let held = ("held", Some(HoldReason::Disk), "full");
     assert_eq!(view(&engine.take()), held);
@@ -232,7 +236,7 @@ fn what_becomes_of_the_journal_holds_the_session_and_is_told() {
     assert_eq!(view(&engine.take()), ("held", Some(HoldReason::Disk), ""));
     wish(&mut engine, 2010.0, 1, "begin");
     // It was moved, which is told until the person goes on.
-    engine.stored(2020.0, Stored::Anew("moved".to_owned()));
+    engine.stored(2020.0, Stored::Anew(Said::plain("moved")));
     let held = ("held", Some(HoldReason::Gone), "moved");
     assert_eq!(view(&engine.take()), held);
     let gone_on = wish(&mut engine, 2030.0, 1, "begin");
@@ -262,13 +266,16 @@ fn the_first_viewer_who_asks_leads_until_it_leaves_and_the_session_waits() {
     let mut engine = recording_engine();
     let refused = |outputs: &[Output]| {
         outputs.iter().find_map(|output| match output {
-            Output::Answer(viewer, Event::Refused { text, .. }) => Some((*viewer, *text)),
+            Output::Answer(viewer, refused) => Some((*viewer, refused.clone())),
             _ => None,
         })
     };
     wish(&mut engine, 1000.0, 1, "begin");
     let watched = wish(&mut engine, 1000.0, 2, "finish");
-    assert_eq!(refused(&watched), Some((2, WATCHES)));
+    assert_eq!(
+        refused(&watched),
+        Some((2, Event::refused(NotDone::Watches)))
+    );
     engine.left(1010.0, 2);
     assert_eq!(engine.take(), []);
     engine.left(1010.0, 1);
@@ -290,8 +297,8 @@ fn an_unattended_session_begins_goes_on_and_ends_with_its_trouble() {
     run(&mut engine, 0, 100);
     assert_eq!(engine.lead_unattended(100.0), Ok(false));
     assert_eq!(view(&engine.take()).0, "ready");
-    engine.stored(100.0, Stored::Failed(HoldReason::Disk, "full".to_owned()));
-    assert_eq!(engine.lead_unattended(100.0), Err("full".to_owned()));
+    engine.stored(100.0, Stored::Failed(HoldReason::Disk, Said::plain("full")));
+    assert_eq!(engine.lead_unattended(100.0), Err(Said::plain("full")));
     engine.stored(100.0, Stored::Written);
     engine.finish(100.0);
     engine.take();
@@ -315,9 +322,12 @@ fn a_board_is_told_a_placement_once_its_port_is_open() {
     let line = Command::Align(set).to_string();
     assert_eq!(place(&mut engine, 2), [Output::Line { line }]);
     // There are eight places, and no session.
-    let refused = |outputs: &[Output], why| matches!(outputs, [Output::Answer(1, Event::Refused { text, .. })] if *text == why);
-    assert!(refused(&place(&mut engine, 8), UNKNOWN));
-    assert!(refused(&wish(&mut engine, 0.0, 1, "begin"), NO_SESSION));
+    let refused = |outputs: &[Output], why| *outputs == [Output::Answer(1, Event::refused(why))];
+    assert!(refused(&place(&mut engine, 8), NotDone::Unknown));
+    assert!(refused(
+        &wish(&mut engine, 0.0, 1, "begin"),
+        NotDone::NoSession
+    ));
 }
 
 /// Answers the commands of the outputs as a board with the shipped model does. Returns the states of the installation, and the
@@ -368,7 +378,13 @@ fn an_installation_waits_for_the_board_goes_on_after_a_loss_and_says_how_it_ends
     let refused = engine.install(0.0, &file[..999]);
     assert_eq!(refused, Ok(()));
     let state = |outputs: &[Output]| match outputs {
-        [Output::Event(Event::Installing(state))] => (state.state, state.text.clone()),
+        [Output::Event(Event::Installing(state))] => (
+            state.state,
+            state
+                .why
+                .as_ref()
+                .map_or(String::new(), ToString::to_string),
+        ),
         outputs => panic!("{outputs:?}"),
     };
     let (failed, why) = state(&engine.take());
@@ -386,7 +402,7 @@ fn an_installation_waits_for_the_board_goes_on_after_a_loss_and_says_how_it_ends
         let (states, begins) = answer(&mut engine, begun, Ok(InstallationProgress::Next(0)));
         assert_eq!(begins, 1);
         assert!(states.iter().all(|state| state.state == "running"));
-        engine.port(begun, Err(("pulled".to_owned(), Vec::new())));
+        engine.port(begun, Err((Said::plain("pulled"), Vec::new())));
         engine.take();
     }
     engine.port(61_000.0, Ok(()));
@@ -396,7 +412,7 @@ fn an_installation_waits_for_the_board_goes_on_after_a_loss_and_says_how_it_ends
     // A board that is lost for good is given up, and one that refuses has its words.
     engine.install(62_000.0, &file).unwrap();
     answer(&mut engine, 62_000.0, Ok(InstallationProgress::Next(0)));
-    engine.port(62_000.0, Err(("pulled".to_owned(), Vec::new())));
+    engine.port(62_000.0, Err((Said::plain("pulled"), Vec::new())));
     engine.take();
     engine.tick(93_000.0);
     assert_eq!(state(&engine.take()).0, "failed");
@@ -404,7 +420,9 @@ fn an_installation_waits_for_the_board_goes_on_after_a_loss_and_says_how_it_ends
     engine.install(94_000.0, &file).unwrap();
     let (states, _) = answer(&mut engine, 94_000.0, Err(Refusal::Length));
     let last = states.last().unwrap();
-    assert!(last.text.starts_with("the board refuses: "), "{last:?}");
+    let why = last.why.as_ref().unwrap();
+    assert!(why.text.starts_with("the board refuses: "), "{why}");
+    assert_eq!(why.name, "board.refused");
 }
 
 #[test]
@@ -460,16 +478,16 @@ fn a_session_that_a_page_keeps_takes_no_work_of_a_program() {
     );
     for wish in ["tune", "install"] {
         let outputs = said(&format!(r#"{{"do":"session","wish":"{wish}"}}"#));
-        assert!(matches!(
-            &outputs[..],
-            [Output::Answer(1, Event::Refused { text: UNKNOWN, .. })]
-        ));
+        assert_eq!(
+            outputs,
+            [Output::Answer(1, Event::refused(NotDone::Unknown))]
+        );
     }
     let refused = said(r#"{"do":"bind"}"#);
-    assert!(matches!(
-        &refused[..],
-        [Output::Answer(1, Event::Refused { text: NO_BOARD, .. })]
-    ));
+    assert_eq!(
+        refused,
+        [Output::Answer(1, Event::refused(NotDone::NoBoard))]
+    );
 }
 
 /// Lets a simulated board run, and returns the events of so many seconds.

@@ -246,6 +246,9 @@ fn a_file_that_no_board_can_run_is_refused_before_anything_is_sent() {
         b"",
         b"a file",
     ] {
-        assert!(matches!(ModelFile::new(wrong), Err(InstallError::Unfit(_))));
+        assert!(matches!(
+            ModelFile::new(wrong),
+            Err(InstallError::Unfit { .. })
+        ));
     }
 }

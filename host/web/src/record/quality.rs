@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 
 use crate::outcome::FindingText;
+use crate::said::Said;
+use serde::Serialize;
 use shared::units::{CHANNELS, SAMPLE_PERIOD_MS};
 
 use super::assembly::{AssembledRecording, Assembly};
@@ -24,7 +26,8 @@ const MANY_LOSSES: f64 = 0.1;
 const LEAST_CONTRAST: f64 = 0.4;
 
 /// Flaw of a session.
-#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+#[derive(Clone, PartialEq, Debug, Serialize, thiserror::Error)]
+#[serde(tag = "name", rename_all = "kebab-case")]
 pub enum Finding {
     /// No sample was recorded.
     #[error("nothing was recorded")]
@@ -148,7 +151,7 @@ impl From<&Finding> for FindingText {
     fn from(finding: &Finding) -> Self {
         Self {
             severity: finding.severity(),
-            text: finding.to_string(),
+            said: Said::of("finding", finding),
             advice: finding.advice(),
         }
     }

@@ -1,5 +1,6 @@
 //! Errors of tuning a model on a person's recordings.
 
+use serde::Serialize;
 use shared::model::file::ModelError;
 use thiserror::Error;
 
@@ -8,7 +9,8 @@ use evaluation::EvaluationError;
 use execution::run_folder::RunError;
 
 /// Why a model cannot be tuned on a person's recordings.
-#[derive(Debug, Error)]
+#[derive(Debug, Serialize, Error)]
+#[serde(tag = "name", rename_all = "kebab-case")]
 #[expect(missing_docs, reason = "the messages say it")]
 pub enum PersonalizeError {
     #[error("the recordings are of {}: name the person with --subject", .found.join(", "))]
@@ -53,26 +55,39 @@ pub enum PersonalizeError {
     #[error(
         "the model has no class for other movement, so no margin over it: give a model with one, or leave --other-per-minute out"
     )]
+    #[serde(skip)]
     NoOtherClass,
     #[error(
         "no other movement is held back, so its margin cannot be chosen: record other movement, or leave --other-per-minute out"
     )]
+    #[serde(skip)]
     NoOthers,
     #[error(
         "other movement raises {found:.1} labels a minute of what is held back at the highest margin, at most {wanted} are wanted. Nothing was written, go on with the old model"
     )]
+    #[serde(skip)]
     OtherPerMinute { wanted: f64, found: f64 },
     #[error("{0}. Nothing was written, go on with the old model")]
     Exchanged(Exchange),
     #[error("interrupted; nothing was written")]
     Interrupted,
     #[error("the model file is refused")]
-    Model(#[from] ModelError),
+    Model(
+        #[from]
+        #[serde(skip)]
+        ModelError,
+    ),
     #[error("the tuned weights make no model file; nothing was written")]
-    Tuned(#[source] ModelError),
+    Tuned(
+        #[source]
+        #[serde(skip)]
+        ModelError,
+    ),
     #[error(transparent)]
+    #[serde(skip)]
     Training(RunError),
     #[error(transparent)]
+    #[serde(skip)]
     Judgement(#[from] StepError),
 }
 
@@ -94,8 +109,21 @@ impl PersonalizeError {
     }
 }
 
+/// Doubt about the recordings of a person.
+#[derive(Clone, PartialEq, Debug, Serialize, Error)]
+#[serde(tag = "name", rename_all = "kebab-case")]
+#[expect(missing_docs, reason = "the messages say it")]
+pub enum Doubt {
+    #[error("{0}")]
+    Exchanged(Exchange),
+    #[error(
+        "the model before is hardly better than always saying relax on these recordings: look at them with `myointent data inspect`, above all at their scale, at hum and at the labels"
+    )]
+    ConstantBefore,
+}
+
 /// Two classes whose labels seem exchanged.
-#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+#[derive(Clone, PartialEq, Debug, Serialize, Error)]
 #[error(
     "{} and {} seem exchanged{}: with the two exchanged the model before has {exchanged:.2} balanced accuracy instead of {before:.2}. Exchange the two in the labels. If the labels are right, the armband sits turned half way round: turn it, or align it (docs/alignment.md), and record again",
     .classes[0], .classes[1], within(.recordings)

@@ -14,7 +14,7 @@ mod tuning;
 use burn::tensor::Device;
 use shared::model::file::Model;
 
-pub use self::error::{Exchange, PersonalizeError};
+pub use self::error::{Doubt, Exchange, PersonalizeError};
 use self::exchange::exchange;
 use self::judgement::Judgement;
 pub use self::judgement::judge;
@@ -29,9 +29,6 @@ use execution::interrupt::Interrupt;
 use execution::progress;
 use recordings::Library;
 
-/// Warning about a model that does not understand the person before it is tuned.
-const CONSTANT_BEFORE: &str = "the model before is hardly better than always saying relax on these recordings: look at them with `myointent data inspect`, above all at their scale, at hum and at the labels";
-
 /// Result of a personalization.
 #[derive(Clone, Debug)]
 pub struct Personalized {
@@ -45,8 +42,8 @@ pub struct Personalized {
     pub tuned_seconds: f64,
     /// Seconds of the part that was held back.
     pub judged_seconds: f64,
-    /// Doubts about the recordings, in words; empty if there are none.
-    pub doubt: String,
+    /// Doubts about the recordings.
+    pub doubts: Vec<Doubt>,
     /// Scores on the part held back: the old model, the new one, and always relax.
     pub scores: [Score; 3],
 }
@@ -98,10 +95,10 @@ pub fn personalize(
         None => before,
     };
     let (old, constant) = (before.score()?, before.constant()?);
-    let constant_before = is_constant(&old, &constant).then(|| CONSTANT_BEFORE.to_owned());
-    let doubts = [exchanged.map(|found| found.to_string()), constant_before];
-    let doubt = doubts.into_iter().flatten().collect::<Vec<_>>().join("; ");
-    if !doubt.is_empty() {
+    let constant_before = is_constant(&old, &constant).then_some(Doubt::ConstantBefore);
+    let doubts = [exchanged.map(Doubt::Exchanged), constant_before];
+    let doubts: Vec<_> = doubts.into_iter().flatten().collect();
+    for doubt in &doubts {
         progress::log(&format!("warning: {doubt}"));
     }
     // A single part is tuned on and judged; of several, each is judged by a model of the others, and the new model learns from all.
@@ -146,7 +143,7 @@ pub fn personalize(
         tuned_seconds: tuned.seconds(),
         judged_seconds,
         bytes,
-        doubt,
+        doubts,
         scores,
     })
 }

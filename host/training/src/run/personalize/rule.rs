@@ -1,5 +1,6 @@
 //! Rule that chooses between the old model and the new one.
 
+use serde::Serialize;
 use thiserror::Error;
 
 use evaluation::metric::event::activation::Rate;
@@ -20,7 +21,8 @@ const MORE_AT_REST: f64 = 2.0;
 const MORE_RAISED: f64 = 0.1;
 
 /// Why the new model is not written.
-#[derive(Clone, Copy, PartialEq, Debug, Error)]
+#[derive(Clone, Copy, PartialEq, Debug, Serialize, Error)]
+#[serde(tag = "name", rename_all = "kebab-case")]
 #[expect(missing_docs, reason = "the messages say it")]
 pub enum Worse {
     #[error(
