@@ -23,6 +23,21 @@ const SETTINGS: Settings<'static> = Settings {
 };
 const ADDRESS: &str = "FA:12:34:56:78:9A";
 
+/// Request for a task, and the notification with which an armband's wearer makes it: labels are valid.
+const PLAY: &[u8] = br#"{"do":"blocks","begin":true}"#;
+const PLAYED_AFTER: usize = 350;
+
+/// States of a task, one after another, and the number of its blocks.
+fn played<'e>(events: impl IntoIterator<Item = &'e Event>) -> (Vec<&'static str>, u32) {
+    let played = events.into_iter().filter_map(|event| match event {
+        Event::Blocks { state, moved, .. } => Some((*state, *moved)),
+        _ => None,
+    });
+    let (mut states, moved): (Vec<_>, Vec<_>) = played.unzip();
+    states.dedup();
+    (states, moved.last().copied().unwrap_or_default())
+}
+
 /// Follows the armband of an address until it has sent all of its samples. The link is lost once after so many notifications, if it
 /// is to be. Returns the events, and the radio's actions.
 fn followed(imu: bool, samples: &[Sample], lost_after: Option<usize>) -> (Vec<Event>, Vec<Action>) {
@@ -40,6 +55,9 @@ fn followed(imu: bool, samples: &[Sample], lost_after: Option<usize>) -> (Vec<Ev
                 break;
             };
             armband.notify(*pair);
+            if sent == PLAYED_AFTER {
+                engine.request(now, PLAY, &[]);
+            }
             if lost_after == Some(sent) {
                 armband.lose();
             }
@@ -87,6 +105,7 @@ fn an_armband_is_followed_and_labelled_as_on_a_board_and_found_again_when_it_is_
     let samples = recording();
     let half = samples.len() / 4;
     let (events, taken) = followed(false, &samples, Some(half));
+    assert_eq!(played(&events).0, ["running", "interrupted"]);
     let (mut emg, mut shown, mut connected) = (Vec::new(), Vec::new(), Vec::new());
     for event in events {
         match event {
@@ -141,6 +160,32 @@ fn an_armband_is_followed_and_labelled_as_on_a_board_and_found_again_when_it_is_
     assert_eq!(taken.iter().filter(connects).count(), 2);
     // At its first advertisement.
     assert_eq!(taken[..2], [Action::Scan, Action::StopScan]);
+}
+
+#[test]
+fn whoever_was_recorded_has_a_score() {
+    let options = SynthOptions {
+        subjects: 1,
+        recordings: 1,
+        seconds: 60,
+        ..SynthOptions::default()
+    };
+    let mut engine = Engine::default();
+    let own = synthetic::generate(&options).remove(0);
+    engine.replay(&SETTINGS, own).unwrap();
+    run(&mut engine, 0, 4000);
+    engine.request(4000.0, PLAY, &[]);
+    let outputs = run(&mut engine, 4000, 80_000);
+    let events = outputs.iter().filter_map(|output| match output {
+        Output::Event(event) => Some(event),
+        _ => None,
+    });
+    let (states, moved) = played(events);
+    assert_eq!(
+        (states, moved > 1),
+        (vec!["running", "done"], true),
+        "{moved}"
+    );
 }
 
 #[test]
@@ -611,6 +656,15 @@ fn a_simulated_board_takes_every_step_of_a_board_over_its_line() {
     say(&mut engine, now, r#"{"do":"calibrate","wish":"forget"}"#);
     let events = seconds(&mut engine, &mut now, 2);
     assert_eq!(calibrated(&events), (vec!["keeping", "idle"], false));
+
+    // Its wearer plays.
+    say(&mut engine, now, r#"{"do":"blocks","begin":true}"#);
+    let (states, moved) = played(&seconds(&mut engine, &mut now, 75));
+    assert_eq!(
+        (states, moved > 5),
+        (vec!["running", "done"], true),
+        "{moved}"
+    );
 
     // A pairing takes 30 s, in which nothing streams.
     say(&mut engine, now, r#"{"do":"bind"}"#);
