@@ -31,9 +31,9 @@ const EARLY: usize = 100;
 /// Samples after a cue until which the muscle must follow it: 1.5 s.
 const LATE: usize = 300;
 
-/// Reaction of a muscle to a cue.
+/// Response of a muscle to a cue.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Reaction {
+pub enum Response {
     /// The muscle followed, this many samples after the cue.
     Followed(i32),
     /// The muscle hardly rose above rest.
@@ -49,8 +49,8 @@ pub struct Hold {
     pub samples: Range<usize>,
     /// The gestures, with the first sample of each.
     pub gestures: Vec<(usize, Motion)>,
-    /// Reaction of the muscle.
-    pub reaction: Reaction,
+    /// Response of the muscle.
+    pub response: Response,
     /// Samples for which the muscle was active because of the cue, if it followed.
     pub active: Option<Range<usize>>,
     /// Rise of the muscle above rest for each gesture: natural logarithm of the ratio of amplitudes.
@@ -124,15 +124,15 @@ impl Segment {
         motions: &mut [Motion],
     ) -> Hold {
         let activity = activity(&samples[self.from..self.to]);
-        let (reaction, active) = match &activity {
-            None => (Reaction::Weak, None),
+        let (response, active) = match &activity {
+            None => (Response::Weak, None),
             Some(activity) if cued.iter().any(|run| run.label == Motion::OTHER) => {
                 self.during(activity)
             }
             Some(activity) => self.followed(activity),
         };
-        let late = match reaction {
-            Reaction::Followed(late) => usize::try_from(late).unwrap_or(0),
+        let late = match response {
+            Response::Followed(late) => usize::try_from(late).unwrap_or(0),
             _ => 0,
         };
         let gestures: Vec<(usize, Motion)> =
@@ -161,13 +161,13 @@ impl Segment {
             samples: self.hold.clone(),
             contrasts: cued.iter().map(contrast).collect(),
             gestures,
-            reaction,
+            response,
             active,
         }
     }
 
-    /// Reaction of the muscle, and the samples for which it was active because of the cue.
-    fn followed(&self, activity: &[Activity]) -> (Reaction, Option<Range<usize>>) {
+    /// Response of the muscle, and the samples for which it was active because of the cue.
+    fn followed(&self, activity: &[Activity]) -> (Response, Option<Range<usize>>) {
         let is_active = |at: &usize| activity[at - self.from] == Activity::Active;
         let first = self.hold.start.saturating_sub(EARLY).max(self.from);
         let last = (self.hold.start + LATE).min(self.hold.end);
@@ -176,18 +176,18 @@ impl Segment {
         // A muscle that is active before this time already does not follow the cue.
         let onset = onset.filter(|&at| at > first || first == self.from && self.from == 0);
         let (Some(onset), true) = (onset, 2 * inside >= self.hold.len()) else {
-            return (Reaction::Elsewhere, None);
+            return (Response::Elsewhere, None);
         };
         let late = onset as i64 - self.hold.start as i64;
         let late = i32::try_from(late).unwrap_or(0);
         let end = self.released(onset, activity);
-        (Reaction::Followed(late), Some(onset..end))
+        (Response::Followed(late), Some(onset..end))
     }
 
-    /// Reaction to a cue that may be followed at any time.
-    fn during(&self, activity: &[Activity]) -> (Reaction, Option<Range<usize>>) {
+    /// Response to a cue that may be followed at any time.
+    fn during(&self, activity: &[Activity]) -> (Response, Option<Range<usize>>) {
         let end = self.released(self.hold.start, activity);
-        (Reaction::Followed(0), Some(self.hold.start..end))
+        (Response::Followed(0), Some(self.hold.start..end))
     }
 
     /// Sample after the activity that begins within the cue, at `onset` or later.
@@ -308,7 +308,7 @@ mod tests {
             }
             assert_eq!(found.holds.len(), late.len(), "{:?}", found.holds);
             for (hold, &late) in found.holds.iter().zip(late) {
-                let Reaction::Followed(found) = hold.reaction else {
+                let Response::Followed(found) = hold.response else {
                     panic!("{hold:?}");
                 };
                 assert!(found.abs_diff(late) <= 10, "{hold:?}");
@@ -326,14 +326,14 @@ mod tests {
         let cues = cues(&[(R, 600), (O, 700), (R, 800)]);
         for loud in [1250..1700, 300..1000, 700..900] {
             let found = follow(&muscle(cues.len(), std::slice::from_ref(&loud)), &cues);
-            assert_eq!(found.holds[0].reaction, Reaction::Elsewhere, "{loud:?}");
+            assert_eq!(found.holds[0].response, Response::Elsewhere, "{loud:?}");
             let gesture = found.motions.iter().filter(|motion| **motion == O).count();
             assert_eq!(gesture, 0, "{loud:?}");
         }
         let point = Motion::Other(MovementKind::Point);
         let cues = self::cues(&[(R, 600), (point, 4000), (R, 600)]);
         let found = follow(&muscle(cues.len(), &[2000..2600, 3500..4700]), &cues);
-        assert_eq!(found.holds[0].reaction, Reaction::Elsewhere);
+        assert_eq!(found.holds[0].response, Response::Elsewhere);
     }
 
     proptest::proptest! {

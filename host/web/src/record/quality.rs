@@ -10,7 +10,7 @@ use shared::units::{CHANNELS, SAMPLE_PERIOD_MS};
 use super::assembly::{AssembledRecording, Assembly};
 use recordings::Severity;
 use recordings::examiner::electrodes::{SATURATED, SILENT, levels, saturation};
-use recordings::labels::cued::Reaction;
+use recordings::labels::cued::Response;
 use recordings::labels::motion::Motion;
 use recordings::runs;
 use recordings::statistics::median;
@@ -232,11 +232,11 @@ fn gestures(assembly: &Assembly, asked: &[Motion], findings: &mut Vec<Finding>) 
             for (_, &contrast) in cued.filter(|((_, own), _)| *own == motion) {
                 of += 1;
                 contrasts.push(contrast);
-                match hold.reaction {
+                match hold.response {
                     // A cue for whatever the person does has no delay.
-                    Reaction::Followed(_) if motion == Motion::OTHER => {}
-                    Reaction::Followed(samples) => late.push(f64::from(samples)),
-                    Reaction::Weak | Reaction::Elsewhere => unfollowed += 1,
+                    Response::Followed(_) if motion == Motion::OTHER => {}
+                    Response::Followed(samples) => late.push(f64::from(samples)),
+                    Response::Weak | Response::Elsewhere => unfollowed += 1,
                 }
             }
         }
