@@ -238,6 +238,7 @@ impl Content {
             file.put_model(checked.bytes()).map_err(|_| {
                 BoardError::from(InstallError::Long {
                     length: model.len(),
+                    room: MODEL_REGION.len(),
                 })
             })?;
         }

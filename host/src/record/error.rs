@@ -8,7 +8,7 @@ use execution::run_folder::RunError;
 use recordings::LoadError;
 use serde::Serialize;
 use web::record::journal::FORMAT;
-use web::said::{Said, as_text, os};
+use web::said::{Said, as_chain, chain, os};
 
 /// Error of a journal or the recordings made of it.
 #[derive(Debug, Serialize, thiserror::Error)]
@@ -44,6 +44,7 @@ pub enum RecordError {
     },
     /// The journal is longer than any that this program records.
     #[error("{} has {found} bytes, expected at most {} MiB: it is left as it is, and no recording is made of it", path.display(), LARGEST >> 20)]
+    #[serde(skip)]
     Large {
         /// The journal.
         path: PathBuf,
@@ -52,6 +53,7 @@ pub enum RecordError {
     },
     /// The journal has another format version.
     #[error("{}: format {found}, this program reads up to {FORMAT}: use the program that wrote it, version {version}", path.display())]
+    #[serde(skip)]
     Format {
         /// The journal.
         path: PathBuf,
@@ -97,12 +99,12 @@ pub enum RecordError {
         found: PathBuf,
     },
     /// A recording cannot be written.
-    #[error("{}: the recordings cannot be written ({error}). Nothing is lost: free the disk, then start `myointent record` for this person again", journal.display())]
+    #[error("{}: the recordings cannot be written ({}). Nothing is lost: free the disk, then start `myointent record` for this person again", journal.display(), chain(error))]
     Write {
         /// The journal.
         journal: PathBuf,
         /// Error of the write.
-        #[serde(serialize_with = "as_text")]
+        #[serde(serialize_with = "as_chain")]
         error: RunError,
     },
     /// A recording's name is taken by another file.

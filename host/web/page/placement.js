@@ -2,7 +2,7 @@
 
 import { find, write } from "./dom.js";
 import { keep, kept } from "./stored.js";
-import { fixed, named, t } from "./texts.js";
+import { capital, fixed, named, t } from "./texts.js";
 
 /** Labels in gestures that are compared, at least: 3 s of them. The first ones after a change may belong to before. */
 const ENOUGH = 30;
@@ -36,7 +36,6 @@ function remembered(placed) {
   return change && same(change.placed, placed) ? change.before : null;
 }
 
-const sentence = (text) => `${text[0].toUpperCase()}${text.slice(1)}`;
 
 /** What is in force, and what came of an alignment, as a sentence. */
 function said(message) {
@@ -49,7 +48,7 @@ function said(message) {
     case "set": case "in-force": case "disconnected":
       return placed ? t("said.in.force", { placement: placed }) : t("not.aligned");
     default:
-      return sentence(placed ? `${placed}; ${outcome(message)}` : outcome(message));
+      return capital(placed ? `${placed}; ${outcome(message)}` : outcome(message));
   }
 }
 

@@ -1,7 +1,7 @@
 // Result of a session: whether it is good enough, why not, and what comes next.
 
 import { button, find, made, write } from "./dom.js";
-import { fixed, named, said, t } from "./texts.js";
+import { capital, fixed, named, said, t } from "./texts.js";
 
 /** A command with what it does, and a button that copies it; without leave to, it is selected. */
 function command(text, what) {
@@ -43,7 +43,7 @@ const HEADLINES = { better: t("better"), worse: t("worse.model") };
 const RATES = ["at-rest", "in-others"];
 
 /** What is said of a tuning. */
-function tuned({ state, why, steps, of, rows, tuned_seconds, judged_seconds, file, doubts }) {
+export function tuned({ state, why, steps, of, rows, tuned_seconds, judged_seconds, file, doubts }) {
   if (state === "running") {
     return t(steps === of ? "tuning.judged" : "tuning.steps");
   }
@@ -60,14 +60,15 @@ function tuned({ state, why, steps, of, rows, tuned_seconds, judged_seconds, fil
     t("tuned.on", { judged: fixed(judged_seconds, 0), tuned: fixed(tuned_seconds, 0) }),
     ...halves,
     file ? t("tuned.file", { file }) : t("tuned.nothing"),
-    ...doubts.map((doubt) => `${said(doubt)}.`),
+    ...doubts.map((doubt) => `${capital(said(doubt))}.`),
   ].join(" ");
 }
 
 /** What is said of an installation: a word, and a sentence. */
-export function installation({ state, why, model }) {
+export function installation({ state, why, goes_on, model }) {
   const done = () => t(isBoard() ? "installed.board" : "installed.here", { model });
-  const text = why ? t("install.again", { why: said(why) }) : state === "done" ? done() : t("installing.safe");
+  const failed = () => (goes_on ? t("install.again", { why: said(why) }) : said(why));
+  const text = why ? failed() : state === "done" ? done() : t("installing.safe");
   return [t(`installing.${state}`), text];
 }
 

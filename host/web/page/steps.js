@@ -3,7 +3,7 @@
 import { find, made, write } from "./dom.js";
 import { outcome, placement } from "./placement.js";
 import { keep, kept } from "./stored.js";
-import { fixed, said, t } from "./texts.js";
+import { capital, fixed, said, t } from "./texts.js";
 
 const FOLLOWS = ["bound", "built-in", "strongest"];
 const ALIGNED = ["aligned", "set"];
@@ -11,7 +11,6 @@ const FAILED = ["poor-distance", "poor-margin", "timeout", "cancelled", "unavail
 
 const SKIPPED = "alignment is skipped";
 
-const sentence = (text) => `${text[0].toUpperCase()}${text.slice(1)}.`;
 
 export class Steps {
   /** The newest message of each of these types. */
@@ -130,13 +129,13 @@ export class Steps {
       return null;
     }
     if (alignment?.state === "waiting") {
-      return [t("ask.open"), sentence(outcome(alignment)), ["align-now", "skip"], null];
+      return [t("ask.open"), `${capital(outcome(alignment))}.`, ["align-now", "skip"], null];
     }
     if (!report?.valid) {
       const followed = binding?.armband ? `${t("ask.follows", { address: binding.armband })} ` : "";
       return [t("ask.put.on"), followed + t("ask.put.on.how"), binding ? ["bind"] : [], null];
     }
-    const before = FAILED.includes(alignment?.state) ? `${sentence(outcome(alignment))} ` : "";
+    const before = FAILED.includes(alignment?.state) ? `${capital(outcome(alignment))}. ` : "";
     return alignment?.state === "unavailable"
       ? [t("ask.unavailable"), before, ["skip"], "skip"]
       : [t("ask.align"), before + t("ask.align.how"), ["align-now", "skip"], "align-now"];

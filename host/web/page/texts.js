@@ -32,19 +32,35 @@ export function t(key, parts = {}) {
   return filled(parts.n === 1 ? one : several ?? one, parts);
 }
 
+/** A text that begins with a capital letter. */
+export const capital = (text) => `${text[0].toUpperCase()}${text.slice(1)}`;
+
 /** Text of a key, or the name itself if the table does not have it: what another version of the program sends. */
 export const named = (kind, name) => (`${kind}.${name}` in TABLES[language] ? t(`${kind}.${name}`) : name);
 
 /** What the program says, by the names of its messages; in English its own words are shown. */
 const SAID = language === "de" ? GERMAN_PROGRAM : {};
 
-/** A value of a message: another message, names, or a number. */
-const value = (own) => (Array.isArray(own) ? own.map(value).join(", ") || SAID["value.all"] : typeof own === "string" ? SAID[`value.${own}`] ?? named("class", own) : own?.text ? said(own) : own);
+/** Fields of messages whose values are names of classes. */
+const CLASSES = ["class", "classes", "expected", "missing", "recorded"];
+
+/** A value of a message in the language of the page: another message, names in a row, or what has a name in a table. */
+function value(field, own) {
+  if (Array.isArray(own)) {
+    return own.map((one) => value(field, one)).join(own.length === 2 ? SAID.and : ", ") || SAID[`${field}.`];
+  }
+  if (own?.text) {
+    return said(own);
+  }
+  const table = CLASSES.includes(field) ? "class" : field;
+  return typeof own === "string" ? SAID[`${field}.${own}`] ?? named(table, own) : own;
+}
 
 /** What the program says, in the language of the page: a message with its English, and a name and values that a language has words for. */
 export function said({ text, name, ...values }) {
-  const parts = Object.entries(values).map(([key, own]) => [key, value(own)]);
-  return SAID[name] ? filled(SAID[name], Object.fromEntries(parts)) : text;
+  const parts = Object.entries(values).map(([field, own]) => [field, value(field, own)]);
+  const isWhole = name in SAID && parts.every(([, own]) => own !== null);
+  return isWhole ? filled(SAID[name], Object.fromEntries(parts)) : text;
 }
 
 /** Writes the texts of elements that name them: their content, title and name for a screen reader. */

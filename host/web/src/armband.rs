@@ -179,13 +179,18 @@ impl Armband {
             Phase::Disconnecting | Phase::BackingOff => Some(State::Lost),
             Phase::Idle | Phase::Unbound | Phase::Scanning => Some(State::Looking),
         };
-        let steps = [Step::Wear, Step::Charge, Step::End].map(|step| Said::of("wear", &step));
+        let steps = if self.streams {
+            Vec::new()
+        } else {
+            let steps = [Step::Wear, Step::Charge, Step::End];
+            steps.map(|step| Said::of("wear", &step)).into()
+        };
         let source = Event::Source {
             kind: "bluetooth",
             name: armband.clone().unwrap_or_else(|| "any armband".to_owned()),
             connected: self.streams,
             detail: detail.map(|state| Said::of("armband", &state)),
-            steps: steps.into_iter().filter(|_| !self.streams).collect(),
+            steps,
         };
         let board = Event::Board {
             version: env!("CARGO_PKG_VERSION").to_owned(),

@@ -98,9 +98,7 @@ impl Board {
     pub fn install(&mut self, now: Millis, file: &[u8], emit: &mut dyn FnMut(Event)) {
         match ModelFile::new(file) {
             Ok(file) => self.dialogue.install(Installer::new(file, now)),
-            Err(error) => emit(Event::Installing(InstallationState::failed(Said::of(
-                "board", &error,
-            )))),
+            Err(error) => emit(Event::Installing(InstallationState::failed(&error))),
         }
     }
 
@@ -221,5 +219,5 @@ pub fn silent(port: &str) -> Vec<Said> {
         Step::Firmware,
     ]
     .map(|step| Said::of("silent", &step))
-    .to_vec()
+    .into()
 }

@@ -358,7 +358,7 @@ impl Engine {
         let scored = match ScoredPipeline::open(file) {
             Ok(scored) => scored,
             Err(error) => {
-                emit(Event::Installing(InstallationState::failed(Said::of(
+                emit(Event::Installing(InstallationState::refused(Said::of(
                     "model", &error,
                 ))));
                 return Ok(());

@@ -58,15 +58,23 @@ pub enum InstallError {
         /// Number of times the installation was begun without progress.
         begins: u32,
     },
-    /// The board says that the model is installed, but runs another one, or none.
+    /// The board says that the model is installed, but runs another one.
     #[error(
         "the board says that all is installed, but runs model {found}, expected {expected}: close every other program that uses the port"
     )]
     OtherModel {
         /// CRC-32 of the file.
         expected: String,
-        /// CRC-32 of the board's model, or `none`.
+        /// CRC-32 of the board's model.
         found: String,
+    },
+    /// The board says that the model is installed, but runs none.
+    #[error(
+        "the board says that all is installed, but runs none, expected {expected}: close every other program that uses the port"
+    )]
+    NoModel {
+        /// CRC-32 of the file.
+        expected: String,
     },
     /// The file is not a model file, or no board has room for the model.
     #[error("no board can run this file, and nothing was sent: {reason}")]
@@ -78,20 +86,28 @@ pub enum InstallError {
     },
     /// The file is longer than a board's flash region.
     #[error(
-        "{length} bytes, a board has room for {}, and nothing was sent: train a smaller model",
-        MODEL_REGION.len()
+        "{length} bytes, a board has room for {room}, and nothing was sent: train a smaller model"
     )]
     Long {
         /// Length of the file in bytes.
         length: usize,
+        /// Length of the region in bytes.
+        room: usize,
     },
 }
 
+impl InstallError {
+    /// Whether another installation goes on where this one ended.
+    pub const fn goes_on(&self) -> bool {
+        !matches!(
+            self,
+            Self::Model { .. } | Self::Unfit { .. } | Self::Long { .. }
+        )
+    }
+}
+
 fn refusal<S: Serializer>(why: &Refusal, output: S) -> Result<S::Ok, S::Error> {
-    let name = serde_json::to_value(why).ok();
-    let name = name.as_ref().and_then(serde_json::Value::as_str);
-    let name = name.map_or_else(String::new, |name| format!("refusal.{name}"));
-    Said::named(name, why).serialize(output)
+    Said::of("refusal", why).serialize(output)
 }
 
 /// Whether a board asks for the line again: it was damaged on the way, or comes too early.
@@ -134,6 +150,7 @@ impl<'f> ModelFile<'f> {
             }),
             _ => Err(InstallError::Long {
                 length: bytes.len(),
+                room: MODEL_REGION.len(),
             }),
         }
     }
@@ -389,9 +406,13 @@ impl Installer {
         // The answer belonged to another program's block, or was late.
         self.doubts += 1;
         if self.doubts > MOST_DOUBTS {
-            self.fail(InstallError::OtherModel {
-                expected: format!("{expected:08x}"),
-                found: found.map_or_else(|| "none".to_owned(), |found| format!("{found:08x}")),
+            let expected = format!("{expected:08x}");
+            self.fail(match found {
+                Some(found) => InstallError::OtherModel {
+                    expected,
+                    found: format!("{found:08x}"),
+                },
+                None => InstallError::NoModel { expected },
             });
         } else {
             self.begin();

@@ -3,11 +3,11 @@
 use recordings::Severity;
 use serde::Serialize;
 
-use crate::installer::Installer;
+use crate::installer::{InstallError, Installer};
 use crate::record::quality::Quality;
 use crate::said::Said;
 
-/// Finding as text, with its severity.
+/// Finding as a sentence, with its severity and advice.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 #[expect(missing_docs, reason = "names of the page's messages")]
 pub struct FindingText {
@@ -64,7 +64,7 @@ impl SessionResult {
 #[derive(Clone, PartialEq, Debug, Serialize)]
 #[expect(missing_docs, reason = "names of the page's messages")]
 pub struct MeasureRow {
-    /// Name: `gestures-recognised`.
+    /// Name of the measure: `balanced-accuracy`, `recognised`.
     pub measure: &'static str,
     pub before: Option<f64>,
     pub after: Option<f64>,
@@ -112,6 +112,8 @@ pub struct InstallationState {
     pub state: &'static str,
     /// Why it failed; null without a reason.
     pub why: Option<Said>,
+    /// Whether another installation goes on where this one ended.
+    pub goes_on: bool,
     /// CRC-32 of the model, once it is in use.
     pub model: Option<String>,
     /// Part that the board has, and the whole; 0 of 0 before its first answer.
@@ -125,16 +127,16 @@ impl InstallationState {
         let (state, model) = match installer.end() {
             None => ("running", None),
             Some(Ok(())) => ("done", Some(format!("{:08x}", installer.checksum()))),
-            Some(Err(error)) => return Self::failed(Said::of("board", error)),
+            Some(Err(error)) => return Self::failed(error),
         };
         let percent = |blocks| (100 * blocks / installer.of().max(1), 100);
         let (blocks, of) = installer.blocks().map_or((0, 0), percent);
         Self {
             state,
-            why: None,
             model,
             blocks,
             of,
+            ..Self::default()
         }
     }
 
@@ -148,7 +150,15 @@ impl InstallationState {
     }
 
     /// State of an installation that has failed, or cannot begin.
-    pub fn failed(why: Said) -> Self {
+    pub fn failed(error: &InstallError) -> Self {
+        Self {
+            goes_on: error.goes_on(),
+            ..Self::refused(Said::of("board", error))
+        }
+    }
+
+    /// State of a model that is not run here.
+    pub fn refused(why: Said) -> Self {
         Self {
             state: "failed",
             why: Some(why),

@@ -1,6 +1,7 @@
 //! What the program says to people: in English, and by a name with values, from which a page makes its own language.
 
 use std::fmt::{self, Display};
+use std::io;
 
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value};
@@ -41,6 +42,11 @@ impl Said {
         Self { text, name, values }
     }
 
+    /// Sentence of an error of the operating system, named for its kind: `os.NotFound`.
+    pub fn of_os(error: &io::Error) -> Self {
+        Self::named(format!("os.{:?}", error.kind()), error)
+    }
+
     /// Sentence that has English alone.
     pub fn plain(text: impl Display) -> Self {
         Self::named(String::new(), text)
@@ -53,12 +59,30 @@ impl Display for Said {
     }
 }
 
-/// Serializes an error of the operating system as a sentence, named for its kind: `os.NotFound`.
+/// Serializes an error of the operating system as a sentence.
 ///
 /// # Errors
 /// When the output cannot be written.
-pub fn os<S: Serializer>(error: &std::io::Error, output: S) -> Result<S::Ok, S::Error> {
-    Said::named(format!("os.{:?}", error.kind()), error).serialize(output)
+pub fn os<S: Serializer>(error: &io::Error, output: S) -> Result<S::Ok, S::Error> {
+    Said::of_os(error).serialize(output)
+}
+
+/// English of an error and of its causes.
+pub fn chain(error: &dyn std::error::Error) -> String {
+    let causes = std::iter::successors(Some(error), |error| error.source());
+    let causes: Vec<_> = causes.map(ToString::to_string).collect();
+    causes.join(": ")
+}
+
+/// Serializes an error as its English and that of its causes.
+///
+/// # Errors
+/// When the output cannot be written.
+pub fn as_chain<S: Serializer>(
+    error: &impl std::error::Error,
+    output: S,
+) -> Result<S::Ok, S::Error> {
+    output.serialize_str(&chain(error))
 }
 
 /// Serializes a value as its English.

@@ -6,7 +6,7 @@ use crate::installation::Refused;
 
 /// Why a command is not carried out. `Display` is for people.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Serialize, thiserror::Error)]
-#[serde(rename_all = "kebab-case")]
+#[serde(tag = "name", content = "expected", rename_all = "kebab-case")]
 #[expect(missing_docs, reason = "the messages say it")]
 pub enum Refusal {
     #[error("more than 112 bytes without a line end: begin anew with `$`")]
@@ -14,7 +14,6 @@ pub enum Refusal {
     #[error("not framed as `$...*HH` in ASCII: begin anew with `$`")]
     Frame,
     #[error("checksum {0:02X} expected: send the line again")]
-    #[serde(skip)]
     Checksum(u8),
     #[error("no such command: is the program of another version?")]
     Unknown,

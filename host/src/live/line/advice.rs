@@ -102,7 +102,7 @@ impl Advice {
             _ => (None, vec![Step::Pull, Step::existing(ports)]),
         };
         Self {
-            why: why.map_or_else(|| Said::plain(error), |why| Said::of("port", &why)),
+            why: why.map_or_else(|| Said::of_os(error), |why| Said::of("port", &why)),
             steps: steps.iter().map(|step| Said::of("cable", step)).collect(),
         }
     }

@@ -11,7 +11,7 @@ use recordings::{LoadOptions, load};
 use training::run::personalize::{Personalized, TuningSettings, personalize};
 use web::event::Event;
 use web::outcome::{MeasureRow, TuningState};
-use web::said::Said;
+use web::said::{Said, chain};
 
 /// Measures that are shown where the recordings have them, with their names; the decision uses all of them.
 const SHOWN: [(Measure, &str); 6] = [
@@ -64,7 +64,7 @@ impl Keeper {
         let thread = std::thread::Builder::new().name("tuning".to_owned());
         match thread.spawn(work) {
             Ok(thread) => self.tuning = Some(thread),
-            Err(error) => tell(TuningState::failed(Said::plain(error))),
+            Err(error) => tell(TuningState::failed(Said::of_os(&error))),
         }
     }
 }
@@ -134,6 +134,6 @@ fn outcome(done: Personalized, out: &Path, next: Vec<String>) -> Outcome {
             };
             (better, Some(done.bytes))
         }
-        Err(error) => (TuningState::failed(Said::plain(error)), None),
+        Err(error) => (TuningState::failed(Said::plain(chain(&error))), None),
     }
 }

@@ -16,6 +16,7 @@ pub enum PersonalizeError {
     #[error("the recordings are of {}: name the person with --subject", .found.join(", "))]
     SeveralPeople { found: Vec<String> },
     #[error("no recording of {wanted}; there are recordings of {}", .found.join(", "))]
+    #[serde(skip)]
     UnknownPerson { wanted: String, found: Vec<String> },
     #[error(
         "no recording of {subject} has a label: record with cues, or give a folder in a layout with labels (docs/recordings.md)"
@@ -24,11 +25,11 @@ pub enum PersonalizeError {
     #[error(
         "the model tells {} apart, the recordings have {} alone: give a model of these gestures",
         .expected.join(", "),
-        .found.join(", ")
+        .recorded.join(", ")
     )]
     Vocabulary {
         expected: Vec<&'static str>,
-        found: Vec<&'static str>,
+        recorded: Vec<&'static str>,
     },
     #[error(
         "no recording has {missing}, which the model would unlearn: record each of {} several times",
@@ -39,14 +40,14 @@ pub enum PersonalizeError {
         expected: Vec<&'static str>,
     },
     #[error(
-        "too short: the part of the recordings that is {part} has {class} {found} times, {expected} are needed; some of it is tuned on and the rest held back, so record each gesture {} times or more",
-        3 * .expected
+        "too short: the part of the recordings that is {part} has {class} {found} times, {expected} are needed; some of it is tuned on and the rest held back, so record each gesture {each} times or more"
     )]
     TooShort {
         part: &'static str,
         class: &'static str,
         expected: usize,
         found: usize,
+        each: usize,
     },
     #[error(
         "the recordings have neither a change of the label nor two steady holds: record rest and gestures in turn"
@@ -70,6 +71,7 @@ pub enum PersonalizeError {
     #[error("{0}. Nothing was written, go on with the old model")]
     Exchanged(Exchange),
     #[error("interrupted; nothing was written")]
+    #[serde(skip)]
     Interrupted,
     #[error("the model file is refused")]
     Model(

@@ -20,7 +20,7 @@ use self::judgement::Judgement;
 pub use self::judgement::judge;
 pub use self::part::PersonPart;
 pub use self::person::PersonRecordings;
-pub use self::rule::Worse;
+pub use self::rule::{Fallen, Worse};
 use self::rule::{is_constant, worse};
 pub use self::tuning::{TuningSettings, tune};
 use crate::run::StepError;

@@ -281,6 +281,7 @@ impl<'p> PersonPart<'p> {
                     class: intent.name(),
                     expected: FEWEST,
                     found,
+                    each: 3 * FEWEST,
                 });
             }
         }

@@ -66,7 +66,10 @@ impl PersonRecordings {
             .collect();
         let gestures = &expected[1..];
         if !found.iter().any(|name| gestures.contains(name)) {
-            return Err(PersonalizeError::Vocabulary { expected, found });
+            return Err(PersonalizeError::Vocabulary {
+                expected,
+                recorded: found,
+            });
         }
         if let Some(&missing) = expected.iter().find(|name| !found.contains(name)) {
             return Err(PersonalizeError::MissingClass { missing, expected });
