@@ -5,10 +5,11 @@ mod output;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
-use nrf52::chip::{APPROTECT, ChipModel, PSELRESET, REGOUT0, Reset};
-use nrf52::softdevice::{SoftDevice, SoftDeviceKind, boot};
+use nrf52::chip::{APPROTECT, ChipModel, REGOUT0, RESET_PINS, Reset};
+use nrf52::controller::Controller;
+use nrf52::softdevice::{Flash, SoftDevice, SoftDeviceKind, boot};
 use nrf52::time::ms;
-use nrf52::{Image, Machine, Refusal};
+use nrf52::{Image, Machine, Memory, Refusal};
 use shared::myo::{Address, binding};
 use shared::units::Sample;
 use virtual_armband::{Armband, Behaviour, End};
@@ -191,6 +192,14 @@ pub struct Board {
 }
 
 impl Board {
+    /// A board with this image; if it cannot be built here, reports the test as skipped.
+    ///
+    /// # Panics
+    /// As [`image`] and [`Self::new`].
+    pub fn of(built: Built, setting: Setting) -> Option<Self> {
+        Some(Self::new(built, image(built)?, setting))
+    }
+
     /// A board with this image, whose power has just come. One with USB has its boot loader, which starts the program: the vectors
     /// at 0 are not the program's, and none but reset's leads anywhere; and a full battery.
     ///
@@ -231,7 +240,7 @@ impl Board {
             // The battery is at VDDH; the boot loader sets 3.3 V.
             chip.bus.board.is_high_voltage = built == Built::NiceNano;
             if !setting.is_blank {
-                for word in PSELRESET {
+                for word in RESET_PINS {
                     chip.program_uicr(word, pins.reset);
                 }
                 chip.program_uicr(APPROTECT, 0x5a);
@@ -250,6 +259,29 @@ impl Board {
             machine.reset(Reset::Power);
         }
         Self { machine, pins }
+    }
+
+    /// Flash and RAM.
+    pub fn memory(&self) -> Memory {
+        self.machine.chip().bus.memory.clone()
+    }
+
+    /// The SoftDevice's operations of flash.
+    ///
+    /// # Panics
+    /// If the image has no SoftDevice.
+    pub fn flash(&mut self) -> &mut Flash {
+        let softdevice = self.machine.softdevice.as_mut();
+        &mut softdevice.expect("an image with one").flash
+    }
+
+    /// The controller of an image without a SoftDevice.
+    ///
+    /// # Panics
+    /// If the image has a SoftDevice.
+    pub fn controller(&mut self) -> &mut Controller {
+        let controller = self.machine.controller.as_mut();
+        controller.expect("an image with one")
     }
 
     /// Returns the number of notifications that the wearer's armband has sent.

@@ -1,7 +1,5 @@
-//! Runs an image for some seconds and prints what its UART sends and what is refused.
-//!
-//! `run IMAGE.elf MODEL.intent SECONDS [SAMPLES.i8] [MILLISECONDS:COMMAND ...]`: the armband streams the samples, 8 signed
-//! bytes each, and disconnects; commands are sent to the UART at their times.
+//! Runs an image with a model for some seconds beside an armband, and prints what its UART sends: `run IMAGE.elf
+//! MODEL.intent SECONDS`.
 
 use std::error::Error;
 
@@ -10,14 +8,12 @@ use nrf52::softdevice::{SoftDevice, SoftDeviceKind};
 use nrf52::time::{HZ, ms};
 use nrf52::{Image, Machine};
 use shared::myo::{Address, binding};
-use virtual_armband::{Armband, Behaviour, End};
+use virtual_armband::{Armband, Behaviour};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [elf, file, seconds, rest @ ..] = &arguments[..] else {
-        return Err(
-            "run IMAGE.elf MODEL.intent SECONDS [SAMPLES.i8] [MILLISECONDS:COMMAND ...]".into(),
-        );
+    let [elf, file, seconds] = &arguments[..] else {
+        return Err("run IMAGE.elf MODEL.intent SECONDS".into());
     };
     let image = Image::parse(&std::fs::read(elf)?)?;
     // By the place at which it begins.
@@ -29,37 +25,16 @@ fn main() -> Result<(), Box<dyn Error>> {
         Some(SoftDeviceKind::S132) => ChipModel::Nrf52832,
         _ => ChipModel::Nrf52840,
     };
-    let bytes = match rest.first().filter(|path| !path.contains(':')) {
-        Some(path) => std::fs::read(path)?,
-        None => Vec::new(),
-    };
-    let (samples, _) = bytes.as_chunks::<8>();
-    let samples = samples.iter().map(|bytes| bytes.map(u8::cast_signed));
+    let seconds: f64 = seconds.parse()?;
     let address = Address::parse("FA:12:34:56:78:9A").map_err(|_| "no address")?;
-    let behaviour = Behaviour {
-        end: End::Disconnect,
-        ..Behaviour::default()
-    };
-    let armband = Armband::new(address, -50, samples.collect()).of_wearer(behaviour, 0);
+    let samples = vec![[1; 8]; (seconds * 200.0) as usize];
+    let armband = Armband::new(address, -50, samples).of_wearer(Behaviour::default(), 0);
     let mut machine = Machine::new(model, image, kind.map(SoftDevice::new), 1);
     machine.air_mut().armbands = vec![armband];
-    machine.survey = Some(Vec::new());
-    {
-        let mut chip = machine.chip();
-        chip.bus.memory.program(0x5_8000, &std::fs::read(file)?);
-        let record = binding::to_record(address);
-        chip.bus.memory.program(0x5_7000, &record);
-        for command in rest {
-            if let Some((at, body)) = command.split_once(':') {
-                let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
-                let line = format!("${body}*{sum:02X}\r\n");
-                chip.receive(ms(at.parse()?), line.bytes().map(|byte| (byte, false)));
-            }
-        }
-    }
-    let begun = std::time::Instant::now();
-    let outcome = machine.run((seconds.parse::<f64>()? * HZ as f64) as u64);
-    let took = begun.elapsed().as_secs_f64();
+    let memory = machine.chip().bus.memory.clone();
+    memory.program(0x5_8000, &std::fs::read(file)?);
+    memory.program(0x5_7000, &binding::to_record(address));
+    let outcome = machine.run((seconds * HZ as f64) as u64);
     let text: Vec<u8> = machine
         .chip()
         .sent()
@@ -67,21 +42,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         .map(|(_, byte)| *byte)
         .collect();
     println!("{}", String::from_utf8_lossy(&text));
-    for refusal in machine.survey.iter().flatten() {
-        println!("refused {refusal}");
-    }
-    if let Err(refusal) = outcome {
-        println!("ended {refusal}");
-    }
     for (at, incident) in &machine.incidents {
         println!("{:.3} ms {incident:?}", *at as f64 / ms(1) as f64);
     }
-    let place = machine.core().place();
-    println!(
-        "{took:.2} s, {} instructions, at {}",
-        machine.instructions,
-        machine.image().place(place)
-    );
-    println!("overruns {}", machine.chip().overruns());
-    Ok(())
+    Ok(outcome?)
 }

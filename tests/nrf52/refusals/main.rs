@@ -1,260 +1,198 @@
-//! Each refusal has a program that earns it.
+//! Each refusal has a program that earns it: the lines of `programs.txt`.
 
-mod board;
-#[path = "../program.rs"]
-mod program;
-mod usb;
+use std::collections::BTreeMap;
 
-use nrf52::What;
-use nrf52::chip::ChipModel;
-use nrf52::softdevice::SoftDeviceKind;
-use nrf52::time::ms;
-use program::Program;
+use nrf52::chip::{Chip, ChipModel, Surroundings};
+use nrf52::softdevice::{SoftDevice, SoftDeviceKind};
+use nrf52::time::{ms, us};
+use nrf52::{Image, Machine, What};
 
-const CLOCK: u32 = 0x4000_0000;
-const UARTE: u32 = 0x4000_2000;
-const TIMER1: u32 = 0x4000_9000;
-const PWM: u32 = 0x4001_c000;
-const WDT: u32 = 0x4001_0000;
-const RTC1: u32 = 0x4001_1000;
-const NVMC: u32 = 0x4001_e000;
-const PPI: u32 = 0x4001_f000;
-const P0: u32 = 0x5000_0000;
 const UICR: u32 = 0x1000_1000;
+/// Offset of the program's own words from its start, in bytes. Its instructions end before.
+const WORDS: u32 = 0x400;
+/// A clock configuration for a SoftDevice: the crystal, 20 ppm.
+const CLOCK: u32 = 0x0700_0001;
 
-/// Runs programs, each of which is refused in these words; without words it runs.
-fn each<const N: usize>(
+/// Names of registers, and of the steps that lines share.
+struct Names {
     model: ChipModel,
     kind: Option<SoftDeviceKind>,
-    cases: [(Program, &str); N],
-) {
-    for (number, (program, words)) in cases.into_iter().enumerate() {
-        let found = program.machine(model, kind).run(ms(10));
-        let found = found.err().map(|refusal| refusal.to_string());
-        let is_expected = match &found {
-            Some(found) => !words.is_empty() && found.contains(words),
-            None => words.is_empty(),
+    registers: BTreeMap<String, u32>,
+    steps: BTreeMap<String, String>,
+}
+
+impl Names {
+    fn new(model: ChipModel, kind: Option<SoftDeviceKind>) -> Self {
+        let mut chip = Chip::new(model, 1);
+        let peripherals = (0..0x30).map(|number| 0x4000_0000 | number << 12);
+        let pages = peripherals.chain([UICR, 0x5000_0000]);
+        let addresses = pages.flat_map(|page| (page..page + 0x1000).step_by(4));
+        Self {
+            model,
+            kind,
+            registers: addresses.map(|one| (chip.name_of(one), one)).collect(),
+            steps: BTreeMap::new(),
+        }
+    }
+
+    /// A number, in decimal or hex, or the address of a register.
+    fn value(&self, text: &str) -> u32 {
+        let number = match text.strip_prefix("0x") {
+            Some(digits) => u32::from_str_radix(digits, 16).ok(),
+            None => text.parse().ok(),
         };
-        assert!(is_expected, "{number}: {found:?}, expected {words:?}");
+        let number = number.or_else(|| self.registers.get(text).copied());
+        number.unwrap_or_else(|| panic!("{text} is neither a number nor a register"))
+    }
+
+    /// The chip that runs these steps: they end in a loop, and so does every exception.
+    fn machine(&self, steps: &str) -> Machine {
+        let mut program = Program::default();
+        let start = self.kind.map_or(0, SoftDeviceKind::program);
+        if self.kind.is_some() {
+            program.call(&[16, start + WORDS, 0x1, 0]);
+        }
+        self.add(steps, &mut program);
+        let mut image = Vec::new();
+        let mut word = |value: u32| image.extend(value.to_le_bytes());
+        word(0x2000_8000);
+        word(start + 0x101);
+        // An exception that is not meant ends in the loop at 0x200.
+        (2..64).for_each(|_| word(start + 0x201));
+        // b to itself.
+        let code = program.code.into_iter().chain([0xe7fe]);
+        image.extend(code.flat_map(u16::to_le_bytes));
+        assert!(image.len() <= 0x200, "the program is too long");
+        image.resize(0x200, 0);
+        image.extend(0xe7fe_u16.to_le_bytes());
+        image.resize(WORDS as usize, 0xff);
+        image.extend(CLOCK.to_le_bytes());
+        let softdevice = self.kind.map(SoftDevice::new);
+        let machine = Machine::new(self.model, Image::raw(start, image), softdevice, 1);
+        let mut chip = machine.chip();
+        chip.bus.board = program.board;
+        for (address, value) in program.programmed {
+            chip.program_uicr(address - UICR, value);
+        }
+        drop(chip);
+        machine
+    }
+
+    fn add(&self, steps: &str, program: &mut Program) {
+        for step in steps.split_whitespace() {
+            let numbers = |text: &str| text.split(',').map(|one| self.value(one)).collect();
+            if let Some(name) = step.strip_prefix('@') {
+                self.add(&self.steps[name], program);
+            } else if step == "+vddh" {
+                program.board.is_high_voltage = true;
+            } else if step == "+inductor" {
+                program.board.inductors[0] = true;
+            } else if let Some(numbers_of_call) = step.strip_prefix("call:") {
+                let call: Vec<u32> = numbers(numbers_of_call);
+                program.call(&call);
+            } else if let Some(turns) = step.strip_prefix("wait:") {
+                program.load(3, self.value(turns));
+                // subs r3, #1; bne: four cycles a turn.
+                program.code.extend([0x3b01, 0xd1fd]);
+            } else if let Some(code) = step.strip_prefix("code:") {
+                let halves = code.split(',').map(|half| u16::from_str_radix(half, 16));
+                program.code.extend(halves.map(|half| half.expect(step)));
+            } else if let Some(register) = step.strip_suffix('?') {
+                program.access([self.value(register), 0], 0x6802);
+            } else {
+                let (register, value) = step.split_once('=').expect(step);
+                let value = self.value(value);
+                if let Some(word) = register.strip_prefix('+') {
+                    program.programmed.push((self.value(word), value));
+                } else if let Some(byte) = register.strip_suffix(':') {
+                    program.access([self.value(byte), value], 0x7001);
+                } else {
+                    program.access([self.value(register), value], 0x6001);
+                }
+            }
+        }
     }
 }
 
-/// Wait for an interrupt.
-const WFI: u16 = 0xbf30;
-
-#[test]
-fn programs_without_a_softdevice() {
-    let program = Program::default;
-    let received = program()
-        .store(P0 + 0x720, 0)
-        .store(UARTE + 0x514, 8)
-        .store(UARTE + 0x500, 8)
-        .store(UARTE + 0x534, 0x2000_4000)
-        .store(UARTE + 0x538, 4);
-    let sent = program()
-        .store(P0 + 0x518, 1 << 6)
-        .store(UARTE + 0x50c, 6)
-        .store(UARTE + 0x500, 8);
-    each(
-        ChipModel::Nrf52840,
-        None,
-        [
-            (program().store(P0 + 0x508, 1).read(P0 + 0x504), ""),
-            (
-                program().read(UARTE + 0x5f0),
-                "UARTE0+0x5f0 is not modelled",
-            ),
-            (program().store(0x4000_3000, 1), "belongs to no peripheral"),
-            (program().store_byte(P0 + 0x508, 1), "with 1 bytes"),
-            (program().read(TIMER1), "is read: it can only be written"),
-            (
-                program().store(WDT + 0x400, 1),
-                "is written 0x1: it can only be read",
-            ),
-            (
-                program().store(TIMER1 + 0x144, 1),
-                "TIMER1.EVENTS_COMPARE[1] is written 0x1: a program writes 0",
-            ),
-            (
-                program().store(TIMER1 + 0x504, 0x11),
-                "the bits 0x10 are reserved",
-            ),
-            (
-                program().store(UARTE + 0x524, 0x0027_5000),
-                "is written 0x275000: ",
-            ),
-            // A watchdog that is configured while it runs.
-            (
-                program().store(WDT, 1).store(WDT + 0x504, 100),
-                "is written 0x64: ",
-            ),
-            (
-                program().store(UARTE + 0x008, 1),
-                "is triggered while it is disabled",
-            ),
-            (program().store(RTC1, 1), "RTC1.TASKS_START is triggered"),
-            // A receiver that is stopped while a shortcut starts it again.
-            (
-                received
-                    .store(UARTE + 0x200, 1 << 5)
-                    .store(UARTE, 1)
-                    .store(UARTE + 0x004, 1),
-                "UARTE0.TASKS_STOPRX is triggered",
-            ),
-            (
-                program().store(PPI + 0x510, TIMER1 + 0x504),
-                "and is no event",
-            ),
-            (
-                program().store(PPI + 0x514, TIMER1 + 0x140),
-                "and is no task",
-            ),
-            (
-                sent.store(UARTE + 0x544, 0x100)
-                    .store(UARTE + 0x548, 4)
-                    .store(UARTE + 0x008, 1),
-                "is given 0x00000100 and 4 bytes",
-            ),
-            // UICR and a page without leave.
-            (program().store(UICR + 0x200, 18), "is written 0x12: "),
-            (
-                program().store(NVMC + 0x508, 0x8_0000),
-                "is written 0x80000: ",
-            ),
-            (program().then(&[WFI]), ""),
-        ],
-    );
+/// A program in Thumb instructions, and what was done before it runs.
+#[derive(Default)]
+struct Program {
+    code: Vec<u16>,
+    board: Surroundings,
+    /// Words of UICR.
+    programmed: Vec<(u32, u32)>,
 }
 
-/// A program that has given PWM0 a pin, periods of a millisecond, and a pulse of so many microseconds, its own word.
-fn with_pulse(high_us: u32) -> Program {
-    const VALUE: u32 = 0x2000_8000;
-    [
-        (P0 + 0x518, 1 << 6),
-        (VALUE, 1 << 15 | high_us),
-        (PWM + 0x560, 6),
-        (PWM + 0x508, 1000),
-        (PWM + 0x50c, 4),
-        (PWM + 0x520, VALUE),
-        (PWM + 0x524, 1),
-        (PWM + 0x500, 1),
-    ]
-    .into_iter()
-    .fold(Program::default(), |program, (address, value)| {
-        program.store(address, value)
-    })
+impl Program {
+    /// Loads a constant: `movw`, `movt`.
+    fn load(&mut self, register: u16, value: u32) {
+        for (half, base) in [(value as u16, 0xf240), ((value >> 16) as u16, 0xf2c0)] {
+            let (imm4, i) = (half >> 12, half >> 11 & 1);
+            let (imm3, imm8) = (half >> 8 & 7, half & 0xff);
+            self.code.push(base | i << 10 | imm4);
+            self.code.push(imm3 << 12 | register << 8 | imm8);
+        }
+    }
+
+    /// Runs an instruction with an address and a value in the first two registers.
+    fn access(&mut self, registers: [u32; 2], instruction: u16) {
+        self.load(0, registers[0]);
+        self.load(1, registers[1]);
+        self.code.push(instruction);
+    }
+
+    /// Calls the SoftDevice, by number and arguments.
+    fn call(&mut self, call: &[u32]) {
+        for (register, argument) in (0..).zip(&call[1..]) {
+            self.load(register, *argument);
+        }
+        self.code.push(0xdf00 | call[0] as u16);
+    }
 }
 
 #[test]
-fn programs_that_make_pulses() {
-    const START: u32 = PWM + 0x008;
-    const STOP: u32 = PWM + 0x004;
-    let ready = || with_pulse(300);
-    let disabled = "PWM0.TASKS_SEQSTART is triggered while it is disabled";
-    each(
-        ChipModel::Nrf52840,
-        None,
-        [
-            (ready().store(START, 1).store(START, 1), ""),
-            (Program::default().store(START, 1), disabled),
-            (ready().store(PWM + 0x524, 2), "longer sequences"),
-            (ready().store(PWM + 0x564, 7), "other channels"),
-            (
-                ready().store(PWM + 0x520, 0x100).store(START, 1),
-                "RAM alone",
-            ),
-            (ready().store(START, 1).store(PWM + 0x508, 9), "no pulses"),
-            (
-                ready().store(START, 1).store(STOP, 1).store(START, 1),
-                "while it is stopping",
-            ),
-            (ready().store(P0 + 0x51c, 1 << 6), "it is no output"),
-            (
-                ready().store(0x4000_6510, 3 | 6 << 8),
-                "PWM0 and another have it",
-            ),
-        ],
-    );
-}
-
-#[test]
-fn programs_on_the_nrf52832() {
-    // subs r3, #1; bne: four cycles a turn.
-    let wait = |turns| Program::default().load(3, turns).then(&[0x3b01, 0xd1fd]);
-    let starts = |turns| wait(turns).store(CLOCK + 0x008, 1);
-    // What FICR holds at 0x258, of which seven bits count.
-    let worked_around = Program::default().store(CLOCK + 0xee4, 0x43);
-    each(
-        ChipModel::Nrf52832,
-        None,
-        [
-            (Program::default().store(P0 + 0x808, 1), "is not modelled"),
-            (Program::default().then(&[WFI]), "erratum 108"),
-            (worked_around.then(&[WFI]), ""),
-            // The RC oscillator within the time of erratum 132, before and after it.
-            (starts(1500), "is triggered"),
-            (starts(100), ""),
-            (starts(3000), ""),
-        ],
-    );
-}
-
-#[test]
-fn programs_beside_a_softdevice() {
-    let own = || Program::default().enable(SoftDeviceKind::S140);
-    let flash = 0x8_0000;
-    each(
-        ChipModel::Nrf52840,
-        Some(SoftDeviceKind::S140),
-        [
-            (own().store(0x4000_0000, 1), "belongs to the SoftDevice"),
-            (own().store(0x4000_8000, 1), "belongs to the SoftDevice"),
-            (own().store(NVMC + 0x504, 1), "belongs to the SoftDevice"),
-            (own().store(PPI + 0x598, 1), "belongs to the SoftDevice"),
-            (own().store(0x2000_3ffc, 1), "belongs to the SoftDevice"),
-            // Channel 0 is the program's.
-            (own().store(PPI + 0x504, 1), ""),
-            (
-                own().call(44, [1, 2, 3]),
-                "SVC 44 is a call that is not modelled",
-            ),
-            // cpsid i
-            (
-                own().then(&[0xb672]).call(75, [0x2000_8000, 0, 0]),
-                "priority",
-            ),
-            // cmp r0, r0; it eq; svceq 75
-            (own().then(&[0x4280, 0xbf08, 0xdf4b]), "in an IT block"),
-            // Interrupt 23 has priority 0 unless it is given another one.
-            (
-                own()
-                    .store(0xe000_e100, 1 << 23)
-                    .call(75, [0x2000_8000, 0, 0]),
-                "interrupt 23 has priority 0",
-            ),
-            (
-                own()
-                    .store(0xe000_e100, 1 << 1)
-                    .call(75, [0x2000_8000, 0, 0]),
-                "interrupt 1",
-            ),
-            (own().call(41, [flash, 0x2_7000, 1]), "no RAM"),
-        ],
-    );
-    let twice = own()
-        .store(0x2000_8000, 1)
-        .call(41, [flash, 0x2000_8000, 1]);
-    let mut machine = twice.machine(ChipModel::Nrf52840, Some(SoftDeviceKind::S140));
-    machine.chip().bus.memory.program(flash, &[0; 4]);
-    let refusal = machine.run(ms(10)).expect_err("ones over zeros");
-    assert!(refusal.to_string().contains("erase first"));
+fn each_program_is_refused_in_its_words_or_runs() {
+    let mut names = Names::new(ChipModel::Nrf52840, None);
+    let (mut refused, mut ran) = (0, 0);
+    // The head describes the lines.
+    let (_, lines) = include_str!("programs.txt").split_once("\n\n[").unwrap();
+    for (number, line) in format!("[{lines}").lines().enumerate() {
+        if line.starts_with('[') {
+            let model = if line.contains("52840") {
+                ChipModel::Nrf52840
+            } else {
+                ChipModel::Nrf52832
+            };
+            let kind = line.contains("S140").then_some(SoftDeviceKind::S140);
+            names = Names::new(model, kind);
+        } else if let Some((name, steps)) = line
+            .strip_prefix("let ")
+            .and_then(|line| line.split_once(" = "))
+        {
+            names.steps.insert(name.to_owned(), steps.to_owned());
+        } else if let Some((steps, words)) = line.split_once("->") {
+            let words = words.trim();
+            let found = names.machine(steps).run(ms(10)).err();
+            let found = found.map(|refusal| refusal.to_string());
+            let is_expected = match &found {
+                Some(found) => !words.is_empty() && found.contains(words),
+                None => words.is_empty(),
+            };
+            assert!(is_expected, "{number}: {line}: {found:?}");
+            *(if words.is_empty() {
+                &mut ran
+            } else {
+                &mut refused
+            }) += 1;
+        }
+    }
+    assert_eq!((refused, ran), (99, 21));
 }
 
 #[test]
 fn a_core_that_locks_up() {
     // bx to address 0x20, without the bit for Thumb; its fault's handler is broken too.
-    let program = Program::default().load(0, 0x20).then(&[0x4700]);
-    let mut machine = program.machine(ChipModel::Nrf52840, None);
+    let mut machine = Names::new(ChipModel::Nrf52840, None).machine("code:2020,4700");
     machine.chip().bus.memory.clear_bits(12, &[0; 4]);
     let refusal = machine.run(ms(10)).expect_err("a fault in a fault");
     assert_eq!(refusal.what, What::LockedUp);
@@ -262,16 +200,9 @@ fn a_core_that_locks_up() {
 
 /// Sends a byte while the clock is off by `thousandths`; returns what a receiver whose clock is right reads.
 fn read_on_the_line(thousandths: i64) -> Vec<u8> {
-    let program = Program::default()
-        .store(0x2000_4000, 0x41)
-        .store(P0 + 0x518, 1 << 6)
-        .store(UARTE + 0x50c, 6)
-        .store(UARTE + 0x524, 0x01d6_0000)
-        .store(UARTE + 0x500, 8)
-        .store(UARTE + 0x544, 0x2000_4000)
-        .store(UARTE + 0x548, 1)
-        .store(UARTE + 0x008, 1);
-    let mut machine = program.machine(ChipModel::Nrf52840, None);
+    let steps = "0x20004000=0x41 P0.DIRSET=64 UARTE0.PSEL_TXD=6 UARTE0.BAUDRATE=0x01d60000 UARTE0.ENABLE=8 \
+                 UARTE0.TXD_PTR=0x20004000 UARTE0.TXD_MAXCNT=1 UARTE0.TASKS_STARTTX=1";
+    let mut machine = Names::new(ChipModel::Nrf52840, None).machine(steps);
     machine.chip().bus.inaccuracy = thousandths;
     machine.run(ms(10)).expect("nothing to refuse");
     let chip = machine.chip();
@@ -283,4 +214,32 @@ fn a_line_whose_clock_is_off_by_more_than_half_a_bit_is_not_readable() {
     assert_eq!(read_on_the_line(20), [0x41]);
     assert_eq!(read_on_the_line(-20), [0x41]);
     assert_ne!(read_on_the_line(60), [0x41]);
+}
+
+/// Milliseconds after which the low-frequency clock runs, and after which it says that its source does.
+fn started_after_ms(crystal: Option<u64>) -> [Option<u64>; 2] {
+    let names = Names::new(ChipModel::Nrf52840, None);
+    let steps = "CLOCK/POWER.LFCLKSRC=1 CLOCK/POWER.TASKS_LFCLKSTART=1";
+    let mut machine = names.machine(steps);
+    machine.chip().bus.slow_crystal = crystal;
+    let mut found = [None; 2];
+    for now in 1..=20 {
+        machine.run(ms(1)).expect("nothing to refuse");
+        let mut chip = machine.chip();
+        let started = names.value("CLOCK/POWER.EVENTS_LFCLKSTARTED");
+        let seen = [
+            chip.low_frequency_source() == Some(0),
+            chip.read(started, 4) == 1,
+        ];
+        for (found, seen) in found.iter_mut().zip(seen) {
+            *found = found.or(seen.then_some(now));
+        }
+    }
+    found
+}
+
+#[test]
+fn the_low_frequency_clock_runs_from_the_oscillator_until_its_crystal_does() {
+    assert_eq!(started_after_ms(Some(us(9500))), [Some(1), Some(10)]);
+    assert_eq!(started_after_ms(None), [Some(1), None]);
 }

@@ -44,9 +44,6 @@ pub struct Machine {
     pub controller: Option<Controller>,
     /// Incidents, each with the tick at which it happened.
     pub incidents: Vec<(u64, Incident)>,
-    pub instructions: u64,
-    /// Refusals, kept while the program goes on, to see all of them at once. Without a list the first one ends the run.
-    pub survey: Option<Vec<Refusal>>,
 }
 
 impl Machine {
@@ -82,8 +79,6 @@ impl Machine {
             softdevice,
             controller,
             incidents: vec![(0, Incident::Started(Reset::Power))],
-            instructions: 0,
-            survey: None,
         }
     }
 
@@ -148,7 +143,6 @@ impl Machine {
         while self.now < until {
             self.shared.now.store(self.now, Ordering::Relaxed);
             self.now += self.core.step();
-            self.instructions += 1;
             count += 1;
             self.enter_library()?;
             if self.shared.attention.load(Ordering::Relaxed) {
@@ -180,18 +174,14 @@ impl Machine {
         let outcome = controller.enter(&mut chip, &mut self.core);
         drop(chip);
         self.shared.attention.store(true, Ordering::Relaxed);
-        match outcome {
-            Ok(()) => Ok(()),
-            // The program cannot go on there: a survey ends too.
-            Err((subject, what)) => Err(self.refusal(subject, what)),
-        }
+        outcome.map_err(|(subject, what)| self.refusal(subject, what))
     }
 
     fn check_sleep(&mut self) -> Result<(), Refusal> {
         if self.chip().keeps_ram_asleep() {
             return Ok(());
         }
-        self.refuse("the core".to_owned(), What::RamIsLost)
+        Err(self.refusal("the core".to_owned(), What::RamIsLost))
     }
 
     /// Looks for what only shows in the core.
@@ -246,7 +236,7 @@ impl Machine {
         let interrupts = chip.interrupts();
         drop(chip);
         if let Some(((_, what), subject)) = refused.zip(subject) {
-            self.refuse(subject, what)?;
+            return Err(self.refusal(subject, what));
         }
         if let Some(why) = reset {
             self.reset(why);
@@ -291,10 +281,7 @@ impl Machine {
                 memory.write(frame, &code.to_le_bytes());
                 Ok(())
             }
-            Err(what) => {
-                memory.write(frame, &[0; 4]);
-                self.refuse(format!("SVC {number}"), what)
-            }
+            Err(what) => Err(self.refusal(format!("SVC {number}"), what)),
         }
     }
 
@@ -318,7 +305,7 @@ impl Machine {
                     why: why.to_owned(),
                 }
             };
-            return self.refuse(format!("SVC {number} in {place}"), what);
+            return Err(self.refusal(format!("SVC {number} in {place}"), what));
         }
         self.incidents.push((self.now, Incident::HardFault(place)));
         Ok(())
@@ -346,21 +333,6 @@ impl Machine {
         self.interrupts = 0;
         self.shared.call.store(0, Ordering::Relaxed);
         self.incidents.push((self.now, Incident::Started(why)));
-    }
-
-    fn refuse(&mut self, subject: String, what: What) -> Result<(), Refusal> {
-        let refusal = self.refusal(subject, what);
-        match &mut self.survey {
-            None => Err(refusal),
-            Some(kept) => {
-                let is_known =
-                    |one: &Refusal| (&one.subject, &one.what) == (&refusal.subject, &refusal.what);
-                if !kept.iter().any(is_known) {
-                    kept.push(refusal);
-                }
-                Ok(())
-            }
-        }
     }
 
     fn refusal(&self, subject: String, what: What) -> Refusal {

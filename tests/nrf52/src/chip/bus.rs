@@ -73,6 +73,18 @@ impl Bus {
         }
     }
 
+    /// Returns the state after a reset, which leaves time, memory and what a test has set.
+    pub fn after_reset(&self) -> Self {
+        Self {
+            now: self.now,
+            refused: self.refused.clone(),
+            inaccuracy: self.inaccuracy,
+            slow_crystal: self.slow_crystal,
+            board: self.board,
+            ..Self::new(self.memory.clone())
+        }
+    }
+
     /// Refuses something. The first refusal ends the run.
     pub fn refuse(&mut self, address: u32, what: What) {
         self.attention = true;

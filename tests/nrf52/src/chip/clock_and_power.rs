@@ -5,36 +5,12 @@
 
 use super::ChipModel;
 use super::bus::{Bus, Peripheral, Reset};
-use super::register::{
-    INTEN, Register, Registers, clear, event, one_clears, read_only, read_write, set, task,
-};
+use super::register::{INTEN, Registers, registers};
 use crate::time::{ms, us};
 
-const HFCLKSTART: u32 = 0x000;
-const HFCLKSTOP: u32 = 0x004;
-const LFCLKSTART: u32 = 0x008;
-const LFCLKSTOP: u32 = 0x00c;
-const HFCLKSTARTED: u32 = 0x100;
-const LFCLKSTARTED: u32 = 0x104;
-const HFCLKRUN: u32 = 0x408;
-const HFCLKSTAT: u32 = 0x40c;
-const LFCLKRUN: u32 = 0x414;
-const LFCLKSTAT: u32 = 0x418;
-const LFCLKSRCCOPY: u32 = 0x41c;
-const LFCLKSRC: u32 = 0x518;
-const RESETREAS: u32 = 0x400;
-const DCDCEN: u32 = 0x578;
-const DCDCEN0: u32 = 0x580;
-/// Register without a name that the workaround of erratum 108 of the nRF52832 writes.
-const ERRATUM_108: u32 = 0xee4;
 /// Ticks after a stop, or a reset, in which the RC oscillator must not be started: erratum 132 of the nRF52832.
 const ERRATUM_132: std::ops::RangeInclusive<u64> = us(66)..=us(138);
 const INTERRUPTS: u32 = 0x3 | 1 << 2 | 0x1f << 5;
-/// Supply of the USB: it comes or goes, its regulator is ready (5.3.7).
-const USBDETECTED: u32 = 0x11c;
-const USBREMOVED: u32 = 0x120;
-const USBPWRRDY: u32 = 0x124;
-const USBREGSTATUS: u32 = 0x438;
 
 /// HFCLKSTAT and LFCLKSTAT: running (5.4.6).
 const RUNNING: u32 = 1 << 16;
@@ -45,46 +21,49 @@ const XTAL: u32 = 1;
 /// Ticks that the crystal of the high-frequency clock takes to start (5.4.7).
 const HFXO: u64 = us(360);
 
-macro_rules! table {
-    ($($more:expr),*) => {
-        &[
-    task("TASKS_HFCLKSTART", HFCLKSTART),
-    task("TASKS_HFCLKSTOP", HFCLKSTOP),
-    task("TASKS_LFCLKSTART", LFCLKSTART),
-    task("TASKS_LFCLKSTOP", LFCLKSTOP),
-    event("EVENTS_HFCLKSTARTED", HFCLKSTARTED),
-    event("EVENTS_LFCLKSTARTED", LFCLKSTARTED),
-    event("EVENTS_POFWARN", 0x108),
-    set("INTENSET", 0x304, INTEN, INTERRUPTS),
-    clear("INTENCLR", 0x308, INTEN, INTERRUPTS),
-    one_clears("RESETREAS", RESETREAS, 0xf | 0x1f << 16),
-    read_only("HFCLKRUN", HFCLKRUN),
-    read_only("HFCLKSTAT", HFCLKSTAT),
-    read_only("LFCLKRUN", LFCLKRUN),
-    read_only("LFCLKSTAT", LFCLKSTAT),
-    read_only("LFCLKSRCCOPY", LFCLKSRCCOPY),
-    read_write("GPREGRET", 0x51c, 0xff),
-    read_write("GPREGRET2", 0x520, 0xff),
-    read_write("LFCLKSRC", LFCLKSRC, 3 | 3 << 16),
+registers![
+    TASKS_HFCLKSTART = task(0x000),
+    TASKS_HFCLKSTOP = task(0x004),
+    TASKS_LFCLKSTART = task(0x008),
+    TASKS_LFCLKSTOP = task(0x00c),
+    EVENTS_HFCLKSTARTED = event(0x100),
+    EVENTS_LFCLKSTARTED = event(0x104),
+    EVENTS_POFWARN = event(0x108),
+    INTENSET = set(0x304, INTEN, INTERRUPTS),
+    INTENCLR = clear(0x308, INTEN, INTERRUPTS),
+    RESETREAS = one_clears(0x400, 0xf | 0x1f << 16),
+    HFCLKRUN = read_only(0x408),
+    HFCLKSTAT = read_only(0x40c),
+    LFCLKRUN = read_only(0x414),
+    LFCLKSTAT = read_only(0x418),
+    LFCLKSRCCOPY = read_only(0x41c),
+    GPREGRET = read_write(0x51c, 0xff),
+    GPREGRET2 = read_write(0x520, 0xff),
+    LFCLKSRC = read_write(0x518, 3 | 3 << 16),
     // Of the access port, on the same address (4.8.1).
-    read_write("APPROTECT.DISABLE", 0x558, 0xff),
-    read_write("DCDCEN", DCDCEN, 1),
-    read_write("DCDCEN0", DCDCEN0, 1),
-    $($more),*
-        ]
-    };
-}
+    APPROTECT_DISABLE = read_write(0x558, 0xff),
+    DCDCEN = read_write(0x578, 1),
+    DCDCEN0 = read_write(0x580, 1),
+    // Supply of the USB: it comes or goes, its regulator is ready (5.3.7).
+    EVENTS_USBDETECTED = event(0x11c),
+    EVENTS_USBREMOVED = event(0x120),
+    EVENTS_USBPWRRDY = event(0x124),
+    USBREGSTATUS = read_only(0x438),
+    // Without a name: the workaround of erratum 108 of the nRF52832 writes it.
+    ERRATUM108 = read_write(0xee4, 0x4f),
+];
 
-const NRF52840: &[Register] = table!(
-    event("EVENTS_USBDETECTED", USBDETECTED),
-    event("EVENTS_USBREMOVED", USBREMOVED),
-    event("EVENTS_USBPWRRDY", USBPWRRDY),
-    read_only("USBREGSTATUS", USBREGSTATUS)
-);
-const NRF52832: &[Register] = table!(read_write("ERRATUM108", ERRATUM_108, 0x4f));
+/// Registers that only the nRF52840 has, and those that only the nRF52832 has.
+const ONLY_NRF52840: &[u32] = &[
+    EVENTS_USBDETECTED,
+    EVENTS_USBREMOVED,
+    EVENTS_USBPWRRDY,
+    USBREGSTATUS,
+];
+const ONLY_NRF52832: &[u32] = &[ERRATUM108];
 
 /// Retained over every reset but the loss of power (5.3.6); the cable stays plugged.
-const RETAINED: [u32; 4] = [RESETREAS, 0x51c, 0x520, USBREGSTATUS];
+const RETAINED: [u32; 4] = [RESETREAS, GPREGRET, GPREGRET2, USBREGSTATUS];
 
 #[derive(Debug)]
 pub struct ClockAndPower {
@@ -102,11 +81,12 @@ pub struct ClockAndPower {
 impl ClockAndPower {
     /// After a reset at this tick; `before` is what ran until then.
     pub fn new(model: ChipModel, why: Reset, now: u64, before: Option<&Self>) -> Self {
-        let table = match model {
-            ChipModel::Nrf52840 => NRF52840,
-            ChipModel::Nrf52832 => NRF52832,
+        let others = match model {
+            ChipModel::Nrf52840 => ONLY_NRF52832,
+            ChipModel::Nrf52832 => ONLY_NRF52840,
         };
-        let mut registers = Registers::new("CLOCK/POWER", 0x4000_0000, table);
+        let registers = Registers::new("CLOCK/POWER", 0x4000_0000, TABLE);
+        let mut registers = registers.changed(others, |one| one.count = 0);
         if let Some(before) = before.filter(|_| why != Reset::Power) {
             for offset in RETAINED {
                 registers.put(offset, before.registers.get(offset));
@@ -170,22 +150,22 @@ impl ClockAndPower {
     pub fn plug(&mut self, is_plugged: bool, bus: &mut Bus) {
         self.registers.put(USBREGSTATUS, 3 * u32::from(is_plugged));
         if is_plugged {
-            self.raise(USBDETECTED, bus);
-            self.raise(USBPWRRDY, bus);
+            self.raise(EVENTS_USBDETECTED, bus);
+            self.raise(EVENTS_USBPWRRDY, bus);
         } else {
-            self.raise(USBREMOVED, bus);
+            self.raise(EVENTS_USBREMOVED, bus);
         }
     }
 
     /// Starts the crystal of the high-frequency clock.
     pub fn start_crystal(&mut self, bus: &mut Bus) {
-        self.task(HFCLKSTART, bus);
+        self.task(TASKS_HFCLKSTART, bus);
     }
 
     /// Returns true if RAM can be trusted after the core has slept, by the trim value that the factory wrote to FICR:
     /// erratum 108 of the nRF52832.
     pub fn keeps_ram_asleep(&self, trim: u32) -> bool {
-        self.model != ChipModel::Nrf52832 || self.registers.get(ERRATUM_108) == trim & 0x4f
+        self.model != ChipModel::Nrf52832 || self.registers.get(ERRATUM108) == trim & 0x4f
     }
 }
 
@@ -202,17 +182,17 @@ impl Peripheral for ClockAndPower {
 
     fn task(&mut self, offset: u32, bus: &mut Bus) {
         match offset {
-            HFCLKSTART => {
+            TASKS_HFCLKSTART => {
                 self.registers.put(HFCLKRUN, 1);
                 self.high = Some(bus.now + HFXO);
             }
-            HFCLKSTOP => {
+            TASKS_HFCLKSTOP => {
                 self.high = None;
                 bus.crystal_runs = false;
                 self.registers.put(HFCLKRUN, 0);
                 self.registers.put(HFCLKSTAT, 0);
             }
-            LFCLKSTART => {
+            TASKS_LFCLKSTART => {
                 let source = self.registers.get(LFCLKSRC);
                 let is_early = ERRATUM_132.contains(&(bus.now - self.low_stopped));
                 if source & 3 == 0 && self.model == ChipModel::Nrf52832 && is_early {
@@ -278,7 +258,7 @@ impl Peripheral for ClockAndPower {
         if self.high.take_if(|at| *at <= now).is_some() {
             bus.crystal_runs = true;
             self.registers.put(HFCLKSTAT, RUNNING | 1);
-            self.raise(HFCLKSTARTED, bus);
+            self.raise(EVENTS_HFCLKSTARTED, bus);
         }
         let source = self.registers.get(LFCLKSRCCOPY) & 3;
         if self.low.take_if(|at| *at <= now).is_some() {
@@ -287,7 +267,7 @@ impl Peripheral for ClockAndPower {
         if self.low_started.take_if(|at| *at <= now).is_some() {
             self.low = None;
             self.run_low(source, bus);
-            self.raise(LFCLKSTARTED, bus);
+            self.raise(EVENTS_LFCLKSTARTED, bus);
         }
     }
 }

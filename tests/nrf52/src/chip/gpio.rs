@@ -1,30 +1,25 @@
 //! GPIO, the pins of a port (product specification, 6.9): direction, level, pull and drive. Sensing is kept and does nothing.
 
 use super::bus::{Bus, Peripheral};
-use super::register::{Register, Registers, clear, one_clears, read_only, read_write, set};
+use super::register::{Registers, registers};
 
-const OUT: u32 = 0x504;
-const IN: u32 = 0x510;
-const DIR: u32 = 0x514;
-/// Configurations of the pins.
-pub const PIN_CNF: u32 = 0x700;
 /// Bytes from one port's registers to the next port's.
 pub const PORT: u32 = 0x300;
 /// PIN_CNF after a reset: an input whose buffer is disconnected.
 const DISCONNECTED: u32 = 1 << 1;
 const PIN_CNF_MASK: u32 = 0xf | 7 << 8 | 3 << 16;
 
-const TABLE: &[Register] = &[
-    read_write("OUT", OUT, !0),
-    set("OUTSET", 0x508, OUT, !0),
-    clear("OUTCLR", 0x50c, OUT, !0),
-    read_only("IN", IN),
-    read_write("DIR", DIR, !0),
-    set("DIRSET", 0x518, DIR, !0),
-    clear("DIRCLR", 0x51c, DIR, !0),
-    one_clears("LATCH", 0x520, !0),
-    read_write("DETECTMODE", 0x524, 1),
-    read_write("PIN_CNF", PIN_CNF, PIN_CNF_MASK)
+registers![
+    OUT = read_write(0x504, !0),
+    OUTSET = set(0x508, OUT, !0),
+    OUTCLR = clear(0x50c, OUT, !0),
+    IN = read_only(0x510),
+    DIR = read_write(0x514, !0),
+    DIRSET = set(0x518, DIR, !0),
+    DIRCLR = clear(0x51c, DIR, !0),
+    LATCH = one_clears(0x520, !0),
+    DETECTMODE = read_write(0x524, 1),
+    PIN_CNF = read_write(0x700, PIN_CNF_MASK)
         .times(32)
         .reset(DISCONNECTED),
 ];
@@ -58,14 +53,14 @@ impl Gpio {
         };
     }
 
-    /// Returns the pins that are driven from outside and their levels, to be kept over a reset.
-    pub fn outside(&self) -> (u32, u32) {
-        self.outside
-    }
-
-    /// Takes over the pins that are driven from outside, after a reset.
-    pub fn with_outside(self, outside: (u32, u32)) -> Self {
-        Self { outside, ..self }
+    /// Returns the port after a reset, which leaves what is driven from outside.
+    pub fn after_reset(&self) -> Self {
+        let Registers { name, base, .. } = self.registers;
+        Self {
+            registers: Registers::new(name, base, TABLE),
+            outside: self.outside,
+            levels: [None; 32],
+        }
     }
 
     /// The level of a pin; none where nothing drives nor pulls it: it floats.

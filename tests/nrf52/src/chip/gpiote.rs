@@ -1,24 +1,20 @@
 //! GPIOTE (product specification, 6.10): tasks that set pins. Events of pins are not modelled.
 
 use super::bus::{Bus, Peripheral};
-use super::register::{INTEN, Register, Registers, clear, event, read_write, set, task};
+use super::register::{INTEN, Registers, registers};
 
-const OUT: u32 = 0x000;
-const SET: u32 = 0x030;
-const CLR: u32 = 0x060;
-const CONFIG: u32 = 0x510;
 pub const CHANNELS: u32 = 8;
 const INTERRUPTS: u32 = 0xff | 1 << 31;
 
-const TABLE: &[Register] = &[
-    task("TASKS_OUT", OUT).times(CHANNELS),
-    task("TASKS_SET", SET).times(CHANNELS),
-    task("TASKS_CLR", CLR).times(CHANNELS),
-    event("EVENTS_IN", 0x100).times(CHANNELS),
-    event("EVENTS_PORT", 0x17c),
-    set("INTENSET", 0x304, INTEN, INTERRUPTS),
-    clear("INTENCLR", 0x308, INTEN, INTERRUPTS),
-    read_write("CONFIG", CONFIG, 3 | 0x3f << 8 | 3 << 16 | 1 << 20).times(CHANNELS),
+registers![
+    TASKS_OUT = task(0x000).times(CHANNELS),
+    TASKS_SET = task(0x030).times(CHANNELS),
+    TASKS_CLR = task(0x060).times(CHANNELS),
+    EVENTS_IN = event(0x100).times(CHANNELS),
+    EVENTS_PORT = event(0x17c),
+    INTENSET = set(0x304, INTEN, INTERRUPTS),
+    INTENCLR = clear(0x308, INTEN, INTERRUPTS),
+    CONFIG = read_write(0x510, 3 | 0x3f << 8 | 3 << 16 | 1 << 20).times(CHANNELS),
 ];
 
 /// Modes of a channel (6.10.4).
@@ -78,15 +74,15 @@ impl Peripheral for Gpiote {
     }
 
     fn task(&mut self, offset: u32, bus: &mut Bus) {
-        let channel = (offset % SET) / 4;
+        let channel = (offset % TASKS_SET) / 4;
         let config = self.registers.get(CONFIG + 4 * channel);
         if config & 3 != TASK {
             return self.untimely(offset, bus, "while its channel is not in task mode");
         }
         let level = &mut self.levels[channel as usize];
         match offset - 4 * channel {
-            SET => *level = true,
-            CLR => *level = false,
+            TASKS_SET => *level = true,
+            TASKS_CLR => *level = false,
             // What CONFIG's polarity says.
             _ => match config >> 16 & 3 {
                 1 => *level = true,

@@ -3,7 +3,6 @@
 mod access;
 mod bus;
 mod clock_and_power;
-mod egu;
 mod ficr;
 mod gpio;
 mod gpiote;
@@ -24,18 +23,15 @@ mod uicr;
 mod usbd;
 mod watchdog;
 
-use std::collections::BTreeMap;
-
 pub use bus::{Bus, Peripheral, Reset, Surroundings};
 pub use nvmc::{FlashTimes, PAGE};
 pub use ownership::Owner;
 pub use uarte::Received;
-pub use uicr::{APPROTECT, NFCPINS, PSELRESET, REGOUT0};
+pub use uicr::{APPROTECT, NFCPINS, REGOUT0, RESET_PINS};
 pub use usbd::{Control, Usbd};
 
 use crate::memory::Memory;
 use clock_and_power::ClockAndPower;
-use egu::Egu;
 use gpio::Gpio;
 use gpiote::Gpiote;
 use nvmc::Nvmc;
@@ -107,7 +103,6 @@ pub struct Chip {
     temp: Registers,
     rng: Rng,
     watchdog: Watchdog,
-    egus: [Egu; 6],
     pub nvmc: Nvmc,
     ppi: Ppi,
     pwm: Pwm,
@@ -129,60 +124,47 @@ pub struct Chip {
     polled: (u32, u32, u32),
 }
 
-fn timers() -> [Timer; 5] {
-    [
-        Timer::new("TIMER0", 0x4000_8000, 4),
-        Timer::new("TIMER1", 0x4000_9000, 4),
-        Timer::new("TIMER2", 0x4000_a000, 4),
-        Timer::new("TIMER3", 0x4001_a000, 6),
-        Timer::new("TIMER4", 0x4001_b000, 6),
-    ]
-}
-
-fn rtcs() -> [Rtc; 3] {
-    [
-        Rtc::new("RTC0", 0x4000_b000),
-        Rtc::new("RTC1", 0x4001_1000),
-        Rtc::new("RTC2", 0x4002_4000),
-    ]
-}
-
-fn egus() -> [Egu; 6] {
-    [
-        Egu::new("EGU0", 0x4001_4000),
-        Egu::new("EGU1", 0x4001_5000),
-        Egu::new("EGU2", 0x4001_6000),
-        Egu::new("EGU3", 0x4001_7000),
-        Egu::new("EGU4", 0x4001_8000),
-        Egu::new("EGU5", 0x4001_9000),
-    ]
-}
-
 impl Chip {
     /// A blank chip, at the moment that power comes.
     pub fn new(model: ChipModel, garbage: u64) -> Self {
         let memory = Memory::new(model.flash(), model.ram(), garbage);
+        let mut chip = Self::with(model, Bus::new(memory));
+        chip.settle();
+        chip
+    }
+
+    /// A chip with all peripherals as they are when power comes.
+    fn with(model: ChipModel, bus: Bus) -> Self {
         let (part, variant) = match model {
             ChipModel::Nrf52840 => (0x5_2840, *b"AAF0"),
             ChipModel::Nrf52832 => (0x5_2832, *b"AAG0"),
         };
         let (ram, flash) = (model.ram() / 1024, model.flash() / 1024);
-        let mut chip = Self {
-            bus: Bus::new(memory),
+        Self {
+            bus,
             model,
             clock_and_power: ClockAndPower::new(model, Reset::Power, 0, None),
-            uarte: Uarte::new(model == ChipModel::Nrf52832, None),
+            uarte: Uarte::new(model == ChipModel::Nrf52832),
             gpiote: Gpiote::new(),
-            timers: timers(),
-            rtcs: rtcs(),
+            timers: [
+                Timer::new("TIMER0", 0x4000_8000, 4),
+                Timer::new("TIMER1", 0x4000_9000, 4),
+                Timer::new("TIMER2", 0x4000_a000, 4),
+                Timer::new("TIMER3", 0x4001_a000, 6),
+                Timer::new("TIMER4", 0x4001_b000, 6),
+            ],
+            rtcs: [
+                Rtc::new("RTC0", 0x4000_b000),
+                Rtc::new("RTC1", 0x4001_1000),
+                Rtc::new("RTC2", 0x4002_4000),
+            ],
             temp: temp::new(),
             rng: Rng::new(),
             watchdog: Watchdog::new(),
-            egus: egus(),
-            nvmc: Nvmc::new(model.flash_times(), model.flash(), None),
+            nvmc: Nvmc::new(model.flash_times(), model.flash()),
             ppi: Ppi::new(),
             pwm: Pwm::new(),
-            saadc: Saadc::new(BTreeMap::new()),
+            saadc: Saadc::new(),
             usbd: Usbd::default(),
             errata: usbd::errata(),
             ports: [Gpio::new("P0", 0), Gpio::new("P1", 1)],
@@ -193,48 +175,30 @@ impl Chip {
             next: 0,
             pins_are_stale: true,
             polled: (0, 0, 0),
-        };
-        chip.settle();
-        chip
+        }
     }
 
     /// Resets everything but memory; what a reset spares is said at each part (5.3.6).
     pub fn reset(&mut self, why: Reset) {
-        let (now, before) = (self.bus.now, &self.clock_and_power);
-        self.clock_and_power = ClockAndPower::new(self.model, why, now, Some(before));
-        let short = self.model == ChipModel::Nrf52832;
-        let before = std::mem::replace(&mut self.uarte, Uarte::new(short, None));
-        self.uarte = Uarte::new(short, Some(before));
-        self.gpiote = Gpiote::new();
-        self.timers = timers();
-        self.rtcs = rtcs();
-        self.temp = temp::new();
-        self.rng = Rng::new();
+        let (now, model) = (self.bus.now, self.model);
+        let fresh = Self::with(model, self.bus.after_reset());
+        let before = std::mem::replace(self, fresh);
+        let clock = Some(&before.clock_and_power);
+        self.clock_and_power = ClockAndPower::new(model, why, now, clock);
+        // What is on the line does not care.
+        self.uarte.line = before.uarte.line;
+        self.uarte.sent = before.uarte.sent;
+        self.uarte.counts_broken = before.uarte.counts_broken;
+        self.nvmc.partly_erased = before.nvmc.partly_erased;
+        self.saadc.inputs = before.saadc.inputs;
         // A reset by software or by the pin leaves the watchdog running.
-        if matches!(why, Reset::Power | Reset::Watchdog) {
-            self.watchdog = Watchdog::new();
-            self.bus.watchdog_runs = false;
+        if !matches!(why, Reset::Power | Reset::Watchdog) {
+            self.watchdog = before.watchdog;
+            self.bus.watchdog_runs = before.bus.watchdog_runs;
         }
-        self.egus = egus();
-        let before = Some(&self.nvmc);
-        self.nvmc = Nvmc::new(self.model.flash_times(), self.model.flash(), before);
-        self.ppi = Ppi::new();
-        self.pwm = Pwm::new();
-        self.saadc = Saadc::new(std::mem::take(&mut self.saadc.inputs));
-        self.usbd = Usbd::default();
-        self.errata = usbd::errata();
-        let [p0, p1] = [0, 1].map(|port: usize| self.ports[port].outside());
-        self.ports = [
-            Gpio::new("P0", 0).with_outside(p0),
-            Gpio::new("P1", 1).with_outside(p1),
-        ];
-        self.bus.events.clear();
-        self.bus.halt = 0;
-        self.bus.low_frequency_runs = false;
-        self.bus.crystal_runs = false;
-        self.bus.attention = true;
-        self.owner = Owner::Program;
-        self.pins_are_stale = true;
+        self.ports = [0, 1].map(|port: usize| before.ports[port].after_reset());
+        self.uicr = before.uicr;
+        self.changes = before.changes;
         self.settle();
     }
 
@@ -277,12 +241,6 @@ impl Chip {
             0x4000_d000 => &mut self.rng,
             0x4001_0000 => &mut self.watchdog,
             0x4001_1000 => &mut self.rtcs[1],
-            0x4001_4000 => &mut self.egus[0],
-            0x4001_5000 => &mut self.egus[1],
-            0x4001_6000 => &mut self.egus[2],
-            0x4001_7000 => &mut self.egus[3],
-            0x4001_8000 => &mut self.egus[4],
-            0x4001_9000 => &mut self.egus[5],
             0x4001_a000 => &mut self.timers[3],
             0x4001_b000 => &mut self.timers[4],
             0x4001_c000 => &mut self.pwm,

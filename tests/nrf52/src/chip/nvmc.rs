@@ -5,33 +5,26 @@
 use std::collections::BTreeMap;
 
 use super::bus::{Bus, Peripheral, Reset};
-use super::register::{Register, Registers, read_only, read_write, write_only};
+use super::register::{Registers, registers};
 use crate::memory::ERASED;
 use crate::refusal::What;
 use crate::time::{ms, us};
 
-const READY: u32 = 0x400;
-const READYNEXT: u32 = 0x408;
-const CONFIG: u32 = 0x504;
-const ERASEPAGE: u32 = 0x508;
-const ERASEPAGEPARTIAL: u32 = 0x518;
-const ERASEPAGEPARTIALCFG: u32 = 0x51c;
-const ICACHECNF: u32 = 0x540;
 /// CONFIG: writing is enabled, erasing is.
 const WRITES: u32 = 1;
 const ERASES: u32 = 2;
 pub const PAGE: u32 = 4096;
 
-const TABLE: &[Register] = &[
-    read_only("READY", READY).reset(1),
-    read_only("READYNEXT", READYNEXT).reset(1),
-    read_write("CONFIG", CONFIG, 3),
-    write_only("ERASEPAGE", ERASEPAGE, !0),
-    write_only("ERASEPAGEPARTIAL", ERASEPAGEPARTIAL, !0),
-    read_write("ERASEPAGEPARTIALCFG", ERASEPAGEPARTIALCFG, 0x7f).reset(10),
-    read_write("ICACHECNF", ICACHECNF, 1 | 1 << 8),
-    read_write("IHIT", 0x548, !0),
-    read_write("IMISS", 0x54c, !0),
+registers![
+    READY = read_only(0x400).reset(1),
+    READYNEXT = read_only(0x408).reset(1),
+    CONFIG = read_write(0x504, 3),
+    ERASEPAGE = write_only(0x508, !0),
+    ERASEPAGEPARTIAL = write_only(0x518, !0),
+    ERASEPAGEPARTIALCFG = read_write(0x51c, 0x7f).reset(10),
+    ICACHECNF = read_write(0x540, 1 | 1 << 8),
+    IHIT = read_write(0x548, !0),
+    IMISS = read_write(0x54c, !0),
 ];
 
 /// Ticks that an operation of flash takes: the longest that the specification gives.
@@ -61,19 +54,18 @@ pub struct Nvmc {
     pub times: FlashTimes,
     bytes: u32,
     /// Pages that are erased in part, with the ticks so far. The silicon remembers: a reset does not end it.
-    partly_erased: BTreeMap<u32, u64>,
+    pub partly_erased: BTreeMap<u32, u64>,
     /// Number of operations after which power fails, in the middle of the next.
     pub power_fails_after: Option<usize>,
 }
 
 impl Nvmc {
-    /// Creates the controller after a reset; `before` is the one until then.
-    pub fn new(times: FlashTimes, bytes: u32, before: Option<&Self>) -> Self {
+    pub fn new(times: FlashTimes, bytes: u32) -> Self {
         Self {
             registers: Registers::new("NVMC", 0x4001_e000, TABLE),
             times,
             bytes,
-            partly_erased: before.map_or_else(BTreeMap::new, |one| one.partly_erased.clone()),
+            partly_erased: BTreeMap::new(),
             power_fails_after: None,
         }
     }

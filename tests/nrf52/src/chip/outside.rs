@@ -49,11 +49,6 @@ impl Chip {
         &self.uarte.sent
     }
 
-    /// Bytes that the UART had no place for.
-    pub fn overruns(&self) -> u64 {
-        self.uarte.overruns
-    }
-
     /// Sets if RXDRDY comes for bytes whose stop bit is missing.
     pub fn count_broken_bytes(&mut self, counts: bool) {
         self.uarte.counts_broken = counts;
@@ -61,7 +56,7 @@ impl Chip {
 
     /// Returns true if RAM can be trusted after the core has slept.
     pub fn keeps_ram_asleep(&self) -> bool {
-        let trim = self.ficr.get(ficr::ERRATUM_108);
+        let trim = self.ficr.get(ficr::ERRATUM108);
         self.clock_and_power.keeps_ram_asleep(trim)
     }
 

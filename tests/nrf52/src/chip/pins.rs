@@ -71,7 +71,7 @@ impl Chip {
 
     /// The pin that resets the chip: both words name it (4.5.1.4).
     fn reset_pin(&self) -> Option<u32> {
-        let [first, second] = uicr::PSELRESET.map(|word| self.uicr.get(word));
+        let [first, second] = uicr::RESET_PINS.map(|word| self.uicr.get(word));
         (first == second && first >> 31 == 0).then_some(first & 0x3f)
     }
 }

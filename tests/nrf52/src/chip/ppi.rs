@@ -2,26 +2,22 @@
 //! The fixed channels 20 to 31 belong to the radio, which is not modelled.
 
 use super::bus::{Bus, Peripheral};
-use super::register::{Register, Registers, clear, read_write, set, task};
+use super::register::{Registers, registers};
 
-const CHEN: u32 = 0x500;
-const CH: u32 = 0x510;
-const CHG: u32 = 0x800;
-const FORK: u32 = 0x910;
 /// Channels with ends of one's own.
 const CHANNELS: u32 = 20;
 const GROUPS: u32 = 6;
 
-const TABLE: &[Register] = &[
-    task("TASKS_CHG.EN", 0x000).times(GROUPS).every(8),
-    task("TASKS_CHG.DIS", 0x004).times(GROUPS).every(8),
-    read_write("CHEN", CHEN, !0),
-    set("CHENSET", 0x504, CHEN, !0),
-    clear("CHENCLR", 0x508, CHEN, !0),
-    read_write("CH.EEP", CH, !0).times(CHANNELS).every(8),
-    read_write("CH.TEP", CH + 4, !0).times(CHANNELS).every(8),
-    read_write("CHG", CHG, !0).times(GROUPS),
-    read_write("FORK.TEP", FORK, !0).times(32),
+registers![
+    TASKS_CHG_EN = task(0x000).times(GROUPS).every(8),
+    TASKS_CHG_DIS = task(0x004).times(GROUPS).every(8),
+    CHEN = read_write(0x500, !0),
+    CHENSET = set(0x504, CHEN, !0),
+    CHENCLR = clear(0x508, CHEN, !0),
+    CH_EEP = read_write(0x510, !0).times(CHANNELS).every(8),
+    CH_TEP = read_write(CH_EEP + 4, !0).times(CHANNELS).every(8),
+    CHG = read_write(0x800, !0).times(GROUPS),
+    FORK_TEP = read_write(0x910, !0).times(32),
 ];
 
 #[derive(Debug)]
@@ -41,8 +37,8 @@ impl Ppi {
         let enabled = self.registers.get(CHEN);
         (0..CHANNELS)
             .filter(|channel| enabled >> channel & 1 == 1)
-            .filter(|channel| self.registers.get(CH + 8 * channel) == event)
-            .flat_map(|channel| [CH + 4 + 8 * channel, FORK + 4 * channel])
+            .filter(|channel| self.registers.get(CH_EEP + 8 * channel) == event)
+            .flat_map(|channel| [CH_EEP + 4 + 8 * channel, FORK_TEP + 4 * channel])
             .map(|offset| self.registers.get(offset))
             .filter(|task| *task != 0)
             .collect()
@@ -50,10 +46,10 @@ impl Ppi {
 
     /// Both ends of a register that names one: whether it is an event's, and the address.
     pub fn end(&self, offset: u32) -> Option<(bool, u32)> {
-        let in_channels = (CH..CH + 8 * CHANNELS).contains(&offset);
-        let is_event = in_channels && (offset - CH).is_multiple_of(8);
+        let in_channels = (CH_EEP..CH_EEP + 8 * CHANNELS).contains(&offset);
+        let is_event = in_channels && (offset - CH_EEP).is_multiple_of(8);
         let address = self.registers.get(offset);
-        (address != 0 && (in_channels || offset >= FORK)).then_some((is_event, address))
+        (address != 0 && (in_channels || offset >= FORK_TEP)).then_some((is_event, address))
     }
 }
 

@@ -2,48 +2,36 @@
 //! and the other channels are not modelled.
 
 use super::bus::{Bus, Peripheral};
-use super::register::{INTEN, Register, Registers, clear, event, read_write, set, task};
+use super::register::{INTEN, Registers, registers};
 use crate::refusal::What;
 
-const STOP: u32 = 0x004;
-const START: u32 = 0x008;
-const STOPPED: u32 = 0x104;
-const STARTED: u32 = 0x108;
-const SEQUENCE_END: u32 = 0x110;
-const PERIOD_END: u32 = 0x118;
-const ENABLE: u32 = 0x500;
-const TOP: u32 = 0x508;
-const PRESCALER: u32 = 0x50c;
-const PTR: u32 = 0x520;
-const CNT: u32 = 0x524;
-const PSEL: u32 = 0x560;
 const INTERRUPTS: u32 = 0xfe;
 const DISCONNECTED: u32 = 1 << 31;
 /// Bit of a value: the pin is high first, and falls at the value.
 const FALLS: u16 = 1 << 15;
 
-const TABLE: &[Register] = &[
-    task("TASKS_STOP", STOP),
-    task("TASKS_SEQSTART", START),
-    event("EVENTS_STOPPED", STOPPED),
-    event("EVENTS_SEQSTARTED", STARTED).times(2),
-    event("EVENTS_SEQEND", SEQUENCE_END).times(2),
-    event("EVENTS_PWMPERIODEND", PERIOD_END),
-    event("EVENTS_LOOPSDONE", 0x11c),
-    read_write("SHORTS", 0x200, 0),
-    set("INTENSET", 0x304, INTEN, INTERRUPTS),
-    clear("INTENCLR", 0x308, INTEN, !0),
-    read_write("ENABLE", ENABLE, 1),
-    read_write("MODE", 0x504, 0),
-    read_write("COUNTERTOP", TOP, 0x7fff).reset(0x3ff),
-    read_write("PRESCALER", PRESCALER, 7),
-    read_write("DECODER", 0x510, 0),
-    read_write("LOOP", 0x514, 0),
-    read_write("SEQ.PTR", PTR, !0),
-    read_write("SEQ.CNT", CNT, 0x7fff),
-    read_write("SEQ.REFRESH", 0x528, 0xff_ffff).reset(1),
-    read_write("SEQ.ENDDELAY", 0x52c, 0),
-    read_write("PSEL.OUT", PSEL, !0).times(4).reset(!0),
+registers![
+    TASKS_STOP = task(0x004),
+    TASKS_SEQSTART = task(0x008),
+    EVENTS_STOPPED = event(0x104),
+    EVENTS_SEQSTARTED = event(0x108).times(2),
+    EVENTS_SEQEND = event(0x110).times(2),
+    EVENTS_PWMPERIODEND = event(0x118),
+    EVENTS_LOOPSDONE = event(0x11c),
+    SHORTS = read_write(0x200, 0),
+    INTENSET = set(0x304, INTEN, INTERRUPTS),
+    INTENCLR = clear(0x308, INTEN, !0),
+    ENABLE = read_write(0x500, 1),
+    MODE = read_write(0x504, 0),
+    COUNTERTOP = read_write(0x508, 0x7fff).reset(0x3ff),
+    PRESCALER = read_write(0x50c, 7),
+    DECODER = read_write(0x510, 0),
+    LOOP = read_write(0x514, 0),
+    SEQ_PTR = read_write(0x520, !0),
+    SEQ_CNT = read_write(0x524, 0x7fff),
+    SEQ_REFRESH = read_write(0x528, 0xff_ffff).reset(1),
+    SEQ_ENDDELAY = read_write(0x52c, 0),
+    PSEL_OUT = read_write(0x560, !0).times(4).reset(!0),
 ];
 
 #[derive(Debug)]
@@ -72,7 +60,7 @@ impl Pwm {
 
     /// Pin of the channel, while the peripheral is enabled.
     pub fn pin(&self) -> Option<u32> {
-        let pin = self.registers.get(PSEL);
+        let pin = self.registers.get(PSEL_OUT);
         (self.registers.get(ENABLE) == 1 && pin & DISCONNECTED == 0).then_some(pin & 0x3f)
     }
 
@@ -89,7 +77,7 @@ impl Pwm {
     }
 
     fn period(&self) -> u64 {
-        u64::from(self.registers.get(TOP)) * self.count()
+        u64::from(self.registers.get(COUNTERTOP)) * self.count()
     }
 
     /// Ticks from the period's beginning to the edge in it.
@@ -123,11 +111,13 @@ impl Peripheral for Pwm {
     fn stored(&mut self, offset: u32, bus: &mut Bus) {
         let value = self.registers.get(offset);
         let wrong = match offset {
-            ENABLE | TOP | PRESCALER if self.began.is_some() => Some("no pulses may be running"),
-            TOP if value < 3 => Some("3 at least"),
-            CNT if value != 1 => Some("1: longer sequences are not modelled"),
+            ENABLE | COUNTERTOP | PRESCALER if self.began.is_some() => {
+                Some("no pulses may be running")
+            }
+            COUNTERTOP if value < 3 => Some("3 at least"),
+            SEQ_CNT if value != 1 => Some("1: longer sequences are not modelled"),
             // The first alone.
-            _ if offset > PSEL && value & DISCONNECTED == 0 => {
+            _ if offset > PSEL_OUT && value & DISCONNECTED == 0 => {
                 Some("other channels are not modelled")
             }
             _ => None,
@@ -138,14 +128,14 @@ impl Peripheral for Pwm {
     }
 
     fn task(&mut self, offset: u32, bus: &mut Bus) {
-        let address = self.registers.get(PTR);
+        let address = self.registers.get(SEQ_PTR);
         let when = match offset {
-            STOP => {
+            TASKS_STOP => {
                 self.stops |= self.began.is_some();
                 return;
             }
             _ if self.registers.get(ENABLE) == 0 => Some("while it is disabled"),
-            _ if self.registers.get(CNT) == 0 => Some("without a value"),
+            _ if self.registers.get(SEQ_CNT) == 0 => Some("without a value"),
             // What it does then is not specified.
             _ if self.stops => Some("while it is stopping"),
             _ => None,
@@ -158,11 +148,11 @@ impl Peripheral for Pwm {
             .half(address)
             .filter(|_| bus.memory.is_ram(address, 2));
         let Some(value) = half else {
-            return self.refuse(PTR, bus, What::NoDma { address, length: 2 });
+            return self.refuse(SEQ_PTR, bus, What::NoDma { address, length: 2 });
         };
         self.following = value;
-        self.raise(STARTED, bus);
-        self.raise(SEQUENCE_END, bus);
+        self.raise(EVENTS_SEQSTARTED, bus);
+        self.raise(EVENTS_SEQEND, bus);
         if self.began.is_none() {
             self.begin(bus);
         }
@@ -182,10 +172,10 @@ impl Peripheral for Pwm {
         if !is_over {
             return;
         }
-        self.raise(PERIOD_END, bus);
+        self.raise(EVENTS_PWMPERIODEND, bus);
         if std::mem::take(&mut self.stops) {
             self.began = None;
-            self.raise(STOPPED, bus);
+            self.raise(EVENTS_STOPPED, bus);
         } else {
             self.begin(bus);
         }

@@ -47,9 +47,9 @@ pub struct Register {
 }
 
 impl Register {
-    const fn new(name: &'static str, offset: u32, kind: RegisterKind, mask: u32) -> Self {
+    const fn new(offset: u32, kind: RegisterKind, mask: u32) -> Self {
         Self {
-            name,
+            name: "",
             offset,
             count: 1,
             stride: 4,
@@ -57,6 +57,10 @@ impl Register {
             mask,
             reset: 0,
         }
+    }
+
+    pub const fn named(self, name: &'static str) -> Self {
+        Self { name, ..self }
     }
 
     pub const fn times(self, count: u32) -> Self {
@@ -79,37 +83,51 @@ impl Register {
     }
 }
 
-pub const fn task(name: &'static str, offset: u32) -> Register {
-    Register::new(name, offset, RegisterKind::Task, 1)
+pub const fn task(offset: u32) -> Register {
+    Register::new(offset, RegisterKind::Task, 1)
 }
 
-pub const fn event(name: &'static str, offset: u32) -> Register {
-    Register::new(name, offset, RegisterKind::Event, 0)
+pub const fn event(offset: u32) -> Register {
+    Register::new(offset, RegisterKind::Event, 0)
 }
 
-pub const fn read_write(name: &'static str, offset: u32, mask: u32) -> Register {
-    Register::new(name, offset, RegisterKind::ReadWrite, mask)
+pub const fn read_write(offset: u32, mask: u32) -> Register {
+    Register::new(offset, RegisterKind::ReadWrite, mask)
 }
 
-pub const fn read_only(name: &'static str, offset: u32) -> Register {
-    Register::new(name, offset, RegisterKind::ReadOnly, 0)
+pub const fn read_only(offset: u32) -> Register {
+    Register::new(offset, RegisterKind::ReadOnly, 0)
 }
 
-pub const fn write_only(name: &'static str, offset: u32, mask: u32) -> Register {
-    Register::new(name, offset, RegisterKind::WriteOnly, mask)
+pub const fn write_only(offset: u32, mask: u32) -> Register {
+    Register::new(offset, RegisterKind::WriteOnly, mask)
 }
 
-pub const fn set(name: &'static str, offset: u32, of: u32, mask: u32) -> Register {
-    Register::new(name, offset, RegisterKind::Set(of), mask)
+pub const fn set(offset: u32, of: u32, mask: u32) -> Register {
+    Register::new(offset, RegisterKind::Set(of), mask)
 }
 
-pub const fn clear(name: &'static str, offset: u32, of: u32, mask: u32) -> Register {
-    Register::new(name, offset, RegisterKind::Clear(of), mask)
+pub const fn clear(offset: u32, of: u32, mask: u32) -> Register {
+    Register::new(offset, RegisterKind::Clear(of), mask)
 }
 
-pub const fn one_clears(name: &'static str, offset: u32, mask: u32) -> Register {
-    Register::new(name, offset, RegisterKind::OneClears, mask)
+pub const fn one_clears(offset: u32, mask: u32) -> Register {
+    Register::new(offset, RegisterKind::OneClears, mask)
 }
+
+/// Defines the table of a peripheral's registers, `TABLE`, and the offset of each by its name.
+macro_rules! registers {
+    ($($name:ident = $kind:ident($($of:expr),+) $(.$with:ident($value:expr))*),* $(,)?) => {
+        $(
+            #[allow(dead_code, reason = "many only hold what is written to them")]
+            pub const $name: u32 = $crate::chip::register::$kind($($of),+).offset;
+        )*
+        const TABLE: &[$crate::chip::register::Register] = &[$(
+            $crate::chip::register::$kind($($of),+)$(.$with($value))*.named(stringify!($name))
+        ),*];
+    };
+}
+pub(super) use registers;
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Written {
@@ -125,7 +143,7 @@ pub enum Written {
 pub struct Registers {
     pub name: &'static str,
     pub base: u32,
-    table: &'static [Register],
+    table: Vec<Register>,
     values: Vec<u32>,
 }
 
@@ -135,7 +153,7 @@ impl Registers {
         let mut registers = Self {
             name,
             base,
-            table,
+            table: table.to_vec(),
             values: vec![0; 0x1000 / 4],
         };
         for register in table {
@@ -144,6 +162,14 @@ impl Registers {
             }
         }
         registers
+    }
+
+    /// Changes the registers that begin at these offsets: a variant of the peripheral.
+    pub fn changed(mut self, offsets: &[u32], change: impl Fn(&mut Register)) -> Self {
+        let found = self.table.iter_mut();
+        let found = found.filter(|one| offsets.contains(&one.offset));
+        found.for_each(change);
+        self
     }
 
     pub fn get(&self, offset: u32) -> u32 {
@@ -155,7 +181,7 @@ impl Registers {
         self.values[offset as usize / 4] = value;
     }
 
-    fn find(&self, offset: u32) -> Option<&'static Register> {
+    fn find(&self, offset: u32) -> Option<&Register> {
         self.table.iter().find(|one| one.holds(offset))
     }
 
@@ -187,7 +213,7 @@ impl Registers {
 
     /// Writes a value, as the program does. Returns the effect, or the reason to refuse the write.
     pub fn write(&mut self, offset: u32, value: u32) -> Result<Written, What> {
-        let register = self.find(offset).ok_or(What::NotModelled)?;
+        let register = *self.find(offset).ok_or(What::NotModelled)?;
         let reserved = value & !register.mask;
         if register.kind == RegisterKind::ReadOnly {
             return Err(What::NotWritable { value });
@@ -234,13 +260,13 @@ impl Registers {
 mod tests {
     use super::*;
 
-    const TABLE: &[Register] = &[
-        task("TASKS_START", 0x000),
-        event("EVENTS_DONE", 0x104),
-        set("INTENSET", 0x304, INTEN, 1 << 1),
-        clear("INTENCLR", 0x308, INTEN, 1 << 1),
-        read_only("STATUS", 0x400),
-        read_write("CC", 0x540, 0xff).times(4).every(8).reset(7),
+    registers![
+        TASKS_START = task(0x000),
+        EVENTS_DONE = event(0x104),
+        INTENSET = set(0x304, INTEN, 1 << 1),
+        INTENCLR = clear(0x308, INTEN, 1 << 1),
+        STATUS = read_only(0x400),
+        CC = read_write(0x540, 0xff).times(4).every(8).reset(7),
     ];
 
     fn registers() -> Registers {

@@ -1,25 +1,21 @@
 //! RNG, random numbers (product specification, 6.21); here the same ones in every run.
 
 use super::bus::{Bus, Peripheral};
-use super::register::{INTEN, Register, Registers, clear, event, read_only, read_write, set, task};
+use super::register::{INTEN, Registers, registers};
 use crate::time::us;
 
-const START: u32 = 0x000;
-const VALRDY: u32 = 0x100;
-const SHORTS: u32 = 0x200;
-const VALUE: u32 = 0x508;
 /// A byte with bias correction (6.21.3).
 const BYTE: u64 = us(120);
 
-const TABLE: &[Register] = &[
-    task("TASKS_START", START),
-    task("TASKS_STOP", 0x004),
-    event("EVENTS_VALRDY", VALRDY),
-    read_write("SHORTS", SHORTS, 1),
-    set("INTENSET", 0x304, INTEN, 1),
-    clear("INTENCLR", 0x308, INTEN, 1),
-    read_write("CONFIG", 0x504, 1),
-    read_only("VALUE", VALUE),
+registers![
+    TASKS_START = task(0x000),
+    TASKS_STOP = task(0x004),
+    EVENTS_VALRDY = event(0x100),
+    SHORTS = read_write(0x200, 1),
+    INTENSET = set(0x304, INTEN, 1),
+    INTENCLR = clear(0x308, INTEN, 1),
+    CONFIG = read_write(0x504, 1),
+    VALUE = read_only(0x508),
 ];
 
 #[derive(Debug)]
@@ -45,7 +41,7 @@ impl Peripheral for Rng {
     }
 
     fn task(&mut self, offset: u32, bus: &mut Bus) {
-        self.at = (offset == START).then_some(bus.now + BYTE);
+        self.at = (offset == TASKS_START).then_some(bus.now + BYTE);
     }
 
     fn next(&self) -> Option<u64> {
@@ -60,6 +56,6 @@ impl Peripheral for Rng {
         self.registers.put(VALUE, self.state >> 24);
         let stops = self.registers.get(SHORTS) & 1 == 1;
         self.at = (!stops).then_some(bus.now + BYTE);
-        self.raise(VALRDY, bus);
+        self.raise(EVENTS_VALRDY, bus);
     }
 }

@@ -1,40 +1,29 @@
 //! RTC, the real-time counter (product specification, 6.22): 24 bits at the low-frequency clock, divided.
 
 use super::bus::{Bus, Peripheral};
-use super::register::{INTEN, Register, Registers, clear, event, read_only, read_write, set, task};
+use super::register::{INTEN, Registers, registers};
 use crate::time::{low_frequency, of_low_frequency};
 
-const START: u32 = 0x000;
-const STOP: u32 = 0x004;
-const CLEAR: u32 = 0x008;
-const TRIGOVRFLW: u32 = 0x00c;
-const TICK: u32 = 0x100;
-const OVRFLW: u32 = 0x104;
-const COMPARE: u32 = 0x140;
-const EVTEN: u32 = 0x340;
-const COUNTER: u32 = 0x504;
-const PRESCALER: u32 = 0x508;
-const CC: u32 = 0x540;
 const ENABLES: u32 = 0x3 | 0xf << 16;
 const MASK: u64 = 0xff_ffff;
 const CHANNELS: u32 = 4;
 
-const TABLE: &[Register] = &[
-    task("TASKS_START", START),
-    task("TASKS_STOP", STOP),
-    task("TASKS_CLEAR", CLEAR),
-    task("TASKS_TRIGOVRFLW", TRIGOVRFLW),
-    event("EVENTS_TICK", TICK),
-    event("EVENTS_OVRFLW", OVRFLW),
-    event("EVENTS_COMPARE", COMPARE).times(CHANNELS),
-    set("INTENSET", 0x304, INTEN, ENABLES),
-    clear("INTENCLR", 0x308, INTEN, ENABLES),
-    read_write("EVTEN", EVTEN, ENABLES),
-    set("EVTENSET", 0x344, EVTEN, ENABLES),
-    clear("EVTENCLR", 0x348, EVTEN, ENABLES),
-    read_only("COUNTER", COUNTER),
-    read_write("PRESCALER", PRESCALER, 0xfff),
-    read_write("CC", CC, 0xff_ffff).times(CHANNELS),
+registers![
+    TASKS_START = task(0x000),
+    TASKS_STOP = task(0x004),
+    TASKS_CLEAR = task(0x008),
+    TASKS_TRIGOVRFLW = task(0x00c),
+    EVENTS_TICK = event(0x100),
+    EVENTS_OVRFLW = event(0x104),
+    EVENTS_COMPARE = event(0x140).times(CHANNELS),
+    INTENSET = set(0x304, INTEN, ENABLES),
+    INTENCLR = clear(0x308, INTEN, ENABLES),
+    EVTEN = read_write(0x340, ENABLES),
+    EVTENSET = set(0x344, EVTEN, ENABLES),
+    EVTENCLR = clear(0x348, EVTEN, ENABLES),
+    COUNTER = read_only(0x504),
+    PRESCALER = read_write(0x508, 0xfff),
+    CC = read_write(0x540, 0xff_ffff).times(CHANNELS),
 ];
 
 #[derive(Debug)]
@@ -131,19 +120,19 @@ impl Peripheral for Rtc {
     fn task(&mut self, offset: u32, bus: &mut Bus) {
         let period = low_frequency(bus.now);
         match offset {
-            START if !bus.low_frequency_runs => {
+            TASKS_START if !bus.low_frequency_runs => {
                 self.untimely(offset, bus, "while the low-frequency clock does not run");
             }
-            START if self.runs => {}
-            START => {
+            TASKS_START if self.runs => {}
+            TASKS_START => {
                 self.runs = true;
                 (self.since, self.seen) = (period + 1, period + 1);
             }
-            STOP => {
+            TASKS_STOP => {
                 self.count = self.value(period);
                 self.runs = false;
             }
-            CLEAR => {
+            TASKS_CLEAR => {
                 self.count = 0;
                 (self.since, self.seen) = (period + 1, period + 1);
             }
@@ -169,14 +158,14 @@ impl Peripheral for Rtc {
                 let matches = u64::from(self.registers.get(CC + 4 * channel)) == value;
                 let blind = period < self.blind_until[channel as usize];
                 if matches && !blind && self.enabled(16 + channel) {
-                    self.raise(COMPARE + 4 * channel, bus);
+                    self.raise(EVENTS_COMPARE + 4 * channel, bus);
                 }
             }
             if value == 0 && self.enabled(1) {
-                self.raise(OVRFLW, bus);
+                self.raise(EVENTS_OVRFLW, bus);
             }
             if self.enabled(0) {
-                self.raise(TICK, bus);
+                self.raise(EVENTS_TICK, bus);
             }
         }
     }
@@ -194,7 +183,7 @@ mod tests {
         for start in 0..of_low_frequency(2) {
             let mut rtc = Rtc::new("RTC1", 0x4001_1000);
             bus.now = start;
-            rtc.task(START, &mut bus);
+            rtc.task(TASKS_START, &mut bus);
             let passed = [0, of_low_frequency(1) - 1, of_low_frequency(2)];
             let values = passed.map(|ticks| {
                 bus.now = start + ticks;

@@ -1,11 +1,11 @@
 //! TEMP, the temperature sensor (product specification, 6.28): its trimming alone, which start-up code copies from FICR.
 
-use super::register::{Register, Registers, read_write};
+use super::register::{Registers, registers};
 
-const TABLE: &[Register] = &[
-    read_write("A", 0x520, 0xfff).times(6),
-    read_write("B", 0x540, 0x3fff).times(6),
-    read_write("T", 0x560, 0xff).times(5),
+registers![
+    A = read_write(0x520, 0xfff).times(6),
+    B = read_write(0x540, 0x3fff).times(6),
+    T = read_write(0x560, 0xff).times(5),
 ];
 
 /// The sensor after a reset.

@@ -1,46 +1,26 @@
 //! TIMER (product specification, 6.30): counts the high-frequency clock, or tasks.
 
 use super::bus::{Bus, Peripheral};
-use super::register::{INTEN, Register, Registers, clear, event, read_write, set, task};
+use super::register::{INTEN, Registers, registers};
 
-const START: u32 = 0x000;
-const STOP: u32 = 0x004;
-const COUNT: u32 = 0x008;
-const CLEAR: u32 = 0x00c;
-const SHUTDOWN: u32 = 0x010;
-const CAPTURE: u32 = 0x040;
-const COMPARE: u32 = 0x140;
-const SHORTS: u32 = 0x200;
-const MODE: u32 = 0x504;
-const BITMODE: u32 = 0x508;
-const PRESCALER: u32 = 0x510;
-const CC: u32 = 0x540;
 const INTERRUPTS: u32 = 0x3f << 16;
 
-macro_rules! table {
-    ($channels:literal) => {
-        &[
-            task("TASKS_START", START),
-            task("TASKS_STOP", STOP),
-            task("TASKS_COUNT", COUNT),
-            task("TASKS_CLEAR", CLEAR),
-            task("TASKS_SHUTDOWN", SHUTDOWN),
-            task("TASKS_CAPTURE", CAPTURE).times($channels),
-            event("EVENTS_COMPARE", COMPARE).times($channels),
-            read_write("SHORTS", SHORTS, 0x3f | 0x3f << 8),
-            set("INTENSET", 0x304, INTEN, INTERRUPTS),
-            clear("INTENCLR", 0x308, INTEN, INTERRUPTS),
-            read_write("MODE", MODE, 3),
-            read_write("BITMODE", BITMODE, 3),
-            read_write("PRESCALER", PRESCALER, 0xf).reset(4),
-            read_write("CC", CC, !0).times($channels),
-        ]
-    };
-}
-
-/// TIMER0 to TIMER2 have four channels, TIMER3 and TIMER4 six.
-const FOUR: &[Register] = table!(4);
-const SIX: &[Register] = table!(6);
+registers![
+    TASKS_START = task(0x000),
+    TASKS_STOP = task(0x004),
+    TASKS_COUNT = task(0x008),
+    TASKS_CLEAR = task(0x00c),
+    TASKS_SHUTDOWN = task(0x010),
+    TASKS_CAPTURE = task(0x040).times(6),
+    EVENTS_COMPARE = event(0x140).times(6),
+    SHORTS = read_write(0x200, 0x3f | 0x3f << 8),
+    INTENSET = set(0x304, INTEN, INTERRUPTS),
+    INTENCLR = clear(0x308, INTEN, INTERRUPTS),
+    MODE = read_write(0x504, 3),
+    BITMODE = read_write(0x508, 3),
+    PRESCALER = read_write(0x510, 0xf).reset(4),
+    CC = read_write(0x540, !0).times(6),
+];
 
 #[derive(Debug)]
 pub struct Timer {
@@ -55,9 +35,12 @@ pub struct Timer {
 }
 
 impl Timer {
+    /// A timer after a reset. TIMER0 to TIMER2 have four channels, TIMER3 and TIMER4 six.
     pub fn new(name: &'static str, base: u32, channels: u32) -> Self {
+        let of_channels = [TASKS_CAPTURE, EVENTS_COMPARE, CC];
         Self {
-            registers: Registers::new(name, base, if channels == 4 { FOUR } else { SIX }),
+            registers: Registers::new(name, base, TABLE)
+                .changed(&of_channels, |one| one.count = channels),
             channels,
             runs: false,
             since: 0,
@@ -125,7 +108,7 @@ impl Timer {
         for channel in 0..self.channels {
             let compare = u64::from(self.registers.get(CC + 4 * channel)) & self.mask();
             if compare == value {
-                self.raise(COMPARE + 4 * channel, bus);
+                self.raise(EVENTS_COMPARE + 4 * channel, bus);
             }
         }
     }
@@ -152,39 +135,40 @@ impl Peripheral for Timer {
 
     fn task(&mut self, offset: u32, bus: &mut Bus) {
         match offset {
-            START if self.runs => {}
-            START => {
+            TASKS_START if self.runs => {}
+            TASKS_START => {
                 self.runs = true;
                 (self.since, self.seen) = (bus.now, bus.now);
             }
-            STOP | SHUTDOWN => {
+            TASKS_STOP | TASKS_SHUTDOWN => {
                 self.count = self.value(bus.now);
                 self.runs = false;
-                if offset == SHUTDOWN {
+                if offset == TASKS_SHUTDOWN {
                     self.count = 0;
                 }
             }
-            COUNT if self.runs && self.counts_tasks() => {
+            TASKS_COUNT if self.runs && self.counts_tasks() => {
                 self.count = (self.count + 1) & self.mask();
                 self.raise_matches(self.count, bus);
             }
-            COUNT => {}
-            CLEAR => {
+            TASKS_COUNT => {}
+            TASKS_CLEAR => {
                 self.count = 0;
                 (self.since, self.seen) = (bus.now, bus.now);
             }
             _ => {
                 let captured = self.value(bus.now);
-                self.registers.put(CC + (offset - CAPTURE), captured as u32);
+                self.registers
+                    .put(CC + (offset - TASKS_CAPTURE), captured as u32);
             }
         }
     }
 
     fn shorts(&self, event: u32) -> Vec<u32> {
-        let channel = (event - COMPARE) / 4;
+        let channel = (event - EVENTS_COMPARE) / 4;
         let shorts = self.registers.get(SHORTS);
-        let clears = (shorts >> channel & 1 == 1).then_some(CLEAR);
-        let stops = (shorts >> (channel + 8) & 1 == 1).then_some(STOP);
+        let clears = (shorts >> channel & 1 == 1).then_some(TASKS_CLEAR);
+        let stops = (shorts >> (channel + 8) & 1 == 1).then_some(TASKS_STOP);
         clears.into_iter().chain(stops).collect()
     }
 

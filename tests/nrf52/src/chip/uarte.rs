@@ -4,36 +4,10 @@
 use std::collections::VecDeque;
 
 use super::bus::{Bus, Peripheral};
-use super::register::{
-    INTEN, Register, Registers, clear, event, one_clears, read_only, read_write, set, task,
-};
+use super::register::{Registers, registers};
 use crate::refusal::What;
 use crate::time::HZ;
 
-const STARTRX: u32 = 0x000;
-const STOPRX: u32 = 0x004;
-const STARTTX: u32 = 0x008;
-const FLUSHRX: u32 = 0x02c;
-const RXDRDY: u32 = 0x108;
-const ENDRX: u32 = 0x110;
-const TXDRDY: u32 = 0x11c;
-const ENDTX: u32 = 0x120;
-const ERROR: u32 = 0x124;
-const RXTO: u32 = 0x144;
-const RXSTARTED: u32 = 0x14c;
-const TXSTARTED: u32 = 0x150;
-const SHORTS: u32 = 0x200;
-const ERRORSRC: u32 = 0x480;
-const ENABLE: u32 = 0x500;
-const PSEL: u32 = 0x508;
-const PSEL_TXD: u32 = 0x50c;
-const PSEL_RXD: u32 = 0x514;
-const BAUDRATE: u32 = 0x524;
-const RXD_PTR: u32 = 0x534;
-const RXD_AMOUNT: u32 = 0x53c;
-const TXD_PTR: u32 = 0x544;
-const TXD_AMOUNT: u32 = 0x54c;
-const CONFIG: u32 = 0x56c;
 /// Bits of events whose interrupt can be enabled.
 const INTERRUPTS: u32 = 0x7 | 1 << 4 | 7 << 7 | 1 << 17 | 3 << 19 | 1 << 22;
 
@@ -56,48 +30,44 @@ const RESTARTS: u32 = 1 << 5;
 const OVERRUN: u32 = 1;
 const FRAMING: u32 = 1 << 2;
 
-macro_rules! table {
-    ($count:literal) => {
-        &[
-            task("TASKS_STARTRX", STARTRX),
-            task("TASKS_STOPRX", STOPRX),
-            task("TASKS_STARTTX", STARTTX),
-            task("TASKS_FLUSHRX", FLUSHRX),
-            event("EVENTS_CTS", 0x100),
-            event("EVENTS_NCTS", 0x104),
-            event("EVENTS_RXDRDY", RXDRDY),
-            event("EVENTS_ENDRX", ENDRX),
-            event("EVENTS_TXDRDY", TXDRDY),
-            event("EVENTS_ENDTX", ENDTX),
-            event("EVENTS_ERROR", ERROR),
-            event("EVENTS_RXTO", RXTO),
-            event("EVENTS_RXSTARTED", RXSTARTED),
-            event("EVENTS_TXSTARTED", TXSTARTED),
-            event("EVENTS_TXSTOPPED", 0x158),
-            read_write("SHORTS", SHORTS, 3 << 5),
-            read_write("INTEN", INTEN, INTERRUPTS),
-            set("INTENSET", 0x304, INTEN, INTERRUPTS),
-            clear("INTENCLR", 0x308, INTEN, INTERRUPTS),
-            one_clears("ERRORSRC", ERRORSRC, 0xf),
-            read_write("ENABLE", ENABLE, 0xf),
-            read_write("PSEL", PSEL, DISCONNECTED | 0x3f)
-                .times(4)
-                .reset(!0),
-            read_write("BAUDRATE", BAUDRATE, !0).reset(0x0400_0000),
-            read_write("RXD.PTR", RXD_PTR, !0),
-            read_write("RXD.MAXCNT", RXD_PTR + 4, $count),
-            read_only("RXD.AMOUNT", RXD_AMOUNT),
-            read_write("TXD.PTR", TXD_PTR, !0),
-            read_write("TXD.MAXCNT", TXD_PTR + 4, $count),
-            read_only("TXD.AMOUNT", TXD_AMOUNT),
-            read_write("CONFIG", CONFIG, 0x1f),
-        ]
-    };
-}
+registers![
+    TASKS_STARTRX = task(0x000),
+    TASKS_STOPRX = task(0x004),
+    TASKS_STARTTX = task(0x008),
+    TASKS_FLUSHRX = task(0x02c),
+    EVENTS_CTS = event(0x100),
+    EVENTS_NCTS = event(0x104),
+    EVENTS_RXDRDY = event(0x108),
+    EVENTS_ENDRX = event(0x110),
+    EVENTS_TXDRDY = event(0x11c),
+    EVENTS_ENDTX = event(0x120),
+    EVENTS_ERROR = event(0x124),
+    EVENTS_RXTO = event(0x144),
+    EVENTS_RXSTARTED = event(0x14c),
+    EVENTS_TXSTARTED = event(0x150),
+    EVENTS_TXSTOPPED = event(0x158),
+    SHORTS = read_write(0x200, 3 << 5),
+    INTEN = read_write(0x300, INTERRUPTS),
+    INTENSET = set(0x304, INTEN, INTERRUPTS),
+    INTENCLR = clear(0x308, INTEN, INTERRUPTS),
+    ERRORSRC = one_clears(0x480, 0xf),
+    ENABLE = read_write(0x500, 0xf),
+    PSEL_RTS = read_write(0x508, DISCONNECTED | 0x3f).reset(!0),
+    PSEL_TXD = read_write(0x50c, DISCONNECTED | 0x3f).reset(!0),
+    PSEL_CTS = read_write(0x510, DISCONNECTED | 0x3f).reset(!0),
+    PSEL_RXD = read_write(0x514, DISCONNECTED | 0x3f).reset(!0),
+    BAUDRATE = read_write(0x524, !0).reset(0x0400_0000),
+    RXD_PTR = read_write(0x534, !0),
+    RXD_MAXCNT = read_write(RXD_PTR + 4, 0xffff),
+    RXD_AMOUNT = read_only(0x53c),
+    TXD_PTR = read_write(0x544, !0),
+    TXD_MAXCNT = read_write(TXD_PTR + 4, 0xffff),
+    TXD_AMOUNT = read_only(0x54c),
+    CONFIG = read_write(0x56c, 0x1f),
+];
 
-/// Lengths have 16 bits on the nRF52840, 8 on the nRF52832.
-const LONG: &[Register] = table!(0xffff);
-const SHORT: &[Register] = table!(0xff);
+/// Mask of a length on the nRF52832; on the nRF52840 it has 16 bits.
+const SHORT: u32 = 0xff;
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Received {
@@ -129,39 +99,28 @@ pub struct Uarte {
     pub line: VecDeque<Received>,
     /// Bytes that were sent, each with the tick at which its last bit was over.
     pub sent: Vec<(u64, u8)>,
-    /// Bytes that came and found no place.
-    pub overruns: u64,
     /// True if RXDRDY comes for a byte whose stop bit is missing too. The specification says that such a byte is not stored
     /// (6.34.4), and not if it is counted.
     pub counts_broken: bool,
 }
 
 impl Uarte {
-    /// After a reset; what is on the line does not care.
-    pub fn new(short_lengths: bool, before: Option<Self>) -> Self {
-        let table = if short_lengths { SHORT } else { LONG };
-        let (line, sent, overruns, counts_broken) =
-            before.map_or_else(Default::default, |before| {
-                let Self {
-                    line,
-                    sent,
-                    overruns,
-                    counts_broken,
-                    ..
-                } = before;
-                (line, sent, overruns, counts_broken)
-            });
+    pub fn new(short_lengths: bool) -> Self {
+        let mut registers = Registers::new("UARTE0", 0x4000_2000, TABLE);
+        if short_lengths {
+            let lengths = [RXD_MAXCNT, TXD_MAXCNT];
+            registers = registers.changed(&lengths, |length| length.mask = SHORT);
+        }
         Self {
-            registers: Registers::new("UARTE0", 0x4000_2000, table),
+            registers,
             sending: None,
             receiving: None,
             listens: false,
             stops: None,
             fifo: VecDeque::new(),
-            line,
-            sent,
-            overruns,
-            counts_broken,
+            line: VecDeque::new(),
+            sent: Vec::new(),
+            counts_broken: false,
         }
     }
 
@@ -197,7 +156,7 @@ impl Uarte {
     fn error(&mut self, source: u32, bus: &mut Bus) {
         let sources = self.registers.get(ERRORSRC);
         self.registers.put(ERRORSRC, sources | source);
-        self.raise(ERROR, bus);
+        self.raise(EVENTS_ERROR, bus);
     }
 
     /// A byte is over on the line.
@@ -208,16 +167,15 @@ impl Uarte {
         if received.is_broken || bus.fast().abs() > TOLERANCE {
             // It is not stored; those that follow are (6.34.4).
             if self.counts_broken {
-                self.raise(RXDRDY, bus);
+                self.raise(EVENTS_RXDRDY, bus);
             }
             return self.error(FRAMING, bus);
         }
         if self.fifo.len() == FIFO {
-            self.overruns += 1;
             return self.error(OVERRUN, bus);
         }
         self.fifo.push_back(received.byte);
-        self.raise(RXDRDY, bus);
+        self.raise(EVENTS_RXDRDY, bus);
         self.drain(bus);
     }
 
@@ -238,7 +196,7 @@ impl Uarte {
     fn end_reception(&mut self, bus: &mut Bus) {
         if let Some(buffer) = self.receiving.take() {
             self.registers.put(RXD_AMOUNT, buffer.done);
-            self.raise(ENDRX, bus);
+            self.raise(EVENTS_ENDRX, bus);
         }
     }
 
@@ -246,22 +204,22 @@ impl Uarte {
     fn stop(&mut self, bus: &mut Bus) {
         self.end_reception(bus);
         (self.listens, self.stops) = (false, None);
-        self.raise(RXTO, bus);
+        self.raise(EVENTS_RXTO, bus);
     }
 
     /// Starts a transfer of either direction.
     fn start(&mut self, is_send: bool, bus: &mut Bus) {
         if is_send {
             let buffer = self.buffer(TXD_PTR, bus);
-            self.raise(TXSTARTED, bus);
+            self.raise(EVENTS_TXSTARTED, bus);
             if buffer.length == 0 {
-                self.raise(ENDTX, bus);
+                self.raise(EVENTS_ENDTX, bus);
             } else {
                 self.sending = Some((buffer, bus.now + Self::byte_ticks(bus)));
             }
         } else {
             let buffer = self.buffer(RXD_PTR, bus);
-            self.raise(RXSTARTED, bus);
+            self.raise(EVENTS_RXSTARTED, bus);
             self.listens = true;
             self.receiving = Some(buffer);
             self.drain(bus);
@@ -294,44 +252,44 @@ impl Peripheral for Uarte {
                 return self.fifo.clear();
             }
             // Only while it is disabled (6.34.1).
-            PSEL..=PSEL_RXD | BAUDRATE | CONFIG if self.is_enabled() => "it has to be disabled",
+            PSEL_RTS..=PSEL_RXD | BAUDRATE | CONFIG if self.is_enabled() => "it has to be disabled",
             _ => return,
         };
         self.unexpected(offset, bus, expected);
     }
 
     fn task(&mut self, offset: u32, bus: &mut Bus) {
-        let is_send = offset == STARTTX;
+        let is_send = offset == TASKS_STARTTX;
         let pin = if is_send { PSEL_TXD } else { PSEL_RXD };
         let is_busy = match offset {
-            STARTTX => self.sending.is_some(),
-            STARTRX | FLUSHRX => self.receiving.is_some(),
+            TASKS_STARTTX => self.sending.is_some(),
+            TASKS_STARTRX | TASKS_FLUSHRX => self.receiving.is_some(),
             _ => false,
         };
         let when = match offset {
             _ if !self.is_enabled() => "while it is disabled",
             _ if self.registers.get(pin) & DISCONNECTED != 0 => "without a pin",
             _ if is_busy => "while the transfer before is under way",
-            STOPRX if !self.listens => "while the receiver is stopped",
-            STOPRX if self.registers.get(SHORTS) & RESTARTS != 0 => {
+            TASKS_STOPRX if !self.listens => "while the receiver is stopped",
+            TASKS_STOPRX if self.registers.get(SHORTS) & RESTARTS != 0 => {
                 "while the shortcut from ENDRX would start it again"
             }
-            FLUSHRX if self.listens => "before RXTO",
+            TASKS_FLUSHRX if self.listens => "before RXTO",
             _ => "",
         };
         if !when.is_empty() {
             return self.untimely(offset, bus, when);
         }
         match offset {
-            STOPRX => self.stops = Some(bus.now + STOPPING * Self::byte_ticks(bus)),
-            FLUSHRX => self.flush(bus),
+            TASKS_STOPRX => self.stops = Some(bus.now + STOPPING * Self::byte_ticks(bus)),
+            TASKS_FLUSHRX => self.flush(bus),
             _ => self.start(is_send, bus),
         }
     }
 
     fn shorts(&self, event: u32) -> Vec<u32> {
-        let restarts = event == ENDRX && self.registers.get(SHORTS) & RESTARTS != 0;
-        restarts.then_some(STARTRX).into_iter().collect()
+        let restarts = event == EVENTS_ENDRX && self.registers.get(SHORTS) & RESTARTS != 0;
+        restarts.then_some(TASKS_STARTRX).into_iter().collect()
     }
 
     fn next(&self) -> Option<u64> {
@@ -348,10 +306,10 @@ impl Peripheral for Uarte {
             self.sent.extend(byte.map(|byte| (at, byte[0] ^ wrong)));
             buffer.done += 1;
             self.sending = None;
-            self.raise(TXDRDY, bus);
+            self.raise(EVENTS_TXDRDY, bus);
             if buffer.done == buffer.length {
                 self.registers.put(TXD_AMOUNT, buffer.done);
-                self.raise(ENDTX, bus);
+                self.raise(EVENTS_ENDTX, bus);
             } else {
                 self.sending = Some((buffer, at + Self::byte_ticks(bus)));
             }

@@ -12,44 +12,16 @@ use std::collections::VecDeque;
 pub use host::Control;
 
 use super::bus::{Bus, Peripheral};
-use super::register::{
-    INTEN, Register, Registers, clear, event, one_clears, read_only, read_write, set, task,
-};
+use super::register::{INTEN, Registers, registers};
 use crate::refusal::What;
 use crate::time::us;
 
-const STARTEPIN: u32 = 0x004;
-const STARTEPOUT: u32 = 0x028;
-const EP0RCVOUT: u32 = 0x04c;
-const EP0STATUS: u32 = 0x050;
-const EP0STALL: u32 = 0x054;
-const USBRESET: u32 = 0x100;
-const STARTED: u32 = 0x104;
-const ENDEPIN: u32 = 0x108;
-const EP0DATADONE: u32 = 0x128;
-const ENDEPOUT: u32 = 0x130;
-const USBEVENT: u32 = 0x158;
-const EP0SETUP: u32 = 0x15c;
-const EPDATA: u32 = 0x160;
-const SHORTS: u32 = 0x200;
-const EVENTCAUSE: u32 = 0x400;
-const EPDATASTATUS: u32 = 0x46c;
-const USBADDR: u32 = 0x470;
-const BMREQUESTTYPE: u32 = 0x480;
-const SIZE: u32 = 0x4a0;
-const ENABLE: u32 = 0x500;
-const USBPULLUP: u32 = 0x504;
-const EPINEN: u32 = 0x510;
-const EPOUTEN: u32 = 0x514;
-const EPIN: u32 = 0x600;
-const EPOUT: u32 = 0x700;
 /// Bytes between the DMA registers of two endpoints.
 const DMA: u32 = 0x14;
 /// EVENTCAUSE: bits (6.35.13).
 const READY: u32 = 1 << 11;
 /// SHORTS: EP0DATADONE starts EP0STATUS.
 const TO_STATUS: u32 = 1 << 2;
-const LOWPOWER: u32 = 0x52c;
 const TRANSFER: u64 = us(20);
 /// Time between two frames.
 const FRAME: u64 = us(1000);
@@ -58,42 +30,38 @@ const ASLEEP: &str = "in low-power mode (LOWPOWER: after software has finished)"
 const PACKET: u32 = 64;
 const INTERRUPTS: u32 = 0x01ff_ffff;
 
-const TABLE: &[Register] = &[
-    task("TASKS_STARTEPIN", STARTEPIN).times(8),
-    task("TASKS_STARTEPOUT", STARTEPOUT).times(8),
-    task("TASKS_EP0RCVOUT", EP0RCVOUT),
-    task("TASKS_EP0STATUS", EP0STATUS),
-    task("TASKS_EP0STALL", EP0STALL),
-    event("EVENTS_USBRESET", USBRESET),
-    event("EVENTS_STARTED", STARTED),
-    event("EVENTS_ENDEPIN", ENDEPIN).times(8),
-    event("EVENTS_EP0DATADONE", EP0DATADONE),
-    event("EVENTS_ENDEPOUT", ENDEPOUT).times(8),
-    event("EVENTS_USBEVENT", USBEVENT),
-    event("EVENTS_EP0SETUP", EP0SETUP),
-    event("EVENTS_EPDATA", EPDATA),
-    read_write("SHORTS", SHORTS, 0x1f),
-    set("INTENSET", 0x304, INTEN, INTERRUPTS),
-    clear("INTENCLR", 0x308, INTEN, INTERRUPTS),
-    one_clears("EVENTCAUSE", EVENTCAUSE, 1 | 0xf << 8),
-    one_clears("EPDATASTATUS", EPDATASTATUS, 0xfe | 0xfe << 16),
-    read_only("USBADDR", USBADDR),
-    read_only("SETUP", BMREQUESTTYPE).times(8),
-    read_write("SIZE.EPOUT", SIZE, 0x7f).times(8),
-    read_write("ENABLE", ENABLE, 1),
-    read_write("USBPULLUP", USBPULLUP, 1),
-    read_write("EPINEN", EPINEN, 0x1ff).reset(1),
-    read_write("EPOUTEN", EPOUTEN, 0x1ff).reset(1),
-    read_write("EPSTALL", 0x518, 0x187),
-    read_write("LOWPOWER", LOWPOWER, 1),
-    read_write("EPIN.PTR", EPIN, !0).times(8).every(DMA),
-    read_write("EPIN.MAXCNT", EPIN + 4, 0x7f)
-        .times(8)
-        .every(DMA),
-    read_write("EPOUT.PTR", EPOUT, !0).times(8).every(DMA),
-    read_write("EPOUT.MAXCNT", EPOUT + 4, 0x7f)
-        .times(8)
-        .every(DMA),
+registers![
+    TASKS_STARTEPIN = task(0x004).times(8),
+    TASKS_STARTEPOUT = task(0x028).times(8),
+    TASKS_EP0RCVOUT = task(0x04c),
+    TASKS_EP0STATUS = task(0x050),
+    TASKS_EP0STALL = task(0x054),
+    EVENTS_USBRESET = event(0x100),
+    EVENTS_STARTED = event(0x104),
+    EVENTS_ENDEPIN = event(0x108).times(8),
+    EVENTS_EP0DATADONE = event(0x128),
+    EVENTS_ENDEPOUT = event(0x130).times(8),
+    EVENTS_USBEVENT = event(0x158),
+    EVENTS_EP0SETUP = event(0x15c),
+    EVENTS_EPDATA = event(0x160),
+    SHORTS = read_write(0x200, 0x1f),
+    INTENSET = set(0x304, INTEN, INTERRUPTS),
+    INTENCLR = clear(0x308, INTEN, INTERRUPTS),
+    EVENTCAUSE = one_clears(0x400, 1 | 0xf << 8),
+    EPDATASTATUS = one_clears(0x46c, 0xfe | 0xfe << 16),
+    USBADDR = read_only(0x470),
+    SETUP = read_only(0x480).times(8),
+    SIZE_EPOUT = read_write(0x4a0, 0x7f).times(8),
+    ENABLE = read_write(0x500, 1),
+    USBPULLUP = read_write(0x504, 1),
+    EPINEN = read_write(0x510, 0x1ff).reset(1),
+    EPOUTEN = read_write(0x514, 0x1ff).reset(1),
+    EPSTALL = read_write(0x518, 0x187),
+    LOWPOWER = read_write(0x52c, 1),
+    EPIN_PTR = read_write(0x600, !0).times(8).every(DMA),
+    EPIN_MAXCNT = read_write(EPIN_PTR + 4, 0x7f).times(8).every(DMA),
+    EPOUT_PTR = read_write(0x700, !0).times(8).every(DMA),
+    EPOUT_MAXCNT = read_write(EPOUT_PTR + 4, 0x7f).times(8).every(DMA),
 ];
 
 /// The device, and the host.
@@ -166,7 +134,7 @@ impl Usbd {
     fn cause(&mut self, bits: u32, bus: &mut Bus) {
         let causes = self.registers.get(EVENTCAUSE);
         self.registers.put(EVENTCAUSE, causes | bits);
-        self.raise(USBEVENT, bus);
+        self.raise(EVENTS_USBEVENT, bus);
     }
 
     /// Whether the host takes the packets of an endpoint, not counting frames.
@@ -217,12 +185,12 @@ impl Usbd {
             None
         };
         if let Some(when) = when {
-            return self.untimely(STARTEPIN + offset, bus, when);
+            return self.untimely(TASKS_STARTEPIN + offset, bus, when);
         }
-        let (address, length) = self.buffer(EPIN + DMA * endpoint as u32, bus);
+        let (address, length) = self.buffer(EPIN_PTR + DMA * endpoint as u32, bus);
         self.waiting[endpoint] = bus.memory.read(address, length);
-        self.raise(STARTED, bus);
-        self.raise(ENDEPIN + offset, bus);
+        self.raise(EVENTS_STARTED, bus);
+        self.raise(EVENTS_ENDEPIN + offset, bus);
         self.schedule(bus);
     }
 
@@ -230,7 +198,7 @@ impl Usbd {
         let offset = 4 * endpoint as u32;
         let is_enabled = self.registers.get(EPOUTEN) >> endpoint & 1 == 1;
         if self.registers.get(LOWPOWER) == 1 {
-            return self.untimely(STARTEPOUT + offset, bus, ASLEEP);
+            return self.untimely(TASKS_STARTEPOUT + offset, bus, ASLEEP);
         }
         let Some(packet) = self.arrived[endpoint].take_if(|_| is_enabled) else {
             let when = if is_enabled {
@@ -238,17 +206,17 @@ impl Usbd {
             } else {
                 "while the endpoint is disabled"
             };
-            return self.untimely(STARTEPOUT + offset, bus, when);
+            return self.untimely(TASKS_STARTEPOUT + offset, bus, when);
         };
-        let (address, length) = self.buffer(EPOUT + DMA * endpoint as u32, bus);
-        if length != self.registers.get(SIZE + offset) {
-            let expected = "that of SIZE.EPOUT (6.35.10)";
-            let place = EPOUT + DMA * endpoint as u32 + 4;
+        let (address, length) = self.buffer(EPOUT_PTR + DMA * endpoint as u32, bus);
+        if length != self.registers.get(SIZE_EPOUT + offset) {
+            let expected = "that of SIZE_EPOUT.EPOUT_PTR (6.35.10)";
+            let place = EPOUT_PTR + DMA * endpoint as u32 + 4;
             return self.unexpected(place, bus, expected);
         }
         bus.memory.write(address, &packet);
-        self.raise(STARTED, bus);
-        self.raise(ENDEPOUT + offset, bus);
+        self.raise(EVENTS_STARTED, bus);
+        self.raise(EVENTS_ENDEPOUT + offset, bus);
     }
 
     /// The host takes packets: of interrupt endpoints at the start of a frame, or of the others.
@@ -267,13 +235,13 @@ impl Usbd {
     fn acknowledged(&mut self, endpoint: u32, bus: &mut Bus) {
         let status = self.registers.get(EPDATASTATUS);
         self.registers.put(EPDATASTATUS, status | endpoint);
-        self.raise(EPDATA, bus);
+        self.raise(EVENTS_EPDATA, bus);
     }
 
     /// A packet of the host's is there.
     fn arrive(&mut self, endpoint: usize, packet: Vec<u8>) {
         self.registers
-            .put(SIZE + 4 * endpoint as u32, packet.len() as u32);
+            .put(SIZE_EPOUT + 4 * endpoint as u32, packet.len() as u32);
         self.arrived[endpoint] = Some(packet);
         self.armed &= !(1 << endpoint);
     }
@@ -285,7 +253,7 @@ impl Peripheral for Usbd {
     }
 
     fn stored(&mut self, offset: u32, bus: &mut Bus) {
-        let is_endpoints = (SIZE..ENABLE).contains(&offset) || offset > ENABLE;
+        let is_endpoints = (SIZE_EPOUT..ENABLE).contains(&offset) || offset > ENABLE;
         if is_endpoints && !self.is_ready {
             return self.untimely(offset, bus, "before it is ready (6.35.2)");
         }
@@ -296,8 +264,8 @@ impl Peripheral for Usbd {
                 self.is_ready = false;
                 (self.waiting, self.arrived) = Default::default();
             }
-            SIZE..ENABLE => {
-                self.armed |= 1 << ((offset - SIZE) / 4);
+            SIZE_EPOUT..ENABLE => {
+                self.armed |= 1 << ((offset - SIZE_EPOUT) / 4);
                 self.schedule(bus);
             }
             // A disabled endpoint forgets its packet.
@@ -313,7 +281,7 @@ impl Peripheral for Usbd {
     }
 
     fn task(&mut self, offset: u32, bus: &mut Bus) {
-        let control = [EP0RCVOUT, EP0STATUS, EP0STALL].contains(&offset);
+        let control = [TASKS_EP0RCVOUT, TASKS_EP0STATUS, TASKS_EP0STALL].contains(&offset);
         let when = match self.registers.get(ENABLE) {
             0 => Some("while it is disabled"),
             _ if !self.is_ready => Some("before it is ready (6.35.2)"),
@@ -324,21 +292,25 @@ impl Peripheral for Usbd {
             return self.untimely(offset, bus, when);
         }
         match offset {
-            STARTEPIN..STARTEPOUT => self.start_in((offset - STARTEPIN) as usize / 4, bus),
-            STARTEPOUT..EP0RCVOUT => self.start_out((offset - STARTEPOUT) as usize / 4, bus),
-            EP0RCVOUT => {
+            TASKS_STARTEPIN..TASKS_STARTEPOUT => {
+                self.start_in((offset - TASKS_STARTEPIN) as usize / 4, bus)
+            }
+            TASKS_STARTEPOUT..TASKS_EP0RCVOUT => {
+                self.start_out((offset - TASKS_STARTEPOUT) as usize / 4, bus)
+            }
+            TASKS_EP0RCVOUT => {
                 let data = self.control.data.clone();
                 self.arrive(0, data);
-                self.raise(EP0DATADONE, bus);
+                self.raise(EVENTS_EP0DATADONE, bus);
             }
-            EP0STALL => (self.control.is_over, self.control.is_stalled) = (true, true),
+            TASKS_EP0STALL => (self.control.is_over, self.control.is_stalled) = (true, true),
             _ => self.control.is_over = true,
         }
     }
 
     fn shorts(&self, event: u32) -> Vec<u32> {
-        let ends = event == EP0DATADONE && self.registers.get(SHORTS) & TO_STATUS != 0;
-        ends.then_some(EP0STATUS).into_iter().collect()
+        let ends = event == EVENTS_EP0DATADONE && self.registers.get(SHORTS) & TO_STATUS != 0;
+        ends.then_some(TASKS_EP0STATUS).into_iter().collect()
     }
 
     fn next(&self) -> Option<u64> {
@@ -361,7 +333,7 @@ impl Peripheral for Usbd {
         }
         if let Some(packet) = self.waiting[0].take() {
             self.control.data.extend(packet);
-            self.raise(EP0DATADONE, bus);
+            self.raise(EVENTS_EP0DATADONE, bus);
         }
         self.take(false, bus);
         if let Some((endpoint, packet)) = self
@@ -377,10 +349,10 @@ impl Peripheral for Usbd {
 
 /// Registers without names that the workarounds of errata 171 and 187 write, after a reset.
 pub fn errata() -> Registers {
-    const TABLE: &[Register] = &[
-        read_write("UNLOCK", 0xc00, 0xffff),
-        read_write("ERRATUM171", 0xc14, 0xc0),
-        read_write("ERRATUM187", 0xd14, 3),
+    registers![
+        UNLOCK = read_write(0xc00, 0xffff),
+        ERRATUM171 = read_write(0xc14, 0xc0),
+        ERRATUM187 = read_write(0xd14, 3),
     ];
     Registers::new("ERRATA", 0x4006_e000, TABLE)
 }

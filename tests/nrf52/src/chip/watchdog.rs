@@ -1,35 +1,25 @@
 //! WDT, the watchdog (product specification, 6.36). Once it runs, nothing but its reset or a loss of power ends it.
 
 use super::bus::{Bus, Peripheral, Reset};
-use super::register::{
-    INTEN, Register, Registers, clear, event, read_only, read_write, set, task, write_only,
-};
+use super::register::{INTEN, Registers, registers};
 use crate::time::{low_frequency, of_low_frequency};
 
-const START: u32 = 0x000;
-const TIMEOUT: u32 = 0x100;
-const RUNSTATUS: u32 = 0x400;
-const REQSTATUS: u32 = 0x404;
-const CRV: u32 = 0x504;
-const RREN: u32 = 0x508;
-const CONFIG: u32 = 0x50c;
-const RR: u32 = 0x600;
 /// Value of a reload request (6.36.4.9).
 const RELOAD: u32 = 0x6e52_4635;
 /// Periods of the low-frequency clock from the event to the reset.
 const WARNING: u64 = 2;
 
-const TABLE: &[Register] = &[
-    task("TASKS_START", START),
-    event("EVENTS_TIMEOUT", TIMEOUT),
-    set("INTENSET", 0x304, INTEN, 1),
-    clear("INTENCLR", 0x308, INTEN, 1),
-    read_only("RUNSTATUS", RUNSTATUS),
-    read_only("REQSTATUS", REQSTATUS).reset(1),
-    read_write("CRV", CRV, !0).reset(!0),
-    read_write("RREN", RREN, 0xff).reset(1),
-    read_write("CONFIG", CONFIG, 1 | 1 << 3).reset(1),
-    write_only("RR", RR, !0).times(8),
+registers![
+    TASKS_START = task(0x000),
+    EVENTS_TIMEOUT = event(0x100),
+    INTENSET = set(0x304, INTEN, 1),
+    INTENCLR = clear(0x308, INTEN, 1),
+    RUNSTATUS = read_only(0x400),
+    REQSTATUS = read_only(0x404).reset(1),
+    CRV = read_write(0x504, !0).reset(!0),
+    RREN = read_write(0x508, 0xff).reset(1),
+    CONFIG = read_write(0x50c, 1 | 1 << 3).reset(1),
+    RR = write_only(0x600, !0).times(8),
 ];
 
 #[derive(Debug)]
@@ -117,7 +107,7 @@ impl Peripheral for Watchdog {
             bus.reset(Reset::Watchdog);
         } else {
             self.has_warned = true;
-            self.raise(TIMEOUT, bus);
+            self.raise(EVENTS_TIMEOUT, bus);
         }
     }
 }

@@ -20,8 +20,7 @@ use crate::core::{Core, INTERRUPTS};
 use crate::memory::{Memory, give};
 use crate::refusal::{What, wrong};
 use calls::{answer, call};
-pub use flash::Fate;
-use flash::Flash;
+pub use flash::{Fate, Flash};
 
 /// Kind of SoftDevice.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

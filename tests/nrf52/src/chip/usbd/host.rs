@@ -1,6 +1,6 @@
 //! The host on the other end of the cable, as a test plays it.
 
-use super::{BMREQUESTTYPE, EP0SETUP, LOWPOWER, PACKET, USBADDR, USBRESET, Usbd};
+use super::{EVENTS_EP0SETUP, EVENTS_USBRESET, LOWPOWER, PACKET, SETUP, USBADDR, Usbd};
 use crate::chip::Chip;
 use crate::chip::bus::{Bus, Peripheral as _};
 
@@ -39,7 +39,7 @@ impl Chip {
             usb.is_suspended = false;
             usb.registers.put(LOWPOWER, 0);
             usb.registers.put(USBADDR, 0);
-            usb.raise(USBRESET, bus);
+            usb.raise(EVENTS_USBRESET, bus);
         });
     }
 
@@ -47,7 +47,7 @@ impl Chip {
     pub fn begin_control(&mut self, setup: [u8; 8], data: &[u8]) {
         self.as_host(|usb, bus| {
             for (place, byte) in (0..).zip(setup) {
-                usb.registers.put(BMREQUESTTYPE + 4 * place, byte.into());
+                usb.registers.put(SETUP + 4 * place, byte.into());
             }
             if setup[..2] == [0, SET_ADDRESS] {
                 usb.registers.put(USBADDR, setup[2].into());
@@ -56,7 +56,7 @@ impl Chip {
                 data: data.to_vec(),
                 ..Control::default()
             };
-            usb.raise(EP0SETUP, bus);
+            usb.raise(EVENTS_EP0SETUP, bus);
         });
     }
 
