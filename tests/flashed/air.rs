@@ -7,7 +7,7 @@ use shared::units::Sample;
 use virtual_armband::{ArmbandFault, Behaviour};
 use xtask::firmware::Image;
 
-use myointent_tests::chip::{self, Board, Setting};
+use myointent_tests::chip::{Board, Setting};
 use myointent_tests::found;
 
 const STREAM: usize = 120;
@@ -25,13 +25,12 @@ pub fn board(behaviour: Behaviour) -> Option<Board> {
 }
 
 fn board_of(built: Image, behaviour: Behaviour) -> Option<Board> {
-    let image = chip::image(built)?;
     let setting = Setting {
         samples: samples(),
         behaviour,
         ..Setting::default()
     };
-    Some(Board::new(built, image, setting))
+    Board::of(built, setting)
 }
 
 /// Percent of the time in which the receiver is on for a scan, from now on.
@@ -78,50 +77,15 @@ fn a_pairing_scans_all_the_time() -> anyhow::Result<()> {
 }
 
 #[test]
-fn a_link_that_is_lost_is_found_again() -> anyhow::Result<()> {
-    for built in [Image::Nrf52840S140, Image::Nrf52840Sdc] {
-        // Out of reach for longer than the supervision time-out; ended by the armband; refused at first.
-        let steps = vec![
-            ArmbandFault::Refuse { count: 2 },
-            ArmbandFault::Vanish {
-                at: 100,
-                for_ms: 6000,
-            },
-            ArmbandFault::Sleep {
-                at: 200,
-                for_ms: 500,
-            },
-        ];
-        let behaviour = Behaviour {
-            steps,
-            ..Behaviour::default()
-        };
-        let mut board = found!(board_of(built, behaviour));
-        for stream in 1..=3 {
-            while board.text().matches("# armband FA").count() < stream {
-                // 14 s: a scan that begins before a lost link has ended hears the armband all the same.
-                let in_time = board.machine.now() < 17 * HZ;
-                anyhow::ensure!(in_time, "{built}, stream {stream}:\n{}", board.text());
-                board.run_ms(50)?;
-            }
-        }
-        let text = board.text();
-        assert_eq!(text.matches("# stream over").count(), 2, "{built}:\n{text}");
-    }
-    Ok(())
-}
-
-#[test]
 fn a_link_that_is_made_while_its_attempt_is_cancelled_is_not_kept_for_ever() -> anyhow::Result<()> {
     let built = Image::Nrf52840Sdc;
-    let image = found!(chip::image(built));
     let stranger = Address::parse("F1:23:45:67:89:AB").expect("an address");
     let setting = Setting {
         samples: samples(),
         stranger: Some((stranger, -80)),
         ..Setting::default()
     };
-    let mut board = Board::new(built, image, setting);
+    let mut board = found!(Board::of(built, setting));
     board.machine.air_mut().cancel_comes_late = true;
     while !board.machine.air().connects() {
         board.run_ms(1)?;

@@ -4,7 +4,7 @@
 //! The lines are compared with the shared pipeline's, whose alignment begins at the same sample as on the
 //! board.
 
-use myointent_tests::chip::{self, Board, Setting};
+use myointent_tests::chip::{Board, Setting};
 use myointent_tests::found;
 use myointent_tests::oracle::{Input, expected_lines};
 use myointent_tests::output::BoardOutput;
@@ -67,14 +67,13 @@ fn worn(samples: &[Sample], placement: Alignment) -> Vec<Sample> {
 #[test]
 fn an_opening_that_does_not_tell_the_arm_is_decided_by_the_model_and_the_lines_equal_the_pipelines()
 -> anyhow::Result<()> {
-    let image = found!(chip::image(Image::Nrf52840S140));
     let samples = worn(&two_openings(), Alignment::new(3, false));
     let setting = Setting {
         model: model(),
         samples: samples.clone(),
         ..Setting::default()
     };
-    let mut board = Board::new(Image::Nrf52840S140, image, setting);
+    let mut board = found!(Board::of(Image::Nrf52840S140, setting));
     while board.sent() < 50 {
         board.run_ms(10)?;
     }

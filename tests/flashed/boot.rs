@@ -6,7 +6,7 @@ use xtask::firmware::Image;
 
 use super::start::starts;
 use super::usb::{heard, plug, set_port, started};
-use myointent_tests::chip::{self, Board, Setting};
+use myointent_tests::chip::{Board, Setting};
 use myointent_tests::found;
 
 /// CLOCK's LFCLKSTART.
@@ -117,12 +117,11 @@ fn a_board_starts_as_its_boot_loader_leaves_the_chip() -> anyhow::Result<()> {
 
 #[test]
 fn a_board_with_its_battery_at_vddh_gets_levels_of_3_volts() -> anyhow::Result<()> {
-    let image = found!(chip::image(Image::NiceNano));
     let setting = Setting {
         is_blank: true,
         ..Setting::default()
     };
-    let mut board = Board::new(Image::NiceNano, image, setting);
+    let mut board = found!(Board::of(Image::NiceNano, setting));
     board.wait_for("$STATE", 1000)?;
     // 3.3 V.
     assert_eq!(board.machine.chip().uicr(REGOUT0) & 7, 5);

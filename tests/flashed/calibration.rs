@@ -2,7 +2,7 @@
 
 use std::iter::repeat_n;
 
-use myointent_tests::chip::{self, Board, Setting};
+use myointent_tests::chip::{Board, Setting};
 use myointent_tests::output::BoardOutput;
 use recordings::synthetic::Follower;
 use shared::calibration::from_record;
@@ -16,9 +16,6 @@ const PAGE: u32 = 0x5_5000;
 #[test]
 fn what_a_wearer_shows_is_learnt_in_time_kept_and_used() {
     for built in [Image::Nrf52840S140, Image::Nrf52840Sdc] {
-        let Some(image) = chip::image(built) else {
-            return;
-        };
         let round = [Intent::Relax, Intent::Open, Intent::Relax, Intent::Close];
         let cues = round
             .iter()
@@ -33,18 +30,19 @@ fn what_a_wearer_shows_is_learnt_in_time_kept_and_used() {
             ..Setting::default()
         };
         let file = setting.model.clone();
-        let mut board = Board::new(built, image, setting);
+        let Some(mut board) = Board::of(built, setting) else {
+            return;
+        };
         while board.sent() < 340 {
             board.run_ms(10).unwrap();
         }
-        if let Some(softdevice) = &mut board.machine.softdevice {
-            softdevice.flash.needs_silence = true;
+        if built == Image::Nrf52840S140 {
+            board.flash().needs_silence = true;
         }
         board.send("CALIBRATE,begin");
         board.wait_for("# calibration: done", 40_000).unwrap();
         board.wait_for("$LABEL", 10_000).unwrap();
-        let memory = board.machine.chip().bus.memory.clone();
-        let page = memory.read(PAGE, 4096).unwrap();
+        let page = board.memory().read(PAGE, 4096).unwrap();
         let mut words = [0_u32; 1024];
         bytemuck::cast_slice_mut(&mut words).copy_from_slice(&page);
         let kept = from_record(bytemuck::cast_slice(&words), &Model::parse(&file).unwrap());

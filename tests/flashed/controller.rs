@@ -3,19 +3,15 @@
 use nrf52::{Refusal, What};
 use xtask::firmware::Image;
 
-use super::faults::leave_interrupts;
-use myointent_tests::chip::{self, Board, Setting};
+use super::faults::{leave_interrupts, run_code};
+use myointent_tests::chip::{Board, Setting};
 use myointent_tests::found;
-
-/// Address in flash that the image leaves free.
-const CODE: u32 = 0x9_0000;
 
 /// A board whose radio runs; where the image cannot be built, reports the test as skipped.
 fn board() -> anyhow::Result<Option<Board>> {
-    let Some(image) = chip::image(Image::Nrf52840Sdc) else {
+    let Some(mut board) = Board::of(Image::Nrf52840Sdc, Setting::default()) else {
         return Ok(None);
     };
-    let mut board = Board::new(Image::Nrf52840Sdc, image, Setting::default());
     board.run_ms(600)?;
     leave_interrupts(&mut board)?;
     Ok(Some(board))
@@ -23,22 +19,19 @@ fn board() -> anyhow::Result<Option<Board>> {
 
 /// Lets a board run these instructions, with registers 0 and 1; returns why that is refused.
 fn refused(board: &mut Board, registers: [u32; 2], code: &[u16]) -> Refusal {
-    let bytes: Vec<u8> = code.iter().flat_map(|half| half.to_le_bytes()).collect();
-    board.machine.chip().bus.memory.program(CODE, &bytes);
     for (number, value) in (0..).zip(registers) {
         board.machine.core().set_register(number, value);
     }
     // Awake.
     board.machine.core().pend(20);
-    board.machine.core().jump(CODE);
+    run_code(board, code);
     board.run_ms(50).expect_err("it has to be refused")
 }
 
 #[test]
 fn instructions_of_the_library_are_refused() -> anyhow::Result<()> {
     let mut board = found!(board()?);
-    let controller = board.machine.controller.as_ref();
-    let inside = controller.expect("an image with one").library().range.start + 4;
+    let inside = board.controller().library().range.start + 4;
     // bx r0
     let refusal = refused(&mut board, [inside | 1, 0], &[0x4700]);
     assert_eq!(refusal.what, What::LibraryCode, "{refusal}");
@@ -68,10 +61,9 @@ fn what_the_library_has_taken_is_refused() -> anyhow::Result<()> {
 #[test]
 fn memory_of_the_library_that_is_written_is_refused() -> anyhow::Result<()> {
     let mut board = found!(board()?);
-    let controller = board.machine.controller.as_ref();
-    let memory = controller.and_then(|one| one.memory());
+    let memory = board.controller().memory();
     let memory = memory.expect("the controller is enabled");
-    board.machine.chip().bus.memory.write(memory.end - 1, &[0]);
+    board.memory().write(memory.end - 1, &[0]);
     // It is looked at with the next work of low priority.
     board.machine.core().pend(20);
     let refusal = board.run_ms(1000).expect_err("it has to be refused");
@@ -82,8 +74,7 @@ fn memory_of_the_library_that_is_written_is_refused() -> anyhow::Result<()> {
 #[test]
 fn a_call_of_the_library_from_an_interrupt_is_refused() -> anyhow::Result<()> {
     let mut board = found!(board()?);
-    let controller = board.machine.controller.as_ref();
-    let functions = &controller.expect("an image with one").library().functions;
+    let functions = &board.controller().library().functions;
     let mut functions = functions.iter();
     let get = functions.find(|(_, name)| *name == "sdc_hci_get");
     let get = *get.expect("a function that every image calls").0;

@@ -6,7 +6,7 @@ use shared::model::file::Model;
 use xtask::firmware::Image;
 
 use super::faults::{effort, is_valid};
-use myointent_tests::chip::{self, Board, Setting};
+use myointent_tests::chip::{Board, Setting};
 use myointent_tests::{found, shipped};
 
 /// Milliseconds of a core that stands still: more than the timer takes, less than the watchdog.
@@ -37,13 +37,12 @@ fn high(board: &Board) -> Vec<u32> {
 fn a_core_that_stands_still_in_any_label_loses_all_pins_on_every_board() -> anyhow::Result<()> {
     for built in Image::ALL {
         for intent in Intent::ALL {
-            let image = found!(chip::image(built));
             let setting = Setting {
                 model: model_of(intent)?,
                 samples: effort(10),
                 ..Setting::default()
             };
-            let mut board = Board::new(built, image, setting);
+            let mut board = found!(Board::of(built, setting));
             while !is_valid(&board) {
                 let in_time = board.machine.now() < 10 * HZ;
                 anyhow::ensure!(

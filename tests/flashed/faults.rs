@@ -7,7 +7,7 @@ use shared::model::noise::Noise;
 use shared::units::Sample;
 use xtask::firmware::Image;
 
-use myointent_tests::chip::{self, BOOT_LOADER_RAM, Board, Setting};
+use myointent_tests::chip::{BOOT_LOADER_RAM, Board, Setting};
 use myointent_tests::found;
 
 /// Noise of rest and effort in turn.
@@ -22,14 +22,13 @@ pub fn effort(seconds: usize) -> Vec<Sample> {
 
 /// A board whose labels are valid; where the image cannot be built, reports the test as skipped.
 fn board_with_valid_labels() -> anyhow::Result<Option<Board>> {
-    let Some(image) = chip::image(Image::Nrf52840S140) else {
-        return Ok(None);
-    };
     let setting = Setting {
         samples: effort(60),
         ..Setting::default()
     };
-    let mut board = Board::new(Image::Nrf52840S140, image, setting);
+    let Some(mut board) = Board::of(Image::Nrf52840S140, setting) else {
+        return Ok(None);
+    };
     while !is_valid(&board) {
         anyhow::ensure!(
             board.machine.now() < 10 * HZ,
@@ -63,6 +62,14 @@ pub fn leave_interrupts(board: &mut Board) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Lets the core go on with these instructions, in flash that every image leaves free.
+pub fn run_code(board: &mut Board, code: &[u16]) {
+    const CODE: u32 = 0x5_0000;
+    let bytes: Vec<u8> = code.iter().flat_map(|half| half.to_le_bytes()).collect();
+    board.memory().program(CODE, &bytes);
+    board.machine.core().jump(CODE);
+}
+
 fn last_start(board: &Board) -> Option<(u64, Reset)> {
     let mut incidents = board.machine.incidents.iter().rev();
     incidents.find_map(|(at, incident)| match incident {
@@ -86,11 +93,8 @@ fn a_clock_that_stops_is_ended_by_the_watchdog() -> anyhow::Result<()> {
 fn the_guard_of_the_stack_ends_a_program_that_grows_into_it() -> anyhow::Result<()> {
     let mut board = found!(board_with_valid_labels()?);
     leave_interrupts(&mut board)?;
-    // Somewhere in flash: `push {r0-r7}`, and again.
-    const GROW: u32 = 0x9_0000;
-    let code = [0xff, 0xb4, 0xfd, 0xe7];
-    board.machine.chip().bus.memory.program(GROW, &code);
-    board.machine.core().jump(GROW);
+    // push {r0-r7}, and again.
+    run_code(&mut board, &[0xb4ff, 0xe7fd]);
     board.run_ms(1000)?;
     assert!(
         board.text().contains("a stack overflow"),

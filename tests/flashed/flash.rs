@@ -7,7 +7,7 @@ use nrf52::softdevice::Fate;
 use shared::myo::{Address, binding};
 use xtask::firmware::Image;
 
-use myointent_tests::chip::{self, ARMBAND, BINDING, Board, Setting};
+use myointent_tests::chip::{ARMBAND, BINDING, Board, Setting};
 use myointent_tests::found;
 
 /// A binding has fewer operations of flash.
@@ -16,8 +16,9 @@ const MOST_OPERATIONS: usize = 8;
 const MOST_OPERATIONS_IN_SLOTS: usize = 40;
 const OTHER: &str = "F1:23:45:67:89:AB";
 
-fn bound(board: &Board) -> Option<Address> {
-    let page = board.machine.chip().bus.memory.read(BINDING, PAGE);
+/// The armband in the page of the bound one.
+pub fn bound(board: &Board) -> Option<Address> {
+    let page = board.memory().read(BINDING, PAGE);
     binding::from_record(page.as_deref().and_then(<[u8]>::first_chunk)?)
 }
 
@@ -27,23 +28,16 @@ fn address(text: &str) -> Address {
 
 /// A board with Nordic's controller library, which grants time slots for flash.
 fn board_with_time_slots() -> Option<Board> {
-    let image = chip::image(Image::Nrf52840Sdc)?;
     let setting = Setting {
         samples: vec![[1; 8]; 60 * 200],
         ..Setting::default()
     };
-    Some(Board::new(Image::Nrf52840Sdc, image, setting))
+    Board::of(Image::Nrf52840Sdc, setting)
 }
 
 fn board(fates: impl IntoIterator<Item = Fate>) -> Option<Board> {
-    let image = chip::image(Image::Nrf52840S140)?;
-    let mut board = Board::new(Image::Nrf52840S140, image, Setting::default());
-    let softdevice = board
-        .machine
-        .softdevice
-        .as_mut()
-        .expect("an image with one");
-    softdevice.flash.fates.extend(fates);
+    let mut board = Board::of(Image::Nrf52840S140, Setting::default())?;
+    board.flash().fates.extend(fates);
     Some(board)
 }
 
@@ -73,8 +67,7 @@ fn power_that_fails_while_the_page_is_written_leaves_one_armband_or_none() -> an
             board.run_ms(500)?;
             board.send(&format!("BIND,set,{OTHER}"));
             board.run_ms(1500)?;
-            let softdevice = board.machine.softdevice.as_ref();
-            if softdevice.is_some_and(|one| !one.flash.fates.is_empty()) {
+            if !board.flash().fates.is_empty() {
                 assert!(operation > 0, "no operation of flash:\n{}", board.text());
                 return Ok(());
             }
@@ -94,20 +87,14 @@ fn binding_in_time_slots_writes_the_page_beside_a_stream() -> anyhow::Result<()>
     for blocked in [0, 3] {
         let mut board = found!(board_with_time_slots());
         board.wait_for("$LABEL", 10_000)?;
-        let controller = board.machine.controller.as_mut();
-        let slots = &mut controller.expect("an image with one").timeslot;
+        let slots = &mut board.controller().timeslot;
         slots.blocked = blocked;
         let before = slots.begun;
         board.send(&format!("BIND,set,{OTHER}"));
         board.wait_for("$OK,BIND", 3000)?;
         board.run_ms(2000)?;
         assert_eq!(bound(&board), Some(address(OTHER)), "{}", board.text());
-        let slots = board
-            .machine
-            .controller
-            .as_ref()
-            .map(|one| one.timeslot.begun);
-        assert!(slots.is_some_and(|begun| begun > before));
+        assert!(board.controller().timeslot.begun > before);
     }
     Ok(())
 }

@@ -9,10 +9,10 @@ use shared::intent::Intent;
 use xtask::firmware::Image;
 
 use super::dead_man::model_of;
-use super::faults::{effort, leave_interrupts};
+use super::faults::{effort, leave_interrupts, run_code};
 use super::start::starts;
 use super::usb::{Endpoints, control, plug};
-use myointent_tests::chip::{self, Board, Setting};
+use myointent_tests::chip::{Board, Setting};
 use myointent_tests::found;
 
 /// Milliseconds after a hang within which the computer has the release, as docs/board.md says.
@@ -24,15 +24,12 @@ const RELEASED: &[u8] = &[1, 0, 0];
 
 /// A board that labels everything as close, for so many seconds of samples.
 fn closing(built: Image, seconds: usize) -> anyhow::Result<Option<Board>> {
-    let Some(image) = chip::image(built) else {
-        return Ok(None);
-    };
     let setting = Setting {
         model: model_of(Intent::Close)?,
         samples: effort(seconds),
         ..Setting::default()
     };
-    Ok(Some(Board::new(built, image, setting)))
+    Ok(Board::of(built, setting))
 }
 
 /// Sends a command and waits for its answer.
@@ -229,8 +226,6 @@ fn a_cable_that_is_pulled_in_a_press_leaves_nothing_pressed() -> anyhow::Result<
 
 #[test]
 fn a_core_that_hangs_in_a_press_releases_the_key_and_then_leaves_the_bus() -> anyhow::Result<()> {
-    /// Somewhere in flash: `b .`.
-    const LOOP: u32 = 0x9_0000;
     for (built, halts) in Image::UF2
         .map(|built| (built, true))
         .into_iter()
@@ -240,8 +235,8 @@ fn a_core_that_hangs_in_a_press_releases_the_key_and_then_leaves_the_bus() -> an
         let before = taken(&board);
         if !halts {
             leave_interrupts(&mut board)?;
-            board.machine.chip().bus.memory.program(LOOP, &[0xfe, 0xe7]);
-            board.machine.core().jump(LOOP);
+            // b to itself.
+            run_code(&mut board, &[0xe7fe]);
         }
         let hung = board.machine.now();
         let pass = |board: &mut Board, time| match halts {

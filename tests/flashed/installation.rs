@@ -14,7 +14,7 @@ use virtual_armband::{ArmbandFault, Behaviour};
 use xtask::firmware::Image;
 
 use super::air;
-use myointent_tests::chip::{self, Board, MODEL, Setting};
+use myointent_tests::chip::{Board, MODEL, Setting};
 use myointent_tests::{found, shipped};
 
 const PAGE_BLOCKS: u32 = 64;
@@ -55,8 +55,7 @@ impl Sender {
     }
 
     fn is_in(&self, board: &Board) -> bool {
-        let memory = board.machine.chip().bus.memory.clone();
-        let found = memory.read(MODEL, self.file.len() as u32);
+        let found = board.memory().read(MODEL, self.file.len() as u32);
         found.as_ref() == Some(&self.file)
     }
 }
@@ -108,8 +107,7 @@ fn streaming_board() -> anyhow::Result<Option<Board>> {
         return Ok(None);
     };
     board.wait_for("# armband FA", 10_000)?;
-    let softdevice = board.machine.softdevice.as_mut();
-    softdevice.expect("an image with one").flash.needs_silence = true;
+    board.flash().needs_silence = true;
     Ok(Some(board))
 }
 
@@ -135,17 +133,13 @@ fn the_radio_is_silent_while_a_model_is_installed() -> anyhow::Result<()> {
 #[test]
 fn the_stream_goes_on_after_an_installation_that_flash_refuses() -> anyhow::Result<()> {
     let mut board = found!(streaming_board()?);
-    let softdevice = board.machine.softdevice.as_mut();
-    let flash = &mut softdevice.expect("an image with one").flash;
-    flash.fates.extend(repeat_n(Fate::TimeOut, 4));
+    board.flash().fates.extend(repeat_n(Fate::TimeOut, 4));
     let file = std::fs::read(shipped("five-class"))?;
     let sender = Sender { file };
     ask(&mut board, Command::Install(sender.transfer()))?;
     let answer = ask(&mut board, sender.block(0))?.context("a restart")?;
     assert!(answer.starts_with("$ERR,flash"), "{answer}");
-    let softdevice = board.machine.softdevice.as_ref();
-    let is_tried = softdevice.is_some_and(|one| one.flash.fates.is_empty());
-    assert!(is_tried, "flash found no time");
+    assert!(board.flash().fates.is_empty(), "flash found no time");
     board.run_ms(5000)?;
     let streams = board.text().matches("# armband FA").count();
     assert_eq!(streams, 2, "{}", board.text());
@@ -192,9 +186,6 @@ fn check_start(board: &mut Board, from: usize, models: [&Sender; 2]) -> anyhow::
 /// Installs a file on a board whose power fails at one operation of flash after the other; returns the blocks on which it
 /// did. `next` gives the operation after one that was cut, from the first one that a page takes.
 fn install_without_power(built: Image, next: impl Fn(usize) -> usize) -> anyhow::Result<Vec<u32>> {
-    let Some(image) = chip::image(built) else {
-        return Ok(Vec::new());
-    };
     let (old, new) = (Sender::small(4), Sender::small(3));
     let setting = Setting {
         model: old.file.clone(),
@@ -204,7 +195,9 @@ fn install_without_power(built: Image, next: impl Fn(usize) -> usize) -> anyhow:
         },
         ..Setting::default()
     };
-    let mut board = Board::new(built, image, setting);
+    let Some(mut board) = Board::of(built, setting) else {
+        return Ok(Vec::new());
+    };
     board.wait_for("$STATE", 1000)?;
     let (mut cuts, mut number, mut page) = (Vec::new(), 0, 0);
     while cuts.len() < MOST_LIVES {

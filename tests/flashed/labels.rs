@@ -35,18 +35,15 @@ fn labels_equal_replays(name: &str, seconds: usize) -> anyhow::Result<()> {
     let changes = ["relax", "open", "close"].map(|label| expected.concat().contains(label));
     assert!(changes.iter().filter(|one| **one).count() > 1);
     for built in FLASHED {
-        let (Some(image), Some(elf)) = (chip::image(built), chip::elf(built)) else {
-            return Ok(());
-        };
+        let elf = found!(chip::elf(built));
         let setting = Setting {
             samples: samples.clone(),
             ..Setting::default()
         };
-        let mut board = Board::new(built, image, setting);
+        let mut board = found!(Board::of(built, setting));
         let stack = stack_chain::stack(&elf)?;
         let read = |board: &Board| {
-            let memory = board.machine.chip().bus.memory.clone();
-            let bytes = memory.read(stack.start, stack.end - stack.start);
+            let bytes = board.memory().read(stack.start, stack.end - stack.start);
             bytes.context("a stack outside RAM")
         };
         let before = read(&board)?;

@@ -1,4 +1,4 @@
-//! One file of all that a chip is flashed with, read back by a reader of this file's own.
+//! One file of all that a chip is flashed with, read back.
 
 use std::collections::BTreeMap;
 
@@ -13,39 +13,15 @@ const UICR: u32 = 0x1000_1000;
 /// Bytes of a SoftDevice that ends where the program begins.
 const SOFTDEVICE: u32 = 0x2_6000;
 
-/// Reads an Intel hex: each byte by its address. Every line's checksum has to be right, and the last line says that it is
-/// the last.
+/// Each byte of an Intel hex by its address, which may come once.
 pub fn read(hex: &str) -> anyhow::Result<BTreeMap<u32, u8>> {
+    ensure!(hex.trim_end().ends_with(":00000001FF"), "no last line");
     let mut found = BTreeMap::new();
-    let mut upper = 0;
-    let mut is_over = false;
-    for line in hex.lines() {
-        ensure!(!is_over, "a line after the last one");
-        let digits = line.strip_prefix(':').context("a line without a colon")?;
-        let bytes = (0..digits.len()).step_by(2).map(|at| {
-            let two = digits.get(at..at + 2).context("half a byte")?;
-            Ok(u8::from_str_radix(two, 16)?)
-        });
-        let bytes = bytes.collect::<anyhow::Result<Vec<_>>>()?;
-        let sum = bytes.iter().fold(0_u8, |sum, byte| sum.wrapping_add(*byte));
-        ensure!(sum == 0, "the checksum of {line}");
-        let [length, high, low, kind, ref data @ .., _] = bytes[..] else {
-            anyhow::bail!("a short line: {line}");
-        };
-        ensure!(usize::from(length) == data.len(), "the length of {line}");
-        match kind {
-            0 => {
-                for (place, byte) in (0..).zip(data) {
-                    let address = upper + u32::from(u16::from_be_bytes([high, low])) + place;
-                    ensure!(found.insert(address, *byte).is_none(), "{address:#x} twice");
-                }
-            }
-            1 => is_over = true,
-            4 => upper = u32::from(u16::from_be_bytes([data[0], data[1]])) << 16,
-            _ => anyhow::bail!("a line of kind {kind}"),
+    for (start, bytes) in FlashPart::hex("the file", hex)?.segments {
+        for (address, byte) in (start..).zip(bytes) {
+            ensure!(found.insert(address, byte).is_none(), "{address:#x} twice");
         }
     }
-    ensure!(is_over, "no last line");
     Ok(found)
 }
 

@@ -14,13 +14,10 @@ use shared::uart_line::command::Command;
 use virtual_armband::{ArmbandFault, Behaviour};
 use xtask::firmware::Image;
 
-use super::faults::{effort, leave_interrupts};
+use super::faults::{effort, leave_interrupts, run_code};
 use super::start::FLASHED;
 use myointent_tests::chip::{self, Board, Setting};
 use myointent_tests::found;
-
-/// An address in flash that every image leaves free.
-const CODE: u32 = 0x5_0000;
 
 /// Something that a board does, and how it comes to it.
 struct Activity {
@@ -149,9 +146,7 @@ fn stand_still(board: &mut Board) -> anyhow::Result<()> {
 fn stop_tasks(board: &mut Board) -> anyhow::Result<()> {
     leave_interrupts(board)?;
     // wfi; b to it.
-    let code = [0x30, 0xbf, 0xfd, 0xe7];
-    board.machine.chip().bus.memory.program(CODE, &code);
-    board.machine.core().jump(CODE);
+    run_code(board, &[0xbf30, 0xe7fd]);
     Ok(board.run_ms(2500)?)
 }
 
@@ -161,7 +156,6 @@ fn the_watchdog_ends_a_hang_whatever_the_board_was_doing() -> anyhow::Result<()>
         for (how, hang) in [stand_still, stop_tasks].into_iter().enumerate() {
             // Each image has each hang, and both hangs of an activity are on different images.
             let built = FLASHED[(number + how) % FLASHED.len()];
-            let image = found!(chip::image(built));
             let steps = Vec::from_iter(activity.is_alone.then_some(ArmbandFault::Absent));
             let setting = Setting {
                 samples: effort(20),
@@ -171,7 +165,7 @@ fn the_watchdog_ends_a_hang_whatever_the_board_was_doing() -> anyhow::Result<()>
                 },
                 ..Setting::default()
             };
-            let mut board = Board::new(built, image, setting);
+            let mut board = found!(Board::of(built, setting));
             (activity.begin)(&mut board)?;
             let (from, sent) = (board.machine.now(), board.sent_bytes());
             let before = board.machine.incidents.len();
@@ -202,15 +196,14 @@ fn an_interrupt_at_every_instruction_of_queues_and_wakers_changes_no_label() -> 
         &["CommandPort"],
         &["atomic_ring_buffer"],
     ];
-    let image = found!(chip::image(Image::Nrf52840S140));
-    let functions = names.map(|parts| image.functions(parts));
     let samples = effort(5);
     let expected = replay::lines(&chip::model(), &samples)?;
     let setting = Setting {
         samples,
         ..Setting::default()
     };
-    let mut board = Board::new(Image::Nrf52840S140, image, setting);
+    let mut board = found!(Board::of(Image::Nrf52840S140, setting));
+    let functions = names.map(|parts| board.machine.image().functions(parts));
     board.wait_for("# armband FA", 10_000)?;
     board.send("COUNTERS");
     let enabled = |number: &u16| board.machine.core().priority(*number).is_some();
@@ -252,13 +245,12 @@ fn an_interrupt_at_every_instruction_of_queues_and_wakers_changes_no_label() -> 
 #[test]
 fn whatever_ram_holds_at_the_start_the_first_lines_are_the_same() -> anyhow::Result<()> {
     for built in FLASHED {
-        let image = found!(chip::image(built));
-        let mut board = Board::new(built, image, Setting::default());
+        let mut board = found!(Board::of(built, Setting::default()));
         board.wait_for("$STATE", 1000)?;
         let expected = board.text();
         assert!(expected.contains("started by power or reset"), "{expected}");
         board.run_ms(2000)?;
-        let memory = board.machine.chip().bus.memory.clone();
+        let memory = board.memory();
         let bytes = memory.ram.len() as u32;
         // A supply that is away for a moment leaves what the program had.
         let left = memory.read(RAM, bytes).expect("RAM");

@@ -10,7 +10,7 @@ use xtask::firmware::Image;
 
 use super::dead_man::model_of;
 use super::faults::{effort, is_valid};
-use myointent_tests::chip::{self, Board, Setting};
+use myointent_tests::chip::{Board, Setting};
 use myointent_tests::found;
 
 /// Percents that the pipeline has while its label is valid, each as often in a row as it changes.
@@ -46,13 +46,12 @@ fn pulses_are_the_strength_and_end_with_the_stream() -> anyhow::Result<()> {
     let expected = expected(&model, &samples)?;
     assert!(expected.len() > 20, "{expected:?}");
     for built in [Image::Nrf52840S140, Image::Nrf52832S132] {
-        let image = found!(chip::image(built));
         let setting = Setting {
             model: model.clone(),
             samples: samples.clone(),
             ..Setting::default()
         };
-        let mut board = Board::new(built, image, setting);
+        let mut board = found!(Board::of(built, setting));
         let mut found = Vec::new();
         while board.sent() < samples.len() / 2 {
             anyhow::ensure!(board.machine.now() < 12 * HZ, "{}", board.text());

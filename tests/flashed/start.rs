@@ -5,7 +5,7 @@ use nrf52::chip::{APPROTECT, Reset};
 use nrf52::softdevice::boot::SOFTDEVICE_VERSION;
 use xtask::firmware::Image;
 
-use myointent_tests::chip::{self, Board, Setting};
+use myointent_tests::chip::{Board, Setting};
 use myointent_tests::found;
 
 pub const FLASHED: [Image; 3] = [Image::Nrf52840S140, Image::Nrf52840Sdc, Image::Nrf52832S132];
@@ -23,8 +23,7 @@ pub fn starts(board: &Board) -> Vec<Reset> {
 #[test]
 fn the_uart_runs_on_the_crystal() -> anyhow::Result<()> {
     for built in FLASHED {
-        let image = found!(chip::image(built));
-        let mut board = Board::new(built, image, Setting::default());
+        let mut board = found!(Board::of(built, Setting::default()));
         board.wait_for("$STATE", 1000)?;
         let softdevice = board.machine.softdevice.as_ref();
         let controller = board.machine.controller.as_ref();
@@ -39,18 +38,15 @@ fn the_uart_runs_on_the_crystal() -> anyhow::Result<()> {
 
 #[test]
 fn a_controller_that_has_too_little_memory_is_named() -> anyhow::Result<()> {
-    let image = found!(chip::image(Image::Nrf52840Sdc));
-    let mut board = Board::new(Image::Nrf52840Sdc, image, Setting::default());
-    let controller = board.machine.controller.as_mut();
-    controller.expect("an image with one").more_bytes = 2000;
+    let mut board = found!(Board::of(Image::Nrf52840Sdc, Setting::default()));
+    board.controller().more_bytes = 2000;
     board.wait_for("the Bluetooth controller did not start", 5000)?;
     Ok(())
 }
 
 #[test]
 fn the_errata_of_the_nrf52832_are_worked_around() -> anyhow::Result<()> {
-    let image = found!(chip::image(Image::Nrf52832S132));
-    let mut board = Board::new(Image::Nrf52832S132, image, Setting::default());
+    let mut board = found!(Board::of(Image::Nrf52832S132, Setting::default()));
     // Refused otherwise: sleep without the workaround of 108, a start of the RC oscillator against that of 132.
     for why in [Reset::Pin, Reset::Software, Reset::Watchdog] {
         board.run_ms(1000)?;
@@ -62,8 +58,7 @@ fn the_errata_of_the_nrf52832_are_worked_around() -> anyhow::Result<()> {
 
 #[test]
 fn an_older_softdevice_is_named_at_each_start() -> anyhow::Result<()> {
-    let image = found!(chip::image(Image::Nrf52840S140));
-    let mut board = Board::new(Image::Nrf52840S140, image, Setting::default());
+    let mut board = found!(Board::of(Image::Nrf52840S140, Setting::default()));
     let version = 6_001_001_u32.to_le_bytes();
     let chip = board.machine.chip();
     chip.bus.memory.program(SOFTDEVICE_VERSION, &version);
@@ -74,8 +69,7 @@ fn an_older_softdevice_is_named_at_each_start() -> anyhow::Result<()> {
 
 #[test]
 fn the_reset_button_is_no_watchdog() -> anyhow::Result<()> {
-    let image = found!(chip::image(Image::Nrf52840S140));
-    let mut board = Board::new(Image::Nrf52840S140, image, Setting::default());
+    let mut board = found!(Board::of(Image::Nrf52840S140, Setting::default()));
     board.wait_for("started by power or reset", 1000)?;
     let before = board.text().len();
     board.machine.reset(Reset::Pin);
@@ -89,7 +83,6 @@ fn the_reset_button_is_no_watchdog() -> anyhow::Result<()> {
 #[test]
 fn a_blank_chip_sets_its_reset_pin_and_starts_again() -> anyhow::Result<()> {
     for built in FLASHED {
-        let image = found!(chip::image(built));
         // Neither a model, nor an armband, nor UICR.
         let setting = Setting {
             model: Vec::new(),
@@ -97,7 +90,7 @@ fn a_blank_chip_sets_its_reset_pin_and_starts_again() -> anyhow::Result<()> {
             is_blank: true,
             ..Setting::default()
         };
-        let mut board = Board::new(built, image, setting);
+        let mut board = found!(Board::of(built, setting));
         board.wait_for("# model refused", 2000)?;
         assert_eq!(starts(&board), [Reset::Power, Reset::Software], "{built}");
         // The chip was reset to set UICR, not after a panic.

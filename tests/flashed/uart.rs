@@ -2,26 +2,20 @@
 
 use std::iter::repeat_n;
 
-use nrf52::chip::PAGE;
 use shared::model::noise::Noise;
-use shared::myo::{Address, binding};
+use shared::myo::Address;
 use xtask::firmware::Image;
 
+use super::flash::bound;
 use super::start::FLASHED;
-use myointent_tests::chip::{self, BINDING, Board, Setting};
+use myointent_tests::chip::{Board, Setting};
 use myointent_tests::found;
 
 const NOISE: usize = 1_000_000;
 const OTHER: &str = "F1:23:45:67:89:AB";
 
 fn board(built: Image) -> Option<Board> {
-    let image = chip::image(built)?;
-    Some(Board::new(built, image, Setting::default()))
-}
-
-fn bound(board: &Board) -> Option<Address> {
-    let page = board.machine.chip().bus.memory.read(BINDING, PAGE);
-    binding::from_record(page.as_deref().and_then(<[u8]>::first_chunk)?)
+    Board::of(built, Setting::default())
 }
 
 #[test]

@@ -13,7 +13,7 @@ use xtask::firmware::Image;
 
 use super::faults::effort;
 use super::start::starts;
-use myointent_tests::chip::{self, Board, Setting};
+use myointent_tests::chip::{Board, Setting};
 use myointent_tests::found;
 
 /// UARTE0.PSEL.TXD and RXD.
@@ -22,12 +22,11 @@ const UART_PINS: [u32; 2] = [0x4000_250c, 0x4000_2514];
 const GPREGRET: u32 = 0x4000_051c;
 
 pub fn started(built: Image) -> Option<Board> {
-    let image = chip::image(built)?;
     let setting = Setting {
         samples: effort(60),
         ..Setting::default()
     };
-    Some(Board::new(built, image, setting))
+    Board::of(built, setting)
 }
 
 /// Makes a control transfer; returns the bytes that the device sent.

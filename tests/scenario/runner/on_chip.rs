@@ -1,7 +1,7 @@
 //! Scenarios on the emulated chip, which runs the image that is flashed, in virtual time.
 
 use anyhow::{Context as _, bail};
-use myointent_tests::chip::{self, Board, Setting};
+use myointent_tests::chip::{Board, Setting};
 use myointent_tests::found;
 use myointent_tests::output::BoardOutput;
 use nrf52::chip::Chip;
@@ -18,7 +18,6 @@ use super::file::{Act, File, Scenario};
 pub fn run(file: &File, built: Image) -> anyhow::Result<()> {
     let scenario = &file.scenario;
     let samples = found!(samples(scenario)?);
-    let image = found!(chip::image(built));
     let model = model(&scenario.model)?;
     let stranger = scenario.stranger.as_ref().map(|stranger| {
         let address = Address::parse(&stranger.address).context("the stranger's address")?;
@@ -32,7 +31,7 @@ pub fn run(file: &File, built: Image) -> anyhow::Result<()> {
         stranger: stranger.transpose()?,
         is_blank: false,
     };
-    let mut board = Board::new(built, image, setting);
+    let mut board = found!(Board::of(built, setting));
     let mut person = Actor::new(&scenario.person);
     let end = (scenario.run_seconds * HZ as f64) as u64;
     while board.machine.now() < end {
