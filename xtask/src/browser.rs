@@ -70,17 +70,10 @@ impl BrowserKind {
 
 /// Checks that there is a browser of each kind; with `install` it installs Debian's.
 pub fn prepare(install: bool) -> Result<()> {
-    let mut packages = Vec::new();
     for kind in [BrowserKind::Chromium, BrowserKind::Firefox] {
         if let Err(error) = kind.find() {
-            ensure!(install, error);
-            packages.push(kind.package());
+            debian::provide(&[kind.package(), FONT], install, &error.to_string())?;
         }
-    }
-    if !packages.is_empty() {
-        packages.push(FONT);
-        println!("{}", debian::install_command(&packages));
-        debian::install(&packages)?;
     }
     for kind in [BrowserKind::Chromium, BrowserKind::Firefox] {
         println!("browser {}", kind.find()?.display());

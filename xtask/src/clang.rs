@@ -8,7 +8,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Context as _, Result};
 
 use crate::debian;
 
@@ -28,15 +28,12 @@ pub fn find(install: bool) -> Result<Option<PathBuf>> {
     if let Some(folder) = folder(Path::new(INSTALLED)) {
         return Ok(Some(folder));
     }
-    let command = debian::install_command(&PACKAGES);
-    ensure!(
-        install,
-        "no libclang, which the image without a SoftDevice needs:\n  {command}\n(--install runs it; \
-         or set {VARIABLE})"
+    let otherwise = format!(
+        "no libclang, which the image without a SoftDevice needs. Either set {VARIABLE}, or"
     );
-    debian::install(&PACKAGES)?;
+    debian::provide(&PACKAGES, install, &otherwise)?;
     folder(Path::new(INSTALLED))
-        .with_context(|| format!("{command} installed no libclang under {INSTALLED}"))
+        .with_context(|| format!("{PACKAGES:?} brought no libclang under {INSTALLED}"))
         .map(Some)
 }
 

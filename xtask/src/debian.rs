@@ -5,7 +5,7 @@ use std::process::Command;
 use anyhow::{Context as _, Result, ensure};
 
 /// Packages that are not installed.
-pub fn missing<'p>(packages: &[&'p str]) -> Vec<&'p str> {
+fn missing<'p>(packages: &[&'p str]) -> Vec<&'p str> {
     let installed = |package: &&&str| {
         let status = Command::new("dpkg-query")
             .args(["-W", "-f", "${db:Status-Status}", package])
@@ -19,16 +19,21 @@ pub fn missing<'p>(packages: &[&'p str]) -> Vec<&'p str> {
         .collect()
 }
 
-/// The command that installs packages, to be printed.
-pub fn install_command(packages: &[&str]) -> String {
-    format!(
+/// Installs the packages that are missing, as root; without `install` it fails with `otherwise` and the command.
+pub fn provide(packages: &[&str], install: bool, otherwise: &str) -> Result<()> {
+    let packages = &missing(packages)[..];
+    if packages.is_empty() {
+        return Ok(());
+    }
+    let command = format!(
         "apt-get install -y --no-install-recommends {}",
         packages.join(" ")
-    )
-}
-
-/// Installs packages, as root.
-pub fn install(packages: &[&str]) -> Result<()> {
+    );
+    ensure!(
+        install,
+        "{otherwise}\n  {command}\n(--install runs the latter)"
+    );
+    println!("{command}");
     let apt = |arguments: &[&str]| -> Result<()> {
         let status = Command::new("apt-get")
             .args(arguments)

@@ -19,7 +19,7 @@ pub const PYTHON_VARIABLE: &str = "MYOINTENT_PYTHON";
 /// Checks that emulator and armband can run; with `install` it installs what is missing.
 pub fn prepare(install: bool) -> Result<()> {
     if qemu::find().is_err() {
-        install_packages(&[QEMU], install)?;
+        debian::provide(&[QEMU], install, "no emulator:")?;
     }
     println!("{}", qemu::find()?);
     if python().is_err() {
@@ -85,7 +85,7 @@ fn create_environment() -> Result<()> {
     let environment = environment();
     // On Debian the module that creates environments is a package of its own.
     if !runs(Command::new("python3").args(["-c", "import ensurepip, venv"])) {
-        install_packages(&["python3", "python3-venv"], true)?;
+        debian::provide(&["python3", "python3-venv"], true, "")?;
     }
     println!("creating {}", environment.display());
     ensure!(
@@ -110,21 +110,6 @@ fn create_environment() -> Result<()> {
         .status()
         .context("pip cannot be run")?;
     ensure!(status.success(), "pip could not install the requirements");
-    Ok(())
-}
-
-fn install_packages(packages: &[&str], install: bool) -> Result<()> {
-    let missing = debian::missing(packages);
-    let command = debian::install_command(&missing);
-    ensure!(
-        install,
-        "missing {}:\n  {command}\n({HINT} runs it)",
-        missing.join(", ")
-    );
-    if !missing.is_empty() {
-        println!("{command}");
-        debian::install(&missing)?;
-    }
     Ok(())
 }
 

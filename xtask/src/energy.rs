@@ -165,16 +165,4 @@ mod tests {
         let expected = 0.0220 * 6.40 + 0.0414 * 6.26;
         assert!((budget.radio_ma - expected).abs() < 1e-9);
     }
-
-    #[test]
-    fn more_of_anything_lasts_shorter() {
-        let [dcdc, ldo] = &REGULATORS;
-        let hours = |regulator, interval, cycles| {
-            BATTERY_MAH / Budget::new(regulator, interval, cycles).total_ma()
-        };
-        let usual = hours(dcdc, 15.0, 224_400.0);
-        assert!(usual > hours(dcdc, 7.5, 224_400.0));
-        assert!(usual > hours(dcdc, 15.0, 448_800.0));
-        assert!(usual > hours(ldo, 15.0, 224_400.0));
-    }
 }

@@ -4,7 +4,6 @@
 //! its crate. No sanitizer: there is no unsafe code to watch.
 
 mod corpus;
-mod figures;
 mod program;
 
 use std::{
@@ -20,7 +19,6 @@ use std::{
 
 use anyhow::{Context as _, Result, bail, ensure};
 
-use self::figures::Figures;
 use self::program::{Target, folder};
 
 /// Seconds of a target where nothing else is said.
@@ -109,19 +107,22 @@ fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
 
 /// Result of fuzzing a target.
 struct FuzzOutcome {
-    figures: Figures,
+    executions: u64,
+    branches: u64,
+    inputs: u64,
     seconds: f64,
     finding: Option<String>,
 }
 
 impl fmt::Display for FuzzOutcome {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Figures {
+        let Self {
             executions,
             branches,
             inputs,
-        } = self.figures;
-        let rate = executions as f64 / self.seconds.max(0.001);
+            ..
+        } = self;
+        let rate = *executions as f64 / self.seconds.max(0.001);
         let result = if self.finding.is_some() {
             "FOUND"
         } else {
@@ -178,10 +179,20 @@ fn fuzz(program: &Path, target: &Target, arguments: &Arguments) -> Result<FuzzOu
     fs::write(&file, log.as_bytes())?;
     let finding = (!output.status.success()).then(|| reason(&log, &file));
     Ok(FuzzOutcome {
-        figures: Figures::of(&log),
+        executions: last(&log, "stat::number_of_executed_units: "),
+        branches: last(&log, " cov: "),
+        inputs: last(&log, " corp: "),
         seconds,
         finding,
     })
+}
+
+/// The number behind the last place in libFuzzer's log that has these words; 0 without one.
+fn last(log: &str, words: &str) -> u64 {
+    let rest = log.rsplit_once(words).map_or("", |(_, rest)| rest);
+    let digits = rest.trim_start().split(|c: char| !c.is_ascii_digit());
+    let number = digits.into_iter().next().map(str::parse);
+    number.and_then(Result::ok).unwrap_or_default()
 }
 
 /// Describes a failure by its log.
@@ -216,6 +227,16 @@ mod tests {
             reason.contains("src/x.rs:1:2") && reason.contains("a/crash-1"),
             "{reason}"
         );
+    }
+
+    #[test]
+    fn numbers_are_those_of_the_last_line_that_has_them() {
+        let log = "INFO: Seed: 1\n#2\tINITED cov: 14 ft: 15 corp: 1/1b exec/s: 0 rss: 28Mb\n\
+                   #4798095\tDONE   cov: 44 ft: 116 corp: 50/14998b lim: 4096 exec/s: 533121 rss: 28Mb\n\
+                   stat::number_of_executed_units: 4798096\n";
+        let words = ["stat::number_of_executed_units: ", " cov: ", " corp: "];
+        assert_eq!(words.map(|words| last(log, words)), [4_798_096, 44, 50]);
+        assert_eq!(last("nothing\n", " cov: "), 0);
     }
 
     #[test]

@@ -49,16 +49,10 @@ pub fn find(target: &str, install: bool) -> Result<Toolchain> {
     if target == ARM {
         packages.extend(ARM_PACKAGES);
     }
-    let missing = debian::missing(&packages);
-    if !missing.is_empty() {
-        let command = debian::install_command(&missing);
-        ensure!(
-            install,
-            "no compiler for {target}. Either\n  rustup target add {target}\nor, where rustup cannot \
-             download,\n  {command}\n(--install runs the latter)"
-        );
-        debian::install(&missing)?;
-    }
+    let otherwise = format!(
+        "no compiler for {target}. Either\n  rustup target add {target}\nor, where rustup cannot download,"
+    );
+    debian::provide(&packages, install, &otherwise)?;
     let linker = match target {
         TARGET | WEB => rust_lld()?,
         _ => ARM_LINKER.into(),
