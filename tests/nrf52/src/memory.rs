@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use rsemu::core::space::RamStore;
 
-use crate::refusal::{What, wrong};
+use crate::refusal::{What, needs, wrong};
 
 pub const RAM: u32 = 0x2000_0000;
 pub const ERASED: u8 = 0xff;
@@ -117,11 +117,12 @@ impl Memory {
 
 /// Writes what a call gives.
 pub fn give(memory: &Memory, address: u32, bytes: &[u8]) -> Result<(), What> {
-    if memory.write(address, bytes) {
-        Ok(())
-    } else {
-        Err(wrong(&format!(
-            "that is to write to {address:#010x}, which is no RAM"
-        )))
-    }
+    let otherwise = format!("that is to write to {address:#010x}, which is no RAM");
+    needs(memory.write(address, bytes), &otherwise)
+}
+
+/// Reads what a call is given.
+pub fn take(memory: &Memory, address: u32, length: u32) -> Result<Vec<u8>, What> {
+    let bytes = memory.read(address, length);
+    bytes.ok_or_else(|| wrong(&format!("with {address:#010x}, which is no memory")))
 }

@@ -81,6 +81,14 @@ impl fmt::Display for Refusal {
     }
 }
 
+/// Refuses a call unless its condition is met.
+pub fn needs(is_met: bool, otherwise: &str) -> Result<(), What> {
+    match is_met {
+        true => Ok(()),
+        false => Err(wrong(otherwise)),
+    }
+}
+
 /// Creates the reason to refuse a call.
 pub fn wrong(why: &str) -> What {
     What::WrongCall {

@@ -1,4 +1,4 @@
-//! GPIOTE (product specification, 6.10): tasks that set pins. Events of pins are not modelled.
+//! GPIOTE (product specification, 6.10): tasks that set and clear pins. Their task for what CONFIG says and events of pins are not modelled.
 
 use super::bus::{Bus, Peripheral};
 use super::register::{INTEN, Registers, registers};
@@ -7,7 +7,6 @@ pub const CHANNELS: u32 = 8;
 const INTERRUPTS: u32 = 0xff | 1 << 31;
 
 registers![
-    TASKS_OUT = task(0x000).times(CHANNELS),
     TASKS_SET = task(0x030).times(CHANNELS),
     TASKS_CLR = task(0x060).times(CHANNELS),
     EVENTS_IN = event(0x100).times(CHANNELS),
@@ -79,17 +78,6 @@ impl Peripheral for Gpiote {
         if config & 3 != TASK {
             return self.untimely(offset, bus, "while its channel is not in task mode");
         }
-        let level = &mut self.levels[channel as usize];
-        match offset - 4 * channel {
-            TASKS_SET => *level = true,
-            TASKS_CLR => *level = false,
-            // What CONFIG's polarity says.
-            _ => match config >> 16 & 3 {
-                1 => *level = true,
-                2 => *level = false,
-                3 => *level = !*level,
-                _ => {}
-            },
-        }
+        self.levels[channel as usize] = offset < TASKS_CLR;
     }
 }

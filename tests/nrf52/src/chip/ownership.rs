@@ -52,9 +52,8 @@ const TAKEN: [u32; 13] = [
 ];
 
 const PPI: u32 = 0x4001_f000;
-/// The interconnect's channels 17 to 31, and its groups 4 and 5.
+/// The interconnect's channels 17 to 31.
 const FIRST_CHANNEL: u32 = 17;
-const FIRST_GROUP: u32 = 4;
 
 /// Returns true if an access is to something that MPSL and the controller have taken.
 fn is_controllers(address: u32, written: Option<u32>) -> bool {
@@ -63,14 +62,9 @@ fn is_controllers(address: u32, written: Option<u32>) -> bool {
         (0x4000_0000, 0x000..0x020 | 0x518 | 0x538) => written.is_some(),
         // RTC0, TEMP, ECB.
         (0x4000_b000 | 0x4000_c000 | 0x4000_e000, _) => true,
-        (PPI, offset) => written.is_some_and(|value| is_controllers_channel(offset, value)),
+        (PPI, offset) => written.is_some_and(|value| is_taken_channel(offset, value)),
         _ => false,
     }
-}
-
-fn is_controllers_channel(offset: u32, value: u32) -> bool {
-    // Channels alone: it takes no group.
-    !matches!(offset, 0x000..0x030) && is_softdevices_channel(offset, value)
 }
 
 /// Returns true if an access is to something that the program has in a time slot.
@@ -91,17 +85,15 @@ const FLASH_END: u32 = 0x1000_0000;
 /// Returns true if an access is to something that the SoftDevice has taken.
 fn is_softdevices(address: u32, written: Option<u32>) -> bool {
     if address & !0xfff == PPI {
-        return written.is_some_and(|value| is_softdevices_channel(address - PPI, value));
+        return written.is_some_and(|value| is_taken_channel(address - PPI, value));
     }
     TAKEN.contains(&(address & !0xfff))
 }
 
-fn is_softdevices_channel(offset: u32, value: u32) -> bool {
+fn is_taken_channel(offset: u32, value: u32) -> bool {
     match offset {
-        0x000..0x030 => offset / 8 >= FIRST_GROUP,
         0x500..0x50c => value >> FIRST_CHANNEL != 0,
         0x510..0x5b0 => (offset - 0x510) / 8 >= FIRST_CHANNEL,
-        0x800..0x818 => (offset - 0x800) / 4 >= FIRST_GROUP || value >> FIRST_CHANNEL != 0,
         0x910.. => (offset - 0x910) / 4 >= FIRST_CHANNEL,
         _ => false,
     }

@@ -1,22 +1,18 @@
 //! PPI, the programmable interconnect (product specification, 6.16): an event of one peripheral starts tasks of others.
-//! The fixed channels 20 to 31 belong to the radio, which is not modelled.
+//! The fixed channels 20 to 31 belong to the radio, which is not modelled; neither are groups.
 
-use super::bus::{Bus, Peripheral};
+use super::bus::Peripheral;
 use super::register::{Registers, registers};
 
 /// Channels with ends of one's own.
 const CHANNELS: u32 = 20;
-const GROUPS: u32 = 6;
 
 registers![
-    TASKS_CHG_EN = task(0x000).times(GROUPS).every(8),
-    TASKS_CHG_DIS = task(0x004).times(GROUPS).every(8),
     CHEN = read_write(0x500, !0),
     CHENSET = set(0x504, CHEN, !0),
     CHENCLR = clear(0x508, CHEN, !0),
     CH_EEP = read_write(0x510, !0).times(CHANNELS).every(8),
-    CH_TEP = read_write(CH_EEP + 4, !0).times(CHANNELS).every(8),
-    CHG = read_write(0x800, !0).times(GROUPS),
+    CH_TEP = read_write(0x514, !0).times(CHANNELS).every(8),
     FORK_TEP = read_write(0x910, !0).times(32),
 ];
 
@@ -38,7 +34,7 @@ impl Ppi {
         (0..CHANNELS)
             .filter(|channel| enabled >> channel & 1 == 1)
             .filter(|channel| self.registers.get(CH_EEP + 8 * channel) == event)
-            .flat_map(|channel| [CH_EEP + 4 + 8 * channel, FORK_TEP + 4 * channel])
+            .flat_map(|channel| [CH_TEP + 8 * channel, FORK_TEP + 4 * channel])
             .map(|offset| self.registers.get(offset))
             .filter(|task| *task != 0)
             .collect()
@@ -56,16 +52,5 @@ impl Ppi {
 impl Peripheral for Ppi {
     fn registers(&mut self) -> &mut Registers {
         &mut self.registers
-    }
-
-    fn task(&mut self, offset: u32, _: &mut Bus) {
-        let members = self.registers.get(CHG + offset / 8 * 4);
-        let enabled = self.registers.get(CHEN);
-        let enabled = if offset.is_multiple_of(8) {
-            enabled | members
-        } else {
-            enabled & !members
-        };
-        self.registers.put(CHEN, enabled);
     }
 }

@@ -1,28 +1,22 @@
-//! RTC, the real-time counter (product specification, 6.22): 24 bits at the low-frequency clock, divided.
+//! RTC, the real-time counter (product specification, 6.22): 24 bits at the low-frequency clock. Not modelled: its prescaler, its
+//! stop, ticks, and events without an interrupt.
 
 use super::bus::{Bus, Peripheral};
 use super::register::{INTEN, Registers, registers};
 use crate::time::{low_frequency, of_low_frequency};
 
-const ENABLES: u32 = 0x3 | 0xf << 16;
+const ENABLES: u32 = 1 << 1 | 0xf << 16;
 const MASK: u64 = 0xff_ffff;
 const CHANNELS: u32 = 4;
 
 registers![
     TASKS_START = task(0x000),
-    TASKS_STOP = task(0x004),
     TASKS_CLEAR = task(0x008),
-    TASKS_TRIGOVRFLW = task(0x00c),
-    EVENTS_TICK = event(0x100),
     EVENTS_OVRFLW = event(0x104),
     EVENTS_COMPARE = event(0x140).times(CHANNELS),
     INTENSET = set(0x304, INTEN, ENABLES),
     INTENCLR = clear(0x308, INTEN, ENABLES),
-    EVTEN = read_write(0x340, ENABLES),
-    EVTENSET = set(0x344, EVTEN, ENABLES),
-    EVTENCLR = clear(0x348, EVTEN, ENABLES),
     COUNTER = read_only(0x504),
-    PRESCALER = read_write(0x508, 0xfff),
     CC = read_write(0x540, 0xff_ffff).times(CHANNELS),
 ];
 
@@ -30,10 +24,9 @@ registers![
 pub struct Rtc {
     registers: Registers,
     runs: bool,
-    /// The period of the low-frequency clock in which the counter is `count`: the one after a task, which takes effect at the
+    /// The period of the low-frequency clock in which the counter is 0: the one after a task, which takes effect at the
     /// clock's next edge (6.22.9). It ends before the counter counts.
     since: u64,
-    count: u64,
     /// Periods whose events have happened.
     seen: u64,
     /// Period, by channel, until which a channel's value may come too late to be noticed (6.22.7).
@@ -46,28 +39,23 @@ impl Rtc {
             registers: Registers::new(name, base, TABLE),
             runs: false,
             since: 0,
-            count: 0,
             seen: 0,
             blind_until: [0; CHANNELS as usize],
         }
     }
 
-    fn divider(&self) -> u64 {
-        u64::from(self.registers.get(PRESCALER)) + 1
-    }
-
     /// The counter in a period of the low-frequency clock.
     fn value(&self, period: u64) -> u64 {
         let counted = if self.runs {
-            period.saturating_sub(self.since) / self.divider()
+            period.saturating_sub(self.since)
         } else {
             0
         };
-        (self.count + counted) & MASK
+        counted & MASK
     }
 
     fn enabled(&self, bit: u32) -> bool {
-        (self.registers.get(INTEN) | self.registers.get(EVTEN)) >> bit & 1 == 1
+        self.registers.get(INTEN) >> bit & 1 == 1
     }
 
     /// The next period in which something happens that is enabled.
@@ -76,7 +64,6 @@ impl Rtc {
             return None;
         }
         let from = self.seen.max(self.since);
-        let counted = (from - self.since) / self.divider();
         let value = self.value(from);
         let ahead = |target: u64| match target.wrapping_sub(value) & MASK {
             0 => MASK + 1,
@@ -86,9 +73,7 @@ impl Rtc {
             .filter(|channel| self.enabled(16 + channel))
             .map(|channel| ahead(self.registers.get(CC + 4 * channel).into()));
         let overflow = self.enabled(1).then(|| ahead(0));
-        let tick = self.enabled(0).then_some(1);
-        let first = compares.chain(overflow).chain(tick).min()?;
-        Some(self.since + (counted + first) * self.divider())
+        Some(from + compares.chain(overflow).min()?)
     }
 }
 
@@ -104,9 +89,6 @@ impl Peripheral for Rtc {
     fn stored(&mut self, offset: u32, bus: &mut Bus) {
         let period = low_frequency(bus.now);
         match offset {
-            PRESCALER if self.runs => {
-                self.unexpected(offset, bus, "the counter has to be stopped");
-            }
             CC.. if (offset - CC) / 4 < CHANNELS => {
                 // A value that is one ahead may not match: two ahead does.
                 self.blind_until[(offset - CC) as usize / 4] = period + 2;
@@ -128,18 +110,7 @@ impl Peripheral for Rtc {
                 self.runs = true;
                 (self.since, self.seen) = (period + 1, period + 1);
             }
-            TASKS_STOP => {
-                self.count = self.value(period);
-                self.runs = false;
-            }
-            TASKS_CLEAR => {
-                self.count = 0;
-                (self.since, self.seen) = (period + 1, period + 1);
-            }
-            _ => {
-                self.count = 0xff_fff0;
-                (self.since, self.seen) = (period + 1, period + 1);
-            }
+            _ => (self.since, self.seen) = (period + 1, period + 1),
         }
     }
 
@@ -163,9 +134,6 @@ impl Peripheral for Rtc {
             }
             if value == 0 && self.enabled(1) {
                 self.raise(EVENTS_OVRFLW, bus);
-            }
-            if self.enabled(0) {
-                self.raise(EVENTS_TICK, bus);
             }
         }
     }

@@ -1,24 +1,19 @@
 //! Commands of the host (Bluetooth Core Specification, volume 4, part E, 7). Each is a function of the library's, which
-//! answers with the status; no event follows that says so.
+//! answers with the status; no event follows that says so. One that would fail by a mistake of the host's is refused.
 
 use shared::myo::{Address, AddressKind};
 
 use super::hci::HANDLE;
 use super::memory::ACCEPTED;
-use super::{Controller, give, take, wrong};
+use super::{Controller, give, needs, take, wrong};
 use crate::air::{ScanTimes, parameters_are_allowed};
 use crate::chip::Chip;
-use crate::memory::Memory;
 use crate::refusal::What;
 
-/// Statuses (volume 1, part F, 1.3).
+/// Statuses of commands that a link or an attempt to connect may overtake (volume 1, part F, 1.3).
 const SUCCESS: u8 = 0x00;
-const UNKNOWN_COMMAND: u8 = 0x01;
 pub(super) const UNKNOWN_CONNECTION: u8 = 0x02;
-const MEMORY_EXCEEDED: u8 = 0x07;
-const LIMITED_RESOURCES: u8 = 0x0d;
 const DISALLOWED: u8 = 0x0c;
-const INVALID: u8 = 0x12;
 /// Reasons of the host's for the end of a connection (7.1.6).
 const REASONS: [u8; 7] = [0x05, 0x13, 0x14, 0x15, 0x1a, 0x29, 0x3b];
 
@@ -26,8 +21,6 @@ const REASONS: [u8; 7] = [0x05, 0x13, 0x14, 0x15, 0x1a, 0x29, 0x3b];
 pub struct ScanParameters {
     interval: u16,
     window: u16,
-    /// True if only armbands are reported that are in the list.
-    pub filters: bool,
     is_random: bool,
 }
 
@@ -36,15 +29,15 @@ impl Default for ScanParameters {
         Self {
             interval: 16,
             window: 16,
-            filters: false,
             is_random: false,
         }
     }
 }
 
-/// Interval and window in units of 0.625 ms, if they are allowed.
-fn scan_times(interval: u16, window: u16) -> Option<ScanTimes> {
-    ScanTimes::of_units(interval, window).filter(|_| interval <= 0x4000)
+/// Interval and window in units of 0.625 ms.
+fn scan_times(interval: u16, window: u16) -> Result<ScanTimes, What> {
+    let times = ScanTimes::of_units(interval, window).filter(|_| interval <= 0x4000);
+    times.ok_or_else(|| wrong("with times that no scan can have"))
 }
 
 /// The half words of parameters from a place on.
@@ -57,14 +50,17 @@ fn halves<const N: usize>(bytes: &[u8], from: usize) -> [u16; N] {
     std::array::from_fn(half)
 }
 
-fn address(kind: u8, bytes: &[u8]) -> Option<Address> {
-    let kind = match kind {
+/// An address, from its kind on.
+fn address(bytes: &[u8]) -> Result<Address, What> {
+    let kind = match bytes[0] {
         0 => AddressKind::Public,
         1 => AddressKind::Random,
-        _ => return None,
+        _ => return Err(wrong("with an address of a kind that is not modelled")),
     };
-    let bytes = *bytes.first_chunk()?;
-    Some(Address { kind, bytes })
+    let bytes = *bytes[1..]
+        .first_chunk()
+        .ok_or_else(|| wrong("with half an address"))?;
+    Ok(Address { kind, bytes })
 }
 
 impl Controller {
@@ -81,168 +77,106 @@ impl Controller {
             let bytes = take(memory, at, 8)?;
             Ok(u64::from_le_bytes(bytes.try_into().unwrap_or_default()))
         };
-        Ok(match name {
+        match name {
             "cb_reset" => {
                 self.air.reset(now);
                 self.hci = Default::default();
-                SUCCESS
             }
-            "cb_set_event_mask" => {
-                self.hci.mask = mask()?;
-                SUCCESS
-            }
-            "le_set_event_mask" => {
-                self.hci.le_mask = mask()?;
-                SUCCESS
-            }
-            // Nothing that it asks for is modelled: the second page of events, and flow control towards the host, which
-            // nobody has switched on.
-            "cb_set_event_mask_page_2"
-            | "cb_host_buffer_size"
-            | "cb_host_number_of_completed_packets" => SUCCESS,
-            "le_read_filter_accept_list_size" => {
-                give(memory, at, &[ACCEPTED as u8])?;
-                SUCCESS
-            }
+            "cb_set_event_mask" => self.hci.mask = mask()?,
+            "le_set_event_mask" => self.hci.le_mask = mask()?,
+            // Nothing that it asks for is modelled: the second page of events, and flow control towards the host.
+            "cb_set_event_mask_page_2" | "cb_host_buffer_size" => {}
+            "le_read_filter_accept_list_size" => give(memory, at, &[ACCEPTED as u8])?,
             "le_read_buffer_size" => {
                 let configuration = &self.sdc.configuration;
                 let [a, b] = configuration.packet_bytes[0].to_le_bytes();
                 give(memory, at, &[a, b, configuration.packets[0]])?;
-                SUCCESS
             }
             // It has no public address unless it is given one.
-            "ip_read_bd_addr" => {
-                give(memory, at, &[0; 6])?;
-                SUCCESS
-            }
-            "le_clear_filter_accept_list" => self.change_accepted(None),
-            "le_add_device_to_filter_accept_list" => {
-                let bytes = take(memory, at, 7)?;
-                match address(bytes[0], &bytes[1..]) {
-                    Some(address) => self.change_accepted(Some(address)),
-                    None => INVALID,
-                }
-            }
-            "le_set_random_address" if self.air.scans() || self.air.connects() => DISALLOWED,
+            "ip_read_bd_addr" => give(memory, at, &[0; 6])?,
             "le_set_random_address" => {
-                let bytes = take(memory, at, 6)?;
-                self.hci.own = bytes.first_chunk().copied();
-                SUCCESS
+                let is_used = self.air.scans() || self.air.connects();
+                needs(!is_used, "while the address is in use")?;
+                self.hci.own = take(memory, at, 6)?.first_chunk().copied();
             }
+            "lc_disconnect" if !self.air.is_linked() => return Ok(UNKNOWN_CONNECTION),
+            "lc_disconnect" if self.hci.is_ending => return Ok(DISALLOWED),
             "lc_disconnect" => {
                 let bytes = take(memory, at, 3)?;
-                match halves(&bytes, 0) {
-                    [HANDLE] if !REASONS.contains(&bytes[2]) => INVALID,
-                    [HANDLE] if self.air.is_linked() && self.hci.is_ending => DISALLOWED,
-                    [HANDLE] if self.air.is_linked() => {
-                        // One that is being lost ends with its time-out.
-                        self.air.disconnect(now);
-                        self.hci.is_ending = true;
-                        SUCCESS
-                    }
-                    _ => UNKNOWN_CONNECTION,
-                }
+                let is_allowed = halves(&bytes, 0) == [HANDLE] && REASONS.contains(&bytes[2]);
+                needs(is_allowed, "of another link, or for a reason that is none")?;
+                // One that is being lost ends with its time-out.
+                self.air.disconnect(now);
+                self.hci.is_ending = true;
             }
-            "le_set_scan_params" => self.set_scan_parameters(&take(memory, at, 7)?),
-            "le_set_scan_enable" => self.enable_scan(&take(memory, at, 2)?, now),
-            // Extended scanning is supported only if it is asked for.
-            "le_set_ext_scan_enable" => UNKNOWN_COMMAND,
-            "le_create_conn" => self.create_connection(at, now, memory)?,
-            "le_create_conn_cancel" if self.air.cancel_connect(now) => {
-                self.connection_failed();
-                SUCCESS
-            }
-            "le_create_conn_cancel" => DISALLOWED,
+            "le_set_scan_params" => self.set_scan_parameters(&take(memory, at, 7)?)?,
+            "le_set_scan_enable" => self.enable_scan(&take(memory, at, 2)?, now)?,
+            "le_create_conn" => self.create_connection(&take(memory, at, 25)?, now)?,
+            "le_create_conn_cancel" if self.air.cancel_connect(now) => self.connection_failed(),
+            "le_create_conn_cancel" => return Ok(DISALLOWED),
             _ => return Err(What::UnknownCall { arguments }),
-        })
+        }
+        Ok(SUCCESS)
     }
 
-    /// Adds to the filter accept list, or clears it (7.8.15, 7.8.16).
-    fn change_accepted(&mut self, added: Option<Address>) -> u8 {
-        if self.air.connects() || (self.air.scans() && self.hci.scan.filters) {
-            return DISALLOWED;
-        }
-        match added {
-            None => self.hci.accepted.clear(),
-            Some(_) if self.hci.accepted.len() >= ACCEPTED => return MEMORY_EXCEEDED,
-            Some(address) => self.hci.accepted.push(address),
-        }
-        SUCCESS
-    }
-
-    fn set_scan_parameters(&mut self, bytes: &[u8]) -> u8 {
+    fn set_scan_parameters(&mut self, bytes: &[u8]) -> Result<(), What> {
         let [interval, window] = halves(bytes, 1);
-        let [kind, .., own, policy] = *bytes else {
-            return INVALID;
-        };
-        if self.air.scans() {
-            return DISALLOWED;
-        }
-        if kind > 1 || own > 1 || policy > 1 || scan_times(interval, window).is_none() {
-            return INVALID;
-        }
+        let (kind, own, policy) = (bytes[0], bytes[5], bytes[6]);
+        needs(!self.air.scans(), "while it scans")?;
+        let is_allowed = kind <= 1 && own <= 1 && policy == 0;
+        needs(is_allowed, "with parameters that are not modelled")?;
+        scan_times(interval, window)?;
         self.hci.scan = ScanParameters {
             interval,
             window,
-            filters: policy == 1,
             is_random: own == 1,
         };
-        SUCCESS
+        Ok(())
     }
 
-    fn enable_scan(&mut self, bytes: &[u8], now: u64) -> u8 {
-        let ScanParameters {
-            interval,
-            window,
-            is_random,
-            ..
-        } = self.hci.scan;
-        match (bytes, scan_times(interval, window)) {
-            ([0, _], _) => {
-                self.air.stop_scan(now);
-                SUCCESS
-            }
-            _ if is_random && self.hci.own.is_none() => INVALID,
-            _ if self.air.connects() && !self.sdc.configuration.does_both => DISALLOWED,
-            ([1, once @ 0..=1], Some(times)) => {
-                self.air.stop_scan(now);
-                self.hci.reported = (*once == 1).then(Vec::new);
-                self.air.start_scan(now, times, false);
-                SUCCESS
-            }
-            _ => INVALID,
+    fn enable_scan(&mut self, bytes: &[u8], now: u64) -> Result<(), What> {
+        let scan = self.hci.scan;
+        self.air.stop_scan(now);
+        if bytes[0] == 0 {
+            return Ok(());
         }
+        needs(
+            bytes[0] == 1 && bytes[1] <= 1,
+            "with parameters that are not modelled",
+        )?;
+        let has_address = !scan.is_random || self.hci.own.is_some();
+        needs(has_address, "before the address is set that it uses")?;
+        let is_free = !self.air.connects() || self.sdc.configuration.does_both;
+        needs(is_free, "beside an attempt to connect")?;
+        self.hci.reported = (bytes[1] == 1).then(Vec::new);
+        let times = scan_times(scan.interval, scan.window)?;
+        self.air.start_scan(now, times, false);
+        Ok(())
     }
 
-    fn create_connection(&mut self, at: u32, now: u64, memory: &Memory) -> Result<u8, What> {
-        let bytes = take(memory, at, 25)?;
-        let [interval, window] = halves(&bytes, 0);
-        let (uses_list, own) = (bytes[4] == 1, bytes[12]);
-        let with = halves(&bytes, 13);
-        let accepted = match uses_list {
-            true => Some(self.hci.accepted.clone()),
-            false => address(bytes[5], &bytes[6..]).map(|peer| vec![peer]),
-        };
+    fn create_connection(&mut self, bytes: &[u8], now: u64) -> Result<(), What> {
+        let [interval, window] = halves(bytes, 0);
+        let (uses_list, own) = (bytes[4] != 0, bytes[12]);
+        let with = halves(bytes, 13);
+        needs(
+            !uses_list,
+            "with the filter accept list, which is not modelled",
+        )?;
+        let accepted = vec![address(&bytes[5..])?];
         let is_scanning = self.air.scans() && !self.sdc.configuration.does_both;
-        if self.air.connects() || is_scanning {
-            return Ok(DISALLOWED);
-        }
-        if self.air.is_linked() || self.sdc.configuration.centrals == 0 {
-            return Ok(LIMITED_RESOURCES);
-        }
-        if own == 1 && self.hci.own.is_none() {
-            return Ok(INVALID);
-        }
-        if self.sdc.configuration.centrals > 1 {
-            return Err(wrong("with several links, which are not modelled"));
-        }
-        let is_allowed = scan_times(interval, window).is_some() && parameters_are_allowed(with);
-        Ok(match accepted.filter(|_| is_allowed) {
-            Some(accepted) => {
-                self.air.connect(now, u64::MAX, with, accepted);
-                SUCCESS
-            }
-            None => INVALID,
-        })
+        let is_free = !self.air.connects() && !is_scanning && !self.air.is_linked();
+        needs(is_free, "beside a scan, an attempt to connect, or a link")?;
+        let has_one_link = self.sdc.configuration.centrals == 1;
+        needs(
+            has_one_link,
+            "with no link or several, which are not modelled",
+        )?;
+        let has_address = own == 0 || self.hci.own.is_some();
+        needs(has_address, "before the address is set that it uses")?;
+        scan_times(interval, window)?;
+        let is_allowed = parameters_are_allowed(with);
+        needs(is_allowed, "with parameters that no connection can have")?;
+        self.air.connect(now, u64::MAX, with, accepted);
+        Ok(())
     }
 }

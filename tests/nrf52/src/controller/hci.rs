@@ -28,7 +28,6 @@ pub struct Hci {
     pub(super) mask: u64,
     pub(super) le_mask: u64,
     pub(super) own: Option<[u8; 6]>,
-    pub(super) accepted: Vec<Address>,
     pub(super) scan: super::commands::ScanParameters,
     /// Armbands that this scan has reported, if it reports each once.
     pub(super) reported: Option<Vec<usize>>,
@@ -46,7 +45,6 @@ impl Default for Hci {
             mask: 0x1fff_ffff_ffff,
             le_mask: 0x1f,
             own: None,
-            accepted: Vec::new(),
             scan: super::commands::ScanParameters::default(),
             reported: None,
             messages: VecDeque::new(),
@@ -140,7 +138,6 @@ impl Controller {
 
     fn report(&mut self, index: usize) {
         let armband = &self.air.armbands[index];
-        let is_meant = !self.hci.scan.filters || self.hci.accepted.contains(&armband.address);
         let is_new = match &mut self.hci.reported {
             Some(reported) if reported.contains(&index) => false,
             Some(reported) => {
@@ -149,7 +146,7 @@ impl Controller {
             }
             None => true,
         };
-        if !is_meant || !is_new {
+        if !is_new {
             return;
         }
         let data = armband.advertisement(u64::MAX).unwrap_or_default();

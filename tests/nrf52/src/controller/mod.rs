@@ -22,8 +22,8 @@ use crate::address_space::RETURN;
 use crate::air::Air;
 use crate::chip::Chip;
 use crate::core::{Core, INTERRUPTS};
-use crate::memory::{Memory, give};
-use crate::refusal::{What, wrong};
+use crate::memory::{Memory, give, take};
+use crate::refusal::{What, needs, wrong};
 use hci::Hci;
 pub use library::Library;
 use mpsl::Mpsl;
@@ -33,11 +33,6 @@ use timeslot::Timeslot;
 /// Answers (`nrf_errno.h`).
 mod answer {
     pub const SUCCESS: i32 = 0;
-    pub const NOT_PERMITTED: i32 = -1;
-    pub const NO_ENTRY: i32 = -2;
-    pub const NO_MEMORY: i32 = -12;
-    pub const FAULT: i32 = -14;
-    pub const INVALID: i32 = -22;
     pub const AGAIN: i32 = -35;
 }
 
@@ -212,10 +207,6 @@ impl Controller {
             "mpsl_init" => self.init(arguments, chip, core)?,
             _ if !self.mpsl.is_initialized() => return Err(wrong("before mpsl_init")),
             "mpsl_clock_hfclk_src_request" => self.request_crystal(arguments, chip)?,
-            "mpsl_clock_hfclk_src_release" => {
-                self.mpsl.keeps_crystal = false;
-                answer::SUCCESS
-            }
             "mpsl_timeslot_session_count_set" => self.set_sessions(arguments, &chip.bus.memory)?,
             "mpsl_timeslot_session_open" => self.open_session(arguments, &chip.bus.memory)?,
             "mpsl_timeslot_session_close" => self.close_session(arguments),
@@ -294,14 +285,6 @@ fn check_low(core: &Core) -> Result<(), What> {
     needs(!core.is_in_handler(), "from an interrupt")
 }
 
-/// Refuses a call unless its condition is met.
-fn needs(is_met: bool, otherwise: &str) -> Result<(), What> {
-    match is_met {
-        true => Ok(()),
-        false => Err(wrong(otherwise)),
-    }
-}
-
 /// Returns from a function of the library's, by an instruction: to return from an interrupt takes one.
 fn return_to(link: u32, core: &mut Core) {
     core.set_register(14, link);
@@ -322,12 +305,6 @@ fn check_priorities(core: &Core) -> Result<(), What> {
         }
     }
     Ok(())
-}
-
-/// Reads what a call is given.
-fn take(memory: &Memory, address: u32, length: u32) -> Result<Vec<u8>, What> {
-    let bytes = memory.read(address, length);
-    bytes.ok_or_else(|| wrong(&format!("with {address:#010x}, which is no memory")))
 }
 
 /// Memory that is the library's from now on: filled, so that a write shows.

@@ -1,6 +1,6 @@
 //! MPSL's start, and its clocks (mpsl.h, mpsl_clock.h).
 
-use super::{CLOCK, Controller, HIGH, answer, take, wrong};
+use super::{CLOCK, Controller, HIGH, answer, needs, take};
 use crate::chip::{Chip, Owner};
 use crate::core::Core;
 use crate::refusal::What;
@@ -55,28 +55,24 @@ impl Controller {
         chip: &mut Chip,
         core: &mut Core,
     ) -> Result<i32, What> {
-        if self.mpsl.is_initialized() {
-            return Ok(answer::NOT_PERMITTED);
-        }
+        needs(!self.mpsl.is_initialized(), "for the second time")?;
         // `mpsl_clock_lfclk_cfg_t`.
         let clock = take(&chip.bus.memory, clock, 7)?;
         let (source, interval, skipped) = (clock[0], clock[1], clock[2]);
         let is_calibrated = interval != 0 || skipped != 0;
-        if handler == 0 || source > 2 || (source != 0 && is_calibrated) {
-            return Ok(answer::INVALID);
-        }
-        if source == 0 && (interval == 0 || skipped > 33) {
-            return Err(wrong("for the RC clock without calibration"));
-        }
-        match chip.low_frequency_source() {
-            None => return Err(wrong("before the low-frequency clock runs: not modelled")),
-            Some(running) if running != u32::from(source) => {
-                return Err(wrong(&format!(
-                    "for source {source} of the low-frequency clock, which runs from source {running}"
-                )));
-            }
-            Some(_) => {}
-        }
+        needs(handler != 0, "without a handler of faults")?;
+        needs(
+            match source {
+                0 => interval != 0 && skipped <= 33,
+                source => source <= 2 && !is_calibrated,
+            },
+            "for another clock than the crystal, the synthesized one or the RC clock with calibration",
+        )?;
+        let running = chip.low_frequency_source();
+        needs(
+            running == Some(source.into()),
+            &format!("for source {source} of the low-frequency clock, which runs from {running:?}"),
+        )?;
         self.mpsl.accuracy = u16::from_le_bytes([clock[4], clock[5]]);
         let low = interrupt as u16;
         self.mpsl.low_interrupt = Some(low);
@@ -93,9 +89,7 @@ impl Controller {
         [source, callback, ..]: [u32; 4],
         chip: &mut Chip,
     ) -> Result<i32, What> {
-        if source != 0 {
-            return Ok(answer::INVALID);
-        }
+        needs(source == 0, "for a source that is none")?;
         chip.start_crystal();
         self.mpsl.keeps_crystal = true;
         self.mpsl.crystal = Some((chip.bus.now + CRYSTAL, callback));

@@ -49,38 +49,24 @@ impl Controller {
         chip: &Chip,
         core: &Core,
     ) -> Result<i32, What> {
-        let (now, memory) = (chip.bus.now, &chip.bus.memory);
+        let memory = &chip.bus.memory;
         let [first, second, third, _] = arguments;
         if name == "sdc_init" {
-            if self.mpsl.accuracy > WORST_ACCURACY {
-                return Ok(answer::NOT_PERMITTED);
-            }
+            let is_accurate = self.mpsl.accuracy <= WORST_ACCURACY;
+            needs(is_accurate, "with a clock that is not accurate enough")?;
+            needs(first != 0, "without a handler of faults")?;
             self.sdc.is_initialized = true;
-            return Ok(if first == 0 {
-                answer::INVALID
-            } else {
-                answer::SUCCESS
-            });
-        }
-        needs(self.sdc.is_initialized, "before sdc_init")?;
-        if name == "sdc_disable" {
-            self.air.reset(now);
-            (self.sdc, self.hci) = Default::default();
             return Ok(answer::SUCCESS);
         }
-        if self.sdc.is_enabled() {
-            return Ok(answer::NOT_PERMITTED);
-        }
+        needs(self.sdc.is_initialized, "before sdc_init")?;
+        needs(!self.sdc.is_enabled(), "after sdc_enable")?;
         if let Some(role) = name.strip_prefix("sdc_support_") {
             return self.support(role);
         }
         match name {
             "sdc_cfg_set" => self.set_configuration(first, second, third, memory),
             "sdc_rand_source_register" => {
-                let [poll] = take(memory, first, 4)?.as_chunks().0[..] else {
-                    return Ok(answer::INVALID);
-                };
-                self.sdc.random = Some(u32::from_le_bytes(poll));
+                self.sdc.random = memory.word(first);
                 Ok(answer::SUCCESS)
             }
             "sdc_enable" => {
@@ -126,16 +112,14 @@ impl Controller {
             PERIPHERAL_COUNT => configuration.peripherals = take(memory, at, 1)?[0],
             BUFFERS => {
                 // `sdc_cfg_buffer_cfg_t`.
-                let [a, b, c, d, sent, received] = take(memory, at, 6)?[..] else {
-                    return Ok(answer::INVALID);
-                };
-                let bytes = [[a, b], [c, d]].map(u16::from_le_bytes);
-                let in_range = bytes.iter().all(|bytes| (27..=251).contains(bytes));
-                if !in_range || sent == 0 || received == 0 {
-                    return Ok(answer::INVALID);
-                }
-                configuration.packet_bytes = bytes;
-                configuration.packets = [sent, received];
+                let bytes = take(memory, at, 6)?;
+                let lengths = [[bytes[0], bytes[1]], [bytes[2], bytes[3]]];
+                configuration.packet_bytes = lengths.map(u16::from_le_bytes);
+                configuration.packets = [bytes[4], bytes[5]];
+                let lengths = &configuration.packet_bytes;
+                let in_range = lengths.iter().all(|bytes| (27..=251).contains(bytes));
+                let has_packets = !configuration.packets.contains(&0);
+                needs(in_range && has_packets, "for packets that cannot be")?;
             }
             _ => return Err(wrong(&format!("of kind {kind}, which is not modelled"))),
         }
@@ -143,12 +127,13 @@ impl Controller {
     }
 
     fn enable(&mut self, callback: u32, at: u32, memory: &Memory) -> Result<i32, What> {
-        let Some(random) = self.sdc.random else {
-            return Ok(answer::NOT_PERMITTED);
-        };
-        if callback == 0 || !at.is_multiple_of(8) {
-            return Ok(answer::INVALID);
-        }
+        let random = self.sdc.random;
+        let random = random.ok_or_else(|| wrong("before sdc_rand_source_register"))?;
+        let fits = callback != 0 && at.is_multiple_of(8);
+        needs(
+            fits,
+            "without a callback, or with memory that is not aligned",
+        )?;
         self.sdc.memory = Some(own(memory, at + RANDOM, self.needed_bytes() - RANDOM)?);
         self.sdc.callback = Some(callback);
         self.call_later(random, [at, RANDOM]);

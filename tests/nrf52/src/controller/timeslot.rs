@@ -102,16 +102,14 @@ impl Controller {
         [at, count, ..]: [u32; 4],
         memory: &Memory,
     ) -> Result<i32, What> {
-        let count = count & 0xff;
-        Ok(match (self.timeslot.callback, count) {
-            (Some(_), _) => answer::NOT_PERMITTED,
-            _ if !at.is_multiple_of(4) => answer::FAULT,
-            (None, 1) => {
-                self.timeslot.memory = Some(own(memory, at, SESSION)?);
-                answer::SUCCESS
-            }
-            _ => return Err(wrong("for several sessions, which are not modelled")),
-        })
+        needs(self.timeslot.callback.is_none(), "while a session is open")?;
+        needs(at.is_multiple_of(4), "with memory that is not aligned")?;
+        needs(
+            count & 0xff == 1,
+            "for several sessions, which are not modelled",
+        )?;
+        self.timeslot.memory = Some(own(memory, at, SESSION)?);
+        Ok(answer::SUCCESS)
     }
 
     pub(super) fn open_session(
@@ -119,9 +117,8 @@ impl Controller {
         [callback, id, ..]: [u32; 4],
         memory: &Memory,
     ) -> Result<i32, What> {
-        if self.timeslot.memory.is_none() || self.timeslot.callback.is_some() {
-            return Ok(answer::NO_MEMORY);
-        }
+        let is_free = self.timeslot.memory.is_some() && self.timeslot.callback.is_none();
+        needs(is_free, "beyond the sessions that there are")?;
         give(memory, id, &[0])?;
         self.timeslot.callback = Some(callback);
         Ok(answer::SUCCESS)
@@ -143,16 +140,11 @@ impl Controller {
         [id, request, ..]: [u32; 4],
         chip: &Chip,
     ) -> Result<i32, What> {
-        if self.timeslot.callback.is_none() || id as u8 != 0 {
-            return Ok(answer::NO_ENTRY);
-        }
-        if self.timeslot.state != TimeslotState::Idle {
-            return Ok(answer::AGAIN);
-        }
-        let Some(wanted) = wanted(request, &chip.bus.memory)? else {
-            return Ok(answer::INVALID);
-        };
-        self.schedule(wanted, chip.bus.now);
+        let is_open = self.timeslot.callback.is_some() && id as u8 == 0;
+        needs(is_open, "of a session that is not open")?;
+        let is_idle = self.timeslot.state == TimeslotState::Idle;
+        needs(is_idle, "before the request before is answered")?;
+        self.schedule(wanted(request, &chip.bus.memory)?, chip.bus.now);
         Ok(answer::SUCCESS)
     }
 
@@ -221,10 +213,7 @@ impl Controller {
             END => self.signal(IDLE),
             REQUEST => {
                 let request = chip.bus.memory.word(wants + 4).unwrap_or_default();
-                let Some(wanted) = wanted(request, &chip.bus.memory)? else {
-                    return Err(wrong("that asks for a slot that cannot be"));
-                };
-                self.schedule(wanted, now);
+                self.schedule(wanted(request, &chip.bus.memory)?, now);
             }
             action => {
                 return Err(wrong(&format!(
@@ -236,25 +225,23 @@ impl Controller {
     }
 }
 
-fn wanted(request: u32, memory: &Memory) -> Result<Option<Wanted>, What> {
+fn wanted(request: u32, memory: &Memory) -> Result<Wanted, What> {
     const EARLIEST_KIND: u8 = 0;
     let bytes = take(memory, request, 16)?;
-    let (words, _) = bytes.as_chunks();
-    let [_, _, length, timeout] = words[..] else {
-        return Ok(None);
-    };
-    let [length, timeout] = [length, timeout].map(u32::from_le_bytes);
+    let word = |offset: u32| memory.word(request + offset).unwrap_or_default();
+    let (length, timeout) = (word(8), word(12));
     let (kind, clock, priority) = (bytes[0], bytes[4], bytes[5]);
-    if kind != EARLIEST_KIND {
-        return Err(wrong(
-            "for another slot than the earliest, which is not modelled",
-        ));
-    }
+    let is_earliest = kind == EARLIEST_KIND;
+    needs(
+        is_earliest,
+        "for another slot than the earliest, which is not modelled",
+    )?;
     let is_allowed =
         (100..=100_000).contains(&length) && timeout < 256_000_000 && clock <= 1 && priority <= 1;
-    Ok(is_allowed.then_some(Wanted {
+    needs(is_allowed, "for a slot that cannot be")?;
+    Ok(Wanted {
         length: us(length.into()),
         timeout: us(timeout.into()),
         is_urgent: priority == 0,
-    }))
+    })
 }

@@ -4,7 +4,6 @@
 /// Supervisor calls.
 pub mod call {
     pub const SOFTDEVICE_ENABLE: u8 = 16;
-    pub const SOFTDEVICE_IS_ENABLED: u8 = 18;
     pub const FLASH_PAGE_ERASE: u8 = 40;
     pub const FLASH_WRITE: u8 = 41;
     pub const CLOCK_HFCLK_REQUEST: u8 = 66;
@@ -19,8 +18,6 @@ pub mod call {
     pub const GAP_SCAN_START: u8 = 138;
     pub const GAP_SCAN_STOP: u8 = 139;
     pub const GAP_CONNECT: u8 = 140;
-    pub const GAP_CONNECT_CANCEL: u8 = 141;
-    pub const GAP_PHY_UPDATE: u8 = 143;
     pub const GAP_DATA_LENGTH_UPDATE: u8 = 144;
     pub const GATTC_READ: u8 = 161;
     pub const GATTC_WRITE: u8 = 163;
@@ -29,21 +26,10 @@ pub mod call {
 /// Answers.
 pub mod answer {
     pub const SUCCESS: u32 = 0;
-    pub const NOT_ENABLED: u32 = 2;
-    pub const NO_MEM: u32 = 4;
     pub const NOT_FOUND: u32 = 5;
-    pub const INVALID_PARAM: u32 = 7;
     pub const INVALID_STATE: u32 = 8;
-    pub const INVALID_LENGTH: u32 = 9;
-    pub const DATA_SIZE: u32 = 12;
-    pub const FORBIDDEN: u32 = 15;
-    pub const INVALID_ADDR: u32 = 16;
     pub const BUSY: u32 = 17;
-    pub const CONN_COUNT: u32 = 18;
-    pub const BLE_NOT_ENABLED: u32 = 0x3001;
     pub const INVALID_CONN_HANDLE: u32 = 0x3002;
-    pub const INVALID_BLE_ADDR: u32 = 0x3202;
-    pub const WHITELIST_IN_USE: u32 = 0x3203;
 }
 
 /// Events of the link.

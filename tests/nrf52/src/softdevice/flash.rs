@@ -2,10 +2,11 @@
 
 use std::collections::VecDeque;
 
+use super::SoftDevice;
 use super::calls::{answer, event};
-use super::{SoftDevice, wrong};
 use crate::chip::{Chip, PAGE, Reset};
-use crate::refusal::What;
+use crate::memory::take;
+use crate::refusal::{What, needs};
 
 /// Words of the longest write.
 const MOST_WORDS: u32 = PAGE / 4;
@@ -55,16 +56,17 @@ impl Flash {
 }
 
 impl SoftDevice {
-    pub(super) fn erase(&mut self, page: u32, chip: &mut Chip) -> u32 {
+    pub(super) fn erase(&mut self, page: u32, chip: &mut Chip) -> Result<u32, What> {
         if self.flash.under_way.is_some() {
-            return answer::BUSY;
+            return Ok(answer::BUSY);
         }
-        let address = u64::from(page) * u64::from(PAGE);
-        if address < self.kind.program().into() || address >= chip.model.flash().into() {
-            return answer::FORBIDDEN;
-        }
+        let pages = self.kind.program() / PAGE..chip.model.flash() / PAGE;
+        needs(
+            pages.contains(&page),
+            "for a page that is not the program's",
+        )?;
         let ticks = chip.nvmc.times.erase;
-        self.begin(Change::Erase { page }, ticks, chip)
+        Ok(self.begin(Change::Erase { page }, ticks, chip))
     }
 
     /// Writes words.
@@ -76,27 +78,23 @@ impl SoftDevice {
         if self.flash.under_way.is_some() {
             return Ok(answer::BUSY);
         }
-        if !address.is_multiple_of(4) || !source.is_multiple_of(4) {
-            return Ok(answer::INVALID_ADDR);
-        }
-        if words == 0 || words > MOST_WORDS {
-            return Ok(answer::INVALID_LENGTH);
-        }
-        if address < self.kind.program() {
-            return Ok(answer::FORBIDDEN);
-        }
+        let is_aligned = address.is_multiple_of(4) && source.is_multiple_of(4);
+        needs(is_aligned, "with an address that is no multiple of four")?;
+        let is_allowed = (1..=MOST_WORDS).contains(&words) && address >= self.kind.program();
+        needs(
+            is_allowed,
+            "for none or too many words, or below the program",
+        )?;
         // It is read while the operation is under way, when flash cannot be.
-        if !chip.bus.memory.is_ram(source, 4 * words) {
-            return Err(wrong("with a source of words that is no RAM"));
-        }
-        let bytes = chip.bus.memory.read(source, 4 * words).unwrap_or_default();
-        let old = chip.bus.memory.read(address, 4 * words);
-        let Some(old) = old else {
-            return Ok(answer::INVALID_ADDR);
-        };
-        if old.iter().zip(&bytes).any(|(old, new)| old & new != *new) {
-            return Err(wrong("to write ones where flash holds zeros: erase first"));
-        }
+        let is_ram = chip.bus.memory.is_ram(source, 4 * words);
+        needs(is_ram, "with a source of words that is no RAM")?;
+        let bytes = take(&chip.bus.memory, source, 4 * words)?;
+        let old = take(&chip.bus.memory, address, 4 * words)?;
+        let mut both = old.iter().zip(&bytes);
+        needs(
+            both.all(|(old, new)| old & new == *new),
+            "to write ones where flash holds zeros: erase first",
+        )?;
         let ticks = chip.nvmc.times.write * u64::from(words);
         Ok(self.begin(Change::Write { address, bytes }, ticks, chip))
     }

@@ -3,12 +3,12 @@
 use shared::myo::{Address, AddressKind};
 use virtual_armband::gatt::ASKED_PARAMETERS;
 
+use super::SoftDevice;
 use super::calls::answer;
 use super::events::{self, HANDLE};
-use super::{SoftDevice, wrong};
 use crate::air::{AirEvent, Parameters, ScanTimes, parameters_are_allowed};
-use crate::memory::Memory;
-use crate::refusal::What;
+use crate::memory::{Memory, take};
+use crate::refusal::{What, needs, wrong};
 use crate::time::ms;
 
 /// Bytes that a scan's buffer has at least (`BLE_GAP_SCAN_BUFFER_MIN`).
@@ -23,30 +23,24 @@ impl SoftDevice {
         addresses: u32,
         count: u8,
         memory: &Memory,
-    ) -> Result<u32, What> {
-        if self.air.connects() || self.air.scans() {
-            return Ok(answer::WHITELIST_IN_USE);
-        }
+    ) -> Result<(), What> {
+        let is_used = self.air.connects() || self.air.scans();
+        needs(!is_used, "while the list is in use")?;
         let mut whitelist = Vec::new();
         for number in 0..count.into() {
             let pointer = memory.word(addresses + 4 * number).unwrap_or_default();
-            let address = memory
-                .read(pointer, 7)
-                .and_then(|bytes| bytes.try_into().ok());
-            let Some(address) = address else {
-                return Err(wrong("with an address that is no memory"));
-            };
-            let [kind, bytes @ ..]: [u8; 7] = address;
-            let kind = match kind >> 1 {
+            let address = take(memory, pointer, 7)?;
+            let bytes: [u8; 6] = address[1..].try_into().unwrap_or_default();
+            let kind = match address[0] >> 1 {
                 0 => AddressKind::Public,
                 // The two highest bits of a random static address are ones.
                 1 if bytes[5] >> 6 == 3 => AddressKind::Random,
-                _ => return Ok(answer::INVALID_BLE_ADDR),
+                _ => return Err(wrong("with an address that none can have")),
             };
             whitelist.push(Address { kind, bytes });
         }
         self.whitelist = whitelist;
-        Ok(answer::SUCCESS)
+        Ok(())
     }
 
     pub(super) fn start_scan(
@@ -55,30 +49,25 @@ impl SoftDevice {
         buffer: u32,
         now: u64,
         memory: &Memory,
-    ) -> Result<u32, What> {
-        let (Some(data), Some(length)) = (memory.word(buffer), memory.half(buffer + 4)) else {
-            return Err(wrong("with a buffer that is no memory"));
-        };
-        if length < SCAN_BUFFER || !memory.is_ram(data, length.into()) {
-            return Ok(answer::INVALID_LENGTH);
-        }
+    ) -> Result<(), What> {
+        let (data, length) = memory
+            .word(buffer)
+            .zip(memory.half(buffer + 4))
+            .unwrap_or_default();
+        let fits = length >= SCAN_BUFFER && memory.is_ram(data, length.into());
+        needs(fits, "with a buffer that is no RAM, or too short")?;
+        self.scan_buffer = data;
         if parameters == 0 {
             // It goes on after an advertisement.
-            if !self.air.resume_scan(now) {
-                return Ok(answer::INVALID_STATE);
-            }
-            self.scan_buffer = data;
-            return Ok(answer::SUCCESS);
+            return needs(
+                self.air.resume_scan(now),
+                "to go on with a scan that does not wait",
+            );
         }
-        if self.air.scans() || self.air.connects() {
-            return Ok(answer::INVALID_STATE);
-        }
-        let Some(times) = scan_times(parameters, memory) else {
-            return Ok(answer::INVALID_PARAM);
-        };
-        self.scan_buffer = data;
-        self.air.start_scan(now, times, true);
-        Ok(answer::SUCCESS)
+        self.needs_idle()?;
+        self.air
+            .start_scan(now, scan_times(parameters, memory)?, true);
+        Ok(())
     }
 
     pub(super) fn connect(
@@ -86,26 +75,28 @@ impl SoftDevice {
         [scan, parameters, tag]: [u32; 3],
         now: u64,
         memory: &Memory,
-    ) -> Result<u32, What> {
-        if self.air.scans() || self.air.connects() {
-            return Ok(answer::INVALID_STATE);
-        }
-        if self.air.is_linked() {
-            return Ok(answer::CONN_COUNT);
-        }
+    ) -> Result<(), What> {
+        self.needs_idle()?;
+        needs(
+            !self.air.is_linked(),
+            "beside a link: there is room for one",
+        )?;
         // The tag of the configuration that the library sets.
-        if tag as u8 != 1 {
-            return Ok(answer::NOT_FOUND);
-        }
-        let Some(ScanTimes { timeout, .. }) = scan_times(scan, memory) else {
-            return Ok(answer::INVALID_PARAM);
-        };
-        let Some(parameters) = connection_parameters(parameters, memory) else {
-            return Ok(answer::INVALID_PARAM);
-        };
+        needs(
+            tag as u8 == 1,
+            "for another configuration than the library's",
+        )?;
+        let ScanTimes { timeout, .. } = scan_times(scan, memory)?;
+        let parameters = connection_parameters(parameters, memory)?;
         let meant = self.whitelist.clone();
         self.air.connect(now, timeout, parameters, meant);
-        Ok(answer::SUCCESS)
+        Ok(())
+    }
+
+    /// Refuses a call beside a scan or an attempt to connect.
+    fn needs_idle(&self) -> Result<(), What> {
+        let is_idle = !self.air.scans() && !self.air.connects();
+        needs(is_idle, "beside a scan or an attempt to connect")
     }
 
     pub(super) fn update_parameters(
@@ -114,11 +105,9 @@ impl SoftDevice {
         parameters: u32,
         now: u64,
         memory: &Memory,
-    ) -> u32 {
-        let Some(parameters) = connection_parameters(parameters, memory) else {
-            return answer::INVALID_PARAM;
-        };
-        match self.answer_of(handle) {
+    ) -> Result<u32, What> {
+        let parameters = connection_parameters(parameters, memory)?;
+        Ok(match self.answer_of(handle) {
             answer::SUCCESS if !self.air.update_parameters(now, parameters) => answer::BUSY,
             answer => {
                 // It grants what the armband has asked for, if it has.
@@ -127,7 +116,7 @@ impl SoftDevice {
                 }
                 answer
             }
-        }
+        })
     }
 
     pub(super) fn disconnect(&mut self, handle: u16, now: u64) -> u32 {
@@ -176,24 +165,25 @@ impl SoftDevice {
     }
 }
 
-/// The times of `ble_gap_scan_params_t`, if they are allowed.
-fn scan_times(parameters: u32, memory: &Memory) -> Option<ScanTimes> {
-    let interval = memory.half(parameters + 2)?;
-    let window = memory.half(parameters + 4)?;
-    let timeout = memory.half(parameters + 6)?;
-    let timeout = match timeout {
+/// The times of `ble_gap_scan_params_t`.
+fn scan_times(parameters: u32, memory: &Memory) -> Result<ScanTimes, What> {
+    let half = |offset: u32| memory.half(parameters + offset).unwrap_or_default();
+    let timeout = match half(6) {
         0 => u64::MAX,
         units => ms(10) * u64::from(units),
     };
-    let times = ScanTimes::of_units(interval, window)?;
-    Some(ScanTimes { timeout, ..times })
+    let times = ScanTimes::of_units(half(2), half(4));
+    let times = times.ok_or_else(|| wrong("with times that no scan can have"))?;
+    Ok(ScanTimes { timeout, ..times })
 }
 
-/// `ble_gap_conn_params_t`, if it is allowed.
-fn connection_parameters(address: u32, memory: &Memory) -> Option<Parameters> {
-    let mut parameters = [0; 4];
-    for (number, field) in (0..).step_by(2).zip(&mut parameters) {
-        *field = memory.half(address + number)?;
-    }
-    parameters_are_allowed(parameters).then_some(parameters)
+/// `ble_gap_conn_params_t`.
+fn connection_parameters(address: u32, memory: &Memory) -> Result<Parameters, What> {
+    let half = |offset: u32| memory.half(address + offset).unwrap_or_default();
+    let parameters = [0, 2, 4, 6].map(half);
+    needs(
+        parameters_are_allowed(parameters),
+        "with parameters that no connection can have",
+    )?;
+    Ok(parameters)
 }

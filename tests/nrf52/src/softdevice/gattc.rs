@@ -1,11 +1,11 @@
 //! The client of attributes (`ble_gattc.h`): one request at a time.
 
+use super::SoftDevice;
 use super::calls::answer;
 use super::events::HANDLE;
-use super::{SoftDevice, wrong};
 use crate::air::AirRequest;
-use crate::memory::Memory;
-use crate::refusal::What;
+use crate::memory::{Memory, take};
+use crate::refusal::{What, needs};
 
 /// A write that is answered (`BLE_GATT_OP_WRITE_REQ`).
 const WRITE_REQUEST: u8 = 1;
@@ -22,21 +22,14 @@ impl SoftDevice {
         memory: &Memory,
     ) -> Result<u32, What> {
         // `ble_gattc_write_params_t`.
-        let fields = memory.read(parameters, 8).zip(memory.word(parameters + 8));
-        let Some((fields, value)) = fields else {
-            return Err(wrong("with parameters that are no memory"));
-        };
-        let [operation, _, a, b, _, _, c, d] = fields[..] else {
-            return Ok(answer::INVALID_PARAM);
-        };
-        if operation != WRITE_REQUEST {
-            let why = "for a write that is not modelled: only requests are";
-            return Err(wrong(why));
-        }
-        let (attribute, length) = (u16::from_le_bytes([a, b]), u16::from_le_bytes([c, d]));
-        let Some(value) = memory.read(value, length.into()) else {
-            return Err(wrong("with a value that is no memory"));
-        };
+        let half = |offset: u32| memory.half(parameters + offset).unwrap_or_default();
+        needs(
+            half(0).to_le_bytes()[0] == WRITE_REQUEST,
+            "for a write that is not modelled: only requests are",
+        )?;
+        let (attribute, length) = (half(2), half(6));
+        let value = memory.word(parameters + 8).unwrap_or_default();
+        let value = take(memory, value, length.into())?;
         Ok(self.request(handle, AirRequest::Write(attribute, value)))
     }
 

@@ -17,8 +17,8 @@ use shared::myo::Address;
 use crate::air::Air;
 use crate::chip::{Chip, Owner};
 use crate::core::{Core, INTERRUPTS};
-use crate::memory::{Memory, give};
-use crate::refusal::{What, wrong};
+use crate::memory::{Memory, give, take};
+use crate::refusal::{What, needs, wrong};
 use calls::{answer, call};
 pub use flash::{Fate, Flash};
 
@@ -161,61 +161,57 @@ impl SoftDevice {
     ) -> Result<u32, What> {
         if self.is_enabled {
             check_priorities(core)?;
-        } else if !matches!(
-            number,
-            call::SOFTDEVICE_ENABLE | call::SOFTDEVICE_IS_ENABLED
-        ) {
-            return Ok(answer::NOT_ENABLED);
         }
+        let is_first = number == call::SOFTDEVICE_ENABLE;
+        needs(
+            self.is_enabled != is_first,
+            "at the wrong time: the SoftDevice is enabled once",
+        )?;
+        let is_first = matches!(number, call::BLE_CFG_SET | call::BLE_ENABLE);
+        let needs_bluetooth = number >= FIRST_OF_BLUETOOTH;
+        needs(
+            !needs_bluetooth || self.speaks_bluetooth != is_first,
+            "at the wrong time: Bluetooth is configured, and then enabled once",
+        )?;
         let now = chip.bus.now;
         let memory = chip.bus.memory.clone();
         let [first, second, third, fourth] = arguments;
-        Ok(match number {
-            call::SOFTDEVICE_ENABLE => return self.enable(first, second, chip, core),
-            call::SOFTDEVICE_IS_ENABLED => {
-                give(&memory, first, &[u8::from(self.is_enabled)])?;
-                answer::SUCCESS
-            }
-            call::FLASH_PAGE_ERASE => self.erase(first, chip),
+        match number {
+            call::SOFTDEVICE_ENABLE => self.enable(first, second, chip, core)?,
+            call::FLASH_PAGE_ERASE => return self.erase(first, chip),
             call::FLASH_WRITE => return self.write(arguments, chip),
             call::CLOCK_HFCLK_REQUEST => {
                 self.keeps_crystal = true;
                 chip.start_crystal();
-                answer::SUCCESS
             }
             call::EVT_GET => match self.chip_events.pop_front() {
-                Some(event) => {
-                    give(&memory, first, &event.to_le_bytes())?;
-                    answer::SUCCESS
-                }
-                None => answer::NOT_FOUND,
+                Some(event) => give(&memory, first, &event.to_le_bytes())?,
+                None => return Ok(answer::NOT_FOUND),
             },
-            call::BLE_CFG_SET if self.speaks_bluetooth => answer::INVALID_STATE,
-            call::BLE_CFG_SET => answer::SUCCESS,
-            call::BLE_ENABLE => return self.enable_bluetooth(first, &memory),
-            FIRST_OF_BLUETOOTH.. if !self.speaks_bluetooth => answer::BLE_NOT_ENABLED,
+            call::BLE_CFG_SET => {}
+            call::BLE_ENABLE => self.enable_bluetooth(first, &memory)?,
             call::BLE_EVT_GET => return self.give_event(first, second, &memory),
-            call::GAP_WHITELIST_SET => return self.set_whitelist(first, second as u8, &memory),
+            call::GAP_WHITELIST_SET => self.set_whitelist(first, second as u8, &memory)?,
             // Transmission power is not modelled.
-            call::GAP_TX_POWER_SET => answer::SUCCESS,
-            call::GAP_SCAN_START => return self.start_scan(first, second, now, &memory),
-            call::GAP_SCAN_STOP if self.air.stop_scan(now) => answer::SUCCESS,
-            call::GAP_SCAN_STOP => answer::INVALID_STATE,
-            call::GAP_CONNECT => return self.connect([second, third, fourth], now, &memory),
-            call::GAP_CONNECT_CANCEL if self.air.cancel_connect(now) => answer::SUCCESS,
-            call::GAP_CONNECT_CANCEL => answer::INVALID_STATE,
+            call::GAP_TX_POWER_SET => {}
+            call::GAP_SCAN_START => self.start_scan(first, second, now, &memory)?,
+            call::GAP_SCAN_STOP if self.air.stop_scan(now) => {}
+            call::GAP_CONNECT => self.connect([second, third, fourth], now, &memory)?,
+            // It has ended, and the program does not know yet.
+            call::GAP_SCAN_STOP => return Ok(answer::INVALID_STATE),
             call::GAP_CONN_PARAM_UPDATE => {
-                self.update_parameters(first as u16, second, now, &memory)
+                return self.update_parameters(first as u16, second, now, &memory);
             }
-            call::GAP_DISCONNECT => self.disconnect(first as u16, now),
-            // Neither changes what the armband, a device of Bluetooth 4.0, can do.
-            call::GAP_PHY_UPDATE | call::GAP_DATA_LENGTH_UPDATE => self.answer_of(first as u16),
-            call::GATTC_READ => self.read_attribute(first as u16, second as u16),
+            call::GAP_DISCONNECT => return Ok(self.disconnect(first as u16, now)),
+            // It does not change what the armband, a device of Bluetooth 4.0, can do.
+            call::GAP_DATA_LENGTH_UPDATE => return Ok(self.answer_of(first as u16)),
+            call::GATTC_READ => return Ok(self.read_attribute(first as u16, second as u16)),
             call::GATTC_WRITE => {
                 return self.write_attribute(first as u16, second, &memory);
             }
             _ => return Err(What::UnknownCall { arguments }),
-        })
+        }
+        Ok(answer::SUCCESS)
     }
 
     fn enable(
@@ -224,26 +220,16 @@ impl SoftDevice {
         fault_handler: u32,
         chip: &mut Chip,
         core: &mut Core,
-    ) -> Result<u32, What> {
-        if self.is_enabled {
-            return Ok(answer::INVALID_STATE);
-        }
-        if fault_handler == 0 {
-            return Ok(answer::INVALID_ADDR);
-        }
+    ) -> Result<(), What> {
+        needs(fault_handler != 0, "without a handler of faults")?;
         check_priorities(core)?;
         // Source, two intervals of calibration, accuracy (`nrf_clock_lf_cfg_t`).
-        let Some(clock) = chip.bus.memory.read(clock, 4) else {
-            return Err(wrong("with a clock configuration that is no memory"));
-        };
+        let clock = take(&chip.bus.memory, clock, 4)?;
         let is_calibrated = clock[1] != 0;
-        match clock[0] {
-            0 if !is_calibrated => return Err(wrong("for the RC clock without calibration")),
-            0 => {}
-            1 | 2 if is_calibrated => return Ok(answer::INVALID_PARAM),
-            1 | 2 => {}
-            _ => return Ok(0x1000),
-        }
+        needs(
+            clock[0] <= 2 && is_calibrated == (clock[0] == 0),
+            "for another clock than the crystal, the synthesized one or the RC clock with calibration",
+        )?;
         core.set_call_priority(CALL_PRIORITY);
         core.set_priority(EVENTS, EVENTS_PRIORITY);
         self.is_enabled = true;
@@ -251,32 +237,27 @@ impl SoftDevice {
             chip.start_slow_crystal();
         }
         chip.owner = Owner::SoftDevice;
-        Ok(answer::SUCCESS)
+        Ok(())
     }
 
-    fn enable_bluetooth(&mut self, ram: u32, memory: &Memory) -> Result<u32, What> {
-        let Some(given) = memory.word(ram) else {
-            return Err(wrong("with a start of RAM that is no memory"));
-        };
+    fn enable_bluetooth(&mut self, ram: u32, memory: &Memory) -> Result<(), What> {
+        let given = memory.word(ram).unwrap_or_default();
+        needs(
+            given >= RAM_NEED,
+            "with a start of RAM that leaves too little",
+        )?;
         give(memory, ram, &RAM_NEED.to_le_bytes())?;
-        if given < RAM_NEED {
-            return Ok(answer::NO_MEM);
-        }
         self.speaks_bluetooth = true;
-        Ok(answer::SUCCESS)
+        Ok(())
     }
 
     fn give_event(&mut self, into: u32, length: u32, memory: &Memory) -> Result<u32, What> {
-        if !into.is_multiple_of(4) {
-            return Ok(answer::INVALID_ADDR);
-        }
         let Some(event) = self.events.front() else {
             return Ok(answer::NOT_FOUND);
         };
         let given = memory.half(length).unwrap_or_default();
-        if usize::from(given) < event.len() {
-            return Ok(answer::DATA_SIZE);
-        }
+        let fits = into.is_multiple_of(4) && usize::from(given) >= event.len();
+        needs(fits, "with a buffer that is not aligned or too short")?;
         give(memory, into, event)?;
         give(memory, length, &(event.len() as u16).to_le_bytes())?;
         self.events.pop_front();
@@ -297,8 +278,7 @@ fn check_priorities(core: &Core) -> Result<(), What> {
             });
         }
     }
-    let own = OWN.into_iter().find(|own| core.priority(*own).is_some());
-    match own {
+    match OWN.into_iter().find(|own| core.priority(*own).is_some()) {
         Some(own) => Err(wrong(&format!(
             "while interrupt {own}, its own, is enabled"
         ))),
