@@ -363,6 +363,27 @@ fn ctrl_c_on_a_full_disk_fails_and_the_terminal_says_what_is_not_kept_and_where_
 }
 
 #[test]
+fn a_session_whose_recordings_cannot_be_made_fails_the_program_after_the_next_one_too() {
+    let bench = Bench::new();
+    let (child, mut viewer) = bench.start("");
+    reach(&mut viewer, |message| message["cue"] == "open");
+    let files = std::fs::read_dir(bench.out().join("anna")).unwrap();
+    let mut paths = files.map(|file| file.unwrap().path());
+    let journal = paths.find(|path| path.extension().is_some_and(|ending| ending == "journal"));
+    let journal = journal.unwrap().display().to_string();
+    let taken = journal.replace(".journal", "_1.csv");
+    std::fs::write(&taken, "somebody's").unwrap();
+    wish(&mut viewer, "finish");
+    viewer.find("session", |message| message["trouble"] != "");
+    wish(&mut viewer, "again");
+    viewer.find("session", |message| message["phase"] == "waiting");
+    interrupt(&child);
+    let (code, told) = ended(child);
+    assert!(code == Some(1) && told.contains(&journal), "{told}");
+    assert_eq!(bench.journals(), 1);
+}
+
+#[test]
 fn a_folder_that_is_deleted_in_a_session_holds_it_and_nothing_is_missing_at_the_end() {
     let bench = Bench::new();
     let (child, mut viewer) = bench.start("");
@@ -373,12 +394,16 @@ fn a_folder_that_is_deleted_in_a_session_holds_it_and_nothing_is_missing_at_the_
     std::fs::remove_dir_all(deleted).unwrap();
     let held = viewer.find("session", |message| message["phase"] == "held");
     assert_eq!(held["why"], "gone", "{held}");
+    // It goes on, and Ctrl-C ends it.
+    wish(&mut viewer, "begin");
+    reach(&mut viewer, |message| message["cue"] == "close");
     interrupt(&child);
     let (code, told) = ended(child);
     assert_eq!(code, Some(0), "{told}");
     assert!(told.contains("written anew"), "{told}");
     let files = recorded(&bench.out());
     assert_equal(&files, &bench.samples);
+    assert!(files.len() > 1, "what came after the hold is missing");
     // The journal has the samples from the countdown on, from before the folder was deleted.
     assert!(files[0].len() > 200, "{}", files[0].len());
 }

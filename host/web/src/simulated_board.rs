@@ -601,7 +601,17 @@ mod tests {
             length,
             checksum: 1,
         };
-        said(&mut board, &Command::Install(transfer).to_string());
+        // Where a calibration is kept, an installation waits, and nothing before it.
+        let forget = Command::Calibrate(CalibrateCommand::Forget);
+        let install = Command::Install(transfer);
+        let (answer, _) = said(
+            &mut board,
+            &format!("{forget}{}{install}", Command::Imu(true)),
+        );
+        assert_eq!(answer, Some(Answer::Imu(true)));
+        let waits = (0..).take_while(|_| said(&mut board, "").0.is_none());
+        assert_eq!(waits.count(), 8);
+        assert!(board.model.is_some());
         // The file's own checksum is another one than was told: it is refused once it is whole.
         let mut damaged = file.clone();
         damaged[1000] ^= 1;
@@ -622,5 +632,8 @@ mod tests {
         assert_eq!(end.0, Some(Answer::Refused(Refusal::Model)));
         assert!(end.1.starts_with(" model refused: "), "{}", end.1);
         assert!(board.pipeline.status().cause().is_some());
+        // It says so again each second.
+        let again: String = (0..100).map(|_| said(&mut board, "").1).collect();
+        assert_eq!(again, end.1);
     }
 }

@@ -373,6 +373,8 @@ fn a_board_is_told_a_placement_once_its_port_is_open() {
         &wish(&mut engine, 0.0, 1, "begin"),
         NotDone::NoSession
     ));
+    engine.request(0.0, br#"{"do":"turn"}"#, &[]);
+    assert!(refused(&engine.take(), NotDone::NoTurn));
 }
 
 /// Answers the commands of the outputs as a board with the shipped model does. Returns the states of the installation, and the

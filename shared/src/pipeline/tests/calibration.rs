@@ -9,7 +9,8 @@ use crate::model::file::Model;
 use crate::model::file::random::random_model;
 use crate::model::noise::Noise;
 use crate::stream::alignment::{Alignment, Arm};
-use crate::uart_line::calibration::CalibrationReport;
+use crate::uart_line::answer::Refusal;
+use crate::uart_line::calibration::{CalibrateCommand, CalibrationReport};
 
 type DevicePipeline = Pipeline<'static, DeviceEncoder<'static>>;
 
@@ -47,13 +48,18 @@ impl Wearer {
             cue: Shown::Intent(Intent::Relax),
             said: Vec::new(),
         };
-        assert!(
-            wearer
+        let begin = |wearer: &mut Self, streams| {
+            let begin = CalibrateCommand::Begin { others: false };
+            let begun = wearer
                 .pipeline
-                .begin_calibration(at(0), false, Arm::Unknown)
-                .is_none(),
-            "no memory"
-        );
+                .calibrate(at(0), begin, streams, Arm::Unknown);
+            let report = wearer.pipeline.take_calibration_report();
+            (begun.err(), report.map(|report| report.state))
+        };
+        assert_eq!(begin(&mut wearer, false), (Some(Refusal::NoStream), None));
+        // There is no memory.
+        let unavailable = Some(CalibrationState::Unavailable);
+        assert_eq!(begin(&mut wearer, true), (None, unavailable));
         wearer.pipeline.lend(Box::leak(Box::new(Memory::EMPTY)));
         assert!(!wearer.moves(700, |cue| cue).is_empty());
         let begun = wearer

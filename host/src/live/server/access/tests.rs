@@ -26,7 +26,7 @@ fn on_this_machine_its_names_are_answered_with_any_port_and_no_other() {
     assert_eq!(access.url(), "http://127.0.0.1:8377/");
     // A tunnel has its own port; a browser leaves out port 80.
     for host in [
-        "127.0.0.1:8377", "127.0.0.1", "127.8.9.1:9000", "localhost:8377", "localhost", "LocalHost:9000",
+        "127.0.0.1:8377", "127.0.0.1", "127.8.9.1:9000", "localhost:8377", "localhost", "LocalHost:9000", "localhost.", "localhost.:8377",
         "[::1]", "[::1]:9000", "[0:0:0:0:0:0:0:1]:9000", "[::ffff:127.0.0.1]:9000", "[::FFFF:7F00:1]",
     ] {
         assert_eq!(check(&access, "/x", [host, ""]), Ok("x".to_owned()), "{host}");
@@ -34,7 +34,7 @@ fn on_this_machine_its_names_are_answered_with_any_port_and_no_other() {
     for host in [
         "", ":8377", ".", "192.168.0.2:8377", "0.0.0.0:8377", "[::]:8377", "[fe80::1]:8377", "[::ffff:192.168.0.2]:8377",
         "evil.example", "evil.example:8377", "localhost.evil.example:8377", "evil.localhost.example:8377", "notlocalhost:8377",
-        ".localhost:8377", "localhost:", "localhost:99999", "localhost:8377:8377", "localhost/:8377", "local host:8377",
+        ".localhost:8377", "localhost:", "localhost:+80", "localhost..", "localhost:99999", "localhost:8377:8377", "localhost/:8377", "local host:8377",
         "127.0.0.1.evil.example:8377", "127.0.0.1:8377.evil.example", "evil.example:8377@127.0.0.1:8377",
         "evil.example@localhost", "2130706433:8377", "0x7f000001:8377", "[::1", "[::1]8377", "[::1].evil.example:8377",
         "[localhost]:8377",

@@ -19,10 +19,6 @@ fn any_changed_byte_loses_its_own_line_and_one_that_ends_a_line_also_the_next() 
     for at in 0..whole.len() - 1 {
         let line = whole[..at].iter().filter(|&&byte| byte == b'\n').count();
         let lost = if whole[at] == b'\n' { 2 } else { 1 };
-        if line + lost > all.len() - 1 && lost == 2 {
-            // No later line has a number that tells of both.
-            continue;
-        }
         for changed in [whole[at] ^ 1, whole[at] ^ 0x80, 0] {
             let mut bytes = whole.clone();
             bytes[at] = changed;
@@ -50,8 +46,31 @@ fn every_line_that_is_whole_is_read_whatever_happened_to_the_others() {
         bytes
     };
     let (from, to) = (length(&lines[..middle]), length(&lines[..middle + 3]));
+    let (unfinished, last) = (whole.len() - 5, length(&lines[..count - 1]));
+    let mut run_into = whole[..unfinished].to_vec();
+    run_into[last - 1] = b'\r';
     let behind = Entry::Damage { lines: 1 };
     for (what, bytes, expected) in [
+        (
+            "a damaged end of a line before an unfinished one",
+            run_into,
+            without(&all, count - 2, 2),
+        ),
+        (
+            "zeros behind an unfinished line",
+            zeros(unfinished, whole.len()),
+            without(&all, count - 1, 1),
+        ),
+        (
+            "ends of lines of Windows",
+            String::from_utf8_lossy(&whole).replace('\n', "\r\n").into(),
+            all.clone(),
+        ),
+        (
+            "a byte order mark",
+            [&b"\xef\xbb\xbf"[..], &whole].concat(),
+            all.clone(),
+        ),
         ("empty lines", lines.join(&b"\n"[..]), all.clone()),
         (
             "lines twice",
@@ -72,7 +91,7 @@ fn every_line_that_is_whole_is_read_whatever_happened_to_the_others() {
         ("zeros", zeros(from, to), without(&all, middle, 4)),
         (
             "zeros at the end",
-            zeros(length(&lines[..count - 1]), whole.len()),
+            zeros(last, whole.len()),
             without(&all, count - 1, 1),
         ),
         (
@@ -115,5 +134,19 @@ fn a_damaged_first_line_leaves_the_session_whose_it_is() {
         std::fs::write(&path, bytes).unwrap();
         let error = open(&path).unwrap_err();
         assert!(matches!(error, RecordError::Headless { .. }), "{error}");
+    }
+}
+
+#[test]
+fn a_journal_of_a_format_that_is_not_read_is_refused_with_those_that_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.journal");
+    for (format, is_read) in [(1, false), (2, true), (FORMAT, true), (FORMAT + 1, false)] {
+        let begin = Entry::Begin(Header { format, ..header() });
+        std::fs::write(&path, begin.line(0)).unwrap();
+        let refused = open(&path).err().map(|error| error.to_string());
+        assert_eq!(refused.is_none(), is_read, "{refused:?}");
+        let says = |text: String| text.contains("this program reads 2 to 3: use the program");
+        assert!(refused.is_none_or(says), "{format}");
     }
 }
