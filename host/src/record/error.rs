@@ -7,7 +7,7 @@ use super::journal::LARGEST;
 use execution::run_folder::RunError;
 use recordings::LoadError;
 use serde::Serialize;
-use web::record::journal::FORMAT;
+use web::record::journal::{FORMAT, OLDEST_FORMAT};
 use web::said::{Said, as_chain, chain, os};
 
 /// Error of a journal or the recordings made of it.

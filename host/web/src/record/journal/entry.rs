@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use recordings::labels::motion::Motion;
+use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use shared::units::{CHANNELS, Sample, SampleIndex};
 
@@ -13,8 +14,10 @@ use crate::record::session::{Output, RejectReason};
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 /// Version of the format described here.
 pub const FORMAT: u32 = 3;
-/// Beginning of the JSON of a line, with the space before it.
-const JSON: &[u8] = b" {\"is\":\"";
+/// Oldest version that can be read.
+pub const OLDEST_FORMAT: u32 = 2;
+/// Beginning of the JSON of each line.
+const JSON: &[u8] = b"{\"is\":\"";
 
 /// Description of a session.
 #[derive(Clone, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
@@ -170,13 +173,18 @@ impl Entry {
         ))
     }
 
-    /// Whether bytes are the beginning of a line: its checksum, and JSON as far as they reach.
+    /// Whether bytes are the beginning of a line: its checksum, its number, and JSON that ends where they do.
     pub fn is_begun(bytes: &[u8]) -> bool {
         let (checksum, rest) = bytes.split_at(bytes.len().min(8));
         let rest = rest.strip_prefix(b" ").unwrap_or(rest);
         let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
-        let json = &rest[digits..];
-        let known = json.len().min(JSON.len());
-        checksum.iter().all(u8::is_ascii_hexdigit) && (json[..known] == JSON[..known])
+        let json = serde_json::from_slice::<IgnoredAny>(&rest[digits..]);
+        checksum.iter().all(u8::is_ascii_hexdigit) && json.err().is_none_or(|error| error.is_eof())
+    }
+
+    /// Number of lines that ran into each other in a damaged one, as far as their JSON shows it.
+    pub fn count(damaged: &[u8]) -> u32 {
+        let begun = damaged.windows(JSON.len()).filter(|part| *part == JSON);
+        (begun.count() as u32).max(1)
     }
 }

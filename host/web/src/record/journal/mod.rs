@@ -4,10 +4,8 @@
 mod entry;
 mod writer;
 
-pub use self::entry::FORMAT;
-pub use self::entry::{Entry, Header};
-pub use self::writer::TOGETHER;
-pub use self::writer::Writer;
+pub use self::entry::{Entry, FORMAT, Header, OLDEST_FORMAT};
+pub use self::writer::{TOGETHER, Writer};
 
 /// Greatest length of a journal in bytes: 20 hours.
 pub const LARGEST: usize = 256 << 20;
@@ -23,12 +21,17 @@ pub struct Contents {
     pub left_off: usize,
 }
 
-/// Reads all whole lines of a journal; their numbers tell which are lost. Lines that are there twice count once.
+/// Reads all whole lines of a journal; their numbers tell which are lost. Lines that are there twice count once. An editor may have
+/// put a byte order mark before the first line, and CR LF behind each.
 pub fn read(bytes: &[u8]) -> Contents {
     let mut contents = Contents::default();
     // Number of the next line, and damaged lines since the last whole one.
     let (mut due, mut damaged) = (0_u32, 0);
-    let mut lines: Vec<&[u8]> = bytes.split(|&byte| byte == b'\n').collect();
+    let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes);
+    let lines = bytes.split(|&byte| byte == b'\n');
+    let mut lines: Vec<_> = lines
+        .map(|line| line.strip_suffix(b"\r").unwrap_or(line))
+        .collect();
     if let Some(last) = lines.pop_if(|last| Entry::is_begun(last)) {
         contents.left_off = last.len();
     }
@@ -40,7 +43,7 @@ pub fn read(bytes: &[u8]) -> Contents {
                 (due, damaged) = (number.saturating_add(1), 0);
             }
             Some(_) => {}
-            None => damaged += 1,
+            None => damaged += Entry::count(line),
         }
     }
     contents.lose(damaged);
