@@ -12,26 +12,11 @@ use shared::model::file::{Model, ModelError};
 #[cfg(not(feature = "nrf52832"))]
 use shared::model::head::Head;
 use shared::model::{Encode, LookBackLogits};
-use shared::pipeline::{ModelInput, Smoother};
+use shared::pipeline::{ModelInput, ModelRefused, Smoother};
 use shared::stream::alignment::Alignment;
-use shared::stream::smoother::SettingsError;
 use shared::units::Patch;
 
 use crate::flash::{self, Region};
-
-#[derive(Clone, Copy, Debug, thiserror::Error)]
-pub enum ModelRefused {
-    #[error("model refused: {0}")]
-    Model(#[from] ModelError),
-    #[error("model refused: {0}")]
-    Smoother(#[from] SettingsError),
-    #[error(
-        "no model: an installation is not complete; `myointent board --port PATH install FILE` with the same file goes on with it"
-    )]
-    Incomplete,
-    #[error("no model while the calibration is written")]
-    Keeping,
-}
 
 /// Encoder for models of any dimensions that the device has room for.
 pub struct BoardEncoder(DeviceEncoder<'static>);

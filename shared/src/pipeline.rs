@@ -16,6 +16,7 @@
 //! No clock, no log, no hardware: the caller passes the time and handles the reports. Device and
 //! `myointent replay` run the same code, so both write the same UART lines.
 
+mod absence;
 mod alignment;
 mod calibration;
 mod commands;
@@ -23,6 +24,7 @@ mod in_use;
 mod output;
 mod window;
 
+pub use self::absence::{Absence, ModelRefused};
 pub use self::alignment::AlignmentPhase;
 use self::alignment::Placement;
 use self::calibration::{Calibration, Then};

@@ -10,6 +10,7 @@ use embassy_futures::select::{Either3, select3};
 use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, channel::Channel};
 use shared::calibration::RecordError;
 use shared::myo::{ConnectionParameters, Counters, FirmwareVersion, Following};
+use shared::pipeline::ModelRefused;
 use shared::uart_line::answer::{Answer, Identity};
 use shared::uart_line::calibration::CalibrationReport;
 use shared::uart_line::command::{BEGIN_PAIRING, NOBODY_HEARD};
@@ -19,7 +20,6 @@ use shared::uart_line::{Report, alignment::AlignmentReport};
 use super::armband::Armband;
 use super::queue::Queue;
 use super::raw;
-use crate::model_region::ModelRefused;
 use crate::reset_reason::{ResetReason, previous_message};
 use crate::settings;
 

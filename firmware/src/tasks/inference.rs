@@ -7,7 +7,7 @@ use embassy_futures::{
 use embassy_time::{Duration, Instant, Timer};
 use shared::calibration::Memory;
 use shared::model::encoder::DeviceState;
-use shared::pipeline::{AlignmentPhase, Done, Pipeline, Reports};
+use shared::pipeline::{Absence, AlignmentPhase, Done, ModelRefused, Pipeline, Reports};
 use shared::stream::alignment::Trigger;
 use shared::stream::link_sequence::QueueGapDetector;
 use shared::stream::safe_state::Start;
@@ -29,16 +29,12 @@ use crate::messages::{
     requests::{INFERENCE, InferenceRequest, MODEL, ModelRequest},
     uart::{self, UartMessage},
 };
-use crate::model_region::{self, BoardEncoder, Loaded, ModelRefused};
+use crate::model_region::{self, BoardEncoder, Loaded};
 use crate::reset_reason::ResetReason;
 use crate::settings::{ALIGN_ON_CONNECTION, ARM, LOCK};
 
 /// The encoder's state, the largest variable in RAM.
 static STATE: ConstStaticCell<DeviceState> = ConstStaticCell::new(DeviceState::fresh());
-
-/// Milliseconds between two reports that there is no model: long enough to read and short enough for a terminal that is
-/// connected late.
-const REPEAT_MS: u32 = 1000;
 
 /// Milliseconds that the LED of alignment and calibration is lit, and then dark, when it blinks.
 const BLINK_MS: u32 = 250;
@@ -113,7 +109,8 @@ pub async fn run(
 ) -> ! {
     let mut detector = QueueGapDetector::new();
     let mut trigger = Trigger::new(ALIGN_ON_CONNECTION);
-    let (mut streams, mut absence) = (false, Absence::default());
+    let mut streams = false;
+    let mut absence = Absence::began(Millis(0), ModelRefused::Incomplete);
     match refused {
         Some(error) => refuse(pipeline, &mut absence, error),
         None => uart::enqueue(UartMessage::Report(pipeline.state_report())),
@@ -203,7 +200,7 @@ pub async fn run(
                         model::set(None);
                         let reports = pipeline.suspend(now);
                         enqueue(pipeline, reports);
-                        absence.began(now, ModelRefused::Incomplete);
+                        absence = Absence::began(now, ModelRefused::Incomplete);
                         Ok(())
                     }
                     ModelRequest::Verify => model_region::load(&mut |_| ()),
@@ -224,8 +221,10 @@ pub async fn run(
         if PACKETS.is_empty() {
             heartbeat::INFERENCE.beat();
         }
-        if !pipeline.has_model() && absence.is_due(now) {
-            uart::enqueue(UartMessage::ModelRefused(absence.reason));
+        if !pipeline.has_model()
+            && let Some(reason) = absence.due(now)
+        {
+            uart::enqueue(UartMessage::ModelRefused(reason));
             uart::enqueue(UartMessage::Report(pipeline.state_report()));
         }
         if let Some(learnt) = pipeline.take_learnt() {
@@ -277,7 +276,7 @@ fn keep(pipeline: &mut DevicePipeline, absence: &mut Absence, learnt: Option<&'s
     if learnt.is_none() {
         calibration::report(CalibrationReport::of(CalibrationState::Keeping, None));
     }
-    absence.began(now(), ModelRefused::Keeping);
+    *absence = Absence::began(now(), ModelRefused::Keeping);
     calibration::KEEP.signal(Keep { learnt, model });
 }
 
@@ -305,41 +304,11 @@ fn timer_until(deadline: Option<Millis>) -> Timer {
     Timer::at(Instant::now() + wait)
 }
 
-/// Repeated report that there is no model.
-struct Absence {
-    reason: ModelRefused,
-    reported: Millis,
-}
-
-impl Default for Absence {
-    fn default() -> Self {
-        Self {
-            reason: ModelRefused::Incomplete,
-            reported: Millis(0),
-        }
-    }
-}
-
-impl Absence {
-    const fn began(&mut self, now: Millis, reason: ModelRefused) {
-        self.reported = now;
-        self.reason = reason;
-    }
-
-    fn is_due(&mut self, now: Millis) -> bool {
-        let is_due = now.elapsed_since(self.reported) >= REPEAT_MS;
-        if is_due {
-            self.reported = now;
-        }
-        is_due
-    }
-}
-
 /// The region holds no model: says why.
 fn refuse(pipeline: &mut DevicePipeline, absence: &mut Absence, error: ModelRefused) {
     uart::enqueue(UartMessage::ModelRefused(error));
     let reports = pipeline.refuse_model(now());
     enqueue(pipeline, reports);
     pin_state::set_status(pipeline.status(), pipeline.strength());
-    absence.began(now(), error);
+    *absence = Absence::began(now(), error);
 }

@@ -8,8 +8,8 @@
 //!
 //! The work of the firmware's tasks is done in turn here, every 10 ms. Flash is memory, and power never fails.
 
+use std::borrow::Cow;
 use std::collections::VecDeque;
-use std::error::Error as _;
 use std::fmt::{Display, Write as _};
 
 use execution::revision::revision;
@@ -23,10 +23,13 @@ use shared::intent::Intent;
 use shared::model::encoder::{DeviceEncoder, DeviceState};
 use shared::model::file::{Model, ModelError};
 use shared::myo::{Action, Address, MyoEvent, MyoSession, Phase, Settings};
-use shared::pipeline::{AlignmentPhase, Done, ModelInput, Pipeline, Reports, Smoother};
+use shared::pipeline::{
+    Absence, AlignmentPhase, Done, ModelInput, ModelRefused, Pipeline, Reports, Smoother,
+};
 use shared::stream::alignment::Arm;
 use shared::stream::link_sequence::{Packet, QueueGapDetector, Sequencer};
 use shared::stream::safe_state::Start;
+use shared::uart_line::Report;
 use shared::uart_line::answer::{Answer, Binding, Counts, Identity, Refusal};
 use shared::uart_line::calibration::{CalibrateCommand, CalibrationReport, CalibrationState};
 use shared::uart_line::command::{AlignCommand, BindCommand, Command, CommandReader};
@@ -37,7 +40,6 @@ use shared::units::Millis;
 
 use crate::installer::{InstallError, ModelFile};
 use crate::person::DemoPerson;
-use crate::scored_pipeline;
 use crate::simulated_armband::SimulatedArmband;
 
 /// Time of a step in ms: that of two samples.
@@ -51,28 +53,30 @@ pub const IMAGE: &str = "simulated";
 
 /// Content of flash.
 struct Flash {
-    /// Region of the model file.
-    model: Vec<u8>,
-    /// Record of the calibration; empty without one.
-    calibration: Vec<u8>,
+    /// Region of the model file, in words, which align it as a model requires; owned from its first change until it is in use.
+    model: Cow<'static, [u32]>,
+    /// Page with the record of the calibration; empty without one.
+    calibration: &'static [u32],
     /// Armband that is bound.
     armband: Option<Address>,
 }
 
 /// Record of a calibration that is being written.
 struct Keeping {
-    /// Time at which it is written.
-    until: Millis,
+    /// Time at which its writing began.
+    began: Millis,
     /// Model that it belongs to.
     model: u32,
     /// Memory with the learnt head; `None` to remove the record.
     learnt: Option<&'static mut Memory>,
 }
 
-/// Simulated board, with its wearer. What it borrows lasts as long as the program, which has one for each source.
+/// Simulated board, with its wearer. What it borrows lasts as long as the program: its memory, and each model or calibration that
+/// comes to flash.
 pub struct SimulatedBoard {
     now: Millis,
-    person: DemoPerson,
+    /// Wearer of the armband.
+    pub person: DemoPerson,
     armband: SimulatedArmband,
     session: MyoSession,
     sequencer: Sequencer,
@@ -81,6 +85,7 @@ pub struct SimulatedBoard {
     pipeline: Pipeline<'static, DeviceEncoder<'static>>,
     /// CRC-32 of the model in use.
     model: Option<u32>,
+    absence: Absence,
     flash: Flash,
     installation: Installation,
     calibration: CalibrationReport,
@@ -88,6 +93,8 @@ pub struct SimulatedBoard {
     keeping: Option<Keeping>,
     reader: CommandReader,
     received: VecDeque<u8>,
+    /// Command that waits until flash is free.
+    waiting: Option<Result<Command, Refusal>>,
     lines: String,
     writes_raw: bool,
     writes_imu: bool,
@@ -101,11 +108,9 @@ impl SimulatedBoard {
     /// # Errors
     /// When no board can run the model.
     pub fn start(file: &[u8], person: DemoPerson) -> Result<Self, InstallError> {
-        // On the heap, which aligns it as a model requires.
-        let mut model = file.to_vec();
-        let length = ModelFile::new(&model)?.bytes().len();
-        model.truncate(length);
-        model.resize(MODEL_REGION.len(), 0xff);
+        let file = flashed(file, file.len());
+        let file = ModelFile::new(bytemuck::cast_slice(&file))?;
+        let checksum = file.checksum();
         let armband = Some(SimulatedArmband::ADDRESS);
         let state = Box::leak(Box::new(DeviceState::fresh()));
         let mut board = Self {
@@ -121,9 +126,10 @@ impl SimulatedBoard {
             streams: false,
             pipeline: Pipeline::without_model(state, Start::Boot),
             model: None,
+            absence: Absence::began(Millis(0), ModelRefused::Incomplete),
             flash: Flash {
-                model,
-                calibration: Vec::new(),
+                model: flashed(file.bytes(), MODEL_REGION.len()).into(),
+                calibration: &[],
                 armband,
             },
             installation: Installation::new(MODEL_REGION.end - MODEL_REGION.start),
@@ -132,6 +138,7 @@ impl SimulatedBoard {
             keeping: None,
             reader: CommandReader::new(),
             received: VecDeque::new(),
+            waiting: None,
             lines: String::new(),
             writes_raw: false,
             writes_imu: false,
@@ -139,15 +146,15 @@ impl SimulatedBoard {
             hid: hid::Settings::OFF,
         };
         board.pipeline.lend(Box::leak(Box::new(Memory::EMPTY)));
-        // Refused above if it cannot be run.
-        let _ = board.resume();
         let Identity {
             version, revision, ..
         } = board.identity();
-        let checksum = board.model.unwrap_or_default();
         board.say(format_args!(
             "# myointent {version} {revision}, image {IMAGE}, model {checksum:08x}, started by power or reset\r\n"
         ));
+        board.resume().map_err(|error| InstallError::Model {
+            reason: error.to_string(),
+        })?;
         let report = board.pipeline.state_report();
         board.say(report);
         Ok(board)
@@ -156,11 +163,6 @@ impl SimulatedBoard {
     /// Takes bytes of commands.
     pub fn receive(&mut self, bytes: &[u8]) {
         self.received.extend(bytes);
-    }
-
-    /// Turns the armband by three places, or back.
-    pub const fn turn(&mut self) {
-        self.person.turn();
     }
 
     /// Lets 10 ms pass, in which the wearer does what a session or a task on the page asks for, or what the board does. Returns the
@@ -175,14 +177,16 @@ impl SimulatedBoard {
         self.radio(MyoEvent::Tick);
         let reports = self.pipeline.tick(self.now);
         self.report(reports);
-        // As the installation of a board, which keeps calibrations too, does one thing at a time.
-        while self.keeping.is_none()
-            && let Some(byte) = self.received.pop_front()
+        while let Some(command) = self.command() {
+            let done = command.and_then(|command| self.carry_out(command));
+            self.say(done.unwrap_or_else(Answer::Refused));
+        }
+        if !self.pipeline.has_model()
+            && let Some(reason) = self.absence.due(self.now)
         {
-            if let Some(command) = self.reader.push(byte) {
-                let done = command.and_then(|command| self.carry_out(command));
-                self.say(done.unwrap_or_else(Answer::Refused));
-            }
+            self.say(format_args!("# {reason}\r\n"));
+            let report = self.pipeline.state_report();
+            self.say_report(report);
         }
         if let Some(learnt) = self.pipeline.take_learnt() {
             self.give_up(Some(learnt));
@@ -190,16 +194,33 @@ impl SimulatedBoard {
         std::mem::take(&mut self.lines)
     }
 
+    /// Takes the next command. One that needs flash waits while a calibration is written, and those behind it with it.
+    fn command(&mut self) -> Option<Result<Command, Refusal>> {
+        let mut received = std::iter::from_fn(|| self.received.pop_front());
+        let next = self.waiting.take();
+        let next = next.or_else(|| received.find_map(|byte| self.reader.push(byte)))?;
+        let needs_flash = matches!(next, Ok(Command::Install(_) | Command::Block(..)));
+        if needs_flash && self.keeping.is_some() {
+            self.waiting = Some(next);
+            return None;
+        }
+        Some(next)
+    }
+
     fn say(&mut self, line: impl Display) {
         // A `String` takes everything.
         let _ = write!(self.lines, "{line}");
     }
 
+    fn say_report(&mut self, mut report: Report) {
+        report.strength = report.strength.filter(|_| self.writes_strength);
+        self.say(report);
+    }
+
     /// Writes what a call of the pipeline gave, and what is new about alignment and calibration.
     fn report(&mut self, reports: Reports) {
-        for mut report in reports {
-            report.strength = report.strength.filter(|_| self.writes_strength);
-            self.say(report);
+        for report in reports {
+            self.say_report(report);
         }
         if let Some(report) = self.pipeline.take_alignment_report() {
             self.say(report);
@@ -386,13 +407,12 @@ impl SimulatedBoard {
         let Some(model) = self.model else {
             return;
         };
-        self.suspend();
+        self.suspend(ModelRefused::Keeping);
         if learnt.is_none() {
             self.calibrates(CalibrationReport::of(CalibrationState::Keeping, None));
         }
-        let until = self.now.plus(ERASE_MS);
         self.keeping = Some(Keeping {
-            until,
+            began: self.now,
             model,
             learnt,
         });
@@ -400,18 +420,20 @@ impl SimulatedBoard {
 
     /// Puts the model in use again once its calibration is written.
     fn keep(&mut self) {
-        let is_over = |keeping: &mut Keeping| self.now.since(keeping.until) < 1 << 31;
+        let now = self.now;
+        let is_over = |keeping: &mut Keeping| now.elapsed_since(keeping.began) >= ERASE_MS;
         let Some(Keeping { model, learnt, .. }) = self.keeping.take_if(is_over) else {
             return;
         };
-        self.flash.calibration.clear();
         let wanted = learnt.is_some();
+        self.flash.calibration = &[];
         if let Some(memory) = learnt {
-            self.flash.calibration.extend(memory.record(model));
+            self.flash.calibration = flashed(memory.record(model), PAGE_BYTES).leak();
             self.pipeline.lend(memory);
         }
-        // The model was in use before.
-        let _ = self.resume();
+        if let Err(error) = self.resume() {
+            self.refuse(error);
+        }
         let state = match (wanted, self.in_use.is_ok()) {
             (true, true) => CalibrationState::Done,
             (false, false) => CalibrationState::Idle,
@@ -423,17 +445,22 @@ impl SimulatedBoard {
         });
     }
 
-    fn suspend(&mut self) {
+    fn suspend(&mut self, reason: ModelRefused) {
         self.model = None;
         let reports = self.pipeline.suspend(self.now);
         self.report(reports);
+        self.absence = Absence::began(self.now, reason);
     }
 
     /// Puts the model in flash in use, with its calibration.
-    fn resume(&mut self) -> Result<(), scored_pipeline::Refused> {
-        let length = Model::parse(&self.flash.model)?.length;
-        let (model, mut encoder, smoother) = parts(self.flash.model[..length].to_vec().leak())?;
-        let kept = from_record(self.flash.calibration.clone().leak(), &model);
+    fn resume(&mut self) -> Result<(), ModelRefused> {
+        let region: &'static [u32] = match std::mem::take(&mut self.flash.model) {
+            Cow::Borrowed(region) => region,
+            Cow::Owned(region) => region.leak(),
+        };
+        self.flash.model = Cow::Borrowed(region);
+        let (model, mut encoder, smoother) = parts(region)?;
+        let kept = from_record(bytemuck::cast_slice(self.flash.calibration), &model);
         if let Ok(head) = kept {
             encoder.set_head(head);
         }
@@ -443,14 +470,23 @@ impl SimulatedBoard {
             alignment: kept.map(|head| head.alignment).unwrap_or_default(),
         };
         self.pipeline.resume(self.now, encoder, smoother, input);
-        self.report(Reports::default());
         self.model = Some(model.checksum);
         self.in_use = kept.map(|_| ());
         match self.in_use {
             Ok(()) | Err(RecordError::Missing) => {}
             Err(error) => self.say(format_args!("# {error}\r\n")),
         }
+        self.report(Reports::default());
         Ok(())
+    }
+
+    /// Says that flash holds no model that can be run, and why.
+    fn refuse(&mut self, error: ModelRefused) -> Refused {
+        self.say(format_args!("# {error}\r\n"));
+        let reports = self.pipeline.refuse_model(self.now);
+        self.report(reports);
+        self.absence = Absence::began(self.now, error);
+        Refused::Model
     }
 
     /// Takes a block of a model file.
@@ -461,45 +497,35 @@ impl SimulatedBoard {
             Err(ModelError::Length { .. }) => true,
             Ok(_) => false,
             Err(error) => {
-                refused = Some(error);
+                refused = Some(ModelRefused::from(error));
                 false
             }
         };
         let taken = self.installation.take(number, block, is_ours);
         if let Some(error) = refused {
-            self.say(format_args!("# model refused: {error}\r\n"));
+            self.say(format_args!("# {error}\r\n"));
         }
         taken?;
         while let Some(step) = self.installation.step() {
-            let outcome = self.install(step).map_err(|error| {
-                let why = error.source().map(ToString::to_string);
-                self.say(format_args!(
-                    "# model refused: {}\r\n",
-                    why.unwrap_or_default()
-                ));
-                let reports = self.pipeline.refuse_model(self.now);
-                self.report(reports);
-                Refused::Model
-            });
+            let outcome = self.install(step).map_err(|error| self.refuse(error));
             self.installation.done(outcome)?;
         }
         Ok(self.installation.progress())
     }
 
-    fn install(&mut self, step: InstallationStep) -> Result<(), scored_pipeline::Refused> {
-        let region = &mut self.flash.model;
+    fn install(&mut self, step: InstallationStep) -> Result<(), ModelRefused> {
         match step {
-            InstallationStep::Suspend => self.suspend(),
+            InstallationStep::Suspend => self.suspend(ModelRefused::Incomplete),
             InstallationStep::ErasePage(page) => {
-                region[page as usize * PAGE_BYTES..][..PAGE_BYTES].fill(0xff);
+                self.region(page as usize * PAGE_BYTES, PAGE_BYTES)
+                    .fill(0xff);
             }
             InstallationStep::WriteBlock(number) => {
-                region[number as usize * BLOCK_BYTES..][..BLOCK_BYTES]
-                    .copy_from_slice(&self.installation.content().0);
+                let content = self.installation.content().0;
+                self.region(number as usize * BLOCK_BYTES, BLOCK_BYTES)
+                    .copy_from_slice(&content);
             }
-            InstallationStep::Verify => {
-                parts(region)?;
-            }
+            InstallationStep::Verify => drop(parts(&self.flash.model)?),
             InstallationStep::Resume => self.resume()?,
             // Power never fails.
             InstallationStep::EraseJournal
@@ -509,13 +535,23 @@ impl SimulatedBoard {
         }
         Ok(())
     }
+
+    /// Part of the model's region that is written.
+    fn region(&mut self, from: usize, length: usize) -> &mut [u8] {
+        &mut bytemuck::cast_slice_mut(self.flash.model.to_mut())[from..][..length]
+    }
+}
+
+/// Makes words of flash, so many bytes, that begin with `bytes` and are erased behind them.
+fn flashed(bytes: &[u8], length: usize) -> Vec<u32> {
+    let mut words = vec![u32::MAX; length.div_ceil(4)];
+    bytemuck::cast_slice_mut(&mut words)[..bytes.len()].copy_from_slice(bytes);
+    words
 }
 
 /// Reads a model as a board does.
-fn parts(
-    bytes: &[u8],
-) -> Result<(Model<'_>, DeviceEncoder<'_>, Smoother), scored_pipeline::Refused> {
-    let model = Model::parse(bytes)?;
+fn parts(region: &[u32]) -> Result<(Model<'_>, DeviceEncoder<'_>, Smoother), ModelRefused> {
+    let model = Model::parse(bytemuck::cast_slice(region))?;
     let encoder = DeviceEncoder::new(&model)?;
     let smoother = Smoother::new(model.header.smoother.in_patches(), encoder.classes())?;
     Ok((model, encoder, smoother))
