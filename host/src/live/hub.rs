@@ -1,14 +1,15 @@
 //! Distribution of events from one source to all viewers. A slow viewer loses messages; the source never waits for one.
 
+use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use tokio::sync::broadcast;
-use tokio::sync::broadcast::error::TryRecvError;
+use tokio::sync::broadcast::error::{RecvError, TryRecvError};
 
 use web::event::{Event, Known, ViewerId};
 
-/// Number of messages that a viewer may be behind: 4 s of samples.
+/// Number of messages that a viewer or a reader of lines may be behind: 4 s of samples.
 const BEHIND: usize = 512;
 
 /// Message as JSON.
@@ -30,7 +31,7 @@ pub(crate) struct Hub {
 pub(crate) struct Subscription {
     viewer: ViewerId,
     /// Messages that come first.
-    first: Vec<Message>,
+    first: VecDeque<Message>,
     /// Messages that follow, without a gap.
     following: broadcast::Receiver<Addressed>,
 }
@@ -85,24 +86,44 @@ impl Hub {
 impl Subscription {
     /// Takes the messages since the last call. A viewer that is too far behind is told how many it has lost, and what is known.
     pub(crate) fn take(&mut self, hub: &Hub) -> Vec<Message> {
-        let mut messages = std::mem::take(&mut self.first);
+        let mut messages = Vec::new();
         loop {
+            messages.extend(self.first.drain(..));
             match self.following.try_recv() {
-                Ok((viewer, message)) if viewer.is_none_or(|viewer| viewer == self.viewer) => {
-                    messages.push(message);
-                }
-                Ok(_) => {}
+                Ok(addressed) => self.receive(addressed),
                 Err(TryRecvError::Empty | TryRecvError::Closed) => return messages,
-                Err(TryRecvError::Lagged(lost)) => {
-                    // With those that it has not taken yet.
-                    let lost = lost + self.following.len() as u64;
-                    *self = hub.subscribe(self.viewer);
-                    let skipped = format!(r#"{{"type":"skipped","messages":{lost}}}"#);
-                    messages.push(skipped.into());
-                    messages.append(&mut self.first);
-                }
+                Err(TryRecvError::Lagged(lost)) => self.skip(hub, lost),
             }
         }
+    }
+
+    /// Waits for the next message, as [`take`](Self::take) gives it. A dropped future loses nothing.
+    pub(crate) async fn next(&mut self, hub: &Hub) -> Message {
+        loop {
+            if let Some(message) = self.first.pop_front() {
+                return message;
+            }
+            match self.following.recv().await {
+                Ok(addressed) => self.receive(addressed),
+                Err(RecvError::Lagged(lost)) => self.skip(hub, lost),
+                // The hub is there.
+                Err(RecvError::Closed) => std::future::pending().await,
+            }
+        }
+    }
+
+    fn receive(&mut self, (viewer, message): Addressed) {
+        if viewer.is_none_or(|viewer| viewer == self.viewer) {
+            self.first.push_back(message);
+        }
+    }
+
+    fn skip(&mut self, hub: &Hub, lost: u64) {
+        // With those that it has not taken yet.
+        let lost = lost + self.following.len() as u64;
+        *self = hub.subscribe(self.viewer);
+        let skipped = format!(r#"{{"type":"skipped","messages":{lost}}}"#);
+        self.first.push_front(skipped.into());
     }
 }
 

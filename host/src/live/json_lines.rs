@@ -4,9 +4,11 @@
 
 use std::io::Write;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
+
+use tokio::sync::watch;
+use tokio::time::timeout;
 
 use super::hub::{Hub, Subscription};
 
@@ -14,32 +16,32 @@ use super::hub::{Hub, Subscription};
 const QUIET: Duration = Duration::from_secs(1);
 /// Time that a reader has to take the last lines.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// Pause between two looks for messages: short beside the 10 ms between two of an armband.
-const PAUSE: Duration = Duration::from_millis(2);
 
 /// Thread that writes the lines.
 #[derive(Debug)]
 pub(crate) struct JsonLines {
     thread: JoinHandle<std::io::Result<()>>,
-    stop: Arc<AtomicBool>,
+    stop: watch::Sender<bool>,
 }
 
 impl JsonLines {
     /// Starts the thread that writes every event from now on, each line at once.
     ///
     /// # Errors
-    /// When the system gives no thread.
+    /// When the system gives no thread or no clock.
     pub(crate) fn start(
         hub: Arc<Hub>,
         mut output: impl Write + Send + 'static,
     ) -> std::io::Result<Self> {
-        let stop = Arc::<AtomicBool>::default();
-        let stopped = stop.clone();
+        let (stop, stopped) = watch::channel(false);
         // No viewer of a page has this number.
-        let mut subscription = hub.subscribe(0);
+        let subscription = hub.subscribe(0);
+        let runtime = tokio::runtime::Builder::new_current_thread()
+            .enable_time()
+            .build()?;
         let thread = std::thread::Builder::new()
             .name("lines".to_owned())
-            .spawn(move || write(&hub, &mut subscription, &mut output, &stopped))?;
+            .spawn(move || runtime.block_on(write(&hub, subscription, &mut output, stopped)))?;
         Ok(Self { thread, stop })
     }
 
@@ -53,7 +55,7 @@ impl JsonLines {
     /// # Errors
     /// Error that kept a line from being written.
     pub(crate) fn stop(self) -> std::io::Result<()> {
-        self.stop.store(true, Ordering::Release);
+        let _ = self.stop.send(true);
         let end = Instant::now() + PATIENCE;
         while !self.thread.is_finished() {
             if Instant::now() > end {
@@ -69,32 +71,23 @@ impl JsonLines {
 }
 
 /// Writes lines until the output is closed or the program ends.
-fn write(
+async fn write(
     hub: &Hub,
-    subscription: &mut Subscription,
+    mut subscription: Subscription,
     output: &mut impl Write,
-    stop: &AtomicBool,
+    mut stop: watch::Receiver<bool>,
 ) -> std::io::Result<()> {
-    let mut last = Instant::now();
     loop {
-        // Looked at first: what was published before the end is still written.
-        let is_over = stop.load(Ordering::Acquire);
-        let mut messages = subscription.take(hub);
-        if messages.is_empty() && last.elapsed() > QUIET {
-            let quiet = serde_json::json!({ "type": "quiet", "at": hub.now() });
-            messages.push(quiet.to_string().into());
-        }
-        if !messages.is_empty() {
-            last = Instant::now();
-        }
-        for message in messages {
-            writeln!(output, "{message}")?;
-            output.flush()?;
-        }
-        if is_over {
-            return Ok(());
-        }
-        std::thread::sleep(PAUSE);
+        let next = tokio::select! {
+            // What was published before the end is still written.
+            biased;
+            next = timeout(QUIET, subscription.next(hub)) => next,
+            _ = stop.wait_for(|stop| *stop) => return Ok(()),
+        };
+        let quiet = || serde_json::json!({ "type": "quiet", "at": hub.now() });
+        let message = next.unwrap_or_else(|_| quiet().to_string().into());
+        writeln!(output, "{message}")?;
+        output.flush()?;
     }
 }
 
@@ -128,39 +121,46 @@ mod tests {
         }
     }
 
-    /// Writes to an output, and publishes marks.
-    fn written(output: Pipe, marks: u32) -> JsonLines {
+    /// Writes to an output, and publishes a mark.
+    fn written(output: Pipe) -> (JsonLines, Arc<Hub>) {
         let hub = Arc::new(Hub::new());
         let running = JsonLines::start(hub.clone(), output).unwrap();
-        for sample in 0..marks {
-            let text = String::new();
-            hub.send(None, &Event::Mark { sample, text });
-        }
-        running
+        mark(&hub);
+        (running, hub)
+    }
+
+    fn mark(hub: &Hub) {
+        let (sample, text) = (7, String::new());
+        hub.send(None, &Event::Mark { sample, text });
     }
 
     #[test]
-    fn a_slow_reader_is_told_how_many_messages_it_lost() {
-        let (sender, lines) = sync_channel(1);
-        let running = written(Pipe::Slow(sender), 3000);
-        let reader = std::thread::spawn(move || lines.iter().flatten().collect::<Vec<u8>>());
-        running.stop().unwrap();
-        let text = String::from_utf8(reader.join().unwrap()).unwrap();
-        let (mut marks, mut skipped) = (0, 0);
-        for line in text.lines() {
-            let message: serde_json::Value = serde_json::from_str(line).unwrap();
-            marks += u64::from(message["type"] == "mark");
-            skipped += message["messages"].as_u64().unwrap_or(0);
+    fn a_reader_may_be_512_messages_behind_and_is_told_how_many_more_it_lost() {
+        for (behind, lost) in [(512, 0), (513, 513)] {
+            let (sender, lines) = sync_channel(0);
+            let (running, hub) = written(Pipe::Slow(sender));
+            // The first one is being written.
+            let mut text = lines.recv().unwrap();
+            (0..behind).for_each(|_| mark(&hub));
+            let reader = std::thread::spawn(move || {
+                text.extend(lines.iter().flatten());
+                text
+            });
+            running.stop().unwrap();
+            let text = String::from_utf8(reader.join().unwrap()).unwrap();
+            let told = format!(r#"{{"type":"skipped","messages":{lost}}}"#);
+            assert_eq!(text.contains(&told), lost > 0, "{text}");
+            assert_eq!(text.matches(r#""mark""#).count(), 1 + behind - lost);
         }
-        assert!(skipped > 0, "{text}");
-        assert_eq!(marks + skipped, 3000);
     }
 
     #[test]
     fn a_full_disk_is_an_error_and_a_reader_that_takes_nothing_does_not_hold_up_the_end() {
-        let full = written(Pipe::Full, 1).stop().unwrap_err();
+        let full = written(Pipe::Full).0.stop().unwrap_err();
         assert_eq!(full.kind(), ErrorKind::StorageFull);
         let (sender, _lines) = sync_channel(1);
-        written(Pipe::Slow(sender), 100).stop().unwrap();
+        let (running, hub) = written(Pipe::Slow(sender));
+        (0..100).for_each(|_| mark(&hub));
+        running.stop().unwrap();
     }
 }

@@ -113,8 +113,8 @@ impl Access {
         }
     }
 
-    /// Whether this server may be reached by a host: `localhost` or an address, which nobody can redirect to another machine, with or
-    /// without a port.
+    /// Whether this server may be reached by a host: `localhost`, with or without the dot of the root, or an address, which nobody can
+    /// redirect to another machine; with or without a port.
     fn is_own(&self, host: &str) -> bool {
         let with_port = host.parse().map(|at: SocketAddr| at.ip());
         let address = with_port.or_else(|_| {
@@ -122,7 +122,9 @@ impl Access {
             bare.unwrap_or(host).parse::<IpAddr>()
         });
         let (name, port) = host.split_once(':').unwrap_or((host, "80"));
-        let is_localhost = name.eq_ignore_ascii_case("localhost") && port.parse::<u16>().is_ok();
+        let name = name.strip_suffix('.').unwrap_or(name);
+        let is_port = port.parse::<u16>().is_ok() && !port.starts_with('+');
+        let is_localhost = name.eq_ignore_ascii_case("localhost") && is_port;
         let is_ours = |address| is_local(address) || !is_local(self.address.ip());
         address.map_or(is_localhost, is_ours)
     }
