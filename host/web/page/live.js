@@ -71,6 +71,7 @@ let drawn = null;
 const TAKE = {
   hello(message) {
     clock.hello(message.now);
+    simulated(false);
     session.hello(message);
     notes.take({ remarks: [] });
     traces.scores = !message.record;
@@ -81,7 +82,11 @@ const TAKE = {
     connected = message.connected;
     panel.source(connected ? "connected" : "lost", message.detail ? `${name}: ${said(message.detail)}` : name);
     document.body.dataset.kind = message.kind;
-    simulated(message.kind === "demo");
+    if (message.kind === "demo") {
+      simulated(true);
+    }
+    // Firmware on a PC is simulated too, and its armband is somebody else's.
+    find("turn").hidden = !find("program") && message.kind !== "demo";
     find("align").disabled = find("calibrate").disabled = find("play").disabled = !connected;
     if (!connected) {
       noStream();
@@ -189,11 +194,9 @@ const TAKE = {
   },
 };
 
-/** Keeps in mind that the arm is simulated, until another stream begins. */
+/** Says whether the arm is simulated. */
 function simulated(is) {
-  if (is) {
-    document.body.dataset.simulated = "";
-  }
+  document.body.toggleAttribute("data-simulated", is);
 }
 
 function lost(text, advice) {
@@ -235,7 +238,6 @@ function aligns(waiting) {
 
 /** Another stream begins, in place of the one before. */
 function begun() {
-  delete document.body.dataset.simulated;
   clock.forget();
   history.clear();
   agreement.clear();

@@ -24,6 +24,7 @@ use crate::board::{self, Board, Unheard};
 use crate::electrodes::Electrodes;
 use crate::event::{Event, Known, ViewerId};
 use crate::outcome::{InstallationState, SessionResult};
+use crate::person::DemoPerson;
 use crate::playback::{LATE, Playback};
 use crate::radio::{ForRadio, RadioEvent, advertising_data};
 use crate::record::journal::Header;
@@ -551,6 +552,10 @@ impl Engine {
                 SourceRequest::Bind if !matches!(self.running, Running::Board { .. }) => {
                     return Err(NotDone::NoBoard);
                 }
+                SourceRequest::Turn => match self.simulated_person() {
+                    Some(person) => person.turn(),
+                    None => return Err(NotDone::NoTurn),
+                },
                 request => self.source(now, *request),
             },
             // Of a page without a program.
@@ -562,6 +567,14 @@ impl Engine {
         Ok(())
     }
 
+    fn simulated_person(&mut self) -> Option<&mut DemoPerson> {
+        match &mut self.running {
+            Running::Playback { playback, .. } => playback.person(),
+            Running::Board { simulated, .. } => Some(&mut simulated.as_mut()?.board.person),
+            Running::Nothing | Running::Armband { .. } => None,
+        }
+    }
+
     fn source(&mut self, now: f64, request: SourceRequest) {
         let outputs = &mut self.outputs;
         let emit = &mut |event| outputs.event(now, event);
@@ -569,11 +582,11 @@ impl Engine {
             Running::Nothing | Running::Board { is_open: false, .. } => {}
             Running::Playback { playback, .. } => playback.request(now, request, emit),
             Running::Armband { armband, .. } => armband.request(time(now), request, emit),
-            Running::Board { simulated, .. } => match (request.command(), simulated) {
-                (Some(command), simulated) => outputs.send(simulated, &command),
-                (None, Some(simulated)) if request == SourceRequest::Turn => simulated.board.turn(),
-                (None, _) => {}
-            },
+            Running::Board { simulated, .. } => {
+                if let Some(command) = request.command() {
+                    outputs.send(simulated, &command);
+                }
+            }
         }
     }
 

@@ -117,11 +117,16 @@ impl Playback {
         }
     }
 
-    /// Does what is asked for.
+    /// Does what is asked for, but for [`SourceRequest::Turn`].
     pub fn request(&mut self, at: f64, request: SourceRequest, emit: &mut dyn FnMut(Event)) {
-        match (request, &mut self.samples) {
-            (SourceRequest::Turn, SampleSource::Person(person)) => person.turn(),
-            _ => self.scored.request(self.now(), at, request, emit),
+        self.scored.request(self.now(), at, request, emit);
+    }
+
+    /// Simulated person; none for a recording.
+    pub fn person(&mut self) -> Option<&mut DemoPerson> {
+        match &mut self.samples {
+            SampleSource::Recording { .. } => None,
+            SampleSource::Person(person) => Some(person),
         }
     }
 

@@ -20,6 +20,8 @@ pub enum NotDone {
     NoSession,
     #[error("there is no board here: `myointent record --port PATH` has one")]
     NoBoard,
+    #[error("no armband is simulated here: turn yours on your arm")]
+    NoTurn,
 }
 
 /// Message of a viewer.

@@ -261,7 +261,7 @@ impl ScoredPipeline {
                 Some(command) => self.calibrate(now, at, command, emit),
                 None => self.save(emit),
             },
-            // There is no board.
+            // There is no board, and no simulated armband.
             SourceRequest::Bind | SourceRequest::Turn => {}
         }
         if let Some(report) = self.pipeline.take_alignment_report() {
