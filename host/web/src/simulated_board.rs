@@ -97,7 +97,6 @@ pub struct SimulatedBoard {
     waiting: Option<Result<Command, Refusal>>,
     lines: String,
     writes_raw: bool,
-    writes_imu: bool,
     writes_strength: bool,
     hid: hid::Settings,
 }
@@ -141,7 +140,6 @@ impl SimulatedBoard {
             waiting: None,
             lines: String::new(),
             writes_raw: false,
-            writes_imu: false,
             writes_strength: false,
             hid: hid::Settings::OFF,
         };
@@ -304,9 +302,7 @@ impl SimulatedBoard {
             Command::Battery => Answer::Battery(None),
             Command::Counters => Answer::Counts(Counts {
                 session: self.session.counters(),
-                packets_dropped: 0,
-                lines_dropped: 0,
-                emg_dropped: 0,
+                ..Counts::default()
             }),
             Command::Raw(on) => {
                 self.writes_raw = on;
@@ -314,7 +310,6 @@ impl SimulatedBoard {
             }
             Command::Imu(on) => {
                 self.session.set_imu(on);
-                self.writes_imu = on;
                 Answer::Imu(on)
             }
             Command::Strength(on) => {
