@@ -175,12 +175,6 @@ impl DataSet {
     }
 }
 
-impl Default for DataSet {
-    fn default() -> Self {
-        Self::OWN
-    }
-}
-
 impl Ord for DataSet {
     fn cmp(&self, other: &Self) -> Ordering {
         let place = |set: &Self| (Self::all().position(|own| own == *set), set.0);

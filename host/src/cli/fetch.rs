@@ -183,3 +183,45 @@ fn published() -> Table {
     }
     table
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A tar of one file.
+    fn tar(name: &str, content: &str) -> Vec<u8> {
+        let mut header = [0; 512];
+        header[..name.len()].copy_from_slice(name.as_bytes());
+        header[124..135].copy_from_slice(format!("{:011o}", content.len()).as_bytes());
+        header[148..156].fill(b' ');
+        header[156] = b'0';
+        header[257..265].copy_from_slice(b"ustar\x0000");
+        let sum: u32 = header.iter().map(|&byte| u32::from(byte)).sum();
+        header[148..154].copy_from_slice(format!("{sum:06o}").as_bytes());
+        let mut bytes = [&header, content.as_bytes()].concat();
+        bytes.resize(bytes.len().next_multiple_of(512) + 1024, 0);
+        bytes
+    }
+
+    #[test]
+    fn an_archive_at_hand_is_put_in_place_once_its_licence_is_agreed_to() {
+        let folder = tempfile::tempdir().unwrap();
+        let archive = folder.path().join("archive");
+        let rows = "0,1,2,3,4,-3,-2,-1,0\n".repeat(700);
+        std::fs::write(&archive, tar("12345-2/7.txt", &rows)).unwrap();
+        let fetch = |accept_licence| {
+            run(&Arguments {
+                name: Some("myo-readings".to_owned()),
+                to: folder.path().to_owned(),
+                archive: vec![archive.clone()],
+                accept_licence,
+            })
+        };
+        let place = folder.path().join("myo-readings/12345-2/7.txt");
+        assert!(fetch(false).is_err() && !place.exists());
+        fetch(true).unwrap();
+        assert_eq!(std::fs::read_to_string(&place).unwrap(), rows);
+        let again = fetch(true).unwrap_err().to_string();
+        assert!(again.contains("myo-readings"), "{again}");
+    }
+}

@@ -155,9 +155,6 @@ fn draft(folder: &Path, elsewhere: bool) -> Result<String, DraftError> {
             text += &format!("# {how}, and not read: {count}, such as {first}\n");
         }
     }
-    if !columns.channels.is_empty() {
-        text += "# Channels are the first eight columns of numbers: check.\n";
-    }
     text += &fields(&pattern, columns, &words);
     if let Err(finding) = &columns.scale {
         let advice = &finding.advice;
@@ -168,7 +165,7 @@ fn draft(folder: &Path, elsewhere: bool) -> Result<String, DraftError> {
     text += "\n# Labels: words in a column, one a sample in files of their own, or {gesture} in `files`. Classes: relax, open, close,\n\
          # wave-in (flexion), wave-out (extension), pinch, other (movement that is none of these) or a kind of it (point, ...).\n\
          # What stays unknown is unlabelled. \"*\": all other words.\n\
-         # time = 1\n# label = 9\n# label_files = \"...\"\n# labels = { relax = [0], open = [1], close = [2], other = [3, 4], unknown = [\"*\"] }\n\
+         # label = 9\n# label_files = \"...\"\n# labels = { relax = [0], open = [1], close = [2], other = [3, 4], unknown = [\"*\"] }\n\
          # timing = \"cues\"    # the muscle follows late; \"muscle\": labels lie on its activity; \"from-activity\": one gesture a file\n\
          # arm = \"left\"\n# rotation = 1    # channel c of the common frame is channel c + 1 here\n";
     if let (unread @ 1.., reason) = unread {

@@ -35,7 +35,7 @@ const ROW_BYTES: usize = 2 * CHANNELS;
 #[serde(deny_unknown_fields)]
 pub(crate) struct Layout {
     /// The set; known by where the layout stands.
-    #[serde(skip)]
+    #[serde(skip, default = "unknown")]
     pub set: DataSet,
     description: Description,
     person: Pattern,
@@ -72,6 +72,11 @@ pub(crate) struct Layout {
     pulses: Option<Pulses>,
     #[serde(default)]
     copies: Vec<String>,
+}
+
+/// Set of a layout until it is looked up.
+const fn unknown() -> DataSet {
+    DataSet::named("")
 }
 
 /// Marks of gestures in a MATLAB file, numbered by their order.

@@ -113,6 +113,13 @@ fn labels_of_a_file_beside_are_read_sample_by_sample() {
         error.contains("1_ann.txt") && error.contains("699 labels for 700 samples"),
         "{error}"
     );
+    let mut unknown = files(700);
+    unknown[1].1[0] = b'7';
+    let error = described(text, &unknown).unwrap().skipped[0].line();
+    assert!(
+        error.contains("1_ann.txt, line 1") && error.contains("found \"7\""),
+        "{error}"
+    );
     let error = described(text, &files(700)[..1]).unwrap().skipped[0].line();
     assert!(
         error.contains("1_emg.npy") && error.contains("1_ann.txt beside it"),
@@ -193,23 +200,28 @@ fn arm_and_rotation_bring_the_channels_into_the_common_frame() {
 #[test]
 fn the_examiner_judges_what_a_description_reads() {
     let text = "files = \"{person}.csv\"\nrate = 200\nchannels = [2,3,4,5,6,7,8,9]\ntime = 1\n";
-    let at = |ms: usize| {
-        table("", ",", 700, move |row| {
-            (format!("{},", row * ms), String::new())
-        })
+    let untimed = &text.replace("time = 1\n", "");
+    let time = |period, row: usize| match period {
+        "5 ms" => 5 * row,
+        "10 ms" => 10 * row,
+        _ => 10 * row + row * row / 140,
     };
-    assert_eq!(
-        described(text, &[("anna.csv", at(5))])
-            .unwrap()
-            .recordings
-            .len(),
-        1
-    );
-    let error = described(text, &[("anna.csv", at(10))]).unwrap().skipped[0].line();
-    assert!(
-        error.contains("found 100 by column \"number 1\""),
-        "{error}"
-    );
+    // A column that rises evenly is a clock; one that does not if the description says so.
+    for (text, period, refused) in [
+        (text, "5 ms", ""),
+        (text, "10 ms", "found 100 by column \"number 1\""),
+        (untimed, "10 ms", "found 100 by column"),
+        (text, "10 to 20 ms", "by column \"number 1\""),
+        (untimed, "10 to 20 ms", ""),
+    ] {
+        let rows = table("", ",", 700, |row| {
+            (format!("{},", time(period, row)), String::new())
+        });
+        let library = described(text, &[("anna.csv", rows)]).unwrap();
+        let told = library.skipped.first().map(LoadError::line);
+        assert_eq!(told.is_some(), !refused.is_empty(), "{told:?}");
+        assert!(told.unwrap_or_default().contains(refused), "{refused}");
+    }
     let leap = table("", ",", 1400, |row| {
         (format!("{},", 5 * row + 1000 * (row / 700)), String::new())
     });

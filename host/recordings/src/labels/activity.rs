@@ -241,8 +241,11 @@ mod tests {
 
     #[test]
     fn short_gaps_are_closed_and_long_ones_are_rest() {
-        let found = active(&holds(2400, &[400..700, 735..1000, 1200..1600]));
+        let samples = holds(2400, &[400..700, 735..1000, 1200..1600]);
+        let found = active(&samples);
         assert!(close_to(&found, &[400..1000, 1200..1600]), "{found:?}");
+        // Edges of an instant leave nothing unknown.
+        assert_eq!(unknown(&samples), 0);
     }
 
     #[test]

@@ -97,16 +97,16 @@ mod tests {
         let samples = crate::examiner::fixture::emg(700, 1);
         let row = |sample: &Sample| sample.map(|value| value.to_string()).join(",") + "\r\n";
         let rows: String = samples.iter().map(row).collect();
-        let details = r#"{"num_reps": 1, "class_map": {"0": "Hand_Close", "1": "No_Motion"}}"#;
+        let details = r#"{"num_reps": 1, "class_map": {"0": "No_Motion", "1": "Hand_Close"}}"#;
         std::fs::create_dir(folder.path().join("anna")).unwrap();
         for (name, text) in [
             ("collection_details.json", details),
-            ("C_0_R_0_emg.csv", &rows),
+            ("C_1_R_0_emg.csv", &rows),
         ] {
             std::fs::write(folder.path().join("anna").join(name), text).unwrap();
         }
         let library = crate::load(folder.path(), &crate::LoadOptions::default()).unwrap();
-        assert_eq!(library.recordings[0].full_name(), "own/anna/C_0_R_0_emg");
+        assert_eq!(library.recordings[0].full_name(), "own/anna/C_1_R_0_emg");
         assert_eq!(library.recordings[0].labels, vec![Some(Intent::Close); 700]);
         assert!(library.ignored.is_empty(), "{:?}", library.ignored);
     }

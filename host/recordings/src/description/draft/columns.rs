@@ -27,7 +27,7 @@ const WORDS: usize = 64;
 pub(super) struct Columns {
     /// Ending of the file's name.
     pub ending: String,
-    /// Lines on the channels; empty where they are found by their names, or are all that there is.
+    /// Lines on the channels and the times; empty where they are found by their names, or are all that there is.
     pub channels: String,
     /// Column of the labels, and whether it is ReactEMG's.
     pub label: Option<(String, bool)>,
@@ -61,8 +61,14 @@ impl Columns {
                 let header = !table.names.is_empty();
                 lines = format!("separator = {}\nheader = {header}\n", quoted(separator));
             }
+            if numbers.len() > CHANNELS {
+                lines += "# Channels are the first eight columns of numbers: check.\n";
+            }
             let channels = channels.map(|at| table.column(at)).join(", ");
             lines += &format!("channels = [{channels}]\n");
+            if let Some(time) = (0..table.columns.len()).find(|&at| table.is_clock(at)) {
+                lines += &format!("time = {}\n", table.column(time));
+            }
         }
         let is_words = |at: &usize| {
             let words: BTreeSet<&String> = table.columns[*at].iter().collect();

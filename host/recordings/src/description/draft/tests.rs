@@ -50,6 +50,11 @@ fn names_numbers_and_words_tell_the_columns() {
         text.contains("the first eight columns of numbers"),
         "{text}"
     );
+    // So are times, however late a row came, and with eight columns of numbers there is nothing to check.
+    let late = |row: usize| format!(",{}", 5 * row + [0, 4, 1][row % 3]);
+    let text = written(&[("1.csv", table("", 8, late))]).unwrap();
+    assert!(fields(&text).contains(&"time = 9"), "{text}");
+    assert!(!text.contains("the first eight"), "{text}");
     // Columns with names that are known are found by them.
     let known = "emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7,gt\n";
     let text = written(&[("1.csv", table(known, 8, |row| format!(",{}", row / 200)))]).unwrap();

@@ -25,39 +25,86 @@ fn array(rows: usize) -> Vec<u8> {
     npy::encode("|i1", &[rows, 8], &counts.collect::<Vec<u8>>())
 }
 
+/// Names of what is labelled in a recording, intents first.
+fn labelled(own: &Recording) -> String {
+    let labels = own.labels.iter().flatten().map(|label| label.name());
+    let others = own.other_movement.iter().map(|own| own.kind.name());
+    let mut names: Vec<&str> = labels.chain(others).collect();
+    names.dedup();
+    names.join(" ")
+}
+
 #[test]
 fn names_say_set_person_and_motion_and_nothing_else_is_taken() {
     let mat = fixture::file(&[fixture::doubles("data", [50, 8], &[0.5; 400])]);
     let rows = b"0.5,0,0,0,0,0,0,-1\n".repeat(20);
-    for (path, bytes, name) in [
+    for (path, bytes, name, labels) in [
         (
-            "/d/EMG_S12/5_thumb_up.npy",
+            "EMG_S12/5_thumb_up.npy",
             array(900),
             "wang-myo/S12/5_thumb_up",
+            "relax thumb-up",
         ),
         (
-            "/d/EMG_S3/x/握拳_1_x.mat",
+            "EMG_S3/x/握拳_1_x.mat",
             mat.clone(),
             "wang-myo/S3/1_fist",
+            "",
         ),
         (
-            "/d/EMG_S3/Good_5_x.mat",
+            "EMG_S3/Good_5_x.mat",
             mat.clone(),
             "wang-myo/S3/5_thumb_up",
+            "",
         ),
         (
-            "/d/user10/testing/055_pinch.npy",
+            "user10/testing/055_pinch.npy",
             array(1000),
             "epn/user10/testing/055_pinch",
+            "relax pinch relax",
         ),
-        ("/d/sub7/M8T1.csv", rows.clone(), "ss-stm/sub7/M8T1"),
         (
-            "/d/EvaluationDataset/Male3/training0/classe_13.dat",
+            "sub7/M8T1.CSV",
+            rows.repeat(40),
+            "ss-stm/sub7/M8T1",
+            "relax close relax",
+        ),
+        (
+            "EvaluationDataset/Male3/training0/classe_13.dat",
             [1, 0].repeat(16),
             "cote-allard/E-Male3/training0/classe_13",
+            "open",
         ),
+        (
+            "ciil/7/S1_R2_wavein.npy",
+            array(900),
+            "ciil/7/S1_R2_wavein",
+            "wave-in",
+        ),
+        (
+            "epn10/p3/1_doubletap_2.npy",
+            array(1000),
+            "epn10/p3/1_doubletap_2",
+            "relax other",
+        ),
+        (
+            "pangestu/p2/waveout_T1.npy",
+            array(1000),
+            "pangestu/p2/waveout_T1",
+            "relax wave-out relax",
+        ),
+        (
+            "dideakay/p1/close_3.npy",
+            array(1000),
+            "dideakay/p1/close_3",
+            "relax close relax",
+        ),
+        ("adl/p1/eating.npy", array(1000), "adl/p1/eating", "eating"),
+        ("psl/p2/w07_1.npy", array(1000), "psl/p2/w07_1", "signing"),
+        ("libras/p1/C_1.npy", array(1000), "libras/p1/C_1", "signing"),
     ] {
-        assert_eq!(read(path, &bytes).unwrap().full_name(), name);
+        let own = read(&format!("/d/{path}"), &bytes).unwrap();
+        assert_eq!((&*own.full_name(), &*labelled(&own)), (name, labels));
     }
     let whole = b"1,2,3,4,5,6,7,8\n".repeat(20);
     for (path, bytes) in [
@@ -106,7 +153,7 @@ fn the_gesture_of_a_name_is_where_the_muscle_is_active() {
 #[test]
 fn lines_of_myo_readings_end_and_are_spaced_either_way() {
     let text = "-3, 1, -2, 4, 0, 2, 0, -2, 0\r\n1,2,3,4,5,6,7,-128,7";
-    let right = read("/d/12345-2/7.txt", text).unwrap();
+    let right = read("/d/12345-2/7.TXT", text).unwrap();
     let samples = [[-3, 1, -2, 4, 0, 2, 0, -2], [1, 2, 3, 4, 5, 6, 7, -128]];
     assert_eq!(right.samples, samples);
     assert_eq!(right.labels, [RELAX, Some(Intent::Close)]);
@@ -114,6 +161,7 @@ fn lines_of_myo_readings_end_and_are_spaced_either_way() {
     let left = read("/d/_readings_left_hand/12345-2/7.txt", text).unwrap();
     assert_eq!(left.samples[1], [7, 6, 5, 4, 3, 2, 1, -128]);
     assert_eq!(left.full_name(), "myo-readings/12345/left/2/7");
+    assert!(left.notes[0].contains("mirrored"), "{:?}", left.notes);
 }
 
 #[test]
@@ -188,7 +236,7 @@ fn pulses_of_myoup_are_counted_and_rest_keeps_a_second_away() {
 
 #[test]
 fn a_cut_row_of_cote_allard_names_its_byte() {
-    let path = "/d/PreTrainingDataset/Male3/training0/classe_15.dat";
+    let path = "/d/PreTrainingDataset/Male3/training0/classe_15.DAT";
     for (bytes, words) in [
         (&[0; 18][..], "byte 16: expected 32 bytes, found 18"),
         (&[1; 32], "found 257"),
