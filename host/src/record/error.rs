@@ -52,7 +52,7 @@ pub enum RecordError {
         found: u64,
     },
     /// The journal has another format version.
-    #[error("{}: format {found}, this program reads up to {FORMAT}: use the program that wrote it, version {version}", path.display())]
+    #[error("{}: format {found}, this program reads {OLDEST_FORMAT} to {FORMAT}: use the program that wrote it, version {version}", path.display())]
     #[serde(skip)]
     Format {
         /// The journal.
