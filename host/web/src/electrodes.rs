@@ -102,16 +102,22 @@ mod tests {
         }
     }
 
-    /// Strengths after each second of a simulated person who rests, makes a fist, and rests again.
-    fn strengths(change: impl Fn(&mut Sample)) -> Vec<Option<[u8; CHANNELS]>> {
+    /// What a simulated person who is to learn the strengths does: rests, makes a fist, and rests again; each for some seconds.
+    const FIST: [(Intent, usize); 3] = [(Intent::Relax, 6), (Intent::Close, 3), (Intent::Relax, 1)];
+
+    /// Strengths after each second of a simulated person who does what is asked; `change` alters the sample of a number.
+    fn strengths(
+        asked: &[(Intent, usize)],
+        change: impl Fn(usize, &mut Sample),
+    ) -> Vec<Option<[u8; CHANNELS]>> {
         let (mut check, mut person) = (Electrodes::default(), demo::follower());
-        let asked = [(Intent::Relax, 6), (Intent::Close, 3), (Intent::Relax, 30)];
         let seconds = asked.iter().flat_map(|(cue, seconds)| vec![*cue; *seconds]);
         let mut known = None;
-        let told = seconds.map(|cue| {
-            for _ in 0..SECOND / 2 {
+        let told = seconds.enumerate().map(|(second, cue)| {
+            for index in (second * SECOND..(second + 1) * SECOND).step_by(2) {
                 let mut emg = vec![person.sample(cue), person.sample(cue)];
-                emg.iter_mut().for_each(&change);
+                change(index, &mut emg[0]);
+                change(index + 1, &mut emg[1]);
                 let (at, first, truth) = (0.0, 0, None);
                 let event = Event::Samples {
                     at,
@@ -130,21 +136,68 @@ mod tests {
 
     #[test]
     fn a_fist_after_rest_tells_how_strong_each_electrode_is_and_which_one_is_weak() {
-        let good = strengths(|_| ());
+        let good = strengths(&FIST, |_, _| ());
         assert_eq!(good[..6], [None; 6], "nothing is known at rest");
         let fist = good[9].unwrap();
         assert!(fist.iter().all(|times| *times >= 2), "{fist:?}");
-        // What is known outlasts a long rest.
-        assert!(good.last().unwrap().is_some());
-        let weak = strengths(|sample| {
+        let weak = strengths(&FIST, |_, sample| {
             // One hears its own noise alone, and one has no contact.
             sample[3] = if sample[3] % 2 == 0 { 2 } else { -2 };
             sample[5] = 0;
         });
         let weak = weak[9].unwrap();
         assert_eq!((weak[3] < 2, weak[5]), (true, 0), "{weak:?}");
-        let others = [0, 1, 2, 4, 6, 7].map(|other| (weak[other], fist[other]));
-        assert!(others.iter().all(|(with, without)| with == without));
+        assert!([0, 1, 2, 4, 6, 7].iter().all(|&other| weak[other] >= 2));
+    }
+
+    #[test]
+    fn an_electrode_that_rose_once_stays_strong_whatever_other_gestures_follow() {
+        let asked = [&FIST[..], &[(Intent::Relax, 25), (Intent::Close, 3)]].concat();
+        let told = strengths(&asked, |index, sample| {
+            // The second gesture moves two electrodes alone.
+            if index > 12 * SECOND {
+                sample[2..]
+                    .iter_mut()
+                    .for_each(|value| *value = *value / 64 + (index % 2) as i8);
+            }
+        });
+        let (fist, last) = (told[9].unwrap(), told.last().unwrap().unwrap());
+        let grows = fist
+            .iter()
+            .zip(&last)
+            .all(|(before, after)| before <= after);
+        assert!(grows, "{fist:?}, then {last:?}");
+    }
+
+    #[test]
+    fn a_knock_and_a_pull_that_clips_are_no_gesture() {
+        let asked = [(Intent::Relax, 20)];
+        let told = |is_pulled: fn(usize) -> bool, height: i8| {
+            strengths(&asked, move |index, sample| {
+                if is_pulled(index) {
+                    *sample = [height; CHANNELS];
+                }
+            })
+        };
+        let knock = told(|index| (1450..1500).contains(&index) && index % 2 == 0, 90);
+        assert_eq!(knock, [None; 20], "a quarter of a second");
+        let pull = told(
+            |index| (1600..1800).contains(&index) && index % 12 == 0,
+            127,
+        );
+        assert_eq!(pull, [None; 20]);
+    }
+
+    #[test]
+    fn what_an_electrode_did_before_a_fault_came_or_went_counts_no_more() {
+        let asked = [&FIST[..], &[(Intent::Relax, 20)]].concat();
+        let told = strengths(&asked, |index, sample| {
+            if (15 * SECOND..20 * SECOND).contains(&index) {
+                sample[5] = 0;
+            }
+        });
+        assert!(told[18].is_some());
+        assert_eq!(told[19..], [None; 11]);
     }
 
     #[test]
