@@ -1,6 +1,6 @@
-//! Check of the electrodes while the stream runs: the fault of each in the last seconds, and how far it comes above rest.
+//! Check of the electrodes while the stream runs: the fault of each in the last seconds, and how many times its rest it has reached.
 
-use recordings::examiner::electrodes::{Fault, faults, levels};
+use recordings::examiner::electrodes::{Fault, SATURATED, faults, levels, saturation};
 use shared::units::{CHANNELS, Sample};
 
 use crate::event::Event;
@@ -23,7 +23,10 @@ const FEWEST: usize = 20;
 /// Level of rest in counts, at least: that of an electrode's own noise.
 const NOISE: f64 = 1.0;
 
-/// Times above rest that the best electrode reaches when a person moves the hand.
+/// Number of levels that a gesture lifts, at least: a knock against the armband lifts one or two.
+const HIGH: usize = 3;
+
+/// Times its rest that the best electrode reaches when a person moves the hand.
 const MOVED: u8 = 3;
 
 /// Check of the electrodes of a stream.
@@ -40,7 +43,8 @@ pub struct Electrodes {
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 struct Judged {
     faults: [Option<Fault>; CHANNELS],
-    /// Times above its rest that each electrode came; `None` before the hand was moved.
+    /// Greatest number of times its rest that each electrode has reached since the armband or a fault of an electrode came or went:
+    /// another gesture does not make it weak. `None` before the hand was moved.
     times: Option<[u8; CHANNELS]>,
 }
 
@@ -55,17 +59,29 @@ impl Electrodes {
             _ => {}
         }
         let second = self.samples.get(self.taken..self.taken + SECOND)?;
-        self.levels.extend(second.chunks(BLOCK).map(levels));
+        let unclipped =
+            |block: &&[Sample]| saturation(block).iter().all(|share| *share <= SATURATED);
+        let blocks = second.chunks(BLOCK).filter(unclipped);
+        self.levels.extend(blocks.map(levels));
         self.taken += SECOND;
         let before = self.judged;
         let old = self.levels.len().saturating_sub(LEVELS);
         self.levels.drain(..old);
+        if let Some(times) = times(&self.levels) {
+            let greatest = self.judged.times.get_or_insert(times);
+            for (greatest, own) in greatest.iter_mut().zip(times) {
+                *greatest = own.max(*greatest);
+            }
+        }
         if self.taken == SPAN {
             self.judged.faults = faults(&self.samples[..SPAN]);
             self.samples.drain(..SPAN);
             self.taken = 0;
+            if self.judged.faults != before.faults {
+                self.levels.clear();
+                self.judged.times = None;
+            }
         }
-        self.judged.times = times(&self.levels).or(before.times);
         (before != self.judged).then(|| Event::Electrodes {
             faults: self.judged.faults.map(|fault| fault.map(Fault::name)),
             times: self.judged.times,
@@ -73,8 +89,7 @@ impl Electrodes {
     }
 }
 
-/// How many times above its rest each electrode came: the highest twentieth of its levels by the lowest tenth. `None` if the hand was
-/// not moved.
+/// How many times its rest each electrode reached: the third highest of its levels by the lowest tenth. `None` if the hand was not moved.
 fn times(levels: &[[f64; CHANNELS]]) -> Option<[u8; CHANNELS]> {
     if levels.len() < FEWEST {
         return None;
@@ -82,7 +97,7 @@ fn times(levels: &[[f64; CHANNELS]]) -> Option<[u8; CHANNELS]> {
     let times: [u8; CHANNELS] = std::array::from_fn(|channel| {
         let mut own: Vec<f64> = levels.iter().map(|level| level[channel]).collect();
         own.sort_by(f64::total_cmp);
-        (own[own.len() * 19 / 20] / own[own.len() / 10].max(NOISE)) as u8
+        (own[own.len() - HIGH] / own[own.len() / 10].max(NOISE)) as u8
     });
     times.iter().any(|own| *own >= MOVED).then_some(times)
 }
@@ -103,7 +118,7 @@ mod tests {
     }
 
     /// What a simulated person who is to learn the strengths does: rests, makes a fist, and rests again; each for some seconds.
-    const FIST: [(Intent, usize); 3] = [(Intent::Relax, 6), (Intent::Close, 3), (Intent::Relax, 1)];
+    const FIST: [(Intent, usize); 3] = [(Intent::Relax, 6), (Intent::Close, 3), (Intent::Relax, 3)];
 
     /// Strengths after each second of a simulated person who does what is asked; `change` alters the sample of a number.
     fn strengths(
@@ -145,7 +160,7 @@ mod tests {
             sample[3] = if sample[3] % 2 == 0 { 2 } else { -2 };
             sample[5] = 0;
         });
-        let weak = weak[9].unwrap();
+        let weak = weak[11].unwrap();
         assert_eq!((weak[3] < 2, weak[5]), (true, 0), "{weak:?}");
         assert!([0, 1, 2, 4, 6, 7].iter().all(|&other| weak[other] >= 2));
     }
@@ -197,7 +212,7 @@ mod tests {
             }
         });
         assert!(told[18].is_some());
-        assert_eq!(told[19..], [None; 11]);
+        assert_eq!(told[19..], [None; 13]);
     }
 
     #[test]

@@ -116,7 +116,7 @@ pub enum Event {
     /// Fault of each electrode: `silent`, `clipped` or `hum`; null without one. When they change, or the strengths.
     Electrodes {
         faults: [Option<&'static str>; CHANNELS],
-        /// How many times above its rest each electrode came; null before the hand was moved.
+        /// Greatest number of times its rest that each electrode has reached; null before the hand was moved.
         times: Option<[u8; CHANNELS]>,
     },
     /// Movement of the armband.
