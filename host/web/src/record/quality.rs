@@ -33,14 +33,12 @@ pub enum Finding {
     #[error("nothing was recorded")]
     Nothing,
     /// A gesture was done too seldom.
-    #[error("{class} {found} times, {expected} are needed")]
+    #[error("{class} {found} times: {} are enough, {} are better", FEWEST, ENOUGH)]
     Seldom {
         /// The gesture.
         class: &'static str,
         /// Number of its labelled stretches.
         found: usize,
-        /// Number of labelled stretches needed.
-        expected: usize,
     },
     /// The muscle did not follow cues.
     #[error("{class}: {found} of {of} cues were not followed")]
@@ -243,12 +241,7 @@ fn gestures(assembly: &Assembly, asked: &[Motion], findings: &mut Vec<Finding>) 
         let found = count(assembly, motion);
         // Other movement needs no number of its own.
         if found < ENOUGH && motion.label().is_some() {
-            let expected = if found < FEWEST { FEWEST } else { ENOUGH };
-            findings.push(Finding::Seldom {
-                class,
-                found,
-                expected,
-            });
+            findings.push(Finding::Seldom { class, found });
         }
         match median(&contrasts) {
             Some(contrast) if contrast < LEAST_CONTRAST => {

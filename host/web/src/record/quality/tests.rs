@@ -99,9 +99,18 @@ fn each_flaw_is_found_with_its_severity() {
         ..assembly(8, loud)
     };
     for (assembly, expected) in [
-        (assembly(0, loud), "Serious open 0 times, 6 are needed"),
-        (assembly(5, loud), "Serious open 5 times, 6 are needed"),
-        (assembly(7, loud), "Warning close 7 times, 8 are needed"),
+        (
+            assembly(0, loud),
+            "Serious open 0 times: 6 are enough, 8 are better",
+        ),
+        (
+            assembly(5, loud),
+            "Serious open 5 times: 6 are enough, 8 are better",
+        ),
+        (
+            assembly(7, loud),
+            "Warning close 7 times: 6 are enough, 8 are better",
+        ),
         (assembly(8, flawed), "Serious channel 3 is silent"),
         (clipped, "Warning channel 6 is saturated"),
         (weak, "Serious open hardly rises above rest"),
