@@ -216,13 +216,13 @@ fn the_file_shows_the_simulated_arm_without_a_server_and_takes_recordings() {
     // The page's own messages: a mark, and an alignment that the simulated arm takes part in.
     browser.press("m");
     browser.press("a");
-    browser.wait_for("$placement.textContent === 'Aligned: it sits in its usual place'");
+    browser.wait_for("$placement.textContent === 'Aligned: in its usual place'");
     // As one that was put on otherwise.
     browser.value("$turn.click()");
     browser.press("a");
     browser.wait_for("$placement.textContent === 'Aligned: turned by 3 places'");
     browser.value("$turn.click(), $reset.click()");
-    browser.wait_for("$placement.textContent === 'Not aligned'");
+    browser.wait_for("$placement.textContent.startsWith('Not aligned')");
 
     // A calibration leads through half a minute; its model is saved, and opened again.
     browser.press("c");
@@ -433,15 +433,24 @@ fn the_simulated_board_shows_labels_and_takes_a_dropped_model() {
         return;
     };
     browser.wait_for(CONNECTED);
+    assert!(
+        !browser.is("$strengths.checkVisibility()"),
+        "nobody is there"
+    );
     click(&mut browser, "use-simulated");
+    browser.wait_for(
+        "$strengths.checkVisibility() && $strengths.textContent.startsWith('Rest for 5 s')",
+    );
     let scores = |count| format!("{CONNECTED} && {VALID} && $legend.childElementCount === {count}");
     browser.wait_for(&scores(4));
     assert_eq!(browser.text("source"), "board on simulated USB");
     browser.wait_for("$battery.textContent === '80 %'");
     assert!(browser.text("board").starts_with("simulated, "));
     browser.wait_for(&label("open"));
-    // Its wearer has rested and moved: how far each electrode came above rest is told.
-    browser.wait_for("$strengths.textContent.startsWith('In gestures electrodes come to ')");
+    // Its wearer has rested and moved: how strong the electrodes are is told.
+    browser.wait_for(
+        "$strengths.textContent.startsWith('Each electrode rises') && $strengths.checkVisibility()",
+    );
     // Its wearer has turned the armband, and its file tells that nobody wore it.
     browser.value("$turn.click()");
     browser.press("a");

@@ -46,7 +46,7 @@ fn a_session_waits_asks_before_it_ends_and_shows_its_wearer_what_to_do() {
     browser.press("e");
     browser.wait_for(ASKS);
     browser.wait_for(&phase("held"));
-    assert!(browser.text("ending").contains("gestures are recorded"));
+    assert!(browser.text("ending").contains("Round 1 of 8, "));
     browser.screenshot(&pictures().join("record-ending.png"));
     browser.press("m");
     browser.press("Escape");

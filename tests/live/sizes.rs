@@ -163,6 +163,10 @@ fn axe_finds_nothing() {
             browser.wait_for(&format!("$empty?.hidden === false || {VALID}"));
             browser.run(&axe);
             assert_eq!(browser.value(findings), "", "{scheme} {}", live.url());
+            // A task in progress, and the arm's card; without a stream there is no task.
+            browser.value("$arm.hidden = false, $play.click()");
+            browser.wait_for("$play.disabled || !$guide.hidden");
+            assert_eq!(browser.value(findings), "", "{scheme}, box and blocks");
             browser.value("location.hash = 'wearer'");
             assert_eq!(browser.value(findings), "", "{scheme}, the wearer's view");
             browser.open(&format!("{}sessions", live.url()));

@@ -5,7 +5,7 @@ import { CHANNELS } from "./history.js";
 const SVG = "http://www.w3.org/2000/svg";
 const [WIDE, HIGH] = [74, 68];
 
-/** Times above rest below which an electrode is weak. */
+/** Times its rest below which an electrode is weak. */
 export const WEAK = 2;
 
 function element(parent, name, attributes, text) {
@@ -51,7 +51,7 @@ export class Armband {
       const number = element(group, "text", {}, String(place + 1));
       const [u, v] = [(WIDE + 25) * Math.cos(at), (HIGH + 25) * Math.sin(at)];
       const outside = element(svg, "text", { class: "place", x: u, y: v }, String(place + 1));
-      const times = element(svg, "text", { class: "times", x: (WIDE - 43) * Math.cos(at), y: (HIGH - 39) * Math.sin(at) });
+      const times = element(svg, "text", { class: "times", x: (WIDE - 35) * Math.cos(at), y: (HIGH - 31) * Math.sin(at) });
       this.#pods.push({ pod, activity, number, times, outside });
     }
   }
@@ -80,31 +80,26 @@ export class Armband {
     const point = (at, scale) => [(WIDE - scale) * Math.cos(at), (HIGH - scale) * Math.sin(at)];
     const sweep = shorter > 0 ? 1 : 0;
     const end = angle(shorter) - (sweep ? 0.16 : -0.16);
-    const [from, to] = [point(angle(0), 29), point(end, 29)];
-    this.#arrow.setAttribute("d", `M${from} A${WIDE - 29} ${HIGH - 29} 0 0 ${sweep} ${to}`);
-    const [inner, outer, front] = [point(end, 34), point(end, 24), point(angle(shorter), 29)];
+    const [from, to] = [point(angle(0), 54), point(end, 54)];
+    this.#arrow.setAttribute("d", `M${from} A${WIDE - 54} ${HIGH - 54} 0 0 ${sweep} ${to}`);
+    const [inner, outer, front] = [point(end, 59), point(end, 49), point(angle(shorter), 54)];
     this.#tip.setAttribute("d", `M${inner} L${outer} L${front} Z`);
   }
 
-  /** Marks the electrodes with a fault: a name of each, null without one. */
-  faults(faults) {
-    this.#faults = faults;
-    this.#mark();
-  }
-
-  /** Shows how many times above rest each electrode came; null before the hand was moved. */
-  strengths(times) {
-    this.#times = times;
+  /** Marks the fault of each electrode, null without one, and shows how many times its rest it has reached, null before the hand was moved. */
+  electrodes({ faults, times }) {
+    [this.#faults, this.#times] = [faults, times];
     this.#mark();
   }
 
   #mark() {
     this.#pods.forEach(({ pod, times }, place) => {
       const electrode = electrodeAt(place, this.#turn, this.#mirrored);
-      const own = this.#times?.[electrode];
-      pod.classList.toggle("fault", this.#faults[electrode] !== null);
+      const isFaulty = this.#faults[electrode] !== null;
+      const own = isFaulty ? undefined : this.#times?.[electrode];
+      pod.classList.toggle("fault", isFaulty);
       pod.classList.toggle("weak", own < WEAK);
-      times.textContent = this.#times ? `×${own}` : "";
+      times.textContent = own === undefined ? "" : `×${own}`;
     });
   }
 

@@ -25,12 +25,12 @@ export class Ending {
   }
 
   /** Asks, and has a session that runs wait. */
-  ask({ phase, done, trials, free }) {
+  ask({ phase, round, rounds, done, trials, free }) {
     this.#ran = phase === "ready" || phase === "cued";
     if (this.#ran) {
       this.#say({ do: "session", wish: "hold" });
     }
-    find("ending-text").textContent = free ? t("ending.free") : t("ending.some", { done, trials });
+    find("ending-text").textContent = free ? t("ending.free") : t("ending.some", { round, rounds, done, trials });
     this.#dialog.showModal();
   }
 

@@ -1,5 +1,6 @@
 // Line drawings of the gestures. A hand is a few round strokes: each layer is drawn as ink, and again a little thinner in the
-// colour of the ground, so that strokes of one layer melt into one outline and later layers lie in front.
+// colour of the ground, so that strokes of one layer melt into one outline and later layers lie in front. The hands are left ones:
+// the style sheet mirrors them.
 
 import { named } from "./texts.js";
 
@@ -94,12 +95,12 @@ const HANDS = {
   supination: {
     layers: TURNED,
     lines: [],
-    arrow: ["M24 106Q60 124 94 104", "M83 101L95 103.500L89 114"],
+    arrow: ["M96 106Q60 124 26 104", "M37 101L25 103.500L31 114"],
   },
   pronation: {
     layers: TURNED,
     lines: [],
-    arrow: ["M96 106Q60 124 26 104", "M37 101L25 103.500L31 114"],
+    arrow: ["M24 106Q60 124 94 104", "M83 101L95 103.500L89 114"],
   },
   other: {
     layers: [

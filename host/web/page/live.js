@@ -113,11 +113,10 @@ const TAKE = {
   line({ damaged, missing, samples }) {
     panel.number("line", t("line.lost", { samples, lines: missing + damaged }));
   },
-  electrodes({ faults, times }) {
-    armband.faults(faults);
-    armband.strengths(times);
-    panel.strengths(times, faults);
-    const parts = faults.map((fault, at) => fault && t(`fault.${fault}`, { number: at + 1 }));
+  electrodes(message) {
+    armband.electrodes(message);
+    panel.strengths(message);
+    const parts = message.faults.map((fault, at) => fault && t(`fault.${fault}`, { number: at + 1 }));
     panel.number("electrodes", parts.filter(Boolean).join(" "));
   },
   samples(message) {

@@ -5,7 +5,11 @@ import { find, write } from "./dom.js";
 import { named, t } from "./texts.js";
 
 /** Sign and word of each state of the agreement. */
-const SIGNS = { right: ["✓", t("as.asked")], wrong: ["✗", t("not.as.asked")], soon: ["…", t("changing")] };
+const SIGNS = { right: ["✓", t("as.asked")], wrong: ["✗", t("not.as.asked")], soon: ["…", t("changing")], ignored: ["✓", t("ignored")] };
+
+/** Labels in gestures from which there is advice, 3 s of them, and the share in per cent below which it is needed. */
+const ENOUGH = 30;
+const LOW = 50;
 
 /** Why there is no label, in words. */
 export const causeText = (cause) => named("cause", cause);
@@ -25,27 +29,27 @@ export class Now {
     const label = entry?.valid ? entry.label : null;
     this.label = label;
     this.judged = history.hasTruth ? judge(history, Math.floor(position), label) : { state: "none", cue: null };
-    const { state, cue } = this.judged;
-    const shown = JSON.stringify([entry?.label, entry?.valid, entry?.cause, state, cue, none, history.hasTruth, isThere, isOther]);
+    const { state, cue, means } = this.judged;
+    const shown = JSON.stringify([entry?.label, entry?.valid, entry?.cause, state, cue, means, none, history.hasTruth, isThere, isOther]);
     if (shown === this.#shown) {
       return;
     }
     this.#shown = shown;
-    this.#label.dataset.label = entry?.label ?? "relax";
+    this.#label.dataset.label = label ?? "relax";
     this.#label.classList.toggle("safe", label === null);
-    write(this.#label, entry ? named("class", entry.label) : "–");
+    write(this.#label, label ? named("class", label) : "–");
     // Between two sessions nothing is asked for.
     const isAsked = isThere && history.hasTruth && (cue !== null || history.cues.length === 0);
     this.#asked.hidden = !isAsked;
     this.#asked.lastChild.dataset.label = cue ?? "relax";
     write(this.#asked.lastChild, cue ? named("class", cue) : "–");
-    const [sign, word] = SIGNS[state] ?? ["", ""];
+    const [sign, word] = SIGNS[state === "right" && !means ? "ignored" : state] ?? ["", ""];
     this.#agrees.hidden = !isAsked;
     this.#agrees.dataset.state = state;
     write(this.#agrees.firstElementChild, sign);
     write(this.#agrees.lastElementChild, word);
     this.#valid.dataset.valid = entry === null ? "unknown" : entry.valid ? "yes" : "no";
-    write(this.#valid, entry === null ? none : entry.valid ? t(isOther && label === "relax" ? "in.use.other" : "in.use") : t("not.in.use", { cause: causeText(entry.cause) }));
+    write(this.#valid, entry === null ? none : entry.valid ? t(isOther && label === "relax" ? "in.use.other" : "in.use") : t("no.label", { cause: causeText(entry.cause) }));
   }
 
   /** Shows the shares of the labels that are as asked; `data-gestures` is the number of those in gestures. */
@@ -54,6 +58,7 @@ export class Now {
     const parts = groups.filter(([[, all]]) => all > 0).map(([counts, name]) => t("share.part", { percent: percent(counts), what: name }));
     find("share").hidden = parts.length === 0;
     find("share").dataset.gestures = gestures[1];
+    find("low").hidden = gestures[1] < ENOUGH || percent(gestures) >= LOW;
     write(find("share").lastElementChild, parts.join(", "));
   }
 

@@ -26,12 +26,11 @@ export class Panel {
     find("strength").value = percent ?? 0;
   }
 
-  /** How many times above rest each electrode came; null before the hand was moved. One with a fault is named by that. */
-  strengths(times, faults) {
-    const weak = times?.flatMap((own, at) => (own < WEAK && !faults[at] ? [at + 1] : [])) ?? [];
-    const good = times?.filter((_, at) => !faults[at]) ?? [];
-    const key = good.length === 0 ? "strengths.unknown" : weak.length ? "strengths.weak" : "strengths.good";
-    write(find("strengths"), t(key, { n: weak.length, weak: weak.join(", "), least: Math.min(...good), most: Math.max(...good) }));
+  /** What the strengths of the electrodes mean: { times, faults }. Where one has a fault, that is mended first. */
+  strengths({ times, faults }) {
+    const weak = times?.flatMap((own, at) => (own < WEAK ? [at + 1] : [])) ?? [];
+    const key = !times ? "strengths.unknown" : weak.length ? "strengths.weak" : "strengths.good";
+    write(find("strengths"), faults.some(Boolean) ? "" : t(key, { n: weak.length, weak: weak.join(", ") }));
   }
 
   number(id, text) {

@@ -19,7 +19,7 @@ const isNone = (placed) => same(placed, NONE);
 export function placement({ turn, mirrored }) {
   const turned = turn ? t("turned", { n: turn }) : "";
   const parts = [turned, mirrored ? t("other.arm") : ""].filter(Boolean);
-  return parts.join(", ") || t("as.in.training");
+  return parts.join(", ") || t("usual.place");
 }
 
 /** What an alignment does, or what came of it, in words. */
@@ -39,16 +39,14 @@ function remembered(placed) {
 
 /** What is in force, and what came of an alignment, as a sentence. */
 function said(message) {
-  const placed = isNone(message) ? null : placement(message);
+  const placed = placement(message);
   switch (message.state) {
     case "waiting":
       return t("said.waiting", { outcome: outcome(message) });
-    case "aligned":
-      return placed ? t("said.aligned", { placement: placed }) : t("said.as.in.training");
-    case "set": case "in-force": case "disconnected":
-      return placed ? t("said.in.force", { placement: placed }) : t("not.aligned");
+    case "aligned": case "set": case "in-force": case "disconnected":
+      return isNone(message) && message.state !== "aligned" ? t("not.aligned") : t("said.aligned", { placement: placed });
     default:
-      return capital(placed ? `${placed}; ${outcome(message)}` : outcome(message));
+      return capital(isNone(message) ? outcome(message) : `${placed}; ${outcome(message)}`);
   }
 }
 

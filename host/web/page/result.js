@@ -109,7 +109,7 @@ export class Result {
   tuning(message) {
     const { state, steps, of, rows, commands } = message;
     this.isTuning = state === "running";
-    this.next = { better: "install", worse: "again" }[state] ?? (state === "failed" ? "tune" : null);
+    this.next = { better: "install", worse: "again" }[state] ?? (state === "failed" ? this.#kept?.good ? "tune" : "again" : null);
     this.#told("tuned", state, t(`tuning.${state}`), tuned(message));
     if (HEADLINES[state]) {
       find("verdict").textContent = HEADLINES[state];
@@ -179,6 +179,7 @@ export class Result {
     const all = next.length
       ? [[next[0], t(isBoard() ? "cmd.same" : "cmd.put")], [next[1], t("cmd.look")]]
       : [[inspect, t("cmd.inspect")], [personalize, t("cmd.same")]];
+    find("commands").parentElement.hidden = !all.some(([text]) => text);
     find("commands").replaceChildren(...all.filter(([text]) => text).map(([text, what]) => command(text, what)));
   }
 }

@@ -206,7 +206,7 @@ export class Session {
 
   #coming() {
     const chips = this.#view.coming.map(({ cue, samples }) => {
-      const chip = made("li", `${named("class", cue)} ${t("seconds", { n: samples / RATE })}`);
+      const chip = made("li", `${named("class", cue)} ${t("seconds", { n: samples / RATE })}`, { title: words(cue) });
       chip.dataset.label = classOf(cue);
       return chip;
     });

@@ -49,7 +49,7 @@ function show({ person, model, version, sessions }) {
     row.append(...COLUMNS.map(([key, text]) => cell("td", key, text(session))));
     const notes = session.remarks.map((one) => {
       const line = made("tr", "", { className: "remark" });
-      line.append(made("td"), made("td", remark(one), { colSpan: COLUMNS.length - 1 }));
+      line.append(made("th", t(one.is === "note" ? "notes.label" : "blocks"), { scope: "row" }), made("td", remark(one), { colSpan: COLUMNS.length - 1 }));
       return line;
     });
     return [row, ...notes];

@@ -7,7 +7,7 @@ import { cues, labels } from "./rows.js";
 import { t } from "./texts.js";
 import { axis, grid, marks, ruler } from "./time.js";
 
-const GUTTER = 52;
+const GUTTER = 64;
 const HEIGHTS = { scores: 84, label: 22, ruler: 40, axis: 18, gap: 8 };
 /** Height below which the traces need the room of the scores. */
 const ROOM = 340;
