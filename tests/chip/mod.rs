@@ -13,7 +13,7 @@ use nrf52::{Image, Machine, Memory, Refusal};
 use shared::myo::{Address, binding};
 use shared::units::Sample;
 use virtual_armband::{Armband, Behaviour, End};
-use xtask::firmware::{self, Image as Built};
+use xtask::firmware::{self, Compiling, Image as Built};
 use xtask::toolchain;
 
 pub const ARMBAND: &str = "FA:12:34:56:78:9A";
@@ -137,7 +137,7 @@ pub fn elf(image: Built) -> Option<Vec<u8>> {
         .ok()?;
     let mut built = BUILT.lock().unwrap_or_else(PoisonError::into_inner);
     let elf = built.entry(image.name()).or_insert_with(|| {
-        let file = firmware::build_image(&toolchain, image, false, false);
+        let file = firmware::build_image(&toolchain, image, Compiling::default());
         let file = file.unwrap_or_else(|error| panic!("the image {image}: {error:#}"));
         std::fs::read(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()))
     });
@@ -335,10 +335,21 @@ impl Board {
         self.machine.run(ms(count))
     }
 
+    /// Sends a command and runs until an answer that begins so.
+    pub fn ask(&mut self, command: &str, answer: &str) -> anyhow::Result<()> {
+        let from = self.sent_bytes();
+        self.send(command);
+        self.wait_from(from, answer, 2000)
+    }
+
     /// Runs until the UART has sent the text, at most the milliseconds given.
     pub fn wait_for(&mut self, text: &str, at_most_ms: u64) -> anyhow::Result<()> {
+        self.wait_from(0, text, at_most_ms)
+    }
+
+    /// Runs until the UART has sent the text after its first `looked` bytes.
+    fn wait_from(&mut self, mut looked: usize, text: &str, at_most_ms: u64) -> anyhow::Result<()> {
         let end = self.machine.now() + ms(at_most_ms);
-        let mut looked = 0;
         while !self.text_from(looked).contains(text) {
             let in_time = self.machine.now() < end;
             anyhow::ensure!(

@@ -69,8 +69,7 @@ fn a_pairing_scans_all_the_time() -> anyhow::Result<()> {
     };
     let mut board = found!(board(behaviour));
     board.run_ms(90_000)?;
-    board.send("BIND,begin");
-    board.wait_for("$OK,BIND", 1000)?;
+    board.ask("BIND,begin", "$OK,BIND")?;
     let pairing = scanned_percent(&mut board, 20)?;
     assert!(pairing > 90, "{pairing} %");
     Ok(())

@@ -32,30 +32,11 @@ fn closing(built: Image, seconds: usize) -> anyhow::Result<Option<Board>> {
     Ok(Board::of(built, setting))
 }
 
-/// Sends a command and waits for its answer.
-fn ask(board: &mut Board, command: &str, answer: &str) -> anyhow::Result<()> {
-    let (from, end) = (board.sent_bytes(), board.machine.now() + ms(2000));
-    board.send(command);
-    while !board.text_from(from).contains(answer) {
-        ensure!(
-            board.machine.now() < end,
-            "{command}: no {answer}:\n{}",
-            board.text_from(from)
-        );
-        board.run_ms(1)?;
-    }
-    Ok(())
-}
-
 /// Gives close the space bar, and switches it on.
 fn use_space(board: &mut Board) -> anyhow::Result<()> {
     board.run_ms(500)?;
-    ask(
-        board,
-        "HID,set,close,key:space",
-        "$OK,HID,off,-,key:space,-,-,-*",
-    )?;
-    ask(board, "HID,on", "$OK,HID,on,-,key:space,-,-,-*")?;
+    board.ask("HID,set,close,key:space", "$OK,HID,off,-,key:space,-,-,-*")?;
+    board.ask("HID,on", "$OK,HID,on,-,key:space,-,-,-*")?;
     // It leaves the bus, as it is another device.
     Ok(board.run_ms(100)?)
 }
@@ -112,14 +93,10 @@ fn pressing(built: Image, seconds: usize) -> anyhow::Result<Option<(Board, Endpo
 fn the_computer_sees_no_keyboard_until_it_is_switched_on() -> anyhow::Result<()> {
     let mut board = found!(closing(Image::Xiao, 60)?);
     board.run_ms(500)?;
-    ask(
-        &mut board,
-        "HID,set,close,axis:x-",
-        "$OK,HID,off,-,axis:x-,-,-,-*",
-    )?;
+    board.ask("HID,set,close,axis:x-", "$OK,HID,off,-,axis:x-,-,-,-*")?;
     ensure!(plug(&mut board)?.reports.is_none());
     // Another device, so it is another one for the host.
-    ask(&mut board, "HID,on", "$OK,HID,on,-,axis:x-,-,-,-*")?;
+    board.ask("HID,on", "$OK,HID,on,-,axis:x-,-,-,-*")?;
     board.run_ms(100)?;
     ensure!(!board.machine.chip().usb().is_attached());
     let endpoints = plug(&mut board)?;
@@ -151,7 +128,7 @@ fn the_computer_sees_no_keyboard_until_it_is_switched_on() -> anyhow::Result<()>
     board.machine.chip().plug_usb(false);
     board.run_ms(500)?;
     ensure!(plug(&mut board)?.reports.is_some());
-    ask(&mut board, "HID,off", "$OK,HID,off,-,axis:x-,-,-,-*")?;
+    board.ask("HID,off", "$OK,HID,off,-,axis:x-,-,-,-*")?;
     board.run_ms(100)?;
     ensure!(plug(&mut board)?.reports.is_none());
     Ok(())
@@ -162,7 +139,7 @@ fn a_label_presses_its_key_until_the_state_is_safe() -> anyhow::Result<()> {
     for built in Image::UF2 {
         let (mut board, endpoints) = found!(pressing(built, 12)?);
         for _ in 0..3 {
-            ask(&mut board, "LOCK,set,100,200", "$OK,LOCK")?;
+            board.ask("LOCK,set,100,200", "$OK,LOCK")?;
             wait_for_report(&mut board, endpoints, RELEASED, 200)?;
             board.send("LOCK,off");
             wait_for_report(&mut board, endpoints, PRESSED, 500)?;
@@ -197,7 +174,7 @@ fn a_bus_that_is_suspended_in_a_press_begins_with_the_release() -> anyhow::Resul
     // The state becomes safe while the bus sleeps.
     board.machine.chip().suspend_usb(true);
     board.run_ms(100)?;
-    ask(&mut board, "LOCK,set,100,200", "$OK,LOCK")?;
+    board.ask("LOCK,set,100,200", "$OK,LOCK")?;
     board.run_ms(200)?;
     let before = taken(&board);
     board.machine.chip().suspend_usb(false);

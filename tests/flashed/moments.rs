@@ -68,8 +68,7 @@ const ACTIVITIES: [Activity; 8] = [
         is_alone: true,
         begin: |board| {
             board.run_ms(500)?;
-            board.send("BIND,begin");
-            board.wait_for("$OK,BIND", 1000)
+            board.ask("BIND,begin", "$OK,BIND")
         },
     },
     Activity {
@@ -88,8 +87,7 @@ const ACTIVITIES: [Activity; 8] = [
         is_alone: false,
         begin: |board| {
             until_a_stream(board)?;
-            board.send("ALIGN,begin");
-            board.wait_for("$OK,ALIGN", 1000)
+            board.ask("ALIGN,begin", "$OK,ALIGN")
         },
     },
     Activity {
@@ -178,8 +176,7 @@ fn the_watchdog_ends_a_hang_whatever_the_board_was_doing() -> anyhow::Result<()>
             let after = (at - from) / ms(1);
             assert!(after <= 2060, "{case}: after {after} ms");
             board.run_ms(1000)?;
-            board.send("IDENTIFY");
-            board.wait_for("$OK,IDENTIFY", 1000)?;
+            board.ask("IDENTIFY", "$OK,IDENTIFY")?;
             let said = board.text_from(sent);
             assert!(said.contains("started by the watchdog"), "{case}:\n{said}");
         }

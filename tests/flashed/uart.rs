@@ -28,8 +28,7 @@ fn bytes_that_come_while_a_page_is_erased_do_not_end_the_receiver() -> anyhow::R
         board.send_bytes(repeat_n(b'x', 3000));
         board.run_ms(1000)?;
         assert_eq!(bound(&board), Address::parse(OTHER).ok(), "{built}");
-        board.send("IDENTIFY");
-        board.wait_for("$OK,IDENTIFY", 1000)?;
+        board.ask("IDENTIFY", "$OK,IDENTIFY")?;
         // The ring of the nRF52840 holds them all.
         let is_said = board.text().contains("# received bytes were lost");
         let is_lost = built == Image::Nrf52832S132;
@@ -55,10 +54,8 @@ fn a_command_is_answered_after_a_million_bytes_of_noise() -> anyhow::Result<()> 
         }
         // 87 us each.
         board.run_ms(NOISE as u64 / 2 * 87 / 1000 + 500)?;
-        board.send("IDENTIFY");
-        board.wait_for("$OK,IDENTIFY", 1000)?;
-        board.send("COUNTERS");
-        board.wait_for("$OK,COUNTERS", 1000)?;
+        board.ask("IDENTIFY", "$OK,IDENTIFY")?;
+        board.ask("COUNTERS", "$OK,COUNTERS")?;
     }
     Ok(())
 }
@@ -73,8 +70,7 @@ fn a_clock_that_is_off_by_two_percent_until_the_crystal_runs_leaves_the_line_rea
             board.machine.chip().bus.inaccuracy = thousandths;
             board.send("IDENTIFY");
             board.run_ms(1000)?;
-            board.send("IDENTIFY");
-            board.wait_for("$OK,IDENTIFY", 1000)?;
+            board.ask("IDENTIFY", "$OK,IDENTIFY")?;
             let text = board.text();
             let is_whole = text.is_ascii() && text.starts_with("# myointent");
             assert!(

@@ -220,8 +220,7 @@ fn movement_comes_by_usb_alone_where_its_host_has_asked_for_it() -> anyhow::Resu
     let (mut board, endpoints) = found!(opened()?);
     board.wait_for("# armband FA", 10_000)?;
     // By the UART it is refused.
-    board.send("IMU,on");
-    board.wait_for("$ERR,no-room", 1000)?;
+    board.ask("IMU,on", "$ERR,no-room")?;
     board.run_ms(1000)?;
     assert!(!heard(&board, endpoints).contains("$IMU"));
     let ask = |board: &mut Board, command: Command| {
@@ -273,8 +272,7 @@ fn a_host_that_does_not_read_delays_no_label_and_no_watchdog() -> anyhow::Result
     let (mut board, endpoints) = found!(opened()?);
     board.machine.chip().read_usb(false);
     board.run_ms(6000)?;
-    board.send("COUNTERS");
-    board.wait_for("$OK,COUNTERS", 1000)?;
+    board.ask("COUNTERS", "$OK,COUNTERS")?;
     let text = board.text();
     let labels = text.matches("$LABEL").count();
     assert!(labels > 20, "{labels} labels:\n{text}");

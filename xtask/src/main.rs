@@ -35,7 +35,7 @@ enum Step {
     /// Writes the files of a release: images, models, page, program, wheel, licences, checksums.
     Release(release::Arguments),
     /// Runs clippy on the board's program, for the targets and features of its images.
-    Lint(firmware::LintArguments),
+    Lint(firmware::Compiling),
     /// Counts the instructions of a patch on the emulated Cortex-M4F, part by part.
     Count(count::Arguments),
     /// Prints what a board takes from its battery, by the committed counts and the data sheet's currents.
@@ -70,7 +70,7 @@ fn main() -> Result<()> {
         Step::Uf2(arguments) => uf2::run(&arguments),
         Step::Page(arguments) => page::run(&arguments),
         Step::Release(arguments) => release::run(&arguments),
-        Step::Lint(arguments) => firmware::lint(&arguments),
+        Step::Lint(compiling) => firmware::lint(compiling),
         Step::Count(arguments) => count::print(&arguments),
         Step::Energy => energy::print(),
         Step::Fuzz(arguments) => fuzz::run(&arguments),

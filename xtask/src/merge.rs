@@ -10,7 +10,7 @@ use ihex::{Reader, Record};
 use object::read::elf::{ElfFile32, ProgramHeader as _};
 use object::{Endianness, Object as _, ObjectSymbol as _};
 
-use crate::firmware::{self, Image};
+use crate::firmware::{self, Compiling, Image};
 use crate::toolchain::TARGET;
 use crate::{cross_target, toolchain};
 
@@ -47,19 +47,16 @@ pub struct Files {
     /// File to write. By default the image's name in target/cross.
     #[arg(long)]
     pub out: Option<PathBuf>,
-    /// Installs a missing cross compiler or libclang, as root, with apt-get.
-    #[arg(long)]
-    pub install: bool,
-    /// Refuses to change Cargo.lock.
-    #[arg(long)]
-    pub locked: bool,
+    /// How its image is compiled.
+    #[command(flatten)]
+    pub compiling: Compiling,
 }
 
 impl Files {
     /// Builds an image, and reads it and the model file.
     pub fn read(&self, image: Image) -> Result<(Vec<u8>, Vec<u8>)> {
-        let toolchain = toolchain::find(TARGET, self.install)?;
-        let elf = firmware::build_image(&toolchain, image, self.install, self.locked)?;
+        let toolchain = toolchain::find(TARGET, self.compiling.install)?;
+        let elf = firmware::build_image(&toolchain, image, self.compiling)?;
         Ok((read(&elf)?, read(&self.model)?))
     }
 

@@ -83,10 +83,6 @@ enum Reached {
     },
     /// Strength on lines, or no longer.
     Strength(bool),
-    /// Begin of an installation's writing.
-    Suspended,
-    /// Change to the other model.
-    Installed,
 }
 
 /// Comment line, and how many the board must write.
@@ -202,8 +198,6 @@ impl Expectation {
                 reaction,
             }),
             Reached::Strength(on) => Input::Strength(on),
-            Reached::Suspended => Input::Suspend,
-            Reached::Installed => Input::Resume(models.other),
         };
         let inputs: Vec<Input<'_>> = reached.iter().map(input).collect();
         let expected = expected_lines(models.first, &inputs)?;

@@ -4,6 +4,7 @@ use std::{env, fs, path::PathBuf, process::Command};
 
 use anyhow::{Context as _, Result, ensure};
 
+use super::Compiling;
 use super::image::Image;
 use crate::toolchain::{TARGET, Toolchain};
 use crate::{clang, cross_target, symbols, target, vectors, workspace};
@@ -12,13 +13,8 @@ const PACKAGE: &str = "myointent-firmware";
 const PROFILE: &str = "firmware";
 
 /// Builds an image; returns its ELF file.
-pub fn build_image(
-    toolchain: &Toolchain,
-    image: Image,
-    install: bool,
-    locked: bool,
-) -> Result<PathBuf> {
-    let status = command(toolchain, "build", image, install, locked)?
+pub fn build_image(toolchain: &Toolchain, image: Image, compiling: Compiling) -> Result<PathBuf> {
+    let status = command(toolchain, "build", image, compiling)?
         .status()
         .context("cargo cannot be run")?;
     ensure!(status.success(), "the image {image} did not build");
@@ -52,8 +48,7 @@ pub fn command(
     toolchain: &Toolchain,
     subcommand: &str,
     image: Image,
-    install: bool,
-    locked: bool,
+    compiling: Compiling,
 ) -> Result<Command> {
     let mut cargo = toolchain.cargo(subcommand, TARGET);
     // --package keeps the host's crates, and their features, out of the build.
@@ -63,14 +58,14 @@ pub fn command(
         .env("CARGO_TARGET_DIR", cross_target())
         .env("RUSTFLAGS", short_paths());
     if image.has_controller()
-        && let Some(folder) = clang::find(install)?
+        && let Some(folder) = clang::find(compiling.install)?
     {
         cargo.env(clang::VARIABLE, folder);
     }
     if image.has_lto() {
         cargo.env("CARGO_PROFILE_FIRMWARE_LTO", "fat");
     }
-    if locked {
+    if compiling.locked {
         cargo.arg("--locked");
     }
     Ok(cargo)

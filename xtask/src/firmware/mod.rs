@@ -15,40 +15,36 @@ use crate::toolchain::TARGET;
 use crate::{size, stack_chain, toolchain};
 use budget::{BudgetRow, BudgetTable};
 
+/// Options of each command that compiles images.
+#[derive(Clone, Copy, Debug, Default, clap::Args)]
+pub struct Compiling {
+    /// Installs a missing cross compiler or libclang, as root, with apt-get.
+    #[arg(long)]
+    pub install: bool,
+    /// Refuses to change Cargo.lock.
+    #[arg(long)]
+    pub locked: bool,
+}
+
 /// Options of the build.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Installs a missing cross compiler or libclang, as root, with apt-get.
-    #[arg(long)]
-    install: bool,
-    /// Refuses to change Cargo.lock.
-    #[arg(long)]
-    locked: bool,
+    #[command(flatten)]
+    compiling: Compiling,
     /// Builds this one only.
     #[arg(long, value_parser = clap::builder::PossibleValuesParser::new(Image::ALL.map(Image::name)))]
     image: Option<String>,
 }
 
-/// Options of the lint.
-#[derive(clap::Args)]
-pub struct LintArguments {
-    /// Installs a missing compiler, linter or libclang, as root, with apt-get.
-    #[arg(long)]
-    install: bool,
-    /// Refuses to change Cargo.lock.
-    #[arg(long)]
-    locked: bool,
-}
-
 /// Builds, prints a table of sizes, and fails where an image is over a budget.
 pub fn build(arguments: &Arguments) -> Result<()> {
-    let toolchain = toolchain::find(TARGET, arguments.install)?;
+    let toolchain = toolchain::find(TARGET, arguments.compiling.install)?;
     println!("{toolchain}");
     let selected = arguments.image.as_deref();
     let mut rows = Vec::new();
     for image in Image::ALL {
         if selected.is_none_or(|name| name == image.name()) {
-            let file = build_image(&toolchain, image, arguments.install, arguments.locked)?;
+            let file = build_image(&toolchain, image, arguments.compiling)?;
             println!("{}", file.display());
             let bytes =
                 fs::read(&file).with_context(|| format!("{} cannot be read", file.display()))?;
@@ -68,8 +64,8 @@ pub fn build(arguments: &Arguments) -> Result<()> {
 }
 
 /// Lints the program as each board and each radio compiles it.
-pub fn lint(arguments: &LintArguments) -> Result<()> {
-    let toolchain = toolchain::find(TARGET, arguments.install)?;
+pub fn lint(compiling: Compiling) -> Result<()> {
+    let toolchain = toolchain::find(TARGET, compiling.install)?;
     // The nRF52832, and boards with the same features, differ by numbers alone. The image of a kit is also looked at as it is for
     // a board without a crystal.
     let images = [
@@ -80,17 +76,11 @@ pub fn lint(arguments: &LintArguments) -> Result<()> {
     ];
     for (image, slow_clock) in images {
         println!("{image}, {slow_clock}");
-        let status = cargo::command(
-            &toolchain,
-            "clippy",
-            image,
-            arguments.install,
-            arguments.locked,
-        )?
-        .env("MYOINTENT_SLOW_CLOCK", slow_clock)
-        .args(["--", "-D", "warnings"])
-        .status()
-        .context("clippy cannot be run")?;
+        let status = cargo::command(&toolchain, "clippy", image, compiling)?
+            .env("MYOINTENT_SLOW_CLOCK", slow_clock)
+            .args(["--", "-D", "warnings"])
+            .status()
+            .context("clippy cannot be run")?;
         ensure!(status.success(), "the image {image} has lints to fix");
     }
     Ok(())

@@ -12,7 +12,7 @@ use anyhow::{Context as _, Result, ensure};
 use sha2::{Digest as _, Sha256};
 use shared::uf2::Uf2;
 
-use crate::firmware::Image;
+use crate::firmware::{Compiling, Image};
 use crate::toolchain::{self, ARM};
 use crate::{cross_target, merge, page, target, uf2, workspace};
 
@@ -98,8 +98,10 @@ fn boards(out: &Path, install: bool) -> Result<()> {
     let files = |name: String| merge::Files {
         model: models.join(MODELS[0]).with_extension("intent"),
         out: Some(out.join(name)),
-        install,
-        locked: true,
+        compiling: Compiling {
+            install,
+            locked: true,
+        },
     };
     for board in Image::UF2.map(|image| image.name().to_owned()) {
         let files = files(format!("{board}.uf2"));

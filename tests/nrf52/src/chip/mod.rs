@@ -98,8 +98,8 @@ pub struct Chip {
     clock_and_power: ClockAndPower,
     uarte: Uarte,
     gpiote: Gpiote,
-    timers: [Timer; 5],
-    rtcs: [Rtc; 3],
+    timers: [Timer; 3],
+    rtc: Rtc,
     temp: Registers,
     rng: Rng,
     watchdog: Watchdog,
@@ -147,17 +147,11 @@ impl Chip {
             uarte: Uarte::new(model == ChipModel::Nrf52832),
             gpiote: Gpiote::new(),
             timers: [
-                Timer::new("TIMER0", 0x4000_8000, 4),
-                Timer::new("TIMER1", 0x4000_9000, 4),
-                Timer::new("TIMER2", 0x4000_a000, 4),
-                Timer::new("TIMER3", 0x4001_a000, 6),
-                Timer::new("TIMER4", 0x4001_b000, 6),
+                Timer::new("TIMER0", 0x4000_8000),
+                Timer::new("TIMER1", 0x4000_9000),
+                Timer::new("TIMER2", 0x4000_a000),
             ],
-            rtcs: [
-                Rtc::new("RTC0", 0x4000_b000),
-                Rtc::new("RTC1", 0x4001_1000),
-                Rtc::new("RTC2", 0x4002_4000),
-            ],
+            rtc: Rtc::new(),
             temp: temp::new(),
             rng: Rng::new(),
             watchdog: Watchdog::new(),
@@ -202,19 +196,14 @@ impl Chip {
         self.settle();
     }
 
-    fn clocked(&mut self) -> ([&mut dyn Peripheral; 15], &mut Bus) {
-        let [t0, t1, t2, t3, t4] = &mut self.timers;
-        let [r0, r1, r2] = &mut self.rtcs;
-        let all: [&mut dyn Peripheral; 15] = [
+    fn clocked(&mut self) -> ([&mut dyn Peripheral; 11], &mut Bus) {
+        let [t0, t1, t2] = &mut self.timers;
+        let all: [&mut dyn Peripheral; 11] = [
             &mut self.clock_and_power,
             t0,
             t1,
             t2,
-            t3,
-            t4,
-            r0,
-            r1,
-            r2,
+            &mut self.rtc,
             &mut self.rng,
             &mut self.uarte,
             &mut self.watchdog,
@@ -236,17 +225,13 @@ impl Chip {
             0x4000_8000 => &mut self.timers[0],
             0x4000_9000 => &mut self.timers[1],
             0x4000_a000 => &mut self.timers[2],
-            0x4000_b000 => &mut self.rtcs[0],
             0x4000_c000 => &mut self.temp,
             0x4000_d000 => &mut self.rng,
             0x4001_0000 => &mut self.watchdog,
-            0x4001_1000 => &mut self.rtcs[1],
-            0x4001_a000 => &mut self.timers[3],
-            0x4001_b000 => &mut self.timers[4],
+            0x4001_1000 => &mut self.rtc,
             0x4001_c000 => &mut self.pwm,
             0x4001_e000 => &mut self.nvmc,
             0x4001_f000 => &mut self.ppi,
-            0x4002_4000 => &mut self.rtcs[2],
             0x4002_7000 if many => &mut self.usbd,
             0x4006_e000 if many => &mut self.errata,
             GPIO if many && address >= GPIO + gpio::PORT + 0x500 => &mut self.ports[1],

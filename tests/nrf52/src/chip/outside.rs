@@ -84,7 +84,7 @@ impl Chip {
     }
 
     pub fn stop_slot_timer(&mut self) {
-        self.timers[0] = Timer::new("TIMER0", 0x4000_8000, 4);
+        self.timers[0] = Timer::new("TIMER0", 0x4000_8000);
         self.settle();
     }
 

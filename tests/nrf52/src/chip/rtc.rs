@@ -1,4 +1,4 @@
-//! RTC, the real-time counter (product specification, 6.22): 24 bits at the low-frequency clock. Not modelled: its prescaler, its
+//! RTC1, a real-time counter (product specification, 6.22): 24 bits at the low-frequency clock. Not modelled: its prescaler, its
 //! stop, ticks, and events without an interrupt.
 
 use super::bus::{Bus, Peripheral};
@@ -34,9 +34,9 @@ pub struct Rtc {
 }
 
 impl Rtc {
-    pub fn new(name: &'static str, base: u32) -> Self {
+    pub fn new() -> Self {
         Self {
-            registers: Registers::new(name, base, TABLE),
+            registers: Registers::new("RTC1", 0x4001_1000, TABLE),
             runs: false,
             since: 0,
             seen: 0,
@@ -149,7 +149,7 @@ mod tests {
         let mut bus = Bus::new(Memory::new(64, 64, 0));
         bus.low_frequency_runs = true;
         for start in 0..of_low_frequency(2) {
-            let mut rtc = Rtc::new("RTC1", 0x4001_1000);
+            let mut rtc = Rtc::new();
             bus.now = start;
             rtc.task(TASKS_START, &mut bus);
             let passed = [0, of_low_frequency(1) - 1, of_low_frequency(2)];

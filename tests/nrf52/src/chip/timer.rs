@@ -1,31 +1,31 @@
-//! TIMER (product specification, 6.30): counts the high-frequency clock, or tasks.
+//! TIMER (product specification, 6.30): counts the high-frequency clock, or tasks. TIMER3 and TIMER4 are not modelled.
 
 use super::bus::{Bus, Peripheral};
 use super::register::{INTEN, Registers, registers};
 
 const INTERRUPTS: u32 = 0x3f << 16;
+/// Channels of TIMER0 to TIMER2.
+const CHANNELS: u32 = 4;
 
 registers![
     TASKS_START = task(0x000),
     TASKS_STOP = task(0x004),
     TASKS_COUNT = task(0x008),
     TASKS_CLEAR = task(0x00c),
-    TASKS_SHUTDOWN = task(0x010),
-    TASKS_CAPTURE = task(0x040).times(6),
-    EVENTS_COMPARE = event(0x140).times(6),
+    TASKS_CAPTURE = task(0x040).times(CHANNELS),
+    EVENTS_COMPARE = event(0x140).times(CHANNELS),
     SHORTS = read_write(0x200, 0x3f | 0x3f << 8),
     INTENSET = set(0x304, INTEN, INTERRUPTS),
     INTENCLR = clear(0x308, INTEN, INTERRUPTS),
     MODE = read_write(0x504, 3),
     BITMODE = read_write(0x508, 3),
     PRESCALER = read_write(0x510, 0xf).reset(4),
-    CC = read_write(0x540, !0).times(6),
+    CC = read_write(0x540, !0).times(CHANNELS),
 ];
 
 #[derive(Debug)]
 pub struct Timer {
     registers: Registers,
-    channels: u32,
     runs: bool,
     /// Tick at which the counter was `count`.
     since: u64,
@@ -35,13 +35,9 @@ pub struct Timer {
 }
 
 impl Timer {
-    /// A timer after a reset. TIMER0 to TIMER2 have four channels, TIMER3 and TIMER4 six.
-    pub fn new(name: &'static str, base: u32, channels: u32) -> Self {
-        let of_channels = [TASKS_CAPTURE, EVENTS_COMPARE, CC];
+    pub fn new(name: &'static str, base: u32) -> Self {
         Self {
-            registers: Registers::new(name, base, TABLE)
-                .changed(&of_channels, |one| one.count = channels),
-            channels,
+            registers: Registers::new(name, base, TABLE),
             runs: false,
             since: 0,
             count: 0,
@@ -51,7 +47,7 @@ impl Timer {
 
     /// A timer that counts microseconds from this tick on, with 32 bits.
     pub fn of_microseconds(name: &'static str, base: u32, now: u64) -> Self {
-        let mut timer = Self::new(name, base, 4);
+        let mut timer = Self::new(name, base);
         timer.registers.put(BITMODE, 3);
         timer.runs = true;
         (timer.since, timer.seen) = (now, now);
@@ -100,12 +96,12 @@ impl Timer {
                 ahead => ahead,
             }
         };
-        let first = (0..self.channels).map(ahead).min()?;
+        let first = (0..CHANNELS).map(ahead).min()?;
         Some(self.since + (counted + first) * self.period())
     }
 
     fn raise_matches(&mut self, value: u64, bus: &mut Bus) {
-        for channel in 0..self.channels {
+        for channel in 0..CHANNELS {
             let compare = u64::from(self.registers.get(CC + 4 * channel)) & self.mask();
             if compare == value {
                 self.raise(EVENTS_COMPARE + 4 * channel, bus);
@@ -140,12 +136,9 @@ impl Peripheral for Timer {
                 self.runs = true;
                 (self.since, self.seen) = (bus.now, bus.now);
             }
-            TASKS_STOP | TASKS_SHUTDOWN => {
+            TASKS_STOP => {
                 self.count = self.value(bus.now);
                 self.runs = false;
-                if offset == TASKS_SHUTDOWN {
-                    self.count = 0;
-                }
             }
             TASKS_COUNT if self.runs && self.counts_tasks() => {
                 self.count = (self.count + 1) & self.mask();
