@@ -572,13 +572,12 @@ mod tests {
         let (mut reader, mut answer, mut comments) = (LineReader::new(), None, String::new());
         for byte in lines.bytes() {
             match reader.push(byte).transpose().unwrap() {
-                Some(Line::Answer(Answer::Identity(_))) | None => {}
                 Some(Line::Answer(Answer::Refused(why))) => answer = Some(Answer::Refused(why)),
                 Some(Line::Answer(Answer::Install(next))) => answer = Some(Answer::Install(next)),
                 Some(Line::Answer(Answer::Hid(outputs))) => answer = Some(Answer::Hid(outputs)),
                 Some(Line::Answer(Answer::Imu(on))) => answer = Some(Answer::Imu(on)),
                 Some(Line::Comment(text)) => comments += text,
-                Some(_) => {}
+                _ => {}
             }
         }
         (answer, comments)
@@ -589,8 +588,8 @@ mod tests {
         let mut board = board();
         let (_, first) = said(&mut board, "");
         assert!(first.contains(", image simulated, model "), "{first}");
-        let file = crate::SHIPPED.to_vec();
-        let own = ModelFile::new(&file).unwrap();
+        let file = crate::SHIPPED;
+        let own = ModelFile::new(file).unwrap();
         let transfer = |length, checksum| Command::Install(Transfer { length, checksum });
         let begin = CalibrateCommand::Begin { others: false };
         let block = |file: &[u8]| Command::Block(0, Block::of(file, 0)).to_string();
@@ -605,7 +604,7 @@ mod tests {
                 refused(Refusal::NoStream),
             ),
             ("$IDENTIFY*05\r\n".to_owned(), refused(Refusal::Checksum(4))),
-            (block(&file), refused(Refusal::NotBegun)),
+            (block(file), refused(Refusal::NotBegun)),
             (transfer(1 << 20, 1).to_string(), refused(Refusal::Length)),
             (
                 transfer(file.len() as u32, own.checksum()).to_string(),
@@ -626,10 +625,9 @@ mod tests {
     #[test]
     fn without_a_whole_model_it_does_nothing_with_one() {
         let mut board = board();
-        let file = crate::SHIPPED.to_vec();
-        let length = file.len() as u32;
+        let mut damaged = crate::SHIPPED.to_vec();
         let transfer = Transfer {
-            length,
+            length: damaged.len() as u32,
             checksum: 1,
         };
         // Where a calibration is kept, an installation waits, and nothing before it.
@@ -644,7 +642,6 @@ mod tests {
         assert_eq!(waits.count(), 8);
         assert!(board.model.is_some());
         // The file's own checksum is another one than was told: it is refused once it is whole.
-        let mut damaged = file.clone();
         damaged[1000] ^= 1;
         let mut next = 0;
         let end = loop {

@@ -394,9 +394,7 @@ fn answer(
                 Output::Line { line } => {
                     let mut reader = CommandReader::new();
                     let command = line.bytes().find_map(|byte| reader.push(byte));
-                    // On the heap, which aligns it as a model requires.
-                    let file = SHIPPED.to_vec();
-                    let checksum = Model::parse(&file).unwrap().checksum;
+                    let checksum = Model::parse(SHIPPED).unwrap().checksum;
                     heard += &match command.unwrap().unwrap() {
                         Command::Identify => identity(Some(checksum)),
                         Command::Install(_) => {
@@ -421,8 +419,7 @@ fn answer(
 fn an_installation_waits_for_the_board_goes_on_after_a_loss_and_says_how_it_ends() {
     let mut engine = Engine::default();
     engine.board(&SETTINGS, "x".to_owned(), true).unwrap();
-    let file = SHIPPED.to_vec();
-    let refused = engine.install(0.0, &file[..999]);
+    let refused = engine.install(0.0, &SHIPPED[..999]);
     assert_eq!(refused, Ok(()));
     let state = |outputs: &[Output]| match outputs {
         [Output::Event(Event::Installing(state))] => (
@@ -440,7 +437,7 @@ fn an_installation_waits_for_the_board_goes_on_after_a_loss_and_says_how_it_ends
         "{why}"
     );
     // Nothing is sent before the port is open, or while it is lost.
-    engine.install(0.0, &file).unwrap();
+    engine.install(0.0, SHIPPED).unwrap();
     assert_eq!(state(&engine.take()).0, "running");
     engine.tick(40_000.0);
     assert_eq!(engine.take(), []);
@@ -457,14 +454,14 @@ fn an_installation_waits_for_the_board_goes_on_after_a_loss_and_says_how_it_ends
     let last = states.last().unwrap();
     assert_eq!((last.state, last.blocks, last.of), ("done", 100, 100));
     // A board that is lost for good is given up, and one that refuses has its words.
-    engine.install(62_000.0, &file).unwrap();
+    engine.install(62_000.0, SHIPPED).unwrap();
     answer(&mut engine, 62_000.0, Ok(InstallationProgress::Next(0)));
     engine.port(62_000.0, Err((Said::plain("pulled"), Vec::new())));
     engine.take();
     engine.tick(93_000.0);
     assert_eq!(state(&engine.take()).0, "failed");
     engine.port(94_000.0, Ok(()));
-    engine.install(94_000.0, &file).unwrap();
+    engine.install(94_000.0, SHIPPED).unwrap();
     let (states, _) = answer(&mut engine, 94_000.0, Err(Refusal::Length));
     let last = states.last().unwrap();
     let why = last.why.as_ref().unwrap();
@@ -585,9 +582,7 @@ fn a_simulated_board_takes_every_step_of_a_board_over_its_line() {
     };
     // It says what it is, and its labels are those of the same pipeline.
     let events = seconds(&mut engine, &mut now, 15);
-    // On the heap, which aligns it as a model requires.
-    let file = SHIPPED.to_vec();
-    let checksum = format!("{:08x}", Model::parse(&file).unwrap().checksum);
+    let checksum = format!("{:08x}", Model::parse(SHIPPED).unwrap().checksum);
     let identity = events.iter().rev().find_map(|event| match event {
         Event::Board {
             image,

@@ -7,10 +7,8 @@ use shared::uart_line::line::LineReader;
 
 use super::*;
 
-/// Five-class model, on the heap, which aligns it as a model requires.
-fn five_class() -> Vec<u8> {
-    models::SHIPPED[1].1.to_vec()
-}
+/// Five-class model.
+const FIVE_CLASS: &[u8] = models::SHIPPED[1].1;
 
 /// Answer to `IDENTIFY` of a board with this model.
 pub(crate) fn identity(model: Option<u32>) -> Answer<'static> {
@@ -57,7 +55,7 @@ fn run(
 
 /// Returns the error's text, and the number of commands that the board was sent.
 fn refused(mut board: impl FnMut(Command) -> Answer<'static>) -> (String, usize) {
-    let (end, _, commands) = run(&five_class(), |command| Some(board(command).to_string()));
+    let (end, _, commands) = run(FIVE_CLASS, |command| Some(board(command).to_string()));
     (end.unwrap_err().to_string(), commands)
 }
 
@@ -118,8 +116,8 @@ impl<'f> Board<'f> {
 
 #[test]
 fn a_model_is_installed_though_power_and_line_are_cut_at_100_random_moments() {
-    let new = five_class();
-    let mut board = Board::new(&new);
+    let new = FIVE_CLASS;
+    let mut board = Board::new(new);
     let mut random = ChaCha8Rng::seed_from_u64(17);
     // A page has 64 blocks and is written again from its start: about one life in twenty is long enough for a page, with
     // approximately 125 bytes for a block's line and its answer.
@@ -129,7 +127,7 @@ fn a_model_is_installed_though_power_and_line_are_cut_at_100_random_moments() {
     let mut furthest = None;
     // Where the installation has given up it is begun again, as a person would.
     let installed = (0..200).any(|_| {
-        let (end, blocks, _) = run(&new, |command| {
+        let (end, blocks, _) = run(new, |command| {
             let carried = command.to_string().len();
             let answer = (carried <= left).then(|| board.answer(command).to_string());
             let all = carried + answer.as_ref().map_or(0, String::len);
@@ -148,18 +146,18 @@ fn a_model_is_installed_though_power_and_line_are_cut_at_100_random_moments() {
     });
     assert!(installed);
     assert_eq!(cuts, 100);
-    assert_eq!(furthest, Some(ModelFile::new(&new).unwrap().blocks()));
+    assert_eq!(furthest, Some(ModelFile::new(new).unwrap().blocks()));
     assert!(board.is_installed);
 }
 
 #[test]
 fn late_answers_to_others_are_not_taken_for_the_end() {
-    let new = five_class();
-    let blocks = ModelFile::new(&new).unwrap().blocks() as usize;
+    let new = FIVE_CLASS;
+    let blocks = ModelFile::new(new).unwrap().blocks() as usize;
     // The late answer comes before that to the first command, to the first block, in the middle, to the last block.
     for at in [0, 1, 700, blocks] {
-        let (mut board, mut number) = (Board::new(&new), 0);
-        let (end, ..) = run(&new, |command| {
+        let (mut board, mut number) = (Board::new(new), 0);
+        let (end, ..) = run(new, |command| {
             let late = Answer::Install(InstallationProgress::Installed).to_string();
             let late = if number == at { late } else { String::new() };
             number += 1;
@@ -169,9 +167,9 @@ fn late_answers_to_others_are_not_taken_for_the_end() {
         assert!(board.is_installed, "{at}");
     }
     // A board restarts before the first block, and is so slow that the block comes twice.
-    let checksum = ModelFile::new(&new).unwrap().checksum();
+    let checksum = ModelFile::new(new).unwrap().checksum();
     let mut has_restarted = false;
-    let (end, ..) = run(&new, |command| {
+    let (end, ..) = run(new, |command| {
         Some(match command {
             Command::Install(_) => Answer::Install(InstallationProgress::Next(0)).to_string(),
             Command::Identify => identity(Some(checksum)).to_string(),
@@ -235,8 +233,8 @@ fn a_board_that_gets_no_further_or_runs_another_model_is_given_up_with_words() {
 
 #[test]
 fn a_file_that_no_board_can_run_is_refused_before_anything_is_sent() {
-    let new = five_class();
-    let [mut damaged, mut version] = [new.clone(), new.clone()];
+    let new = FIVE_CLASS;
+    let [mut damaged, mut version] = [new.to_vec(), new.to_vec()];
     damaged[1000] ^= 1;
     version[8] += 1;
     for wrong in [
