@@ -6,6 +6,7 @@ use std::path::Path;
 use std::rc::Rc;
 
 use shared::intent::Intent;
+use shared::myo::Imu;
 use shared::units::{CHANNELS, Millis, Sample, SampleIndex};
 
 use super::file::write_pending;
@@ -59,6 +60,7 @@ fn fill(writer: &mut Writer, count: u32) {
             writer.entry(&Entry::of(output));
         }
         writer.samples(SampleIndex(at), &[sample(at), sample(at + 1)]);
+        writer.imu(SampleIndex(at), Imu([-1; _]));
     }
     let (trial, why) = (2, RejectReason::Person);
     writer.entry(&Entry::of(Output::Rejected { trial, why }));
