@@ -64,8 +64,10 @@ pub fn leave_interrupts(board: &mut Board) -> anyhow::Result<()> {
 
 /// Lets the core go on with these instructions, in flash that every image leaves free.
 pub fn run_code(board: &mut Board, code: &[u16]) {
-    const CODE: u32 = 0x5_0000;
+    const CODE: u32 = 0x5_4f00;
     let bytes: Vec<u8> = code.iter().flat_map(|half| half.to_le_bytes()).collect();
+    let before = board.memory().read(CODE, bytes.len() as u32);
+    assert_eq!(before, Some(vec![0xff; bytes.len()]), "the image is there");
     board.memory().program(CODE, &bytes);
     board.machine.core().jump(CODE);
 }

@@ -29,10 +29,7 @@ pub fn provide(packages: &[&str], install: bool, otherwise: &str) -> Result<()> 
         "apt-get install -y --no-install-recommends {}",
         packages.join(" ")
     );
-    ensure!(
-        install,
-        "{otherwise}\n  {command}\n(--install runs the latter)"
-    );
+    ensure!(install, "{otherwise}\n  {command}\n(--install runs this)");
     println!("{command}");
     let apt = |arguments: &[&str]| -> Result<()> {
         let status = Command::new("apt-get")

@@ -104,7 +104,7 @@ export const GERMAN_PROGRAM = {
   "request.unknown": "das gibt es nicht: die Seite neu laden, sie kann von einer anderen Version sein",
   "request.watches": "eine andere Seite führt, und diese schaut zu",
   "request.no-session": "hier wird keine Sitzung aufgenommen: `myointent record` hat eine Seite dafür",
-  "request.no-turn": "hier ist kein Armband simuliert: das eigene am Arm drehen",
+  "request.no-turn": "nur ein simuliertes Armband lässt sich hier drehen",
   "request.no-board": "hier ist keine Platine: `myointent record --port PATH` hat eine",
   // Sources.
   "open.empty": "darin ist keine Aufnahme",

@@ -85,8 +85,6 @@ const TAKE = {
     if (message.kind === "demo") {
       simulated(true);
     }
-    // Firmware on a PC is simulated too, and its armband is somebody else's.
-    find("turn").hidden = !find("program") && message.kind !== "demo";
     find("align").disabled = find("calibrate").disabled = find("play").disabled = !connected;
     if (!connected) {
       noStream();
@@ -193,9 +191,10 @@ const TAKE = {
   },
 };
 
-/** Says whether the arm is simulated. */
+/** Marks the page while the arm is simulated. That of firmware on a PC is not turned here. */
 function simulated(is) {
   document.body.toggleAttribute("data-simulated", is);
+  find("turn").hidden = !is || (document.body.dataset.kind === "port" && !find("program"));
 }
 
 function lost(text, advice) {

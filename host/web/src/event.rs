@@ -200,14 +200,14 @@ pub enum Event {
         #[serde(flatten)]
         view: View,
         /// Error that keeps the session from being written, and advice; null if none.
-        trouble: Option<Said>,
+        trouble: Option<Box<Said>>,
     },
     /// Viewer who leads the session; null if nobody does.
     Lead { viewer: Option<ViewerId> },
     /// Recordings that were kept of the session.
     Kept(SessionResult),
     /// Progress or result of tuning a model on the recordings.
-    Tuning(TuningState),
+    Tuning(Box<TuningState>),
     /// Progress or result of installing the tuned model on the board.
     Installing(InstallationState),
     /// End of the program.

@@ -21,6 +21,7 @@ pub mod engine;
 pub mod event;
 #[cfg(target_family = "wasm")]
 mod exports;
+mod flashed;
 pub mod installer;
 pub mod outcome;
 pub mod page;

@@ -20,7 +20,7 @@ pub enum NotDone {
     NoSession,
     #[error("there is no board here: `myointent record --port PATH` has one")]
     NoBoard,
-    #[error("no armband is simulated here: turn yours on your arm")]
+    #[error("only a simulated armband is turned here")]
     NoTurn,
 }
 

@@ -18,6 +18,7 @@ use shared::units::{Millis, PATCH, Sample, SampleIndex};
 
 use crate::calibration::Calibration;
 use crate::event::Event;
+use crate::flashed::flashed;
 use crate::request::SourceRequest;
 use crate::said::as_text;
 use crate::scores::{EncoderOutputs, ObservedEncoder};
@@ -95,7 +96,8 @@ impl ScoredPipeline {
     /// # Errors
     /// When the model is refused.
     pub fn open(file: &[u8]) -> Result<Self, Refused> {
-        let file = file.to_vec().leak();
+        let words = flashed(file, file.len()).leak();
+        let file = &bytemuck::cast_slice(words)[..file.len()];
         let model = Model::parse(file)?;
         let encoder = HostEncoder::new(&model)?;
         let outputs = Box::leak(Box::default());

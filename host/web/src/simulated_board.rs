@@ -38,6 +38,7 @@ use shared::uart_line::imu::ImuReport;
 use shared::uf2::MODEL_REGION;
 use shared::units::Millis;
 
+use crate::flashed::flashed;
 use crate::installer::{InstallError, ModelFile};
 use crate::person::DemoPerson;
 use crate::simulated_armband::SimulatedArmband;
@@ -107,8 +108,8 @@ impl SimulatedBoard {
     /// # Errors
     /// When no board can run the model.
     pub fn start(file: &[u8], person: DemoPerson) -> Result<Self, InstallError> {
-        let file = flashed(file, file.len());
-        let file = ModelFile::new(bytemuck::cast_slice(&file))?;
+        let words = flashed(file, file.len());
+        let file = ModelFile::new(&bytemuck::cast_slice(&words)[..file.len()])?;
         let checksum = file.checksum();
         let armband = Some(SimulatedArmband::ADDRESS);
         let state = Box::leak(Box::new(DeviceState::fresh()));
@@ -154,7 +155,7 @@ impl SimulatedBoard {
             reason: error.to_string(),
         })?;
         let report = board.pipeline.state_report();
-        board.say(report);
+        board.say_report(report);
         Ok(board)
     }
 
@@ -520,7 +521,9 @@ impl SimulatedBoard {
                 self.region(number as usize * BLOCK_BYTES, BLOCK_BYTES)
                     .copy_from_slice(&content);
             }
-            InstallationStep::Verify => drop(parts(&self.flash.model)?),
+            InstallationStep::Verify => {
+                parts(&self.flash.model)?;
+            }
             InstallationStep::Resume => self.resume()?,
             // Power never fails.
             InstallationStep::EraseJournal
@@ -535,13 +538,6 @@ impl SimulatedBoard {
     fn region(&mut self, from: usize, length: usize) -> &mut [u8] {
         &mut bytemuck::cast_slice_mut(self.flash.model.to_mut())[from..][..length]
     }
-}
-
-/// Makes words of flash, so many bytes, that begin with `bytes` and are erased behind them.
-fn flashed(bytes: &[u8], length: usize) -> Vec<u32> {
-    let mut words = vec![u32::MAX; length.div_ceil(4)];
-    bytemuck::cast_slice_mut(&mut words)[..bytes.len()].copy_from_slice(bytes);
-    words
 }
 
 /// Reads a model as a board does.

@@ -22,7 +22,7 @@ pub enum ModelRefused {
         "no model: an installation is not complete; `myointent board --port PATH install FILE` with the same file goes on with it"
     )]
     Incomplete,
-    /// Flash is written.
+    /// The calibration is being written.
     #[error("no model while the calibration is written")]
     Keeping,
 }
@@ -35,7 +35,7 @@ pub struct Absence {
 }
 
 impl Absence {
-    /// Absence that begins, or was reported, at this time.
+    /// Absence from this time on; it is reported again after a second.
     #[must_use]
     pub const fn began(reported: Millis, reason: ModelRefused) -> Self {
         Self { reason, reported }
@@ -48,5 +48,20 @@ impl Absence {
             self.reported = now;
             self.reason
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_is_reported_again_each_second_across_the_wrap_of_the_clock() {
+        let began = Millis(u32::MAX - 499);
+        let mut absence = Absence::began(began, ModelRefused::Keeping);
+        for (later, is_due) in [(999, false), (1000, true), (1001, false), (2000, true)] {
+            let now = Millis(began.0.wrapping_add(later));
+            assert_eq!(absence.due(now).is_some(), is_due, "{later}");
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! Each refusal has a program that earns it: the lines of `programs.txt`.
+//! Refusals of the chip, each with a program that earns it: the lines of `programs.txt`.
 
 use std::collections::BTreeMap;
 
@@ -154,9 +154,9 @@ impl Program {
 fn each_program_is_refused_in_its_words_or_runs() {
     let mut names = Names::new(ChipModel::Nrf52840, None);
     let (mut refused, mut ran) = (0, 0);
+    let lines = include_str!("programs.txt").lines().zip(1..);
     // The head describes the lines.
-    let (_, lines) = include_str!("programs.txt").split_once("\n\n[").unwrap();
-    for (number, line) in format!("[{lines}").lines().enumerate() {
+    for (line, number) in lines.skip_while(|(line, _)| !line.starts_with('[')) {
         if line.starts_with('[') {
             let model = if line.contains("52840") {
                 ChipModel::Nrf52840

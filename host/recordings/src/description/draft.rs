@@ -164,8 +164,11 @@ fn draft(folder: &Path, elsewhere: bool) -> Result<String, DraftError> {
     }
     text += "\n# Labels: words in a column, one a sample in files of their own, or {gesture} in `files`. Classes: relax, open, close,\n\
          # wave-in (flexion), wave-out (extension), pinch, other (movement that is none of these) or a kind of it (point, ...).\n\
-         # What stays unknown is unlabelled. \"*\": all other words.\n\
-         # label = 9\n# label_files = \"...\"\n# labels = { relax = [0], open = [1], close = [2], other = [3, 4], unknown = [\"*\"] }\n\
+         # What stays unknown is unlabelled. \"*\": all other words.\n";
+    if !columns.channels.contains("time = ") {
+        text += "# time = 1    # a column of times or numbers of samples\n";
+    }
+    text += "# label = 9\n# label_files = \"...\"\n# labels = { relax = [0], open = [1], close = [2], other = [3, 4], unknown = [\"*\"] }\n\
          # timing = \"cues\"    # the muscle follows late; \"muscle\": labels lie on its activity; \"from-activity\": one gesture a file\n\
          # arm = \"left\"\n# rotation = 1    # channel c of the common frame is channel c + 1 here\n";
     if let (unread @ 1.., reason) = unread {

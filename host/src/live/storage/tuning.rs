@@ -45,7 +45,7 @@ impl Keeper {
         ];
         let inputs = self.inputs.clone();
         // An engine that has ended needs nothing.
-        let tell = move |state| drop(inputs.send(Input::Event(Event::Tuning(state))));
+        let tell = move |state| drop(inputs.send(Input::Event(Event::Tuning(Box::new(state)))));
         let (inputs, report) = (self.inputs.clone(), tell.clone());
         let work = move || {
             let steps = |step, of| report(running(step, of));

@@ -12,6 +12,8 @@ impl Keeper {
     pub(super) fn tune(&mut self) {
         self.tuning = None;
         let without = TuningState::failed(Said::plain(WITHOUT_TRAINING));
-        let _ = self.inputs.send(Input::Event(Event::Tuning(without)));
+        let _ = self
+            .inputs
+            .send(Input::Event(Event::Tuning(Box::new(without))));
     }
 }

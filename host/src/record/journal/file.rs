@@ -8,7 +8,7 @@ use std::io::{self, ErrorKind, Read as _, Seek as _, Write};
 use std::path::{Path, PathBuf};
 
 use shared::units::Millis;
-use web::record::journal::{Contents, Entry, FORMAT, Header, OLDEST_FORMAT, read};
+use web::record::journal::{Contents, Entry, Header, read};
 
 use super::name::{create_unnamed, free_name, is_named, lock, set_name};
 use crate::record::error::{RecordError, folder};
@@ -215,9 +215,7 @@ pub(crate) fn open(path: &Path) -> Result<(File, Header, Contents), RecordError>
     });
     let path = path.to_owned();
     match header {
-        Some(header) if (OLDEST_FORMAT..=FORMAT).contains(&header.format) => {
-            Ok((file, header, contents))
-        }
+        Some(header) if header.is_read() => Ok((file, header, contents)),
         Some(header) => Err(RecordError::Format {
             path,
             found: header.format,

@@ -346,7 +346,12 @@ impl RecordedSession {
         let view = self.session.view();
         if self.published.as_ref() != Some(&view) {
             self.published = Some(view.clone());
-            let trouble = self.trouble.as_ref().or(self.notice.as_ref()).cloned();
+            let trouble = self
+                .trouble
+                .as_ref()
+                .or(self.notice.as_ref())
+                .cloned()
+                .map(Box::new);
             outputs.push(Output::Event(Event::Session { view, trouble }));
         }
         files
@@ -375,7 +380,7 @@ impl Files {
         Self::of(name, &journal.concat(), notes)
     }
 
-    /// Makes recordings of a journal; none if there is neither its header nor a note.
+    /// Makes recordings of a journal; none if there is neither its header nor a note, or it has another format.
     fn of(name: &str, journal: &[u8], notes: String) -> Option<Self> {
         let contents = read(journal);
         let mut entries = contents.entries.iter();
@@ -393,6 +398,9 @@ impl Files {
         let Some(header) = header else {
             return (!made.notes.is_empty()).then_some(made);
         };
+        if !header.is_read() {
+            return None;
+        }
         let assembly = assemble(&contents.entries);
         for (number, (part, piece)) in (1..).zip(pieces(&assembly)) {
             if let Some(text) = movement(part, &piece) {

@@ -210,7 +210,7 @@ impl Usbd {
         };
         let (address, length) = self.buffer(EPOUT_PTR + DMA * endpoint as u32, bus);
         if length != self.registers.get(SIZE_EPOUT + offset) {
-            let expected = "that of SIZE_EPOUT.EPOUT_PTR (6.35.10)";
+            let expected = "that of SIZE_EPOUT (6.35.10)";
             let place = EPOUT_PTR + DMA * endpoint as u32 + 4;
             return self.unexpected(place, bus, expected);
         }

@@ -99,12 +99,19 @@ impl Controller {
                 needs(!is_used, "while the address is in use")?;
                 self.hci.own = take(memory, at, 6)?.first_chunk().copied();
             }
-            "lc_disconnect" if !self.air.is_linked() => return Ok(UNKNOWN_CONNECTION),
-            "lc_disconnect" if self.hci.is_ending => return Ok(DISALLOWED),
             "lc_disconnect" => {
                 let bytes = take(memory, at, 3)?;
                 let is_allowed = halves(&bytes, 0) == [HANDLE] && REASONS.contains(&bytes[2]);
-                needs(is_allowed, "of another link, or for a reason that is none")?;
+                needs(
+                    is_allowed,
+                    "of another link, or with a reason that the specification does not allow",
+                )?;
+                if !self.air.is_linked() {
+                    return Ok(UNKNOWN_CONNECTION);
+                }
+                if self.hci.is_ending {
+                    return Ok(DISALLOWED);
+                }
                 // One that is being lost ends with its time-out.
                 self.air.disconnect(now);
                 self.hci.is_ending = true;

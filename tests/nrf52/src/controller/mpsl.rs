@@ -1,6 +1,6 @@
 //! MPSL's start, and its clocks (mpsl.h, mpsl_clock.h).
 
-use super::{CLOCK, Controller, HIGH, answer, needs, take};
+use super::{CLOCK, Controller, HIGH, answer, needs, take, wrong};
 use crate::chip::{Chip, Owner};
 use crate::core::Core;
 use crate::refusal::What;
@@ -69,9 +69,10 @@ impl Controller {
             "for another clock than the crystal, the synthesized one or the RC clock with calibration",
         )?;
         let running = chip.low_frequency_source();
+        let running = running.ok_or_else(|| wrong("before the low-frequency clock runs"))?;
         needs(
-            running == Some(source.into()),
-            &format!("for source {source} of the low-frequency clock, which runs from {running:?}"),
+            running == source.into(),
+            &format!("for source {source} of the low-frequency clock, which runs from {running}"),
         )?;
         self.mpsl.accuracy = u16::from_le_bytes([clock[4], clock[5]]);
         let low = interrupt as u16;
@@ -89,7 +90,7 @@ impl Controller {
         [source, callback, ..]: [u32; 4],
         chip: &mut Chip,
     ) -> Result<i32, What> {
-        needs(source == 0, "for a source that is none")?;
+        needs(source == 0, "for an unknown source")?;
         chip.start_crystal();
         self.mpsl.keeps_crystal = true;
         self.mpsl.crystal = Some((chip.bus.now + CRYSTAL, callback));

@@ -66,6 +66,7 @@ impl Controller {
         match name {
             "sdc_cfg_set" => self.set_configuration(first, second, third, memory),
             "sdc_rand_source_register" => {
+                take(memory, first, 4)?;
                 self.sdc.random = memory.word(first);
                 Ok(answer::SUCCESS)
             }

@@ -167,7 +167,8 @@ impl SoftDevice {
 
 /// The times of `ble_gap_scan_params_t`.
 fn scan_times(parameters: u32, memory: &Memory) -> Result<ScanTimes, What> {
-    let half = |offset: u32| memory.half(parameters + offset).unwrap_or_default();
+    let fields = take(memory, parameters, 8)?;
+    let half = |at: usize| u16::from_le_bytes([fields[at], fields[at + 1]]);
     let timeout = match half(6) {
         0 => u64::MAX,
         units => ms(10) * u64::from(units),
@@ -179,7 +180,8 @@ fn scan_times(parameters: u32, memory: &Memory) -> Result<ScanTimes, What> {
 
 /// `ble_gap_conn_params_t`.
 fn connection_parameters(address: u32, memory: &Memory) -> Result<Parameters, What> {
-    let half = |offset: u32| memory.half(address + offset).unwrap_or_default();
+    let fields = take(memory, address, 8)?;
+    let half = |at: usize| u16::from_le_bytes([fields[at], fields[at + 1]]);
     let parameters = [0, 2, 4, 6].map(half);
     needs(
         parameters_are_allowed(parameters),

@@ -22,13 +22,14 @@ impl SoftDevice {
         memory: &Memory,
     ) -> Result<u32, What> {
         // `ble_gattc_write_params_t`.
-        let half = |offset: u32| memory.half(parameters + offset).unwrap_or_default();
+        let fields = take(memory, parameters, 12)?;
+        let half = |at: usize| u16::from_le_bytes([fields[at], fields[at + 1]]);
         needs(
-            half(0).to_le_bytes()[0] == WRITE_REQUEST,
+            fields[0] == WRITE_REQUEST,
             "for a write that is not modelled: only requests are",
         )?;
         let (attribute, length) = (half(2), half(6));
-        let value = memory.word(parameters + 8).unwrap_or_default();
+        let value = u32::from(half(8)) | u32::from(half(10)) << 16;
         let value = take(memory, value, length.into())?;
         Ok(self.request(handle, AirRequest::Write(attribute, value)))
     }

@@ -194,6 +194,10 @@ impl SoftDevice {
             call::GAP_WHITELIST_SET => self.set_whitelist(first, second as u8, &memory)?,
             // Transmission power is not modelled.
             call::GAP_TX_POWER_SET => {}
+            // It has ended, and the program does not know yet.
+            call::GAP_SCAN_START if first == 0 && !self.air.scans() => {
+                return Ok(answer::INVALID_STATE);
+            }
             call::GAP_SCAN_START => self.start_scan(first, second, now, &memory)?,
             call::GAP_SCAN_STOP if self.air.stop_scan(now) => {}
             call::GAP_CONNECT => self.connect([second, third, fourth], now, &memory)?,
@@ -252,12 +256,16 @@ impl SoftDevice {
     }
 
     fn give_event(&mut self, into: u32, length: u32, memory: &Memory) -> Result<u32, What> {
+        needs(
+            into.is_multiple_of(4),
+            "with a buffer that is not aligned to a word",
+        )?;
         let Some(event) = self.events.front() else {
             return Ok(answer::NOT_FOUND);
         };
         let given = memory.half(length).unwrap_or_default();
-        let fits = into.is_multiple_of(4) && usize::from(given) >= event.len();
-        needs(fits, "with a buffer that is not aligned or too short")?;
+        let fits = usize::from(given) >= event.len();
+        needs(fits, "with a buffer that is too short")?;
         give(memory, into, event)?;
         give(memory, length, &(event.len() as u16).to_le_bytes())?;
         self.events.pop_front();

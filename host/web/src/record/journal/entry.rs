@@ -42,6 +42,13 @@ pub struct Header {
     pub synthetic: bool,
 }
 
+impl Header {
+    /// Whether the journal has a format that this program reads.
+    pub fn is_read(&self) -> bool {
+        (OLDEST_FORMAT..=FORMAT).contains(&self.format)
+    }
+}
+
 /// Entry of a journal.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(tag = "is", rename_all = "kebab-case", deny_unknown_fields)]
@@ -178,7 +185,9 @@ impl Entry {
         let (checksum, rest) = bytes.split_at(bytes.len().min(8));
         let rest = rest.strip_prefix(b" ").unwrap_or(rest);
         let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
-        let json = serde_json::from_slice::<IgnoredAny>(&rest[digits..]);
+        // A number that ends behind its sign is no JSON, for the parser.
+        let json = rest[digits..].strip_suffix(b"-").unwrap_or(&rest[digits..]);
+        let json = serde_json::from_slice::<IgnoredAny>(json);
         checksum.iter().all(u8::is_ascii_hexdigit) && json.err().is_none_or(|error| error.is_eof())
     }
 
