@@ -85,11 +85,11 @@ fn marks(browser: &mut Browser) {
         let width = format!("Math.max(...window.drawn[{colour}('--{name}').trim()])");
         assert_eq!(browser.value(&width), 2, "{name}");
     }
-    for (right, is_low) in [(14, true), (15, false)] {
+    for (right, all, is_low) in [(14, 30, true), (15, 30, false), (14, 29, false)] {
         let share = format!(
-            "import('./now.js').then(({{ Now }}) => {{ new Now().share({{ gestures: [{right}, 30], rest: [0, 0], other: [0, 0] }}); return $low.checkVisibility(); }})"
+            "import('./now.js').then(({{ Now }}) => {{ new Now().share({{ gestures: [{right}, {all}], rest: [0, 0], other: [0, 0] }}); return $low.checkVisibility(); }})"
         );
-        assert_eq!(browser.value(&share), is_low, "{right} of 30");
+        assert_eq!(browser.value(&share), is_low, "{right} of {all}");
     }
 }
 

@@ -8,7 +8,7 @@ export const GERMAN_PROGRAM = {
   "recordings.": "alle",
   // Findings on a session, and advice.
   "finding.nothing": "es wurde nichts aufgenommen",
-  "finding.seldom": "{class} {found}-mal: 6 genügen, 8 sind besser",
+  "finding.seldom": "{class} {found}-mal: {enough} genügen, {better} sind besser",
   "finding.not-followed": "{class}: {found} von {of} Aufforderungen wurde nicht gefolgt",
   "finding.no-contrast": "{class} hebt sich kaum von der Ruhe ab: {factor:1}-mal so stark",
   "finding.silent": "Elektrode {channel} schweigt",

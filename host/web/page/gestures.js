@@ -1,6 +1,6 @@
 // Line drawings of the gestures. A hand is a few round strokes: each layer is drawn as ink, and again a little thinner in the
 // colour of the ground, so that strokes of one layer melt into one outline and later layers lie in front. The hands are left ones:
-// the style sheet mirrors them.
+// the style sheet mirrors them for a right hand.
 
 import { named } from "./texts.js";
 

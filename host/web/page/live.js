@@ -139,12 +139,19 @@ const TAKE = {
   },
   scores: (message) => history.scores.push(message),
   alignment(message, isOld) {
-    history.placed = message.turn + 8 * message.mirrored;
+    const placed = message.turn + 8 * message.mirrored;
+    if (placed !== history.placed) {
+      counted();
+    }
+    history.placed = placed;
     placement.take(message, isOld);
     aligns(message.state === "waiting");
   },
   calibration(message) {
     calibration.take(message);
+    if (message.state === "done") {
+      counted();
+    }
     find("play").disabled = !connected || calibration.isRunning;
   },
   imu: (message) => arm.take(message.quaternion),
@@ -160,8 +167,7 @@ const TAKE = {
   session(message) {
     history.cue(message.from ?? history.end ?? 0, message.cue);
     if (message.phase === "waiting") {
-      agreement.clear();
-      now.share(agreement);
+      counted();
     }
     session.show(message);
     if (session.isRunning && paused !== null) {
@@ -191,7 +197,7 @@ const TAKE = {
   },
 };
 
-/** Marks the page while the arm is simulated. That of firmware on a PC is not turned here. */
+/** Marks the page while the arm is simulated. Firmware on a PC turns its own arm, so the button is hidden. */
 function simulated(is) {
   document.body.toggleAttribute("data-simulated", is);
   find("turn").hidden = !is || (document.body.dataset.kind === "port" && !find("program"));
@@ -215,6 +221,12 @@ function noStream() {
   blocks.take(null);
   arm.take(null);
   aligns(false);
+}
+
+/** Begins the count of labels as asked anew: they are of another session, placement or calibration. */
+function counted() {
+  agreement.clear();
+  now.share(agreement);
 }
 
 /** Counts whether a label is what was asked for. */

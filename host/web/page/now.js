@@ -7,8 +7,9 @@ import { named, t } from "./texts.js";
 /** Sign and word of each state of the agreement. */
 const SIGNS = { right: ["✓", t("as.asked")], wrong: ["✗", t("not.as.asked")], soon: ["…", t("changing")], ignored: ["✓", t("ignored")] };
 
-/** Labels in gestures from which there is advice, 3 s of them, and the share in per cent below which it is needed. */
+/** Labels in gestures from which there is advice: 3 s of them. */
 const ENOUGH = 30;
+/** Share in per cent below which there is advice. */
 const LOW = 50;
 
 /** Why there is no label, in words. */
@@ -20,15 +21,16 @@ export class Now {
   #agrees = find("agrees");
   #valid = find("valid");
   #shown = "";
-  /** The label that is shown, null without one; and { state, cue } of what was asked for. */
+  /** The label that is shown; null without one. */
   label = null;
-  judged = { state: "none", cue: null };
+  /** What was asked for, as `judge` says it. */
+  judged = { state: "none", cue: null, means: false };
 
   /** Shows the label of a position in samples: { label, valid, cause }, or null with the reason `none`; what was asked for, unless the stream is lost; and why the label is rest, if other movement is the reason. */
   show(history, position, entry, none, isThere, isOther) {
     const label = entry?.valid ? entry.label : null;
     this.label = label;
-    this.judged = history.hasTruth ? judge(history, Math.floor(position), label) : { state: "none", cue: null };
+    this.judged = history.hasTruth ? judge(history, Math.floor(position), label) : { state: "none", cue: null, means: false };
     const { state, cue, means } = this.judged;
     const shown = JSON.stringify([entry?.label, entry?.valid, entry?.cause, state, cue, means, none, history.hasTruth, isThere, isOther]);
     if (shown === this.#shown) {
@@ -52,7 +54,7 @@ export class Now {
     write(this.#valid, entry === null ? none : entry.valid ? t(isOther && label === "relax" ? "in.use.other" : "in.use") : t("no.label", { cause: causeText(entry.cause) }));
   }
 
-  /** Shows the shares of the labels that are as asked; `data-gestures` is the number of those in gestures. */
+  /** Shows the shares of the labels that are as asked, and advice where those in gestures are few; `data-gestures` is their number. */
   share({ gestures, rest, other }) {
     const groups = [[gestures, t("gestures")], [rest, t("rest")], [other, t("other.movement")]];
     const parts = groups.filter(([[, all]]) => all > 0).map(([counts, name]) => t("share.part", { percent: percent(counts), what: name }));
@@ -65,8 +67,11 @@ export class Now {
   /** Says the label to a screen reader; to be called rarely, as each change is read out. */
   speak() {
     const word = this.#agrees.lastElementChild.textContent;
-    const said = this.#label.classList.contains("safe") ? this.#valid.textContent : this.#label.textContent;
-    const label = word ? t("spoken.judged", { label: said, word }) : said;
+    if (this.#label.classList.contains("safe")) {
+      write(find("spoken"), this.#valid.textContent);
+      return;
+    }
+    const label = word ? t("spoken.judged", { label: this.#label.textContent, word }) : this.#label.textContent;
     const asked = this.#asked.lastChild.textContent;
     write(find("spoken"), this.#asked.hidden ? t("spoken", { label }) : t("spoken.asked", { asked, label }));
   }

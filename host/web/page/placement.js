@@ -36,15 +36,16 @@ function remembered(placed) {
   return change && same(change.placed, placed) ? change.before : null;
 }
 
-
 /** What is in force, and what came of an alignment, as a sentence. */
 function said(message) {
   const placed = placement(message);
   switch (message.state) {
     case "waiting":
       return t("said.waiting", { outcome: outcome(message) });
-    case "aligned": case "set": case "in-force": case "disconnected":
-      return isNone(message) && message.state !== "aligned" ? t("not.aligned") : t("said.aligned", { placement: placed });
+    case "aligned":
+      return t("said.aligned", { placement: placed });
+    case "set": case "in-force": case "disconnected":
+      return isNone(message) ? t("not.aligned") : capital(placed);
     default:
       return capital(isNone(message) ? outcome(message) : `${placed}; ${outcome(message)}`);
   }

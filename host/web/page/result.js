@@ -109,7 +109,7 @@ export class Result {
   tuning(message) {
     const { state, steps, of, rows, commands } = message;
     this.isTuning = state === "running";
-    this.next = { better: "install", worse: "again" }[state] ?? (state === "failed" ? this.#kept?.good ? "tune" : "again" : null);
+    this.next = { better: "install", worse: "again", failed: this.#kept?.good ? "tune" : "again" }[state] ?? null;
     this.#told("tuned", state, t(`tuning.${state}`), tuned(message));
     if (HEADLINES[state]) {
       find("verdict").textContent = HEADLINES[state];

@@ -59,6 +59,8 @@ function show({ person, model, version, sessions }) {
 fill();
 document.title = `myointent ${t("h.title")}`;
 find("print").addEventListener("click", () => print());
+// Paper shows what the columns mean.
+addEventListener("beforeprint", () => document.querySelectorAll("details").forEach((one) => { one.open = true; }));
 find("language").addEventListener("click", choose);
 try {
   const answer = await fetch("sessions.json");

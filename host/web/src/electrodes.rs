@@ -59,8 +59,11 @@ impl Electrodes {
             _ => {}
         }
         let second = self.samples.get(self.taken..self.taken + SECOND)?;
-        let unclipped =
-            |block: &&[Sample]| saturation(block).iter().all(|share| *share <= SATURATED);
+        // One electrode that clips in a firm gesture hides no other.
+        let unclipped = |block: &&[Sample]| {
+            let shares = saturation(block);
+            2 * shares.iter().filter(|share| **share > SATURATED).count() < CHANNELS
+        };
         let blocks = second.chunks(BLOCK).filter(unclipped);
         self.levels.extend(blocks.map(levels));
         self.taken += SECOND;
@@ -89,7 +92,7 @@ impl Electrodes {
     }
 }
 
-/// How many times its rest each electrode reached: the third highest of its levels by the lowest tenth. `None` if the hand was not moved.
+/// Number of times its rest that each electrode reached: the third highest of its levels by the lowest tenth. `None` if the hand was not moved.
 fn times(levels: &[[f64; CHANNELS]]) -> Option<[u8; CHANNELS]> {
     if levels.len() < FEWEST {
         return None;
@@ -166,6 +169,16 @@ mod tests {
     }
 
     #[test]
+    fn an_electrode_that_clips_in_a_fist_hides_no_other() {
+        let told = strengths(&FIST, |index, sample| {
+            if (6..9).contains(&(index / SECOND)) && index % 12 == 0 {
+                sample[1] = 127;
+            }
+        });
+        assert!(told[9].is_some());
+    }
+
+    #[test]
     fn an_electrode_that_rose_once_stays_strong_whatever_other_gestures_follow() {
         let asked = [&FIST[..], &[(Intent::Relax, 25), (Intent::Close, 3)]].concat();
         let told = strengths(&asked, |index, sample| {
@@ -194,7 +207,7 @@ mod tests {
                 }
             })
         };
-        let knock = told(|index| (1450..1500).contains(&index) && index % 2 == 0, 90);
+        let knock = told(|index| (1475..1525).contains(&index) && index % 2 == 0, 90);
         assert_eq!(knock, [None; 20], "a quarter of a second");
         let pull = told(
             |index| (1600..1800).contains(&index) && index % 12 == 0,

@@ -33,12 +33,16 @@ pub enum Finding {
     #[error("nothing was recorded")]
     Nothing,
     /// A gesture was done too seldom.
-    #[error("{class} {found} times: {} are enough, {} are better", FEWEST, ENOUGH)]
+    #[error("{class} {found} times: {enough} are enough, {better} are better")]
     Seldom {
         /// The gesture.
         class: &'static str,
         /// Number of its labelled stretches.
         found: usize,
+        /// Number that is enough.
+        enough: usize,
+        /// Number that is better.
+        better: usize,
     },
     /// The muscle did not follow cues.
     #[error("{class}: {found} of {of} cues were not followed")]
@@ -241,7 +245,12 @@ fn gestures(assembly: &Assembly, asked: &[Motion], findings: &mut Vec<Finding>) 
         let found = count(assembly, motion);
         // Other movement needs no number of its own.
         if found < ENOUGH && motion.label().is_some() {
-            findings.push(Finding::Seldom { class, found });
+            findings.push(Finding::Seldom {
+                class,
+                found,
+                enough: FEWEST,
+                better: ENOUGH,
+            });
         }
         match median(&contrasts) {
             Some(contrast) if contrast < LEAST_CONTRAST => {
