@@ -262,7 +262,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     // Check the labels, on an armband that is aligned as before.
     reach(&mut browser, VALID, |_| {});
     let text = browser.value(placed);
-    assert_eq!(text, "Aligned: turned by 3 places");
+    assert_eq!(text, "Turned by 3 places");
     let shown = "$label.textContent.toLowerCase()";
     for intent in [Intent::Open, Intent::Close] {
         for asked in [intent, Intent::Relax] {
