@@ -18,6 +18,7 @@ pub mod call {
     pub const GAP_SCAN_START: u8 = 138;
     pub const GAP_SCAN_STOP: u8 = 139;
     pub const GAP_CONNECT: u8 = 140;
+    pub const GAP_CONNECT_CANCEL: u8 = 141;
     pub const GAP_DATA_LENGTH_UPDATE: u8 = 144;
     pub const GATTC_READ: u8 = 161;
     pub const GATTC_WRITE: u8 = 163;

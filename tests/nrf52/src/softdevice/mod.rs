@@ -201,8 +201,9 @@ impl SoftDevice {
             call::GAP_SCAN_START => self.start_scan(first, second, now, &memory)?,
             call::GAP_SCAN_STOP if self.air.stop_scan(now) => {}
             call::GAP_CONNECT => self.connect([second, third, fourth], now, &memory)?,
+            call::GAP_CONNECT_CANCEL if self.air.cancel_connect(now) => {}
             // It has ended, and the program does not know yet.
-            call::GAP_SCAN_STOP => return Ok(answer::INVALID_STATE),
+            call::GAP_SCAN_STOP | call::GAP_CONNECT_CANCEL => return Ok(answer::INVALID_STATE),
             call::GAP_CONN_PARAM_UPDATE => {
                 return self.update_parameters(first as u16, second, now, &memory);
             }
