@@ -195,7 +195,7 @@ impl Board {
     /// A board with this image; if it cannot be built here, reports the test as skipped.
     ///
     /// # Panics
-    /// As [`image`] and [`Self::new`].
+    /// Where [`image`] or [`Self::new`] does.
     pub fn of(built: Built, setting: Setting) -> Option<Self> {
         Some(Self::new(built, image(built)?, setting))
     }

@@ -155,7 +155,7 @@ fn source(path: impl AsRef<Path>) -> String {
     std::fs::read_to_string(root.join(path)).unwrap()
 }
 
-/// What stands between the braces of an enum or a struct.
+/// Text between the braces of an enum or a struct.
 fn body<'s>(source: &'s str, name: &str) -> &'s str {
     let from = [format!("{name} {{\n"), format!("{name}<'p> {{\n")];
     let body = from.iter().find_map(|from| source.split_once(&**from));

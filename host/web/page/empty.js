@@ -57,7 +57,7 @@ export class Empty {
     if (!source) {
       return null;
     }
-    const title = t(source.kind === "port" ? "empty.port" : "empty.armband", { detail: source.detail ? said(source.detail) : "" });
+    const title = t(source.kind === "port" ? "empty.port" : "empty.armband", { detail: said(source.detail) });
     if (!source.connected) {
       return source.steps.length ? [title, source.steps.map(said), true] : null;
     }

@@ -81,7 +81,7 @@ export class Session {
     this.#marks();
     this.#buttons();
     find("trouble").hidden = !view.trouble;
-    write(find("trouble"), view.trouble ? said(view.trouble) : "");
+    write(find("trouble"), said(view.trouble));
   }
 
   kept(message) {

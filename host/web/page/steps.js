@@ -117,7 +117,7 @@ export class Steps {
       return null;
     }
     if (now === "connect") {
-      return [t("ask.source"), source?.detail ? said(source.detail) : "", [], null];
+      return [t("ask.source"), said(source?.detail), [], null];
     }
     if (now === "bind") {
       return {

@@ -56,8 +56,9 @@ function value(field, own) {
   return typeof own === "string" ? SAID[`${field}.${own}`] ?? named(table, own) : own;
 }
 
-/** What the program says, in the language of the page: a message with its English, and a name and values that a language has words for. */
-export function said({ text, name, ...values }) {
+/** What the program says, in the language of the page: a message with its English, and a name and values that a language has words for; nothing for null. */
+export function said(message) {
+  const { text, name, ...values } = message ?? { text: "" };
   const parts = Object.entries(values).map(([field, own]) => [field, value(field, own)]);
   const isWhole = name in SAID && parts.every(([, own]) => own !== null);
   return isWhole ? filled(SAID[name], Object.fromEntries(parts)) : text;

@@ -30,6 +30,21 @@ impl Unheard {
     pub fn said(self) -> Said {
         Said::of("unheard", &self)
     }
+
+    /// Steps that may help on a port; none while nothing is wrong.
+    pub fn steps(self, port: &str) -> Vec<Said> {
+        if self == Self::NothingYet {
+            return Vec::new();
+        }
+        [
+            Step::Power,
+            Step::Port { port },
+            Step::Close,
+            Step::Firmware,
+        ]
+        .map(|step| Said::of("silent", &step))
+        .into()
+    }
 }
 
 /// Step that may help where a board is not heard.
@@ -63,8 +78,6 @@ pub struct Board {
 pub struct Change {
     /// State; none while the board is heard.
     pub state: Option<Unheard>,
-    /// Whether no line has come for 5 s.
-    pub is_silent: bool,
 }
 
 impl Board {
@@ -192,7 +205,7 @@ impl Board {
             return None;
         }
         self.published = state;
-        Some(Change { state, is_silent })
+        Some(Change { state })
     }
 
     /// Handles the end of the connection.
@@ -208,16 +221,4 @@ pub fn leave(imu: bool) -> String {
     let imu = imu.then_some(Command::Imu(false));
     let commands = [Command::Raw(false)].into_iter().chain(imu);
     commands.map(|command| command.to_string()).collect()
-}
-
-/// Advice for a port on which no board is heard, or no longer.
-pub fn silent(port: &str) -> Vec<Said> {
-    [
-        Step::Power,
-        Step::Port { port },
-        Step::Close,
-        Step::Firmware,
-    ]
-    .map(|step| Said::of("silent", &step))
-    .into()
 }

@@ -120,7 +120,7 @@ mod tests {
         }
     }
 
-    /// What a simulated person who is to learn the strengths does: rests, makes a fist, and rests again; each for some seconds.
+    /// Cues of a simulated person who is to learn the strengths, with their seconds: rest, a fist, rest.
     const FIST: [(Intent, usize); 3] = [(Intent::Relax, 6), (Intent::Close, 3), (Intent::Relax, 3)];
 
     /// Strengths after each second of a simulated person who does what is asked; `change` alters the sample of a number.

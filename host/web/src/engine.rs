@@ -20,7 +20,7 @@ use shared::units::{CHANNELS, Millis};
 
 use crate::armband::{self, Armband, Now};
 use crate::blocks::Blocks;
-use crate::board::{self, Board, Unheard};
+use crate::board::{Board, Unheard};
 use crate::electrodes::Electrodes;
 use crate::event::{Event, Known, ViewerId};
 use crate::outcome::{InstallationState, SessionResult};
@@ -273,11 +273,9 @@ impl Engine {
             Running::Board { is_open: false, .. } => self.commands(now),
             Running::Board { board, port, .. } => {
                 if let Some(change) = board.change(millis(now)) {
-                    let steps = if change.is_silent {
-                        board::silent(port)
-                    } else {
-                        Vec::new()
-                    };
+                    let steps = change
+                        .state
+                        .map_or_else(Vec::new, |state| state.steps(port));
                     let why = change.state.map(Unheard::said);
                     let state = source("port", port, why.is_none(), why, steps);
                     outputs.event(now, state);

@@ -36,7 +36,7 @@ pub enum InstallError {
     /// The board refuses.
     #[error("the board refuses: {why}")]
     Refused {
-        /// Its refusal.
+        /// Refusal in the words of the line.
         #[serde(serialize_with = "refusal")]
         why: Refusal,
     },
@@ -79,7 +79,7 @@ pub enum InstallError {
     /// The file is not a model file, or no board has room for the model.
     #[error("no board can run this file, and nothing was sent: {reason}")]
     Unfit {
-        /// What is wrong with it.
+        /// Error of the file.
         #[from]
         #[serde(serialize_with = "as_text")]
         reason: ModelError,

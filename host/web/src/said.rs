@@ -1,4 +1,4 @@
-//! What the program says to people: in English, and by a name with values, from which a page makes its own language.
+//! Sentences of the program for people: in English, and by a name with values, from which a page makes its own language.
 
 use std::fmt::{self, Display};
 use std::io;

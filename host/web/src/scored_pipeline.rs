@@ -48,7 +48,7 @@ pub enum Refused {
     /// The file is refused.
     #[error("the model is refused: {reason}")]
     File {
-        /// What is wrong with it.
+        /// Error of the file.
         #[from]
         #[serde(serialize_with = "as_text")]
         reason: ModelError,
@@ -56,7 +56,7 @@ pub enum Refused {
     /// The smoother refuses the settings of the model.
     #[error("the model is refused: {reason}")]
     Settings {
-        /// What is wrong with them.
+        /// Error of the settings.
         #[from]
         #[serde(serialize_with = "as_text")]
         reason: SettingsError,

@@ -126,3 +126,13 @@ pub fn take(memory: &Memory, address: u32, length: u32) -> Result<Vec<u8>, What>
     let bytes = memory.read(address, length);
     bytes.ok_or_else(|| wrong(&format!("with {address:#010x}, which is no memory")))
 }
+
+/// Half words of what a call is given, from a place on.
+pub fn halves<const N: usize>(bytes: &[u8], from: usize) -> [u16; N] {
+    let half = |number: usize| {
+        let at = from + 2 * number;
+        let both = bytes.get(at..at + 2).and_then(|two| two.try_into().ok());
+        both.map_or(0, u16::from_le_bytes)
+    };
+    std::array::from_fn(half)
+}

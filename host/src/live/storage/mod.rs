@@ -28,7 +28,7 @@ use crate::record::{RecordError, convert};
 /// Longest wait for lines between two checks of the file: too short to notice.
 const WAIT: Duration = Duration::from_millis(20);
 
-/// What becomes of a session's files, and advice.
+/// Trouble with a session's files, and advice.
 #[derive(Serialize, thiserror::Error, Debug)]
 #[serde(tag = "name", rename_all = "kebab-case")]
 enum Trouble {

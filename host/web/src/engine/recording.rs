@@ -21,7 +21,7 @@ use crate::record::session::{self, Action, HoldReason, Input, Session, View};
 use crate::request::NotDone;
 use crate::said::Said;
 
-/// What the person is told of a session.
+/// Notice to the person about a session.
 #[derive(Serialize, thiserror::Error, Debug)]
 #[serde(tag = "name", rename_all = "kebab-case")]
 enum Notice {

@@ -655,7 +655,7 @@ fn a_simulated_board_takes_every_step_of_a_board_over_its_line() {
     assert_eq!(calibrated(&events), (vec!["keeping", "idle"], false));
 
     // Its wearer plays.
-    say(&mut engine, now, r#"{"do":"blocks","begin":true}"#);
+    engine.request(f64::from(now), PLAY, &[]);
     let (states, moved) = played(&seconds(&mut engine, &mut now, 75));
     assert_eq!(
         (states, moved > 5),

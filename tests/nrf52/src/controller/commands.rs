@@ -8,6 +8,7 @@ use super::memory::ACCEPTED;
 use super::{Controller, give, needs, take, wrong};
 use crate::air::{ScanTimes, parameters_are_allowed};
 use crate::chip::Chip;
+use crate::memory::halves;
 use crate::refusal::What;
 
 /// Statuses of commands that a link or an attempt to connect may overtake (volume 1, part F, 1.3).
@@ -38,16 +39,6 @@ impl Default for ScanParameters {
 fn scan_times(interval: u16, window: u16) -> Result<ScanTimes, What> {
     let times = ScanTimes::of_units(interval, window).filter(|_| interval <= 0x4000);
     times.ok_or_else(|| wrong("with times that no scan can have"))
-}
-
-/// The half words of parameters from a place on.
-fn halves<const N: usize>(bytes: &[u8], from: usize) -> [u16; N] {
-    let half = |number: usize| {
-        let at = from + 2 * number;
-        let both = bytes.get(at..at + 2).and_then(|two| two.try_into().ok());
-        both.map_or(0, u16::from_le_bytes)
-    };
-    std::array::from_fn(half)
 }
 
 /// An address, from its kind on.

@@ -5,7 +5,7 @@ use super::mpsl::WORST_ACCURACY;
 use super::{Controller, answer, check_priorities, needs, own, take, wrong};
 use crate::chip::Chip;
 use crate::core::Core;
-use crate::memory::Memory;
+use crate::memory::{Memory, halves};
 use crate::refusal::What;
 
 /// Kinds of configuration (`sdc_cfg_type`).
@@ -66,8 +66,8 @@ impl Controller {
         match name {
             "sdc_cfg_set" => self.set_configuration(first, second, third, memory),
             "sdc_rand_source_register" => {
-                take(memory, first, 4)?;
-                self.sdc.random = memory.word(first);
+                let [low, high] = halves(&take(memory, first, 4)?, 0);
+                self.sdc.random = Some(u32::from(low) | u32::from(high) << 16);
                 Ok(answer::SUCCESS)
             }
             "sdc_enable" => {

@@ -7,7 +7,7 @@ use super::SoftDevice;
 use super::calls::answer;
 use super::events::{self, HANDLE};
 use crate::air::{AirEvent, Parameters, ScanTimes, parameters_are_allowed};
-use crate::memory::{Memory, take};
+use crate::memory::{Memory, halves, take};
 use crate::refusal::{What, needs, wrong};
 use crate::time::ms;
 
@@ -167,22 +167,19 @@ impl SoftDevice {
 
 /// The times of `ble_gap_scan_params_t`.
 fn scan_times(parameters: u32, memory: &Memory) -> Result<ScanTimes, What> {
-    let fields = take(memory, parameters, 8)?;
-    let half = |at: usize| u16::from_le_bytes([fields[at], fields[at + 1]]);
-    let timeout = match half(6) {
+    let [interval, window, timeout] = halves(&take(memory, parameters, 8)?, 2);
+    let timeout = match timeout {
         0 => u64::MAX,
         units => ms(10) * u64::from(units),
     };
-    let times = ScanTimes::of_units(half(2), half(4));
+    let times = ScanTimes::of_units(interval, window);
     let times = times.ok_or_else(|| wrong("with times that no scan can have"))?;
     Ok(ScanTimes { timeout, ..times })
 }
 
 /// `ble_gap_conn_params_t`.
 fn connection_parameters(address: u32, memory: &Memory) -> Result<Parameters, What> {
-    let fields = take(memory, address, 8)?;
-    let half = |at: usize| u16::from_le_bytes([fields[at], fields[at + 1]]);
-    let parameters = [0, 2, 4, 6].map(half);
+    let parameters = halves(&take(memory, address, 8)?, 0);
     needs(
         parameters_are_allowed(parameters),
         "with parameters that no connection can have",

@@ -4,7 +4,7 @@ use super::SoftDevice;
 use super::calls::answer;
 use super::events::HANDLE;
 use crate::air::AirRequest;
-use crate::memory::{Memory, take};
+use crate::memory::{Memory, halves, take};
 use crate::refusal::{What, needs};
 
 /// A write that is answered (`BLE_GATT_OP_WRITE_REQ`).
@@ -23,13 +23,12 @@ impl SoftDevice {
     ) -> Result<u32, What> {
         // `ble_gattc_write_params_t`.
         let fields = take(memory, parameters, 12)?;
-        let half = |at: usize| u16::from_le_bytes([fields[at], fields[at + 1]]);
         needs(
             fields[0] == WRITE_REQUEST,
             "for a write that is not modelled: only requests are",
         )?;
-        let (attribute, length) = (half(2), half(6));
-        let value = u32::from(half(8)) | u32::from(half(10)) << 16;
+        let [attribute, _, length, low, high] = halves(&fields, 2);
+        let value = u32::from(low) | u32::from(high) << 16;
         let value = take(memory, value, length.into())?;
         Ok(self.request(handle, AirRequest::Write(attribute, value)))
     }
