@@ -13,23 +13,8 @@ use super::{
     Aligned, KEY_LIMIT, Kernels, MAX_COLUMNS, MAX_TERMS, QUERY_LIMIT, code_limit, packing::packed,
     portable::Portable,
 };
+use crate::model::noise::Noise;
 use crate::units::{CleanSample, Sample};
-
-/// A kernel differs from its reference.
-#[derive(Clone, Copy, PartialEq, Debug)]
-struct Mismatch {
-    kernel: &'static str,
-    /// Length of the rows.
-    length: usize,
-    /// Their content.
-    fill: Fill,
-    /// Index of the output.
-    row: usize,
-    /// The reference's result.
-    expected: i64,
-    /// The kernel's result.
-    found: i64,
-}
 
 /// Content of the operands.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -44,8 +29,6 @@ enum Fill {
     Alternating,
     /// Uniform pseudo-random numbers over the whole range.
     Noise,
-    /// Infinities, NaN and the smallest numbers.
-    Special,
 }
 
 const FILLS: [Fill; 5] = [
@@ -74,8 +57,6 @@ const COLUMNS: [usize; 14] = [
 ];
 /// Rows of `multiply`: one tile and several.
 const ROWS: [usize; 2] = [4, 12];
-/// Most tokens of `multiply` that are tried.
-const MOST_TOKENS: usize = 3;
 /// Terms of the products of codes.
 const TERMS: [usize; 9] = [0, 1, 2, 4, 6, 12, 16, 27, MAX_TERMS];
 /// Number of rows of these terms, or of columns, and of unused values between two rows.
@@ -106,57 +87,51 @@ const DRAWS: usize = 10_000;
 const DRAWN_COLUMNS: usize = 96;
 const MOST_ROWS: usize = 12;
 
-/// Kernel calls in one [`check`].
-const CASES: usize = 6 * DRAWS
-    + SPECIAL.len()
-    + FILLS.len()
-        * (MOST_TOKENS * COLUMNS.len() * ROWS.len()
-            + 2 * TERMS.len() * LAYOUTS.len()
-            + 2 * LENGTHS.len()
-            + 1);
-
-/// Runs all checks on an implementation and returns their number, or the first difference.
-fn check<K: Kernels>() -> Result<usize, Mismatch> {
-    let mut checked = 0;
+/// Runs all checks on an implementation.
+fn check<K: Kernels>() {
     let mut noise = Noise(0x2545_f491);
     for fill in FILLS {
         for columns in COLUMNS {
             for rows in ROWS {
-                checked += multiply::<K, 1>(columns, rows, fill, &mut noise)?;
-                checked += multiply::<K, 2>(columns, rows, fill, &mut noise)?;
-                checked += multiply::<K, MOST_TOKENS>(columns, rows, fill, &mut noise)?;
+                multiply::<K, 1>(columns, rows, fill, &mut noise);
+                multiply::<K, 2>(columns, rows, fill, &mut noise);
+                multiply::<K, 3>(columns, rows, fill, &mut noise);
             }
         }
         for terms in TERMS {
             for (count, between) in LAYOUTS {
-                checked += row_products::<K>(terms, count, between, fill, &mut noise)?;
-                checked += weighted_rows::<K>(terms, count, between, fill, &mut noise)?;
+                row_products::<K>(terms, count, between, fill, &mut noise);
+                weighted_rows::<K>(terms, count, between, fill, &mut noise);
             }
         }
         for length in LENGTHS {
-            checked += quantize::<K>(length, fill, &mut noise)?;
-            checked += rescale::<K>(length, fill, &mut noise)?;
+            quantize::<K>(length, fill, &mut noise);
+            rescale::<K>(length, fill, &mut noise);
         }
-        checked += rectified_median::<K>(fill, &mut noise)?;
+        rectified_median::<K>(fill, &mut noise);
     }
     for values in SPECIAL {
-        checked += quantize_special::<K>(values)?;
+        quantize_special::<K>(values);
     }
     for _ in 0..DRAWS {
-        let columns = 4 * noise.below(DRAWN_COLUMNS / 4 + 1);
-        let rows = 4 + 4 * noise.below(MOST_ROWS / 4);
-        checked += match noise.below(2) {
-            0 => multiply::<K, 1>(columns, rows, Fill::Noise, &mut noise)?,
-            _ => multiply::<K, 2>(columns, rows, Fill::Noise, &mut noise)?,
-        };
-        let [terms, count, between] = [MAX_TERMS + 1, MAX_TERMS, 5].map(|most| noise.below(most));
-        checked += row_products::<K>(terms, 1 + count, between, Fill::Noise, &mut noise)?;
-        checked += weighted_rows::<K>(terms, 1 + count, between, Fill::Noise, &mut noise)?;
-        checked += quantize::<K>(1 + noise.below(DRAWN_COLUMNS), Fill::Noise, &mut noise)?;
-        checked += rescale::<K>(noise.below(DRAWN_COLUMNS), Fill::Noise, &mut noise)?;
-        checked += rectified_median::<K>(Fill::Noise, &mut noise)?;
+        let columns = 4 * below(&mut noise, DRAWN_COLUMNS / 4 + 1);
+        let rows = 4 + 4 * below(&mut noise, MOST_ROWS / 4);
+        match below(&mut noise, 2) {
+            0 => multiply::<K, 1>(columns, rows, Fill::Noise, &mut noise),
+            _ => multiply::<K, 2>(columns, rows, Fill::Noise, &mut noise),
+        }
+        let [terms, count, between] =
+            [MAX_TERMS + 1, MAX_TERMS, 5].map(|most| below(&mut noise, most));
+        row_products::<K>(terms, 1 + count, between, Fill::Noise, &mut noise);
+        weighted_rows::<K>(terms, 1 + count, between, Fill::Noise, &mut noise);
+        quantize::<K>(
+            1 + below(&mut noise, DRAWN_COLUMNS),
+            Fill::Noise,
+            &mut noise,
+        );
+        rescale::<K>(below(&mut noise, DRAWN_COLUMNS), Fill::Noise, &mut noise);
+        rectified_median::<K>(Fill::Noise, &mut noise);
     }
-    Ok(checked)
 }
 
 fn multiply<K: Kernels, const T: usize>(
@@ -164,17 +139,17 @@ fn multiply<K: Kernels, const T: usize>(
     rows: usize,
     fill: Fill,
     noise: &mut Noise,
-) -> Result<usize, Mismatch> {
+) {
     let mut weights = Aligned([0_i8; MOST_ROWS * MAX_COLUMNS]);
     let mut inputs = [Aligned([0_i16; MAX_COLUMNS]); T];
     let weights = &mut weights.0[..rows * columns];
     for (index, weight) in weights.iter_mut().enumerate() {
-        *weight = noise.value(fill, index, [-128, 127], [127, 127]) as i8;
+        *weight = value(noise, fill, index, [-128, 127], [127, 127]) as i8;
     }
     let limit = i32::from(code_limit(weights, columns));
     for input in &mut inputs {
         for (index, code) in input.0[..columns].iter_mut().enumerate() {
-            *code = noise.value(fill, index, [-limit, limit], [-limit, limit]) as i16;
+            *code = value(noise, fill, index, [-limit, limit], [-limit, limit]) as i16;
         }
     }
     let inputs = inputs.each_ref().map(|input| &input.0[..columns]);
@@ -186,22 +161,16 @@ fn multiply<K: Kernels, const T: usize>(
     );
     for (input, sums) in inputs.iter().zip(sums) {
         for (row, &found) in sums[..rows].iter().enumerate() {
-            let expected = (0..columns)
-                .map(|column| {
-                    weight_in_tiles(weights, row, column, columns) * i64::from(input[column])
-                })
-                .sum();
-            agree(Mismatch {
-                kernel: "multiply",
-                length: columns,
-                fill,
-                row,
+            let weight = |column| weight_in_tiles(weights, row, column, columns);
+            let products = (0..columns).map(|column| weight(column) * i64::from(input[column]));
+            let expected: i64 = products.sum();
+            assert_eq!(
+                i64::from(found),
                 expected,
-                found: i64::from(found),
-            })?;
+                "multiply {columns} {fill:?} {row}"
+            );
         }
     }
-    Ok(1)
 }
 
 /// A weight: 256 times its byte, and the byte before it in its word of four.
@@ -235,10 +204,10 @@ impl Operands {
             rows: Aligned([0; _]),
         };
         for (index, code) in operands.single.0.iter_mut().enumerate() {
-            *code = noise.value(fill, index, [-single, single], [single, single]) as i16;
+            *code = value(noise, fill, index, [-single, single], [single, single]) as i16;
         }
         for (index, code) in operands.rows.0.iter_mut().enumerate() {
-            *code = noise.value(fill, index, [-rows, rows], [-rows, rows]) as i16;
+            *code = value(noise, fill, index, [-rows, rows], [-rows, rows]) as i16;
         }
         operands
     }
@@ -250,7 +219,7 @@ fn row_products<K: Kernels>(
     between: usize,
     fill: Fill,
     noise: &mut Noise,
-) -> Result<usize, Mismatch> {
+) {
     let operands = Operands::new(fill, noise);
     let (query, rows) = (&operands.single.0[..terms], &operands.rows.0);
     let stride = (terms + between).max(1);
@@ -258,16 +227,13 @@ fn row_products<K: Kernels>(
     K::row_products(query, rows, stride, &mut sums[..count]);
     for (row, &found) in sums[..count].iter().enumerate() {
         let pairs = query.iter().zip(&rows[row * stride..]);
-        agree(Mismatch {
-            kernel: "row_products",
-            length: terms,
-            fill,
-            row,
-            expected: pairs.map(|(&a, &b)| i64::from(a) * i64::from(b)).sum(),
-            found: i64::from(found),
-        })?;
+        let expected: i64 = pairs.map(|(&a, &b)| i64::from(a) * i64::from(b)).sum();
+        assert_eq!(
+            i64::from(found),
+            expected,
+            "row_products {terms} {fill:?} {row}"
+        );
     }
-    Ok(1)
 }
 
 fn weighted_rows<K: Kernels>(
@@ -276,7 +242,7 @@ fn weighted_rows<K: Kernels>(
     between: usize,
     fill: Fill,
     noise: &mut Noise,
-) -> Result<usize, Mismatch> {
+) {
     let operands = Operands::new(fill, noise);
     let (weights, rows) = (&operands.single.0[..terms], &operands.rows.0);
     let stride = columns + between;
@@ -285,52 +251,28 @@ fn weighted_rows<K: Kernels>(
     for (column, &found) in sums[..columns].iter().enumerate() {
         let values = (0..terms).map(|row| i64::from(rows[row * stride + column]));
         let products = weights.iter().zip(values);
-        agree(Mismatch {
-            kernel: "weighted_rows",
-            length: terms,
-            fill,
-            row: column,
-            expected: products.map(|(&w, v)| i64::from(w) * v).sum(),
-            found: i64::from(found),
-        })?;
-    }
-    Ok(1)
-}
-
-fn agree(pair: Mismatch) -> Result<(), Mismatch> {
-    if pair.expected == pair.found {
-        Ok(())
-    } else {
-        Err(pair)
+        let expected: i64 = products.map(|(&w, v)| i64::from(w) * v).sum();
+        assert_eq!(
+            i64::from(found),
+            expected,
+            "weighted_rows {terms} {fill:?} {column}"
+        );
     }
 }
 
-/// Marsaglia's xorshift generator: the same operands on every machine.
-struct Noise(u32);
+/// A number below `most`.
+fn below(noise: &mut Noise, most: usize) -> usize {
+    (noise.bits() % most as u64) as usize
+}
 
-impl Noise {
-    fn bits(&mut self) -> u32 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 17;
-        self.0 ^= self.0 << 5;
-        self.0
-    }
-
-    fn below(&mut self, most: usize) -> usize {
-        self.bits() as usize % most
-    }
-
-    /// A value; `range` is for noise and alternation, `extremes` are for minima and maxima.
-    fn value(&mut self, fill: Fill, index: usize, range: [i32; 2], extremes: [i32; 2]) -> i32 {
-        match fill {
-            Fill::Zeros => 0,
-            Fill::Minima => extremes[0],
-            Fill::Maxima => extremes[1],
-            Fill::Alternating => range[index % 2],
-            Fill::Noise | Fill::Special => {
-                range[0] + (self.bits() % (range[1] - range[0] + 1) as u32) as i32
-            }
-        }
+/// A value; `range` is for noise and alternation, `extremes` are for minima and maxima.
+fn value(noise: &mut Noise, fill: Fill, index: usize, range: [i32; 2], extremes: [i32; 2]) -> i32 {
+    match fill {
+        Fill::Zeros => 0,
+        Fill::Minima => extremes[0],
+        Fill::Maxima => extremes[1],
+        Fill::Alternating => range[index % 2],
+        Fill::Noise => range[0] + (noise.bits() as u32 % (range[1] - range[0] + 1) as u32) as i32,
     }
 }
 
@@ -363,18 +305,18 @@ impl Kernels for DropsTheTail {
 
 #[test]
 fn the_portable_kernels_pass_the_checks() {
-    assert_eq!(check::<Portable>(), Ok(CASES));
+    check::<Portable>();
 }
 
 #[test]
 fn the_kernels_of_this_target_pass_the_checks() {
-    assert_eq!(check::<super::Active>(), Ok(CASES));
+    check::<super::Active>();
 }
 
 #[test]
+#[should_panic(expected = "row_products 1 ")]
 fn a_dropped_tail_is_detected() {
-    let mismatch = check::<DropsTheTail>().unwrap_err();
-    assert_eq!((mismatch.kernel, mismatch.length), ("row_products", 1));
+    check::<DropsTheTail>();
 }
 
 #[test]

@@ -3,18 +3,15 @@
 use alloc::vec::Vec;
 
 use super::super::{Aligned, KEY_LIMIT, Kernels, MAX_COLUMNS, QUERY_LIMIT, portable::Portable};
-use super::{Fill, Mismatch, Noise, agree};
+use super::{Fill, value};
+use crate::model::noise::Noise;
 use crate::units::Sample;
 
 /// Compares both kernels with the formula, whose order of operations is theirs, bit for bit; one more output than rows
 /// stays as it is.
-pub(super) fn rescale<K: Kernels>(
-    rows: usize,
-    fill: Fill,
-    noise: &mut Noise,
-) -> Result<usize, Mismatch> {
+pub(super) fn rescale<K: Kernels>(rows: usize, fill: Fill, noise: &mut Noise) {
     let mut draw = |size: f32| -> Vec<f32> {
-        let integer = |index| noise.value(fill, index, [-99_999, 99_999], [-99_999, 99_999]);
+        let integer = |index| value(noise, fill, index, [-99_999, 99_999], [-99_999, 99_999]);
         (0..rows)
             .map(integer)
             .map(|value| value as f32 * size)
@@ -23,7 +20,8 @@ pub(super) fn rescale<K: Kernels>(
     let [scales, bias, residual] = [1e-4, 1e-5, 1e-5].map(&mut draw);
     let sums: Vec<i32> = (0..rows)
         .map(|index| {
-            noise.value(
+            value(
+                noise,
                 fill,
                 index,
                 [-0x3fff_ffff, 0x3fff_ffff],
@@ -53,119 +51,66 @@ pub(super) fn rescale<K: Kernels>(
             ]
         };
         for (kernel, (expected, found)) in ["rescale", "add_rescaled"].into_iter().zip(pairs) {
-            agree(Mismatch {
-                kernel,
-                length: rows,
-                fill,
-                row,
-                expected,
-                found,
-            })?;
+            assert_eq!(found, expected, "{kernel} {rows} {fill:?} {row}");
         }
     }
-    Ok(1)
 }
 
 /// Compares with the portable kernel, bit for bit, and with the formula in f64: a code may differ from it
 /// by the error of two f32 roundings, and the largest value has the largest code.
-pub(super) fn quantize<K: Kernels>(
-    length: usize,
-    fill: Fill,
-    noise: &mut Noise,
-) -> Result<usize, Mismatch> {
+pub(super) fn quantize<K: Kernels>(length: usize, fill: Fill, noise: &mut Noise) {
     let mut values = [0.0_f32; MAX_COLUMNS];
     let mut codes = Aligned([1_i16; MAX_COLUMNS]);
     let (values, codes) = (&mut values[..length], &mut codes.0[..length]);
-    for (index, value) in values.iter_mut().enumerate() {
-        let integer = noise.value(fill, index, [-99_999, 99_999], [-99_999, 99_999]);
-        *value = integer as f32 * 1e-3;
+    for (index, number) in values.iter_mut().enumerate() {
+        let integer = value(noise, fill, index, [-99_999, 99_999], [-99_999, 99_999]);
+        *number = integer as f32 * 1e-3;
     }
     let limit = [QUERY_LIMIT, KEY_LIMIT, i16::MAX][length % 3];
-    let scale = quantize_as_portable::<K>(values, limit, codes, fill)?;
+    let scale = quantize_as_portable::<K>(values, limit, codes);
     let mut largest = 0.0;
     for value in &*values {
         if value.abs() > largest {
             largest = value.abs();
         }
     }
-    let mismatch = |row, expected: f32, found: f32| Mismatch {
-        kernel: "quantize",
-        length,
-        fill,
-        row,
-        expected: i64::from(expected.to_bits()),
-        found: i64::from(found.to_bits()),
-    };
-    agree(mismatch(0, largest / f32::from(limit), scale))?;
-    for (row, (&value, &code)) in values.iter().zip(&*codes).enumerate() {
+    assert_eq!(scale, largest / f32::from(limit), "{length} {fill:?}");
+    for (&value, &code) in values.iter().zip(&*codes) {
         let exact = f64::from(value) * f64::from(limit) / f64::from(largest.max(1e-30));
-        let distance = exact - f64::from(code);
+        assert!((exact - f64::from(code)).abs() <= 0.51, "{exact} {code}");
         let is_largest = value.abs() == largest && largest > 0.0;
-        if distance.abs() > 0.51 || (is_largest && code.unsigned_abs() != limit.unsigned_abs()) {
-            return Err(mismatch(row, exact as f32, f32::from(code)));
-        }
+        assert!(!is_largest || code.unsigned_abs() == limit.unsigned_abs());
     }
-    Ok(1)
 }
 
-pub(super) fn quantize_special<K: Kernels>(values: [f32; 8]) -> Result<usize, Mismatch> {
+pub(super) fn quantize_special<K: Kernels>(values: [f32; 8]) {
     for limit in [QUERY_LIMIT, i16::MAX] {
         let mut codes = Aligned([1; 8]);
-        quantize_as_portable::<K>(&values, limit, &mut codes.0, Fill::Special)?;
+        quantize_as_portable::<K>(&values, limit, &mut codes.0);
     }
-    Ok(1)
 }
 
 /// Compares codes and scale with the portable kernel's.
-fn quantize_as_portable<K: Kernels>(
-    values: &[f32],
-    limit: i16,
-    codes: &mut [i16],
-    fill: Fill,
-) -> Result<f32, Mismatch> {
+fn quantize_as_portable<K: Kernels>(values: &[f32], limit: i16, codes: &mut [i16]) -> f32 {
     let mut portable = [2_i16; MAX_COLUMNS];
     let portable = &mut portable[..values.len()];
-    let scales = [
-        Portable::quantize(values, limit, portable),
-        K::quantize(values, limit, codes),
-    ];
-    let pairs = portable.iter().zip(&*codes);
-    let pairs = pairs.map(|(&expected, &found)| [i64::from(expected), i64::from(found)]);
-    let bits = scales.map(|scale| i64::from(scale.to_bits()));
-    for (row, [expected, found]) in core::iter::once(bits).chain(pairs).enumerate() {
-        agree(Mismatch {
-            kernel: "quantize",
-            length: values.len(),
-            fill,
-            row,
-            expected,
-            found,
-        })?;
-    }
-    Ok(scales[1])
+    let scale = Portable::quantize(values, limit, portable);
+    let found = K::quantize(values, limit, codes);
+    assert_eq!(found.to_bits(), scale.to_bits(), "{values:?}");
+    assert_eq!(codes, portable, "{values:?}");
+    found
 }
 
-pub(super) fn rectified_median<K: Kernels>(
-    fill: Fill,
-    noise: &mut Noise,
-) -> Result<usize, Mismatch> {
+pub(super) fn rectified_median<K: Kernels>(fill: Fill, noise: &mut Noise) {
     let [before, here, after] = [0, 1, 2].map(|first: usize| {
         core::array::from_fn(|channel| {
-            noise.value(fill, first + channel, [-128, 127], [-128, 127]) as i8
+            value(noise, fill, first + channel, [-128, 127], [-128, 127]) as i8
         })
     });
     let found = K::rectified_median(before, here, after);
     for (channel, found) in found.into_iter().enumerate() {
         let mut three = [before, here, after].map(|sample: Sample| i64::from(sample[channel]));
         three.sort_unstable();
-        agree(Mismatch {
-            kernel: "rectified_median",
-            length: 3,
-            fill,
-            row: channel,
-            expected: three[1].abs(),
-            found: i64::from(found),
-        })?;
+        assert_eq!(i64::from(found), three[1].abs(), "{fill:?} {channel}");
     }
-    Ok(1)
 }
