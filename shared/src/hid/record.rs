@@ -76,23 +76,17 @@ mod tests {
         assert_eq!(record[..6], *b"MyoH\x01\x01");
         assert_eq!(record[6..16], outputs);
         // The CRC-32 of zlib: Python's binascii.crc32.
-        assert_eq!(record[16..], RECORDED_CHECKSUM.to_le_bytes());
+        assert_eq!(record[16..], 0x4377_888a_u32.to_le_bytes());
         assert_eq!(from_record(&record), Some(settings()));
     }
 
-    const RECORDED_CHECKSUM: u32 = 0x4377_888a;
-
     #[test]
-    fn erased_and_cleared_memory_is_no_record() {
-        assert_eq!(from_record(&[0xff; RECORD_BYTES]), None);
-        assert_eq!(from_record(&[0; RECORD_BYTES]), None);
-    }
-
-    #[test]
-    fn a_record_that_was_not_written_to_its_end_is_none() {
+    fn a_record_that_was_not_written_to_its_end_or_at_all_is_none() {
         let record = to_record(&settings());
-        for written in 0..RECORD_BYTES {
-            let mut half = [0xff; RECORD_BYTES];
+        for (before, written) in
+            (0..RECORD_BYTES).flat_map(|written| [(0xff, written), (0, written)])
+        {
+            let mut half = [before; RECORD_BYTES];
             half[..written].copy_from_slice(&record[..written]);
             assert_eq!(from_record(&half), None, "{written} bytes");
         }

@@ -29,6 +29,17 @@ fn transfer(file: &[u8]) -> Transfer {
     }
 }
 
+const fn next(block: u32) -> Result<InstallationProgress, Refused> {
+    Ok(InstallationProgress::Next(block))
+}
+
+/// Two models, and a board that has both as such and the first one in use.
+fn started() -> (Vec<u8>, Vec<u8>, Board) {
+    let (old, new) = (file(1), file(2));
+    let board = Board::start(Flash::of(&old), &[&old, &new]);
+    (old, new, board)
+}
+
 /// Sends a file, each block from what `from` gives, until one is refused.
 fn refusal<'f>(board: &mut Board, file: &[u8], from: impl Fn(u32) -> &'f Vec<u8>) -> Refused {
     let mut progress = board.begin(transfer(file)).unwrap();
@@ -70,8 +81,7 @@ fn every_block_is_asked_for_once_and_the_first_page_last() {
 
 #[test]
 fn a_file_is_installed_and_in_use() {
-    let (old, new) = (file(1), file(2));
-    let mut board = Board::start(Flash::of(&old), &[&old, &new]);
+    let (old, new, mut board) = started();
     assert_eq!(board.in_use, Some(1));
     assert_eq!(send(&mut board, &new), Ok(transfer(&new).blocks() as usize));
     assert_eq!(board.in_use, Some(2));
@@ -131,22 +141,15 @@ fn another_file_begins_from_the_start_and_the_same_one_goes_on() {
     for number in [0, 64, 65, 66] {
         assert!(board.take(&new, number).unwrap().is_ok());
     }
-    assert_eq!(
-        board.begin(transfer(&new)),
-        Ok(InstallationProgress::Next(67))
-    );
-    assert_eq!(
-        board.begin(transfer(&other)),
-        Ok(InstallationProgress::Next(0))
-    );
+    assert_eq!(board.begin(transfer(&new)), next(67));
+    assert_eq!(board.begin(transfer(&other)), next(0));
     assert!(send(&mut board, &other).is_ok());
     assert_eq!(board.in_use, Some(3));
 }
 
 #[test]
 fn what_was_not_asked_for_changes_nothing() {
-    let (old, new) = (file(1), file(2));
-    let mut board = Board::start(Flash::of(&old), &[&old, &new]);
+    let (_, new, mut board) = started();
     assert_eq!(board.take(&new, 0).unwrap(), Err(Refused::NotBegun));
     let long = Transfer {
         length: CAPACITY as u32 + 1,
@@ -160,28 +163,16 @@ fn what_was_not_asked_for_changes_nothing() {
         }),
         Err(Refused::Length)
     );
-    assert_eq!(
-        board.begin(transfer(&new)),
-        Ok(InstallationProgress::Next(0))
-    );
+    assert_eq!(board.begin(transfer(&new)), next(0));
     let blocks = transfer(&new).blocks();
     assert_eq!(board.take(&new, blocks).unwrap(), Err(Refused::NoSuchBlock));
-    assert_eq!(
-        board.take(&new, 1).unwrap(),
-        Ok(InstallationProgress::Next(0))
-    );
+    assert_eq!(board.take(&new, 1).unwrap(), next(0));
     assert_eq!(board.in_use, Some(1), "begun, but nothing was sent");
-    assert_eq!(
-        board.take(&new, 0).unwrap(),
-        Ok(InstallationProgress::Next(64))
-    );
+    assert_eq!(board.take(&new, 0).unwrap(), next(64));
     assert_eq!(board.in_use, None);
     for wrong in [0, 1, 63, 65, blocks - 1] {
         let before = board.flash.region.clone();
-        assert_eq!(
-            board.take(&new, wrong).unwrap(),
-            Ok(InstallationProgress::Next(64))
-        );
+        assert_eq!(board.take(&new, wrong).unwrap(), next(64));
         assert_eq!(board.flash.region, before);
     }
 }
@@ -198,8 +189,7 @@ fn a_first_block_that_is_not_ours_leaves_the_model_in_use() {
 
 #[test]
 fn a_file_that_is_no_model_is_refused_and_the_next_begins_from_the_start() {
-    let (old, new) = (file(1), file(2));
-    let mut board = Board::start(Flash::of(&old), &[&old, &new]);
+    let (old, new, mut board) = started();
     // One block comes from another file, and no checksum of the line finds it.
     let refused = refusal(
         &mut board,
@@ -208,34 +198,27 @@ fn a_file_that_is_no_model_is_refused_and_the_next_begins_from_the_start() {
     );
     assert_eq!(refused, Refused::Model);
     assert!(board.is_safe);
-    assert_eq!(
-        board.begin(transfer(&new)),
-        Ok(InstallationProgress::Next(0))
-    );
+    assert_eq!(board.begin(transfer(&new)), next(0));
     assert_eq!(send(&mut board, &new), Ok(transfer(&new).blocks() as usize));
     assert_eq!(board.in_use, Some(2));
 }
 
 #[test]
 fn a_failure_while_flash_still_holds_the_old_model_puts_it_back_in_use() {
-    let (old, new) = (file(1), file(2));
     for failing in [
         InstallationStep::Suspend,
         InstallationStep::EraseJournal,
         InstallationStep::WriteJournal,
         InstallationStep::ErasePage(0),
     ] {
-        let mut board = Board::start(Flash::of(&old), &[&old, &new]);
+        let (_, new, mut board) = started();
         board.begin(transfer(&new)).unwrap();
         board.failing = Some((failing, Refused::Flash));
         let failure = board.take(&new, 0).unwrap();
         assert_eq!(failure, Err(Refused::Flash), "{failing:?}");
         assert_eq!(board.in_use, Some(1), "{failing:?}");
         assert!(!board.is_safe, "{failing:?}");
-        assert_eq!(
-            board.begin(transfer(&new)),
-            Ok(InstallationProgress::Next(0))
-        );
+        assert_eq!(board.begin(transfer(&new)), next(0));
         assert!(send(&mut board, &new).is_ok());
         assert_eq!(board.in_use, Some(2), "{failing:?}");
     }
@@ -243,26 +226,21 @@ fn a_failure_while_flash_still_holds_the_old_model_puts_it_back_in_use() {
 
 #[test]
 fn a_failure_that_left_half_a_page_leaves_the_board_safe_and_the_block_missing() {
-    let (old, new) = (file(1), file(2));
-    let mut board = Board::start(Flash::of(&old), &[&old, &new]);
+    let (_, new, mut board) = started();
     board.begin(transfer(&new)).unwrap();
     board.flash.region[..PAGE_BYTES / 2].fill(0xff);
     board.failing = Some((InstallationStep::ErasePage(0), Refused::Flash));
     assert_eq!(board.take(&new, 0).unwrap(), Err(Refused::Flash));
     assert_eq!((board.in_use, board.is_safe), (None, true));
-    assert_eq!(
-        board.begin(transfer(&new)),
-        Ok(InstallationProgress::Next(0))
-    );
+    assert_eq!(board.begin(transfer(&new)), next(0));
     assert!(send(&mut board, &new).is_ok());
     assert_eq!(board.in_use, Some(2));
 }
 
 #[test]
 fn a_model_that_is_not_suspended_or_not_put_in_use_is_no_failure_of_flash() {
-    let (old, new) = (file(1), file(2));
     for failing in [InstallationStep::Suspend, InstallationStep::Resume] {
-        let mut board = Board::start(Flash::of(&old), &[&old, &new]);
+        let (_, new, mut board) = started();
         board.failing = Some((failing, Refused::Busy));
         assert_eq!(refusal(&mut board, &new, |_| &new), Refused::Busy);
         // The block is missing still.
@@ -273,8 +251,7 @@ fn a_model_that_is_not_suspended_or_not_put_in_use_is_no_failure_of_flash() {
 
 #[test]
 fn a_model_that_cannot_be_put_in_use_ends_the_transfer() {
-    let (old, new) = (file(1), file(2));
-    let mut board = Board::start(Flash::of(&old), &[&old, &new]);
+    let (_, new, mut board) = started();
     board.failing = Some((InstallationStep::Resume, Refused::Model));
     assert_eq!(refusal(&mut board, &new, |_| &new), Refused::Model);
     assert_eq!(board.take(&new, 63).unwrap(), Err(Refused::NotBegun));

@@ -137,60 +137,6 @@ fn entry(entry: f32) -> Margins {
     }
 }
 
-/// Labels of a smoother that enters each class with this margin.
-fn gated(margin: f32, rows: &[[f32; CLASSES]]) -> Vec<usize> {
-    let settings = Settings {
-        look_ahead: 0,
-        margins: entry(margin),
-        ..PLAIN
-    };
-    let labels = classes(settings, CLASSES, rows);
-    labels.into_iter().flatten().collect()
-}
-
-#[test]
-fn a_class_needs_its_margin_to_enter_and_none_to_stay_or_to_leave() {
-    let weak = [0.0, 1.0, 0.0, 0.0];
-    let strong = [0.0, 3.0, 0.0, 0.0];
-    let rest = [0.1, 0.0, 0.0, 0.0];
-    assert_eq!(
-        gated(2.0, &[weak, strong, weak, rest, weak]),
-        [0, 1, 1, 0, 0]
-    );
-    assert_eq!(gated(0.0, &[weak, rest, strong]), [1, 0, 1]);
-    assert_eq!(gated(3.0, &[strong]), [1], "the margin itself is enough");
-}
-
-/// Labels of a smoother of three classes whose last column is movement outside the vocabulary.
-fn gated_from_other(margin: f32, rows: &[[f32; CLASSES]]) -> Vec<usize> {
-    let settings = Settings {
-        look_ahead: 0,
-        margins: Margins {
-            other: Some(margin),
-            ..entry(1.0)
-        },
-        ..PLAIN
-    };
-    let labels = classes(settings, CLASSES - 1, rows);
-    labels.into_iter().flatten().collect()
-}
-
-#[test]
-fn movement_outside_the_vocabulary_lets_no_class_in_and_ends_none() {
-    let [clear, near, below] = [0.0, 2.8, 9.0].map(|other| [0.0, 3.0, 0.0, other]);
-    let rest = [0.1, 0.0, 0.0, 9.0];
-    assert_eq!(gated_from_other(0.5, &[near, below]), [0, 0]);
-    assert_eq!(
-        gated_from_other(0.5, &[clear, near, below, rest, near]),
-        [1, 1, 1, 0, 0]
-    );
-    // The other class has too little over the third column: the label stays.
-    let another = [0.0, 1.0, 3.0, 2.8];
-    assert_eq!(gated_from_other(0.5, &[clear, another]), [1, 1]);
-    assert_eq!(gated_from_other(0.1, &[near]), [1]);
-    assert_eq!(gated_from_other(-7.0, &[below]), [1]);
-}
-
 #[test]
 fn impossible_settings_are_refused_each_with_its_reason() {
     let refused = |settings, classes| Smoother::<CLASSES, ROWS>::new(settings, classes).err();
@@ -245,19 +191,16 @@ fn another_gate_is_in_force_from_the_next_label_on_and_the_settings_again_withou
         decision.unwrap().class
     };
     assert_eq!(label(&mut smoother, weak), 1);
-    smoother.set_gate(Gate {
-        entry: Some(201),
+    let gate = |entry| Gate {
+        entry: Some(entry),
         other: Some(900),
         reaction: None,
-    });
+    };
+    smoother.set_gate(gate(201));
     assert_eq!(label(&mut smoother, weak), 1, "it holds");
     assert_eq!(label(&mut smoother, rest), 0);
     assert_eq!(label(&mut smoother, weak), 0);
-    smoother.set_gate(Gate {
-        entry: Some(200),
-        other: Some(900),
-        reaction: None,
-    });
+    smoother.set_gate(gate(200));
     assert_eq!(label(&mut smoother, weak), 1, "the margin itself is enough");
     assert_eq!(label(&mut smoother, rest), 0);
     smoother.set_gate(Gate::default());

@@ -1,4 +1,4 @@
-//! Early labels against a twin that stores every window, counts windows from the start and sums in f64.
+//! Gates and early labels against a twin that stores every window, counts windows from the start and sums in f64.
 
 use super::*;
 
@@ -7,7 +7,6 @@ const USED: usize = CLASSES - 1;
 /// Labels so far, by numbers of windows; an instant has the number of the window that it is the newest of.
 struct Twin {
     settings: Settings,
-    early: Early,
     windows: Vec<Rows>,
     class: usize,
     /// Instant of the last change and window that brought it.
@@ -42,23 +41,28 @@ impl Twin {
     }
 
     fn margins(&self, class: usize, ahead: usize) -> [f64; 2] {
-        let Early {
+        let Margins {
             entry,
             other,
-            caution,
-        } = self.early;
-        let [entry, other, caution] = [entry, other, caution].map(f64::from);
+            early,
+        } = self.settings.margins;
+        let early = early.map_or([0.0; 3], |own| [own.entry, own.other, own.caution]);
+        let [early_entry, early_other, caution] = early.map(f64::from);
         let look_ahead = self.settings.look_ahead;
         let share = (look_ahead - ahead) as f64 / look_ahead.max(1) as f64;
         if class == 0 {
-            [0.5 + share, f64::NEG_INFINITY]
+            [self.leave() + share, f64::NEG_INFINITY]
         } else {
-            let settings = self.settings.margins.other.unwrap();
             [
-                f64::from(self.settings.margins.entry) + entry * share,
-                f64::from(settings) + other * share + caution * self.otherwise,
+                f64::from(entry) + early_entry * share,
+                f64::from(other.unwrap()) + early_other * share + caution * self.otherwise,
             ]
         }
+    }
+
+    /// Margin of relax over the label that it ends.
+    fn leave(&self) -> f64 {
+        self.settings.margins.early.map_or(0.0, |_| 0.5)
     }
 
     /// The class that an instant asks for.
@@ -82,7 +86,7 @@ impl Twin {
             Some(class) if class != 0 => class,
             _ if self.class == 0 => 0,
             _ if over(self.class) >= 0.0 => self.class,
-            _ if means[0] - means[self.class] < 0.5 => self.class,
+            _ if means[0] - means[self.class] < self.leave() => self.class,
             _ => 0,
         }
     }
@@ -112,6 +116,14 @@ impl Twin {
             return after;
         }
         let oldest = newest - look_ahead;
+        if self.settings.margins.early.is_none() {
+            if newest.is_multiple_of(hold) {
+                self.class = self.asked(oldest);
+                after.class = self.class;
+                after.instant = Some(oldest);
+            }
+            return after;
+        }
         if self
             .change
             .is_none_or(|[_, window]| newest - window >= hold)
@@ -143,27 +155,24 @@ impl Twin {
 }
 
 /// Margins with a fraction that no difference of whole logits has.
-fn any_early() -> impl Strategy<Value = (Settings, Early)> {
+fn any_margins() -> impl Strategy<Value = Settings> {
     let margin = || (0..4_u8).prop_map(|margin| f32::from(margin) + 0.137);
-    (any_settings(), [(); 5].map(|()| margin())).prop_map(|(settings, margins)| {
-        let [entry, other, early_entry, early_other, caution] = margins;
-        let early = Early {
-            entry: early_entry,
-            other: early_other,
+    let early = prop::option::weighted(0.7, [margin(), margin(), margin()]);
+    (any_settings(), margin(), margin(), early).prop_map(|(settings, entry, other, early)| {
+        let early = early.map(|[entry, other, caution]| Early {
+            entry,
+            other,
             caution,
-        };
+        });
         let margins = Margins {
             entry,
             other: Some(other),
-            early: Some(early),
-        };
-        (
-            Settings {
-                margins,
-                ..settings
-            },
             early,
-        )
+        };
+        Settings {
+            margins,
+            ..settings
+        }
     })
 }
 
@@ -193,9 +202,9 @@ fn any_intents() -> impl Strategy<Value = Vec<Rows>> {
 
 proptest! {
     #[test]
-    fn labels_are_those_of_the_twin((settings, early) in any_early(), windows in any_intents()) {
+    fn labels_are_those_of_the_twin(settings in any_margins(), windows in any_intents()) {
         let mut smoother = Smoother::<CLASSES, ROWS>::new(settings, USED).unwrap();
-        let mut twin = Twin { settings, early, windows: vec![], class: 0, change: None, label: None, otherwise: 0.0 };
+        let mut twin = Twin { settings, windows: vec![], class: 0, change: None, label: None, otherwise: 0.0 };
         for (number, window) in windows.iter().enumerate() {
             let sample = |number: usize| SampleIndex(number as u32 * settings.row_samples);
             let decision = smoother.push(sample(number), window);
@@ -244,40 +253,6 @@ proptest! {
             before = Some(label);
         }
     }
-}
-
-#[test]
-fn a_clear_class_is_labelled_at_its_first_row_and_a_weaker_one_after_more() {
-    let early = Early {
-        entry: 4.0,
-        other: 0.0,
-        caution: 0.0,
-    };
-    let settings = Settings {
-        look_ahead: 5,
-        hold: 2,
-        margins: Margins {
-            early: Some(early),
-            ..entry(1.0)
-        },
-        ..PLAIN
-    };
-    // Each row of a window is that of its instant.
-    let first = |logit: f32| {
-        let mut smoother = Smoother::<CLASSES, ROWS>::new(settings, CLASSES).unwrap();
-        let mut rows = Rows::default();
-        let mut labels = (0..20).map(|number| {
-            rows.rotate_right(1);
-            rows[0] = [0.0, if number < 10 { -9.0 } else { logit }, 0.0, 0.0];
-            smoother.push(SampleIndex(number), &rows)
-        });
-        let found = labels.find_map(|label| label.filter(|label| label.class == 1));
-        found.map(|label| (label.window_end.0, label.instant.0))
-    };
-    assert_eq!(first(5.0), Some((10, 10)));
-    assert_eq!(first(4.0), Some((12, 10)));
-    assert_eq!(first(1.0), Some((15, 10)));
-    assert_eq!(first(0.9), None);
 }
 
 #[test]
