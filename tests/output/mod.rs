@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 
 use std::fmt::Write as _;
 
-use anyhow::Context as _;
+use anyhow::{Context as _, bail};
 use serde_json::Value;
-use shared::uart_line::{Report, alignment::AlignmentReport, emg::EmgReport};
+use shared::uart_line::{Report, alignment::AlignmentReport, emg::EmgReport, line::Line};
 
 pub use pins::PinLevels;
 
@@ -42,13 +42,11 @@ pub enum BoardLine {
 
 impl BoardLine {
     pub fn parse(line: &str) -> anyhow::Result<Self> {
-        let bytes = line.as_bytes();
-        let parsed = if line.starts_with("$ALIGN,") {
-            AlignmentReport::parse(bytes).map(Self::Alignment)
-        } else {
-            Report::parse(bytes).map(Self::Report)
-        };
-        parsed.with_context(|| line.to_owned())
+        match Line::parse(line.as_bytes()) {
+            Ok(Line::Report(report)) => Ok(Self::Report(report)),
+            Ok(Line::Alignment(report)) => Ok(Self::Alignment(report)),
+            other => bail!("{line}: {other:?}"),
+        }
     }
 
     /// Returns the number of the line.
@@ -119,7 +117,10 @@ impl BoardOutput {
     /// Returns the raw stream, parsed.
     pub fn emg(&self) -> anyhow::Result<Vec<EmgReport>> {
         let lines = self.complete(LINES, |line| line.starts_with("$EMG,"));
-        let emg = |line: &String| EmgReport::parse(line.as_bytes()).with_context(|| line.clone());
+        let emg = |line: &String| match Line::parse(line.as_bytes()) {
+            Ok(Line::Emg(report)) => Ok(report),
+            other => bail!("{line}: {other:?}"),
+        };
         lines.iter().map(emg).collect()
     }
 

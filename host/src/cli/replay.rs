@@ -271,7 +271,7 @@ mod tests {
     use shared::model::dimensions::Dimensions;
     use shared::model::file::random::random_model;
     use shared::stream::strength::Percent;
-    use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
+    use shared::uart_line::alignment::AlignmentState;
 
     /// Lines of a replay.
     fn lines(bytes: &[u8], samples: &[Sample], start: Start) -> Vec<String> {
@@ -308,7 +308,9 @@ mod tests {
                 ..Start::default()
             };
             let lines = lines(&parts.to_bytes().unwrap(), &[[0; 8]; 4], start);
-            let report = AlignmentReport::parse(lines[1].as_bytes()).unwrap();
+            let Ok(Line::Alignment(report)) = Line::parse(lines[1].as_bytes()) else {
+                panic!("{}", lines[1]);
+            };
             assert_eq!((lines.len(), report.sequence), (2, 1));
             report.state
         };

@@ -364,8 +364,8 @@ impl Event {
             gestures: report.gestures,
             turn: report.alignment.turn(),
             mirrored: report.alignment.mirrored(),
-            distance: report.quality.map(|(distance, _)| distance),
-            margin: report.quality.map(|(_, margin)| margin),
+            distance: report.quality.map(|own| own.distance),
+            margin: report.quality.map(|own| own.margin),
         }
     }
 

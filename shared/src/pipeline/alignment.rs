@@ -10,7 +10,7 @@ use crate::stream::alignment::{
     Profile, Template,
 };
 use crate::stream::preprocess::Preprocessor;
-use crate::uart_line::alignment::{AlignmentReport, AlignmentState};
+use crate::uart_line::alignment::{AlignmentReport, AlignmentState, Quality};
 use crate::uart_line::calibration::CalibrationState;
 use crate::units::{PATCH, Patch, Sample};
 
@@ -95,7 +95,7 @@ impl View {
 struct News {
     state: AlignmentState,
     gestures: u8,
-    quality: Option<(u32, u32)>,
+    quality: Option<Quality>,
 }
 
 impl News {
@@ -108,11 +108,11 @@ impl News {
         }
     }
 
-    const fn result(state: AlignmentState, fit: Fit) -> Self {
+    fn result(state: AlignmentState, fit: Fit) -> Self {
         Self {
             state,
             gestures: GESTURES,
-            quality: Some(AlignmentReport::quality_of(fit)),
+            quality: Some(fit.into()),
         }
     }
 }

@@ -1,57 +1,7 @@
 //! The device's answer to a command: one ASCII line each, in the order of the commands.
 //!
-//! ```text
-//! line     = "$" body "*" checksum CR LF
-//! body     = "OK,IDENTIFY," version "," revision "," image "," model "," armband "," firmware "," battery
-//!          | "OK,IDENTIFY,battery," millivolts "," percent     of the board's own battery; both "-" without one
-//!          | "OK,COUNTERS," number { "," number }      16 of them: the fields of `Counts`, in order
-//!          | "OK,ALIGN," ( "begin" | "cancel" | "set" )
-//!          | "OK,ALIGN,state," turn "," mirrored      as in force
-//!          | "OK,RAW," ( "on" | "off" )
-//!          | "OK,IMU," ( "on" | "off" )
-//!          | "OK,STRENGTH," ( "on" | "off" )
-//!          | "OK,BIND," why-this "," address "," kept
-//!          | "OK,GATE," entry "," other "," reaction     super::gate
-//!          | "OK,LOCK," ( "off" | sign "," rest "," locked )     super::lock
-//!          | "OK,HID," outputs                     super::hid: once flash holds them
-//!          | "OK,CALIBRATE," state "," cue "," before "," learnt "," in-use     super::calibration
-//!          | "OK,INSTALL," ( block | "done" )     super::install: missing next; the model is in use
-//!          | "ERR," why
-//! version  = of the program, such as 0.1.0
-//! revision = of its source
-//! image    = which board and radio it is built for
-//! model    = CRC-32 of the model file, eight hexadecimal digits | "refused"
-//! armband  = address of the armband that is connected | "-"
-//! firmware = its firmware, such as 1.5.1970 | "-"
-//! battery  = its charge in percent | "-"
-//! turn     = "0" ... "7"              places that the armband is turned by
-//! mirrored = "0" | "1"                whether its electrodes run the other way round
-//! why-this = "built-in"               the armband whose address was given when the program was built
-//!          | "bound"                  the armband that is bound
-//!          | "strongest"              none is bound, and the program was built to follow any
-//!          | "nobody"                 none is bound
-//!          | "pairing"                30 s are not over
-//! address  = of the armband that is followed | "-"
-//! kept     = "1" | "0"               whether the bound armband, or that there is none, will outlast a restart
-//! why      = "too-long"               more than 112 bytes without an end
-//!          | "frame"                  not `$...*HH` in ASCII
-//!          | "checksum," expected     the checksum that the line should have had
-//!          | "unknown"                no such command
-//!          | "arguments"              the command has no such arguments
-//!          | "no-model"               the model was refused, so there is nothing to do this with
-//!          | "no-stream"              no armband streams
-//!          | "built-in"               the armband's address was given when the program was built
-//!          | "busy"                   not done within a second: ask again
-//!          | "no-room"                this line is a UART, which has no room for it: ask over USB
-//!          | "length"                 the file does not fit into the region of the model
-//!          | "block"                  a block's own checksum is wrong: send it again
-//!          | "not-begun"              no installation is in progress
-//!          | "model"                  the file is no model that this program can run
-//!          | "flash"                  flash was not erased or written: send it again
-//! ```
-//!
-//! `number` and `checksum` are as in the other lines. An answer has no line number and is not counted among the
-//! lines with one: a program that only listens sees no jump. A line has at most 256 bytes.
+//! [`Answer`]'s rows are the grammar; docs/uart.md says what the fields mean. An answer has no line number and is not counted
+//! among the lines with one: a program that only listens sees no jump. A line has at most 256 bytes.
 //!
 //! ```text
 //! $OK,IDENTIFY,0.1.0,0123456789ab,nrf52840-s140,5f3a0c11,FA:12:34:56:78:9A,1.5.1970,80*05
@@ -320,6 +270,3 @@ impl Fields<'_> for Binding {
         Ok(Self { following, is_kept })
     }
 }
-
-#[cfg(test)]
-mod tests;

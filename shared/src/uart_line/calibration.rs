@@ -1,18 +1,7 @@
 //! State of a calibration on the line.
 //!
 //! ```text
-//! state  = "idle"            none since the start, or the calibration was forgotten
-//!        | "teaching"        round one: do what `cue` says until the next cue
-//!        | "judging"         round two, the same; the learnt head is compared
-//!        | "keeping"         the result is being written to flash
-//!        | "done"            the learnt head is in use and kept
-//!        | "worse"           nothing changed: the learnt head labels less right
-//!        | "weak"            nothing changed: the hold of `cue` was not 1.4 times as strong as rest
-//!        | "unusable"        nothing changed: what was shown gives no usable weights
-//!        | "interrupted"     nothing changed: samples were lost, or the stream or the model ended
-//!        | "cancelled"       nothing changed: on request, or by an alignment
-//!        | "not-kept"        flash did not take it: the model's own head is in use
-//!        | "unavailable"     the board has no memory for it (nRF52832), or the model no output for other movement
+//! state  = of `CalibrationState`
 //! cue    = the intents of a label | "other" | "-"
 //! before = number | "-"      recall of the head in use before, in thousandths, over round two
 //! learnt = number | "-"      recall of the learnt head
@@ -31,30 +20,30 @@ names! {
     /// State of a calibration.
     #[derive(Default)]
     pub enum CalibrationState {
-        /// None since the start.
+        /// None since the start, or the calibration was forgotten.
         #[default]
         Idle = "idle",
-        /// Round one.
+        /// Round one: do what the cue says until the next cue.
         Teaching = "teaching",
-        /// Round two.
+        /// Round two, the same; the learnt head is compared.
         Judging = "judging",
-        /// Flash is written.
+        /// The result is being written to flash.
         Keeping = "keeping",
-        /// The learnt head is in use.
+        /// The learnt head is in use and kept.
         Done = "done",
-        /// The learnt head is worse.
+        /// Nothing changed: the learnt head labels less right.
         Worse = "worse",
-        /// A hold was not stronger than rest.
+        /// Nothing changed: the hold of the cue was not 1.4 times as strong as rest.
         Weak = "weak",
-        /// The holds give no usable weights.
+        /// Nothing changed: what was shown gives no usable weights.
         Unusable = "unusable",
-        /// Samples were lost, or the stream or the model ended.
+        /// Nothing changed: samples were lost, or the stream or the model ended.
         Interrupted = "interrupted",
-        /// Ended on request.
+        /// Nothing changed: on request, or by an alignment.
         Cancelled = "cancelled",
-        /// Flash did not take it.
+        /// Flash did not take it: the model's own head is in use.
         NotKept = "not-kept",
-        /// The board or the model cannot.
+        /// The board has no memory for it (nRF52832), or the model no output for other movement.
         Unavailable = "unavailable",
     }
 }

@@ -1,43 +1,6 @@
 //! Commands that the device takes on the same UART: one ASCII line each.
 //!
-//! ```text
-//! line     = "$" body "*" checksum end
-//! body     = "IDENTIFY"                          program, model, armband
-//!          | "IDENTIFY,battery"                  charge of the board's own battery
-//!          | "COUNTERS"                          what was lost and dropped since the start
-//!          | "ALIGN,begin" | "ALIGN,cancel"      an alignment, as the button begins it
-//!          | "ALIGN,begin," mirrored             the same, told on which arm the armband is
-//!          | "ALIGN,set," turn "," mirrored      an alignment that is known already
-//!          | "ALIGN,state"                       change nothing
-//!          | "RAW,on" | "RAW,off"                the raw stream; off after a start
-//!          | "IMU,on" | "IMU,off"                the armband's movement, over USB alone; off after a start
-//!          | "STRENGTH,on" | "STRENGTH,off"      the strength behind labels and states; off after a start
-//!          | "BIND,begin"                        pairing: bind the strongest armband of the next 30 s
-//!          | "BIND,set," address                 bind this armband
-//!          | "BIND,forget"                       bind none
-//!          | "BIND,state"                        change nothing
-//!          | "GATE,set," entry "," other "," reaction    operating point until the next start: super::gate
-//!          | "GATE,state"                        change nothing
-//!          | "LOCK,set," sign "," rest           lock labels until a sign, until the next start: super::lock
-//!          | "LOCK,off"                          lock them no longer
-//!          | "LOCK,lock" | "LOCK,unlock"         lock or unlock them now
-//!          | "LOCK,state"                        change nothing
-//!          | "HID," ( "on" | "off" )             show outputs to the computer, or no longer: super::hid
-//!          | "HID,set," gesture "," output       give a label an output, "-" for none
-//!          | "HID,state"                         change nothing
-//!          | "CALIBRATE,begin"                   learn the wearer's last layer in two rounds of cues: super::calibration
-//!          | "CALIBRATE,begin,other"             the same, with other movement in round one
-//!          | "CALIBRATE,cancel"                  end it
-//!          | "CALIBRATE,forget"                  use the model's own last layer
-//!          | "CALIBRATE,state"                   change nothing
-//!          | "INSTALL," length "," crc           begin to exchange the model: super::install
-//!          | "BLOCK," number "," crc "," content  a block of it
-//! address  = such as FA:12:34:56:78:9A
-//! turn     = "0" ... "7"                         places that the armband is turned by
-//! mirrored = "0" | "1"                           whether the electrodes run the other way round
-//! end      = CR | LF | CR LF
-//! checksum = as in the lines that the device writes
-//! ```
+//! [`Command`]'s rows are the grammar; docs/uart.md says what they do. A line ends with CR, LF or both.
 //!
 //! Every line from `$` to its end is answered once, in order: [`answer`](super::answer). A line has at most 112 bytes without
 //! its end. Bytes outside a line are ignored, `$` begins a line anew, and the device's own lines are no commands and not
@@ -84,11 +47,11 @@ pub enum Command {
     Counters,
     /// Begin, cancel or set an alignment.
     Align(AlignCommand),
-    /// Write the samples too, or no longer.
+    /// Write the samples too, or no longer, as after a start.
     Raw(bool),
-    /// Write the movement too, or no longer.
+    /// Write the movement too, over USB alone, or no longer, as after a start.
     Imu(bool),
-    /// Write the strength behind labels and states too, or no longer.
+    /// Write the strength behind labels and states too, or no longer, as after a start.
     Strength(bool),
     /// Begin a pairing, bind or forget an armband, or say which one is followed.
     Bind(BindCommand),

@@ -43,6 +43,18 @@ pub(super) fn hexadecimal(text: &[u8], digits: usize, a: u8) -> Option<u32> {
     })
 }
 
+/// The numbers of `digits` upper-case hexadecimal digits each that a text consists of.
+pub(super) fn hexadecimals<const N: usize>(text: &str, digits: usize) -> Option<[u32; N]> {
+    let mut numbers = [0; N];
+    if text.len() != N * digits {
+        return None;
+    }
+    for (number, text) in numbers.iter_mut().zip(text.as_bytes().chunks(digits)) {
+        *number = hexadecimal(text, digits, b'A')?;
+    }
+    Some(numbers)
+}
+
 /// A number as it is written: decimal, without leading zeros.
 #[inline(never)]
 pub(super) fn number(text: &str) -> Option<u32> {

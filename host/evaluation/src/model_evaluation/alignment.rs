@@ -145,7 +145,9 @@ pub(super) fn align(
                 outcome: state,
                 places_off: applied.and_then(|found| found.places_from(truth)),
                 wrong_arm: applied.is_some_and(|found| found.mirrored() != truth.mirrored()),
-                quality: report.and_then(|report| report.quality),
+                quality: report
+                    .and_then(|report| report.quality)
+                    .map(|own| (own.distance, own.margin)),
             });
             own.insert(subject.clone(), applied.unwrap_or_default());
         }

@@ -3,24 +3,123 @@
 use super::*;
 use crate::intent::Intent;
 use crate::myo::AddressKind;
-use crate::stream::lock::LockTimes;
-use crate::stream::smoother::{Gate, Reaction};
+use crate::stream::smoother::Reaction;
 use crate::uart_line::tests::line as framed;
 use alloc::{format, string::ToString, vec, vec::Vec};
-use proptest::prelude::*;
+
+/// Bodies of commands: every row of the table, its arguments at the ends of what they may be.
+const BODIES: &str = "
+    IDENTIFY IDENTIFY,battery COUNTERS
+    ALIGN,begin ALIGN,begin,0 ALIGN,begin,1 ALIGN,cancel ALIGN,set,0,0 ALIGN,set,7,1 ALIGN,state
+    RAW,on RAW,off IMU,on IMU,off STRENGTH,on STRENGTH,off
+    BIND,begin BIND,set,00:00:00:00:00:FF BIND,forget BIND,state
+    GATE,set,-,-,- GATE,set,0,-5000,fast GATE,set,5000,0,late GATE,set,7,5000,balanced GATE,state
+    LOCK,set,100,200 LOCK,set,2000,120000 LOCK,off LOCK,lock LOCK,unlock LOCK,state
+    HID,on HID,off HID,set,open,- HID,set,wave-out,key:space HID,set,pinch,axis:rz- HID,state
+    CALIBRATE,begin CALIBRATE,begin,other CALIBRATE,cancel CALIBRATE,forget CALIBRATE,state
+    INSTALL,0,00000000 INSTALL,4294967295,ffffffff
+";
+
+/// Bodies with arguments that their command does not have.
+const WRONG_ARGUMENTS: &str = "
+    IDENTIFY,1
+    ALIGN ALIGN, ALIGN,set ALIGN,set,8,0 ALIGN,set,03,0 ALIGN,set,3,2 ALIGN,set,3,0,0
+    CALIBRATE CALIBRATE,begin,others
+    LOCK LOCK,set,99,2000 LOCK,set,500,120001 LOCK,on
+    HID HID,1 HID,set,relax,key:a HID,set,close HID,set,close,key:A HID,set,close,key:a,key:b
+    RAW RAW,1
+    BIND BIND,set BIND,set,FA:12:34:56:78 BIND,set,FA:12:34:56:78:9A,1 BIND,forget,1
+    INSTALL INSTALL, INSTALL,1 INSTALL,086729,0f3a0c11 INSTALL,1,0F3A0C11 INSTALL,1,f3a0c11
+    INSTALL,1,+f3a0c11
+    BLOCK,0,00000000, BLOCK,1,2,3
+    GATE,states GATE,set,1,2 GATE,set,1,2,slow GATE,set,-1,0,- GATE,set,,0,- GATE,set,5001,0,-
+    GATE,set,0,5001,- GATE,set,0,-5001,- GATE,set,01,0,- GATE,set,0,-0,- GATE,set,+1,0,-
+    GATE,set,1.5,0,- GATE,set,99999,0,- GATE,set,0,--1,-
+";
+
+/// Bytes of a block, of which Python makes [`CONTENT`]: base64.b64encode(bytes(7 * place % 256 for place in range(64))).
+const BLOCK: Block = {
+    let mut bytes = [0; 64];
+    let mut place = 0;
+    while place < bytes.len() {
+        bytes[place] = (7 * place) as u8;
+        place += 1;
+    }
+    Block(bytes)
+};
+const CONTENT: &str =
+    "AAcOFRwjKjE4P0ZNVFtiaXB3foWMk5qhqK+2vcTL0tng5+71/AMKERgfJi00O0JJUFdeZWxzeoGIj5adpKuyuQ";
 
 fn read(bytes: &[u8]) -> Vec<Result<Command, Refusal>> {
     let mut reader = CommandReader::new();
     bytes.iter().filter_map(|&byte| reader.push(byte)).collect()
 }
 
+/// Lines of all commands, a block's among them, with what is read from them.
+fn commands() -> Vec<(alloc::string::String, Command)> {
+    let lines = BODIES.split_whitespace().map(framed);
+    let lines = lines.chain([Command::Block(1355, BLOCK).to_string()]);
+    lines
+        .map(|line| match read(line.as_bytes())[..] {
+            [Ok(command)] => (line, command),
+            ref other => panic!("{line}: {other:?}"),
+        })
+        .collect()
+}
+
 #[test]
-fn lines_are_those_of_the_documentation() {
-    let set = AlignCommand::Set(Alignment::new(3, false));
-    assert_eq!(read(b"$IDENTIFY*04\r\n"), [Ok(Command::Identify)]);
+fn what_is_read_is_written_back_and_is_read_after_any_bytes() {
+    for (line, command) in commands() {
+        assert_eq!(command.to_string(), line);
+        assert!(line.len() <= MAX_COMMAND_BYTES + 2);
+        for noise in [&b"$IDEN"[..], b"\xff\x00$$*", b"*05\r\n$", &[b'x'; 300]] {
+            let bytes = [noise, line.as_bytes()].concat();
+            assert_eq!(read(&bytes).last(), Some(&Ok(command)), "{line}");
+        }
+    }
+}
+
+#[test]
+fn arguments_have_their_places() {
+    let armband = Address {
+        kind: AddressKind::Public,
+        bytes: [0x9a, 0x78, 0x56, 0x34, 0x12, 0xfa],
+    };
+    let gate = Gate {
+        entry: Some(1),
+        other: Some(-2),
+        reaction: Some(Reaction::Steady),
+    };
+    let times = LockTimes {
+        sign: 500,
+        rest: 2000,
+    };
+    let transfer = Transfer {
+        length: 86_729,
+        checksum: 0x0f3a_0c11,
+    };
+    let set = AlignCommand::Set(Alignment::new(3, true));
+    let known = Arm::Known { mirrored: true };
+    let output = HidCommand::Set(Intent::Close, Output::from_name("key:space"));
+    for (command, body) in [
+        (Command::Align(set), "ALIGN,set,3,1"),
+        (Command::Align(AlignCommand::Begin(known)), "ALIGN,begin,1"),
+        (
+            Command::Bind(BindCommand::Set(armband)),
+            "BIND,set,fa:12:34:56:78:9a",
+        ),
+        (
+            Command::Gate(GateCommand::Set(gate)),
+            "GATE,set,1,-2,steady",
+        ),
+        (Command::Lock(LockCommand::Set(times)), "LOCK,set,500,2000"),
+        (Command::Hid(output), "HID,set,close,key:space"),
+        (Command::Install(transfer), "INSTALL,86729,0f3a0c11"),
+    ] {
+        assert_eq!(read(framed(body).as_bytes()), [Ok(command)], "{body}");
+    }
     let begin = Command::Bind(BindCommand::Begin);
     assert_eq!(begin.to_string(), BEGIN_PAIRING);
-    assert_eq!(read(b"$ALIGN,set,3,0*00\r\n"), [Ok(Command::Align(set))]);
 }
 
 #[test]
@@ -40,56 +139,43 @@ fn what_is_wrong_is_named() {
         ("$IDENTIFY*4\r\n", Refusal::Frame),
         ("$\r\n", Refusal::Frame),
         ("$IDENT\u{e9}*00\r\n", Refusal::Frame),
+        ("$*00\r\n", Refusal::Unknown),
+        (&framed("identify"), Refusal::Unknown),
+        (&framed("REBOOT"), Refusal::Unknown),
     ] {
         assert_eq!(read(line.as_bytes()), [Err(refusal)], "{line}");
     }
-    for (body, refusal) in [
-        ("", Refusal::Unknown),
-        ("identify", Refusal::Unknown),
-        ("REBOOT", Refusal::Unknown),
-        ("IDENTIFY,1", Refusal::Arguments),
-        ("ALIGN", Refusal::Arguments),
-        ("ALIGN,", Refusal::Arguments),
-        ("ALIGN,set", Refusal::Arguments),
-        ("ALIGN,set,8,0", Refusal::Arguments),
-        ("ALIGN,set,03,0", Refusal::Arguments),
-        ("ALIGN,set,3,2", Refusal::Arguments),
-        ("ALIGN,set,3,0,0", Refusal::Arguments),
-        ("CALIBRATE", Refusal::Arguments),
-        ("CALIBRATE,begin,others", Refusal::Arguments),
-        ("LOCK", Refusal::Arguments),
-        ("LOCK,set,99,2000", Refusal::Arguments),
-        ("LOCK,set,500,120001", Refusal::Arguments),
-        ("LOCK,on", Refusal::Arguments),
-        ("HID", Refusal::Arguments),
-        ("HID,1", Refusal::Arguments),
-        ("HID,set,relax,key:a", Refusal::Arguments),
-        ("HID,set,close", Refusal::Arguments),
-        ("HID,set,close,key:A", Refusal::Arguments),
-        ("HID,set,close,key:a,key:b", Refusal::Arguments),
-        ("RAW", Refusal::Arguments),
-        ("RAW,1", Refusal::Arguments),
-        ("BIND", Refusal::Arguments),
-        ("BIND,set", Refusal::Arguments),
-        ("BIND,set,FA:12:34:56:78", Refusal::Arguments),
-        ("BIND,set,FA:12:34:56:78:9A,1", Refusal::Arguments),
-        ("BIND,forget,1", Refusal::Arguments),
-        ("INSTALL", Refusal::Arguments),
-        ("INSTALL,1", Refusal::Arguments),
-        ("BLOCK,0,00000000,", Refusal::Arguments),
-        ("GATE,states", Refusal::Arguments),
-        ("GATE,set,1,2", Refusal::Arguments),
-        ("GATE,set,-1,0,-", Refusal::Arguments),
-        ("GATE,set,1,2,slow", Refusal::Arguments),
-    ] {
-        assert_eq!(read(framed(body).as_bytes()), [Err(refusal)], "{body}");
+    for body in WRONG_ARGUMENTS.split_whitespace() {
+        let found = read(framed(body).as_bytes());
+        assert_eq!(found, [Err(Refusal::Arguments)], "{body}");
     }
+}
+
+#[test]
+fn a_block_has_one_spelling_and_a_checksum_of_its_own() {
+    let text = Command::Block(1355, BLOCK).to_string();
+    let body = &text[1..text.len() - 5];
+    assert_eq!(body.rsplit_once(',').unwrap().1, CONTENT);
+    for wrong in [
+        &body[..body.len() - 1],
+        &format!("{body}A"),
+        &format!("{body}=="),
+        &body.replace("1355,", "01355,"),
+        // Bits behind the last byte.
+        &format!("{}R", &body[..body.len() - 1]),
+    ] {
+        let found = read(framed(wrong).as_bytes());
+        assert_eq!(found, [Err(Refusal::Arguments)], "{wrong}");
+    }
+    let other = Command::Block(1355, Block::ERASED).to_string();
+    let mixed = format!("{}{}", &body[..20], &other[21..other.len() - 5]);
+    assert_eq!(read(framed(&mixed).as_bytes()), [Err(Refusal::Block)]);
 }
 
 #[test]
 fn a_line_of_112_bytes_is_read_and_a_longer_one_refused_once() {
     let line = |length| {
-        let mut line = alloc::vec![b'x'; length];
+        let mut line = vec![b'x'; length];
         line[0] = b'$';
         line.extend(b"\r\n$IDENTIFY*04\r\n");
         line
@@ -99,25 +185,6 @@ fn a_line_of_112_bytes_is_read_and_a_longer_one_refused_once() {
     let found = [Err(Refusal::TooLong), Ok(Command::Identify)];
     assert_eq!(read(&line(113)), found);
     assert_eq!(read(&line(10_000)), found);
-}
-
-#[test]
-fn the_devices_own_lines_are_not_answered() {
-    for line in [
-        "$LABEL,2,609,660,close,1,-,0,0,0*0D\r\n",
-        "$STATE,0,0,0,relax,0,boot,0,0,0*3F\r\n",
-        &framed("OK,ALIGN,begin"),
-        &framed("ERR,unknown"),
-        &framed("EMG,0,0011223344556677,8899AABBCCDDEEFF"),
-        &framed("IMU,0,0000111122223333444455556666777788889999"),
-        // As a command begins, and longer than any command.
-        "$ALIGN,97,2550,aligned,2,5,0,214,1130*2E\r\n",
-        &framed("ALIGN,4294967295,4294967295,poor-distance,255,7,1,4294967295,4294967295"),
-        &framed("LABEL,4294967295,4294967295,4294967295,wave-out,1,-,4294967295,4294967295,0"),
-        &framed("OK,COUNTERS,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,4294967295,4294967295"),
-    ] {
-        assert_eq!(read(line.as_bytes()), [], "{line}");
-    }
 }
 
 #[test]
@@ -132,108 +199,23 @@ fn after_lost_bytes_the_rest_of_the_line_is_ignored() {
     }
 }
 
-fn command() -> impl Strategy<Value = Command> {
-    let set = (0_u8..8, any::<bool>()).prop_map(|(turn, mirrored)| {
-        Command::Align(AlignCommand::Set(Alignment::new(turn, mirrored)))
-    });
-    let bind = any::<[u8; 6]>().prop_map(|bytes| {
-        let kind = AddressKind::Public;
-        Command::Bind(BindCommand::Set(Address { kind, bytes }))
-    });
-    let margin = || prop::option::of(0_i16..=5000);
-    let reaction = prop::option::of(prop::sample::select(&Reaction::ALL[..]));
-    let gate = (margin(), margin(), reaction).prop_map(|(entry, other, reaction)| {
-        let other = other.map(|other| -other);
-        Command::Gate(GateCommand::Set(Gate {
-            entry,
-            other,
-            reaction,
-        }))
-    });
-    let install = any::<[u32; 2]>()
-        .prop_map(|[length, checksum]| Command::Install(Transfer { length, checksum }));
-    let block = (0_u32..10_000, any::<[[u8; 32]; 2]>()).prop_map(|(number, halves)| {
-        let mut block = Block::ERASED;
-        block.0.copy_from_slice(halves.as_flattened());
-        Command::Block(number, block)
-    });
-    let lock = (100_u32..=2000, 200_u32..=120_000)
-        .prop_map(|(sign, rest)| Command::Lock(LockCommand::Set(LockTimes { sign, rest })));
-    let hold = any::<bool>().prop_map(|is_locked| Command::Lock(LockCommand::Hold { is_locked }));
-    let outputs = [
-        "",
-        "key:space",
-        "click:left",
-        "move:up",
-        "button:16",
-        "axis:rz-",
-    ];
-    let hid = (
-        prop::sample::select(&Intent::ALL[1..]),
-        prop::sample::select(outputs.to_vec()),
-    )
-        .prop_map(|(label, name)| Command::Hid(HidCommand::Set(label, Output::from_name(name))));
-    prop_oneof![
-        install,
-        hid,
-        any::<bool>().prop_map(|on| Command::Hid(HidCommand::Switch(on))),
-        Just(Command::Hid(HidCommand::State)),
-        lock,
-        hold,
-        Just(Command::Lock(LockCommand::Off)),
-        Just(Command::Lock(LockCommand::State)),
-        block,
-        any::<bool>().prop_map(Command::Raw),
-        any::<bool>().prop_map(Command::Imu),
-        any::<bool>().prop_map(Command::Strength),
-        gate,
-        Just(Command::Gate(GateCommand::State)),
-        Just(Command::Bind(BindCommand::Begin)),
-        Just(Command::Bind(BindCommand::Forget)),
-        Just(Command::Bind(BindCommand::State)),
-        bind,
-        Just(Command::Identify),
-        Just(Command::Battery),
-        Just(Command::Counters),
-        Just(Command::Align(AlignCommand::Begin(Arm::Unknown))),
-        any::<bool>()
-            .prop_map(|mirrored| { Command::Align(AlignCommand::Begin(Arm::Known { mirrored })) }),
-        Just(Command::Align(AlignCommand::Cancel)),
-        Just(Command::Align(AlignCommand::State)),
-        set,
-    ]
-}
-
-proptest! {
-    #[test]
-    fn every_command_is_read_back_after_any_bytes(noise: Vec<u8>, command in command()) {
-        let mut bytes = noise;
-        bytes.extend(command.to_string().bytes());
-        prop_assert_eq!(read(&bytes).pop(), Some(Ok(command)));
-    }
-
-    #[test]
-    fn a_command_that_is_cut_is_none_and_the_next_one_is_read(
-        command in command(), kept: prop::sample::Index, plug: bool,
-    ) {
-        let line = command.to_string();
+#[test]
+fn a_command_that_is_cut_or_has_a_changed_bit_is_never_another() {
+    for (line, command) in commands() {
         // The first byte of the line's end ends it.
-        let mut bytes = line.as_bytes()[..kept.index(line.len() - 1)].to_vec();
-        // A pulled plug looks like these bytes.
-        bytes.extend(plug.then_some([0x00, 0xff]).iter().flatten());
-        bytes.extend(b"$IDENTIFY*04\r\n");
-        prop_assert_eq!(read(&bytes), [Ok(Command::Identify)]);
-    }
-
-    #[test]
-    fn a_command_with_a_changed_bit_is_never_another(
-        command in command(), place: prop::sample::Index, bit in 0_u8..8,
-    ) {
-        let mut bytes = command.to_string().into_bytes();
-        let place = place.index(bytes.len());
-        bytes[place] ^= 1 << bit;
-        for found in read(&bytes) {
-            prop_assert!(found.is_err() || found == Ok(command));
+        for kept in 0..line.len() - 1 {
+            // A pulled plug looks like these bytes.
+            for plug in [&b""[..], &[0x00, 0xff]] {
+                let bytes = [&line.as_bytes()[..kept], plug, b"$IDENTIFY*04\r\n"].concat();
+                assert_eq!(read(&bytes), [Ok(Command::Identify)], "{kept}: {line}");
+            }
+        }
+        for bit in 0..8 * line.len() {
+            let mut bytes = line.clone().into_bytes();
+            bytes[bit / 8] ^= 1 << (bit % 8);
+            for found in read(&bytes) {
+                assert!(found.is_err() || found == Ok(command), "{bit}: {line}");
+            }
         }
     }
 }

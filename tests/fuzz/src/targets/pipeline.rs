@@ -7,7 +7,7 @@ use shared::stream::alignment::{Alignment, Arm, Template};
 use shared::stream::preprocess::{Median, Preprocessing};
 use shared::stream::safe_state::{SILENCE_MS, Start};
 use shared::stream::smoother::{Margins, Reaction, Settings};
-use shared::uart_line::alignment::AlignmentReport;
+use shared::uart_line::line::Line;
 use shared::uart_line::{Counters, Report, ReportKind};
 use shared::units::{LOOK_BACK, Millis, Patch, WINDOW};
 
@@ -252,8 +252,8 @@ impl Device<'_> {
         if let Some(report) = self.pipeline.take_alignment_report() {
             assert_eq!(report.sequence, self.sequence);
             self.sequence += 1;
-            let again = AlignmentReport::parse(report.to_string().as_bytes());
-            assert_eq!(again, Ok(report));
+            let line = report.to_string();
+            assert_eq!(Line::parse(line.as_bytes()), Ok(Line::Alignment(report)));
         }
     }
 }
