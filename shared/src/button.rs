@@ -49,16 +49,6 @@ enum Contact {
 }
 
 impl Button {
-    /// A button that is up.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self {
-            contact: Contact::Up,
-            was_held: false,
-            single: None,
-        }
-    }
-
     /// Takes what the contact looks like.
     pub const fn look(&mut self, now: Millis, is_down: bool) -> Option<Press> {
         let before = self.contact;
@@ -110,7 +100,7 @@ mod tests {
 
     #[test]
     fn a_press_of_30_ms_counts_once_however_long_it_lasts() {
-        let mut button = Button::new();
+        let mut button = Button::default();
         assert_eq!(presses(&mut button, 0, "..xxx...."), []);
         let pressed = presses(&mut button, 100, "..xxxx....");
         assert_eq!(pressed, [(150, Press::Pressed)]);
@@ -120,7 +110,7 @@ mod tests {
 
     #[test]
     fn a_contact_that_bounces_counts_once() {
-        let mut button = Button::new();
+        let mut button = Button::default();
         assert_eq!(
             presses(&mut button, 0, "x.x.xxxx.xxx..xx....x.xxxx"),
             [(70, Press::Pressed), (250, Press::Twice)]
@@ -138,7 +128,7 @@ mod tests {
             let contact: String = (0..300)
                 .map(|look| if is_down(look) { 'x' } else { '.' })
                 .collect();
-            presses(&mut Button::new(), 0, &contact)
+            presses(&mut Button::default(), 0, &contact)
                 .into_iter()
                 .map(|(_, press)| press)
                 .collect::<Vec<_>>()
@@ -151,7 +141,7 @@ mod tests {
 
     #[test]
     fn a_button_that_is_down_for_three_seconds_is_held_once() {
-        let mut button = Button::new();
+        let mut button = Button::default();
         // A bounce in the middle of it changes nothing.
         let held: String = (0..700)
             .map(|look| if look == 150 { '.' } else { 'x' })
@@ -168,7 +158,7 @@ mod tests {
 
     #[test]
     fn looks_that_come_all_at_once_are_one_look() {
-        let mut button = Button::new();
+        let mut button = Button::default();
         for _ in 0..100 {
             assert_eq!(button.look(Millis(7), true), None);
         }
@@ -177,7 +167,7 @@ mod tests {
 
     #[test]
     fn the_clock_may_wrap_while_the_button_is_down() {
-        let mut button = Button::new();
+        let mut button = Button::default();
         assert_eq!(button.look(Millis(u32::MAX - 10), true), None);
         assert_eq!(button.look(Millis(18), true), None);
         assert_eq!(button.look(Millis(19), true), Some(Press::Pressed));

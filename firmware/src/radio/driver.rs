@@ -82,8 +82,8 @@ impl<'q> SessionDriver<'q> {
     ) -> Self {
         Self {
             session: RefCell::new(session),
-            progress: Cell::new(RadioProgress::new()),
-            sequencer: RefCell::new(Sequencer::new()),
+            progress: Cell::new(RadioProgress::default()),
+            sequencer: RefCell::new(Sequencer::default()),
             packets,
             wanted: Signal::new(),
             request: Signal::new(),
@@ -168,7 +168,7 @@ impl<'q> SessionDriver<'q> {
         model::until(true).await;
         self.sought.set(now());
         // Nothing was heard meanwhile.
-        self.progress.set(RadioProgress::new());
+        self.progress.set(RadioProgress::default());
     }
 
     async fn keep(&self, flash: &SharedFlash<impl Flash>, armband: Option<Address>) {

@@ -32,7 +32,7 @@ const REMINDER_MS: u32 = 10_000;
 #[embassy_executor::task]
 pub async fn run(mut port: CommandPort, mut button: Button) -> ! {
     let mut readers = [const { CommandReader::new() }; LINES];
-    let mut contact = button::Button::new();
+    let mut contact = button::Button::default();
     let mut ticker = Ticker::every(LOOK);
     let mut bytes = [0; AT_ONCE];
     let mut reminded: Option<Millis> = None;

@@ -107,7 +107,7 @@ pub async fn run(
     refused: Option<ModelRefused>,
     mut dead_man: DeadMan,
 ) -> ! {
-    let mut detector = QueueGapDetector::new();
+    let mut detector = QueueGapDetector::default();
     let mut trigger = Trigger::new(ALIGN_ON_CONNECTION);
     let mut streams = false;
     let mut absence = Absence::began(Millis(0), ModelRefused::Incomplete);

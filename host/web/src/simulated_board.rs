@@ -121,8 +121,8 @@ impl SimulatedBoard {
                 bound: armband,
                 ..Settings::default()
             }),
-            sequencer: Sequencer::new(),
-            detector: QueueGapDetector::new(),
+            sequencer: Sequencer::default(),
+            detector: QueueGapDetector::default(),
             streams: false,
             pipeline: Pipeline::without_model(state, Start::Boot),
             model: None,

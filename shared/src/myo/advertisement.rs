@@ -33,7 +33,6 @@ fn structures(mut data: &[u8]) -> impl Iterator<Item = (u8, &[u8])> {
 mod tests {
     use super::*;
     use alloc::vec::Vec;
-    use proptest::prelude::*;
 
     fn listing(kind: u8, uuids: &[Uuid]) -> Vec<u8> {
         let mut data = Vec::from([1 + 16 * uuids.len() as u8, kind]);
@@ -62,6 +61,4 @@ mod tests {
         assert!(!offers_control(&listing(0x06, &[Uuid::Vendor(2)])));
         assert!(!offers_control(&listing(0x15, &[Uuid::CONTROL])));
     }
-
-    proptest! {}
 }

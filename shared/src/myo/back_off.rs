@@ -38,17 +38,3 @@ impl BackOff {
         *self = Self::new();
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn delays_double_up_to_five_seconds_and_start_again() {
-        let mut back_off = BackOff::new();
-        let delays = [(); 7].map(|()| back_off.delay());
-        assert_eq!(delays, [300, 600, 1200, 2400, 4800, 5000, 5000]);
-        back_off.reset();
-        assert_eq!(back_off.delay(), 300);
-    }
-}

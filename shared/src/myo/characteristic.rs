@@ -120,23 +120,4 @@ mod tests {
         let ids = Lane::ALL.map(|lane| Characteristic::Emg(lane).uuid());
         assert_eq!(ids, [0x0105, 0x0205, 0x0305, 0x0405].map(Uuid::Vendor));
     }
-
-    #[test]
-    fn only_the_battery_and_the_imu_may_be_missing() {
-        for absent in Characteristic::ALL {
-            let found: Found = Characteristic::ALL
-                .into_iter()
-                .filter(|one| *one != absent)
-                .collect();
-            assert!(!found.contains(absent));
-            let optional = [Characteristic::BatteryLevel, Characteristic::Imu].contains(&absent);
-            assert_eq!(found.is_sufficient(), optional, "without {absent:?}");
-        }
-        assert!(
-            Characteristic::ALL
-                .into_iter()
-                .collect::<Found>()
-                .is_sufficient()
-        );
-    }
 }

@@ -38,34 +38,21 @@ impl ConnectionParameters {
 ///
 /// Ours are asked for again, but not for ever: an armband may insist, and each change costs air time. Then its stream shows
 /// what is lost.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct ParameterHold {
-    requests_left: u8,
+    /// Requests in this connection so far.
+    requests: u8,
 }
 
 impl ParameterHold {
-    /// State of a new connection.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self {
-            requests_left: REQUESTS,
-        }
-    }
-
     /// The parameters to request, given those in force; none if these are good enough, or requested often enough. To be
     /// called every [`LOOK_MS`].
     pub const fn look(&mut self, found: ConnectionParameters) -> Option<ConnectionParameters> {
-        if found.is_as_quick_as_ours() || self.requests_left == 0 {
+        if found.is_as_quick_as_ours() || self.requests == REQUESTS {
             return None;
         }
-        self.requests_left -= 1;
+        self.requests += 1;
         Some(ConnectionParameters::OURS)
-    }
-}
-
-impl Default for ParameterHold {
-    fn default() -> Self {
-        Self::new()
     }
 }
 
@@ -85,7 +72,7 @@ mod tests {
 
     #[test]
     fn ours_and_quicker_ones_are_left_alone() {
-        let mut hold = ParameterHold::new();
+        let mut hold = ParameterHold::default();
         let later_lost = ConnectionParameters {
             supervision_timeout: 600,
             ..OURS
@@ -93,7 +80,7 @@ mod tests {
         for found in [OURS, interval(6, 6), interval(12, 12), later_lost] {
             assert_eq!(hold.look(found), None, "{found:?}");
         }
-        assert_eq!(hold, ParameterHold::new());
+        assert_eq!(hold, ParameterHold::default());
     }
 
     #[test]
@@ -106,18 +93,22 @@ mod tests {
             supervision_timeout: 0,
         };
         for found in [interval(6, 13), interval(24, 40), lazy, longest] {
-            assert_eq!(ParameterHold::new().look(found), Some(OURS), "{found:?}");
+            assert_eq!(
+                ParameterHold::default().look(found),
+                Some(OURS),
+                "{found:?}"
+            );
         }
     }
 
     #[test]
     fn an_armband_that_insists_has_its_way_after_three_requests() {
-        let mut hold = ParameterHold::new();
+        let mut hold = ParameterHold::default();
         let asked = [(); 10].map(|()| hold.look(interval(24, 40)));
         let asked = asked.iter().flatten().count();
         assert_eq!(asked, 3);
         // Also where it gives way in between.
-        let mut hold = ParameterHold::new();
+        let mut hold = ParameterHold::default();
         let found = [
             interval(24, 24),
             OURS,

@@ -33,19 +33,6 @@ pub struct RadioProgress {
 }
 
 impl RadioProgress {
-    /// Progress before the first event.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self {
-            answered: None,
-            heard: None,
-            notifications: 0,
-            streaming: false,
-            taken: false,
-            empty: 0,
-        }
-    }
-
     /// Takes note of an event, after the session has handled it at `now`.
     pub fn handled(&mut self, now: Millis, event: MyoEvent<'_>, session: &MyoSession) {
         match event {
@@ -102,12 +89,8 @@ impl RadioProgress {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::myo::{Address, AddressKind, Characteristic, Lane, Settings, Uuid};
-
-    const ARMBAND: Address = Address {
-        kind: AddressKind::Public,
-        bytes: [1, 0, 0, 0, 0, 0xfa],
-    };
+    use crate::myo::session::tests::{ANY, FIRMWARE, address, advertisement, everything};
+    use crate::myo::{Characteristic, Lane, Settings};
 
     /// A session whose every operation succeeds at once, and what its watchdog thinks of it.
     struct Link {
@@ -119,11 +102,8 @@ mod tests {
     impl Link {
         fn new() -> Self {
             Self {
-                session: MyoSession::new(Settings {
-                    follow_strongest: true,
-                    ..Settings::default()
-                }),
-                progress: RadioProgress::new(),
+                session: MyoSession::new(ANY),
+                progress: RadioProgress::default(),
                 now: Millis(0),
             }
         }
@@ -134,13 +114,10 @@ mod tests {
         }
 
         fn advertise(&mut self) {
-            let mut data = [0; 18];
-            data[..2].copy_from_slice(&[17, 0x06]);
-            data[2..].copy_from_slice(&Uuid::CONTROL.to_le_bytes());
             self.handle(MyoEvent::Advertisement {
-                address: ARMBAND,
+                address: address(1),
                 rssi: -40,
-                data: &data,
+                data: &advertisement(),
             });
         }
 
@@ -160,10 +137,8 @@ mod tests {
                     Phase::Scanning => self.advertise(),
                     Phase::Connecting => self.handle(MyoEvent::Connected),
                     Phase::SettingUp => {
-                        self.handle(MyoEvent::Discovered(
-                            Characteristic::ALL.into_iter().collect(),
-                        ));
-                        self.handle(MyoEvent::Read(&[1, 0, 5, 0, 0xb2, 0x07, 2, 0]));
+                        self.handle(MyoEvent::Discovered(everything()));
+                        self.handle(MyoEvent::Read(&FIRMWARE));
                         self.handle(MyoEvent::Read(&[80]));
                         (0..9).for_each(|_| self.handle(MyoEvent::Done));
                     }
@@ -214,7 +189,7 @@ mod tests {
     fn a_stack_of_which_nothing_is_asked_may_stay_silent() {
         let mut link = Link::new();
         link.session = MyoSession::new(Settings {
-            bound: Some(ARMBAND),
+            bound: Some(address(1)),
             ..Settings::default()
         });
         link.handle(MyoEvent::Tick);

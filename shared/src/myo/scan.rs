@@ -10,9 +10,12 @@ const WINDOW_MS: u32 = 500;
 /// Value that radios report for an unknown signal strength.
 const RSSI_UNKNOWN: i8 = 127;
 
-/// The armband with the strongest signal so far.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub(super) struct Strongest(Option<Candidate>);
+/// The wanted armband of a scan, or that with the strongest signal.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct Scan {
+    wanted: Option<Address>,
+    strongest: Option<Candidate>,
+}
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 struct Candidate {
@@ -22,46 +25,11 @@ struct Candidate {
     since: Millis,
 }
 
-impl Strongest {
-    /// Takes an advertisement.
-    pub(super) fn advertisement(&mut self, now: Millis, address: Address, rssi: i8, data: &[u8]) {
-        let rssi = if rssi == RSSI_UNKNOWN { i8::MIN } else { rssi };
-        let stronger = self.0.is_none_or(|best| rssi > best.rssi);
-        if stronger && offers_control(data) {
-            let since = self.0.map_or(now, |best| best.since);
-            self.0 = Some(Candidate {
-                address,
-                rssi,
-                since,
-            });
-        }
-    }
-
-    /// Address of the strongest armband.
-    pub(super) fn address(&self) -> Option<Address> {
-        self.0.map(|best| best.address)
-    }
-
-    /// Address of the strongest armband, once the collection time is over.
-    fn choice(&self, now: Millis) -> Option<Address> {
-        self.0
-            .filter(|best| now.elapsed_since(best.since) >= WINDOW_MS)
-            .map(|best| best.address)
-    }
-}
-
-/// The strongest armband of a scan, or the wanted one.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Scan {
-    wanted: Option<Address>,
-    strongest: Strongest,
-}
-
 impl Scan {
     pub(super) const fn new(wanted: Option<Address>) -> Self {
         Self {
             wanted,
-            strongest: Strongest(None),
+            strongest: None,
         }
     }
 
@@ -79,17 +47,28 @@ impl Scan {
         if let Some(wanted) = self.wanted {
             return (wanted.bytes == address.bytes).then_some(address);
         }
-        self.strongest.advertisement(now, address, rssi, data);
+        let rssi = if rssi == RSSI_UNKNOWN { i8::MIN } else { rssi };
+        let stronger = self.strongest.is_none_or(|best| rssi > best.rssi);
+        if stronger && offers_control(data) {
+            let since = self.strongest.map_or(now, |best| best.since);
+            self.strongest = Some(Candidate {
+                address,
+                rssi,
+                since,
+            });
+        }
         None
     }
 
     /// The strongest armband so far.
     pub(super) fn strongest(&self) -> Option<Address> {
-        self.strongest.address()
+        self.strongest.map(|best| best.address)
     }
 
     /// The strongest armband, once the collection time is over.
     pub(super) fn choice(&self, now: Millis) -> Option<Address> {
-        self.strongest.choice(now)
+        self.strongest
+            .filter(|best| now.elapsed_since(best.since) >= WINDOW_MS)
+            .map(|best| best.address)
     }
 }

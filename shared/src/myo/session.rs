@@ -86,9 +86,9 @@ enum SessionState {
 /// across a loss that lanes and arrival times show; `StreamEnded` follows every stream exactly once.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct MyoSession {
+    /// Settings, with the armband that is bound now.
     settings: Settings,
     state: SessionState,
-    bound: Option<Address>,
     pairing: Option<Pairing>,
     pairing_failed: bool,
     /// The EMG of the running stream.
@@ -107,7 +107,6 @@ impl MyoSession {
         Self {
             settings,
             state: SessionState::Idle,
-            bound: settings.bound,
             pairing: None,
             pairing_failed: false,
             sequence: Sequence::new(),
@@ -130,7 +129,7 @@ impl MyoSession {
             } => {
                 if let SessionState::Scanning(scan) = &mut self.state {
                     if let Some(pairing) = &mut self.pairing {
-                        pairing.advertisement(now, address, rssi, data);
+                        pairing.scan.advertisement(now, address, rssi, data);
                     } else if let Some(address) = scan.advertisement(now, address, rssi, data) {
                         self.connect(now, address, act);
                     }
@@ -212,4 +211,4 @@ pub use following::Following;
 use following::Pairing;
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

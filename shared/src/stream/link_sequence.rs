@@ -29,15 +29,6 @@ pub struct Sequencer {
 }
 
 impl Sequencer {
-    /// A sequencer before the first sample.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self {
-            stream: 0,
-            next: SampleIndex(0),
-        }
-    }
-
     /// The next two samples.
     pub const fn samples(&mut self, samples: [Sample; 2]) -> Packet {
         let first = self.next;
@@ -92,15 +83,6 @@ pub struct QueueGapDetector {
 }
 
 impl QueueGapDetector {
-    /// A detector before the first packet.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self {
-            stream: None,
-            next: SampleIndex(0),
-        }
-    }
-
     /// Takes the next packet from the queue.
     pub fn receive(&mut self, packet: Packet) -> Received {
         let other = self.stream.is_some_and(|stream| stream != packet.stream);
@@ -151,7 +133,7 @@ mod tests {
             first in prop_oneof![Just(0_u32), u32::MAX - 50..],
             steps in prop::collection::vec(step(), 1..200),
         ) {
-            let (mut sequencer, mut detector) = (Sequencer::new(), QueueGapDetector::new());
+            let (mut sequencer, mut detector) = (Sequencer::default(), QueueGapDetector::default());
             sequencer.stream = first;
             sequencer.gap(first);
             let mut queue = VecDeque::new();

@@ -60,15 +60,15 @@ impl FuzzLink {
         Self {
             session: MyoSession::new(settings),
             now: Millis(now),
-            progress: RadioProgress::new(),
+            progress: RadioProgress::default(),
             outstanding: None,
             stream: false,
             number: 0,
             delivered: Vec::new(),
             actions: Vec::new(),
             lost: 0,
-            sequencer: Sequencer::new(),
-            detector: QueueGapDetector::new(),
+            sequencer: Sequencer::default(),
+            detector: QueueGapDetector::default(),
             position: 0,
         }
     }
@@ -194,7 +194,7 @@ impl FuzzLink {
                 self.lost += u64::from(missing);
                 self.sequencer.gap(missing);
                 // The queue's other end finds the gap by itself; this detector starts anew.
-                self.detector = QueueGapDetector::new();
+                self.detector = QueueGapDetector::default();
                 let mut skipped = self.sequencer;
                 let first = skipped.end().first;
                 assert_eq!(

@@ -67,7 +67,7 @@ impl SoftdeviceLink<'_> {
     /// Asks for our connection parameters again when others are in force, as [`ParameterHold`] says: nrf-softdevice grants
     /// the armband whatever it asks for.
     async fn hold_parameters(&self) -> ! {
-        let mut hold = ParameterHold::new();
+        let mut hold = ParameterHold::default();
         let mut ticker = Ticker::every(Duration::from_millis(LOOK_MS.into()));
         loop {
             ticker.next().await;

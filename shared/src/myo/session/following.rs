@@ -1,7 +1,6 @@
 //! Armband that a session follows, and how that changes while it runs.
 
 use super::*;
-use crate::myo::scan::Strongest;
 
 /// Milliseconds for which a pairing collects armbands: enough to wake one's own and to hold it near.
 pub(super) const PAIRING_MS: u32 = 30_000;
@@ -38,21 +37,14 @@ impl Following {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Pairing {
     since: Millis,
-    strongest: Strongest,
-}
-
-impl Pairing {
-    /// Takes an advertisement.
-    pub(super) fn advertisement(&mut self, now: Millis, address: Address, rssi: i8, data: &[u8]) {
-        self.strongest.advertisement(now, address, rssi, data);
-    }
+    pub(super) scan: Scan,
 }
 
 impl MyoSession {
     /// Armband that is followed, and why.
     #[must_use]
     pub const fn following(&self) -> Following {
-        match (self.settings.pinned, self.pairing, self.bound) {
+        match (self.settings.pinned, self.pairing, self.settings.bound) {
             (Some(address), ..) => Following::Pinned(address),
             (None, Some(_), _) => Following::Pairing,
             (None, None, Some(address)) => Following::Bound(address),
@@ -64,7 +56,7 @@ impl MyoSession {
     /// The armband that is bound, whether it is followed or not.
     #[must_use]
     pub const fn bound(&self) -> Option<Address> {
-        self.bound
+        self.settings.bound
     }
 
     /// Whether the last pairing ended without an armband.
@@ -78,7 +70,7 @@ impl MyoSession {
         if self.settings.pinned.is_none() {
             self.pairing = Some(Pairing {
                 since: now,
-                strongest: Strongest::default(),
+                scan: Scan::new(None),
             });
             self.pairing_failed = false;
             self.look_anew(now, act);
@@ -94,7 +86,7 @@ impl MyoSession {
     ) {
         if self.settings.pinned.is_none() {
             self.pairing = None;
-            self.bound = armband;
+            self.settings.bound = armband;
             act(Action::Keep(armband));
             self.look_anew(now, act);
         }
@@ -106,11 +98,11 @@ impl MyoSession {
         let Some(pairing) = self.pairing.take_if(over) else {
             return;
         };
-        let strongest = pairing.strongest.address();
+        let strongest = pairing.scan.strongest();
         self.pairing_failed = strongest.is_none();
         if let Some(armband) = strongest {
-            self.bound = Some(armband);
-            act(Action::Keep(self.bound));
+            self.settings.bound = Some(armband);
+            act(Action::Keep(strongest));
         }
         match (&self.state, strongest) {
             (SessionState::Scanning(_), Some(armband)) => self.connect(now, armband, act),

@@ -18,7 +18,7 @@ const FAR: Address = address(2);
 const NEVER_SLEEP: Action = write(ArmbandCommand::NeverSleep);
 const SET_MODE: Action = write(ArmbandCommand::SetMode(EmgMode::Filtered, false));
 /// Settings without an address: the strongest armband is followed.
-const ANY: Settings = Settings {
+pub(in crate::myo) const ANY: Settings = Settings {
     pinned: None,
     bound: None,
     follow_strongest: true,
@@ -26,28 +26,48 @@ const ANY: Settings = Settings {
     imu: false,
 };
 /// A value of the Firmware Version of a real armband: 1.5.1970, rev D.
-const FIRMWARE: [u8; 8] = [1, 0, 5, 0, 0xb2, 0x07, 2, 0];
+pub(in crate::myo) const FIRMWARE: [u8; 8] = [1, 0, 5, 0, 0xb2, 0x07, 2, 0];
 
-pub(super) const fn address(last: u8) -> Address {
+pub(in crate::myo) const fn address(last: u8) -> Address {
     Address {
         kind: AddressKind::Public,
         bytes: [last, 0, 0, 0, 0, 0xfa],
     }
 }
 
-pub(super) fn advertisement() -> [u8; 18] {
+pub(in crate::myo) fn advertisement() -> [u8; 18] {
     let mut data = [0; 18];
     data[..2].copy_from_slice(&[17, 0x06]);
     data[2..].copy_from_slice(&Uuid::CONTROL.to_le_bytes());
     data
 }
 
-pub(super) fn everything() -> Found {
+pub(in crate::myo) fn everything() -> Found {
     Characteristic::ALL.into_iter().collect()
 }
 
 const fn lane(number: u8) -> Characteristic {
     Emg(Lane::ALL[number as usize])
+}
+
+/// End of a scan that has found this armband.
+const fn connect(armband: Address) -> [Action; 2] {
+    [Action::StopScan, Action::Connect(armband)]
+}
+
+const fn notification(characteristic: Characteristic, bytes: &[u8]) -> MyoEvent<'_> {
+    MyoEvent::Notification {
+        characteristic,
+        bytes,
+    }
+}
+
+/// Answers to the steps of a set-up after the discovery, up to the `done`th write or subscription.
+fn answers(done: usize) -> impl Iterator<Item = MyoEvent<'static>> {
+    let reads = [MyoEvent::Read(&FIRMWARE), MyoEvent::Read(&[80])];
+    reads
+        .into_iter()
+        .chain([MyoEvent::Done; 8].into_iter().take(done))
 }
 
 /// A session, and the radio's side of it.
@@ -92,8 +112,7 @@ impl Driver {
     fn connecting(&mut self, now: u32) {
         assert_eq!(self.handle(now, MyoEvent::Tick), [Action::Scan]);
         assert_eq!(self.advertise(now, NEAR, -40), []);
-        let connect = [Action::StopScan, Action::Connect(NEAR)];
-        assert_eq!(self.handle(now + 500, MyoEvent::Tick), connect);
+        assert_eq!(self.handle(now + 500, MyoEvent::Tick), connect(NEAR));
     }
 
     /// Like `connecting`, and on to reading the firmware version, at `now` + 501.
@@ -112,34 +131,32 @@ impl Driver {
     /// Like `discovered`, and on to a stream, at `now` + 501.
     fn streaming(&mut self, now: u32) {
         self.discovered(now, everything());
+        let (firmware, battery) = (MyoEvent::Read(&FIRMWARE), MyoEvent::Read(&[80]));
         let at = now + 501;
-        let read = Action::Read(BatteryLevel);
-        let subscribe = Action::Subscribe;
-        self.run(&[
-            (at, MyoEvent::Read(&FIRMWARE), &[read]),
-            (at, MyoEvent::Read(&[80]), &[subscribe(lane(0))]),
-            (at, MyoEvent::Done, &[subscribe(lane(1))]),
-            (at, MyoEvent::Done, &[subscribe(lane(2))]),
-            (at, MyoEvent::Done, &[subscribe(lane(3))]),
-            (at, MyoEvent::Done, &[subscribe(BatteryLevel)]),
-            (at, MyoEvent::Done, &[NEVER_SLEEP]),
-            (at, MyoEvent::Done, &[SET_MODE]),
-            (at, MyoEvent::Done, &[]),
-        ]);
+        assert_eq!(self.handle(at, firmware), [Action::Read(BatteryLevel)]);
+        assert_eq!(self.handle(at, battery), [Action::Subscribe(lane(0))]);
+        let done = [
+            Action::Subscribe(lane(1)),
+            Action::Subscribe(lane(2)),
+            Action::Subscribe(lane(3)),
+            Action::Subscribe(BatteryLevel),
+            NEVER_SLEEP,
+            SET_MODE,
+        ];
+        assert_eq!(self.done(at), done);
         assert_eq!(self.session.phase(), Phase::Streaming);
+    }
+
+    /// Actions of the writes and subscriptions that succeed, to the last.
+    fn done(&mut self, now: u32) -> Vec<Action> {
+        let next = || Some(self.handle(now, MyoEvent::Done)).filter(|actions| !actions.is_empty());
+        core::iter::from_fn(next).flatten().collect()
     }
 
     /// Notification `number`, in its lane.
     fn emg(&mut self, now: u32, number: u32) -> Vec<Action> {
         let characteristic = lane((number % 4) as u8);
-        let bytes = &[number as u8; 16];
-        self.handle(
-            now,
-            MyoEvent::Notification {
-                characteristic,
-                bytes,
-            },
-        )
+        self.handle(now, notification(characteristic, &[number as u8; 16]))
     }
 }
 
@@ -175,11 +192,8 @@ fn the_mode_is_the_settings() {
     let emg = EmgMode::Raw;
     let mut driver = Driver::new(Settings { emg, ..ANY });
     driver.discovered(0, everything());
-    let mut last = Vec::new();
-    let answers = [MyoEvent::Read(&FIRMWARE), MyoEvent::Read(&[80])];
-    for answer in answers.into_iter().chain([MyoEvent::Done; 6]) {
-        last = driver.handle(600, answer);
-    }
+    let last = answers(6).map(|answer| driver.handle(600, answer)).last();
+    let last = last.unwrap();
     assert_eq!(last, [write(ArmbandCommand::SetMode(EmgMode::Raw, false))]);
 }
 
@@ -213,19 +227,11 @@ fn without_a_battery_two_steps_are_skipped() {
         .filter(|one| *one != BatteryLevel);
     let mut driver = Driver::new(ANY);
     driver.discovered(0, found.collect());
-    driver.run(&[
-        (
-            502,
-            MyoEvent::Read(&FIRMWARE),
-            &[Action::Subscribe(lane(0))],
-        ),
-        (502, MyoEvent::Done, &[Action::Subscribe(lane(1))]),
-        (502, MyoEvent::Done, &[Action::Subscribe(lane(2))]),
-        (502, MyoEvent::Done, &[Action::Subscribe(lane(3))]),
-        (502, MyoEvent::Done, &[NEVER_SLEEP]),
-        (502, MyoEvent::Done, &[SET_MODE]),
-        (502, MyoEvent::Done, &[]),
-    ]);
+    let first = driver.handle(502, MyoEvent::Read(&FIRMWARE));
+    assert_eq!(first, [Action::Subscribe(lane(0))]);
+    let lanes = [1, 2, 3].map(|number| Action::Subscribe(lane(number)));
+    let done = [&lanes[..], &[NEVER_SLEEP, SET_MODE]].concat();
+    assert_eq!(driver.done(502), done);
     assert_eq!(driver.session.battery(), None);
 }
 
@@ -234,19 +240,15 @@ fn a_battery_that_fails_does_not_matter() {
     for answer in [MyoEvent::Failed, MyoEvent::Read(&[])] {
         let mut driver = Driver::new(ANY);
         driver.discovered(0, everything());
-        driver.run(&[
-            (
-                502,
-                MyoEvent::Read(&FIRMWARE),
-                &[Action::Read(BatteryLevel)],
-            ),
-            (502, answer, &[Action::Subscribe(lane(0))]),
-            (502, MyoEvent::Done, &[Action::Subscribe(lane(1))]),
-            (502, MyoEvent::Done, &[Action::Subscribe(lane(2))]),
-            (502, MyoEvent::Done, &[Action::Subscribe(lane(3))]),
-            (502, MyoEvent::Done, &[Action::Subscribe(BatteryLevel)]),
-            (502, MyoEvent::Failed, &[NEVER_SLEEP]),
-        ]);
+        driver.handle(502, MyoEvent::Read(&FIRMWARE));
+        let lanes = [answer, MyoEvent::Done, MyoEvent::Done, MyoEvent::Done];
+        for (number, answer) in (0..).zip(lanes) {
+            let next = driver.handle(502, answer);
+            assert_eq!(next, [Action::Subscribe(lane(number))]);
+        }
+        let battery = driver.handle(502, MyoEvent::Done);
+        assert_eq!(battery, [Action::Subscribe(BatteryLevel)]);
+        assert_eq!(driver.handle(502, MyoEvent::Failed), [NEVER_SLEEP]);
     }
 }
 
@@ -255,10 +257,8 @@ fn a_step_that_fails_ends_the_connection() {
     for steps in 0..7 {
         let mut driver = Driver::new(ANY);
         driver.discovered(0, everything());
-        let answers = [MyoEvent::Read(&FIRMWARE), MyoEvent::Read(&[80])];
-        let answers = answers.into_iter().chain([MyoEvent::Done; 6]);
         // The battery's are optional: the read is step 1, the subscription step 6.
-        for answer in answers.take(if steps == 0 { 0 } else { steps + 1 }) {
+        for answer in answers(6).take(if steps == 0 { 0 } else { steps + 1 }) {
             driver.handle(502, answer);
         }
         let failed = driver.handle(502, MyoEvent::Failed);
@@ -310,6 +310,5 @@ fn time_may_wrap_in_any_phase() {
     assert_eq!(driver.handle(start, MyoEvent::Tick), [Action::Scan]);
     assert_eq!(driver.advertise(start, NEAR, -40), []);
     assert_eq!(driver.handle(98, MyoEvent::Tick), []);
-    let connect = [Action::StopScan, Action::Connect(NEAR)];
-    assert_eq!(driver.handle(99, MyoEvent::Tick), connect);
+    assert_eq!(driver.handle(99, MyoEvent::Tick), connect(NEAR));
 }

@@ -55,10 +55,16 @@ fn the_settings_address_wins_over_the_bound_one_and_cannot_be_changed() {
     assert_eq!(driver.handle(0, MyoEvent::Pair), [Action::Scan]);
     assert_eq!(driver.handle(1, MyoEvent::Bind(None)), []);
     assert_eq!(driver.advertise(2, FAR, -20), []);
-    let connect = [Action::StopScan, Action::Connect(NEAR)];
-    assert_eq!(driver.advertise(3, NEAR, -90), connect);
+    assert_eq!(driver.advertise(3, NEAR, -90), connect(NEAR));
     assert_eq!(driver.session.following(), Following::Pinned(NEAR));
 }
+
+/// End of a pairing that has found this armband.
+const BINDS: [Action; 3] = [
+    Action::Keep(Some(NEAR)),
+    Action::StopScan,
+    Action::Connect(NEAR),
+];
 
 #[test]
 fn a_pairing_binds_the_strongest_armband_of_30_seconds() {
@@ -72,14 +78,9 @@ fn a_pairing_binds_the_strongest_armband_of_30_seconds() {
     assert_eq!(driver.advertise(3_000, FAR, -50), []);
     assert_eq!(driver.advertise(30_900, NEAR, -40), []);
     assert_eq!(driver.advertise(30_950, address(3), -45), []);
-    let bound = [
-        Action::Keep(Some(NEAR)),
-        Action::StopScan,
-        Action::Connect(NEAR),
-    ];
     driver.run(&[
         (30_999, MyoEvent::Tick, &[]),
-        (31_000, MyoEvent::Tick, &bound),
+        (31_000, MyoEvent::Tick, &BINDS),
     ]);
     assert_eq!(driver.session.following(), Following::Bound(NEAR));
     assert!(!driver.session.pairing_failed());
@@ -122,8 +123,7 @@ fn a_pairing_without_an_armband_changes_nothing() {
 fn a_pairing_ends_a_stream_and_hears_its_armband_too() {
     let mut driver = Driver::new(BOUND);
     assert_eq!(driver.handle(0, MyoEvent::Tick), [Action::Scan]);
-    let connect = [Action::StopScan, Action::Connect(NEAR)];
-    assert_eq!(driver.advertise(1, NEAR, -50), connect);
+    assert_eq!(driver.advertise(1, NEAR, -50), connect(NEAR));
     driver.run(&[
         (2, MyoEvent::Connected, &[Action::Discover]),
         (3, MyoEvent::Pair, &[Action::Disconnect]),
@@ -132,12 +132,7 @@ fn a_pairing_ends_a_stream_and_hears_its_armband_too() {
         (304, MyoEvent::Tick, &[Action::Scan]),
     ]);
     assert_eq!(driver.advertise(400, NEAR, -50), []);
-    let keep = [
-        Action::Keep(Some(NEAR)),
-        Action::StopScan,
-        Action::Connect(NEAR),
-    ];
-    assert_eq!(driver.handle(30_003, MyoEvent::Tick), keep);
+    assert_eq!(driver.handle(30_003, MyoEvent::Tick), BINDS);
 }
 
 #[test]
@@ -149,12 +144,7 @@ fn a_scan_that_ends_during_a_pairing_is_repeated_and_forgets_nobody() {
         (200, MyoEvent::ScanEnded, &[]),
         (500, MyoEvent::Tick, &[Action::Scan]),
     ]);
-    let keep = [
-        Action::Keep(Some(NEAR)),
-        Action::StopScan,
-        Action::Connect(NEAR),
-    ];
-    assert_eq!(driver.handle(30_000, MyoEvent::Tick), keep);
+    assert_eq!(driver.handle(30_000, MyoEvent::Tick), BINDS);
 }
 
 #[test]
@@ -172,8 +162,7 @@ fn binding_and_forgetting_end_the_connection_first() {
         (910, MyoEvent::Tick, &[Action::Scan]),
     ]);
     assert_eq!(driver.advertise(1_000, NEAR, -10), []);
-    let connect = [Action::StopScan, Action::Connect(FAR)];
-    assert_eq!(driver.advertise(1_100, FAR, -90), connect);
+    assert_eq!(driver.advertise(1_100, FAR, -90), connect(FAR));
 
     // A scan that goes on is interrupted too: the armband is kept in between.
     let mut driver = Driver::new(BOUND);

@@ -19,8 +19,7 @@ fn the_strongest_armband_of_half_a_second_wins() {
     assert_eq!(driver.advertise(10_100, address(3), 127), []); // signal strength unknown
     assert_eq!(driver.advertise(10_200, NEAR, -50), []);
     assert_eq!(driver.advertise(10_499, address(4), -60), []);
-    let connect = [Action::StopScan, Action::Connect(NEAR)];
-    assert_eq!(driver.handle(10_500, MyoEvent::Tick), connect);
+    assert_eq!(driver.handle(10_500, MyoEvent::Tick), connect(NEAR));
     assert_eq!(driver.advertise(10_501, address(5), -1), []);
 }
 
@@ -34,8 +33,7 @@ fn a_pinned_armband_is_taken_at_once_and_no_other() {
     // With the address kind of the report, not the assumed one.
     let kind = AddressKind::Random;
     let reported = Address { kind, ..NEAR };
-    let connect = [Action::StopScan, Action::Connect(reported)];
-    assert_eq!(driver.advertise(2_001, reported, -90), connect);
+    assert_eq!(driver.advertise(2_001, reported, -90), connect(reported));
 }
 
 #[test]
@@ -49,8 +47,7 @@ fn a_scan_that_ends_is_repeated_after_a_delay() {
     ]);
     // With an armband received before, that one is taken.
     assert_eq!(driver.advertise(320, FAR, -80), []);
-    let connect = [Action::StopScan, Action::Connect(FAR)];
-    assert_eq!(driver.handle(330, MyoEvent::ScanEnded), connect);
+    assert_eq!(driver.handle(330, MyoEvent::ScanEnded), connect(FAR));
 }
 
 #[test]

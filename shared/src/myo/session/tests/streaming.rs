@@ -6,8 +6,7 @@ use super::*;
 fn emg_that_overtakes_the_answer_to_its_mode_counts() {
     let mut driver = Driver::new(ANY);
     driver.discovered(0, everything());
-    let answers = [MyoEvent::Read(&FIRMWARE), MyoEvent::Read(&[80])];
-    for answer in answers.into_iter().chain([MyoEvent::Done; 5]) {
+    for answer in answers(5) {
         driver.handle(502, answer);
     }
     // The mode is not written yet: this is of no stream.
@@ -131,15 +130,8 @@ fn a_stream_that_resumes_after_the_mode_was_set_again_has_a_gap() {
 fn short_long_and_foreign_values_are_handled_and_counted() {
     let mut driver = Driver::new(ANY);
     driver.streaming(0);
-    let mut notify = |now, characteristic, bytes: &[u8]| {
-        driver.handle(
-            now,
-            MyoEvent::Notification {
-                characteristic,
-                bytes,
-            },
-        )
-    };
+    let mut notify =
+        |now, characteristic, bytes: &[u8]| driver.handle(now, notification(characteristic, bytes));
     assert_eq!(notify(510, lane(0), &[0; 16]), [deliver(0)]);
     assert_eq!(notify(520, lane(1), &[1; 15]), []); // short: counts as lost
     assert_eq!(notify(530, lane(2), &[2; 20]), []); // long: its first 16 bytes
@@ -166,12 +158,7 @@ fn short_long_and_foreign_values_are_handled_and_counted() {
 fn malformed_emg_alone_counts_as_silence() {
     let mut driver = Driver::new(ANY);
     driver.streaming(0);
-    let characteristic = lane(0);
-    let bytes = &[0; 3];
-    let malformed = MyoEvent::Notification {
-        characteristic,
-        bytes,
-    };
+    let malformed = notification(lane(0), &[0; 3]);
     let actions: Vec<_> = (0..110)
         .map(|n| driver.handle(501 + 10 * n, malformed))
         .collect();
@@ -203,10 +190,7 @@ const SUBSCRIBE_IMU: Action = Action::Subscribe(Imu);
 const WITH_IMU: Action = write(ArmbandCommand::SetMode(EmgMode::Filtered, true));
 
 /// A movement of all ones.
-const MOVEMENT: MyoEvent<'_> = MyoEvent::Notification {
-    characteristic: Imu,
-    bytes: &[1; 20],
-};
+const MOVEMENT: MyoEvent<'_> = notification(Imu, &[1; 20]);
 const MOVED: Action = Action::Imu(crate::myo::Imu([0x0101; 10]));
 
 #[test]
@@ -225,10 +209,7 @@ fn the_imu_is_subscribed_to_and_set_in_the_mode_once_the_stream_runs_and_ends_wi
         (530, MOVEMENT, &[MOVED]),
     ]);
     assert_eq!(driver.emg(540, 1), [deliver(1)]);
-    let short = MyoEvent::Notification {
-        characteristic: Imu,
-        bytes: &[1; 19],
-    };
+    let short = notification(Imu, &[1; 19]);
     assert_eq!(driver.handle(550, short), []);
     assert_eq!(driver.session.counters().malformed, 1);
     driver.session.set_imu(false);
@@ -248,8 +229,7 @@ fn the_imu_is_subscribed_to_and_set_in_the_mode_once_the_stream_runs_and_ends_wi
 fn a_session_with_the_imu_asks_for_it_in_every_stream_and_its_movement_is_no_sign_of_life() {
     let mut driver = Driver::new(Settings { imu: true, ..ANY });
     driver.discovered(0, everything());
-    let answers = [MyoEvent::Read(&FIRMWARE), MyoEvent::Read(&[80])];
-    for answer in answers.into_iter().chain([MyoEvent::Done; 6]) {
+    for answer in answers(6) {
         driver.handle(502, answer);
     }
     driver.run(&[
