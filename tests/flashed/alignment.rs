@@ -12,7 +12,7 @@ use shared::intent::Vocabulary;
 use shared::model::dimensions::Dimensions;
 use shared::model::file::random::random_model;
 use shared::model::noise::Noise;
-use shared::stream::alignment::{Alignment, Arm, PRECISION_ONE, Template};
+use shared::stream::alignment::{Alignment, Arm, Template};
 use shared::uart_line::alignment::AlignmentState;
 use shared::units::{CHANNELS, Sample};
 use xtask::firmware::Image;
@@ -33,11 +33,7 @@ fn model() -> Vec<u8> {
         other: false,
     };
     let mut parts = random_model(dimensions, 3);
-    let mut precision = [0; CHANNELS * (CHANNELS + 1) / 2];
-    for diagonal in [0, 8, 15, 21, 26, 30, 33, 35] {
-        precision[diagonal] = 2 * PRECISION_ONE;
-    }
-    parts.template = Template::new(SYMMETRICAL, precision).ok();
+    parts.template = Template::round(SYMMETRICAL, 2).ok();
     parts.to_bytes().expect("a writable model")
 }
 

@@ -6,7 +6,7 @@ use super::{LayerParts, LinearParts, ModelParts, NormParts, ProvenanceParts, Smo
 use crate::arithmetic::inverse_square_root;
 use crate::model::dimensions::{Companding, Dimensions, HEADS};
 use crate::model::noise::Noise;
-use crate::stream::alignment::{PRECISION_ONE, TEMPLATE_BYTES, Template};
+use crate::stream::alignment::Template;
 use crate::stream::preprocess::{Median, Preprocessing};
 use crate::stream::smoother::{AggregationMode, Margins};
 use crate::units::{CHANNELS, LOOK_BACK, PATCH};
@@ -40,17 +40,8 @@ impl Draw {
 
 /// A template of a pattern that falls round the arm, 2 nats per square octave in every direction.
 fn ramp() -> Template {
-    let mut bytes = [0; TEMPLATE_BYTES];
-    let mut put = |place: usize, number: i16| {
-        bytes[2 * place..][..2].copy_from_slice(&number.to_le_bytes());
-    };
-    let mut diagonal = CHANNELS;
-    for electrode in 0..CHANNELS {
-        put(electrode, 400 - 115 * electrode as i16);
-        put(diagonal, 2 * PRECISION_ONE);
-        diagonal += CHANNELS - electrode;
-    }
-    Template::from_bytes(&bytes).expect("means below 8 octaves, a positive diagonal")
+    let mean = core::array::from_fn(|electrode| 400 - 115 * electrode as i16);
+    Template::round(mean, 2).expect("means below 8 octaves, a positive diagonal")
 }
 
 /// A model of these dimensions whose weights are pseudo-random numbers from a seed.

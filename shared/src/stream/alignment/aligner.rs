@@ -124,7 +124,7 @@ impl AlignmentProgress {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stream::alignment::template::tests::{template, template_about, template_of};
+    use crate::stream::alignment::template::tests::{template, template_of};
     use crate::stream::alignment::{Alignment, NAT, Poor};
     use crate::units::PATCH;
 
@@ -169,7 +169,7 @@ mod tests {
     /// A template that is nearly the same mirrored, and means whose profile it is.
     fn symmetrical() -> (Template, [u8; CHANNELS]) {
         (
-            template_about([400, 200, 0, -200, -300, -200, 0, 200], 10),
+            Template::round([400, 200, 0, -200, -300, -200, 0, 200], 10).unwrap(),
             [58, 34, 20, 12, 9, 12, 20, 34],
         )
     }

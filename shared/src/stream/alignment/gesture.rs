@@ -30,7 +30,7 @@ pub(super) struct GestureDetector {
     active: u64,
 }
 
-#[derive(Clone, PartialEq, Eq, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
 struct Burst {
     gesture: Gesture,
     /// The gesture was given already; its end is waited for.
@@ -93,7 +93,7 @@ impl GestureDetector {
         let is_active = above(newest, 1);
         let Some(burst) = &mut self.burst else {
             if begins {
-                let mut burst = Burst::new();
+                let mut burst = Burst::default();
                 self.active |= u64::from(burst.add(&electrodes, is_active));
                 self.burst = Some(burst);
             }
@@ -114,13 +114,6 @@ impl GestureDetector {
 }
 
 impl Burst {
-    fn new() -> Self {
-        Self {
-            gesture: Gesture::default(),
-            given: false,
-        }
-    }
-
     /// Adds a patch if it counts; returns whether it does.
     fn add(&mut self, electrodes: &[u32; CHANNELS], is_active: bool) -> bool {
         if !is_active || self.gesture.patches >= MOST {

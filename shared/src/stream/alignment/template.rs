@@ -96,6 +96,20 @@ impl Template {
         Ok(template)
     }
 
+    /// A template about a mean that is as wide in all directions, by this number of nats per square octave.
+    ///
+    /// # Errors
+    /// As [`Template::new`].
+    pub fn round(mean: [i16; CHANNELS], nats: i16) -> Result<Self, TemplateError> {
+        let mut precision = [0; TRIANGLE];
+        let mut diagonal = 0;
+        for row in 0..CHANNELS {
+            precision[diagonal] = nats * PRECISION_ONE;
+            diagonal += CHANNELS - row;
+        }
+        Self::new(mean, precision)
+    }
+
     /// Reads mean and precision, little endian.
     ///
     /// # Errors

@@ -3,19 +3,9 @@
 use super::*;
 use proptest::prelude::*;
 
-/// A density as wide in all directions, of this many nats per square octave, about a pattern that falls round the
-/// arm, which its mirror image does not.
+/// A template of this precision about a pattern that falls round the arm, which its mirror image does not.
 pub(crate) fn template_of(nats: i16) -> Template {
-    template_about([400, 290, 170, 60, -60, -170, -290, -400], nats)
-}
-
-/// A template around another pattern.
-pub(crate) fn template_about(mean: [i16; CHANNELS], nats: i16) -> Template {
-    let mut precision = [0; TRIANGLE];
-    for row in 0..CHANNELS {
-        precision[row * (2 * CHANNELS + 1 - row) / 2] = nats * PRECISION_ONE;
-    }
-    Template::new(mean, precision).unwrap()
+    Template::round([400, 290, 170, 60, -60, -170, -290, -400], nats).unwrap()
 }
 
 pub(crate) fn template() -> Template {
@@ -28,20 +18,12 @@ fn worn(alignment: Alignment) -> Profile {
 }
 
 #[test]
-fn every_placement_is_found() {
-    for alignment in Alignment::all() {
-        let fits = template().fit(worn(alignment));
-        let fit = fits.nearest;
-        assert_eq!((fit.alignment, fit.distance), (alignment, 0));
-        assert!(fit.margin > 5 * NAT, "{fit:?}");
-    }
-}
-
-#[test]
-fn the_best_of_the_other_arm_is_told_with_how_much_further_it_is() {
+fn every_placement_is_found_and_the_best_of_the_other_arm_with_how_much_further_it_is() {
     for alignment in Alignment::all() {
         let profile = worn(alignment);
         let fits = template().fit(profile);
+        assert_eq!(fits.nearest.alignment, alignment);
+        assert!(fits.nearest.distance == 0 && fits.nearest.margin > 5 * NAT);
         let others = Alignment::all().filter(|other| other.mirrored() != alignment.mirrored());
         let distance = |other: Alignment| template().distance(other.apply(profile.0));
         let nearest = others.min_by_key(|&other| distance(other)).unwrap();
@@ -94,34 +76,16 @@ fn each_wrong_number_is_refused() {
         changed[2 * place..][..2].copy_from_slice(&number.to_le_bytes());
         Template::from_bytes(&changed)
     };
-    assert_eq!(
-        with(2, 2049),
-        Err(TemplateError::Mean {
-            electrode: 2,
-            found: 2049
-        })
-    );
-    assert_eq!(
-        with(7, i16::MIN),
-        Err(TemplateError::Mean {
-            electrode: 7,
-            found: i16::MIN
-        })
-    );
-    assert_eq!(
-        with(8 + 8, 0),
-        Err(TemplateError::Precision {
-            electrode: 1,
-            found: 0
-        })
-    );
-    assert_eq!(
-        with(8 + 35, -1),
-        Err(TemplateError::Precision {
-            electrode: 7,
-            found: -1
-        })
-    );
+    let mean = |electrode, found| TemplateError::Mean { electrode, found };
+    let precision = |electrode, found| TemplateError::Precision { electrode, found };
+    for (place, number, refused) in [
+        (2, 2049, mean(2, 2049)),
+        (7, i16::MIN, mean(7, i16::MIN)),
+        (8 + 8, 0, precision(1, 0)),
+        (8 + 35, -1, precision(7, -1)),
+    ] {
+        assert_eq!(with(place, number), Err(refused));
+    }
 }
 
 proptest! {

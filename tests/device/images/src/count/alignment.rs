@@ -6,8 +6,7 @@ use core::hint::black_box;
 use shared::model::Encode;
 use shared::model::file::Model;
 use shared::pipeline::{AlignmentPhase, Pipeline};
-use shared::stream::alignment::{Alignment, Arm, PRECISION_ONE, Profile, Template};
-use shared::stream::safe_state::Start;
+use shared::stream::alignment::{Alignment, Arm, Profile, Template};
 use shared::units::{CHANNELS, Millis, PATCH, SAMPLE_PERIOD_MS, Sample};
 
 use crate::spans::{Clock, Spans};
@@ -57,22 +56,14 @@ impl Counts {
     }
 }
 
-/// A template that falls round the arm as the gesture does.
-fn ramp() -> Template {
-    about(core::array::from_fn(|electrode| {
-        400 - 115 * electrode as i16
-    }))
-}
-
 /// A template of this mean, 2 nats per square octave in every direction.
 fn about(mean: [i16; CHANNELS]) -> Template {
-    let mut precision = [0; CHANNELS * (CHANNELS + 1) / 2];
-    let mut diagonal = 0;
-    for row in 0..CHANNELS {
-        precision[diagonal] = 2 * PRECISION_ONE;
-        diagonal += CHANNELS - row;
-    }
-    Template::new(mean, precision).expect("means below 8 octaves, a positive diagonal")
+    Template::round(mean, 2).expect("means below 8 octaves, a positive diagonal")
+}
+
+/// A template that falls round the arm as the gesture does.
+fn ramp() -> Template {
+    about([400, 285, 170, 55, -60, -175, -290, -405])
 }
 
 /// The stream of an armband that is turned by three places.
@@ -103,11 +94,8 @@ pub fn noise() -> impl FnMut(i32) -> i32 {
 /// # Panics
 /// If the placement is not found: then something else was counted.
 pub fn count<E: Encode + Copy>(encoder: E, model: &Model<'_>) -> Counts {
-    let settings = model.header.smoother.in_patches();
     let mut memory = encoder.fresh();
-    let mut pipeline =
-        Pipeline::new(encoder, &mut memory, settings, Start::Boot).expect("good settings");
-    pipeline.preprocess(model.header.preprocessing);
+    let mut pipeline = Pipeline::of_model(model, encoder, &mut memory).expect("good settings");
     pipeline.set_template(Some(ramp()));
     let clock = Clock::new();
     let mut counts = Counts::default();
@@ -159,11 +147,8 @@ pub fn count<E: Encode + Copy>(encoder: E, model: &Model<'_>) -> Counts {
 /// # Panics
 /// If there is none.
 fn arm<E: Encode + Copy>(encoder: E, model: &Model<'_>, clock: &Clock) -> Spans {
-    let settings = model.header.smoother.in_patches();
     let mut memory = encoder.fresh();
-    let mut pipeline =
-        Pipeline::new(encoder, &mut memory, settings, Start::Boot).expect("good settings");
-    pipeline.preprocess(model.header.preprocessing);
+    let mut pipeline = Pipeline::of_model(model, encoder, &mut memory).expect("good settings");
     pipeline.set_template(Some(about([400, 200, 0, -200, -300, -200, 0, 200])));
     pipeline.begin_alignment(Arm::Unknown);
     let mut newest = [0; DECISION];

@@ -8,7 +8,6 @@ use shared::model::Encode;
 use shared::model::file::Model;
 use shared::pipeline::Pipeline;
 use shared::stream::alignment::Arm;
-use shared::stream::safe_state::Start;
 use shared::uart_line::calibration::CalibrationState;
 use shared::units::{CHANNELS, Millis, PATCH, SAMPLE_PERIOD_MS, WINDOW};
 
@@ -43,11 +42,10 @@ impl Counts {
 /// # Panics
 /// If it does not come to its end: then something else was counted.
 pub fn count<E: Encode + Copy>(encoder: E, model: &Model<'_>, memory: &mut Memory) -> Counts {
-    let settings = model.header.smoother.in_patches();
     let mut state = encoder.fresh();
-    let mut pipeline =
-        Pipeline::new(encoder, &mut state, settings, Start::Boot).expect("good settings");
-    pipeline.preprocess(model.header.preprocessing);
+    let mut pipeline = Pipeline::of_model(model, encoder, &mut state).expect("good settings");
+    // Without it nothing is aligned.
+    pipeline.set_template(None);
     pipeline.lend(memory);
     let clock = Clock::new();
     let mut counts = Counts::default();

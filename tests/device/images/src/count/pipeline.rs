@@ -13,7 +13,6 @@ use shared::model::{Encode, LookBackLogits};
 use shared::pipeline::Pipeline;
 use shared::stream::preprocess::Preprocessor;
 use shared::stream::ring::{Origin, SampleRing};
-use shared::stream::safe_state::Start;
 use shared::stream::smoother::Smoother;
 use shared::units::{LOOK_BACK, Millis, PATCH, Patch, SAMPLE_PERIOD_MS, Sample, SampleIndex};
 
@@ -89,10 +88,7 @@ pub fn count<const WIDTH: usize, const SLOTS: usize>(
     let settings = model.header.smoother.in_patches();
     let encoder = Apart(encoder);
     let mut memory = encoder.fresh();
-    let mut pipeline =
-        Pipeline::new(encoder, &mut memory, settings, Start::Boot).expect("good settings");
-    pipeline.preprocess(model.header.preprocessing);
-    pipeline.set_template(model.header.template);
+    let mut pipeline = Pipeline::of_model(model, encoder, &mut memory).expect("good settings");
 
     let mut preprocessor = Preprocessor::new(model.header.preprocessing.median);
     let mut ring = SampleRing::new();
