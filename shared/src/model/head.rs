@@ -42,35 +42,23 @@ impl Head {
     #[must_use]
     pub fn of(model: &Model<'_>) -> Option<Self> {
         let mut head = Self::EMPTY;
-        head.copy_from(model).then_some(head)
+        let fits = head.copy(&model.header.dimensions, &model.weights.head);
+        fits.then_some(head)
     }
 
-    /// Copies the head of a model, in place: a device's stack has no room for a second one. Returns whether the model is
-    /// narrow enough; if not, nothing changes.
-    pub fn copy_from(&mut self, model: &Model<'_>) -> bool {
-        self.copy(&model.header.dimensions, &model.weights.head)
-    }
-
-    /// Copies a head for models of these dimensions, as [`Head::copy_from`] does.
+    /// Copies a head for models of these dimensions, in place: a device's stack has no room for a second one. Returns whether
+    /// they are narrow enough; if not, nothing changes.
     pub(crate) fn copy(&mut self, dimensions: &Dimensions, own: &LinearWeights<'_>) -> bool {
-        if !self.shape(dimensions) {
+        if dimensions.width > MAX_HEAD_WIDTH {
             return false;
         }
+        self.width = dimensions.width;
+        self.outputs = LOOK_BACK * dimensions.row_outputs();
         self.tiles_mut().copy_from_slice(own.weights);
         self.scales[..own.scales.len()].copy_from_slice(own.scales);
         self.bias[..own.bias.len()].copy_from_slice(own.bias);
         self.code_limit = own.code_limit;
         true
-    }
-
-    /// Takes the shape of heads for models of these dimensions, unless they are too wide; numbers stay as they are.
-    pub(crate) fn shape(&mut self, dimensions: &Dimensions) -> bool {
-        let fits = dimensions.width <= MAX_HEAD_WIDTH;
-        if fits {
-            self.width = dimensions.width;
-            self.outputs = LOOK_BACK * dimensions.row_outputs();
-        }
-        fits
     }
 
     /// Whether the head is one for models of these dimensions.

@@ -33,6 +33,7 @@ use crate::model::head::Head;
 use crate::units::Patch;
 use attention::Attention;
 use cache::KvCache;
+use feed_forward::feed_forward;
 use token::Token;
 
 /// A part of a step, for counting what each costs; norms and residual sums included.
@@ -200,44 +201,30 @@ impl<'m, const WIDTH: usize, const SLOTS: usize> Encoder<'m, WIDTH, SLOTS> {
         patches: [&Patch; T],
         probe: &mut impl Probe,
     ) -> [LookBackLogits; T] {
-        let slots = core::array::from_fn(|_| cache.advance(self.dimensions.span));
-        self.embed(patches, tokens);
+        let Dimensions {
+            width,
+            layers,
+            span,
+            ..
+        } = self.dimensions;
+        let slots = core::array::from_fn(|_| cache.advance(span));
+        patch_embedding::embed(&self.weights.embed, self.companding, width, patches, tokens);
         probe.done(EncoderPart::Embed);
-        for layer in 0..self.dimensions.layers {
-            self.attention(layer, cache).apply(slots, tokens);
+        for (number, layer) in self.weights.layers[..layers].iter().enumerate() {
+            let mut attention = Attention {
+                weights: layer,
+                cache: cache.layer(number, &self.dimensions),
+                dimensions: &self.dimensions,
+                score_scale: self.score_scale,
+            };
+            attention.apply(slots, tokens);
             probe.done(EncoderPart::Attention);
-            self.feed_forward(layer, tokens);
+            feed_forward(layer, width, tokens);
             probe.done(EncoderPart::FeedForward);
         }
         let logits = self.logits(tokens);
         probe.done(EncoderPart::Head);
         logits
-    }
-
-    #[inline]
-    fn embed<const T: usize>(&self, patches: [&Patch; T], tokens: &mut [Token<WIDTH>; T]) {
-        let width = self.dimensions.width;
-        patch_embedding::embed(&self.weights.embed, self.companding, width, patches, tokens);
-    }
-
-    #[inline]
-    fn attention<'a>(
-        &'a self,
-        layer: usize,
-        cache: &'a mut KvCache<WIDTH, SLOTS>,
-    ) -> Attention<'a> {
-        Attention {
-            weights: &self.weights.layers[layer],
-            cache: cache.layer(layer, &self.dimensions),
-            dimensions: &self.dimensions,
-            score_scale: self.score_scale,
-        }
-    }
-
-    #[inline]
-    fn feed_forward<const T: usize>(&self, layer: usize, tokens: &mut [Token<WIDTH>; T]) {
-        let layer = &self.weights.layers[layer];
-        feed_forward::feed_forward(layer, self.dimensions.width, tokens);
     }
 
     #[inline]

@@ -14,8 +14,6 @@ mod owned;
 #[cfg(any(test, feature = "write"))]
 pub mod random;
 mod reader;
-#[cfg(any(test, feature = "write"))]
-mod rewriter;
 mod wire_aggregation;
 mod wire_header;
 #[cfg(any(test, feature = "write"))]

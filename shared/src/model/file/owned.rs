@@ -1,13 +1,17 @@
-//! Reads a file into a student that owns its tensors.
+//! Reads a file into a student that owns its tensors, and writes it with another template, operating point or head.
 
-use alloc::{borrow::ToOwned, vec::Vec};
+use alloc::{borrow::ToOwned, string::String, vec::Vec};
 
+use super::error::ModelError;
+use super::header::List;
 use super::layout::{LinearWeights, NormWeights};
 use super::reader::Model;
 use super::writer::{LayerParts, LinearParts, ModelParts, NormParts, ProvenanceParts};
 use crate::kernels::WEIGHT_ONE;
 use crate::kernels::packing::{unpacked, weights_of_row};
-use crate::stream::alignment::Alignment;
+use crate::model::head::Head;
+use crate::stream::alignment::{Alignment, Template};
+use crate::stream::smoother::{Margins, Reaction};
 use crate::units::{CHANNELS, PATCH};
 
 impl Model<'_> {
@@ -25,17 +29,9 @@ impl Model<'_> {
             smoother: header.smoother,
             template: header.template,
             provenance: ProvenanceParts {
-                data_sets: provenance.data_sets.iter().map(ToOwned::to_owned).collect(),
-                subjects_seen: provenance
-                    .subjects_seen
-                    .iter()
-                    .map(ToOwned::to_owned)
-                    .collect(),
-                subjects_left_out: provenance
-                    .subjects_left_out
-                    .iter()
-                    .map(ToOwned::to_owned)
-                    .collect(),
+                data_sets: texts(provenance.data_sets),
+                subjects_seen: texts(provenance.subjects_seen),
+                subjects_left_out: texts(provenance.subjects_left_out),
                 git_revision: provenance.git_revision.to_owned(),
                 seed: provenance.seed,
                 metrics: provenance
@@ -60,6 +56,59 @@ impl Model<'_> {
             final_norm: norm(&self.weights.final_norm),
             head: linear(&self.weights.head, width),
         }
+    }
+}
+
+impl Model<'_> {
+    /// The file with another alignment template, or with none; everything else is as it was.
+    ///
+    /// # Errors
+    ///
+    /// Errors of [`Model::parse`].
+    pub fn with_template(file: &[u8], template: Option<&Template>) -> Result<Vec<u8>, ModelError> {
+        let mut parts = Model::parse(file)?.to_parts();
+        parts.template = template.copied();
+        parts.to_bytes()
+    }
+
+    /// The file with another operating point: a reaction, then the margin of every class but relax, and that over movement
+    /// outside the vocabulary, which only a model that knows such movement has. `None` leaves a value as it was.
+    ///
+    /// # Errors
+    ///
+    /// Errors of [`Model::parse`], and [`ModelError::NoOther`].
+    pub fn with_gate(
+        file: &[u8],
+        entry: Option<f32>,
+        other: Option<f32>,
+        reaction: Option<Reaction>,
+    ) -> Result<Vec<u8>, ModelError> {
+        let mut parts = Model::parse(file)?.to_parts();
+        if other.is_some() && !parts.dimensions.other {
+            return Err(ModelError::NoOther);
+        }
+        let own = parts.smoother.margins;
+        let base = reaction.map_or(own, Reaction::margins);
+        parts.smoother.margins = Margins {
+            entry: entry.unwrap_or(base.entry),
+            other: own.other.and(other.or(base.other)),
+            early: base.early,
+        };
+        parts.to_bytes()
+    }
+
+    /// The file with another look-back head; everything else is as it was.
+    ///
+    /// # Errors
+    ///
+    /// Errors of [`Model::parse`], and [`ModelError::OtherHead`] if the head is one for other dimensions.
+    pub fn with_head(file: &[u8], head: &Head) -> Result<Vec<u8>, ModelError> {
+        let mut parts = Model::parse(file)?.to_parts();
+        if !head.fits(&parts.dimensions) {
+            return Err(ModelError::OtherHead);
+        }
+        parts.head = linear(&head.linear(), parts.dimensions.width);
+        parts.to_bytes()
     }
 }
 
@@ -96,12 +145,16 @@ impl LinearParts {
     }
 }
 
-pub(super) fn linear(weights: &LinearWeights<'_>, inputs: usize) -> LinearParts {
+fn linear(weights: &LinearWeights<'_>, inputs: usize) -> LinearParts {
     LinearParts {
         weights: unpacked(weights.weights, weights.bias.len(), inputs),
         scales: weights.scales.to_vec(),
         bias: weights.bias.to_vec(),
     }
+}
+
+fn texts<'m>(list: List<'m, &'m str>) -> Vec<String> {
+    list.iter().map(ToOwned::to_owned).collect()
 }
 
 fn norm(weights: &NormWeights<'_>) -> NormParts {

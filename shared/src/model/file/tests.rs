@@ -2,8 +2,6 @@
 
 use alloc::{string::ToString, vec, vec::Vec};
 
-use proptest::prelude::*;
-
 use super::{
     random::random_model,
     wire_header::WireHeader,
@@ -34,12 +32,16 @@ fn small() -> ModelParts {
 fn refusal(change: impl FnOnce(&mut ModelParts)) -> ModelError {
     let mut parts = small();
     change(&mut parts);
-    let refused = Model::parse(&parts.emit()).unwrap_err();
+    let refused = parse_error(&parts.emit());
     assert_eq!(
         parts.to_bytes().unwrap_err().to_string(),
         refused.to_string()
     );
     refused
+}
+
+fn parse_error(file: &[u8]) -> ModelError {
+    Model::parse(file).unwrap_err()
 }
 
 /// The refusal of the small model with a changed header under a right checksum.
@@ -53,7 +55,7 @@ fn header_refusal<'n>(change: impl FnOnce(&mut WireHeader<'n>)) -> ModelError {
     append(&mut file, &header);
     file.extend(tensors);
     seal(&mut file);
-    Model::parse(&file).unwrap_err()
+    parse_error(&file)
 }
 
 /// Asserts the refusal of the small model with a changed header.
@@ -85,19 +87,13 @@ fn a_template_may_be_missing_and_is_checked() {
 
 #[test]
 fn a_template_can_be_exchanged_without_touching_anything_else() {
-    let parts = small();
+    let mut parts = small();
     let with = parts.to_bytes().unwrap();
-    let mut bare = parts.clone();
-    // Lengths of the header modulo four, so that the tensors move by every number of zeros.
-    for revision in ["", "a", "ab", "abc"] {
-        bare.provenance.git_revision = revision.into();
-        bare.template = None;
-        let without = bare.to_bytes().unwrap();
-        bare.template = parts.template;
-        let added = Model::with_template(&without, parts.template.as_ref()).unwrap();
-        assert_eq!(added, bare.to_bytes().unwrap());
-        assert_eq!(Model::with_template(&added, None).unwrap(), without);
-    }
+    let template = parts.template.take();
+    let without = parts.to_bytes().unwrap();
+    let added = Model::with_template(&without, template.as_ref());
+    assert_eq!(added.as_ref(), Ok(&with));
+    assert_eq!(Model::with_template(&with, None), Ok(without));
     assert!(Model::with_template(&with[1..], None).is_err());
 }
 
@@ -182,11 +178,11 @@ fn a_region_longer_than_the_file_is_read_at_a_multiple_of_four_alone() {
 #[test]
 fn an_erased_region_and_another_file_have_no_magic() {
     assert_eq!(
-        Model::parse(&[0xff; 4096]).unwrap_err(),
+        parse_error(&[0xff; 4096]),
         ModelError::Magic { found: [0xff; 8] }
     );
     assert_eq!(
-        Model::parse(b"gt,emg_0,emg_1,emg_2\n").unwrap_err(),
+        parse_error(b"gt,emg_0,emg_1,emg_2\n"),
         ModelError::Magic {
             found: *b"gt,emg_0"
         }
@@ -198,7 +194,7 @@ fn a_byte_short_or_a_byte_long_is_refused() {
     let bytes = small().to_bytes().unwrap();
     let [declared, available] = [bytes.len(), bytes.len() - 1];
     assert_eq!(
-        Model::parse(&bytes[..available]).unwrap_err(),
+        parse_error(&bytes[..available]),
         ModelError::Length {
             declared,
             available
@@ -206,7 +202,7 @@ fn a_byte_short_or_a_byte_long_is_refused() {
     );
     for length in 0..PREFIX_BYTES + CHECKSUM_BYTES {
         assert_eq!(
-            Model::parse(&bytes[..length]).unwrap_err(),
+            parse_error(&bytes[..length]),
             ModelError::TooShort {
                 expected: 17,
                 found: length
@@ -216,13 +212,10 @@ fn a_byte_short_or_a_byte_long_is_refused() {
     let mut longer = bytes;
     longer.push(0);
     longer[9..13].copy_from_slice(&(declared as u32 + 1).to_le_bytes());
-    assert!(matches!(
-        Model::parse(&longer).unwrap_err(),
-        ModelError::Checksum { .. }
-    ));
+    assert!(matches!(parse_error(&longer), ModelError::Checksum { .. }));
     longer[9..13].copy_from_slice(&3_u32.to_le_bytes());
     assert_eq!(
-        Model::parse(&longer).unwrap_err(),
+        parse_error(&longer),
         ModelError::Length {
             declared: 3,
             available: longer.len()
@@ -250,7 +243,7 @@ fn every_single_bit_and_byte_flip_is_refused() {
 fn another_format_is_named() {
     let mut bytes = small().to_bytes().unwrap();
     bytes[8] = 4;
-    let refused = Model::parse(&bytes).unwrap_err();
+    let refused = parse_error(&bytes);
     assert_eq!(refused, ModelError::Version { found: 4 });
     assert_eq!(
         refused.to_string(),
@@ -265,21 +258,10 @@ fn a_wrong_checksum_shows_both() {
     let expected = u32::from_le_bytes(bytes[last - 3..].try_into().unwrap());
     bytes[last] ^= 0x80;
     assert_eq!(
-        Model::parse(&bytes).unwrap_err(),
+        parse_error(&bytes),
         ModelError::Checksum {
             expected,
             found: expected ^ 0x8000_0000
         }
     );
-}
-
-proptest! {
-    #[test]
-    fn quantized_rows_are_within_half_a_step(row in prop::collection::vec(-9.0_f32..9.0, 1..40)) {
-        let parts = LinearParts::quantized(&row, vec![0.0]);
-        for (weight, found) in row.iter().zip(parts.dequantized()) {
-            let error = f64::from(*weight) - f64::from(found);
-            prop_assert!(error.abs() <= 0.500_1 * f64::from(parts.scales[0]));
-        }
-    }
 }

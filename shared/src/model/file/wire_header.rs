@@ -8,8 +8,6 @@ use super::error::ModelError;
 use super::header::{Header, List, Provenance, SmootherDefaults};
 use super::names::Excerpt;
 use super::wire_aggregation::WireAggregation;
-#[cfg(any(test, feature = "write"))]
-use crate::intent::Intent;
 use crate::intent::{MAX_CLASSES, Vocabulary};
 use crate::model::dimensions::{
     Companding, Dimensions, HEADS, MAX_LAYERS, MAX_SPAN, MAX_WIDTH, MIN_WIDTH, patches_needed,
@@ -50,54 +48,6 @@ pub(super) struct WireHeader<'m> {
     pub git_revision: &'m str,
     pub seed: u64,
     pub metrics: &'m [u8],
-}
-
-#[cfg(any(test, feature = "write"))]
-impl<'m> WireHeader<'m> {
-    /// The header of a model; its lists are encoded already.
-    pub fn new(
-        dimensions: &Dimensions,
-        (companding, preprocessing): (Companding, Preprocessing),
-        smoother: &SmootherDefaults,
-        template: &'m [u8],
-        class_names: &'m [u8],
-        [data_sets, subjects_seen, subjects_left_out, metrics]: [&'m [u8]; 4],
-        (git_revision, seed): (&'m str, u64),
-    ) -> Self {
-        // A number too large for its field becomes the largest value, which the reader refuses.
-        let byte = |number: usize| u8::try_from(number).unwrap_or(u8::MAX);
-        let short = |number: usize| u16::try_from(number).unwrap_or(u16::MAX);
-        Self {
-            width: short(dimensions.width),
-            heads: HEADS as u8,
-            layers: byte(dimensions.layers),
-            span: byte(dimensions.span),
-            patch: PATCH as u8,
-            look_back: LOOK_BACK as u8,
-            classes: byte(dimensions.vocabulary.classes()),
-            companding: match companding {
-                Companding::Linear => 0,
-                Companding::SquareRoot => 1,
-            },
-            class_names,
-            sample_rate_hz: SAMPLE_RATE_HZ,
-            median_width: preprocessing.median.width(),
-            divisor: DIVISOR,
-            normalized: preprocessing.normalized,
-            aggregation: WireAggregation::new(smoother.aggregation, smoother.margins.early),
-            look_ahead: short(smoother.look_ahead),
-            hold: short(smoother.hold),
-            entry_margins: by_class(smoother.margins.entry),
-            other_margin: smoother.margins.other,
-            template,
-            data_sets,
-            subjects_seen,
-            subjects_left_out,
-            git_revision,
-            seed,
-            metrics,
-        }
-    }
 }
 
 impl<'m> WireHeader<'m> {
@@ -258,14 +208,6 @@ impl<'m> WireHeader<'m> {
             },
         })
     }
-}
-
-/// The margin of each class: relax has none.
-#[cfg(any(test, feature = "write"))]
-fn by_class(entry: f32) -> [f32; MAX_CLASSES] {
-    let mut margins = [entry; MAX_CLASSES];
-    margins[Intent::Relax.class()] = 0.0;
-    margins
 }
 
 /// Refuses a number outside of its range.

@@ -6,12 +6,16 @@ use serde::Serialize;
 
 use super::{
     ALIGNMENT, CHECKSUM, CHECKSUM_BYTES, FORMAT_VERSION, MAGIC, PREFIX_BYTES, error::ModelError,
-    header::SmootherDefaults, reader::Model, wire_header::WireHeader,
+    header::SmootherDefaults, reader::Model, wire_aggregation::WireAggregation,
+    wire_header::WireHeader,
 };
+use crate::intent::{Intent, MAX_CLASSES};
 use crate::kernels::{packing::packed, row};
-use crate::model::dimensions::{Companding, Dimensions};
+use crate::model::dimensions::{Companding, Dimensions, HEADS};
 use crate::stream::alignment::Template;
-use crate::stream::preprocess::Preprocessing;
+use crate::stream::preprocess::{DIVISOR, Preprocessing};
+use crate::stream::smoother::Margins;
+use crate::units::{LOOK_BACK, PATCH, SAMPLE_RATE_HZ};
 
 /// A linear map with quantized rows.
 #[derive(Clone, PartialEq, Debug)]
@@ -124,27 +128,48 @@ impl ModelParts {
     /// The file's bytes, unchecked.
     pub(super) fn emit(&self) -> Vec<u8> {
         let provenance = &self.provenance;
-        let names = list(
-            self.dimensions
-                .vocabulary
-                .intents()
-                .iter()
-                .map(|intent| intent.name()),
-        );
-        let data_sets = list(&provenance.data_sets);
-        let subjects_seen = list(&provenance.subjects_seen);
-        let subjects_left_out = list(&provenance.subjects_left_out);
-        let metrics = list(&provenance.metrics);
-        let template = bytes_of(self.template);
-        let header = WireHeader::new(
-            &self.dimensions,
-            (self.companding, self.preprocessing),
-            &self.smoother,
-            &template,
-            &names,
-            [&data_sets, &subjects_seen, &subjects_left_out, &metrics],
-            (&provenance.git_revision, provenance.seed),
-        );
+        let intents = self.dimensions.vocabulary.intents();
+        // A number too large for its field becomes the largest value, which the reader refuses.
+        let byte = |number: usize| u8::try_from(number).unwrap_or(u8::MAX);
+        let short = |number: usize| u16::try_from(number).unwrap_or(u16::MAX);
+        let Margins {
+            entry,
+            other,
+            early,
+        } = self.smoother.margins;
+        let mut entry_margins = [entry; MAX_CLASSES];
+        entry_margins[Intent::Relax.class()] = 0.0;
+        let template = self.template.map(|template| template.to_bytes());
+        let header = WireHeader {
+            width: short(self.dimensions.width),
+            heads: HEADS as u8,
+            layers: byte(self.dimensions.layers),
+            span: byte(self.dimensions.span),
+            patch: PATCH as u8,
+            look_back: LOOK_BACK as u8,
+            classes: byte(intents.len()),
+            companding: match self.companding {
+                Companding::Linear => 0,
+                Companding::SquareRoot => 1,
+            },
+            class_names: &list(intents.iter().map(|intent| intent.name())),
+            sample_rate_hz: SAMPLE_RATE_HZ,
+            median_width: self.preprocessing.median.width(),
+            divisor: DIVISOR,
+            normalized: self.preprocessing.normalized,
+            aggregation: WireAggregation::new(self.smoother.aggregation, early),
+            look_ahead: short(self.smoother.look_ahead),
+            hold: short(self.smoother.hold),
+            entry_margins,
+            other_margin: other,
+            template: template.as_ref().map_or(&[], |bytes| &bytes[..]),
+            data_sets: &list(&provenance.data_sets),
+            subjects_seen: &list(&provenance.subjects_seen),
+            subjects_left_out: &list(&provenance.subjects_left_out),
+            git_revision: &provenance.git_revision,
+            seed: provenance.seed,
+            metrics: &list(&provenance.metrics),
+        };
         let mut file = prefix();
         append(&mut file, &header);
         append_linear(&mut file, &self.embed);
@@ -162,11 +187,6 @@ impl ModelParts {
         seal(&mut file);
         file
     }
-}
-
-/// A template as the header has it: no bytes for none.
-pub(super) fn bytes_of(template: Option<Template>) -> Vec<u8> {
-    template.map_or_else(Vec::new, |template| template.to_bytes().to_vec())
 }
 
 /// Quantizes each row ([`row::quantize`]): bytes row-major, and one scale per row. An infinite or NaN scale is refused by
@@ -235,7 +255,7 @@ fn append_floats(file: &mut Vec<u8>, floats: &[f32]) {
 }
 
 /// Appends zeros up to a multiple of four bytes, then the bytes.
-pub(super) fn append_tensor(file: &mut Vec<u8>, bytes: &[u8]) {
+fn append_tensor(file: &mut Vec<u8>, bytes: &[u8]) {
     // The length that comes first includes the zeros. They never make it a byte longer: tensors are whole
     // words, and the largest lengths of one and two bytes, 127 and 16 383, are a multiple of four plus 3.
     let start = file.len() + list([bytes.len()]).len();

@@ -147,10 +147,7 @@ fn malformed_lists_and_texts_are_named() {
     let whole = small().emit();
     let cut = sealed(&whole[..PREFIX_BYTES + 20]);
     let field = "header";
-    assert_eq!(
-        Model::parse(&cut).unwrap_err(),
-        ModelError::Header { field }
-    );
+    assert_eq!(parse_error(&cut), ModelError::Header { field });
 }
 
 #[test]

@@ -35,7 +35,7 @@ fn missing_and_surplus_tensors_are_refused() {
     let whole = small().emit();
     let content = &whole[..whole.len() - CHECKSUM_BYTES];
     assert_eq!(
-        Model::parse(&sealed(&content[..content.len() - 1])).unwrap_err(),
+        parse_error(&sealed(&content[..content.len() - 1])),
         ModelError::WeightsEnd {
             tensor: TensorName {
                 layer: None,
@@ -45,7 +45,7 @@ fn missing_and_surplus_tensors_are_refused() {
         }
     );
     assert_eq!(
-        Model::parse(&sealed(&[content, &[0, 0]].concat())).unwrap_err(),
+        parse_error(&sealed(&[content, &[0, 0]].concat())),
         ModelError::Trailing { found: 2 }
     );
 }
