@@ -40,7 +40,7 @@ use crate::stream::lock::{Lock, LockTimes};
 use crate::stream::normalizer::Normalizer;
 use crate::stream::preprocess::Preprocessing;
 use crate::stream::ring::Origin;
-use crate::stream::safe_state::{SafetyEvent, Start, Status};
+use crate::stream::safe_state::{Cause, SafetyEvent, Status};
 use crate::stream::smoother::{Decision, Settings, SettingsError};
 use crate::stream::strength::{Percent, Strength};
 use crate::uart_line::calibration::CalibrationState;
@@ -61,12 +61,11 @@ pub struct Pipeline<'s, E: Encode> {
 }
 
 impl<'s, E: Encode> Pipeline<'s, E> {
-    /// A pipeline before its first sample, in the safe state. Resets `state`.
+    /// A pipeline before its first sample, in the safe state after a boot. Resets `state`.
     pub fn new(
         encoder: E,
         state: &'s mut E::State,
         settings: Settings,
-        start: Start,
     ) -> Result<Self, SettingsError> {
         let classes = encoder.classes();
         // The last column of the logits is no class.
@@ -77,7 +76,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
             });
         }
         let smoother = Smoother::new(settings, classes)?;
-        let mut pipeline = Self::without_model(state, start);
+        let mut pipeline = Self::without_model(state, Cause::Boot);
         pipeline.set_model(encoder, smoother);
         Ok(pipeline)
     }
@@ -90,15 +89,15 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         state: &'s mut E::State,
     ) -> Result<Self, SettingsError> {
         let header = &model.header;
-        let mut pipeline = Self::new(encoder, state, header.smoother.in_patches(), Start::Boot)?;
+        let mut pipeline = Self::new(encoder, state, header.smoother.in_patches())?;
         pipeline.preprocess(header.preprocessing);
         pipeline.set_template(header.template);
         Ok(pipeline)
     }
 
-    /// A pipeline before its first sample, in the safe state, that has no model yet. Cannot fail, so it can be constructed
-    /// in place.
-    pub fn without_model(state: &'s mut E::State, start: Start) -> Self {
+    /// A pipeline before its first sample, in the safe state after a reset with this cause, that has no model yet. Cannot
+    /// fail, so it can be constructed in place.
+    pub fn without_model(state: &'s mut E::State, start: Cause) -> Self {
         Self {
             normalizer: None,
             strength: Strength::new(),
@@ -149,14 +148,14 @@ impl<'s, E: Encode> Pipeline<'s, E> {
     pub fn stalled(&mut self, now: Millis) -> Reports {
         let mut reports = Reports::default();
         self.reset_window();
-        self.handle(now, SafetyEvent::Stalled, &mut reports);
+        self.handle(now, SafetyEvent::NoLabel(Cause::Stalled), &mut reports);
         reports
     }
 
     /// Handles that only time passed. To be called at [`Pipeline::deadline`].
     pub fn tick(&mut self, now: Millis) -> Reports {
         let mut reports = Reports::default();
-        if self.output.safe_state().silent(now) {
+        if self.output.safe_state.silent(now) {
             self.reset_window();
             self.handle(now, SafetyEvent::Tick, &mut reports);
         }
@@ -166,18 +165,18 @@ impl<'s, E: Encode> Pipeline<'s, E> {
     /// Time from which the stream counts as silent unless a sample arrives before; none while no stream is running.
     #[must_use]
     pub fn deadline(&self) -> Option<Millis> {
-        self.output.safe_state().deadline()
+        self.output.safe_state.deadline()
     }
 
     /// State of the output pins.
     #[must_use]
     pub const fn status(&self) -> Status {
-        self.output.status()
+        self.output.safe_state.status()
     }
 
     /// Locks the labels until a sign of the wearer, or locks them no longer, from the next label on.
     pub fn set_lock(&mut self, times: Option<LockTimes>) {
-        self.output.set_lock(times);
+        self.output.lock = times.map(Lock::new);
     }
 
     /// Unlocks the labels, or locks them again, without a sign; nothing if they have no lock.
@@ -188,16 +187,12 @@ impl<'s, E: Encode> Pipeline<'s, E> {
     /// Lock of the labels, if they have one.
     #[must_use]
     pub const fn lock(&self) -> Option<Lock> {
-        self.output.lock()
+        self.output.lock
     }
 
     /// A report of the present state, as a program writes it when it starts.
     pub fn state_report(&mut self) -> Report {
-        self.report(
-            ReportKind::State,
-            self.window.newest(),
-            self.window.newest(),
-        )
+        self.report(ReportKind::State, self.window.newest, self.window.newest)
     }
 
     /// Takes one sample, aligned, received or filled in.
@@ -262,17 +257,13 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         }
         let shown = self.output.show(decision.instant, intent);
         let Some(intent) = shown else {
-            self.handle(now, SafetyEvent::Locked, reports);
+            self.handle(now, SafetyEvent::NoLabel(Cause::Locked), reports);
             return;
         };
         self.strength.learn(intent, self.rest());
-        // No other window is decided.
-        let event = SafetyEvent::Label {
-            intent,
-            window_full: true,
-        };
-        let newest = self.window.newest();
-        if self.output.handle(now, event) {
+        let event = SafetyEvent::Label(intent);
+        let newest = self.window.newest;
+        if self.output.safe_state.handle(now, event).is_some() {
             reports.push(self.report(ReportKind::State, decision.instant, newest));
         }
         reports.push(self.report(ReportKind::Label, decision.instant, newest));
@@ -291,14 +282,9 @@ impl<'s, E: Encode> Pipeline<'s, E> {
                     encoded = encoded || self.encode(now, &mut reports);
                 }
             }
-            Loss::Ended { is_long } => {
+            Loss::Ended(cause) => {
                 self.reset_window();
-                let event = if is_long {
-                    SafetyEvent::Gap
-                } else {
-                    SafetyEvent::Losses
-                };
-                self.handle(now, event, &mut reports);
+                self.handle(now, SafetyEvent::NoLabel(cause), &mut reports);
             }
             Loss::None => {}
         }
@@ -317,7 +303,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
     }
 
     fn handle(&mut self, now: Millis, event: SafetyEvent, reports: &mut Reports) {
-        if self.output.handle(now, event) {
+        if self.output.safe_state.handle(now, event).is_some() {
             let report = self.state_report();
             reports.push(report);
         }
@@ -330,7 +316,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
 
     /// Strength of the wearer's contraction in the label of the outputs.
     pub fn strength(&self) -> Percent {
-        let label = self.output.status().label();
+        let label = self.output.safe_state.status().label();
         self.strength.of(label, self.rest())
     }
 
@@ -340,8 +326,8 @@ impl<'s, E: Encode> Pipeline<'s, E> {
             sequence: self.output.next_sequence(),
             instant,
             emitted,
-            status: self.output.status(),
-            counters: self.window.counters(),
+            status: self.output.safe_state.status(),
+            counters: self.window.counters,
             strength: Some(self.strength()),
         }
     }

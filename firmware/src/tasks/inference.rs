@@ -10,7 +10,7 @@ use shared::model::encoder::DeviceState;
 use shared::pipeline::{Absence, AlignmentPhase, Done, ModelRefused, Pipeline, Reports};
 use shared::stream::alignment::Trigger;
 use shared::stream::link_sequence::QueueGapDetector;
-use shared::stream::safe_state::Start;
+use shared::stream::safe_state::Cause;
 use shared::uart_line::answer::Refusal;
 use shared::uart_line::calibration::{CalibrateCommand, CalibrationReport, CalibrationState};
 use shared::uart_line::command::AlignCommand;
@@ -87,11 +87,11 @@ fn resume(pipeline: &mut DevicePipeline) -> Result<(), ModelRefused> {
     })
 }
 
-fn start(reason: ResetReason) -> Start {
+fn start(reason: ResetReason) -> Cause {
     match reason {
-        ResetReason::Watchdog => Start::Watchdog,
-        ResetReason::StackOverflow => Start::StackOverflow,
-        ResetReason::Power | ResetReason::Software => Start::Boot,
+        ResetReason::Watchdog => Cause::Watchdog,
+        ResetReason::StackOverflow => Cause::StackOverflow,
+        ResetReason::Power | ResetReason::Software => Cause::Boot,
     }
 }
 

@@ -28,7 +28,7 @@ use shared::pipeline::{
 };
 use shared::stream::alignment::Arm;
 use shared::stream::link_sequence::{Packet, QueueGapDetector, Sequencer};
-use shared::stream::safe_state::Start;
+use shared::stream::safe_state::Cause;
 use shared::uart_line::Report;
 use shared::uart_line::answer::{Answer, Binding, Counts, Identity, Refusal};
 use shared::uart_line::calibration::{CalibrateCommand, CalibrationReport, CalibrationState};
@@ -124,7 +124,7 @@ impl SimulatedBoard {
             sequencer: Sequencer::default(),
             detector: QueueGapDetector::default(),
             streams: false,
-            pipeline: Pipeline::without_model(state, Start::Boot),
+            pipeline: Pipeline::without_model(state, Cause::Boot),
             model: None,
             absence: Absence::began(Millis(0), ModelRefused::Incomplete),
             flash: Flash {

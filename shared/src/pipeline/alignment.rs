@@ -17,13 +17,14 @@ use crate::units::{PATCH, Patch, Sample};
 /// Placement of the armband, as far as a pipeline knows it.
 #[derive(Debug, Default)]
 pub(super) struct Placement {
-    template: Option<Template>,
+    /// Template that alignments are found by.
+    pub(super) template: Option<Template>,
     /// Alignment in force.
     pub(super) current: Alignment,
     /// Alignment of each new connection: that under which the head in use was learnt.
-    learnt: Alignment,
+    pub(super) learnt: Alignment,
     /// Whether `current` was found or given, not assumed.
-    is_known: bool,
+    pub(super) is_known: bool,
     stage: Stage,
     view: View,
     news: Option<News>,
@@ -58,23 +59,6 @@ struct View {
     preprocessor: Preprocessor,
     patch: Patch,
     filled: usize,
-}
-
-impl Placement {
-    /// Template that alignments are found by.
-    pub(super) const fn template(&self) -> Option<Template> {
-        self.template
-    }
-
-    /// Forgets that an alignment is in force.
-    pub(super) const fn forget(&mut self) {
-        self.is_known = false;
-    }
-
-    /// Alignment of each new connection.
-    pub(super) const fn learnt(&mut self) -> &mut Alignment {
-        &mut self.learnt
-    }
 }
 
 impl View {
@@ -205,7 +189,7 @@ impl<E: Encode> Pipeline<'_, E> {
         } = self.placement.news.take()?;
         Some(AlignmentReport {
             sequence: self.output.next_sequence(),
-            emitted: self.window.newest(),
+            emitted: self.window.newest,
             state,
             gestures,
             alignment: self.placement.current,
@@ -268,7 +252,7 @@ impl<E: Encode> Pipeline<'_, E> {
         match progress {
             AlignmentProgress::Waiting | AlignmentProgress::Gesture => {}
             AlignmentProgress::Undecided(mut decision) => {
-                decision.start(self.window.ring().complete());
+                decision.start(self.window.ring.complete());
                 self.placement.stage = Stage::Arm(decision);
                 if !self.has_model() {
                     self.interrupt_decision();

@@ -5,7 +5,7 @@ use crate::calibration::{CalibrationProgress, CalibrationSession, Memory, REACTI
 use crate::intent::Intent;
 use crate::model::Encode;
 use crate::stream::alignment::{Alignment, Arm, Profile};
-use crate::stream::safe_state::SafetyEvent;
+use crate::stream::safe_state::{Cause, SafetyEvent};
 use crate::stream::smoother::Decision;
 use crate::uart_line::calibration::{CalibrationReport, CalibrationState};
 use crate::units::{Millis, Sample, SampleIndex, WINDOW_PATCHES};
@@ -218,7 +218,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         });
         self.calibration.say_cue();
         let mut reports = Reports::default();
-        self.handle(now, SafetyEvent::Calibration, &mut reports);
+        self.handle(now, SafetyEvent::NoLabel(Cause::Installation), &mut reports);
         Some(reports)
     }
 

@@ -5,7 +5,7 @@ use crate::intent::MAX_LOGITS;
 use crate::model::Encode;
 use crate::stream::alignment::{Alignment, Template};
 use crate::stream::preprocess::Preprocessing;
-use crate::stream::safe_state::SafetyEvent;
+use crate::stream::safe_state::{Cause, SafetyEvent};
 use crate::stream::smoother::{self, Gate};
 use crate::uart_line::calibration::CalibrationState;
 use crate::units::{LOOK_BACK, Millis};
@@ -24,7 +24,7 @@ pub(super) struct Network<'s, E: Encode> {
     /// Model in use; `None` if it was refused, or while another model is being installed.
     model: Option<InUse<E>>,
     /// Borrowed: it is too large to be moved over a device's stack.
-    state: &'s mut E::State,
+    pub(super) state: &'s mut E::State,
 }
 
 impl<'s, E: Encode> Network<'s, E> {
@@ -51,11 +51,6 @@ impl<'s, E: Encode> Network<'s, E> {
             smoother.restart();
         }
     }
-
-    #[cfg(test)]
-    pub(super) const fn state(&self) -> &E::State {
-        self.state
-    }
 }
 
 /// Input that a model requires.
@@ -73,21 +68,21 @@ impl<E: Encode> Pipeline<'_, E> {
     /// Gives up the model and enters the safe state: nothing that the encoder borrows is read any more. Samples are taken
     /// meanwhile; an alignment in progress is cancelled.
     pub fn suspend(&mut self, now: Millis) -> Reports {
-        self.give_up(now, SafetyEvent::Installation)
+        self.give_up(now, Cause::Installation)
     }
 
     /// Suspends permanently: there is no valid model.
     pub fn refuse_model(&mut self, now: Millis) -> Reports {
-        self.give_up(now, SafetyEvent::ModelRefused)
+        self.give_up(now, Cause::ModelRefused)
     }
 
-    fn give_up(&mut self, now: Millis, event: SafetyEvent) -> Reports {
+    fn give_up(&mut self, now: Millis, cause: Cause) -> Reports {
         let mut reports = self.tick(now);
         self.network.model = None;
         self.hold_lock(true);
         self.end_calibration(CalibrationState::Interrupted);
         self.cancel_alignment();
-        self.handle(now, event, &mut reports);
+        self.handle(now, SafetyEvent::NoModel(cause), &mut reports);
         reports
     }
 
@@ -100,25 +95,25 @@ impl<E: Encode> Pipeline<'_, E> {
     /// alignment than the one before brings its own.
     pub fn resume(&mut self, now: Millis, encoder: E, smoother: Smoother, input: ModelInput) {
         self.interrupt_decision();
-        if self.window.preprocessing() != input.preprocessing {
+        if self.window.preprocessing != input.preprocessing {
             self.reset_window();
             self.preprocess(input.preprocessing);
         }
-        if self.placement.template() != input.template {
+        if self.placement.template != input.template {
             if self.alignment() != Alignment::NONE {
                 self.set_alignment(Alignment::NONE);
             }
-            self.placement.forget();
+            self.placement.is_known = false;
             self.set_template(input.template);
         }
-        let learnt = core::mem::replace(self.placement.learnt(), input.alignment);
+        let learnt = core::mem::replace(&mut self.placement.learnt, input.alignment);
         if learnt != input.alignment && self.alignment() != input.alignment {
             self.set_alignment(input.alignment);
         }
         self.set_model(encoder, smoother);
         self.encode_anew();
         // It gives no report: the state stays until there is a label.
-        self.output.handle(now, SafetyEvent::Installed);
+        self.output.safe_state.handle(now, SafetyEvent::Installed);
     }
 
     /// Whether there is a model.

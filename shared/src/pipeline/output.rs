@@ -1,44 +1,31 @@
 //! Output of a pipeline: its newest label, whether it is shown, and the lines about it.
 
 use crate::intent::Intent;
-use crate::stream::lock::{Lock, LockTimes};
-use crate::stream::safe_state::{SafeState, SafetyEvent, Start, Status};
-use crate::units::{Millis, SampleIndex};
+use crate::stream::lock::Lock;
+use crate::stream::safe_state::{Cause, SafeState};
+use crate::units::SampleIndex;
 
 /// State of the outputs.
 #[derive(Debug)]
 pub(super) struct Output {
-    safe_state: SafeState,
+    pub(super) safe_state: SafeState,
     /// The newest label; `None` since a reset of the window.
     label: Option<(SampleIndex, Intent)>,
     /// Lock of the labels; `None` if they are not locked.
-    lock: Option<Lock>,
-    sequence: u32,
+    pub(super) lock: Option<Lock>,
+    /// Number of the next line.
+    pub(super) sequence: u32,
 }
 
 impl Output {
-    /// The safe state after a reset.
-    pub(super) const fn new(start: Start) -> Self {
+    /// The safe state after a reset with this cause.
+    pub(super) const fn new(start: Cause) -> Self {
         Self {
             safe_state: SafeState::new(start),
             label: None,
             lock: None,
             sequence: 0,
         }
-    }
-
-    pub(super) const fn safe_state(&self) -> &SafeState {
-        &self.safe_state
-    }
-
-    /// Handles an event; returns whether the state changed.
-    pub(super) fn handle(&mut self, now: Millis, event: SafetyEvent) -> bool {
-        self.safe_state.handle(now, event).is_some()
-    }
-
-    /// State of the output pins.
-    pub(super) const fn status(&self) -> Status {
-        self.safe_state.status()
     }
 
     /// Takes a label that contradicts none before; returns the label to be shown, `None` while labels are locked.
@@ -66,10 +53,6 @@ impl Output {
         self.hold_lock(true);
     }
 
-    pub(super) fn set_lock(&mut self, times: Option<LockTimes>) {
-        self.lock = times.map(Lock::new);
-    }
-
     pub(super) const fn hold_lock(&mut self, is_locked: bool) {
         match &mut self.lock {
             Some(lock) if is_locked => lock.lock(),
@@ -78,19 +61,10 @@ impl Output {
         }
     }
 
-    pub(super) const fn lock(&self) -> Option<Lock> {
-        self.lock
-    }
-
-    /// Number of the next line.
+    /// Takes the number of the next line.
     pub(super) const fn next_sequence(&mut self) -> u32 {
         let sequence = self.sequence;
         self.sequence = sequence.wrapping_add(1);
         sequence
-    }
-
-    #[cfg(test)]
-    pub(super) const fn set_sequence(&mut self, sequence: u32) {
-        self.sequence = sequence;
     }
 }

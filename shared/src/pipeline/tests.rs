@@ -4,10 +4,10 @@ use super::*;
 use crate::intent::MAX_LOGITS;
 use crate::model::LookBackLogits;
 use crate::stream::preprocess::{Median, Preprocessing, clean};
-use crate::stream::safe_state::Cause;
 use crate::uart_line::Counters;
+use crate::uart_line::alignment::AlignmentReport;
 use crate::units::{CHANNELS, LOOK_BACK, PATCH, Patch};
-use alloc::{boxed::Box, vec, vec::Vec};
+use alloc::{boxed::Box, vec::Vec};
 use proptest::prelude::*;
 
 /// A model that classifies each patch by the sum of its channel 0, modulo 3, in every row that refers
@@ -41,9 +41,22 @@ impl Encode for SumModel {
     }
 }
 
+/// A label for each patch without a gate, so that no label depends on when the first one was due.
+const EACH_PATCH: Settings = Settings {
+    hold: 1,
+    ..Settings::PAPER_IN_PATCHES
+};
+
+fn pipeline_of<E: Encode>(encoder: E, settings: Settings) -> Pipeline<'static, E>
+where
+    E::State: 'static,
+{
+    let state = Box::leak(Box::new(encoder.fresh()));
+    Pipeline::new(encoder, state, settings).unwrap()
+}
+
 fn pipeline() -> Pipeline<'static, SumModel> {
-    let state = Box::leak(Box::new(SumModel.fresh()));
-    Pipeline::new(SumModel, state, Settings::PAPER_IN_PATCHES, Start::Boot).unwrap()
+    pipeline_of(SumModel, Settings::PAPER_IN_PATCHES)
 }
 
 /// A patch of these has the class `10 value` modulo 3, which is `value`.
@@ -60,6 +73,39 @@ fn feed(pipeline: &mut Pipeline<'_, SumModel>, from: u32, count: u32, value: i8)
     (from..from + count)
         .flat_map(|index| pipeline.sample(at(index), constant(value)))
         .collect()
+}
+
+/// Reports of a range of a stream's samples, and of the alignment meanwhile.
+fn run<E: Encode>(
+    pipeline: &mut Pipeline<'_, E>,
+    samples: &[Sample],
+    range: core::ops::Range<usize>,
+) -> (Vec<Report>, Vec<AlignmentReport>) {
+    let mut reports = Vec::new();
+    let mut news = Vec::new();
+    for index in range {
+        reports.extend(pipeline.sample(at(index as u32), samples[index]));
+        news.extend(pipeline.take_alignment_report());
+    }
+    (reports, news)
+}
+
+/// Instants from one on, with their labels.
+fn labels(reports: impl IntoIterator<Item = Report>, from: u32) -> Vec<(u32, Status)> {
+    let labels = reports
+        .into_iter()
+        .filter(|report| report.kind == ReportKind::Label && report.instant.0 >= from);
+    labels
+        .map(|report| (report.instant.0, report.status))
+        .collect()
+}
+
+const fn counters([lost, bridged, resets]: [u32; 3]) -> Counters {
+    Counters {
+        lost,
+        bridged,
+        resets,
+    }
 }
 
 /// The fields of a report that the tests predict: kind, instant, emitted, status.
@@ -79,6 +125,11 @@ fn fields(reports: impl IntoIterator<Item = Report>) -> Vec<Fields> {
 
 const OPEN: Status = Status::Valid(Intent::Open);
 
+/// The line that the state becomes safe after the newest sample.
+const fn safe(newest: u32, cause: Cause) -> Fields {
+    (ReportKind::State, newest, newest, Status::Safe(cause))
+}
+
 /// Window 0 ends at sample 599. With a look-ahead of 5 patches and a label at every second window, the
 /// first label is due at window 6. The median lags one sample.
 const FIRST_VALID: [Fields; 2] = [
@@ -90,10 +141,7 @@ const FIRST_VALID: [Fields; 2] = [
 fn labels_begin_after_600_samples_the_look_ahead_and_the_median() {
     let mut pipeline = pipeline();
     let boot = pipeline.state_report();
-    assert_eq!(
-        fields([boot]),
-        [(ReportKind::State, 0, 0, Status::Safe(Cause::Boot))]
-    );
+    assert_eq!(fields([boot]), [safe(0, Cause::Boot)]);
     assert_eq!(fields(feed(&mut pipeline, 0, 660, 1)), []);
     assert_eq!(fields(feed(&mut pipeline, 660, 1, 1)), FIRST_VALID);
     let next = feed(&mut pipeline, 661, 40, 1);
@@ -105,7 +153,7 @@ fn labels_begin_after_600_samples_the_look_ahead_and_the_median() {
         ]
     );
     assert_eq!(next[1].sequence, boot.sequence + 4);
-    assert_eq!(pipeline.window.counters(), Counters::default());
+    assert_eq!(pipeline.window.counters, Counters::default());
 }
 
 #[test]
@@ -143,11 +191,7 @@ fn five_lost_samples_are_bridged_by_the_last_one() {
     assert_eq!(fields(pipeline.gap(at(655), 5)), []);
     let reports = feed(&mut pipeline, 655, 6, 1);
     assert_eq!(fields(reports.iter().copied()), FIRST_VALID);
-    let expected = Counters {
-        lost: 5,
-        bridged: 5,
-        resets: 0,
-    };
+    let expected = counters([5, 5, 0]);
     assert_eq!(reports[1].counters, expected);
 }
 
@@ -162,25 +206,14 @@ fn a_label_can_fall_due_on_a_bridged_sample() {
 fn six_lost_samples_reset_the_window() {
     let mut pipeline = pipeline();
     feed(&mut pipeline, 0, 661, 1);
-    let safe = Status::Safe(Cause::Gap);
-    assert_eq!(
-        fields(pipeline.gap(at(667), 6)),
-        [(ReportKind::State, 666, 666, safe)]
-    );
-    let expected = Counters {
-        lost: 6,
-        bridged: 0,
-        resets: 1,
-    };
-    assert_eq!(pipeline.window.counters(), expected);
-    assert_eq!(
-        *pipeline.network.state(),
-        SumModel.fresh(),
-        "the model is not reset"
-    );
+    let reports = pipeline.gap(at(667), 6);
+    assert_eq!(fields(reports), [safe(666, Cause::Gap)]);
+    let expected = counters([6, 0, 1]);
+    assert_eq!(pipeline.window.counters, expected);
+    assert!(pipeline.network.state.is_empty(), "the model is not reset");
     // A second gap before any sample resets nothing.
     assert_eq!(fields(pipeline.gap(at(668), 1)), []);
-    assert_eq!(pipeline.window.counters().resets, 1);
+    assert_eq!(pipeline.window.counters.resets, 1);
 
     // The new window begins at sample 668.
     assert_eq!(fields(feed(&mut pipeline, 668, 660, 1)), []);
@@ -211,24 +244,13 @@ fn the_quota_of_bridged_samples_is_exact_and_has_its_own_cause() {
         index += 1;
     }
     assert!(pipeline.status().valid());
-    assert_eq!(pipeline.window.ring().bridged(), 60);
-    let before = pipeline.window.counters();
-    let losses = Status::Safe(Cause::Losses);
-    assert_eq!(
-        fields(pipeline.gap(at(index), 1)),
-        [(ReportKind::State, index, index, losses)]
-    );
-    let expected = Counters {
-        lost: before.lost + 1,
-        bridged: 60,
-        resets: 1,
-    };
-    assert_eq!(pipeline.window.counters(), expected);
-    assert_eq!(
-        *pipeline.network.state(),
-        SumModel.fresh(),
-        "the model is not reset"
-    );
+    assert_eq!(pipeline.window.ring.bridged(), 60);
+    let before = pipeline.window.counters;
+    let reports = pipeline.gap(at(index), 1);
+    assert_eq!(fields(reports), [safe(index, Cause::Losses)]);
+    let expected = counters([before.lost + 1, 60, 1]);
+    assert_eq!(pipeline.window.counters, expected);
+    assert!(pipeline.network.state.is_empty(), "the model is not reset");
     // A full window is needed to be valid again.
     index += 1;
     assert_eq!(fields(feed(&mut pipeline, index, 660, 1)), []);
@@ -241,23 +263,13 @@ fn silence_and_disconnection_reset_the_window() {
     feed(&mut pipeline, 0, 661, 1);
     assert_eq!(pipeline.deadline(), Some(Millis(3500)));
     assert_eq!(fields(pipeline.tick(Millis(3499))), []);
-    let silent = Status::Safe(Cause::Silence);
-    assert_eq!(
-        fields(pipeline.tick(Millis(3500))),
-        [(ReportKind::State, 660, 660, silent)]
-    );
-    assert_eq!(pipeline.status(), silent);
-    assert_eq!(
-        *pipeline.network.state(),
-        SumModel.fresh(),
-        "the model is not reset"
-    );
-    let disconnected = Status::Safe(Cause::Disconnected);
-    assert_eq!(
-        fields(pipeline.disconnected(Millis(4000))),
-        [(ReportKind::State, 660, 660, disconnected)]
-    );
-    assert_eq!(pipeline.window.counters().resets, 1);
+    let reports = pipeline.tick(Millis(3500));
+    assert_eq!(fields(reports), [safe(660, Cause::Silence)]);
+    assert_eq!(pipeline.status(), Status::Safe(Cause::Silence));
+    assert!(pipeline.network.state.is_empty(), "the model is not reset");
+    let reports = pipeline.disconnected(Millis(4000));
+    assert_eq!(fields(reports), [safe(660, Cause::Disconnected)]);
+    assert_eq!(pipeline.window.counters.resets, 1);
     assert_eq!(pipeline.deadline(), None);
     assert_eq!(fields(feed(&mut pipeline, 661, 660, 1)), []);
 }
@@ -266,11 +278,8 @@ fn silence_and_disconnection_reset_the_window() {
 fn a_stall_needs_a_full_window_to_be_valid_again() {
     let mut pipeline = pipeline();
     feed(&mut pipeline, 0, 661, 1);
-    let stalled = Status::Safe(Cause::Stalled);
-    assert_eq!(
-        fields(pipeline.stalled(at(661))),
-        [(ReportKind::State, 660, 660, stalled)]
-    );
+    let reports = pipeline.stalled(at(661));
+    assert_eq!(fields(reports), [safe(660, Cause::Stalled)]);
     assert_eq!(fields(feed(&mut pipeline, 661, 660, 1)), []);
     assert_eq!(fields(feed(&mut pipeline, 661 + 660, 1, 1)).len(), 2);
 }
@@ -280,9 +289,8 @@ fn a_sample_after_a_silence_reports_it_without_a_tick() {
     let mut pipeline = pipeline();
     feed(&mut pipeline, 0, 661, 1);
     let reports = pipeline.sample(Millis(3600), constant(1));
-    let silent = Status::Safe(Cause::Silence);
-    assert_eq!(fields(reports), [(ReportKind::State, 660, 660, silent)]);
-    assert_eq!(pipeline.window.ring().contiguous(), 0);
+    assert_eq!(fields(reports), [safe(660, Cause::Silence)]);
+    assert_eq!(pipeline.window.ring.contiguous(), 0);
 }
 
 #[test]
@@ -299,24 +307,21 @@ fn a_model_of_too_many_classes_is_refused() {
             [[0.0; MAX_LOGITS]; LOOK_BACK]
         }
     }
-    let refused = Pipeline::new(Seven, &mut (), Settings::PAPER_IN_PATCHES, Start::Boot).err();
+    let refused = Pipeline::new(Seven, &mut (), Settings::PAPER_IN_PATCHES).err();
     assert_eq!(refused, Some(SettingsError::Classes { most: 6, found: 7 }));
 }
 
 /// The labels of a recording without gaps, each step over the whole recording.
-fn expected_labels(recording: &[Sample]) -> Vec<(u32, Intent)> {
+fn expected_labels(recording: &[Sample]) -> Vec<(u32, Status)> {
     // The last sample's median needs a sample that has not arrived.
     let mut samples: Vec<_> = clean(recording.iter().copied(), Median::Three).collect();
     samples.pop();
-    let sums: Vec<usize> = samples
-        .as_chunks::<PATCH>()
-        .0
-        .iter()
+    let patches = samples.as_chunks::<PATCH>().0.iter();
+    let sums: Vec<usize> = patches
         .map(|patch| patch.iter().map(|sample| usize::from(sample[0])).sum())
         .collect();
-    let mut labels = vec![];
     // The window that ends with patch 59 is the first; all rows of windows p ... p + 5.
-    for end in (65..sums.len()).step_by(2) {
+    let label = |end: usize| {
         let mut votes = [0; 3];
         for window in end - 5..=end {
             for patch in end - 5..=window {
@@ -325,14 +330,10 @@ fn expected_labels(recording: &[Sample]) -> Vec<(u32, Intent)> {
         }
         let most = votes.iter().max();
         let class = votes.iter().position(|count| Some(count) == most);
-        let instant = (end as u32 - 5) * 10 + 9;
-        labels.extend(
-            class
-                .and_then(Intent::from_class)
-                .map(|intent| (instant, intent)),
-        );
-    }
-    labels
+        let intent = class.and_then(Intent::from_class).unwrap();
+        ((end as u32 - 5) * 10 + 9, Status::Valid(intent))
+    };
+    (65..sums.len()).step_by(2).map(label).collect()
 }
 
 proptest! {
@@ -342,15 +343,9 @@ proptest! {
         recording in prop::collection::vec(any::<Sample>(), 600..1200),
     ) {
         let mut pipeline = pipeline();
-        let labels: Vec<_> = (0..)
-            .zip(&recording)
-            .flat_map(|(index, sample)| pipeline.sample(at(index), *sample))
-            .filter(|report| report.kind == ReportKind::Label)
-            .map(|report| (report.instant.0, report.status.label()))
-            .collect();
+        let (reports, _) = run(&mut pipeline, &recording, 0..recording.len());
         // Windows 6, 8, ...: the first label is that of the first even window past the look-ahead.
-        let expected: Vec<_> = expected_labels(&recording).into_iter().collect();
-        prop_assert_eq!(labels, expected);
+        prop_assert_eq!(labels(reports, 0), expected_labels(&recording));
     }
 }
 
@@ -372,7 +367,7 @@ fn a_lock_shows_no_label_before_an_open_hand_is_held_and_none_after_the_stream_w
     let locked = Status::Safe(Cause::Locked);
     // A close hand says only that it is locked.
     let reports = feed(&mut pipeline, 0, 1000, 2);
-    assert_eq!(fields(reports), [(ReportKind::State, 660, 660, locked)]);
+    assert_eq!(fields(reports), [safe(660, Cause::Locked)]);
     // The sign itself is shown as relax.
     let reports = feed(&mut pipeline, 1000, 400, 1);
     let shown: Vec<Status> = fields(reports).iter().map(|own| own.3).collect();

@@ -3,6 +3,7 @@
 use crate::stream::alignment::Alignment;
 use crate::stream::preprocess::{Preprocessing, Preprocessor};
 use crate::stream::ring::{Origin, SampleRing};
+use crate::stream::safe_state::Cause;
 use crate::uart_line::Counters;
 use crate::units::{PATCH, Patch, Sample, SampleIndex, WINDOW_PATCHES};
 
@@ -15,20 +16,20 @@ const MAX_BRIDGED_OF_WINDOW: u32 = 60;
 /// Samples since the last reset, preprocessed, and their positions.
 #[derive(Debug)]
 pub(super) struct Window {
-    preprocessing: Preprocessing,
+    pub(super) preprocessing: Preprocessing,
     preprocessor: Preprocessor,
-    ring: SampleRing,
+    pub(super) ring: SampleRing,
     /// Complete patches in the ring that the encoder has yet to take, the newest ones.
     behind: usize,
     /// The newest sample of the ring's newest complete patch.
-    newest_end: SampleIndex,
+    pub(super) newest_end: SampleIndex,
     /// Position of the next sample.
     next: SampleIndex,
     /// Position of the newest sample, lost ones included; 0 before the first.
-    newest: SampleIndex,
+    pub(super) newest: SampleIndex,
     /// The last sample, aligned, which fills gaps; `None` where no gap may be filled.
     last: Option<Sample>,
-    counters: Counters,
+    pub(super) counters: Counters,
 }
 
 /// Patch that the encoder takes next.
@@ -47,10 +48,7 @@ pub(super) enum Loss {
     /// This sample fills them in.
     Bridged(Sample),
     /// The window ends: the gap is longer than may be filled in, or else its window has lost too many.
-    Ended {
-        /// Whether the gap alone is longer.
-        is_long: bool,
-    },
+    Ended(Cause),
     /// The window is empty.
     None,
 }
@@ -79,33 +77,6 @@ impl Window {
         self.preprocessor = Preprocessor::new(preprocessing.median);
     }
 
-    pub(super) const fn preprocessing(&self) -> Preprocessing {
-        self.preprocessing
-    }
-
-    pub(super) const fn ring(&self) -> &SampleRing {
-        &self.ring
-    }
-
-    /// Position of the newest sample, lost ones included; 0 before the first.
-    pub(super) const fn newest(&self) -> SampleIndex {
-        self.newest
-    }
-
-    pub(super) const fn counters(&self) -> Counters {
-        self.counters
-    }
-
-    #[cfg(test)]
-    pub(super) const fn newest_end(&self) -> SampleIndex {
-        self.newest_end
-    }
-
-    #[cfg(test)]
-    pub(super) const fn set_counters(&mut self, counters: Counters) {
-        self.counters = counters;
-    }
-
     /// Takes one sample, aligned, received or filled in; returns whether it completes a patch.
     pub(super) fn push(&mut self, sample: Sample, origin: Origin) -> bool {
         self.newest = self.next;
@@ -114,7 +85,7 @@ impl Window {
         let Some(clean) = self.preprocessor.push(sample) else {
             return false;
         };
-        let is_complete = self.ring.push(clean, origin).is_some();
+        let is_complete = self.ring.push(clean, origin);
         if is_complete {
             // The preprocessor lags one sample.
             self.newest_end = SampleIndex(self.newest.0.wrapping_sub(1));
@@ -169,7 +140,8 @@ impl Window {
             self.next = self.newest.plus(1);
         }
         match self.last {
-            Some(_) => Loss::Ended { is_long },
+            Some(_) if is_long => Loss::Ended(Cause::Gap),
+            Some(_) => Loss::Ended(Cause::Losses),
             None => Loss::None,
         }
     }

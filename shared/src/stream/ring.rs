@@ -45,8 +45,8 @@ impl SampleRing {
         }
     }
 
-    /// Takes a sample; returns the patch that it completes, every tenth sample since the last reset.
-    pub fn push(&mut self, sample: CleanSample, origin: Origin) -> Option<&Patch> {
+    /// Takes a sample; returns whether it completes a patch, as every tenth sample since the last reset does.
+    pub fn push(&mut self, sample: CleanSample, origin: Origin) -> bool {
         if self.filled == 0 {
             // The oldest patch goes.
             self.bridged -= u32::from(self.bridged_in[self.current]);
@@ -60,12 +60,11 @@ impl SampleRing {
         self.contiguous = self.contiguous.saturating_add(1);
         self.filled += 1;
         if self.filled < PATCH {
-            return None;
+            return false;
         }
-        let completed = self.current;
         self.filled = 0;
         self.current = (self.current + 1) % WINDOW_PATCHES;
-        Some(&self.patches[completed])
+        true
     }
 
     /// Empties the ring, as after a gap.
@@ -100,7 +99,8 @@ impl SampleRing {
         alignment.apply_to_all(self.patches.as_flattened_mut());
     }
 
-    /// Number of complete patches, at most 60.
+    /// Number of complete patches: 60 directly after a patch has completed in a full ring, 59 while the next one overwrites
+    /// the oldest.
     pub(crate) fn complete(&self) -> usize {
         if self.is_full() {
             WINDOW_PATCHES - usize::from(self.filled > 0)
@@ -113,14 +113,6 @@ impl SampleRing {
     pub(crate) fn before_newest(&self, back: usize) -> &Patch {
         let place = self.current + 2 * WINDOW_PATCHES - 1 - back % WINDOW_PATCHES;
         &self.patches[place % WINDOW_PATCHES]
-    }
-
-    /// Complete patches, oldest first: 60 directly after a patch has completed in a full ring, 59 while
-    /// the next one overwrites the oldest.
-    pub fn patches(&self) -> impl Iterator<Item = &Patch> {
-        let whole = self.complete();
-        let oldest = self.current + WINDOW_PATCHES - whole;
-        (oldest..oldest + whole).map(|place| &self.patches[place % WINDOW_PATCHES])
     }
 }
 
@@ -148,7 +140,7 @@ mod tests {
         ring.contiguous = u32::MAX - 5;
         for number in 0..20 {
             let completed = ring.push(numbered(number), Origin::Received);
-            assert_eq!(completed.is_some(), number % PATCH == PATCH - 1);
+            assert_eq!(completed, number % PATCH == PATCH - 1);
             assert!(ring.is_full());
         }
         assert_eq!(ring.contiguous(), u32::MAX);
@@ -172,13 +164,8 @@ mod tests {
                         Origin::Received
                     }
                 };
-                let completed = ring.push(numbered(number), origin(number)).copied();
-                let newest = list
-                    .len()
-                    .is_multiple_of(PATCH)
-                    .then(|| list.last_chunk::<PATCH>().copied())
-                    .flatten();
-                assert_eq!(completed, newest);
+                let completed = ring.push(numbered(number), origin(number));
+                assert_eq!(completed, list.len().is_multiple_of(PATCH));
 
                 let whole: Vec<_> = list.as_chunks::<PATCH>().0.iter().collect();
                 let incomplete = usize::from(!list.len().is_multiple_of(PATCH));
@@ -188,7 +175,6 @@ mod tests {
                     whole.len()
                 };
                 let expected = &whole[whole.len() - kept..];
-                assert_eq!(ring.patches().collect::<Vec<_>>(), expected);
                 assert_eq!(ring.complete(), kept);
                 let newest_first: Vec<_> = (0..kept).map(|back| ring.before_newest(back)).collect();
                 assert!(newest_first.into_iter().rev().eq(expected.iter().copied()));

@@ -40,17 +40,6 @@ names! {
     }
 }
 
-/// Cause of the last reset.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Start {
-    /// Power on, button or debugger.
-    Boot,
-    /// The watchdog.
-    Watchdog,
-    /// The program itself, after the stack had grown too deep.
-    StackOverflow,
-}
-
 /// State of the outputs.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Status {
@@ -91,33 +80,18 @@ impl Status {
 pub enum SafetyEvent {
     /// A sample arrived.
     Sample,
-    /// Samples were lost and the window was reset.
-    Gap,
-    /// More samples of the window were lost than may be filled in, and it was reset.
-    Losses,
-    /// The dead-man timer has expired: the pins are safe already.
-    Stalled,
-    /// The armband was disconnected.
-    Disconnected,
-    /// There is a label, and it is locked.
-    Locked,
-    /// The model file was refused.
-    ModelRefused,
-    /// Another model is being installed: until then there is no model.
-    Installation,
-    /// The model is being calibrated: there is no label until that is over.
-    Calibration,
+    /// There is no label to be trusted, for this cause. The stream goes on.
+    NoLabel(Cause),
+    /// There is no model, for this cause: no label until the next one is [installed](Self::Installed).
+    NoModel(Cause),
     /// The installed model is in use.
     Installed,
+    /// The armband was disconnected.
+    Disconnected,
     /// Only time passed.
     Tick,
-    /// A label of the smoother.
-    Label {
-        /// The label.
-        intent: Intent,
-        /// Whether its window was full of contiguous samples.
-        window_full: bool,
-    },
+    /// A label of a full window of contiguous samples.
+    Label(Intent),
 }
 
 /// Decides between valid and safe.
@@ -131,16 +105,11 @@ pub struct SafeState {
 }
 
 impl SafeState {
-    /// The safe state after a reset.
+    /// The safe state after a reset with this cause.
     #[must_use]
-    pub const fn new(start: Start) -> Self {
-        let cause = match start {
-            Start::Boot => Cause::Boot,
-            Start::Watchdog => Cause::Watchdog,
-            Start::StackOverflow => Cause::StackOverflow,
-        };
+    pub const fn new(start: Cause) -> Self {
         Self {
-            status: Status::Safe(cause),
+            status: Status::Safe(start),
             last_sample: None,
             has_no_model: false,
         }
@@ -176,20 +145,19 @@ impl SafeState {
         }
         match event {
             SafetyEvent::Sample => self.last_sample = Some(now),
-            SafetyEvent::Gap => self.enter(Cause::Gap),
-            SafetyEvent::Losses => self.enter(Cause::Losses),
-            SafetyEvent::Stalled => self.enter(Cause::Stalled),
-            SafetyEvent::Locked => self.enter(Cause::Locked),
-            SafetyEvent::Calibration => self.enter(Cause::Installation),
-            SafetyEvent::Disconnected => self.end_stream(Cause::Disconnected),
-            SafetyEvent::ModelRefused => self.end_model(Cause::ModelRefused),
-            SafetyEvent::Installation => self.end_model(Cause::Installation),
+            SafetyEvent::NoLabel(cause) => self.enter(cause),
+            SafetyEvent::NoModel(cause) => {
+                self.status = Status::Safe(cause);
+                self.has_no_model = true;
+            }
             SafetyEvent::Installed => self.has_no_model = false,
+            SafetyEvent::Disconnected => self.end_stream(Cause::Disconnected),
             SafetyEvent::Tick => {}
-            SafetyEvent::Label {
-                intent,
-                window_full,
-            } => self.accept(intent, window_full),
+            // Without a running stream no label ends a silence or a disconnection.
+            SafetyEvent::Label(intent) if self.last_sample.is_some() && !self.has_no_model => {
+                self.status = Status::Valid(intent);
+            }
+            SafetyEvent::Label(_) => {}
         }
         let same = match (before, self.status) {
             (Status::Valid(_), Status::Valid(_)) => true,
@@ -198,25 +166,11 @@ impl SafeState {
         (!same).then_some(self.status)
     }
 
-    fn accept(&mut self, intent: Intent, window_full: bool) {
-        // Without a running stream no label ends a silence or a disconnection.
-        let streaming = self.last_sample.is_some();
-        if window_full && streaming && !self.has_no_model {
-            self.status = Status::Valid(intent);
-        }
-    }
-
     /// Enters the safe state while the stream continues.
     fn enter(&mut self, cause: Cause) {
         if !self.has_no_model {
             self.status = Status::Safe(cause);
         }
-    }
-
-    /// Enters the safe state, which nothing leaves until a model is installed. The stream may go on.
-    const fn end_model(&mut self, cause: Cause) {
-        self.status = Status::Safe(cause);
-        self.has_no_model = true;
     }
 
     /// Enters the safe state; the stream has ended.

@@ -43,7 +43,7 @@ impl<E: Encode> Pipeline<'_, E> {
         if next.is_first {
             encoder.reset(state);
         }
-        let mut patch = *self.window.ring().before_newest(next.back);
+        let mut patch = *self.window.ring.before_newest(next.back);
         next.alignment.apply_to_all(&mut patch);
         let rows = encoder.step(state, &patch);
         let outputs = encoder.classes() + usize::from(smoother.knows_other());

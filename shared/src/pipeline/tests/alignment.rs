@@ -5,29 +5,19 @@ mod exchange;
 use super::*;
 use crate::intent::Vocabulary;
 use crate::model::dimensions::Dimensions;
-use crate::model::encoder::{Encoder, EncoderState};
+use crate::model::encoder::Encoder;
 use crate::model::file::{Model, random::random_model};
 use crate::model::noise::Noise;
 use crate::stream::alignment::{Alignment, Arm};
-use crate::stream::preprocess::{Median, Preprocessing};
-use crate::stream::safe_state::Cause;
-use crate::uart_line::alignment::{AlignmentReport, AlignmentState};
-use crate::units::LOOK_BACK;
+use crate::uart_line::alignment::AlignmentState;
 
 pub(super) type SmallEncoder = Encoder<'static, 16, 54>;
 type SmallPipeline = Pipeline<'static, SmallEncoder>;
 
-/// A label for each patch without a gate, so that no label depends on when the first one was due.
-const SETTINGS: Settings = Settings {
-    hold: 1,
-    ..Settings::PAPER_IN_PATCHES
-};
-
 /// A pipeline of a random model with the template of a ramp round the arm.
 pub(super) fn real() -> SmallPipeline {
     let (encoder, _, input) = model_of(3);
-    let state: &'static mut EncoderState<16, 54> = Box::leak(Box::new(encoder.fresh()));
-    let mut pipeline = Pipeline::new(encoder, state, SETTINGS, Start::Boot).unwrap();
+    let mut pipeline = pipeline_of(encoder, EACH_PATCH);
     pipeline.set_template(input.template);
     pipeline
 }
@@ -53,20 +43,6 @@ pub(super) fn stream_of(open: [i32; CHANNELS], alignment: Alignment, count: u32)
         .collect()
 }
 
-fn run(
-    pipeline: &mut SmallPipeline,
-    samples: &[Sample],
-    from: u32,
-) -> (Vec<Report>, Vec<AlignmentReport>) {
-    let mut reports = Vec::new();
-    let mut news = Vec::new();
-    for (index, &sample) in (from..).zip(samples) {
-        reports.extend(pipeline.sample(at(index), sample));
-        news.extend(pipeline.take_alignment_report());
-    }
-    (reports, news)
-}
-
 /// Most samples from one label to the next.
 pub(super) fn longest_pause(reports: &[Report]) -> Option<u32> {
     let emitted: Vec<u32> = reports
@@ -77,23 +53,14 @@ pub(super) fn longest_pause(reports: &[Report]) -> Option<u32> {
     emitted.windows(2).map(|two| two[1] - two[0]).max()
 }
 
-pub(super) fn labels(reports: &[Report]) -> Vec<(u32, Status)> {
-    let labels = reports
-        .iter()
-        .filter(|report| report.kind == ReportKind::Label);
-    labels
-        .map(|report| (report.instant.0, report.status))
-        .collect()
-}
-
 #[test]
 fn two_openings_align_and_later_labels_are_those_of_an_armband_in_place() {
     let mut expected = real();
-    let in_place = labels(&run(&mut expected, &stream(Alignment::NONE, 3000), 0).0);
+    let in_place = run(&mut expected, &stream(Alignment::NONE, 3000), 0..3000).0;
     for worn in [Alignment::new(3, false), Alignment::new(6, true)] {
         let mut pipeline = real();
         pipeline.begin_alignment(Arm::Unknown);
-        let (reports, news) = run(&mut pipeline, &stream(worn, 3000), 0);
+        let (reports, news) = run(&mut pipeline, &stream(worn, 3000), 0..3000);
         let states: Vec<_> = news
             .iter()
             .map(|news| (news.state, news.gestures))
@@ -105,23 +72,16 @@ fn two_openings_align_and_later_labels_are_those_of_an_armband_in_place() {
         let done = news[2].emitted.0;
         assert!((1400..1500).contains(&done), "{done}");
         // One patch a sample: 60 that were there and those that came meanwhile.
-        let after: Vec<_> = labels(&reports)
-            .into_iter()
-            .filter(|&(instant, _)| instant > done)
-            .collect();
+        let longest = longest_pause(&reports);
+        let after = labels(reports, done + 1);
         let first = after[0].0;
         assert!(first <= done + 30, "{first} {done}");
-        let wanted: Vec<_> = in_place
-            .iter()
-            .copied()
-            .filter(|&(instant, _)| instant >= first)
-            .collect();
+        let wanted = labels(in_place.iter().copied(), first);
         assert_eq!(after, wanted);
         assert!(
             wanted.iter().any(|label| label.1 != wanted[0].1),
             "labels differ"
         );
-        let longest = longest_pause(&reports);
         assert!(longest <= Some(80), "{longest:?}");
         assert!(pipeline.status().valid());
     }
@@ -136,7 +96,7 @@ fn a_gap_keeps_the_alignment_and_a_disconnection_drops_it() {
         pipeline.take_alignment_report().map(|news| news.state),
         Some(AlignmentState::Set)
     );
-    run(&mut pipeline, &stream(worn, 700), 0);
+    run(&mut pipeline, &stream(worn, 700), 0..700);
     pipeline.gap(at(800), 100);
     pipeline.stalled(at(800));
     pipeline.tick(Millis(9000));
@@ -170,7 +130,7 @@ fn without_a_template_nothing_begins_and_on_request_it_ends() {
         pipeline.take_alignment_report().map(|news| news.state),
         Some(AlignmentState::Cancelled)
     );
-    let (_, news) = run(&mut pipeline, &stream(Alignment::NONE, 1600), 0);
+    let (_, news) = run(&mut pipeline, &stream(Alignment::NONE, 1600), 0..1600);
     assert_eq!(news, []);
 }
 
@@ -200,11 +160,7 @@ proptest! {
             expected.extend(always.sample(at(index), sample));
             found.extend(late.sample(at(index), sample));
         }
-        let after = |reports: &[Report]| -> Vec<_> {
-            let labels = labels(reports).into_iter();
-            labels.filter(|&(instant, _)| instant > change + 30).collect()
-        };
-        prop_assert_eq!(after(&found), after(&expected));
+        prop_assert_eq!(labels(found, change + 31), labels(expected, change + 31));
     }
 }
 
@@ -218,7 +174,7 @@ fn the_phase_is_that_of_the_newest_alignment_that_succeeded() {
     assert_eq!(pipeline.alignment_phase(), AlignmentPhase::None);
     pipeline.begin_alignment(Arm::Unknown);
     // In place: nothing is turned, and yet it is known now.
-    run(&mut pipeline, &stream(Alignment::NONE, 1600), 0);
+    run(&mut pipeline, &stream(Alignment::NONE, 1600), 0..1600);
     assert_eq!(pipeline.alignment_phase(), AlignmentPhase::Aligned);
     pipeline.begin_alignment(Arm::Unknown);
     pipeline.cancel_alignment();
@@ -240,25 +196,20 @@ fn labels_of_a_shorter_look_ahead_do_not_come_twice_after_an_alignment() {
 }
 
 /// Reference times of the labels of a stream that is aligned at a sample.
-fn instants(look_ahead: usize, aligned_at: u32) -> Vec<u32> {
-    let state = Box::leak(Box::new(SumModel.fresh()));
+fn instants(look_ahead: usize, aligned_at: usize) -> Vec<u32> {
     let settings = Settings {
         look_ahead,
-        ..SETTINGS
+        ..EACH_PATCH
     };
-    let mut pipeline = Pipeline::new(SumModel, state, settings, Start::Boot).unwrap();
-    let mut instants = Vec::new();
-    for index in 0..1000 {
-        if index == aligned_at {
-            pipeline.set_alignment(Alignment::new(3, false));
-        }
-        let reports = pipeline.sample(at(index), constant(1));
-        let labels = reports
-            .into_iter()
-            .filter(|report| report.kind == ReportKind::Label);
-        instants.extend(labels.map(|label| label.instant.0));
-    }
-    instants
+    let mut pipeline = pipeline_of(SumModel, settings);
+    let samples = [constant(1); 1000];
+    let (mut reports, _) = run(&mut pipeline, &samples, 0..aligned_at);
+    pipeline.set_alignment(Alignment::new(3, false));
+    reports.extend(run(&mut pipeline, &samples, aligned_at..1000).0);
+    labels(reports, 0)
+        .into_iter()
+        .map(|(instant, _)| instant)
+        .collect()
 }
 
 pub(super) fn model_of(seed: u64) -> (SmallEncoder, Smoother, ModelInput) {
@@ -271,7 +222,7 @@ pub(super) fn model_of(seed: u64) -> (SmallEncoder, Smoother, ModelInput) {
     };
     let bytes: &'static [u8] = random_model(dimensions, seed).to_bytes().unwrap().leak();
     let model = Model::parse(bytes).unwrap();
-    let smoother = Smoother::new(SETTINGS, 3).unwrap();
+    let smoother = Smoother::new(EACH_PATCH, 3).unwrap();
     let input = ModelInput {
         preprocessing: Preprocessing::default(),
         template: model.header.template,

@@ -2,10 +2,10 @@
 
 mod interrupted;
 
-use super::alignment::{labels, longest_pause, model_of, real, stream_of};
+use super::alignment::{longest_pause, model_of, real, stream_of};
 use super::*;
 use crate::stream::alignment::{Alignment, Arm, NAT, Template};
-use crate::uart_line::alignment::{AlignmentReport, AlignmentState};
+use crate::uart_line::alignment::AlignmentState;
 
 /// A model to which a hand opens where electrode 1 is stronger than electrode 7, or the other way round. On the other arm
 /// these two change places.
@@ -50,16 +50,7 @@ impl Encode for Sided {
 
 /// An open hand that is the same on both arms.
 fn symmetrical() -> Template {
-    let mut bytes = [0; crate::stream::alignment::TEMPLATE_BYTES];
-    let mean: [i16; CHANNELS] = [400, 200, 0, -200, -300, -200, 0, 200];
-    let mut diagonal = CHANNELS;
-    for (electrode, value) in mean.into_iter().enumerate() {
-        bytes[2 * electrode..][..2].copy_from_slice(&value.to_le_bytes());
-        // 2 nats per square octave.
-        bytes[2 * diagonal..][..2].copy_from_slice(&128_i16.to_le_bytes());
-        diagonal += CHANNELS - electrode;
-    }
-    Template::from_bytes(&bytes).unwrap()
+    Template::round([400, 200, 0, -200, -300, -200, 0, 200], 2).unwrap()
 }
 
 /// Two openings of it that end at the samples 1000 and 1400, stronger on electrode 1 than on electrode 7.
@@ -68,13 +59,7 @@ fn stream(worn: Alignment, count: u32) -> Vec<Sample> {
 }
 
 fn sided(mirrored: bool) -> Pipeline<'static, Sided> {
-    let model = Sided { mirrored };
-    let settings = Settings {
-        hold: 1,
-        ..Settings::PAPER_IN_PATCHES
-    };
-    let state = Box::leak(Box::new(model.fresh()));
-    let mut pipeline = Pipeline::new(model, state, settings, Start::Boot).unwrap();
+    let mut pipeline = pipeline_of(Sided { mirrored }, EACH_PATCH);
     pipeline.set_template(Some(symmetrical()));
     pipeline
 }
@@ -84,21 +69,6 @@ fn undecided() -> Pipeline<'static, super::alignment::SmallEncoder> {
     let mut pipeline = real();
     pipeline.set_template(Some(symmetrical()));
     pipeline
-}
-
-/// Reports of samples, and of the alignment meanwhile.
-fn run<E: Encode>(
-    pipeline: &mut Pipeline<'_, E>,
-    samples: &[Sample],
-    range: core::ops::Range<usize>,
-) -> (Vec<Report>, Vec<AlignmentReport>) {
-    let mut reports = Vec::new();
-    let mut news = Vec::new();
-    for index in range {
-        reports.extend(pipeline.sample(at(index as u32), samples[index]));
-        news.extend(pipeline.take_alignment_report());
-    }
-    (reports, news)
 }
 
 /// The sample with which the decision begins, in a stream whose alignment begins with the first sample.
@@ -186,10 +156,13 @@ fn a_real_encoders_decision_is_that_of_its_logits_over_the_window() {
         pipeline.begin_alignment(Arm::Unknown);
         run(&mut pipeline, &samples, 0..start + 1);
         // The window then: the encoder has just taken its first patch.
-        let patches: Vec<Patch> = pipeline.window.ring().patches().copied().collect();
-        let patches = &patches[patches.len() - 53..];
+        let ring = &pipeline.window.ring;
+        let patches: Vec<Patch> = (0..53)
+            .rev()
+            .map(|back| *ring.before_newest(back))
+            .collect();
         // A patch of 10 samples, of which the newest is `newest_end`, wholly within patches that the alignment saw active.
-        let first = pipeline.window.newest_end().0 as usize + 1 - 530;
+        let first = pipeline.window.newest_end.0 as usize + 1 - 530;
         let is_open = |patch: usize| {
             let begin = first + 10 * patch;
             let within = |end: usize| begin + 9 < end && begin + 200 >= end;
@@ -200,7 +173,7 @@ fn a_real_encoders_decision_is_that_of_its_logits_over_the_window() {
         let fits = pipeline.arm_decision().unwrap().fits();
         let places = [fits.nearest, fits.other_arm].map(|fit| fit.alignment);
         let (encoder, ..) = model_of(3);
-        let [nearest, other] = places.map(|placed| naive(&encoder, patches, placed, &openings));
+        let [nearest, other] = places.map(|placed| naive(&encoder, &patches, placed, &openings));
         let (nats, lead) = (1.5 * (other - nearest), fits.lead() as f32 / NAT as f32);
         assert!((nats - lead).abs() > 0.01, "a choice that is no choice");
         run(&mut pipeline, &samples, start + 1..2000);
@@ -222,18 +195,14 @@ fn no_sample_is_lost_while_the_model_decides_and_labels_are_those_of_an_armband_
 
     let mut always = undecided();
     always.set_alignment(found);
-    let expected = labels(&run(&mut always, &samples, 0..3000).0);
-    let after = |labels: Vec<(u32, Status)>, from: u32| -> Vec<_> {
-        let labels = labels.into_iter();
-        labels.filter(|&(instant, _)| instant >= from).collect()
-    };
-    let found = after(labels(&reports), done);
-    assert!(found[0].0 <= done + 30, "{} {done}", found[0].0);
-    assert_eq!(found, after(expected, found[0].0));
+    let expected = run(&mut always, &samples, 0..3000).0;
     let longest = longest_pause(&reports);
+    let found = labels(reports, done);
+    assert!(found[0].0 <= done + 30, "{} {done}", found[0].0);
+    assert_eq!(found, labels(expected, found[0].0));
     assert!(longest <= Some(180), "{longest:?}");
     assert!(pipeline.status().valid());
-    assert_eq!(pipeline.window.counters(), Counters::default());
+    assert_eq!(pipeline.window.counters, Counters::default());
 }
 
 #[test]

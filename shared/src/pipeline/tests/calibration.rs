@@ -4,7 +4,7 @@ use super::*;
 use crate::calibration::{Memory, Shown, from_record};
 use crate::intent::Vocabulary;
 use crate::model::dimensions::Dimensions;
-use crate::model::encoder::{DeviceEncoder, DeviceState};
+use crate::model::encoder::DeviceEncoder;
 use crate::model::file::Model;
 use crate::model::file::random::random_model;
 use crate::model::noise::Noise;
@@ -36,10 +36,9 @@ impl Wearer {
         let file: &'static [u8] = random_model(dimensions, seed).to_bytes().unwrap().leak();
         let model = Model::parse(file).unwrap();
         let encoder = DeviceEncoder::new(&model).unwrap();
-        let state: &'static mut DeviceState = Box::leak(Box::new(encoder.fresh()));
         let mut settings = Settings::PAPER_IN_PATCHES;
         settings.margins.other = Some(0.0);
-        let pipeline = Pipeline::new(encoder, state, settings, Start::Boot).unwrap();
+        let pipeline = pipeline_of(encoder, settings);
         let mut wearer = Self {
             model,
             pipeline,
@@ -171,15 +170,11 @@ fn losses_are_borne_up_to_a_gap_and_whatever_else_ends_it_changes_nothing() {
 
     type End = fn(&mut DevicePipeline, Millis);
     let ends: [(&str, End); 6] = [
+        ("interrupted", |pipeline, now| _ = pipeline.gap(now, 6)),
         ("interrupted", |pipeline, now| {
-            let _ = pipeline.gap(now, 6);
+            _ = pipeline.disconnected(now)
         }),
-        ("interrupted", |pipeline, now| {
-            let _ = pipeline.disconnected(now);
-        }),
-        ("interrupted", |pipeline, now| {
-            let _ = pipeline.suspend(now);
-        }),
+        ("interrupted", |pipeline, now| _ = pipeline.suspend(now)),
         ("cancelled", |pipeline, _| {
             pipeline.begin_alignment(Arm::Unknown)
         }),

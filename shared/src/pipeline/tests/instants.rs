@@ -48,25 +48,17 @@ fn an_early_label_keeps_its_class_where_the_samples_are_taken_again_at_once() {
         hold: 1,
         ..early(Reaction::Fast.margins().early)
     };
-    let state = Box::leak(Box::new(SumModel.fresh()));
-    let mut pipeline = Pipeline::new(SumModel, state, settings, Start::Boot).unwrap();
+    let mut pipeline = pipeline_of(SumModel, settings);
     // The model counts on channel 0, where an exchange of the electrodes puts rest in place of open.
     let open = core::array::from_fn(|channel| i8::from(channel == 0));
-    let mut labels: Vec<Report> = Vec::new();
-    for index in 0..900 {
-        if index == 711 {
-            pipeline.set_alignment(Alignment::new(1, false));
-        }
-        let sample = if index < 700 { constant(0) } else { open };
-        let reports = pipeline.sample(at(index), sample).into_iter();
-        labels.extend(reports.filter(|report| report.kind == ReportKind::Label));
-    }
-    let changes = labels
-        .windows(2)
-        .filter(|two| two[0].status != two[1].status);
-    let changes: Vec<_> = changes
-        .map(|two| [two[0].instant.0, two[1].instant.0])
-        .collect();
+    let mut samples = [open; 900];
+    samples[..700].fill(constant(0));
+    let (mut reports, _) = run(&mut pipeline, &samples, 0..711);
+    pipeline.set_alignment(Alignment::new(1, false));
+    reports.extend(run(&mut pipeline, &samples, 711..900).0);
+    let labels = labels(reports, 0);
+    let changes = labels.windows(2).filter(|two| two[0].1 != two[1].1);
+    let changes: Vec<_> = changes.map(|two| [two[0].0, two[1].0]).collect();
     assert_eq!(changes.len(), 2, "to open and to relax: {labels:?}");
     assert!(
         changes.iter().all(|[before, after]| before < after),
@@ -84,8 +76,7 @@ fn the_first_label_comes_with_the_sample_that_the_documentation_names() {
         (None, 1, 661),
         (None, 0, 661),
     ] {
-        let state = Box::leak(Box::new(SumModel.fresh()));
-        let mut pipeline = Pipeline::new(SumModel, state, early(margins), Start::Boot).unwrap();
+        let mut pipeline = pipeline_of(SumModel, early(margins));
         let first = (0..1000).find(|&index| {
             let reports = pipeline.sample(at(index), constant(class)).into_iter();
             reports.count() > 0
@@ -111,8 +102,7 @@ proptest! {
             hold,
             ..early(reaction.margins().early)
         };
-        let state = Box::leak(Box::new(SumModel.fresh()));
-        let mut pipeline = Pipeline::new(SumModel, state, settings, Start::Boot).unwrap();
+        let mut pipeline = pipeline_of(SumModel, settings);
         let mut lines = 0;
         let mut before: Option<Report> = None;
         let mut check = |reports: Reports| {

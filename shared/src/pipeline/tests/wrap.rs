@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::stream::alignment::Arm;
-use crate::stream::safe_state::Cause;
 use crate::uart_line::alignment::AlignmentState;
 
 /// A pipeline whose next sample has this position.
@@ -37,22 +36,16 @@ fn the_sample_before_position_0_is_the_largest_one() {
     pipeline.begin_alignment(Arm::Unknown);
     let report = pipeline.take_alignment_report().unwrap();
     assert_eq!(report.emitted, newest);
-    let silent = Status::Safe(Cause::Silence);
-    assert_eq!(
-        fields(pipeline.tick(Millis(500))),
-        [(ReportKind::State, u32::MAX, u32::MAX, silent)]
-    );
+    let reports = pipeline.tick(Millis(500));
+    assert_eq!(fields(reports), [safe(u32::MAX, Cause::Silence)]);
 }
 
 #[test]
 fn lost_samples_up_to_the_wrap_count_as_the_newest() {
     let mut pipeline = pipeline_at(u32::MAX - 9);
     feed(&mut pipeline, 0, 4, 1);
-    let gap = Status::Safe(Cause::Gap);
-    assert_eq!(
-        fields(pipeline.gap(at(10), 6)),
-        [(ReportKind::State, u32::MAX, u32::MAX, gap)]
-    );
+    let reports = pipeline.gap(at(10), 6);
+    assert_eq!(fields(reports), [safe(u32::MAX, Cause::Gap)]);
     let mut pipeline = pipeline_at(u32::MAX);
     pipeline.gap(at(0), 1);
     assert_eq!(pipeline.state_report().emitted, SampleIndex(u32::MAX));
@@ -86,7 +79,7 @@ fn labels_across_the_wrap_are_those_of_any_other_position() {
 #[test]
 fn line_numbers_wrap() {
     let mut pipeline = pipeline();
-    pipeline.output.set_sequence(u32::MAX);
+    pipeline.output.sequence = u32::MAX;
     pipeline.begin_alignment(Arm::Unknown);
     let last = pipeline.take_alignment_report().unwrap();
     assert_eq!(last.sequence, u32::MAX);
@@ -98,20 +91,12 @@ fn line_numbers_wrap() {
 fn counters_stay_at_their_maximum() {
     let mut pipeline = pipeline();
     feed(&mut pipeline, 0, 20, 1);
-    pipeline.window.set_counters(Counters {
-        lost: u32::MAX - 3,
-        bridged: u32::MAX - 3,
-        resets: u32::MAX,
-    });
+    pipeline.window.counters = counters([u32::MAX - 3, u32::MAX - 3, u32::MAX]);
     pipeline.gap(at(20), 5);
-    let most = Counters {
-        lost: u32::MAX,
-        bridged: u32::MAX,
-        resets: u32::MAX,
-    };
-    assert_eq!(pipeline.window.counters(), most);
+    let most = counters([u32::MAX; 3]);
+    assert_eq!(pipeline.window.counters, most);
     pipeline.gap(at(25), u32::MAX);
-    assert_eq!(pipeline.window.counters(), most);
+    assert_eq!(pipeline.window.counters, most);
     let line = alloc::format!("{}", pipeline.state_report());
     assert!(
         line.contains(",4294967295,4294967295,4294967295,0*"),

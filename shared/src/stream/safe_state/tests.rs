@@ -5,7 +5,7 @@ use super::*;
 /// Time, event and expected change of state.
 type Trace<'a> = &'a [(u32, SafetyEvent, Option<Status>)];
 
-fn run(start: Start, trace: Trace) -> SafeState {
+fn run(start: Cause, trace: Trace) -> SafeState {
     let mut state = SafeState::new(start);
     for (row, (now, event, expected)) in trace.iter().enumerate() {
         let change = state.handle(Millis(*now), *event);
@@ -14,13 +14,8 @@ fn run(start: Start, trace: Trace) -> SafeState {
     state
 }
 
-const fn label(intent: Intent) -> SafetyEvent {
-    SafetyEvent::Label {
-        intent,
-        window_full: true,
-    }
-}
-
+/// A label that says that the hand opens.
+const LABEL: SafetyEvent = SafetyEvent::Label(Intent::Open);
 const OPEN: Option<Status> = Some(Status::Valid(Intent::Open));
 const fn safe(cause: Cause) -> Option<Status> {
     Some(Status::Safe(cause))
@@ -28,31 +23,20 @@ const fn safe(cause: Cause) -> Option<Status> {
 
 #[test]
 fn after_a_reset_the_state_is_safe_with_its_cause() {
-    for (start, cause) in [
-        (Start::Boot, Cause::Boot),
-        (Start::Watchdog, Cause::Watchdog),
-        (Start::StackOverflow, Cause::StackOverflow),
-    ] {
-        let status = SafeState::new(start).status();
-        assert_eq!(status.cause(), Some(cause));
-        assert_eq!((status.valid(), status.label()), (false, Intent::Relax));
-    }
+    let status = SafeState::new(Cause::Watchdog).status();
+    assert_eq!(status.cause(), Some(Cause::Watchdog));
+    assert_eq!((status.valid(), status.label()), (false, Intent::Relax));
 }
 
 #[test]
-fn only_a_label_from_a_full_window_leaves_the_safe_state() {
-    let partial = SafetyEvent::Label {
-        intent: Intent::Open,
-        window_full: false,
-    };
+fn only_a_label_of_a_running_stream_leaves_the_safe_state() {
     let state = run(
-        Start::Boot,
+        Cause::Boot,
         &[
-            (0, label(Intent::Open), None),
+            (0, LABEL, None),
             (5, SafetyEvent::Sample, None),
-            (6, partial, None),
-            (7, label(Intent::Open), OPEN),
-            (8, label(Intent::Close), None),
+            (7, LABEL, OPEN),
+            (8, SafetyEvent::Label(Intent::Close), None),
         ],
     );
     assert_eq!(state.status(), Status::Valid(Intent::Close));
@@ -61,15 +45,15 @@ fn only_a_label_from_a_full_window_leaves_the_safe_state() {
 #[test]
 fn silence_of_200_ms_is_safe_and_of_199_is_not() {
     run(
-        Start::Watchdog,
+        Cause::Watchdog,
         &[
             (1000, SafetyEvent::Sample, None),
-            (1000, label(Intent::Open), OPEN),
+            (1000, LABEL, OPEN),
             (1199, SafetyEvent::Tick, None),
             (1200, SafetyEvent::Tick, safe(Cause::Silence)),
-            (1300, label(Intent::Open), None),
+            (1300, LABEL, None),
             (1301, SafetyEvent::Sample, None),
-            (1302, label(Intent::Open), OPEN),
+            (1302, LABEL, OPEN),
             // The silence is reported even if the sample that ends it arrives before a tick.
             (1600, SafetyEvent::Sample, safe(Cause::Silence)),
         ],
@@ -79,19 +63,23 @@ fn silence_of_200_ms_is_safe_and_of_199_is_not() {
 #[test]
 fn a_gap_and_a_disconnection_have_causes_of_their_own() {
     let state = run(
-        Start::Boot,
+        Cause::Boot,
         &[
             (0, SafetyEvent::Sample, None),
-            (0, label(Intent::Open), OPEN),
-            (5, SafetyEvent::Gap, safe(Cause::Gap)),
-            (6, label(Intent::Open), OPEN),
-            (7, SafetyEvent::Losses, safe(Cause::Losses)),
-            (8, label(Intent::Open), OPEN),
-            (8, SafetyEvent::Stalled, safe(Cause::Stalled)),
-            (8, label(Intent::Open), OPEN),
+            (0, LABEL, OPEN),
+            (5, SafetyEvent::NoLabel(Cause::Gap), safe(Cause::Gap)),
+            (6, LABEL, OPEN),
+            (7, SafetyEvent::NoLabel(Cause::Losses), safe(Cause::Losses)),
+            (8, LABEL, OPEN),
+            (
+                8,
+                SafetyEvent::NoLabel(Cause::Stalled),
+                safe(Cause::Stalled),
+            ),
+            (8, LABEL, OPEN),
             (9, SafetyEvent::Disconnected, safe(Cause::Disconnected)),
             (10, SafetyEvent::Disconnected, None),
-            (11, label(Intent::Open), None),
+            (11, LABEL, None),
             // After a disconnection there is no silence.
             (5000, SafetyEvent::Tick, None),
         ],
@@ -102,12 +90,16 @@ fn a_gap_and_a_disconnection_have_causes_of_their_own() {
 #[test]
 fn a_refused_model_stays_refused() {
     run(
-        Start::Boot,
+        Cause::Boot,
         &[
-            (0, SafetyEvent::ModelRefused, safe(Cause::ModelRefused)),
+            (
+                0,
+                SafetyEvent::NoModel(Cause::ModelRefused),
+                safe(Cause::ModelRefused),
+            ),
             (1, SafetyEvent::Sample, None),
-            (2, label(Intent::Open), None),
-            (3, SafetyEvent::Gap, None),
+            (2, LABEL, None),
+            (3, SafetyEvent::NoLabel(Cause::Gap), None),
             (4, SafetyEvent::Disconnected, None),
         ],
     );
@@ -116,24 +108,36 @@ fn a_refused_model_stays_refused() {
 #[test]
 fn nothing_leaves_an_installation_but_its_end_and_a_label() {
     let state = run(
-        Start::Boot,
+        Cause::Boot,
         &[
             (0, SafetyEvent::Sample, None),
-            (1, label(Intent::Open), OPEN),
-            (2, SafetyEvent::Installation, safe(Cause::Installation)),
+            (1, LABEL, OPEN),
+            (
+                2,
+                SafetyEvent::NoModel(Cause::Installation),
+                safe(Cause::Installation),
+            ),
             (3, SafetyEvent::Sample, None),
-            (4, label(Intent::Open), None),
-            (5, SafetyEvent::Gap, None),
-            (6, SafetyEvent::Stalled, None),
+            (4, LABEL, None),
+            (5, SafetyEvent::NoLabel(Cause::Gap), None),
+            (6, SafetyEvent::NoLabel(Cause::Stalled), None),
             (7, SafetyEvent::Disconnected, None),
             (8, SafetyEvent::Sample, None),
             (9, SafetyEvent::Installed, None),
-            (10, label(Intent::Open), OPEN),
-            (11, SafetyEvent::Installation, safe(Cause::Installation)),
-            (12, SafetyEvent::ModelRefused, safe(Cause::ModelRefused)),
-            (13, label(Intent::Open), None),
+            (10, LABEL, OPEN),
+            (
+                11,
+                SafetyEvent::NoModel(Cause::Installation),
+                safe(Cause::Installation),
+            ),
+            (
+                12,
+                SafetyEvent::NoModel(Cause::ModelRefused),
+                safe(Cause::ModelRefused),
+            ),
+            (13, LABEL, None),
             (14, SafetyEvent::Installed, None),
-            (15, SafetyEvent::Gap, safe(Cause::Gap)),
+            (15, SafetyEvent::NoLabel(Cause::Gap), safe(Cause::Gap)),
         ],
     );
     assert_eq!(state.status(), Status::Safe(Cause::Gap));
@@ -141,7 +145,7 @@ fn nothing_leaves_an_installation_but_its_end_and_a_label() {
 
 #[test]
 fn silence_is_measured_across_the_clock_wrap() {
-    let mut state = SafeState::new(Start::Boot);
+    let mut state = SafeState::new(Cause::Boot);
     state.handle(Millis(u32::MAX - 99), SafetyEvent::Sample);
     assert_eq!(state.deadline(), Some(Millis(100)));
     assert!(!state.silent(Millis(99)));

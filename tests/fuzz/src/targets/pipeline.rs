@@ -5,7 +5,7 @@ use shared::model::{Encode, LookBackLogits};
 use shared::pipeline::{Pipeline, Reports};
 use shared::stream::alignment::{Alignment, Arm, Template};
 use shared::stream::preprocess::{Median, Preprocessing};
-use shared::stream::safe_state::{SILENCE_MS, Start};
+use shared::stream::safe_state::SILENCE_MS;
 use shared::stream::smoother::{Margins, Reaction, Settings};
 use shared::uart_line::line::Line;
 use shared::uart_line::{Counters, Report, ReportKind};
@@ -78,7 +78,7 @@ pub fn run(data: &[u8]) {
         },
         ..Settings::PAPER_IN_PATCHES
     };
-    let pipeline = Pipeline::new(encoder, &mut state, settings, Start::Boot);
+    let pipeline = Pipeline::new(encoder, &mut state, settings);
     let mut pipeline = pipeline.expect("settings in their range");
     pipeline.preprocess(Preprocessing {
         normalized: bits & 0x10 != 0,
@@ -107,14 +107,7 @@ pub fn run(data: &[u8]) {
 
 /// Returns a flat template, which any gesture fits.
 fn template() -> Template {
-    let mut bytes = [0; shared::stream::alignment::TEMPLATE_BYTES];
-    let mut diagonal = 8;
-    for electrode in 0..8 {
-        bytes[2 * electrode] = 16 * electrode as u8;
-        bytes[2 * diagonal] = 64;
-        diagonal += 8 - electrode;
-    }
-    Template::from_bytes(&bytes).expect("a template")
+    Template::round([0, 16, 32, 48, 64, 80, 96, 112], 1).expect("a template")
 }
 
 impl Device<'_> {

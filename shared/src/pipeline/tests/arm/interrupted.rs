@@ -10,44 +10,32 @@ type Event = fn(&mut Pipeline<'static, SmallEncoder>, Millis);
 const ENDS: [(&str, Event, AlignmentState); 8] = [
     (
         "a gap",
-        |pipeline, now| {
-            let _ = pipeline.gap(now, 6);
-        },
+        |pipeline, now| _ = pipeline.gap(now, 6),
         AlignmentState::PoorMargin,
     ),
     (
         "silence",
-        |pipeline, now| {
-            let _ = pipeline.tick(now.plus(600));
-        },
+        |pipeline, now| _ = pipeline.tick(now.plus(600)),
         AlignmentState::PoorMargin,
     ),
     (
         "a stall",
-        |pipeline, now| {
-            let _ = pipeline.stalled(now);
-        },
+        |pipeline, now| _ = pipeline.stalled(now),
         AlignmentState::PoorMargin,
     ),
     (
         "disconnection",
-        |pipeline, now| {
-            let _ = pipeline.disconnected(now);
-        },
+        |pipeline, now| _ = pipeline.disconnected(now),
         AlignmentState::Disconnected,
     ),
     (
         "installation",
-        |pipeline, now| {
-            let _ = pipeline.suspend(now);
-        },
+        |pipeline, now| _ = pipeline.suspend(now),
         AlignmentState::Cancelled,
     ),
     (
         "a refused model",
-        |pipeline, now| {
-            let _ = pipeline.refuse_model(now);
-        },
+        |pipeline, now| _ = pipeline.refuse_model(now),
         AlignmentState::Cancelled,
     ),
     (
@@ -65,6 +53,16 @@ const ENDS: [(&str, Event, AlignmentState); 8] = [
 /// Samples after the beginning of a decision: in its first patch, in the first placement, between both, in the second, in
 /// the last patch.
 const WHEN: [usize; 5] = [1, 20, 53, 80, 105];
+
+/// Labels of a stream from a sample on, once the encoder has taken the window again.
+fn labels_after(
+    mut pipeline: Pipeline<'static, SmallEncoder>,
+    samples: &[Sample],
+    end: usize,
+) -> Vec<(u32, Status)> {
+    let (reports, _) = run(&mut pipeline, samples, end..2400);
+    labels(reports, end as u32 + 31)
+}
 
 #[test]
 fn what_ends_a_decision_changes_nothing() {
@@ -91,6 +89,7 @@ fn what_ends_a_decision_changes_nothing() {
             let waits = state == AlignmentState::Waiting;
             let phase = [AlignmentPhase::None, AlignmentPhase::Waiting][usize::from(waits)];
             assert_eq!(deciding.alignment_phase(), phase, "{name}");
+            assert_eq!(deciding.alignment(), Alignment::NONE);
             deciding.cancel_alignment();
             plain.cancel_alignment();
             if !plain.has_model() {
@@ -104,14 +103,10 @@ fn what_ends_a_decision_changes_nothing() {
                 }
             }
             // As if there had been no alignment, once the encoder has taken the window again.
-            let after = |pipeline: &mut Pipeline<'_, _>| -> Vec<_> {
-                let lines = labels(&run(pipeline, &samples, end..2400).0).into_iter();
-                lines.filter(|line| line.0 as usize > end + 30).collect()
-            };
-            let (found, expected) = (after(&mut deciding), after(&mut plain));
+            let [found, expected] =
+                [deciding, plain].map(|pipeline| labels_after(pipeline, &samples, end));
             assert!(!found.is_empty(), "{name}");
             assert_eq!(found, expected, "{name} {later}");
-            assert_eq!(deciding.alignment(), Alignment::NONE);
         }
     }
 }
@@ -134,11 +129,9 @@ fn an_alignment_that_is_set_stands_in_place_of_a_decision() {
             let mut always = undecided();
             always.set_alignment(given);
             run(&mut always, &samples, 0..end);
-            let after = |pipeline: &mut Pipeline<'_, _>| -> Vec<_> {
-                let lines = labels(&run(pipeline, &samples, end..2400).0).into_iter();
-                lines.filter(|line| line.0 as usize > end + 30).collect()
-            };
-            assert_eq!(after(&mut deciding), after(&mut always), "{later}");
+            let [found, expected] =
+                [deciding, always].map(|pipeline| labels_after(pipeline, &samples, end));
+            assert_eq!(found, expected, "{later}");
         }
     }
 }
