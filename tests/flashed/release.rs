@@ -44,10 +44,9 @@ fn every_image_of_a_release_starts_and_labels_as_replay_does() -> anyhow::Result
         let file = PathBuf::from(&folder)
             .join(built.name())
             .with_extension(extension);
-        let bytes = std::fs::read(&file).with_context(|| file.display().to_string())?;
         let found = match extension {
-            "uf2" => uf2::read(&bytes)?,
-            _ => merged::read(std::str::from_utf8(&bytes)?)?,
+            "uf2" => uf2::read(&std::fs::read(&file).with_context(|| file.display().to_string())?)?,
+            _ => merged::read(&file)?,
         };
         let mut found = segments(found);
         let model = found.iter().position(|(start, _)| *start == MODEL);

@@ -9,6 +9,7 @@ pub use myointent_tests::bench::terminal;
 use serial2::SerialPort;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
+use shared::model::noise::Noise;
 use shared::myo::{Address, Counters, Following};
 use shared::pipeline::Pipeline;
 use shared::stream::smoother::Gate;
@@ -43,7 +44,8 @@ impl Board {
         Self::pulled(link, Vec::new())
     }
 
-    /// Plays a board to which no armband is bound yet. A first pairing hears no armband, a second one does.
+    /// Plays a board to which no armband is bound yet. A first pairing hears no armband, a second one does. Its wearer rests,
+    /// so that no alignment succeeds.
     pub fn unbound(link: &Path) -> Self {
         Self::play(link, Vec::new(), Following::Nobody)
     }
@@ -110,6 +112,13 @@ fn armband() -> Address {
     Address::parse("FA:12:34:56:78:9A").unwrap()
 }
 
+/// Returns a minute of a hand at rest.
+fn rest() -> Vec<Sample> {
+    let mut noise = Noise(5);
+    let mut sample = || [(); 8].map(|()| (noise.signed() * 3.0) as i8);
+    (0..12_000).map(|_| sample()).collect()
+}
+
 /// Streams a recording with labels at four times its speed, until it is stopped.
 fn run(mut wire: Wire, mut following: Following, stop: &AtomicBool, raw: &AtomicBool) {
     let bytes = shipped();
@@ -117,7 +126,10 @@ fn run(mut wire: Wire, mut following: Following, stop: &AtomicBool, raw: &Atomic
     let encoder = HostEncoder::new(&model).unwrap();
     let mut state = shared::model::Encode::fresh(&encoder);
     let mut pipeline = Pipeline::of_model(&model, encoder, &mut state).unwrap();
-    let samples = synthetic(60).samples;
+    let samples = match following {
+        Following::Nobody => rest(),
+        _ => synthetic(60).samples,
+    };
     let mut reader = CommandReader::new();
     wire.write("# myointent 0.1.0 0123456789ab, image test, started by power or reset\r\n");
     wire.write(&pipeline.state_report().without_strength().to_string());

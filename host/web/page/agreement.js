@@ -5,6 +5,8 @@ import { RATE } from "./clock.js";
 /** Samples after a change of the cue in which no label is counted, and none is wrong: nobody follows at once. */
 const GRACE = RATE;
 const STEP = RATE / 20;
+/** Labels in gestures that say something of all: 3 s of them. */
+export const ENOUGH = 30;
 
 export class Agreement {
   constructor() {

@@ -1,14 +1,12 @@
 // Label and cue side by side, and whether they agree: in the picture, in words, and for a screen reader.
 
-import { judge, percent } from "./agreement.js";
+import { ENOUGH, judge, percent } from "./agreement.js";
 import { find, write } from "./dom.js";
 import { named, t } from "./texts.js";
 
 /** Sign and word of each state of the agreement. */
 const SIGNS = { right: ["✓", t("as.asked")], wrong: ["✗", t("not.as.asked")], soon: ["…", t("changing")], ignored: ["✓", t("ignored")] };
 
-/** Labels in gestures from which there is advice: 3 s of them. */
-const ENOUGH = 30;
 /** Share in per cent below which there is advice. */
 const LOW = 50;
 

@@ -1,11 +1,11 @@
 // How the armband sits: what an alignment changed, how to take that back, and whether labels are worse since.
 
+import { ENOUGH } from "./agreement.js";
 import { find, write } from "./dom.js";
 import { keep, kept } from "./stored.js";
 import { capital, fixed, named, t } from "./texts.js";
 
-/** Labels in gestures that are compared, at least: 3 s of them. The first ones after a change may belong to before. */
-const ENOUGH = 30;
+/** Labels after a change that may belong to before, and the number that is compared, at most. */
 const FIRST = 10;
 const MOST = 100;
 /** Per cent of the labels that must be worse. */

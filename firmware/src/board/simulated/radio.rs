@@ -5,7 +5,7 @@ use std::future;
 
 use embassy_futures::select::select;
 use embassy_time::{Duration, Instant, Timer};
-use shared::myo::Address;
+use shared::myo::{Address, ConnectionParameters};
 use virtual_armband::{Armband, Notification};
 
 use super::{fault, hardware};
@@ -19,8 +19,10 @@ const ADVERTISING_MS: u64 = 100;
 const CONNECTING_MS: u64 = 50;
 /// Milliseconds of a request and its response.
 const REQUEST_MS: u64 = 15;
-/// Milliseconds after which the end of a link is noticed.
+/// Milliseconds after which a link that the armband ends is noticed.
 const NOTICED_MS: u64 = 1;
+/// Milliseconds after which a link that falls silent is given up.
+const SUPERVISION_MS: u64 = 10 * ConnectionParameters::OURS.supervision_timeout as u64;
 
 /// The board's Bluetooth stack, in a room with armbands.
 pub struct SimulatedRadio<'a> {
@@ -71,11 +73,13 @@ impl Radio for SimulatedRadio<'_> {
             // A controller tries until it is told to stop.
             return future::pending().await;
         };
-        if !armband.borrow_mut().connected() {
-            return Err(ConnectFailed);
-        }
+        let is_kept = armband.borrow_mut().connected();
         let link = SimulatedLink(armband);
         let lost = async {
+            if !is_kept {
+                // A controller reports the connection before the other side has answered in it.
+                return Timer::after_millis(REQUEST_MS).await;
+            }
             while !armband.borrow().is_lost() {
                 // Both Bluetooth stacks answer such a request by themselves.
                 let asked = armband.borrow_mut().take_request(hardware::now_us());
@@ -84,6 +88,10 @@ impl Radio for SimulatedRadio<'_> {
                 }
                 Timer::after_millis(NOTICED_MS).await;
             }
+            if !armband.borrow().has_closed() {
+                Timer::after_millis(SUPERVISION_MS).await;
+            }
+            fault::radio_works().await;
         };
         // Whatever the handler waits for ends with the link.
         select(lost, handler.run(&link)).await;
@@ -127,13 +135,13 @@ impl Link for SimulatedLink<'_> {
             }
         };
         self.stream(notify).await;
-        fault::radio_works().await;
-        Disconnected
+        // The end of the link drops this.
+        future::pending().await
     }
 }
 
 impl SimulatedLink<'_> {
-    /// Notifies until the connection is lost.
+    /// Notifies until the armband is gone.
     async fn stream(&self, mut notify: impl FnMut(u16, &[u8])) {
         while !self.0.borrow().is_lost() {
             let (due, streams) = {
