@@ -77,7 +77,7 @@ pub const PULSES: Pulses = match option_env!("MYOINTENT_PULSES") {
 /// Arm that an alignment assumes, as `MYOINTENT_MIRRORED=0` or `1` when the program is built: whether the electrodes
 /// run the other way round than in training, on the other arm. A command may tell otherwise.
 ///
-/// Without it that is found too. For one person in eight an open hand does not tell the arms apart (docs/alignment.md): tell
+/// Without it that is found too. For one person in eight an open hand does not tell the arms apart (docs/decisions.md): tell
 /// it where it is known.
 pub const ARM: Arm = match option_env!("MYOINTENT_MIRRORED") {
     None => Arm::Unknown,

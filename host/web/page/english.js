@@ -110,6 +110,6 @@ export const ENGLISH = {
   "empty.nobody": "The board follows no armband yet", "empty.sends": "The armband {address} sends nothing", "empty.looks": "The board looks for its armband {address}",
   "asleep.1": "Put the armband on and move the hand: it sleeps when it is not worn. Its logo pulses when it is awake.",
   "asleep.2": "If it stays dark, charge it with its USB cable.", "asleep.3": "End every other program that may hold it: Myo Connect, a phone, another board.",
-  "unbound.1": "Press the board's button for a second, or run  myointent board --port PATH bind begin",
+  "unbound.1": "Hold the board's button for 3 s, or run  myointent board --port PATH bind begin",
   "unbound.2": "Wear the armband close to the board for 30 s: the one with the strongest signal is bound.",
 };

@@ -110,6 +110,6 @@ export const GERMAN = {
   "empty.nobody": "Die Platine folgt noch keinem Armband", "empty.sends": "Das Armband {address} sendet nichts", "empty.looks": "Die Platine sucht ihr Armband {address}",
   "asleep.1": "Das Armband anlegen und die Hand bewegen: es schläft, wenn es nicht getragen wird. Wach pulsiert sein Logo.",
   "asleep.2": "Bleibt es dunkel, mit dem USB-Kabel laden.", "asleep.3": "Jedes andere Programm beenden, das es halten kann: Myo Connect, ein Telefon, eine andere Platine.",
-  "unbound.1": "Die Taste der Platine eine Sekunde drücken, oder  myointent board --port PATH bind begin  ausführen",
+  "unbound.1": "Die Taste der Platine 3 s halten, oder  myointent board --port PATH bind begin  ausführen",
   "unbound.2": "Das Armband 30 s nahe der Platine tragen: das mit dem stärksten Signal wird gebunden.",
 };
