@@ -204,10 +204,10 @@ fn the_file_shows_the_simulated_arm_without_a_server_and_takes_recordings() {
     // A task that measures, by a key: the simulated arm moves blocks.
     browser.press("p");
     browser.wait_for("$guide-task.textContent === 'Make a fist'");
-    browser.wait_for("Number($guide-count.textContent) > 1");
+    browser.wait_for("parseInt($guide-count.textContent) > 1");
     browser.screenshot(&picture("page-blocks.png"));
     browser.press("w");
-    browser.wait_for("Number($worn-word.textContent) > 2");
+    browser.wait_for("parseInt($worn-word.textContent) > 2");
     browser.screenshot(&picture("page-blocks-worn.png"));
     browser.press("w");
     browser.press("p");

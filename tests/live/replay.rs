@@ -137,7 +137,7 @@ fn labels_not_as_asked_a_gesture_that_the_model_lacks_and_a_loose_electrode_are_
     // Nobody is there who could be advised.
     let low = "import('./now.js').then(({ Now }) => { new Now().share({ gestures: [0, 30], rest: [0, 0], other: [0, 0] }); return $low.checkVisibility(); })";
     assert_eq!(browser.value(low), false);
-    browser.wait_for("$share.textContent.includes('in other movement')");
+    browser.wait_for("$share.textContent.includes('of other movement ignored')");
     browser.wait_for("$electrodes?.textContent.startsWith('Electrode 3 has no contact:')");
     let faults = "document.querySelectorAll('#armband .pod.fault').length";
     assert_eq!(browser.value(faults), 1);

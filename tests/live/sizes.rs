@@ -86,12 +86,12 @@ fn label_cue_and_the_wearers_hand_are_in_view_in_windows_of_all_sizes() {
         assert_eq!(browser.value(UNWORN), "", "{name}");
         browser.screenshot(&pictures().join(format!("wearer-{name}-{scheme}.png")));
     }
-    // Word and hand are of the label, the task is the cue in words; a sign besides the colour says whether they agree.
+    // Word and hand are of the cue, as is the task in words; a sign besides the colour says whether the label agrees, and which it is.
     for class in ["open", "close", "relax"] {
         let hand = format!("$worn-hand.dataset.gesture === '{class}'");
         browser.wait_for(&format!("{hand} && $worn-word.textContent === '{class}'"));
     }
-    let right = "$worn-sign.textContent.startsWith('✓')";
+    let right = "/^✓ that is it · seen: close$/.test($worn-sign.textContent)";
     browser.wait_for(&format!(
         "{right} && $worn-do.textContent === 'Make a fist'"
     ));

@@ -4,6 +4,8 @@ import { RATE } from "./clock.js";
 
 /** Samples after a change of the cue in which no label is counted, and none is wrong: nobody follows at once. */
 const GRACE = RATE;
+/** Samples from the moment that a label is for to its end, at most: look-ahead and hold. */
+export const LATE = 70;
 const STEP = RATE / 20;
 /** Labels in gestures that say something of all: 3 s of them. */
 export const ENOUGH = 30;
@@ -35,8 +37,8 @@ export class Agreement {
 }
 
 /** Whether a label is what was asked for at its sample: `right`, `wrong`, `soon` just after a change, `none` without a cue;
- *  `means` for a class of the model, `isNew` in the first second after a change. */
-export function judge(history, sample, label) {
+ *  `means` for a class of the model, `isNew` in the first second after a change. `late` are samples from its moment to this one. */
+export function judge(history, sample, label, late = 0) {
   const cue = history.truthAt(sample) ?? null;
   if (cue === null || label === null) {
     return { state: "none", cue, means: false };
@@ -44,7 +46,7 @@ export function judge(history, sample, label) {
   // A movement that is none of the model's classes means nothing, as rest does.
   const means = history.classes.includes(cue);
   const isRight = label === (means ? cue : "relax");
-  for (let back = STEP; back <= GRACE; back += STEP) {
+  for (let back = STEP; back <= GRACE + late; back += STEP) {
     if (history.truthAt(Math.max(0, sample - back)) !== cue) {
       return { state: isRight ? "right" : "soon", cue, means, isNew: true };
     }

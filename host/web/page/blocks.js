@@ -7,6 +7,7 @@ import { t } from "./texts.js";
 export const SECONDS = 60;
 
 export class Blocks {
+  stop = find("play");
   #message = null;
   /** Time of this page when the message came, in ms. */
   #came = 0;
@@ -35,7 +36,7 @@ export class Blocks {
     if (this.#cue) {
       const { left, moved } = this.#message;
       const now = left === null ? SECONDS : Math.max(0, left - (performance.now() - this.#came) / 1000);
-      pace(String(moved), t("blocks.left", { n: Math.ceil(now) }), now / SECONDS);
+      pace(t("blocks.moved", { n: moved }), t("blocks.left", { n: Math.ceil(now) }), now / SECONDS);
     }
   }
 }

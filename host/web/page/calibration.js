@@ -5,6 +5,7 @@ import { lead, pace } from "./guide.js";
 import { named, t } from "./texts.js";
 
 export class Calibration {
+  stop = find("calibrate");
   #message = null;
   /** Time of this page when the cue began, in ms. */
   #began = 0;

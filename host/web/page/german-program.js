@@ -24,7 +24,7 @@ export const GERMAN_PROGRAM = {
   "advice.silent": "die Elektrode an die Haut drücken, Haut und Elektrode abwischen; schweigt sie weiter, ist sie defekt",
   "advice.saturated": "weniger Kraft, oder das Armband etwas verschieben",
   "advice.lost": "Armband und Platine näher zusammen, weg von anderem Funk; abziehen, was den Anschluss auch liest",
-  "advice.late": "gezählt wird ab dem Muskel, es kostet also nichts",
+  "advice.late": "das ist normal und schadet nicht",
   "advice.early": "was aufgenommen ist, bleibt; den Rest in einer weiteren Sitzung aufnehmen",
   "advice.damaged": "die Platte prüfen; das Protokoll bleibt neben den Aufnahmen, und der Versuch an der Stelle zählt nicht",
   // Writing a session.
@@ -125,7 +125,7 @@ export const GERMAN_PROGRAM = {
   "port.busy": "ein anderes Programm hat {path} offen",
   "port.missing": "es gibt keinen Anschluss {path}",
   "port.forbidden": "dieser Benutzer darf {path} nicht öffnen",
-  "port.gone": "{path} ist fort",
+  "port.gone": "{path} ist nicht mehr da",
   "port.not-serial": "{path} ist kein serieller Anschluss",
   "port.again": "{why}; wird wieder gesucht",
   "cable.close": "Jedes andere Programm schließen, das diesen Anschluss liest: ein Terminal, einen seriellen Monitor, ein anderes myointent.",
@@ -136,5 +136,5 @@ export const GERMAN_PROGRAM = {
   "cable.linux": "Linux:  sudo usermod -aG dialout $USER  ausführen (unter Arch uucp statt dialout) und neu anmelden, oder udev den Anschluss freigeben lassen.",
   "cable.macos": "macOS: den Anschluss /dev/cu.usbmodem… nennen, nicht /dev/tty…",
   "cable.no-ports": "Im Moment hat dieser Computer keinen seriellen Anschluss.",
-  "cable.ports": "Vorhandene Anschlüsse: {ports}. Ist einer davon die Platine, neu starten mit  --port {first}",
+  "cable.ports": "Vorhandene Anschlüsse: {ports}. Ist einer davon die Platine, das Programm beenden und neu starten mit  --port {first}",
 };

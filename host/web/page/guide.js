@@ -4,8 +4,10 @@ import { find, write } from "./dom.js";
 import { draw, words } from "./gestures.js";
 import { classOf } from "./history.js";
 
-/** Who leads; null if nobody does. */
+/** Who leads, with the button `stop` that ends it; null if nobody does. */
 let leader = null;
+
+find("guide-stop").addEventListener("click", () => leader?.stop.click());
 
 /** Shows a cue, how it is done, and the next one; nothing without a cue. */
 export function lead(who, cue, hint = "", next = null) {

@@ -180,6 +180,9 @@ const TAKE = {
   installing(message) {
     session.installing(message);
     const { state, blocks, of } = message;
+    if (state === "done") {
+      counted();
+    }
     find("onto-board").hidden = state !== "running";
     find("onto-board").max = of || 1;
     find("onto-board").value = blocks;
@@ -207,6 +210,8 @@ function lost(text, advice) {
   connected = false;
   empty.gone(advice);
   panel.source("lost", text);
+  // A session that was led is over: another source may be chosen.
+  find("sources").inert = false;
   find("align").disabled = find("calibrate").disabled = find("play").disabled = find("onto-board").hidden = true;
   noStream();
 }
@@ -223,7 +228,7 @@ function noStream() {
   aligns(false);
 }
 
-/** Begins the count of labels as asked anew: they are of another session, placement or calibration. */
+/** Begins the count of labels as asked anew: they are of another session, placement, calibration or model. */
 function counted() {
   agreement.clear();
   now.share(agreement);

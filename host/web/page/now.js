@@ -1,6 +1,6 @@
 // Label and cue side by side, and whether they agree: in the picture, in words, and for a screen reader.
 
-import { ENOUGH, judge, percent } from "./agreement.js";
+import { ENOUGH, LATE, judge, percent } from "./agreement.js";
 import { find, write } from "./dom.js";
 import { named, t } from "./texts.js";
 
@@ -28,7 +28,7 @@ export class Now {
   show(history, position, entry, none, isThere, isOther) {
     const label = entry?.valid ? entry.label : null;
     this.label = label;
-    this.judged = history.hasTruth ? judge(history, Math.floor(position), label) : { state: "none", cue: null, means: false };
+    this.judged = history.hasTruth ? judge(history, Math.floor(position), label, LATE) : { state: "none", cue: null, means: false };
     const { state, cue, means } = this.judged;
     const shown = JSON.stringify([entry?.label, entry?.valid, entry?.cause, state, cue, means, none, history.hasTruth, isThere, isOther]);
     if (shown === this.#shown) {
@@ -54,11 +54,12 @@ export class Now {
 
   /** Shows the shares of the labels that are as asked, and advice where those in gestures are few; `data-gestures` is their number. */
   share({ gestures, rest, other }) {
-    const groups = [[gestures, t("gestures")], [rest, t("rest")], [other, t("other.movement")]];
-    const parts = groups.filter(([[, all]]) => all > 0).map(([counts, name]) => t("share.part", { percent: percent(counts), what: name }));
+    const groups = [[gestures, "share.gestures"], [rest, "share.rest"], [other, "share.other"]];
+    const parts = groups.filter(([[, all]]) => all > 0).map(([counts, name]) => t(name, { percent: percent(counts) }));
     find("share").hidden = parts.length === 0;
     find("share").dataset.gestures = gestures[1];
-    find("low").hidden = gestures[1] < ENOUGH || percent(gestures) >= LOW;
+    // Labels that are worse since an alignment have advice of their own.
+    find("low").hidden = gestures[1] < ENOUGH || percent(gestures) >= LOW || find("worse").textContent !== "";
     write(find("share").lastElementChild, parts.join(", "));
   }
 

@@ -127,6 +127,7 @@ export class Result {
     const { state } = message;
     this.isInstalling = state === "running";
     this.next = state === "done" ? null : "install";
+    find("install").hidden = state === "done";
     this.#told("installed", state, ...installation(message));
   }
 

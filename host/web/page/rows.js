@@ -2,7 +2,7 @@
 
 import { RATE } from "./clock.js";
 import { judge } from "./agreement.js";
-import { lastUpTo } from "./history.js";
+import { classOf, lastUpTo } from "./history.js";
 import { named } from "./texts.js";
 
 /** Height and distance of the strokes under a label that is not as asked, in px, and the step in which it is looked for. */
@@ -21,7 +21,7 @@ function block(view, from, to, name, top, height, safe) {
     pen.strokeRect(left + 0.5, top + 0.5, right - left - 1, height - 1);
   } else {
     // Rest is most of the time: quiet, so that gestures stand out.
-    pen.fillStyle = name === "relax" ? colours.line : colours[name] ?? colours.quiet;
+    pen.fillStyle = name === "relax" ? colours.line : colours[classOf(name)];
     pen.fillRect(left, top, right - left, height);
   }
   const text = safe ? name : named("class", name);

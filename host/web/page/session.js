@@ -252,8 +252,8 @@ export class Session {
     for (const own of find("note-form").elements) {
       own.disabled = watches;
     }
-    find("pause").disabled = find("language").disabled = running;
-    find("calibrate").hidden = find("play").hidden = running;
+    find("language").disabled = find("sources").inert = running;
+    find("pause").hidden = find("calibrate").hidden = find("play").hidden = running;
     for (const id of BUTTONS) {
       find(id).hidden = !shown[id];
       find(id).disabled = watches || id === "repeat" && !view.can_repeat;

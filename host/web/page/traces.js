@@ -132,8 +132,10 @@ export class Traces {
     const pen = this.#context;
     const middle = top + height / 2;
     const gain = (REACH * height) / this.#scale;
-    this.#caption(String(channel + 1), middle);
-    // Low lanes have no room for it.
+    // Low lanes have no room for each number, nor for the scale.
+    if (height > 12 || channel === 0 || channel === CHANNELS - 1) {
+      this.#caption(String(channel + 1), middle);
+    }
     if (channel === 0 && height > 28) {
       this.#caption(`±${this.#scale}`, middle + 15);
     }

@@ -1,5 +1,5 @@
-// View for the person who wears the armband, on one screen: what to do now, a hand, one word and one colour. The hand is the
-// labelled one; in a session, a calibration or a task the one that is asked for, with how far it is and what comes next.
+// View for the person who wears the armband, on one screen: what to do now, a hand, one word and one colour. The hand is the one
+// that is asked for, in a session, a calibration or a task with how far it is and what comes next; else the labelled one.
 
 import { find, write } from "./dom.js";
 import { classOf } from "./history.js";
@@ -41,13 +41,19 @@ export class Wearer {
     // Movement that means nothing is neither right nor wrong.
     const judged = label === null || !means ? "none" : state;
     const signs = [label === null ? find("valid").textContent : { right: t("wearer.right"), wrong: t("wearer.wrong") }[judged]];
+    if (cue && label !== null && !inSession) {
+      signs.push(t("wearer.seen", { label: named("class", label) }));
+    }
+    if (guided) {
+      signs.push(find("guide-left").textContent);
+    }
     if (inSession && find(comes).textContent) {
       signs.push(t("wearer.next", { what: find(comes).textContent }));
     }
     write(find("worn-sign"), signs.filter(Boolean).join(" · "));
     find("worn-sign").dataset.state = judged;
-    const hand = inSession ? find(hands).dataset.gesture || null : label;
-    const word = label === null ? t("wearer.none") : named("class", label);
+    const hand = inSession ? find(hands).dataset.gesture || null : cue ?? label;
+    const word = label === null ? t("wearer.none") : named("class", cue ?? label);
     write(find("worn-word"), inSession ? find(counts).textContent : word);
     find("worn").dataset.label = hand === null ? "none" : classOf(hand);
     draw(find("worn-hand"), hand);

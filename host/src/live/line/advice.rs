@@ -56,7 +56,7 @@ enum Step {
     #[error("No serial port exists on this computer at the moment.")]
     NoPorts,
     #[error(
-        "Ports that exist: {ports}. If one of them is the board, start again with  --port {first}"
+        "Ports that exist: {ports}. If one of them is the board, end the program and start it with  --port {first}"
     )]
     Ports { ports: String, first: String },
 }

@@ -140,7 +140,7 @@ impl Finding {
             Self::Lost { .. } => {
                 "bring armband and board closer together, away from other radios; unplug what also reads the port"
             }
-            Self::Late { .. } => "labels are where the muscle acts, so this costs nothing",
+            Self::Late { .. } => "this is normal and does no harm",
             Self::Early => "what was recorded is kept; record another session for the rest",
             Self::Damaged { .. } => {
                 "check the disk; the journal is kept beside the recordings, and the trial in progress there is not used"

@@ -86,6 +86,7 @@ impl ClockAndPower {
             ChipModel::Nrf52832 => ONLY_NRF52840,
         };
         let registers = Registers::new("CLOCK/POWER", 0x4000_0000, TABLE);
+        // A register of which there is none is not modelled.
         let mut registers = registers.changed(others, |one| one.count = 0);
         if let Some(before) = before.filter(|_| why != Reset::Power) {
             for offset in RETAINED {

@@ -179,7 +179,7 @@ impl Chip {
         let before = std::mem::replace(self, fresh);
         let clock = Some(&before.clock_and_power);
         self.clock_and_power = ClockAndPower::new(model, why, now, clock);
-        // What is on the line does not care.
+        // What happens outside of the chip goes on: the line, and what is counted of it.
         self.uarte.line = before.uarte.line;
         self.uarte.sent = before.uarte.sent;
         self.uarte.counts_broken = before.uarte.counts_broken;
@@ -196,6 +196,7 @@ impl Chip {
         self.settle();
     }
 
+    /// Returns the peripherals that do something by themselves as time passes, and the bus.
     fn clocked(&mut self) -> ([&mut dyn Peripheral; 11], &mut Bus) {
         let [t0, t1, t2] = &mut self.timers;
         let all: [&mut dyn Peripheral; 11] = [

@@ -48,7 +48,7 @@ impl Session {
             None if self.round < self.schedule.rounds() => {
                 self.begin_round(at);
             }
-            None => self.over(),
+            None => self.end(Output::Over),
         }
     }
 
@@ -142,19 +142,23 @@ impl Session {
         self.outputs.push_back(Output::Pause);
     }
 
-    /// Ends the session on request and rejects a gesture in progress.
+    /// Ends the session on request and rejects a gesture in progress. A guided one has ended early.
     pub(super) fn finish(&mut self) {
         let cued = matches!(self.phase, Phase::Cued { .. });
         if cued && self.is_guided() && self.cue != Some(Motion::RELAX) {
             self.fail(RejectReason::Interrupted);
         }
-        self.over();
+        self.end(if self.is_guided() {
+            Output::Pause
+        } else {
+            Output::Over
+        });
     }
 
-    pub(super) fn over(&mut self) {
+    fn end(&mut self, output: Output) {
         self.phase = Phase::Over;
         self.cue = None;
         self.trial = 0;
-        self.outputs.push_back(Output::Over);
+        self.outputs.push_back(output);
     }
 }

@@ -255,7 +255,8 @@ fn without_a_stream_nothing_begins_and_it_can_be_ended() {
         ("", "waiting")
     );
     driver.act(Action::Finish);
-    assert_eq!(driver.outputs(), "over");
+    assert_eq!(driver.outputs(), "pause");
+    assert!(driver.session.is_over());
 }
 
 #[test]
@@ -264,12 +265,12 @@ fn who_ends_a_session_in_a_gesture_loses_that_gesture_alone() {
     driver.samples(600 + 1300);
     driver.outputs();
     driver.act(Action::Finish);
-    assert_eq!(driver.outputs(), "bad2:Interrupted over");
+    assert_eq!(driver.outputs(), "bad2:Interrupted pause");
     let mut driver = Driver::begun(SHORT);
     driver.samples(600 + 1000);
     driver.outputs();
     driver.act(Action::Finish);
-    assert_eq!(driver.outputs(), "over");
+    assert_eq!(driver.outputs(), "pause");
 }
 
 #[test]
