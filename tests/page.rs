@@ -449,7 +449,7 @@ fn the_simulated_board_shows_labels_and_takes_a_dropped_model() {
     browser.wait_for(&label("open"));
     // Its wearer has rested and moved: how strong the electrodes are is told.
     browser.wait_for(
-        "$strengths.textContent.startsWith('Each electrode rises') && $strengths.checkVisibility()",
+        "$strengths.textContent.startsWith('Each electrode reaches') && $strengths.checkVisibility()",
     );
     // Its wearer has turned the armband, and its file tells that nobody wore it.
     browser.value("$turn.click()");
