@@ -178,8 +178,7 @@ impl Air {
         {
             let number = self.armbands[armband].sent();
             let notifications = self.armbands[armband].send(air);
-            let one = &self.armbands[armband];
-            if one.is_wearers() && one.sent() > number {
+            if self.armbands[armband].sent() > number {
                 self.received.push((now, number));
             }
             let notified = notifications

@@ -64,7 +64,7 @@ pub struct Air {
     pub cancel_comes_late: bool,
     /// Armbands within reach.
     pub armbands: Vec<Armband>,
-    /// Notifications of the wearer's armband: the tick at which each was received, and its number.
+    /// Notifications of armbands: the tick at which each was received, and its number.
     pub received: Vec<(u64, usize)>,
 }
 
