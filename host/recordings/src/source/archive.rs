@@ -77,12 +77,9 @@ pub(super) fn unpack(
     folder: &Path,
     bounds: Bounds,
 ) -> Result<Unpacked, FetchError> {
-    let damaged = |source: io::Error| FetchError::Damaged {
-        archive: archive.to_owned(),
-        source,
-    };
-    let kind = kind(archive).map_err(damaged)?;
-    let file = File::open(archive).map_err(damaged)?;
+    let damaged = FetchError::damaged(archive);
+    let kind = kind(archive).map_err(&damaged)?;
+    let file = File::open(archive).map_err(&damaged)?;
     let mut target = Target {
         archive,
         folder,
@@ -115,19 +112,14 @@ struct Target<'a> {
 
 impl Target<'_> {
     fn zip(&mut self, mut file: BufReader<File>) -> Result<(), FetchError> {
-        file.seek(SeekFrom::Start(0))
-            .map_err(|source| self.damaged(source))?;
-        let mut archive =
-            zip::ZipArchive::new(file).map_err(|error| self.damaged(io::Error::other(error)))?;
+        let damaged = FetchError::damaged(self.archive);
+        let no_zip = |error| damaged(io::Error::other(error));
+        file.seek(SeekFrom::Start(0)).map_err(&damaged)?;
+        let mut archive = zip::ZipArchive::new(file).map_err(no_zip)?;
         for at in 0..archive.len() {
             self.count()?;
-            let mut entry = archive
-                .by_index(at)
-                .map_err(|error| self.damaged(io::Error::other(error)))?;
-            let name = entry
-                .name()
-                .map_err(|error| self.damaged(io::Error::other(error)))?
-                .into_owned();
+            let mut entry = archive.by_index(at).map_err(no_zip)?;
+            let name = entry.name().map_err(no_zip)?.into_owned();
             if entry.is_dir() {
                 self.make_folder(&name)?;
             } else if entry.is_symlink() || !entry.is_file() {
@@ -140,11 +132,11 @@ impl Target<'_> {
     }
 
     fn tar(&mut self, file: impl Read) -> Result<(), FetchError> {
+        let damaged = FetchError::damaged(self.archive);
         let mut archive = tar::Archive::new(file);
-        let entries = archive.entries().map_err(|source| self.damaged(source))?;
-        for entry in entries {
+        for entry in archive.entries().map_err(&damaged)? {
             self.count()?;
-            let mut entry = entry.map_err(|source| self.damaged(source))?;
+            let mut entry = entry.map_err(&damaged)?;
             let name = String::from_utf8_lossy(&entry.path_bytes()).into_owned();
             match entry.header().entry_type() {
                 tar::EntryType::Directory => self.make_folder(&name)?,
@@ -191,7 +183,7 @@ impl Target<'_> {
         // Bytes are counted as they come, whatever number the archive states.
         let left = self.bounds.bytes - self.done.bytes;
         let copied = io::copy(&mut content.take(left + 1), &mut file);
-        let copied = copied.map_err(|source| self.damaged(source))?;
+        let copied = copied.map_err(FetchError::damaged(self.archive))?;
         if copied > left {
             return Err(FetchError::TooLarge {
                 most: self.bounds.bytes,
@@ -201,13 +193,6 @@ impl Target<'_> {
         self.done.bytes += copied;
         self.done.files += 1;
         Ok(())
-    }
-
-    fn damaged(&self, source: io::Error) -> FetchError {
-        FetchError::Damaged {
-            archive: self.archive.to_owned(),
-            source,
-        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Errors of downloading and unpacking recordings.
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use execution::file_kind::FileKind;
 
@@ -68,6 +68,27 @@ pub enum FetchError {
 }
 
 impl FetchError {
+    /// Answer of a server that is no file; `page` is the set's page for people.
+    pub(super) fn status(url: &str, status: u16, page: &str) -> Self {
+        let url = url.to_owned();
+        match status {
+            404 | 410 => Self::NotFound {
+                url,
+                status,
+                page: page.to_owned(),
+            },
+            _ => Self::Status { url, status },
+        }
+    }
+
+    /// Damage of an archive, by the error of reading it.
+    pub(super) fn damaged(archive: &Path) -> impl Fn(io::Error) -> Self {
+        |source| Self::Damaged {
+            archive: archive.to_owned(),
+            source,
+        }
+    }
+
     /// A refusal of the file system.
     pub(super) fn io(path: impl Into<PathBuf>, source: io::Error) -> Self {
         Self::Io {

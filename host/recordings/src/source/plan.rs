@@ -61,7 +61,7 @@ pub fn plan(source: &Source, zenodo: &str) -> Result<Plan, FetchError> {
 struct Record {
     files: Vec<RecordFile>,
     #[serde(default)]
-    metadata: Metadata,
+    metadata: serde_json::Value,
 }
 
 #[derive(Deserialize)]
@@ -79,31 +79,14 @@ struct Links {
     own: String,
 }
 
-#[derive(Default, Deserialize)]
-struct Metadata {
-    license: Option<License>,
-}
-
-#[derive(Deserialize)]
-struct License {
-    id: String,
-}
-
 /// Plans the downloads of a record of Zenodo.
 fn record(server: &str, number: u32, page: &str) -> Result<Plan, FetchError> {
     let url = format!("{server}/api/records/{number}");
     let response = agent(&url).get(&url).call();
     let mut response = response.map_err(|error| request_error(&url, &error))?;
-    match response.status().as_u16() {
-        200 => {}
-        status @ (404 | 410) => {
-            return Err(FetchError::NotFound {
-                url,
-                status,
-                page: page.to_owned(),
-            });
-        }
-        status => return Err(FetchError::Status { url, status }),
+    let status = response.status().as_u16();
+    if status != 200 {
+        return Err(FetchError::status(&url, status, page));
     }
     let mut text = String::new();
     let mut body = response.body_mut().as_reader().take(RECORD);
@@ -132,6 +115,6 @@ fn record(server: &str, number: u32, page: &str) -> Result<Plan, FetchError> {
     });
     Ok(Plan {
         downloads: downloads.collect::<Result<_, _>>()?,
-        stated_licence: record.metadata.license.map(|license| license.id),
+        stated_licence: record.metadata["license"]["id"].as_str().map(str::to_owned),
     })
 }

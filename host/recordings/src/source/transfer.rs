@@ -1,15 +1,14 @@
 //! One file over HTTP: resumed after a break, and bounded.
 //!
-//! Received bytes are kept as `FILE.partial`, with what the server said of the file beside it. A later command
-//! continues where this one stopped, unless the file has changed.
+//! Received bytes are kept as `FILE.partial`, with the version of the server's file beside it. A later command continues
+//! where this one stopped, unless that version has changed.
 
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, OpenOptions};
 use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use indicatif::ProgressBar;
-use serde::{Deserialize, Serialize};
 use ureq::http::Response;
 
 use super::client::{agent, request_error};
@@ -23,16 +22,6 @@ const TRIES: usize = 4;
 /// Pause before the next attempt, times the number of these attempts.
 const PAUSE: Duration = Duration::from_millis(if cfg!(test) { 5 } else { 500 });
 
-/// Notes on a file that was received in part.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-struct PartialDownload {
-    url: String,
-    /// `ETag` or `Last-Modified`: the file is unchanged as long as this is.
-    version: Option<String>,
-    /// Length of the whole file in bytes.
-    total: Option<u64>,
-}
-
 /// Download of one file.
 pub(super) struct Transfer<'a> {
     of: &'a Download,
@@ -40,7 +29,8 @@ pub(super) struct Transfer<'a> {
     /// Path of the complete file.
     whole: PathBuf,
     partial: PathBuf,
-    notes: PathBuf,
+    /// File with the `ETag` or `Last-Modified` of what is kept: the server's file is unchanged as long as this is.
+    version: PathBuf,
     bar: &'a ProgressBar,
 }
 
@@ -57,7 +47,7 @@ impl<'a> Transfer<'a> {
             page,
             whole: path(""),
             partial: path(".partial"),
-            notes: path(".partial.json"),
+            version: path(".version"),
             bar,
         }
     }
@@ -93,7 +83,7 @@ impl<'a> Transfer<'a> {
         }
         let io = |source| FetchError::io(&self.whole, source);
         fs::rename(&self.partial, &self.whole).map_err(io)?;
-        let _ = fs::remove_file(&self.notes);
+        let _ = fs::remove_file(&self.version);
         Ok(self.whole.clone())
     }
 
@@ -102,38 +92,14 @@ impl<'a> Transfer<'a> {
         fs::metadata(&self.partial).map_or(0, |metadata| metadata.len())
     }
 
-    /// Notes on the kept bytes; none if they are of another address.
-    fn known(&self) -> Option<PartialDownload> {
-        let text = fs::read_to_string(&self.notes).ok()?;
-        let known: PartialDownload = serde_json::from_str(&text).ok()?;
-        (known.url == self.of.url).then_some(known)
-    }
-
     fn attempt(&self) -> Result<(), FetchError> {
-        let known = self.known();
-        let kept = if known.is_some() { self.received() } else { 0 };
-        if let Some((response, from)) = self.ask(kept, known.as_ref())? {
-            return self.receive(response, from);
-        }
-        let _ = fs::remove_file(&self.notes);
-        let (response, from) = self
-            .ask(0, None)?
-            .ok_or_else(|| self.broken("no file is sent"))?;
-        self.receive(response, from)
-    }
-
-    /// Asks for the bytes after those that are kept: an answer, and the byte that it begins with. None if what was kept is
-    /// no part of the file.
-    fn ask(
-        &self,
-        kept: u64,
-        known: Option<&PartialDownload>,
-    ) -> Result<Option<(Response<ureq::Body>, u64)>, FetchError> {
         let url = &self.of.url;
+        let version = fs::read_to_string(&self.version).ok();
+        let kept = version.as_ref().map_or(0, |_| self.received());
         let mut request = agent(url).get(url);
         if kept > 0 {
             request = request.header("Range", format!("bytes={kept}-"));
-            if let Some(version) = known.and_then(|own| own.version.as_ref()) {
+            if let Some(version) = version.filter(|own| !own.is_empty()) {
                 request = request.header("If-Range", version);
             }
         }
@@ -145,19 +111,14 @@ impl<'a> Transfer<'a> {
             }
         })?;
         match response.status().as_u16() {
-            200 => Ok(Some((response, 0))),
-            // A range other than the one asked for is not used.
-            206 if kept > 0 && starts_at(&response) == Some(kept) => Ok(Some((response, kept))),
-            206 | 416 => Ok(None),
-            status @ (404 | 410) => Err(FetchError::NotFound {
-                url: url.clone(),
-                status,
-                page: self.page.to_owned(),
-            }),
-            status => Err(FetchError::Status {
-                url: url.clone(),
-                status,
-            }),
+            200 => self.receive(response, 0),
+            206 if kept > 0 && starts_at(&response) == Some(kept) => self.receive(response, kept),
+            // What is kept is no part of the file.
+            206 | 416 => {
+                self.discard();
+                Err(self.broken("no file is sent"))
+            }
+            status => Err(FetchError::status(url, status, self.page)),
         }
     }
 
@@ -166,16 +127,12 @@ impl<'a> Transfer<'a> {
         let length = header(&response, "content-length").and_then(|own| own.parse::<u64>().ok());
         let total = self.of.size.or(length.map(|length| kept + length));
         let most = self.of.size.unwrap_or(MOST);
-        let known = PartialDownload {
-            url: self.of.url.clone(),
-            version: header(&response, "etag")
-                // A weak tag promises no equal bytes.
-                .filter(|own| !own.starts_with("W/"))
-                .or_else(|| header(&response, "last-modified")),
-            total,
-        };
-        let notes = serde_json::to_vec(&known).unwrap_or_default();
-        fs::write(&self.notes, notes).map_err(|source| FetchError::io(&self.notes, source))?;
+        let tag = header(&response, "etag");
+        // A weak tag promises no equal bytes.
+        let tag = tag.filter(|own| !own.starts_with("W/"));
+        let version = tag.or_else(|| header(&response, "last-modified"));
+        fs::write(&self.version, version.unwrap_or_default())
+            .map_err(|source| FetchError::io(&self.version, source))?;
         let io = |source| FetchError::io(&self.partial, source);
         let mut file = OpenOptions::new()
             .create(true)
@@ -202,7 +159,8 @@ impl<'a> Transfer<'a> {
             };
             received += read as u64;
             if received > most {
-                self.discard(file);
+                drop(file);
+                self.discard();
                 return Err(FetchError::TooLong {
                     url: self.of.url.clone(),
                     most,
@@ -218,14 +176,13 @@ impl<'a> Transfer<'a> {
         }
     }
 
-    fn discard(&self, file: File) {
-        drop(file);
+    fn discard(&self) {
         let _ = fs::remove_file(&self.partial);
-        let _ = fs::remove_file(&self.notes);
+        let _ = fs::remove_file(&self.version);
     }
 
     fn broken(&self, reason: impl Into<String>) -> FetchError {
-        let total = self.known().and_then(|known| known.total);
+        let total = self.bar.length();
         FetchError::Broken {
             url: self.of.url.clone(),
             received: self.received(),

@@ -9,9 +9,8 @@ use super::*;
 fn zip(entries: &[(&str, &[u8])]) -> Vec<u8> {
     let mut writer = zip::ZipWriter::new(Cursor::new(Vec::new()));
     for (name, content) in entries {
-        writer
-            .start_file(*name, SimpleFileOptions::default())
-            .unwrap();
+        let options = SimpleFileOptions::default();
+        writer.start_file(*name, options).unwrap();
         writer.write_all(content).unwrap();
     }
     writer.finish().unwrap().into_inner()
@@ -81,19 +80,13 @@ fn a_name_that_leads_out_refuses_the_archive_and_writes_nothing_outside() {
         "C:\\out",
         "a/..",
     ] {
-        let bytes = tar(&[(name, b"x")]);
-        let (folder, result) = unpacked(&bytes, bounds());
-        assert!(
-            matches!(result, Err(FetchError::Escapes(_))),
-            "{name}: {result:?}"
-        );
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2, "{name}");
-        assert!(!Path::new(absolute).exists());
-        let (_folder, result) = unpacked(&zip(&[(name, b"x")]), bounds());
-        assert!(
-            matches!(result, Err(FetchError::Escapes(_))),
-            "{name}: {result:?}"
-        );
+        for bytes in [tar(&[(name, b"x")]), zip(&[(name, b"x")])] {
+            let (folder, result) = unpacked(&bytes, bounds());
+            let escapes = matches!(result, Err(FetchError::Escapes(_)));
+            assert!(escapes, "{name}: {result:?}");
+            assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2, "{name}");
+            assert!(!Path::new(absolute).exists());
+        }
     }
 }
 
@@ -130,10 +123,8 @@ fn bytes_are_counted_as_they_come_and_files_too() {
     for bytes in [zip(&[("zeros", &bomb)]), gz(&tar(&[("zeros", &bomb)]))] {
         assert!(bytes.len() < 10_000);
         let (_folder, result) = unpacked(&bytes, few);
-        assert!(matches!(
-            result,
-            Err(FetchError::TooLarge { most: 1000, .. })
-        ));
+        let is_told = matches!(result, Err(FetchError::TooLarge { most: 1000, .. }));
+        assert!(is_told, "{result:?}");
     }
     let one = Bounds {
         entries: 1,
@@ -151,18 +142,14 @@ fn the_same_name_twice_is_refused() {
 
 #[test]
 fn what_is_cut_or_no_archive_is_refused() {
-    let content: Vec<u8> = (0..20_000_u32)
-        .flat_map(|at| (at * at).to_le_bytes())
-        .collect();
-    let whole = gz(&tar(&[("a", &content)]));
-    let (_folder, cut) = unpacked(&whole[..whole.len() / 2], bounds());
-    assert!(matches!(cut, Err(FetchError::Damaged { .. })), "{cut:?}");
-    let whole = zip(&[("a", &content)]);
-    let (_folder, cut) = unpacked(&whole[..whole.len() - 10], bounds());
-    assert!(matches!(cut, Err(FetchError::Damaged { .. })), "{cut:?}");
+    let numbers = (0..20_000_u32).flat_map(|at| (at * at).to_le_bytes());
+    let content: Vec<u8> = numbers.collect();
+    let (tar, zip) = (gz(&tar(&[("a", &content)])), zip(&[("a", &content)]));
+    for cut in [&tar[..tar.len() / 2], &zip[..zip.len() - 10]] {
+        let (_folder, cut) = unpacked(cut, bounds());
+        assert!(matches!(cut, Err(FetchError::Damaged { .. })), "{cut:?}");
+    }
     let (_folder, none) = unpacked(b"gt,emg_0\n", bounds());
-    assert!(
-        matches!(none, Err(FetchError::NoArchive { .. })),
-        "{none:?}"
-    );
+    let is_told = matches!(none, Err(FetchError::NoArchive { .. }));
+    assert!(is_told, "{none:?}");
 }
