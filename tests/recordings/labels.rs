@@ -21,18 +21,11 @@ fn the_lag_estimated_on_training_people_is_the_nominal_one() {
         let found = lag::estimate(&everybody).expect("transitions");
         // In ss-stm only three of the seven motions have a label, so its release differs.
         let tolerance = if set == "ss-stm" { 200.0 } else { 20.0 };
-        assert!(
-            (found.onset_ms - onset).abs() <= tolerance,
-            "{set}: {found:?}"
-        );
-        assert!(
-            (found.release_ms - release).abs() <= tolerance,
-            "{set}: {found:?}"
-        );
-        let training = everybody
-            .iter()
-            .filter(|own| predefined::is_training(&own.subject));
-        let training: Vec<&Recording> = training.copied().collect();
+        for off in [found.onset_ms - onset, found.release_ms - release] {
+            assert!(off.abs() <= tolerance, "{set}: {found:?}");
+        }
+        let mut training = everybody;
+        training.retain(|own| predefined::is_training(&own.subject));
         let found = lag::estimate(&training).expect("transitions");
         assert_eq!(found.lag_samples, training[0].data_set.label_lag(), "{set}");
     }
@@ -48,13 +41,11 @@ fn labels_from_activity_are_muscle_onsets_without_a_lag() {
         assert_eq!(recordings[0].data_set.label_lag(), 0);
         assert_eq!(lag::estimate(&recordings), None, "nothing moves them");
         // Labels are used as cues: the rule that measures cues finds the muscle where the labels are.
-        let cues: Vec<_> = recordings
-            .iter()
-            .map(|&recording| Recording {
-                timing: Timing::Cues,
-                ..recording.clone()
-            })
-            .collect();
+        let cued = |recording: &&Recording| Recording {
+            timing: Timing::Cues,
+            ..(*recording).clone()
+        };
+        let cues: Vec<Recording> = recordings.iter().map(cued).collect();
         let found = lag::estimate(&cues.iter().collect::<Vec<_>>()).expect("transitions");
         for ms in [found.onset_ms, found.release_ms] {
             assert!(ms.abs() <= 50.0, "{set}: {found:?}");

@@ -21,11 +21,8 @@ fn pattern(
     for recording in recordings {
         let (sums, count) = people.entry(&recording.subject).or_default();
         let samples = samples(recording);
-        for (sample, _) in samples
-            .iter()
-            .zip(&recording.labels)
-            .filter(|(_, l)| **l == Some(intent))
-        {
+        let rows = samples.iter().zip(&recording.labels);
+        for (sample, _) in rows.filter(|(_, label)| **label == Some(intent)) {
             for (sum, value) in sums.iter_mut().zip(sample) {
                 *sum += f64::from(value.unsigned_abs());
             }
@@ -46,11 +43,8 @@ fn pattern(
 /// Returns the correlation of two lists of centred patterns.
 fn correlation(a: &[[f64; 8]], b: &[[f64; 8]]) -> f64 {
     let dot = |a: &[[f64; 8]], b: &[[f64; 8]]| -> f64 {
-        a.iter()
-            .flatten()
-            .zip(b.iter().flatten())
-            .map(|(x, y)| x * y)
-            .sum()
+        let pairs = a.iter().flatten().zip(b.iter().flatten());
+        pairs.map(|(x, y)| x * y).sum()
     };
     dot(a, b) / (dot(a, a) * dot(b, b)).sqrt()
 }
@@ -86,27 +80,18 @@ fn electrode_frames_fit_the_gestures_that_two_sets_share() {
         let found = correlation(&aligned(library), &expected);
         assert!(found > 0.7, "{set}: {found}");
         // Among all 16 ways to put a ring on the arm, no other fits better.
-        let as_recorded: Vec<_> = intents
-            .iter()
-            .map(|&i| pattern(&library.recordings, |r| r.samples.clone(), i))
-            .collect();
+        let recorded = |&i| pattern(&library.recordings, |r| r.samples.clone(), i);
+        let as_recorded: Vec<[f64; 8]> = intents.iter().map(recorded).collect();
         for way in 0..16 {
-            let turned: Vec<_> = as_recorded
-                .iter()
-                .map(|pattern| {
-                    let mut pattern = *pattern;
-                    if way >= 8 {
-                        pattern.reverse();
-                    }
-                    pattern.rotate_right(way % 8);
-                    pattern
-                })
-                .collect();
+            let mut turned = as_recorded.clone();
+            for pattern in &mut turned {
+                if way >= 8 {
+                    pattern.reverse();
+                }
+                pattern.rotate_right(way % 8);
+            }
             let other = correlation(&turned, &expected);
-            assert!(
-                other <= found + 1e-9,
-                "{set}, way {way}: {other} instead of {found}"
-            );
+            assert!(other <= found + 1e-9, "{set}, way {way}: {other}, {found}");
         }
     }
 }
@@ -143,39 +128,31 @@ fn openers() -> Option<BTreeMap<String, Vec<Labelled>>> {
 
 /// Aligns everybody who opens the hand, by templates of people of the other quarters. Returns the placements found less
 /// the frame of the data set; `None` for a poor alignment.
-fn placements(people: &BTreeMap<String, Vec<Labelled>>) -> BTreeMap<&str, Option<Alignment>> {
+fn placements<'p>(
+    people: &'p BTreeMap<String, Vec<Labelled>>,
+) -> BTreeMap<&'p str, Option<Alignment>> {
     fn borrowed(own: &[Labelled]) -> Vec<(&[Sample], &[Option<Intent>])> {
         let streams = own.iter();
         streams
             .map(|(samples, labels)| (samples.as_slice(), labels.as_slice()))
             .collect()
     }
-    let profiles: Vec<_> = people
-        .values()
-        .map(|own| open_hand(borrowed(own)))
-        .collect();
-    let templates: Vec<_> = (0..4)
-        .map(|quarter| {
-            let others = profiles
-                .iter()
-                .enumerate()
-                .filter(|(number, _)| number % 4 != quarter);
-            let others: Vec<_> = others.filter_map(|(_, &profile)| profile).collect();
-            template(&others).expect("enough people")
-        })
-        .collect();
-    let found = people
-        .iter()
-        .enumerate()
-        .filter_map(|(number, (subject, own))| {
-            let openings = openings(&borrowed(own))?;
-            let outcome = match openings.outcome(&templates[number % 4]) {
-                AlignmentOutcome::Aligned(fit) => Some(fit.alignment),
-                AlignmentOutcome::Poor(..) | AlignmentOutcome::Timeout => None,
-            };
-            Some((subject.as_str(), outcome))
-        });
-    found.collect()
+    let profiles = people.values().map(|own| open_hand(borrowed(own)));
+    let profiles: Vec<_> = profiles.enumerate().collect();
+    let templates = [0, 1, 2, 3].map(|quarter| {
+        let others = profiles.iter().filter(|(number, _)| number % 4 != quarter);
+        let others: Vec<_> = others.filter_map(|(_, profile)| *profile).collect();
+        template(&others).expect("enough people")
+    });
+    let place = |(number, (subject, own)): (usize, (&'p String, &'p Vec<Labelled>))| {
+        let openings = openings(&borrowed(own))?;
+        let outcome = match openings.outcome(&templates[number % 4]) {
+            AlignmentOutcome::Aligned(fit) => Some(fit.alignment),
+            AlignmentOutcome::Poor(..) | AlignmentOutcome::Timeout => None,
+        };
+        Some((subject.as_str(), outcome))
+    };
+    people.iter().enumerate().filter_map(place).collect()
 }
 
 #[test]
@@ -186,11 +163,8 @@ fn two_openings_place_strangers() {
     let found = placements(&people);
     let places = |found: Alignment| found.places_from(Alignment::NONE);
     let count = |wanted: &dyn Fn(Alignment) -> bool| {
-        found
-            .values()
-            .flatten()
-            .filter(|&&found| wanted(found))
-            .count()
+        let aligned = found.values().flatten();
+        aligned.filter(|&&found| wanted(found)).count()
     };
     let applied = count(&|_| true);
     let within = count(&|found| places(found).is_some_and(|places| places <= 1));

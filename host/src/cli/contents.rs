@@ -39,30 +39,17 @@ struct Guided {
 
 impl Recordings {
     pub(super) fn new(library: &Library) -> Self {
+        let guided = |own: PersonQuality| Guided {
+            person: own.person,
+            files: own.files,
+            seconds: own.quality.seconds,
+            good: own.quality.is_good_enough(),
+            findings: own.quality.findings.iter().map(FindingText::from).collect(),
+            counts: own.quality.counts,
+        };
         Self {
             inspection: Inspection::new(library),
-            guided: quality_by_person(library)
-                .into_iter()
-                .map(Guided::from)
-                .collect(),
-        }
-    }
-}
-
-impl From<PersonQuality> for Guided {
-    fn from(recorded: PersonQuality) -> Self {
-        let PersonQuality {
-            person,
-            files,
-            quality,
-        } = recorded;
-        Self {
-            person,
-            files,
-            seconds: quality.seconds,
-            good: quality.is_good_enough(),
-            findings: quality.findings.iter().map(FindingText::from).collect(),
-            counts: quality.counts,
+            guided: quality_by_person(library).into_iter().map(guided).collect(),
         }
     }
 }
@@ -75,16 +62,14 @@ impl fmt::Display for Guided {
             "not good enough to tune a model on"
         };
         let counts = self.counts.iter();
-        let counts: Vec<_> = counts
-            .map(|(class, count)| format!("{class} {count}"))
-            .collect();
+        let counts = counts.map(|(class, count)| format!("{class} {count}"));
         writeln!(
             f,
             "{}: {:.0} s, guided recordings: {}; {}: {verdict}",
             printable(&self.person),
             self.seconds,
             self.files,
-            counts.join(", ")
+            counts.collect::<Vec<_>>().join(", ")
         )?;
         for FindingText {
             severity,
@@ -109,14 +94,11 @@ pub(super) fn tables(recordings: &Recordings) -> String {
     for sentence in &inspection.people {
         text += &format!("\n{}\n", printable(sentence));
     }
-    if !inspection.skipped.is_empty() {
-        text += &list(
-            &format!(
-                "left out, because they cannot be read as they are ({})",
-                inspection.skipped.len()
-            ),
-            &inspection.skipped,
-        );
+    let skipped = &inspection.skipped;
+    if !skipped.is_empty() {
+        let count = skipped.len();
+        let head = format!("left out, because they cannot be read as they are ({count})");
+        text += &list(&head, skipped);
     }
     for Group { finding, which } in &inspection.findings {
         let colon = if finding.advice.is_empty() { "" } else { ": " };
