@@ -13,6 +13,8 @@ pub mod catalogue;
 pub mod corpus;
 pub mod description;
 pub mod examiner;
+#[cfg(test)]
+mod fixture;
 pub mod imu;
 pub mod labels;
 pub mod library;

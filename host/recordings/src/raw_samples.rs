@@ -25,10 +25,8 @@ pub fn raw_samples(values: &[f64]) -> Result<Vec<Sample>, NotRaw> {
     }
     let (rows, _) = values.as_chunks::<CHANNELS>();
     #[expect(clippy::cast_possible_truncation, reason = "just checked")]
-    Ok(rows
-        .iter()
-        .map(|row| row.map(|value| value as i8))
-        .collect())
+    let sample = |row: &[f64; CHANNELS]| row.map(|value| value as i8);
+    Ok(rows.iter().map(sample).collect())
 }
 
 #[cfg(test)]

@@ -2,7 +2,6 @@
 //!
 //! The device's side is [`shared::stream::alignment`]. Measurements are in docs/alignment.md.
 
-mod matrix;
 mod open_hand;
 mod openings;
 pub(crate) mod rotation;

@@ -27,22 +27,10 @@ pub fn open_hand<'r>(
             if run.samples() < SHORTEST {
                 continue;
             }
-            let patches: Vec<[f64; CHANNELS]> = emg[run.start..run.end]
-                .chunks_exact(PATCH)
-                .map(|patch| {
-                    let sum = |electrode: usize| {
-                        patch
-                            .iter()
-                            .map(|sample| f64::from(sample[electrode]))
-                            .sum::<f64>()
-                    };
-                    std::array::from_fn(|electrode| sum(electrode) / PATCH as f64)
-                })
-                .collect();
-            let mean = mean_of_active(&patches);
-            for (sum, mean) in sum.iter_mut().zip(mean) {
-                *sum += mean;
-            }
+            let patches = emg[run.start..run.end].chunks_exact(PATCH);
+            let patches = patches.map(|patch| mean(patch.iter().map(|own| own.map(f64::from))));
+            let active = mean_of_active(&patches.collect::<Vec<_>>());
+            sum = std::array::from_fn(|electrode| sum[electrode] + active[electrode]);
             count += 1.0;
         }
     }
@@ -62,12 +50,14 @@ fn mean_of_active(patches: &[[f64; CHANNELS]]) -> [f64; CHANNELS] {
     let mut levels: Vec<f64> = patches.iter().map(level).collect();
     levels.sort_unstable_by(f64::total_cmp);
     let least = levels[(levels.len() - 1) * 4 / 5] / 2.0;
-    let mut sum = [0.0; CHANNELS];
-    let mut count = 0.0;
-    for patch in patches.iter().filter(|&patch| level(patch) >= least) {
-        for (sum, value) in sum.iter_mut().zip(patch) {
-            *sum += value;
-        }
+    mean(patches.iter().copied().filter(|own| level(own) >= least))
+}
+
+/// Mean of each electrode.
+fn mean(values: impl Iterator<Item = [f64; CHANNELS]>) -> [f64; CHANNELS] {
+    let (mut sum, mut count) = ([0.0; CHANNELS], 0.0);
+    for own in values {
+        sum = std::array::from_fn(|electrode| sum[electrode] + own[electrode]);
         count += 1.0;
     }
     sum.map(|sum| sum / count)

@@ -33,15 +33,12 @@ pub struct Openings {
 /// second of rest.
 pub fn openings(recordings: &[(&[Sample], &[Option<Intent>])]) -> Option<Openings> {
     let labelled = |wanted: Intent, shortest: usize| {
-        recordings
-            .iter()
-            .enumerate()
-            .flat_map(move |(at, (_, labels))| {
-                let own = runs(labels)
-                    .into_iter()
-                    .filter(move |run| run.label == Some(wanted) && run.samples() >= shortest);
-                own.map(move |run| (at, run))
-            })
+        let recordings = recordings.iter().enumerate();
+        let all = recordings.flat_map(|(at, (_, labels))| {
+            let runs = runs(labels).into_iter();
+            runs.map(move |run| (at, run))
+        });
+        all.filter(move |(_, run)| run.label == Some(wanted) && run.samples() >= shortest)
     };
     let (at, Run { start, .. }) = labelled(Intent::Relax, REST).next()?;
     let rest = recordings[at].0[start..start + REST].to_vec();
@@ -52,10 +49,8 @@ pub fn openings(recordings: &[(&[Sample], &[Option<Intent>])]) -> Option<Opening
             (at, run.start.saturating_sub(AROUND)..end)
         })
         .collect();
-    let gestures: Vec<Vec<Sample>> = places
-        .iter()
-        .map(|(at, range)| recordings[*at].0[range.clone()].to_vec())
-        .collect();
+    let gesture = |(at, range): &(usize, Range<usize>)| recordings[*at].0[range.clone()].to_vec();
+    let gestures: Vec<Vec<Sample>> = places.iter().map(gesture).collect();
     (gestures.len() >= usize::from(shared::stream::alignment::GESTURES)).then_some(Openings {
         rest,
         gestures,
@@ -140,18 +135,11 @@ mod tests {
 
     #[test]
     fn openings_are_found_and_align() {
-        let template = Template::new(
-            [400, 290, 170, 60, -60, -170, -290, -400],
-            std::array::from_fn(|at| {
-                // The diagonal, 2 nats per square octave.
-                if [0, 8, 15, 21, 26, 30, 33, 35].contains(&at) {
-                    128
-                } else {
-                    0
-                }
-            }),
-        )
-        .unwrap();
+        // The diagonal, 2 nats per square octave.
+        let diagonal = [0, 8, 15, 21, 26, 30, 33, 35];
+        let precision = std::array::from_fn(|at| 128 * i16::from(diagonal.contains(&at)));
+        let means = [400, 290, 170, 60, -60, -170, -290, -400];
+        let template = Template::new(means, precision).unwrap();
         let worn = Alignment::new(3, true);
         let (samples, labels) = recording(6, worn.inverse().apply([58, 43, 31, 22, 16, 12, 8, 6]));
         let own = openings(&[(&samples, &labels)]).unwrap();
@@ -161,10 +149,8 @@ mod tests {
         }
         // A second of rest, then gestures of 500 samples with a second behind each.
         assert_eq!(own.stream().len(), 200 + 4 * 700 + 200);
-        assert_eq!(
-            [200, 201, 900, 901, 9999].map(|end| own.within(end)),
-            [0, 1, 1, 2, 4]
-        );
+        let within = [200, 201, 900, 901, 9999].map(|end| own.within(end));
+        assert_eq!(within, [0, 1, 1, 2, 4]);
         let used: Vec<_> = own.used(0, 3).collect();
         assert_eq!(used, [200..700, 800..1300, 1400..1900]);
         assert_eq!(own.used(1, 3).count(), 0);
@@ -175,10 +161,8 @@ mod tests {
         let (samples, labels) = recording(1, [50; 8]);
         assert_eq!(openings(&[(&samples, &labels)]), None);
         let (samples, labels) = recording(3, [50; 8]);
-        let restless: Vec<_> = labels
-            .iter()
-            .map(|&label| label.filter(|_| label == OPEN))
-            .collect();
+        let restless = labels.iter().map(|&label| label.filter(|_| label == OPEN));
+        let restless: Vec<_> = restless.collect();
         assert_eq!(openings(&[(&samples, &restless)]), None);
     }
 }

@@ -3,8 +3,6 @@
 use shared::stream::alignment::{OCTAVE, PRECISION_ONE, Template};
 use shared::units::CHANNELS;
 
-use super::matrix::{Matrix, inverse};
-
 /// Minimum number of people who open the hand; fewer make no template.
 pub const FEWEST_PEOPLE: usize = 3;
 
@@ -12,6 +10,33 @@ pub const FEWEST_PEOPLE: usize = 3;
 const SHRINKAGE: f64 = 0.2;
 /// Minimum variance of an electrode, in square octaves: a tenth of an octave.
 const LEAST_VARIANCE: f64 = 0.01;
+
+/// Row-major matrix with one row and one column for each electrode.
+type Matrix = [[f64; CHANNELS]; CHANNELS];
+
+/// The inverse of a symmetric positive definite matrix, by Gauss-Jordan elimination, which needs no pivoting there.
+fn inverse(mut matrix: Matrix) -> Matrix {
+    let mut inverse = Matrix::default();
+    for (row, values) in inverse.iter_mut().enumerate() {
+        values[row] = 1.0;
+    }
+    for pivot in 0..CHANNELS {
+        let scale = 1.0 / matrix[pivot][pivot];
+        for column in 0..CHANNELS {
+            matrix[pivot][column] *= scale;
+            inverse[pivot][column] *= scale;
+        }
+        let (left, right) = (matrix[pivot], inverse[pivot]);
+        for row in (0..CHANNELS).filter(|&row| row != pivot) {
+            let factor = matrix[row][pivot];
+            for column in 0..CHANNELS {
+                matrix[row][column] -= factor * left[column];
+                inverse[row][column] -= factor * right[column];
+            }
+        }
+    }
+    inverse
+}
 
 /// A normal density of profiles, in octaves.
 struct Density {
@@ -105,6 +130,32 @@ mod tests {
         template
             .fit(Profile::new(open.map(|mean| mean as u32)))
             .nearest
+    }
+
+    #[test]
+    fn a_matrix_times_its_inverse_is_the_identity() {
+        // Diagonally dominant, therefore positive definite.
+        let mut matrix = Matrix::default();
+        for (row, values) in matrix.iter_mut().enumerate() {
+            for (column, value) in values.iter_mut().enumerate() {
+                let apart = row.abs_diff(column) as f64;
+                *value = if apart == 0.0 {
+                    5.0
+                } else {
+                    1.0 / (1.0 + apart)
+                };
+            }
+        }
+        let inverse = inverse(matrix);
+        let product = |row: usize, column: usize| -> f64 {
+            let products = matrix[row].iter().zip(&inverse);
+            products.map(|(value, other)| value * other[column]).sum()
+        };
+        for (row, column) in (0..CHANNELS * CHANNELS).map(|at| (at / CHANNELS, at % CHANNELS)) {
+            let expected = if row == column { 1.0 } else { 0.0 };
+            let found = product(row, column);
+            assert!((found - expected).abs() < 1e-9, "{row} {column}: {found}");
+        }
     }
 
     #[test]

@@ -101,30 +101,17 @@ impl Corpus {
 
     /// Duration of all streams, in seconds.
     pub fn seconds(&self) -> f64 {
-        self.streams
-            .iter()
-            .map(|stream| stream.emg.len())
-            .sum::<usize>() as f64
-            / f64::from(SAMPLE_RATE_HZ)
+        let samples: usize = self.streams.iter().map(|own| own.emg.len()).sum();
+        samples as f64 / f64::from(SAMPLE_RATE_HZ)
     }
 }
 
 /// The label of most of a patch's samples; `None` if most are unlabelled.
 fn patch_label(labels: &[Option<Intent>]) -> Option<Intent> {
-    Intent::ALL
-        .into_iter()
-        .map(|intent| {
-            (
-                labels
-                    .iter()
-                    .filter(|&&label| label == Some(intent))
-                    .count(),
-                intent,
-            )
-        })
-        .filter(|&(count, _)| 2 * count > labels.len())
-        .map(|(_, intent)| intent)
-        .next()
+    Intent::ALL.into_iter().find(|&intent| {
+        let own = labels.iter().filter(|&&label| label == Some(intent));
+        2 * own.count() > labels.len()
+    })
 }
 
 /// The label of each patch; a partial last patch is left out.
@@ -159,33 +146,17 @@ mod tests {
 
     #[test]
     fn daily_life_is_relax_where_the_muscles_are_quiet_and_other_movement_elsewhere() {
-        let loud = |at: usize| if at.is_multiple_of(2) { 40 } else { -40 };
-        let samples = (0..2000).map(|at| {
-            [if (800..1400).contains(&at) {
-                loud(at)
-            } else {
-                1
-            }; 8]
-        });
-        let samples: Vec<Sample> = samples.collect();
-        let labels = vec![None; samples.len()];
+        let samples = crate::fixture::muscle(2000, std::slice::from_ref(&(800..1400)));
         let [first, second] = [0..1000, 1000..2000].map(|part| {
-            let labels = labels[part.clone()].to_vec();
-            Recording::new(
-                DataSet::named("adl"),
-                "adl/p01",
-                samples[part].to_vec(),
-                labels,
-            )
+            let set = DataSet::named("adl");
+            Recording::new(set, "adl/p01", samples[part].to_vec(), vec![None; 1000])
         });
         let stream = Stream::of_daily_life(&[&first, &second], samples);
         let [active] = &stream.other_movement[..] else {
             panic!("expected one stretch, found {:?}", stream.other_movement);
         };
-        assert!(
-            active.start.abs_diff(800) < 20 && active.end.abs_diff(1400) < 20,
-            "{active:?}"
-        );
+        let is_near = active.start.abs_diff(800) < 20 && active.end.abs_diff(1400) < 20;
+        assert!(is_near, "{active:?}");
         for (at, label) in stream.labels.iter().enumerate() {
             let expected = (!active.contains(&at)).then_some(Intent::Relax);
             assert_eq!(*label, expected, "sample {at}");

@@ -22,6 +22,7 @@ use crate::readers::error::LoadError;
 use crate::readers::error::excerpt::excerpt;
 use crate::readers::label_file;
 use crate::readers::path::with_small_ending;
+use crate::recording::by;
 use columns::Columns;
 use execution::printable::printable;
 
@@ -90,11 +91,10 @@ fn draft(folder: &Path, elsewhere: bool) -> Result<String, DraftError> {
         .flatten()
         .filter_map(|path| Some((Columns::of(&path)?, path)))
         .collect();
-    let mut by_kind: BTreeMap<_, Vec<usize>> = BTreeMap::new();
-    for (at, (columns, _)) in found.iter().enumerate() {
-        let kind = (&columns.ending, &columns.channels, &columns.label);
-        by_kind.entry(kind).or_default().push(at);
-    }
+    let by_kind = by(0..found.len(), |&at| {
+        let columns = &found[at].0;
+        (&columns.ending, &columns.channels, &columns.label)
+    });
     // A folder that the readers know may need no description; and they say why a file is refused.
     let (known, reason) = match crate::load(folder, &crate::LoadOptions::default()) {
         Ok(library) => (

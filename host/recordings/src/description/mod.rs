@@ -209,10 +209,8 @@ impl Described {
         let text = text.map_err(|source| LoadError::io(file, source))?;
         let description = Description::parse(file, &text)?;
         let own = file.parent().unwrap_or(file);
-        let folder = description
-            .folder
-            .as_ref()
-            .map_or(own.to_owned(), |folder| own.join(folder));
+        let given = description.folder.as_ref();
+        let folder = given.map_or(own.to_owned(), |folder| own.join(folder));
         let real = dunce::canonicalize(&folder).ok();
         let missing = || LoadError::Description {
             path: file.to_owned(),

@@ -204,14 +204,15 @@ mod tests {
     use shared::intent::Intent;
 
     use super::*;
+    use crate::fixture::HEADER;
     use crate::readers::error::Place;
-    use crate::readers::npy::Layout;
-    use crate::recording::movement::{Movement, MovementKind};
+    use crate::readers::npy;
+    use crate::recording::movement::MovementKind;
 
-    fn read_csv(path: &Path, text: &str) -> Result<Recording, Damage> {
+    fn read_csv(name: &str, text: &str) -> Result<Recording, Damage> {
         let columns =
             Columns::of(text).map_err(|error| Damage::at_line(error.line, error.fault))?;
-        match table(path, text, &columns) {
+        match table(&Path::new("/d/anna").join(name), text, &columns) {
             Ok(mut pieces) => Ok(pieces.remove(0)),
             Err(LoadError::Damaged { damage, .. }) => Err(damage),
             Err(error) => panic!("{error}"),
@@ -222,91 +223,71 @@ mod tests {
     fn columns_are_found_by_name_and_others_ignored() {
         let text = "time,gt,emg0,emg1,emg2,emg3,emg4,emg5,emg6,emg7,task\n\
                     0.1,2,1,2,3,4,5,6,7,-128,grasp\n0.2,-1,1,2,3,4,5,6,7,128.0,grasp\n";
-        let recording = read_csv(Path::new("/d/s4/s4_grasp_movement.csv"), text).unwrap();
+        let recording = read_csv("s4_grasp_movement.csv", text).unwrap();
         assert_eq!(recording.labels, [Some(Intent::Close), None]);
-        assert_eq!(
-            recording.samples,
-            [[1, 2, 3, 4, 5, 6, 7, -128], [1, 2, 3, 4, 5, 6, 7, 127]]
-        );
+        let samples = [[1, 2, 3, 4, 5, 6, 7, -128], [1, 2, 3, 4, 5, 6, 7, 127]];
+        assert_eq!(recording.samples, samples);
         assert_eq!(recording.notes.len(), 1, "a movement trial");
-    }
-
-    #[test]
-    fn other_movement_is_read_beside_the_labels() {
-        let text = "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n\
-                    0,1,2,3,4,5,6,7,8\n-2,1,2,3,4,5,6,7,8\nother,1,2,3,4,5,6,7,8\npoint,1,2,3,4,5,6,7,8\n";
-        let recording = read_csv(Path::new("/d/anna/anna_1.csv"), text).unwrap();
-        assert_eq!(recording.labels, [Some(Intent::Relax), None, None, None]);
-        let other = Movement::new(MovementKind::Other, 1..3);
-        let point = Movement::new(MovementKind::Point, 3..4);
-        assert_eq!(recording.other_movement, [other, point]);
     }
 
     #[test]
     fn a_recorded_file_names_its_other_movement_in_a_column() {
         let read = |header: &str, name: &str| {
             let text = format!(
-                "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7,sample,cue,trial,used,{header},movement\n\
-                 -2,1,2,3,4,5,6,7,8,0,-2,1,1,0,{name}\n0,1,2,3,4,5,6,7,8,1,-2,1,1,0,point\n"
+                "{},sample,cue,trial,used,{header},movement\n\
+                 -2,1,2,3,4,5,6,7,8,0,-2,1,1,0,{name}\n0,1,2,3,4,5,6,7,8,1,-2,1,1,0,point\n",
+                HEADER.trim_end()
             );
-            read_csv(Path::new("/d/anna/anna_1.csv"), &text)
+            read_csv("anna_1.csv", &text)
         };
-        let kind = |name| read("bridged", name).unwrap().other_movement[0].kind;
-        assert_eq!(kind("thumb-up"), MovementKind::ThumbUp);
-        assert_eq!(kind(""), MovementKind::Other);
+        // In files of other programs the column may mean anything.
+        for (header, name, kind) in [
+            ("bridged", "thumb-up", MovementKind::ThumbUp),
+            ("bridged", "", MovementKind::Other),
+            ("mine", "fist", MovementKind::Other),
+        ] {
+            let recording = read(header, name).unwrap();
+            assert_eq!(recording.other_movement[0].kind, kind, "{header} {name}");
+        }
         let damage = read("bridged", "fist").unwrap_err();
         assert_eq!(damage.place, Place::Line(2), "{damage:?}");
-        // In other files the column may mean anything.
-        let other = read("mine", "fist").unwrap();
-        assert_eq!(other.other_movement[0].kind, MovementKind::Other);
     }
 
     #[test]
     fn channels_are_turned_as_the_board_was_aligned() {
-        let header = "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7,turn,mirrored\n";
-        let read = |rows: &str| {
-            let text = format!("{header}{rows}");
-            read_csv(Path::new("/d/anna/anna_1.csv"), &text)
+        let read = |placements: &[&str]| {
+            let row = |placement: &&str| format!("0,0,1,2,3,4,5,6,7,{placement}\n");
+            let rows: String = placements.iter().map(row).collect();
+            let head = HEADER.replace('\n', ",turn,mirrored\n");
+            read_csv("anna_1.csv", &(head + &rows))
         };
-        let rows = "0,0,1,2,3,4,5,6,7,0,0\n0,0,1,2,3,4,5,6,7,3,0\n0,0,1,2,3,4,5,6,7,3,1\n";
         let expected = [
             [0, 1, 2, 3, 4, 5, 6, 7],
             [3, 4, 5, 6, 7, 0, 1, 2],
             [3, 2, 1, 0, 7, 6, 5, 4],
         ];
-        assert_eq!(read(rows).unwrap().samples, expected);
+        assert_eq!(read(&["0,0", "3,0", "3,1"]).unwrap().samples, expected);
         for wrong in ["8,0", "-1,0", "0.5,0", "0,2"] {
-            let fault = read(&format!("0,0,1,2,3,4,5,6,7,{wrong}\n"))
-                .unwrap_err()
-                .fault;
-            assert!(
-                matches!(fault, Fault::Placement { .. }),
-                "{wrong}: {fault:?}"
-            );
+            let fault = read(&[wrong]).unwrap_err().fault;
+            let is_told = matches!(fault, Fault::Placement { .. });
+            assert!(is_told, "{wrong}: {fault:?}");
         }
     }
 
     #[test]
     fn npy_has_the_label_in_front() {
-        let array = Array {
-            shape: vec![1, 9],
-            descr: "<f8".into(),
-            values: Values::Numbers(vec![1.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, -7.0]),
-            layout: Layout {
-                start: 128,
-                row_bytes: 72,
-            },
+        let array = |values: [f64; 9]| {
+            let bytes = values.map(f64::to_le_bytes).concat();
+            npy::parse(&npy::encode("<f8", &[1, 9], &bytes)).unwrap()
         };
+        let labelled = array([1.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, -7.0]);
         let path = Path::new("/d/trainingJSON_user3/trainingSamples_idx_1_open.npy");
-        assert!(is_recording(path, &array));
-        assert!(is_recording(Path::new("/d/s3_grasp_1.npy"), &array));
-        assert!(!is_recording(Path::new("/d/own.npy"), &array));
-        let times = Array {
-            values: Values::Numbers(vec![0.005; 9]),
-            ..array.clone()
-        };
+        assert!(is_recording(path, &labelled));
+        assert!(is_recording(Path::new("/d/s3_grasp_1.npy"), &labelled));
+        assert!(!is_recording(Path::new("/d/own.npy"), &labelled));
+        let times = array([0.005; 9]);
         assert!(!is_recording(path, &times));
-        let recording = &super::array(path, &array).unwrap()[0];
+        let recording = &super::array(path, &labelled).unwrap()[0];
         assert_eq!(recording.labels, [Some(Intent::Open)]);
         assert_eq!(recording.samples, [[0, 1, 2, 3, 4, 5, 6, -7]]);
     }

@@ -4,8 +4,8 @@
 //! Where a path can be divided in several ways, the caller's words decide: `wave_in_3` is gesture `wave_in` and trial 3
 //! if the labels have `wave_in`.
 
-use std::borrow::Cow;
 use std::collections::HashSet;
+use std::ffi::OsStr;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -29,7 +29,7 @@ shared::names! {
     }
 }
 
-/// Part of a pattern within one name.
+/// Part of a pattern.
 #[derive(Clone, PartialEq, Eq, Debug)]
 enum PatternPart {
     Text(String),
@@ -40,8 +40,10 @@ enum PatternPart {
 #[derive(Clone, PartialEq, Eq, Debug, Deserialize)]
 #[serde(try_from = "String")]
 pub(crate) struct Pattern {
-    /// Names of folders, and of the file last.
-    names: Vec<Vec<PatternPart>>,
+    /// The pattern as it was written.
+    text: String,
+    /// Parts, with the ending in small letters, as paths are compared.
+    parts: Vec<PatternPart>,
 }
 
 impl TryFrom<String> for Pattern {
@@ -49,18 +51,14 @@ impl TryFrom<String> for Pattern {
     type Error = String;
 
     fn try_from(text: String) -> Result<Self, String> {
-        let names: Vec<Vec<PatternPart>> = text.split('/').map(parts).collect::<Result<_, _>>()?;
-        let leaves = |name: &Vec<PatternPart>| match &name[..] {
-            [] => true,
-            [PatternPart::Text(text)] => text == "." || text == "..",
-            _ => false,
-        };
-        if names.iter().any(leaves) || text.contains('\\') {
+        let leaves = |name: &str| matches!(name, "" | "." | "..");
+        if text.split('/').any(leaves) || text.contains('\\') {
             return Err(format!(
                 "expected the path of the files below the folder, such as {{person}}/{{gesture}}_{{trial}}.csv, found \"{text}\""
             ));
         }
-        let pattern = Self { names };
+        let parts = parts(&text)?;
+        let pattern = Self { text, parts };
         let mut seen = HashSet::new();
         let twice = |field: &Field| *field != Field::Any && !seen.insert(*field);
         let twice = pattern.fields().find(twice);
@@ -73,23 +71,9 @@ impl TryFrom<String> for Pattern {
     }
 }
 
-/// Names with the ending of the last one in small letters, as paths are compared.
-fn with_small_endings(names: &[Vec<PatternPart>]) -> Cow<'_, [Vec<PatternPart>]> {
-    let mut names = Cow::Borrowed(names);
-    if let Some(PatternPart::Text(last)) = names.last().and_then(|name| name.last())
-        && let Some(ending) = last.rfind('.')
-        && last[ending..].contains(|c: char| c.is_ascii_uppercase())
-        && let Some(PatternPart::Text(last)) =
-            names.to_mut().last_mut().and_then(|name| name.last_mut())
-    {
-        last[ending..].make_ascii_lowercase();
-    }
-    names
-}
-
-fn parts(name: &str) -> Result<Vec<PatternPart>, String> {
-    let brace = || format!("expected a closing brace after each opening one, found \"{name}\"");
-    let (mut parts, mut rest) = (Vec::new(), name);
+fn parts(pattern: &str) -> Result<Vec<PatternPart>, String> {
+    let brace = || format!("expected a closing brace after each opening one, found \"{pattern}\"");
+    let (mut parts, mut rest) = (Vec::new(), pattern);
     while !rest.is_empty() {
         let text = &rest[..rest.find('{').unwrap_or(rest.len())];
         if text.contains('}') {
@@ -102,7 +86,10 @@ fn parts(name: &str) -> Result<Vec<PatternPart>, String> {
         let Some(open) = rest.strip_prefix('{') else {
             continue;
         };
-        let (field, after) = open.split_once('}').ok_or_else(brace)?;
+        let closed = open.split_once('}');
+        let (field, after) = closed
+            .filter(|(field, _)| !field.contains('/'))
+            .ok_or_else(brace)?;
         let field = Field::from_name(field).ok_or_else(|| {
             format!(
                 "expected {{person}}, {{session}}, {{gesture}}, {{trial}} or {{any}}, found {{{field}}}"
@@ -110,11 +97,16 @@ fn parts(name: &str) -> Result<Vec<PatternPart>, String> {
         })?;
         if matches!(parts.last(), Some(PatternPart::Field(_))) {
             return Err(format!(
-                "expected text between two fields, found none in \"{name}\""
+                "expected text between two fields, found none in \"{pattern}\""
             ));
         }
         parts.push(PatternPart::Field(field));
         rest = after;
+    }
+    if let Some(PatternPart::Text(last)) = parts.last_mut()
+        && let Some(ending) = last.rfind('.').filter(|&at| !last[at..].contains('/'))
+    {
+        last[ending..].make_ascii_lowercase();
     }
     Ok(parts)
 }
@@ -134,7 +126,7 @@ impl Fields {
 
 impl Pattern {
     fn fields(&self) -> impl Iterator<Item = Field> {
-        self.names.iter().flatten().filter_map(|part| match part {
+        self.parts.iter().filter_map(|part| match part {
             PatternPart::Text(_) => None,
             PatternPart::Field(field) => Some(*field),
         })
@@ -162,7 +154,8 @@ impl Pattern {
 
     /// Folder that the pattern's paths lie below, of a path that it matches the end of.
     pub fn folder_of<'p>(&self, path: &'p Path) -> &'p Path {
-        path.ancestors().nth(self.names.len()).unwrap_or(path)
+        let names = self.text.split('/').count();
+        path.ancestors().nth(names).unwrap_or(path)
     }
 
     /// Fields of the end of a path, each accepted.
@@ -176,61 +169,49 @@ impl Pattern {
     }
 
     fn matched(&self, path: &Path, accepts: &dyn Fn(Field, &str) -> bool) -> Option<Fields> {
-        let (path, names) = (with_small_ending(path), with_small_endings(&self.names));
-        let mut fields = Vec::new();
-        let mut found = path.iter();
-        for parts in &*names {
-            let mut name = Name {
-                text: found.next()?.to_str()?,
-                accepts,
-                failed: HashSet::new(),
-            };
-            fields.extend(name.fields(parts, 0)?.into_iter().rev());
-        }
-        found.next().is_none().then_some(Fields(fields))
+        let path = with_small_ending(path);
+        let names: Option<Vec<&str>> = path.iter().map(OsStr::to_str).collect();
+        let mut search = Search {
+            text: &names?.join("/"),
+            accepts,
+            failed: HashSet::new(),
+        };
+        let mut fields = search.fields(&self.parts, 0)?;
+        fields.reverse();
+        Some(Fields(fields))
     }
 
     /// Path of the fields of another pattern's path.
     pub fn path_of(&self, fields: &Fields) -> PathBuf {
         let mut any = fields.0.iter().filter(|(field, _)| *field == Field::Any);
-        let mut text = |part: &PatternPart| match part {
+        let text = |part: &PatternPart| match part {
             PatternPart::Text(text) => text.clone(),
             PatternPart::Field(Field::Any) => {
                 any.next().map(|(_, text)| text.clone()).unwrap_or_default()
             }
             PatternPart::Field(field) => fields.get(*field).unwrap_or_default().to_owned(),
         };
-        let names = self.names.iter();
-        names
-            .map(|parts| parts.iter().map(&mut text).collect::<String>())
-            .collect()
+        let path: String = self.parts.iter().map(text).collect();
+        path.split('/').collect()
     }
 }
 
 impl fmt::Display for Pattern {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (at, parts) in self.names.iter().enumerate() {
-            f.write_str(if at > 0 { "/" } else { "" })?;
-            for part in parts {
-                match part {
-                    PatternPart::Text(text) => f.write_str(text)?,
-                    PatternPart::Field(field) => write!(f, "{{{}}}", field.name())?,
-                }
-            }
-        }
-        Ok(())
+        f.write_str(&self.text)
     }
 }
 
-/// A folder's or file's name that is compared with parts of a pattern.
-struct Name<'n> {
+/// Comparison of a path with the parts of a pattern.
+struct Search<'n> {
+    /// Names of the path, with `/` between them.
     text: &'n str,
     accepts: &'n dyn Fn(Field, &str) -> bool,
     /// Numbers of parts and positions that do not match: they bound the search by the square of the length.
     failed: HashSet<(usize, usize)>,
 }
 
-impl Name<'_> {
+impl Search<'_> {
     /// Fields of the parts from a position on, in reverse; none if they do not match.
     fn fields(&mut self, parts: &[PatternPart], at: usize) -> Option<Vec<(Field, String)>> {
         let rest = &self.text[at..];
@@ -259,15 +240,15 @@ impl Name<'_> {
         after: &[PatternPart],
         at: usize,
     ) -> Option<Vec<(Field, String)>> {
-        let text = self.text;
-        let ends = text[at..].char_indices().skip(1).map(|(end, _)| at + end);
-        for end in ends.chain([text.len()]) {
-            let own = &text[at..end];
+        let name = self.text[at..].split('/').next().unwrap_or_default();
+        let ends = name.char_indices().skip(1).map(|(end, _)| end);
+        for end in ends.chain([name.len()]) {
+            let own = &name[..end];
             let fits = !own.is_empty() && (field != Field::Trial || is_number(own));
             if !fits || !(self.accepts)(field, own) {
                 continue;
             }
-            if let Some(mut fields) = self.fields(after, end) {
+            if let Some(mut fields) = self.fields(after, at + end) {
                 fields.push((field, own.to_owned()));
                 return Some(fields);
             }

@@ -11,7 +11,7 @@ use super::Description;
 use super::pattern::{Field, Fields, Pattern};
 use super::reader::{motions, timed};
 use super::repetitions;
-use super::rows::Rows;
+use super::rows::{At, Rows};
 use super::stretched;
 use super::values::counts;
 use super::words::Words;
@@ -289,7 +289,7 @@ impl Layout {
             }
             return Ok(rows);
         };
-        Ok(Rows::of_words(samples, words))
+        Ok(Rows::of(samples, words, At::File))
     }
 }
 

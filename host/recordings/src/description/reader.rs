@@ -120,10 +120,8 @@ impl Rows {
         let motions = motions.map_err(|damage| damage.in_file(labels_file))?;
         let truth: GroundTruth = motions.into_iter().collect();
         let placement = description.placement();
-        let samples = self
-            .samples
-            .into_iter()
-            .map(|sample| placement.apply(sample));
+        let samples = self.samples.into_iter();
+        let samples = samples.map(|sample| placement.apply(sample));
         let subject = format!("{}/unknown", DataSet::OWN.name());
         let recording = Recording {
             path: path.to_owned(),
@@ -135,10 +133,8 @@ impl Rows {
             .map_err(|finding| damage(Damage::refused(finding)))?
             .apply(recording);
         let motion = gesture.and_then(|word| description.labels.motion(word));
-        Ok(pieces
-            .into_iter()
-            .map(|piece| timed(description, motion, piece))
-            .collect())
+        let pieces = pieces.into_iter();
+        Ok(pieces.map(|own| timed(description, motion, own)).collect())
     }
 }
 

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use shared::units::{CHANNELS, Sample};
 
-use super::rows::Rows;
+use super::rows::{At, Rows};
 use super::words::{Labels, Words};
 use crate::labels::motion::Motion;
 use crate::readers::error::{Damage, Fault};
@@ -73,7 +73,7 @@ pub(super) fn of(text: &str, labels: &Labels) -> Result<Vec<Named>, Damage> {
             let samples = samples(&repetition).map_err(damage)?;
             let words = words(&repetition, samples.len(), labels).map_err(damage)?;
             let note = words.as_ref().err().copied();
-            all.push((name, Rows::of_words(samples, words.ok()), note));
+            all.push((name, Rows::of(samples, words.ok(), At::File), note));
         }
     }
     Ok(all)
@@ -159,75 +159,65 @@ mod tests {
     use crate::readers::error::LoadError;
     use crate::recording::Recording;
 
-    fn read(path: &str, text: &str) -> Result<Vec<Recording>, LoadError> {
-        let (path, bytes) = (Path::new(path), text.as_bytes());
+    fn read(text: &str) -> Result<Vec<Recording>, LoadError> {
+        let (path, bytes) = (
+            Path::new("/d/testingJSON/user7/user7.json"),
+            text.as_bytes(),
+        );
         let (layout, fields) = Layout::of(path, bytes).expect("a path of the set");
         layout.read(path, bytes, &fields)
     }
 
-    fn repetition(fields: &str) -> String {
-        let channels: Vec<_> = (1..=8)
-            .map(|c| format!("\"ch{c}\": [{c}, -{c}, 0, 127]"))
-            .collect();
-        format!("{{{fields} \"emg\": {{{}}}}}", channels.join(", "))
+    /// File of a user with repetitions of these fields, which have ' for ".
+    fn user(repetitions: &[&str]) -> String {
+        let channels = [1, 2, 3, 4, 5, 6, 7, 8].map(|c| format!("'ch{c}': [{c}, -{c}, 0, 127]"));
+        let emg = format!("'emg': {{{}}}", channels.join(", "));
+        let numbered = (1..).zip(repetitions);
+        let all = numbered.map(|(number, fields)| format!("'idx_{number}': {{{fields} {emg}}}"));
+        let all = all.collect::<Vec<_>>().join(",\n");
+        let user = format!("{{'userInfo': {{'name': 'user7'}},\n'trainingSamples': {{{all}}}}}");
+        user.replace('\'', "\"")
     }
-
-    fn user(repetitions: &[String]) -> String {
-        let repetitions: Vec<_> = repetitions
-            .iter()
-            .enumerate()
-            .map(|(i, t)| format!("\"idx_{}\": {t}", i + 1))
-            .collect();
-        let repetitions = repetitions.join(",\n");
-        format!(
-            "{{\"userInfo\": {{\"name\": \"user7\"}},\n\"trainingSamples\": {{{repetitions}}}}}"
-        )
-    }
-
-    const PATH: &str = "/d/testingJSON/user7/user7.json";
 
     #[test]
     fn labels_are_the_gesture_where_it_lies_and_rest_around() {
-        let text = user(&[
-            repetition("\"gestureName\": \"pinch\", \"groundTruth\": [0, 1, 1, 0],"),
-            repetition("\"gestureName\": \"fist\", \"groundTruthIndex\": [3, 4],"),
-            repetition("\"gestureName\": \"noGesture\","),
-            repetition("\"gestureName\": \"open\","),
-            repetition(""),
+        let mut repetitions = [""; 11];
+        repetitions[..4].copy_from_slice(&[
+            "'gestureName': 'pinch', 'groundTruth': [0, 1, 1, 0],",
+            "'gestureName': 'fist', 'groundTruthIndex': [3, 4],",
+            "'gestureName': 'noGesture',",
+            "'gestureName': 'open',",
         ]);
-        let recordings = read(PATH, &text).unwrap();
-        let classes = |index: usize| -> Vec<i8> {
+        let recordings = read(&user(&repetitions)).unwrap();
+        let classes = |own: &Recording| -> Vec<i8> {
             let label = |l: &Option<Intent>| l.map_or(-1, |intent| intent.class() as i8);
-            recordings[index].labels.iter().map(label).collect()
+            own.labels.iter().map(label).collect()
         };
-        let found: Vec<_> = (0..5).map(classes).collect();
+        let found: Vec<_> = recordings[..5].iter().map(classes).collect();
         let none = [-1; 4];
         assert_eq!(found, [[0, 5, 5, 0], [0, 0, 2, 2], [0; 4], none, none]);
         assert_eq!(recordings[0].samples[1], [-1, -2, -3, -4, -5, -6, -7, -8]);
         assert_eq!(recordings[0].subject, "emg-epn-612/testing-user7");
-        assert_eq!(recordings[4].name, "trainingSamples/idx_5");
-    }
-
-    #[test]
-    fn trials_keep_their_order_beyond_nine() {
-        let repetitions: Vec<_> = (0..11)
-            .map(|_| repetition("\"gestureName\": \"noGesture\","))
-            .collect();
-        let recordings = read(PATH, &user(&repetitions)).unwrap();
+        // They keep their order beyond nine.
         assert_eq!(recordings[9].name, "trainingSamples/idx_10");
     }
 
     #[test]
     fn faults_name_the_trial_or_the_line() {
-        let wrong = user(&[repetition(
-            "\"gestureName\": \"fist\", \"groundTruth\": [0, 1],",
-        )]);
-        let error = read(PATH, &wrong).unwrap_err().to_string();
-        assert!(error.contains("trainingSamples/idx_1"), "{error}");
-        let cut = user(&[repetition("")]);
-        let error = read(PATH, &cut[..cut.len() - 4]).unwrap_err().to_string();
-        assert!(error.contains("line 2"), "{error}");
-        let unknown = user(&[repetition("\"gestureName\": \"wink\",")]);
-        assert!(read(PATH, &unknown).is_err());
+        let cut = user(&[""]);
+        for (text, words) in [
+            (
+                &*user(&["'gestureName': 'fist', 'groundTruth': [0, 1],"]),
+                "trainingSamples/idx_1",
+            ),
+            (&cut[..cut.len() - 4], "line 2"),
+            (
+                &user(&["'gestureName': 'wink',"]),
+                "idx_1: expected a label that is listed",
+            ),
+        ] {
+            let error = read(text).unwrap_err().to_string();
+            assert!(error.contains(words), "{error}");
+        }
     }
 }

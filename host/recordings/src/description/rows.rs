@@ -15,6 +15,7 @@ use crate::readers::npy::{self, Array, Values};
 use crate::readers::table::auxiliary::{AuxiliaryColumns, unnamed};
 use crate::readers::table::columns::Columns;
 use crate::readers::table::head::Head;
+use crate::readers::table::separator::Separator;
 use crate::readers::table::{self, Samples};
 use execution::file_kind::FileKind;
 
@@ -62,14 +63,11 @@ pub(super) struct Rows {
 }
 
 impl Rows {
-    /// Samples with words of labels, without a place in their file.
-    pub fn of_words(samples: Vec<Sample>, words: Option<Words>) -> Self {
+    /// Samples with words of labels, and their places in the file.
+    pub fn of(samples: Vec<Sample>, words: Option<Words>, at: At) -> Self {
         Self {
             samples,
-            labels: Labels {
-                words,
-                at: At::File,
-            },
+            labels: Labels { words, at },
             labels_file: None,
             auxiliary: AuxiliaryColumns::default(),
         }
@@ -86,10 +84,10 @@ impl Description {
                 Err(error) => Err(Damage::at_byte(error.valid_up_to() as u64, Fault::Text)),
             },
             FileKind::Empty => Err(Damage::of_file(Fault::Empty)),
-            found => Err(Damage::of_file(Fault::Kind {
-                expected: "a table of text or an npy array, as a description has them",
-                found,
-            })),
+            found => {
+                let expected = "a table of text or an npy array, as a description has them";
+                Err(Damage::of_kind(expected, found))
+            }
         }
     }
 
@@ -107,12 +105,9 @@ impl Description {
         columns: &Columns,
         mut word: impl FnMut(usize, &[&'t str]) -> Result<&'t str, Damage>,
     ) -> Result<Rows, Damage> {
-        let time = self
-            .time
-            .as_ref()
-            .map(|time| position(time, &columns.names, columns.count, columns.first_line));
-        let time = time.transpose()?;
-        let mut auxiliary = AuxiliaryColumns::find(columns).clocked(time, &columns.names);
+        let at = |time| position(time, &columns.names, columns.count, columns.first_line);
+        let time = self.time.as_ref().map(at).transpose()?;
+        let mut auxiliary = AuxiliaryColumns::find(columns, time);
         let (mut samples, mut words) =
             (Samples::default(), columns.label.map(|_| Words::default()));
         let mut lines = Vec::new();
@@ -132,15 +127,8 @@ impl Description {
                 words.push(word);
             }
         }
-        Ok(Rows {
-            samples: samples.finish()?,
-            labels: Labels {
-                words,
-                at: At::Lines(lines),
-            },
-            labels_file: None,
-            auxiliary,
-        })
+        let rows = Rows::of(samples.finish()?, words, At::Lines(lines));
+        Ok(Rows { auxiliary, ..rows })
     }
 
     /// Columns of a table.
@@ -152,23 +140,11 @@ impl Description {
                 let is_named = |column: &Column| matches!(column, Column::Named(_));
                 let is_names = head.is_names || channels.0.iter().any(is_named);
                 let header = self.header.unwrap_or(is_names);
-                let names: Vec<String> = if header {
-                    head.fields.iter().map(|&name| name.to_owned()).collect()
-                } else {
-                    Vec::new()
-                };
-                let mut found = [0; CHANNELS];
-                for (found, column) in found.iter_mut().zip(&channels.0) {
-                    *found = position(column, &names, head.fields.len(), head.line)?;
+                let mut columns = Columns::of_head(&head, header);
+                for (found, column) in columns.channels.iter_mut().zip(&channels.0) {
+                    *found = position(column, &columns.names, columns.count, head.line)?;
                 }
-                Columns {
-                    separator: head.separator,
-                    count: head.fields.len(),
-                    names,
-                    channels: found,
-                    label: None,
-                    first_line: head.line + usize::from(header || head.is_comment),
-                }
+                columns
             }
         };
         let label = self.label.as_ref();
@@ -198,9 +174,15 @@ impl Description {
         let [label, time] =
             [&self.label, &self.time].map(|column| column.as_ref().map(at).transpose());
         let (label, time) = (label?, time?);
-        let is_other = |at: &usize| !channels.contains(at) && label != Some(*at);
-        let others = (0..width).filter(is_other).collect();
-        let mut auxiliary = AuxiliaryColumns::of(others, &[]).clocked(time, &[]);
+        let columns = Columns {
+            separator: Separator::Comma,
+            names: Vec::new(),
+            count: width,
+            channels,
+            label,
+            first_line: 1,
+        };
+        let mut auxiliary = AuxiliaryColumns::find(&columns, time);
         let (mut samples, mut words) = (Samples::default(), label.map(|_| Words::default()));
         for (row, values) in values.chunks_exact(width.max(1)).enumerate() {
             let counts = channels.map(|channel: usize| values[channel] * self.scale);
@@ -212,15 +194,8 @@ impl Description {
             }
             auxiliary.push_values(values);
         }
-        Ok(Rows {
-            samples: samples.finish()?,
-            labels: Labels {
-                words,
-                at: At::of(array),
-            },
-            labels_file: None,
-            auxiliary,
-        })
+        let rows = Rows::of(samples.finish()?, words, At::of(array));
+        Ok(Rows { auxiliary, ..rows })
     }
 }
 

@@ -24,13 +24,13 @@ fn valid<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
 /// Rows a second; always the armband's.
 pub(super) fn rate<'de, D: Deserializer<'de>>(from: D) -> Result<(), D::Error> {
     let is_armbands = |rate: &f64| *rate == f64::from(SAMPLE_RATE_HZ);
-    let rate = valid(from, is_armbands, |rate| {
+    let why = |rate| {
         format!(
             "expected {SAMPLE_RATE_HZ} rows a second, found {rate}: samples that are missing cannot be made, and other \
              devices filter otherwise; record at {SAMPLE_RATE_HZ} Hz"
         )
-    });
-    rate.map(drop)
+    };
+    valid(from, is_armbands, why).map(drop)
 }
 
 /// Scales that have a meaning, from samples of 32 bits to volts of a microvolt each.
@@ -38,15 +38,12 @@ const SCALES: std::ops::RangeInclusive<f64> = 1e-9..=1e12;
 
 /// Counts of the armband for a value of 1.
 pub(super) fn scale<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
-    valid(
-        from,
-        |scale| SCALES.contains(scale),
-        |scale| {
-            format!(
-                "expected the counts of one unit, such as 128 where a file has counts divided by 128, found {scale:?}"
-            )
-        },
-    )
+    let why = |scale: f64| {
+        format!(
+            "expected the counts of one unit, such as 128 where a file has counts divided by 128, found {scale:?}"
+        )
+    };
+    valid(from, |scale| SCALES.contains(scale), why)
 }
 
 /// Scale of counts.
@@ -56,16 +53,9 @@ pub(super) const fn counts() -> f64 {
 
 /// Whether values are magnitudes; never.
 pub(super) fn rectified<'de, D: Deserializer<'de>>(from: D) -> Result<(), D::Error> {
-    let rectified = valid(
-        from,
-        |rectified: &bool| !rectified,
-        |_| {
-            "expected samples with their sign, found rectified ones: their waves are lost; record in EMG mode 2 (filtered, \
-         not rectified)"
-            .to_owned()
-        },
-    );
-    rectified.map(drop)
+    const WHY: &str = "expected samples with their sign, found rectified ones: their waves are lost; record in EMG mode 2 \
+                       (filtered, not rectified)";
+    valid(from, |rectified: &bool| !rectified, |_| WHY.to_owned()).map(drop)
 }
 
 /// Arm that the armband is worn on.
@@ -80,12 +70,9 @@ pub(super) enum Arm {
 
 /// Places by which the armband is turned.
 pub(super) fn rotation<'de, D: Deserializer<'de>>(from: D) -> Result<u8, D::Error> {
-    let places = valid(
-        from,
-        |places: &i64| (0..CHANNELS as i64).contains(places),
-        |places| format!("expected a rotation of 0 to 7 places, found {places}"),
-    );
-    places.map(|places| places as u8)
+    let is_place = |places: &i64| (0..CHANNELS as i64).contains(places);
+    let why = |places| format!("expected a rotation of 0 to 7 places, found {places}");
+    valid(from, is_place, why).map(|places| places as u8)
 }
 
 /// Place of the little finger's side where a left arm is mirrored: channel c of the right arm is 6 - c of the left.
@@ -101,13 +88,10 @@ pub(super) const fn placement(rotation: u8, arm: Option<Arm>) -> Alignment {
 
 /// Separator of the columns.
 pub(super) fn separator<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Separator>, D::Error> {
-    let known = |text: &str| Separator::TEXTS.into_iter().find(|(_, own)| *own == text);
-    let text = valid(
-        from,
-        |text: &String| known(text).is_some(),
-        |text| format!("expected \",\", \";\", \"\\t\" or \" \", found {text:?}"),
-    )?;
-    Ok(known(&text).map(|(own, _)| own))
+    let is_known = |text: &String| Separator::from_name(text).is_some();
+    let why = |text| format!("expected \",\", \";\", \"\\t\" or \" \", found {text:?}");
+    let text = valid(from, is_known, why)?;
+    Ok(Separator::from_name(&text))
 }
 
 /// Column of a table.
@@ -183,10 +167,7 @@ pub(super) enum LabelTiming {
 
 /// Lag of the muscle after the cues, in ms.
 pub(super) fn cue_lag<'de, D: Deserializer<'de>>(from: D) -> Result<Option<u32>, D::Error> {
-    let ms = valid(
-        from,
-        |ms: &i64| (0..=2000).contains(ms),
-        |ms| format!("expected 0 to 2000 ms, found {ms}"),
-    );
-    ms.map(|ms| Some(ms as u32))
+    let is_lag = |ms: &i64| (0..=2000).contains(ms);
+    let why = |ms| format!("expected 0 to 2000 ms, found {ms}");
+    valid(from, is_lag, why).map(|ms| Some(ms as u32))
 }

@@ -75,50 +75,30 @@ enum ClockKind {
 /// Kind of a column by its name; none if it is no clock.
 fn kind(name: &str) -> Option<ClockKind> {
     let name = name.trim().trim_matches('"').to_lowercase();
-    if COUNTERS.contains(&name.as_str()) {
+    let words = name.split(|c: char| !c.is_alphanumeric());
+    let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
+    let is_counter = |word: &&str| COUNTERS.contains(word);
+    // `sample_index`, `row number`
+    if is_counter(&&*name) || words.len() > 1 && words.iter().all(is_counter) {
         return Some(ClockKind::Counter);
     }
-    let words: Vec<&str> = name
-        .split(|c: char| !c.is_alphanumeric())
-        .filter(|word| !word.is_empty())
-        .collect();
-    let unit = |word: &str| UNITS.iter().find(|(names, _)| names.contains(&word));
-    let is_time = |word: &str| TIMES.contains(&word);
-    let glued = |word: &str| {
-        let unit_of = |time: &&str| word.strip_prefix(*time).and_then(unit);
-        TIMES.iter().find_map(unit_of)
+    let unit = |word: &str| {
+        let known = UNITS.iter().find(|(names, _)| names.contains(&word));
+        known.map(|(_, per_second)| *per_second)
     };
-    if words.iter().any(|word| is_time(word)) {
-        let unit = words
-            .iter()
-            .filter(|word| !is_time(word))
-            .find_map(|word| unit(word));
-        return Some(ClockKind::Times(unit.map(|(_, per_second)| *per_second)));
+    let (times, others): (Vec<&str>, Vec<&str>) =
+        words.iter().copied().partition(|word| TIMES.contains(word));
+    if !times.is_empty() {
+        return Some(ClockKind::Times(others.into_iter().find_map(unit)));
     }
-    if let Some((_, per_second)) = words.iter().find_map(|word| glued(word)) {
-        return Some(ClockKind::Times(Some(*per_second)));
-    }
-    match words[..] {
-        [word]
-            if [
-                "seconds",
-                "milliseconds",
-                "millis",
-                "microseconds",
-                "nanoseconds",
-            ]
-            .contains(&word) =>
-        {
-            Some(ClockKind::Times(
-                unit(word).map(|(_, per_second)| *per_second),
-            ))
-        }
-        // `sample_index`, `row number`
-        _ if words.len() > 1 && words.iter().all(|word| COUNTERS.contains(word)) => {
-            Some(ClockKind::Counter)
-        }
+    // `timems`, `milliseconds`
+    let glued = |word: &str| TIMES.iter().find_map(|time| unit(word.strip_prefix(time)?));
+    let per_second = words.iter().find_map(|word| glued(word));
+    let per_second = per_second.or_else(|| match words[..] {
+        [word] if word == "millis" || word.ends_with("seconds") => unit(word),
         _ => None,
-    }
+    });
+    per_second.map(|per_second| ClockKind::Times(Some(per_second)))
 }
 
 impl Clock {

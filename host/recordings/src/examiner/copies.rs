@@ -38,8 +38,6 @@ const MARKS: [&str; 8] = [
 pub struct Repeat {
     /// The file left out.
     pub path: PathBuf,
-    /// The recording left out.
-    pub name: String,
     /// Finding that names the file kept and the differences.
     pub finding: Finding,
 }
@@ -98,7 +96,6 @@ pub(crate) fn leave_out(recordings: &mut Vec<Recording>) -> Vec<Repeat> {
         let keep = finding.is_none();
         repeats.extend(finding.map(|finding| Repeat {
             path: recording.path.clone(),
-            name: recording.full_name(),
             finding,
         }));
         keep
@@ -109,19 +106,13 @@ pub(crate) fn leave_out(recordings: &mut Vec<Recording>) -> Vec<Repeat> {
 fn copy(copy: &Recording, kept: &Recording) -> Finding {
     let has_other_labels = copy.samples == kept.samples && copy.labels != kept.labels;
     let is_of_other = person(copy) != person(kept) && marks(&copy.path) <= marks(&kept.path);
+    let labels = has_other_labels.then_some(", with other labels");
+    let person = is_of_other.then_some(", under another person's name");
     let what = format!(
         "the same samples as in {}{}{}, left out",
         kept.path.display(),
-        if has_other_labels {
-            ", with other labels"
-        } else {
-            ""
-        },
-        if is_of_other {
-            ", under another person's name"
-        } else {
-            ""
-        }
+        labels.unwrap_or_default(),
+        person.unwrap_or_default()
     );
     let advice = if is_of_other {
         "one of the names is wrong: remove the copy that is"

@@ -64,6 +64,4 @@ pub(crate) fn examine(recording: &Recording) -> Result<Vec<Finding>, Finding> {
 }
 
 #[cfg(test)]
-pub(crate) mod fixture;
-#[cfg(test)]
 mod tests;

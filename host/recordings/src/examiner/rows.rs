@@ -12,7 +12,8 @@ use super::clock::{Clock, Timebase};
 use super::repeats::{Repeats, first_of_each, judge, standstill};
 use super::signal::{Signal, mean};
 use crate::examiner::finding::Finding;
-use crate::recording::{Recording, movement};
+use crate::labels::motion::{GroundTruth, Motion, motions};
+use crate::recording::Recording;
 
 /// Largest deviation of a clock's rate, as a share, that is not reported: the armband's own is within 2 %.
 const QUIETLY_OFF: f64 = 0.03;
@@ -113,41 +114,40 @@ impl JudgedRows {
 
     /// Removes the rows that are no samples, and splits the recording into pieces without a gap.
     pub fn apply(self, mut recording: Recording) -> Vec<Recording> {
-        let mut rows = self.keep.iter().copied();
-        recording.samples.retain(|_| rows.next().unwrap_or(true));
-        let mut rows = self.keep.iter().copied();
-        recording.labels.retain(|_| rows.next().unwrap_or(true));
-        // Row of each row among those that are kept.
-        let mut kept = vec![0];
-        kept.extend(self.keep.iter().scan(0, |count, &keep| {
-            *count += usize::from(keep);
-            Some(*count)
-        }));
-        for movement in &mut recording.other_movement {
-            movement.samples = kept[movement.samples.start]..kept[movement.samples.end];
-        }
-        recording
-            .other_movement
-            .retain(|movement| !movement.samples.is_empty());
-        recording.findings.extend(self.findings);
-        if self.pieces.len() < 2 {
-            return vec![recording];
-        }
+        let keep = self.keep.iter();
+        let motions = motions(&recording.labels, &recording.other_movement);
         // Taken out: a copy of the whole for each piece would be work of the square of the rows.
-        let samples = std::mem::take(&mut recording.samples);
-        let labels = std::mem::take(&mut recording.labels);
-        let movements = std::mem::take(&mut recording.other_movement);
+        let samples = std::mem::take(&mut recording.samples).into_iter();
+        let (samples, motions): (Vec<Sample>, Vec<Motion>) = samples
+            .zip(motions)
+            .zip(keep)
+            .filter_map(|(row, keep)| keep.then_some(row))
+            .unzip();
+        recording.labels.clear();
+        recording.other_movement.clear();
+        // Findings are reported once, with the first piece.
         let mut findings = std::mem::take(&mut recording.findings);
-        let piece = |(number, piece): (usize, &Range<usize>)| Recording {
-            name: format!("{}.{}", recording.name, number + 1),
-            samples: samples[piece.clone()].to_vec(),
-            labels: labels[piece.clone()].to_vec(),
-            other_movement: movement::within(&movements, piece),
-            // Findings are reported once, with the first piece.
-            findings: std::mem::take(&mut findings),
-            ..recording.clone()
+        findings.extend(self.findings);
+        let whole = 0..samples.len();
+        let pieces = match &self.pieces[..] {
+            [] | [_] => std::slice::from_ref(&whole),
+            several => several,
         };
-        self.pieces.iter().enumerate().map(piece).collect()
+        let piece = |(number, piece): (usize, &Range<usize>)| {
+            let truth: GroundTruth = motions[piece.clone()].iter().copied().collect();
+            let mut own = Recording {
+                samples: samples[piece.clone()].to_vec(),
+                labels: truth.labels,
+                other_movement: truth.other_movement,
+                findings: std::mem::take(&mut findings),
+                ..recording.clone()
+            };
+            if pieces.len() > 1 {
+                own.name += &format!(".{}", number + 1);
+            }
+            own
+        };
+        pieces.iter().enumerate().map(piece).collect()
     }
 }
 
@@ -174,12 +174,8 @@ fn kept(
         return Ok((all, clock.cloned()));
     };
     let keep = first_of_each(samples);
-    let left: Vec<Sample> = samples
-        .iter()
-        .zip(&keep)
-        .filter(|(_, keep)| **keep)
-        .map(|(sample, _)| *sample)
-        .collect();
+    let left = samples.iter().zip(&keep).filter(|(_, keep)| **keep);
+    let left: Vec<Sample> = left.map(|(sample, _)| *sample).collect();
     // A counter counts repeated rows too, so it cannot give the rate without them.
     let clock = clock
         .filter(|clock| !clock.counts())

@@ -146,10 +146,8 @@ impl ScaleDetector {
             return Scale::Counts;
         }
         if self.whole && self.least >= 0.0 && self.most > 127.0 && self.most <= 255.0 {
-            let middle = self
-                .values
-                .iter()
-                .filter(|value| (64.0..192.0).contains(*value));
+            let values = self.values.iter();
+            let middle = values.filter(|value| (64.0..192.0).contains(*value));
             return if 2 * middle.count() > self.values.len() {
                 Scale::Offset
             } else {

@@ -1,7 +1,5 @@
 //! Rows with more values than a sample of one armband has: two armbands side by side, or several samples in a row.
 
-use std::collections::BTreeMap;
-
 use shared::units::CHANNELS;
 
 use super::bands::TWO_ARMBANDS;
@@ -11,30 +9,16 @@ use crate::readers::table::columns::{Group, channels};
 use crate::readers::table::head::Head;
 use crate::readers::table::shape::{Shape, first_numbers};
 
-/// Names of numbered columns that are no EMG: the armband's other sensors.
-#[rustfmt::skip]
-const OTHERS: [&str; 12] = [
-    "acc", "accel", "accelerometer", "gyro", "gyr", "gyroscope", "quat", "orientation", "ori", "mag", "imu", "rot",
-];
-/// Words that name an armband, beside those of muscle activity.
-#[rustfmt::skip]
-const ARMBANDS: [&str; 11] = [
-    "left", "right", "l", "r", "links", "rechts", "arm", "armband", "band", "myo", "device",
-];
 /// Least number of values in a row from which they are several samples: fewer are two armbands.
 const SEVERAL: usize = 3 * CHANNELS;
 
-/// Advice on the columns of two armbands.
-const ONE_ARMBAND: &str = "keep the columns of one armband in a file";
-
-/// Refuses a table whose rows have the channels of two armbands, or several samples.
+/// Refuses a table whose rows have several samples, or the channels of two armbands without names.
 pub(crate) fn in_table(text: &str) -> Result<(), Finding> {
     windows(text)?;
-    let head = Head::of(text, None);
-    match (head.filter(|head| head.is_names), Shape::of(text)) {
-        (Some(head), _) => in_header(&head.fields),
-        (None, Some(shape)) => in_rows(shape.columns, shape.numbers, &first_numbers(text)),
-        (None, None) => Ok(()),
+    let has_names = Head::of(text, None).is_some_and(|head| head.is_names);
+    match Shape::of(text).filter(|_| !has_names) {
+        Some(shape) => in_rows(shape.columns, shape.numbers, &first_numbers(text)),
+        None => Ok(()),
     }
 }
 
@@ -63,7 +47,8 @@ pub(crate) fn in_rows(columns: usize, numbers: usize, rows: &[Vec<f64>]) -> Resu
     if (TWO..=TWO + 1).contains(&columns) && are_counts(rows) {
         let what =
             format!("expected {CHANNELS} channels, found {columns} columns: those of two armbands");
-        return Err(Finding::warning(TWO_ARMBANDS, what, ONE_ARMBAND));
+        let advice = "keep the columns of one armband in a file";
+        return Err(Finding::warning(TWO_ARMBANDS, what, advice));
     }
     Ok(())
 }
@@ -96,50 +81,4 @@ fn are_counts(rows: &[Vec<f64>]) -> bool {
         detector.push(row.get(1..row.len().max(2) - 1).unwrap_or_default());
     }
     detector.scale().step().is_some()
-}
-
-/// Refuses a header with the channels of two armbands.
-fn in_header(names: &[&str]) -> Result<(), Finding> {
-    let mut groups: BTreeMap<String, Vec<&str>> = BTreeMap::new();
-    for name in names {
-        let prefix = name.trim_end_matches(|c: char| c.is_ascii_digit());
-        let key = prefix.trim_end_matches(['_', '-', ' ', '.']).to_lowercase();
-        if prefix.len() < name.len() && is_of_armband(&key) {
-            groups.entry(key).or_default().push(name);
-        }
-    }
-    let full: Vec<&Vec<&str>> = groups
-        .values()
-        .filter(|names| names.len() >= CHANNELS)
-        .collect();
-    let columns = |names: &[&str]| -> Option<String> {
-        Some(format!(
-            "{} to {}",
-            names.first()?,
-            names.get(CHANNELS - 1)?
-        ))
-    };
-    let armbands = match full[..] {
-        [names] if names.len() >= 2 * CHANNELS => {
-            vec![columns(names), columns(&names[CHANNELS..])]
-        }
-        [] | [_] => return Ok(()),
-        _ => full.iter().map(|names| columns(names)).collect(),
-    };
-    let armbands: Vec<String> = armbands.into_iter().flatten().collect();
-    let what = format!(
-        "expected {CHANNELS} columns of EMG, found those of {} armbands: {}",
-        armbands.len(),
-        armbands.join("; ")
-    );
-    Err(Finding::warning(TWO_ARMBANDS, what, ONE_ARMBAND))
-}
-
-/// Whether the name of numbered columns is one of muscle activity or of an armband: features have other names.
-fn is_of_armband(key: &str) -> bool {
-    let digits = |c: char| c.is_ascii_digit();
-    let words = key.split(['_', '-', ' ', '.']);
-    let words: Vec<&str> = words.map(|word| word.trim_end_matches(digits)).collect();
-    let has = |list: &[&str]| words.iter().any(|word| list.contains(word));
-    !has(&OTHERS) && (has(&ARMBANDS) || Group::is_muscle_name(key))
 }

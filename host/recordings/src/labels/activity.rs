@@ -181,32 +181,12 @@ fn release(envelope: &Envelope, level: f64, end: usize, samples: usize) -> usize
 )]
 mod tests {
     use proptest::prelude::*;
-    use rand::{RngExt, SeedableRng};
-    use rand_chacha::ChaCha8Rng;
     use shared::intent::Intent;
 
     use super::*;
+    use crate::fixture::{muscle, noise};
     use crate::labels::runs::runs;
     use crate::recording::movement::MovementKind;
-
-    const REST: i8 = 3;
-
-    /// Noise of uniform amplitude: `amplitude(at)` at sample `at`.
-    fn noise(count: usize, seed: u64, amplitude: impl Fn(usize) -> f64) -> Vec<Sample> {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        (0..count)
-            .map(|at| {
-                let most = amplitude(at);
-                [(); 8].map(|()| random.random_range(-most..=most).round() as i8)
-            })
-            .collect()
-    }
-
-    /// Rest with holds of amplitude 40 at these samples.
-    fn holds(count: usize, holds: &[Range<usize>]) -> Vec<Sample> {
-        let hold = |at: usize| holds.iter().any(|hold| hold.contains(&at));
-        noise(count, 1, |at| if hold(at) { 40.0 } else { f64::from(REST) })
-    }
 
     fn active(samples: &[Sample]) -> Vec<Range<usize>> {
         let truth = label(samples, Motion::Intent(Intent::Close)).expect("contrast");
@@ -234,14 +214,14 @@ mod tests {
     #[test]
     fn a_hold_cut_by_an_end_reaches_to_it() {
         let expected = [0..500, 1300..2000];
-        let found = active(&holds(2000, &expected));
+        let found = active(&muscle(2000, &expected));
         assert!(close_to(&found, &expected), "{found:?}");
         assert_eq!((found[0].start, found[1].end), (0, 2000));
     }
 
     #[test]
     fn short_gaps_are_closed_and_long_ones_are_rest() {
-        let samples = holds(2400, &[400..700, 735..1000, 1200..1600]);
+        let samples = muscle(2400, &[400..700, 735..1000, 1200..1600]);
         let found = active(&samples);
         assert!(close_to(&found, &[400..1000, 1200..1600]), "{found:?}");
         // Edges of an instant leave nothing unknown.
@@ -250,7 +230,7 @@ mod tests {
 
     #[test]
     fn a_short_burst_is_neither_gesture_nor_rest() {
-        let samples = holds(2400, &[400..900, 1400..1440]);
+        let samples = muscle(2400, &[400..900, 1400..1440]);
         let truth = label(&samples, Motion::Intent(Intent::Close)).unwrap();
         assert!(close_to(&active(&samples), &[400..900]));
         assert!(truth.labels[1400..1440].iter().all(Option::is_none));
@@ -261,12 +241,11 @@ mod tests {
     #[test]
     fn a_slow_release_is_unknown_until_rest() {
         // From the hold down to rest, in the logarithm, within 2 s.
-        let fall = (f64::from(REST) / 40.0).ln();
+        let fall = (3.0_f64 / 40.0).ln();
         let amplitude = |at: usize| match at {
-            0..500 => f64::from(REST),
             500..1000 => 40.0,
             1000..1400 => 40.0 * (fall * (at - 1000) as f64 / 400.0).exp(),
-            _ => f64::from(REST),
+            _ => 3.0,
         };
         let samples = noise(2000, 2, amplitude);
         let truth = label(&samples, Motion::Intent(Intent::Open)).unwrap();

@@ -109,12 +109,11 @@ fn name_movements(cues: &mut [Motion]) {
 
 #[cfg(test)]
 mod tests {
-    use rand::{RngExt as _, SeedableRng as _};
-    use rand_chacha::ChaCha8Rng;
     use shared::intent::Intent;
 
     use super::*;
     use crate::catalogue::DataSet;
+    use crate::fixture::muscle;
     use crate::recording::movement::MovementKind;
 
     const R: Option<Intent> = Some(Intent::Relax);
@@ -125,14 +124,7 @@ mod tests {
     fn recording(loud: &[std::ops::Range<usize>]) -> Recording {
         let cues = [O, R, None, R, C, R].map(|cue| vec![cue; 400]).concat();
         let labels = [vec![R; 600], cues].concat();
-        let mut random = ChaCha8Rng::seed_from_u64(3);
-        let samples = (0..labels.len())
-            .map(|at| {
-                let is_loud = loud.iter().any(|range| range.contains(&at));
-                let most = if is_loud { 40 } else { 3 };
-                [(); 8].map(|()| random.random_range(-most..=most))
-            })
-            .collect();
+        let samples = muscle(labels.len(), loud);
         let mut recording =
             Recording::new(DataSet::named("roshambo"), "roshambo/01", samples, labels);
         recording.other_movement = vec![Movement::new(MovementKind::TwoFingers, 1400..1800)];

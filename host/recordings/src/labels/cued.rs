@@ -217,16 +217,11 @@ impl Segment {
 }
 
 #[cfg(test)]
-#[expect(
-    clippy::single_range_in_vec_init,
-    reason = "a list of ranges, one of them"
-)]
 mod tests {
-    use rand::{RngExt, SeedableRng};
-    use rand_chacha::ChaCha8Rng;
     use shared::intent::Intent;
 
     use super::*;
+    use crate::fixture::muscle;
     use crate::recording::movement::MovementKind;
 
     const R: Motion = Motion::RELAX;
@@ -239,84 +234,61 @@ mod tests {
             .collect()
     }
 
-    /// Noise, loud in these ranges.
-    fn muscle(count: usize, loud: &[Range<usize>]) -> Vec<Sample> {
-        let mut random = ChaCha8Rng::seed_from_u64(7);
-        (0..count)
-            .map(|at| {
-                let loud = loud.iter().any(|range| range.contains(&at));
-                let most = if loud { 40 } else { 3 };
-                [(); 8].map(|()| random.random_range(-most..=most))
-            })
-            .collect()
+    /// Cues, samples at which the muscle is loud, labels that are found, and how late each hold is followed. R is relax,
+    /// O open, C close, X other movement, U unknown.
+    const CASES: [&str; 4] = [
+        "R600 O700 R600 C700 R600 | 680-1420 1950-2700 | R0 O680 R1420 C1950 R2700 | 80 50",
+        // From gesture to gesture the label changes as late as the muscle has followed.
+        "R600 O500 C500 R600 | 660-1650 | R0 O660 C1160 R1650 | 60",
+        // Other movement may begin at any time.
+        "R600 X4000 R600 | 2000-2600 3500-4700 | R0 U600 X2000 U2600 X3500 R4700 | 0",
+        // What the muscle does 1.5 s after its cue is unknown.
+        "R600 O600 R1400 | 650-1800 | R0 O650 U1500 R1800 | 50",
+    ];
+
+    fn number(text: &str) -> usize {
+        text.parse().unwrap()
+    }
+
+    fn motion(text: &str) -> (Motion, usize) {
+        let (motion, rest) = text.split_at(1);
+        let motion = match motion {
+            "R" => R,
+            "O" => O,
+            "C" => C,
+            "X" => Motion::OTHER,
+            _ => Motion::Unknown,
+        };
+        (motion, number(rest))
     }
 
     #[test]
     fn labels_are_where_the_muscle_is_and_not_where_the_cue_was() {
-        const OTHER: Motion = Motion::OTHER;
-        const NONE: Motion = Motion::Unknown;
-        type Case<'c> = (
-            &'c [(Motion, usize)],
-            &'c [Range<usize>],
-            &'c [(Motion, usize)],
-            &'c [i32],
-        );
-        let cases: [Case<'_>; 4] = [
-            (
-                &[(R, 600), (O, 700), (R, 600), (C, 700), (R, 600)],
-                &[680..1420, 1950..2700],
-                &[(R, 0), (O, 680), (R, 1420), (C, 1950), (R, 2700)],
-                &[80, 50],
-            ),
-            // From gesture to gesture the label changes as late as the muscle has followed.
-            (
-                &[(R, 600), (O, 500), (C, 500), (R, 600)],
-                &[660..1650],
-                &[(R, 0), (O, 660), (C, 1160), (R, 1650)],
-                &[60],
-            ),
-            // Other movement may begin at any time.
-            (
-                &[(R, 600), (OTHER, 4000), (R, 600)],
-                &[2000..2600, 3500..4700],
-                &[
-                    (R, 0),
-                    (NONE, 600),
-                    (OTHER, 2000),
-                    (NONE, 2600),
-                    (OTHER, 3500),
-                    (R, 4700),
-                ],
-                &[0],
-            ),
-            // What the muscle does 1.5 s after its cue is unknown.
-            (
-                &[(R, 600), (O, 600), (R, 1400)],
-                &[650..1800],
-                &[(R, 0), (O, 650), (NONE, 1500), (R, 1800)],
-                &[50],
-            ),
-        ];
-        for (asked, loud, expected, late) in cases {
-            let cues = cues(asked);
-            let found = follow(&muscle(cues.len(), loud), &cues);
-            let labels = runs(&found.motions);
-            assert_eq!(labels.len(), expected.len(), "{labels:?}");
-            for (run, &(label, start)) in labels.iter().zip(expected) {
-                assert_eq!(run.label, label, "{labels:?}");
-                assert!(run.start.abs_diff(start) <= 10, "{labels:?}");
+        for case in CASES {
+            let [asked, loud, labels, late] = case.split(" | ").collect::<Vec<_>>()[..] else {
+                panic!("{case}");
+            };
+            let asked: Vec<_> = asked.split(' ').map(motion).collect();
+            let ends = loud.split(' ').map(|loud| loud.split_once('-').unwrap());
+            let loud: Vec<_> = ends.map(|(from, to)| number(from)..number(to)).collect();
+            let cues = cues(&asked);
+            let found = follow(&muscle(cues.len(), &loud), &cues);
+            let labels: Vec<_> = labels.split(' ').map(motion).collect();
+            let runs = runs(&found.motions);
+            assert_eq!(runs.len(), labels.len(), "{case}: {runs:?}");
+            for (run, (label, start)) in runs.iter().zip(labels) {
+                assert_eq!(run.label, label, "{case}: {runs:?}");
+                assert!(run.start.abs_diff(start) <= 10, "{case}: {runs:?}");
             }
-            assert_eq!(found.holds.len(), late.len(), "{:?}", found.holds);
-            for (hold, &late) in found.holds.iter().zip(late) {
+            let late: Vec<_> = late.split(' ').map(number).collect();
+            assert_eq!(found.holds.len(), late.len(), "{case}: {:?}", found.holds);
+            for (hold, late) in found.holds.iter().zip(late) {
                 let Response::Followed(found) = hold.response else {
-                    panic!("{hold:?}");
+                    panic!("{case}: {hold:?}");
                 };
-                assert!(found.abs_diff(late) <= 10, "{hold:?}");
+                assert!(found.abs_diff(late as i32) <= 10, "{case}: {hold:?}");
                 assert_eq!(hold.contrasts.len(), hold.gestures.len());
-                assert!(
-                    hold.contrasts.iter().all(|contrast| *contrast > 1.0),
-                    "{hold:?}"
-                );
+                assert!(hold.contrasts.iter().all(|own| *own > 1.0), "{hold:?}");
             }
         }
     }

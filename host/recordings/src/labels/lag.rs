@@ -72,11 +72,8 @@ pub struct LagEstimate {
 /// themselves, which must not be moved by noise.
 pub fn estimate(recordings: &[&Recording]) -> Option<LagEstimate> {
     let cued = |recording: &&&Recording| recording.timing != Timing::Muscle;
-    let changes: Vec<(bool, f64)> = recordings
-        .iter()
-        .filter(cued)
-        .flat_map(|recording| changes(recording))
-        .collect();
+    let cued = recordings.iter().filter(cued);
+    let changes: Vec<(bool, f64)> = cued.flat_map(|own| changes(own)).collect();
     let of = |onset| {
         let own = changes.iter().filter(move |(own, _)| *own == onset);
         own.map(|(_, lag)| *lag).collect::<Vec<f64>>()
@@ -99,11 +96,8 @@ pub fn estimate(recordings: &[&Recording]) -> Option<LagEstimate> {
 /// is relax (rest goes on), else none, because the start of that gesture is unknown.
 pub(crate) fn compensated(labels: &[Option<Intent>], lag_samples: usize) -> Vec<Option<Intent>> {
     let lag = lag_samples.min(labels.len());
-    let start = labels
-        .first()
-        .copied()
-        .flatten()
-        .filter(|&label| label == Intent::Relax);
+    let first = labels.first().copied().flatten();
+    let start = first.filter(|&label| label == Intent::Relax);
     let mut compensated = vec![start; lag];
     compensated.extend_from_slice(&labels[..labels.len() - lag]);
     compensated

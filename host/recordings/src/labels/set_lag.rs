@@ -181,10 +181,8 @@ impl fmt::Display for Lag {
             (by_constant, &constant),
             (muscle, "as recorded, where the muscle acts"),
         ];
-        let used: Vec<_> = ways
-            .iter()
-            .filter(|(recordings, _)| *recordings > 0)
-            .collect();
+        let used = ways.iter().filter(|(recordings, _)| *recordings > 0);
+        let used: Vec<_> = used.collect();
         match (&used[..], self.compensation) {
             // No recording with movement, or a file of a version that did not count.
             ([], Compensation::EachCue) => formatter.write_str(ways[0].1),
@@ -248,12 +246,8 @@ mod tests {
         let found = lag(&recordings, LabelLag::Estimated, &is_training);
         assert!(found.constant().abs_diff(40) <= 5, "{found:?}");
         assert_eq!(found.basis, Basis::TrainingPeople(1));
-        assert!(
-            found
-                .to_string()
-                .ends_with("estimated on 1 training person"),
-            "{found}"
-        );
+        let told = found.to_string();
+        assert!(told.ends_with("estimated on 1 training person"), "{told}");
         // Without training people: the nominal lag of the published set.
         let nobody = lag(&recordings[1..], LabelLag::Estimated, &is_training);
         assert_eq!(nobody.constant(), DataSet::named("roshambo").label_lag());
@@ -270,10 +264,8 @@ mod tests {
         let late = recording(DataSet::OWN, "ben", 100, Timing::Cues);
         let both = [recordings[0].clone(), late];
         let run = lag(&both, LabelLag::EachCue, &|subject| subject == "own/anna");
-        assert_eq!(
-            (run.basis, run.constant()),
-            (Basis::TrainingPeople(1), found.constant())
-        );
+        let training = Basis::TrainingPeople(1);
+        assert_eq!((run.basis, run.constant()), (training, found.constant()));
     }
 
     #[test]
@@ -282,22 +274,15 @@ mod tests {
             .map(|timing| recording(DataSet::OWN, "anna", 40, timing));
         let found = lag(&recordings, LabelLag::EachCue, &|_| false);
         let [rested, cues, muscle] = recordings.each_ref().map(|own| found.of_recording(own));
-        assert_eq!(
-            (rested, muscle),
-            (Compensation::EachCue, Compensation::NONE)
-        );
+        let expected = (Compensation::EachCue, Compensation::NONE);
+        assert_eq!((rested, muscle), expected);
         assert!(matches!(cues, Compensation::Constant(35..=45)));
         let told = found.to_string();
-        assert!(
-            told.starts_with("each cue's own lag (1 recordings); constant lag"),
-            "{told}"
-        );
+        let words = "each cue's own lag (1 recordings); constant lag";
+        assert!(told.starts_with(words), "{told}");
         let none = lag(&recordings, LabelLag::None, &|_| false);
-        assert!(
-            recordings
-                .iter()
-                .all(|own| none.of_recording(own) == Compensation::NONE)
-        );
+        let ways = recordings.map(|own| none.of_recording(&own));
+        assert_eq!(ways, [Compensation::NONE; 3]);
         assert!(none.to_string().starts_with("as recorded"), "{none}");
     }
 }

@@ -11,13 +11,11 @@
 //!
 //! Labels inside the activity (`myoup`, `uci-gestures`) and steady holds have no such rest.
 
-use std::collections::BTreeMap;
-
 use shared::intent::Intent;
 
 use super::lag::lags_of;
 use super::runs::{Run, runs};
-use crate::recording::{Recording, Timing};
+use crate::recording::{Recording, Timing, by};
 
 /// Minimum length in samples of a rest before and after a gesture: 0.5 s.
 const REST: usize = 100;
@@ -28,15 +26,10 @@ const FEWEST_CHANGES: usize = 4;
 
 /// Sets the timing of recordings, person by person. Labels that are known to be the muscle's stay so.
 pub(crate) fn find(recordings: &mut [Recording]) {
-    let mut people: BTreeMap<String, Vec<&mut Recording>> = BTreeMap::new();
-    for recording in recordings {
-        if recording.timing != Timing::Muscle {
-            let own = people.entry(recording.subject.clone()).or_default();
-            own.push(recording);
-        }
-    }
-    for own in people.values_mut() {
-        let timing = of_person(own);
+    let cued = recordings.iter_mut();
+    let cued = cued.filter(|own| own.timing != Timing::Muscle);
+    for own in by(cued, |own| own.subject.clone()).into_values() {
+        let timing = of_person(&own);
         for recording in own {
             recording.timing = timing;
         }
@@ -99,11 +92,7 @@ mod tests {
         let mut random = ChaCha8Rng::seed_from_u64(3);
         let (mut labels, mut samples, mut loud) = (Vec::new(), Vec::new(), false);
         for &(label, count) in sequence {
-            let late = if at_once {
-                0
-            } else {
-                random.random_range(60..130)
-            };
+            let late = random.random_range(60..130) * usize::from(!at_once);
             for at in 0..count {
                 if at == late {
                     loud = label.is_some() && label != R;
@@ -167,12 +156,8 @@ mod tests {
         };
         let mut all = [rested, rest_alone, hold, known];
         find(&mut all);
-        let expected = [
-            Timing::RestAroundCues,
-            Timing::RestAroundCues,
-            Timing::Cues,
-            Timing::Muscle,
-        ];
+        let rested = Timing::RestAroundCues;
+        let expected = [rested, rested, Timing::Cues, Timing::Muscle];
         assert_eq!(all.map(|own| own.timing), expected);
     }
 }

@@ -14,7 +14,6 @@ use crate::labels::lag::{self, LabelLag, LagEstimate};
 use crate::labels::runs::{Run, runs};
 use crate::labels::set_lag::Lag;
 use crate::readers::error::LoadError;
-use crate::readers::open::SkipReason;
 use crate::recording::{Recording, by_data_set};
 use crate::split::predefined;
 
@@ -99,56 +98,44 @@ impl Inspection {
 }
 
 fn taken(library: &Library) -> Vec<Files> {
-    let mut by_set: BTreeMap<DataSet, BTreeSet<&Path>> = BTreeMap::new();
-    for recording in &library.recordings {
-        by_set
-            .entry(recording.data_set)
-            .or_default()
-            .insert(&recording.path);
-    }
-    files(by_set, |set| (set.name().to_owned(), set.recognised_by()))
+    let recordings = library.recordings.iter();
+    let paths = recordings.map(|own| (own.data_set, &*own.path));
+    files(paths, |set| (set.name().to_owned(), set.recognised_by()))
 }
 
 /// Files that no reader took, by reason.
 pub(super) fn ignored(library: &Library) -> Vec<Files> {
-    let mut by_reason: BTreeMap<SkipReason, BTreeSet<&Path>> = BTreeMap::new();
-    for ignored in &library.ignored {
-        by_reason
-            .entry(ignored.reason)
-            .or_default()
-            .insert(&ignored.path);
-    }
-    files(by_reason, |why| (why.to_string(), ""))
+    let paths = library.ignored.iter().map(|own| (own.reason, &*own.path));
+    files(paths, |why| (why.name().to_owned(), ""))
 }
 
-fn files<K>(
-    by_kind: BTreeMap<K, BTreeSet<&Path>>,
+/// Files by their kind, given with their paths.
+fn files<'p, K: Ord>(
+    paths: impl Iterator<Item = (K, &'p Path)>,
     describe: impl Fn(K) -> (String, &'static str),
 ) -> Vec<Files> {
-    by_kind
-        .into_iter()
-        .filter_map(|(kind, paths)| {
-            let first = paths.first()?.to_path_buf();
-            let (what, recognised_by) = describe(kind);
-            Some(Files {
-                what,
-                recognised_by,
-                files: paths.len(),
-                first,
-            })
+    let mut by_kind: BTreeMap<K, BTreeSet<&Path>> = BTreeMap::new();
+    for (kind, path) in paths {
+        by_kind.entry(kind).or_default().insert(path);
+    }
+    let files = |(kind, paths): (K, BTreeSet<&Path>)| {
+        let (what, recognised_by) = describe(kind);
+        Some(Files {
+            what,
+            recognised_by,
+            files: paths.len(),
+            first: paths.first()?.to_path_buf(),
         })
-        .collect()
+    };
+    by_kind.into_iter().filter_map(files).collect()
 }
 
 fn inspect(data_set: DataSet, recordings: &[&Recording]) -> SetInspection {
     let mut counts = [0usize; Intent::ALL.len()];
     let (mut unlabelled, mut other, mut transitions) = (0, 0, 0);
     for recording in recordings {
-        other += recording
-            .other_movement
-            .iter()
-            .map(|movement| movement.samples.len())
-            .sum::<usize>();
+        let movements = recording.other_movement.iter();
+        other += movements.map(|own| own.samples.len()).sum::<usize>();
         let runs = runs(&recording.labels);
         for run in &runs {
             match run.label {
@@ -160,13 +147,11 @@ fn inspect(data_set: DataSet, recordings: &[&Recording]) -> SetInspection {
         transitions += runs.windows(2).filter(straight).count();
     }
     let seconds = |samples: usize| samples as f64 / f64::from(SAMPLE_RATE_HZ);
+    let subjects: BTreeSet<&String> = recordings.iter().map(|own| &own.subject).collect();
+    let saturation = recordings.iter().flat_map(|own| saturation(&own.samples));
     SetInspection {
         data_set,
-        subjects: recordings
-            .iter()
-            .map(|r| &r.subject)
-            .collect::<BTreeSet<_>>()
-            .len(),
+        subjects: subjects.len(),
         recordings: recordings.len(),
         seconds: recordings.iter().map(|r| r.seconds()).sum(),
         seconds_by_intent: Intent::ALL
@@ -177,10 +162,7 @@ fn inspect(data_set: DataSet, recordings: &[&Recording]) -> SetInspection {
         seconds_other_movement: seconds(other),
         seconds_unlabelled: seconds(unlabelled.saturating_sub(other)),
         transitions,
-        worst_saturation: recordings
-            .iter()
-            .flat_map(|r| saturation(&r.samples))
-            .fold(0.0, f64::max),
+        worst_saturation: saturation.fold(0.0, f64::max),
         label_lag: lag::estimate(recordings),
         labels: Lag::of(
             data_set,
@@ -193,17 +175,13 @@ fn inspect(data_set: DataSet, recordings: &[&Recording]) -> SetInspection {
 
 /// Findings in the recordings of a library and known limits of their sets, grouped: the worst first.
 pub(crate) fn groups(library: &Library) -> Vec<Group> {
-    let notes: Vec<(String, Finding)> = library
-        .recordings
-        .iter()
-        .flat_map(|recording| {
-            let known = |note: &String| (recording.full_name(), Finding::known(note));
-            recording.notes.iter().map(known)
-        })
-        .collect();
-    let known = notes
-        .iter()
-        .map(|(whose, finding)| (whose.clone(), finding));
+    let recordings = library.recordings.iter();
+    let notes = recordings.flat_map(|recording| {
+        let notes = recording.notes.iter();
+        notes.map(|note| (recording.full_name(), Finding::known(note)))
+    });
+    let notes: Vec<(String, Finding)> = notes.collect();
+    let known = notes.iter().map(|(whose, note)| (whose.clone(), note));
     grouped(library.findings().chain(known))
 }
 
@@ -213,6 +191,7 @@ mod tests {
 
     use super::*;
     use crate::library::Ignored;
+    use crate::readers::open::SkipReason;
     use crate::{Movement, MovementKind};
 
     fn library() -> Library {
@@ -236,16 +215,16 @@ mod tests {
                 other_movement: vec![Movement::new(MovementKind::Point, 700..750)],
                 ..Recording::new(DataSet::OWN, "own/s1", samples, labels)
             }],
-            ignored: ["LICENSE", "notes.txt", "README"]
-                .map(|name| Ignored {
-                    path: name.into(),
-                    reason: if name.ends_with(".txt") {
-                        SkipReason::Layout
-                    } else {
-                        SkipReason::Ending
-                    },
-                })
-                .into(),
+            ignored: [
+                ("LICENSE", SkipReason::Ending),
+                ("notes.txt", SkipReason::Layout),
+                ("README", SkipReason::Ending),
+            ]
+            .map(|(path, reason)| {
+                let path = path.into();
+                Ignored { path, reason }
+            })
+            .into(),
             ..Library::default()
         }
     }
@@ -255,16 +234,10 @@ mod tests {
         let inspection = Inspection::new(&library());
         let set = &inspection.sets[0];
         assert_eq!((set.subjects, set.recordings, set.seconds), (1, 1, 4.0));
-        let seconds: Vec<_> = set
-            .seconds_by_intent
-            .iter()
-            .map(|(&n, &s)| (n, s))
-            .collect();
-        assert_eq!(seconds, [("close", 1.0), ("relax", 2.0)]);
-        assert_eq!(
-            (set.seconds_unlabelled, set.seconds_other_movement),
-            (0.75, 0.25)
-        );
+        let expected = BTreeMap::from([("close", 1.0), ("relax", 2.0)]);
+        assert_eq!(set.seconds_by_intent, expected);
+        let others = (set.seconds_unlabelled, set.seconds_other_movement);
+        assert_eq!(others, (0.75, 0.25));
         assert_eq!(set.transitions, 2);
         assert_eq!(set.worst_saturation, 0.1);
     }
@@ -273,38 +246,35 @@ mod tests {
     fn findings_and_notes_are_told_once_for_all_recordings() {
         let mut library = library();
         let recording = &mut library.recordings[0];
-        recording.findings.push(Finding::warning(
-            "silent-channel",
-            "channel 3 is silent",
-            "",
-        ));
+        let silent = Finding::warning("silent-channel", "channel 3 is silent", "");
+        recording.findings.push(silent);
         let mut second = recording.clone();
         second.name = "b".into();
         library.recordings.push(second);
         let findings = Inspection::new(&library).findings;
-        let told: Vec<_> = findings
-            .iter()
-            .map(|f| (f.finding.what.as_str(), f.which.len()))
-            .collect();
-        assert_eq!(told, [("channel 3 is silent", 2), ("known", 2)]);
-        assert_eq!(findings[0].which, ["own/s1/a", "own/s1/b"]);
+        let told: Vec<_> = findings.iter().map(|f| &*f.finding.what).collect();
+        assert_eq!(told, ["channel 3 is silent", "known"]);
+        assert!(
+            findings
+                .iter()
+                .all(|own| own.which == ["own/s1/a", "own/s1/b"])
+        );
     }
 
     #[test]
     fn every_file_is_told_with_who_took_it_or_why_nobody_did() {
         let inspection = Inspection::new(&library());
-        let told = |files: &[Files]| -> Vec<(String, usize, PathBuf)> {
-            let told = |f: &Files| (f.what.clone(), f.files, f.first.clone());
-            files.iter().map(told).collect()
-        };
-        let taken = told(&inspection.taken);
-        assert_eq!(taken, [("own".to_owned(), 1, PathBuf::new())]);
-        assert!(inspection.taken[0].recognised_by.contains("gt"));
+        let files = inspection.taken.iter().chain(&inspection.ignored);
+        let told: Vec<_> = files
+            .map(|f| (&*f.what, f.files, f.first.to_str()))
+            .collect();
         let expected = [
-            (SkipReason::Ending.to_string(), 2, "LICENSE".into()),
-            (SkipReason::Layout.to_string(), 1, "notes.txt".into()),
+            ("own", 1, Some("")),
+            (SkipReason::Ending.name(), 2, Some("LICENSE")),
+            (SkipReason::Layout.name(), 1, Some("notes.txt")),
         ];
-        assert_eq!(told(&inspection.ignored), expected);
+        assert_eq!(told, expected);
+        assert!(inspection.taken[0].recognised_by.contains("gt"));
     }
 
     #[cfg(unix)]

@@ -1,6 +1,5 @@
 //! All recordings below a path.
 
-mod doubts;
 pub mod inspection;
 mod names;
 mod people;
@@ -23,7 +22,8 @@ use super::readers::error::{Damage, LoadError};
 use super::readers::open::{Found, OpenRequest, SkipReason, of_bytes, open};
 use super::readers::path::{ending, left_arm};
 use super::recording::Recording;
-use crate::examiner::finding::Finding;
+use crate::examiner::finding::{Finding, grouped};
+use execution::printable::printable;
 
 /// Options of [`load`].
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
@@ -221,6 +221,32 @@ impl Library {
         });
         let repeats = self.repeats.iter();
         found.chain(repeats.map(|repeat| (repeat.path.display().to_string(), &repeat.finding)))
+    }
+
+    /// Refuses a library in which no recording is left.
+    pub fn not_empty(&self, path: &Path) -> Result<(), LoadError> {
+        match self.skipped.first() {
+            Some(first) if self.recordings.is_empty() => Err(LoadError::NoneLeft {
+                path: path.to_owned(),
+                skipped: self.skipped.len(),
+                first: first.line(),
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Sentences on the files that were left out and on the doubts about the recordings, equal findings in one.
+    pub fn doubts(&self) -> Vec<String> {
+        let left_out = self.skipped.first().map(|first| {
+            let count = self.skipped.len();
+            let first = first.line();
+            format!(
+                "files left out: {count} (`myointent data inspect` lists them); the first: {first}"
+            )
+        });
+        let findings = grouped(self.findings());
+        let findings = findings.iter().map(|group| printable(&group.to_string()));
+        left_out.into_iter().chain(findings).collect()
     }
 
     /// Examines each recording; one without meaning is left out.

@@ -40,11 +40,7 @@ pub(super) fn by_folder(
     let taken: BTreeSet<String> = places.iter().map(Folders::person).collect();
     let top = base.join(shared);
     let is_named = |place: &Folders| place.person.is_empty() && place.names_files;
-    let own_name = places
-        .iter()
-        .any(is_named)
-        .then(|| top.file_name())
-        .flatten();
+    let own_name = top.file_name().filter(|_| places.iter().any(is_named));
     let top = name_of(&top, own_name, &taken);
     let prefixes = prefixes(&places, own.iter().map(|&at| &recordings[at]));
     for (&at, place) in own.iter().zip(&places) {
@@ -63,11 +59,7 @@ pub(super) fn by_folder(
         let file = text(file) + piece.unwrap_or_default();
         recording.name = place.name(&file);
     }
-    let people: BTreeSet<&str> = own
-        .iter()
-        .filter_map(|&at| recordings[at].subject.split_once('/'))
-        .map(|(_, person)| person)
-        .collect();
+    let people: BTreeSet<&str> = own.iter().map(|&at| person(&recordings[at])).collect();
     told(&people, &places, prefixes)
 }
 
@@ -156,11 +148,7 @@ fn without_shared(places: &mut [Folders]) -> PathBuf {
 
 /// Assigns everything below a folder with recordings to that folder's person.
 fn join_below(places: &mut [Folders]) {
-    let direct: BTreeSet<Vec<String>> = places
-        .iter()
-        .filter(|place| !place.person.is_empty())
-        .map(|place| place.person.clone())
-        .collect();
+    let direct: BTreeSet<Vec<String>> = places.iter().map(|own| own.person.clone()).collect();
     for place in places {
         let end = (1..place.person.len()).find(|&end| direct.contains(&place.person[..end]));
         if let Some(end) = end {
@@ -215,11 +203,8 @@ fn told(people: &BTreeSet<&str>, places: &[Folders], prefixes: bool) -> Vec<Stri
         people.len(),
         listed(people.iter().copied())
     )];
-    let sessions: BTreeSet<&str> = places
-        .iter()
-        .flat_map(|place| &place.sessions)
-        .map(String::as_str)
-        .collect();
+    let sessions = places.iter().flat_map(|place| &place.sessions);
+    let sessions: BTreeSet<&str> = sessions.map(String::as_str).collect();
     if !sessions.is_empty() {
         told.push(format!(
             "folders taken as sessions, not as people: {}",
@@ -259,24 +244,23 @@ pub(super) fn described<'r>(
     file: &Path,
     recordings: impl Iterator<Item = &'r Recording>,
 ) -> Option<String> {
-    let (mut count, mut people) = (0, BTreeSet::new());
-    for recording in recordings {
-        count += 1;
-        people.insert(
-            recording
-                .subject
-                .split_once('/')
-                .map_or("", |(_, person)| person),
-        );
-    }
-    let people_listed = listed(people.iter().copied());
-    let file = file.display();
-    (count > 0).then(|| {
+    let all: Vec<&str> = recordings.map(person).collect();
+    let people: BTreeSet<&str> = all.iter().copied().collect();
+    (!all.is_empty()).then(|| {
         format!(
-            "as {file} describes them: {count} recordings of {} people: {people_listed}",
-            people.len()
+            "as {} describes them: {} recordings of {} people: {}",
+            file.display(),
+            all.len(),
+            people.len(),
+            listed(people.into_iter())
         )
     })
+}
+
+/// Person of a recording, without the data set.
+fn person(recording: &Recording) -> &str {
+    let (_, person) = recording.subject.split_once('/').unwrap_or_default();
+    person
 }
 
 fn listed<'n>(names: impl ExactSizeIterator<Item = &'n str>) -> String {

@@ -1,6 +1,5 @@
 use super::*;
-use crate::examiner::fixture::emg;
-use shared::units::Sample;
+use crate::fixture::{HEADER, counts, emg, folder, joined, names, read};
 
 #[test]
 fn a_path_without_recordings_says_so() {
@@ -14,34 +13,23 @@ fn a_path_without_recordings_says_so() {
 #[test]
 fn a_damaged_file_is_listed_or_stops_a_strict_load() {
     let good = "1,2,3,4,5,6,7,8,0\n".repeat(30);
-    let bad = format!("{good}1,2\n");
-    let folder = folder(&[("12345-1/0.txt", good), ("12345-1/7.txt", bad)]);
-    let library = load(folder.path(), &LoadOptions::default()).unwrap();
+    let bad = ("12345-1/7.txt", format!("{good}1,2\n"));
+    let words = "7.txt, line 31: expected 9";
+    let both = folder(&[("12345-1/0.txt", good), bad.clone()]);
+    let library = load(both.path(), &LoadOptions::default()).unwrap();
     assert_eq!((library.recordings.len(), library.skipped.len()), (1, 1));
     let strict = LoadOptions {
         strict: true,
         ..LoadOptions::default()
     };
-    for error in [
-        &library.skipped[0],
-        &load(folder.path(), &strict).unwrap_err(),
-    ] {
-        let error = error.to_string();
-        assert!(error.contains("7.txt, line 31: expected 9"), "{error}");
+    let strict = load(both.path(), &strict).unwrap_err().to_string();
+    let doubt = &library.doubts()[0];
+    for told in [&strict, doubt] {
+        assert!(told.contains(words), "{told}");
     }
-}
-
-const HEADER: &str = "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n";
-
-/// A folder with these files in it.
-pub(crate) fn folder<T: AsRef<[u8]>>(files: &[(&str, T)]) -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, bytes) in files {
-        let path = folder.path().join(name);
-        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(path, bytes).unwrap();
-    }
-    folder
+    assert!(doubt.starts_with("files left out: 1 "), "{doubt}");
+    let error = read(&[bad]).not_empty(both.path()).unwrap_err().to_string();
+    assert!(error.contains("1 files are left out"), "{error}");
 }
 
 #[test]
@@ -65,8 +53,7 @@ fn rows_of_no_known_set_are_no_people_and_those_of_a_single_file_are_read() {
 
 /// Table of a person, rest and a fist in turn.
 fn own(person: u64) -> String {
-    let samples = emg(1000, person);
-    crate::examiner::fixture::csv(&samples, |count| count.to_string())
+    counts(&emg(1000, person))
 }
 
 #[test]
@@ -89,17 +76,15 @@ fn one_person_is_the_same_whichever_folder_is_asked_for() {
 
 #[test]
 fn an_own_folder_called_left_is_told_and_read_as_it_is() {
-    let folder = folder(&[
+    let library = read(&[
         ("anna/left/1.csv", own(1)),
         ("anna/links/1.csv", own(2)),
         ("anna/1.csv", own(3)),
     ]);
-    let library = load(folder.path(), &LoadOptions::default()).unwrap();
     let told = |own: &Recording| own.notes.iter().any(|note| note.contains("left arm"));
     let told: Vec<bool> = library.recordings.iter().map(told).collect();
     assert_eq!(told, [false, true, true]);
-    let samples = emg(1000, 1);
-    assert_eq!(library.recordings[1].samples, samples);
+    assert_eq!(library.recordings[1].samples, emg(1000, 1));
 }
 
 #[test]
@@ -108,6 +93,8 @@ fn a_refusal_says_what_was_found_and_what_was_expected() {
     let latin = [b"gt,emg_0 \xb5V\n".as_slice(), own(1).as_bytes()].concat();
     let array =
         |columns: usize| crate::npy::encode("|i1", &[700, columns], &vec![3; 700 * columns]);
+    let mut edf = [&b"0       "[..], &[b' '; 2296]].concat();
+    edf[184..188].copy_from_slice(b"2304");
     let pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 5\n";
     for (name, bytes, words) in [
         ("nine.csv", nine.as_bytes(), "9 columns|header"),
@@ -120,6 +107,8 @@ fn a_refusal_says_what_was_found_and_what_was_expected() {
         ("archive.csv", b"PK\x03\x04\x14\0\0\0", "zip"),
         ("model.dat", b"myointnt\x07", "model"),
         ("empty.csv", b"", "empty"),
+        ("1.edf", &edf, "an EDF or BDF file: save its eight channels"),
+        ("2.xdf", b"XDF:\x01\x04", "with the package `pyxdf`"),
     ] {
         let folder = folder(&[(name, bytes)]);
         let message = match load(&folder.path().join(name), &LoadOptions::default()) {
@@ -158,132 +147,99 @@ fn links_to_nothing_and_to_a_device_are_listed_and_stop_nothing() {
 #[test]
 fn a_byte_order_mark_is_no_part_of_the_header_and_utf_16_is_refused_with_what_to_do() {
     let text = format!("\u{feff}{HEADER}0,1,2,3,4,5,6,7,8\n");
-    let own = folder(&[("s1/s1_a.csv", text.as_bytes())]);
-    let library = load(own.path(), &LoadOptions::default()).unwrap();
+    let library = read(&[("s1/s1_a.csv", text.as_bytes())]);
     assert_eq!(library.subjects(), ["own/s1"]);
     let little: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
     let big: Vec<u8> = text.encode_utf16().flat_map(u16::to_be_bytes).collect();
-    for bytes in [&little[..], &big, &little[2..]] {
-        let folder = folder(&[("s1/s1_a.csv", bytes)]);
-        let library = load(folder.path(), &LoadOptions::default()).unwrap();
-        let skipped = library.skipped[0].to_string();
-        assert!(
-            skipped.contains("UTF-16") && skipped.contains("UTF-8"),
-            "{skipped}"
-        );
+    for bytes in [&little[..], &big, &little[2..], &big[2..]] {
+        let told = read(&[("s1/s1_a.csv", bytes)]).skipped[0].to_string();
+        assert!(told.contains("UTF-16") && told.contains("UTF-8"), "{told}");
     }
-}
-
-/// Names of the recordings in files of these names, each with samples of its own.
-fn names_of(files: &[&str], description: Option<&str>) -> Vec<String> {
-    let texts = (1..).zip(files).map(|(person, &file)| (file, own(person)));
-    let folder = folder(&texts.collect::<Vec<_>>());
-    if let Some(text) = description {
-        std::fs::write(folder.path().join(FILE_NAME), text).unwrap();
-    }
-    let library = load(folder.path(), &LoadOptions::default()).unwrap();
-    assert_eq!(library.recordings.len(), files.len(), "{files:?}");
-    let names = library.recordings.iter().map(Recording::full_name);
-    names.collect()
 }
 
 #[test]
 fn no_two_recordings_have_names_that_are_one_file_s() {
-    let described = |files: &str| {
-        let channels: Vec<String> = (0..8).map(|c| format!("\"emg_{c}\"")).collect();
-        format!(
-            "files = \"{files}\"\nchannels = [{}]\nlabel = \"gt\"\nlabels = {{ relax = [0], close = [2] }}\n\
-             rate = 200\nscale = 1\ntiming = \"cues\"\n",
-            channels.join(", ")
-        )
-    };
-    for (files, description, expected) in [
+    let described = format!(
+        "files = \"{{person}}/emg.{{trial}}\"\nchannels = [\"{}\"]\nlabel = \"gt\"\nrate = 200\n\
+         labels = {{ relax = [0], close = [2] }}\n",
+        [0, 1, 2, 3, 4, 5, 6, 7]
+            .map(|c| format!("emg_{c}"))
+            .join("\", \"")
+    );
+    for (files, expected) in [
+        ("a/x.csv a/x.txt", "a/x.csv a/x.txt"),
+        ("a/X.csv a/x.csv", "a/X.csv a/x.csv-2"),
+        ("a/x.csv a/x.csv.txt a/x.txt", "a/x.csv a/x.csv-2 a/x.txt"),
         (
-            &["a/x.csv", "a/x.txt"][..],
-            None,
-            &["a/x.csv", "a/x.txt"][..],
-        ),
-        (&["a/X.csv", "a/x.csv"], None, &["a/X.csv", "a/x.csv-2"]),
-        (
-            &["a/x.csv", "a/x.csv.txt", "a/x.txt"],
-            None,
-            &["a/x.csv", "a/x.csv-2", "a/x.txt"],
-        ),
-        (
-            &["anna/emg.1", "anna/emg.2", "bob/emg.1"],
-            Some("{person}/emg.{trial}"),
-            &["anna/emg.1", "anna/emg.2", "bob/emg"],
+            "anna/emg.1 anna/emg.2 bob/emg.1 recordings.toml",
+            "anna/emg.1 anna/emg.2 bob/emg",
         ),
     ] {
-        let description = description.map(described);
-        let names = names_of(files, description.as_deref());
-        let expected: Vec<String> = expected.iter().map(|name| format!("own/{name}")).collect();
-        assert_eq!(names, expected, "{files:?}");
+        // Each with samples of its own.
+        let text = |(person, file)| match file {
+            FILE_NAME => (file, described.clone()),
+            _ => (file, own(person)),
+        };
+        let texts: Vec<_> = (1..).zip(files.split(' ')).map(text).collect();
+        let found = names(&read(&texts)).join(" ").replace("own/", "");
+        assert_eq!(found, expected);
     }
 }
 
 #[test]
 fn a_persons_two_arms_are_two_wearers() {
     let rows = |person: u64| -> String {
-        let row = |own: &Sample| own.map(|count| count.to_string()).join(",") + ",0\n";
-        emg(1000, person).iter().map(row).collect()
+        let samples = emg(1000, person);
+        let rows = samples.iter().map(|own| joined(own, ",") + ",0\n");
+        rows.collect()
     };
     let right = ("_readings_right_hand/12345-1/7.txt", rows(2));
     let left = ("_readings_left_hand/12345-1/7.txt", rows(1));
-    let read = |files: &[(&str, String)]| {
-        let library = load(folder(files).path(), &LoadOptions::default()).unwrap();
-        assert_eq!(library.subjects(), ["myo-readings/12345"]);
-        library.recordings
-    };
     let both = read(&[left, right.clone()]);
-    assert_ne!(both[0].full_name(), both[1].full_name());
+    assert_eq!(both.subjects(), ["myo-readings/12345"]);
+    assert_ne!(names(&both)[0], names(&both)[1]);
     // Signals of the left arm are not expected of the right one.
-    assert_eq!(both[1].wearer, read(&[right])[0].wearer);
+    let alone = read(&[right]).recordings.remove(0);
+    assert_eq!(both.recordings[1].wearer, alone.wearer);
 }
 
 #[test]
 fn endings_in_capitals_are_read_as_small_ones() {
-    let counts: Vec<u8> = emg(1000, 1)
-        .iter()
-        .flatten()
-        .map(|c| c.cast_unsigned())
-        .collect();
-    let array = crate::npy::encode("|i1", &[1000, 8], &counts);
+    let samples = emg(1000, 1);
+    let bytes = samples.iter().flatten().map(|c| c.cast_unsigned());
+    let array = crate::npy::encode("|i1", &[1000, 8], &bytes.collect::<Vec<u8>>());
     let words = crate::npy::encode("|i1", &[1000], &[5; 1000]);
-    let row = |own: &Sample| own.map(|count| count.to_string()).join(",") + "\n";
-    let rows: String = emg(1000, 1).iter().map(row).collect();
+    let rows: String = samples.iter().map(|own| joined(own, ",") + "\n").collect();
     let metadata = r#"{"data/bob/R_0_C_1.csv": {"class_name": "Hand_Open"}}"#;
     let description = "files = \"{person}/{trial}_emg.Npy\"\nlabel_files = \"{person}/{trial}_ann.npy\"\nrate = 200\n\
                        labels = { open = [5] }\n";
-    for (files, name) in [
-        (vec![("anna/anna_1.CSV", own(1).into())], "own/anna/anna_1"),
+    let own = own(1);
+    let files: [(&str, &[(&str, &[u8])]); 4] = [
+        ("own/anna/anna_1", &[("anna/anna_1.CSV", own.as_bytes())]),
         (
-            vec![
-                ("s3/e2_emg.NPY", array.clone()),
-                ("s3/e2_ann.Npy", words.clone()),
-            ],
             "myoup/s3/e2",
+            &[("s3/e2_emg.NPY", &array), ("s3/e2_ann.Npy", &words)],
         ),
         (
-            vec![
-                ("bob/R_0_C_1.Csv", rows.into()),
-                ("bob/metadata.JSON", metadata.into()),
-            ],
             "own/bob/R_0_C_1",
+            &[
+                ("bob/R_0_C_1.Csv", rows.as_bytes()),
+                ("bob/metadata.JSON", metadata.as_bytes()),
+            ],
         ),
         (
-            vec![
-                ("eva/1_emg.NPY", array),
-                ("eva/1_ann.NPY", words),
-                ("recordings.toml", description.into()),
-            ],
             "own/eva/1_emg",
+            &[
+                ("eva/1_emg.NPY", &array),
+                ("eva/1_ann.NPY", &words),
+                (FILE_NAME, description.as_bytes()),
+            ],
         ),
-    ] {
-        let files: Vec<(&str, Vec<u8>)> = files;
-        let library = load(folder(&files).path(), &LoadOptions::default()).unwrap();
+    ];
+    for (name, files) in files {
+        let library = read(files);
         assert!(library.skipped.is_empty(), "{:?}", library.skipped);
-        let own = &library.recordings[0];
-        assert_eq!((own.full_name().as_str(), own.has_labels()), (name, true));
+        assert_eq!(names(&library), [name]);
+        assert!(library.recordings[0].has_labels(), "{name}");
     }
 }

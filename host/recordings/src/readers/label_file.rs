@@ -56,26 +56,20 @@ struct LabelHeader<'t> {
 
 impl<'t> LabelHeader<'t> {
     fn of(text: &'t str) -> Self {
-        let mut rows = table::lines(text).map(|(_, row)| row);
-        let (header, first) = (rows.next().unwrap_or_default(), rows.next());
-        let divided = |row: &'t str| {
+        let mut rows = table::lines(text).map(|(_, row)| {
             let separator = Separator::of(row);
             (separator, separator.fields(row))
-        };
-        let (mut separator, fields) = divided(header);
-        let mut expected = fields.len().max(1);
+        });
+        let (separator, fields) = rows.next().unwrap_or((Separator::Space, Vec::new()));
+        let expected = fields.len().max(1);
         // Names of rows without a header of their own.
-        if let Some((own, first)) = first.map(divided)
-            && first.len() == expected + 1
-            && (expected == 1 || own == separator)
-        {
-            separator = own;
-            expected = first.len();
-        }
+        let named = rows.next().filter(|(own, first)| {
+            first.len() == expected + 1 && (expected == 1 || *own == separator)
+        });
         Self {
-            separator,
+            separator: named.as_ref().map_or(separator, |(own, _)| *own),
             fields,
-            expected,
+            expected: named.map_or(expected, |(_, first)| first.len()),
         }
     }
 
@@ -144,19 +138,15 @@ pub(crate) fn rows(bytes: &[u8], purpose: Purpose) -> Result<Vec<(usize, &str)>,
         return Ok(rows.collect());
     };
     let field = |(line, row)| {
-        let mut fields = header.separator.fields(row);
-        // A line without a label.
-        if fields.is_empty() {
-            fields.push("");
-        }
-        let (expected, found) = (header.expected, fields.len());
+        // A line without a label has no field.
+        let fields = header.separator.fields(row);
+        let (expected, found) = (header.expected, fields.len().max(1));
         if found != expected {
             return Err(Damage::at_line(line, Fault::Fields { expected, found }));
         }
-        Ok((line, fields[column]))
+        Ok((line, fields.get(column).copied().unwrap_or_default()))
     };
-    let rows = table::lines(text).skip(1).map(field);
-    rows.collect()
+    table::lines(text).skip(1).map(field).collect()
 }
 
 /// Motion of a class number, 0 to 5, of -1 for unknown, or of -2 for other movement.
@@ -186,7 +176,6 @@ mod tests {
     use shared::intent::Intent;
 
     use super::*;
-    use crate::readers::error::Place;
     use crate::readers::npy;
     use crate::recording::movement::MovementKind;
 
@@ -195,116 +184,89 @@ mod tests {
     const NONE: Motion = Motion::Unknown;
     const OTHER: Motion = Motion::Other(MovementKind::Other);
     const POINT: Motion = Motion::Other(MovementKind::Point);
+    const BOTH: &str = "prediction,label,gt\n0,1,3\n";
 
     #[test]
-    fn one_label_a_line_by_number_word_or_kind() {
+    fn labels_are_numbers_words_or_kinds_a_line_or_in_a_column_as_other_programs_write_it() {
+        // With ' for ".
         for (text, expected) in [
             ("0\n3\n-1\nwave-in\nnone\n", &[R, W, NONE, W, NONE][..]),
             ("label\n0\n3.0\n", &[R, W]),
-            (
-                "relax\n-2\nother\npoint\nunknown\n",
-                &[R, OTHER, OTHER, POINT, NONE],
-            ),
+            ("-2\nother\npoint\nunknown\n", &[OTHER, OTHER, POINT, NONE]),
+            ("sample,label,x\n0,relax,1\n1,,2\n", &[R, NONE]),
+            ("'label'\n'relax'\n'wave-in'\n", &[R, W]),
+            ("'sample','label'\n1,'relax'\n2,'3'\n", &[R, W]),
+            // write.csv of R: names of rows under an empty header; write.table: under none.
+            ("'','label'\n'1','relax'\n'2','wave-in'\n", &[R, W]),
+            ("'','gt','label'\n'1',0,2\n'2',3,2\n", &[R, W]),
+            ("'label'\n'1' 'relax'\n'2' 'wave-in'\n", &[R, W]),
+            ("'t' 'label'\n'1' 0.5 0\n'2' 1 3\n", &[R, W]),
+            ("'label','x'\n'1','relax','a, b'\n'2','3',''\n", &[R, W]),
+            ("sample;label\r\n0,5;relax\r\n1;wave-in\r\n", &[R, W]),
+            ("sample\tlabel\n0\trelax\n1\twave-in\n", &[R, W]),
+            ("label\nrelax\n\n0\n", &[R, NONE, R]),
+            (" 'relax' \n'wave-in'\n", &[R, W]),
+            (BOTH, &[W]),
         ] {
-            assert_eq!(parse(text.as_bytes(), Purpose::Truth).unwrap(), expected);
+            let text = text.replace('\'', "\"");
+            let found = parse(text.as_bytes(), Purpose::Truth).unwrap();
+            assert_eq!(found, expected, "{text}");
         }
         let array = npy::encode("|i1", &[3], &[0, 0xfe, 0xff]);
-        assert_eq!(parse(&array, Purpose::Truth), Ok(vec![R, OTHER, NONE]));
-    }
-
-    #[test]
-    fn a_csv_names_its_column() {
-        let csv = b"sample,label,x\n0,relax,1\n1,,2\n";
-        assert_eq!(parse(csv, Purpose::Truth), Ok(vec![R, NONE]));
-        let damage = parse(b"a,b\n0,0\n", Purpose::Truth).unwrap_err();
-        assert!(matches!(damage.fault, Fault::Column { .. }));
-        let damage = parse(b"sample,label\n0,relax\n1\n", Purpose::Truth).unwrap_err();
-        let words = "line 3: expected 2 values as in the rows before, found 1";
-        assert_eq!(damage.to_string(), words);
-    }
-
-    #[test]
-    fn a_csv_is_read_as_other_programs_write_it() {
-        for (text, expected) in [
-            ("\"label\"\n\"relax\"\n\"wave-in\"\n", [R, W]),
-            ("\"sample\",\"label\"\n1,\"relax\"\n2,\"3\"\n", [R, W]),
-            // write.csv of R: names of rows under an empty header; write.table: under none.
-            (
-                "\"\",\"label\"\n\"1\",\"relax\"\n\"2\",\"wave-in\"\n",
-                [R, W],
-            ),
-            ("\"\",\"gt\",\"label\"\n\"1\",0,2\n\"2\",3,2\n", [R, W]),
-            ("\"label\"\n\"1\" \"relax\"\n\"2\" \"wave-in\"\n", [R, W]),
-            ("\"t\" \"label\"\n\"1\" 0.5 0\n\"2\" 1 3\n", [R, W]),
-            (
-                "\"label\",\"note\"\n\"1\",\"relax\",\"a, b\"\n\"2\",\"wave-in\",\"\"\n",
-                [R, W],
-            ),
-            ("sample;label\r\n0,5;relax\r\n1;wave-in\r\n", [R, W]),
-            ("sample\tlabel\n0\trelax\n1\twave-in\n", [R, W]),
-            ("label\nrelax\n\n0\n", [R, NONE]),
-            (" \"relax\" \n\"wave-in\"\n", [R, W]),
+        let emitted = b"\"emitted\",\"label\"\n\"1\",\"relax\",\"close\"\n";
+        for (bytes, purpose, expected) in [
+            (&array[..], Purpose::Truth, vec![R, OTHER, NONE]),
+            (BOTH.as_bytes(), Purpose::Prediction, vec![R]),
+            (emitted, Purpose::Emission, vec![R]),
         ] {
-            let found = parse(text.as_bytes(), Purpose::Truth).unwrap();
-            assert_eq!(found[..2], expected, "{text}");
-        }
-        let text = "\"emitted\",\"label\"\n\"1\",\"relax\",\"close\"\n";
-        let emitted = parse(text.as_bytes(), Purpose::Emission);
-        assert_eq!(emitted, Ok(vec![R]));
-        for wrong in ["\"label\"\n\"relax\"\n1 2\n", "a,label\n1,2,3,0\n"] {
-            let damage = parse(wrong.as_bytes(), Purpose::Truth).unwrap_err();
-            assert!(
-                matches!(damage.fault, Fault::Fields { .. }),
-                "{wrong}: {damage:?}"
-            );
+            assert_eq!(parse(bytes, purpose), Ok(expected));
         }
     }
 
     #[test]
-    fn a_wrong_label_names_its_line() {
-        for wrong in ["6", "fist", "0.5", "-3"] {
-            let damage = parse(format!("0\n{wrong}\n").as_bytes(), Purpose::Truth).unwrap_err();
-            assert_eq!(damage.place, Place::Line(2), "{wrong}");
-        }
-        for empty in [vec![], npy::encode("|i1", &[0], &[])] {
-            let fault = parse(&empty, Purpose::Truth).unwrap_err().fault;
-            assert_eq!(fault, Fault::Empty);
-        }
-        assert_eq!(
-            parse(b"0\n\xff\n", Purpose::Truth).unwrap_err(),
-            Damage::at_byte(2, Fault::Text)
-        );
-    }
-
-    #[test]
-    fn each_purpose_has_its_columns_and_refuses_those_of_the_other() {
-        let csv = b"prediction,label,gt\n0,1,3\n";
-        assert_eq!(parse(csv, Purpose::Truth), Ok(vec![W]));
-        assert_eq!(parse(csv, Purpose::Prediction), Ok(vec![R]));
-        for (csv, purpose) in [
-            (&b"a,gt\n0,0\n"[..], Purpose::Prediction),
-            (b"gt\n0\n", Purpose::Prediction),
-            (b"predicted\n0\n", Purpose::Truth),
+    fn what_is_no_label_of_the_purpose_is_refused_at_its_line() {
+        use Purpose::{Prediction, Truth};
+        const COLUMN: &str = "line 1: expected a header with one of the columns";
+        const FIELDS: &str = "line 3: expected 2 values as in the rows before";
+        const LABEL: &str = "line 2: expected a label";
+        const EMPTY: &str = "expected one row per sample, found none";
+        let empty = npy::encode("|i1", &[0], &[]);
+        for (bytes, purpose, words) in [
+            (&b"a,b\n0,0\n"[..], Truth, COLUMN),
+            // Neither column is ever read as the other.
+            (b"a,gt\n0,0\n", Prediction, COLUMN),
+            (b"gt\n0\n", Prediction, COLUMN),
+            (b"predicted\n0\n", Truth, COLUMN),
+            (b"sample,label\n0,relax\n1\n", Truth, FIELDS),
+            (b"\"label\"\n\"relax\"\n1 2\n", Truth, "expected 1 values"),
+            (b"a,label\n1,2,3,0\n", Truth, "expected 2 values"),
+            (b"0\n6\n", Truth, LABEL),
+            (b"0\nfist\n", Truth, LABEL),
+            (b"0\n0.5\n", Truth, LABEL),
+            (b"0\n-3\n", Truth, LABEL),
+            (b"0\n\xff\n", Truth, "byte 2: expected UTF-8 text"),
+            (b"", Truth, EMPTY),
+            (&empty, Truth, EMPTY),
         ] {
-            let fault = parse(csv, purpose).unwrap_err().fault;
-            assert!(matches!(fault, Fault::Column { .. }), "{fault:?}");
+            let told = parse(bytes, purpose).unwrap_err().to_string();
+            assert!(told.contains(words), "{words}: {told}");
         }
     }
 
     #[test]
     fn a_column_that_need_not_be_there_is_read_behind_a_byte_order_mark() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("labels.csv");
+        let read = |contents: &str| {
+            let folder = crate::fixture::folder(&[("labels.csv", contents)]);
+            read_if_named(&folder.path().join("labels.csv"), Purpose::Emission)
+        };
         for (contents, expected) in [
             ("\u{feff}emitted,prediction\n0,3\n", Some(vec![R])),
             ("prediction\n3\n", None),
             ("3\n", None),
             ("", None),
         ] {
-            std::fs::write(&path, contents).unwrap();
-            assert_eq!(read_if_named(&path, Purpose::Emission).unwrap(), expected);
+            assert_eq!(read(contents).unwrap(), expected);
         }
-        std::fs::write(&path, "emitted\n9\n").unwrap();
-        assert!(read_if_named(&path, Purpose::Emission).is_err());
+        assert!(read("emitted\n9\n").is_err());
     }
 }

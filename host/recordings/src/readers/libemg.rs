@@ -48,10 +48,9 @@ pub(crate) fn class_name(metadata: &str, path: &Path) -> Option<String> {
         let (number, _) = file.strip_prefix("C_")?.split_once("_R_")?;
         return classes.get(number)?.as_str().map(str::to_owned);
     }
-    let (_, entry) = metadata
-        .as_object()?
-        .iter()
-        .find(|(key, _)| key.rsplit(['/', '\\']).next() == Some(file))?;
+    let mut entries = metadata.as_object()?.iter();
+    let is_own = |(key, _): &(&String, _)| key.rsplit(['/', '\\']).next() == Some(file);
+    let (_, entry) = entries.find(is_own)?;
     entry.get("class_name")?.as_str().map(str::to_owned)
 }
 
@@ -81,10 +80,10 @@ pub(crate) fn labelled(mut recording: Recording, metadata: &str) -> Recording {
 #[cfg(test)]
 mod tests {
     use shared::intent::Intent;
-    use shared::units::Sample;
 
     use super::*;
     use crate::catalogue::DataSet;
+    use crate::fixture::{emg, joined, names};
 
     const METADATA: &str = r#"{"continuous": false,
         "data/alice/R_0_C_1.csv": {"class_idx": 1, "class_name": "Hand_Open"},
@@ -93,20 +92,15 @@ mod tests {
 
     #[test]
     fn screen_guided_recordings_are_people_by_folder_with_their_classes() {
-        let folder = tempfile::tempdir().unwrap();
-        let samples = crate::examiner::fixture::emg(700, 1);
-        let row = |sample: &Sample| sample.map(|value| value.to_string()).join(",") + "\r\n";
-        let rows: String = samples.iter().map(row).collect();
+        let samples = emg(700, 1);
+        let rows = samples.iter().map(|own| joined(own, ",") + "\r\n");
+        let rows: String = rows.collect();
         let details = r#"{"num_reps": 1, "class_map": {"0": "No_Motion", "1": "Hand_Close"}}"#;
-        std::fs::create_dir(folder.path().join("anna")).unwrap();
-        for (name, text) in [
-            ("collection_details.json", details),
-            ("C_1_R_0_emg.csv", &rows),
-        ] {
-            std::fs::write(folder.path().join("anna").join(name), text).unwrap();
-        }
-        let library = crate::load(folder.path(), &crate::LoadOptions::default()).unwrap();
-        assert_eq!(library.recordings[0].full_name(), "own/anna/C_1_R_0_emg");
+        let library = crate::fixture::read(&[
+            ("anna/collection_details.json", details),
+            ("anna/C_1_R_0_emg.csv", &rows),
+        ]);
+        assert_eq!(names(&library), ["own/anna/C_1_R_0_emg"]);
         assert_eq!(library.recordings[0].labels, vec![Some(Intent::Close); 700]);
         assert!(library.ignored.is_empty(), "{:?}", library.ignored);
     }

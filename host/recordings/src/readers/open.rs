@@ -4,7 +4,6 @@ mod rows;
 #[cfg(test)]
 mod tests;
 
-use std::fmt;
 use std::path::Path;
 
 use super::error::{Damage, Fault, LoadError};
@@ -27,36 +26,22 @@ pub enum Found {
     Nothing(SkipReason),
 }
 
-/// Reason why a file is passed over without an error.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum SkipReason {
-    /// The ending is not that of recordings: licences, notes, settings.
-    Ending,
-    /// The content is in none of the layouts.
-    Layout,
-    /// Eight channels, but of no known set, and labels or person are unknown.
-    UnknownSet,
-    /// The data set is not wanted.
-    NotWanted,
-    /// It is another copy of what is read: untrimmed, or a copy of another person's file.
-    Copy,
-    /// A path that the description of its folder does not name.
-    Pattern,
-}
-
-impl fmt::Display for SkipReason {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Ending => "no npy, csv, txt, dat, json or mat",
-            Self::Layout => "in none of the layouts",
-            Self::UnknownSet => {
-                "eight channels, but of no known set and without labels: give such a file by itself"
-            }
-            Self::NotWanted => "of a data set that is not asked for",
-            Self::Copy => "a copy of another file",
-            Self::Pattern => "not named as `files` in recordings.toml says",
-        })
+shared::names! {
+    /// Reason why a file is passed over without an error.
+    #[derive(PartialOrd, Ord)]
+    pub enum SkipReason {
+        /// The ending is not that of recordings: licences, notes, settings.
+        Ending = "no npy, csv, txt, dat, json or mat",
+        /// The content is in none of the layouts.
+        Layout = "in none of the layouts",
+        /// Eight channels, but of no known set, and labels or person are unknown.
+        UnknownSet = "eight channels, but of no known set and without labels: give such a file by itself",
+        /// The data set is not wanted.
+        NotWanted = "of a data set that is not asked for",
+        /// It is another copy of what is read: untrimmed, or a copy of another person's file.
+        Copy = "a copy of another file",
+        /// A path that the description of its folder does not name.
+        Pattern = "not named as `files` in recordings.toml says",
     }
 }
 
@@ -104,14 +89,7 @@ pub fn of_bytes(path: &Path, bytes: &[u8], request: &OpenRequest<'_>) -> Result<
         | FileKind::Gzip
         | FileKind::Edf
         | FileKind::Xdf
-        | FileKind::Model => {
-            let expected = KINDS;
-            let fault = Fault::Kind {
-                expected,
-                found: kind,
-            };
-            return Err(damage(Damage::of_file(fault)));
-        }
+        | FileKind::Model => return Err(damage(Damage::of_kind(KINDS, kind))),
         _ => {}
     }
     if let Some((layout, fields)) = Layout::of(path, bytes) {
@@ -127,10 +105,7 @@ pub fn of_bytes(path: &Path, bytes: &[u8], request: &OpenRequest<'_>) -> Result<
                 Err(damage(Damage::of_file(Fault::Objects)))
             }),
         _ if kind == FileKind::Mat => request.nothing(path, kind),
-        "npy" => Err(damage(Damage::of_file(Fault::Kind {
-            expected: "an npy array",
-            found: kind,
-        }))),
+        "npy" => Err(damage(Damage::of_kind("an npy array", kind))),
         "mat" => request.nothing(path, kind),
         _ => rows::open(path, bytes, request),
     }
@@ -167,11 +142,7 @@ impl OpenRequest<'_> {
     /// Passes over a file that is no recording; refuses it if it is the one that was asked for.
     fn nothing(&self, path: &Path, found: FileKind) -> Result<Found, LoadError> {
         if self.alone {
-            let fault = Fault::Kind {
-                expected: KINDS,
-                found,
-            };
-            Err(Damage::of_file(fault).in_file(path))
+            Err(Damage::of_kind(KINDS, found).in_file(path))
         } else {
             Ok(Found::Nothing(SkipReason::Layout))
         }

@@ -15,19 +15,7 @@ use crate::examiner::finding::Finding;
 use movement::Movement;
 
 /// Timing of a recording's labels.
-#[derive(
-    Clone,
-    Copy,
-    PartialEq,
-    Eq,
-    PartialOrd,
-    Ord,
-    Debug,
-    Default,
-    serde::Serialize,
-    serde::Deserialize,
-)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Timing {
     /// Cues, or holds, without rest around them.
     #[default]
@@ -42,14 +30,19 @@ pub enum Timing {
 pub fn by_data_set<'r>(
     recordings: impl IntoIterator<Item = &'r Recording>,
 ) -> BTreeMap<DataSet, Vec<&'r Recording>> {
-    let mut by_set: BTreeMap<DataSet, Vec<&Recording>> = BTreeMap::new();
-    for recording in recordings {
-        by_set
-            .entry(recording.data_set)
-            .or_default()
-            .push(recording);
+    by(recordings, |own| own.data_set)
+}
+
+/// Items by a key of each, in their order.
+pub(crate) fn by<T, K: Ord>(
+    items: impl IntoIterator<Item = T>,
+    key: impl Fn(&T) -> K,
+) -> BTreeMap<K, Vec<T>> {
+    let mut by_key: BTreeMap<K, Vec<T>> = BTreeMap::new();
+    for item in items {
+        by_key.entry(key(&item)).or_default().push(item);
     }
-    by_set
+    by_key
 }
 
 /// One continuous stream of one person.

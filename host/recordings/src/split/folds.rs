@@ -1,13 +1,13 @@
 //! Cross-validation: the groups of subjects that the folds of a protocol hold out in turn.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::str::FromStr;
 
 use rand::seq::SliceRandom;
 
 use crate::catalogue::DataSet;
-use crate::recording::Recording;
+use crate::recording::{Recording, by_data_set};
 use crate::seed;
 
 /// A cross-validation protocol: every subject is held out in one of its folds, except those of sets that
@@ -118,18 +118,13 @@ fn dealt(sets: BTreeMap<DataSet, Vec<&str>>, folds: usize, seed: u64) -> Vec<Vec
 pub fn subjects<'a>(
     recordings: impl IntoIterator<Item = &'a Recording>,
 ) -> BTreeMap<DataSet, Vec<&'a str>> {
-    let mut subjects: BTreeMap<DataSet, Vec<&str>> = BTreeMap::new();
-    for recording in recordings {
-        subjects
-            .entry(recording.data_set)
-            .or_default()
-            .push(&recording.subject);
-    }
-    for own in subjects.values_mut() {
-        own.sort_unstable();
-        own.dedup();
-    }
-    subjects
+    let sets = by_data_set(recordings).into_iter();
+    let subjects = sets.map(|(set, recordings)| {
+        let subjects = recordings.into_iter().map(|own| own.subject.as_str());
+        let subjects: BTreeSet<&str> = subjects.collect();
+        (set, subjects.into_iter().collect())
+    });
+    subjects.collect()
 }
 
 #[cfg(test)]

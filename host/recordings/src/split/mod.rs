@@ -53,9 +53,7 @@ impl Split {
 
     /// The recordings of one role, in their order.
     pub fn select<'a>(&self, recordings: &'a [Recording], role: Role) -> Vec<&'a Recording> {
-        recordings
-            .iter()
-            .filter(|r| self.role(&r.subject) == Some(role))
-            .collect()
+        let is_own = |own: &&Recording| self.role(&own.subject) == Some(role);
+        recordings.iter().filter(is_own).collect()
     }
 }

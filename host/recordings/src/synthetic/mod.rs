@@ -174,27 +174,19 @@ mod tests {
             let recordings = generate(&options);
             let lag = lag::estimate(&recordings.iter().collect::<Vec<_>>()).unwrap();
             let found = lag.lag_samples as u32 * SAMPLE_PERIOD_MS;
-            assert!(
-                found.abs_diff(label_lag_ms) <= 30,
-                "{label_lag_ms}: {lag:?}"
-            );
+            let is_near = found.abs_diff(label_lag_ms) <= 30;
+            assert!(is_near, "{label_lag_ms}: {lag:?}");
         }
     }
 
     #[test]
     fn neighbouring_samples_correlate_as_real_ones() {
-        let recordings = generate(&SMALL);
-        let signal: Vec<f64> = recordings[0]
-            .samples
-            .iter()
-            .map(|sample| f64::from(sample[3]) - BIAS)
-            .collect();
+        let samples = &generate(&SMALL)[0].samples;
+        let signal = samples.iter().map(|sample| f64::from(sample[3]) - BIAS);
+        let signal: Vec<f64> = signal.collect();
         let power: f64 = signal.iter().map(|x| x * x).sum();
         let product: f64 = signal.windows(2).map(|pair| pair[0] * pair[1]).sum();
-        assert!(
-            (-0.35..-0.15).contains(&(product / power)),
-            "{}",
-            product / power
-        );
+        let correlation = product / power;
+        assert!((-0.35..-0.15).contains(&correlation), "{correlation}");
     }
 }

@@ -50,32 +50,21 @@ fn csv(recording: &Recording, muscle: &[Intent]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::catalogue::DataSet;
     use crate::library::{LoadOptions, load};
     use crate::synthetic::generate;
     use crate::synthetic::tests::SMALL;
 
     #[test]
     fn written_recordings_are_read_back_as_generated() {
-        let folder = std::env::temp_dir().join(format!("myointent-synth-{}", std::process::id()));
-        let paths = write(&SMALL, &folder).unwrap();
-        let library = load(&folder, &LoadOptions::default()).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let paths = write(&SMALL, folder.path()).unwrap();
+        let read = load(folder.path(), &LoadOptions::default())
+            .unwrap()
+            .recordings;
         let generated = generate(&SMALL);
-        assert_eq!(
-            (paths.len(), library.recordings.len()),
-            (generated.len(), generated.len())
-        );
-        for (read, expected) in library.recordings.iter().zip(&generated) {
-            assert_eq!(read.data_set, DataSet::SYNTHETIC);
-            assert_eq!(
-                (&read.subject, &read.name),
-                (&expected.subject, &expected.name)
-            );
-            assert_eq!(
-                (&read.samples, &read.labels),
-                (&expected.samples, &expected.labels)
-            );
-        }
-        std::fs::remove_dir_all(&folder).unwrap();
+        assert_eq!(paths.len(), generated.len());
+        let parts = |own: Recording| (own.data_set, own.full_name(), own.samples, own.labels);
+        let [read, generated] = [read, generated].map(|all| all.into_iter().map(parts));
+        assert!(read.eq(generated));
     }
 }

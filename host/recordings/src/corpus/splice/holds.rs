@@ -38,11 +38,8 @@ pub(super) fn holds<'a>(sources: &'a [SpliceSource<'a>]) -> Holds<'a> {
 /// Joins crops of holds; none if there are fewer than two labels.
 pub(super) fn walk(holds: &Holds<'_>, samples: usize, random: &mut ChaCha8Rng) -> Option<Joined> {
     const RELAX: Option<Intent> = Some(Intent::Relax);
-    let gestures: Vec<Option<Intent>> = holds
-        .keys()
-        .copied()
-        .filter(|&label| label != RELAX)
-        .collect();
+    let gestures = holds.keys().copied().filter(|&label| label != RELAX);
+    let gestures: Vec<Option<Intent>> = gestures.collect();
     let rests = holds.contains_key(&RELAX);
     if gestures.len() + usize::from(rests) < 2 {
         return None;

@@ -13,14 +13,12 @@ mod source;
 mod tests;
 mod transitions;
 
-use std::collections::BTreeMap;
-
 use rand_chacha::ChaCha8Rng;
 
 use self::holds::Holds;
 use self::source::{Joined, SpliceSource};
 use self::transitions::Piece;
-use crate::recording::Recording;
+use crate::recording::{Recording, by};
 use crate::seed;
 
 /// Length, number and seed of spliced recordings.
@@ -43,22 +41,15 @@ pub struct SpliceOptions {
 /// transition or two different steady holds, in alphabetical order of subjects. Their path is
 /// empty: they come from no file.
 pub fn splice(recordings: &[&Recording], options: &SpliceOptions) -> Vec<Recording> {
-    let mut by_subject: BTreeMap<&str, Vec<&Recording>> = BTreeMap::new();
-    let is_used = |recording: &Recording| {
+    let is_used = |recording: &&Recording| {
         recording.has_labels() || options.other && !recording.other_movement.is_empty()
     };
-    for recording in recordings.iter().filter(|r| is_used(r)) {
-        by_subject
-            .entry(&recording.subject)
-            .or_default()
-            .push(recording);
-    }
+    let used = recordings.iter().copied().filter(is_used);
     let mut spliced = Vec::new();
-    for (subject, recordings) in by_subject {
-        let sources: Vec<SpliceSource<'_>> = recordings
-            .iter()
-            .map(|r| SpliceSource::new(r, options.other))
-            .collect();
+    for (subject, recordings) in by(used, |own| own.subject.as_str()) {
+        let sources = recordings.iter();
+        let sources = sources.map(|own| SpliceSource::new(own, options.other));
+        let sources: Vec<SpliceSource<'_>> = sources.collect();
         let material = Material::of(&sources);
         for index in 0..options.count {
             let seed = options.seed ^ (index as u64).rotate_left(32);

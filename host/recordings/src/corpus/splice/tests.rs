@@ -29,12 +29,17 @@ fn mark(label: Option<Intent>) -> i8 {
     label.map_or(-1, |intent| intent.class() as i8)
 }
 
-const OPTIONS: SpliceOptions = SpliceOptions {
-    samples: 4321,
-    count: 2,
-    other: false,
-    seed: 42,
-};
+/// Recordings of so many samples, spliced from these.
+fn spliced(recordings: &[Recording], samples: usize, other: bool) -> Vec<Recording> {
+    let recordings: Vec<&Recording> = recordings.iter().collect();
+    let options = SpliceOptions {
+        samples,
+        count: 2,
+        other,
+        seed: 42,
+    };
+    splice(&recordings, &options)
+}
 
 /// Rock, rest, paper, rest, scissor, rest.
 fn roshambo() -> Recording {
@@ -54,49 +59,28 @@ fn steady_recordings_come_in_between_transitions() {
     let cued = recording("a", &[(R, 400), (C, 400), (R, 400)]);
     let mut steady = recording("a", &[(R, 3000)]);
     steady.samples.fill([77; 8]);
-    let options = SpliceOptions {
-        samples: 20_000,
-        ..OPTIONS
-    };
-    let spliced = splice(&[&cued, &steady], &options);
-    let marked = spliced[0]
-        .samples
-        .iter()
-        .zip(&spliced[0].labels)
-        .filter(|(sample, _)| **sample == [77; 8]);
-    let labels: BTreeSet<_> = marked.clone().map(|(_, &label)| label).collect();
-    assert_eq!(labels, BTreeSet::from([R]));
-    assert!(marked.count() > 1000);
+    let spliced = &spliced(&[cued, steady], 20_000, false)[0];
+    let rows = spliced.samples.iter().zip(&spliced.labels);
+    let steady: Vec<_> = rows.filter(|(sample, _)| **sample == [77; 8]).collect();
+    assert!(steady.len() > 1000 && steady.iter().all(|(_, label)| **label == R));
 }
 
 #[test]
 fn samples_keep_their_labels_and_the_length_is_exact() {
-    let spliced = splice(&[&roshambo()], &OPTIONS);
-    assert_eq!(spliced.len(), 2);
-    for recording in &spliced {
-        assert_eq!(
-            (recording.samples.len(), recording.labels.len()),
-            (4321, 4321)
-        );
-        let marks = recording.samples.iter().zip(&recording.labels);
-        assert!(
-            marks
-                .into_iter()
-                .all(|(sample, &label)| sample[0] == mark(label))
-        );
+    let all = spliced(&[roshambo()], 4321, false);
+    assert_eq!(all.len(), 2);
+    for own in &all {
+        assert_eq!((own.samples.len(), own.labels.len()), (4321, 4321));
+        let mut rows = own.samples.iter().zip(&own.labels);
+        assert!(rows.all(|(sample, &label)| sample[0] == mark(label)));
     }
-    assert_ne!(spliced[0].labels, spliced[1].labels);
-    assert_eq!(spliced, splice(&[&roshambo()], &OPTIONS));
+    assert_ne!(all[0].labels, all[1].labels);
+    assert_eq!(all, spliced(&[roshambo()], 4321, false));
 }
 
 #[test]
 fn the_order_is_broken_and_only_recorded_transitions_occur() {
-    let options = SpliceOptions {
-        samples: 200_000,
-        count: 1,
-        ..OPTIONS
-    };
-    let spliced = splice(&[&roshambo()], &options);
+    let spliced = spliced(&[roshambo()], 200_000, false);
     let found = runs(&spliced[0].labels);
     let gestures: Vec<_> = found.iter().map(|r| r.label).filter(|&l| l != R).collect();
     let pairs: BTreeSet<_> = gestures.windows(2).map(|p| (p[0], p[1])).collect();
@@ -112,22 +96,15 @@ fn the_order_is_broken_and_only_recorded_transitions_occur() {
 fn motions_without_a_known_end_do_not_stop_the_walk() {
     let close = recording("a", &[(R, 200), (C, 400), (R, 400)]);
     let unknown = recording("a", &[(R, 200), (None, 800)]);
-    let spliced = splice(&[&close, &unknown], &OPTIONS);
+    let spliced = spliced(&[close, unknown], 4321, false);
     assert_eq!(spliced.len(), 2);
     assert!(spliced[0].labels.iter().all(Option::is_some));
 }
 
 #[test]
 fn steady_holds_are_joined_with_and_without_rest_between() {
-    let holds: Vec<_> = [R, O, C]
-        .map(|label| recording("a", &[(label, 1000)]))
-        .into();
-    let options = SpliceOptions {
-        samples: 100_000,
-        count: 1,
-        ..OPTIONS
-    };
-    let spliced = splice(&holds.iter().collect::<Vec<_>>(), &options);
+    let holds = [R, O, C].map(|label| recording("a", &[(label, 1000)]));
+    let spliced = spliced(&holds, 100_000, false);
     let found = runs(&spliced[0].labels);
     let pairs: BTreeSet<_> = found.windows(2).map(|p| (p[0].label, p[1].label)).collect();
     assert_eq!(
@@ -147,7 +124,7 @@ fn subjects_are_not_mixed_and_unlabelled_ones_left_out() {
         recording("b", &[(None, 5000)]),
         recording("c", &[(R, 900)]),
     ];
-    let spliced = splice(&people.iter().collect::<Vec<_>>(), &OPTIONS);
+    let spliced = spliced(&people, 4321, false);
     assert!(spliced.iter().all(|r| r.subject == "a"));
 }
 
@@ -158,28 +135,19 @@ fn movement_outside_the_vocabulary_is_spliced_as_a_gesture_and_marked() {
     let mut steady = recording("a", &[(None, 1000)]);
     steady.samples.fill([55; 8]);
     steady.other_movement = vec![Movement::new(MovementKind::Point, 0..1000)];
-    let splice_all = |other| {
-        let options = SpliceOptions {
-            samples: 40_000,
-            other,
-            ..OPTIONS
-        };
-        splice(&[&cued, &steady], &options).swap_remove(0)
-    };
-    let marked = splice_all(true);
+    let both = [cued, steady];
+    let marked = spliced(&both, 40_000, true).swap_remove(0);
     let others = mask(&marked.other_movement, marked.labels.len());
     let found = |mark: i8| -> BTreeSet<_> {
         let samples = marked.samples.iter().zip(&marked.labels).zip(&others);
-        let samples = samples.filter(|((sample, _), _)| sample[0] == mark);
-        samples
-            .map(|((_, &label), &other)| (label, other))
-            .collect()
+        let marked = samples.filter(|((sample, _), _)| sample[0] == mark);
+        marked.map(|((_, &label), &other)| (label, other)).collect()
     };
     // The movement is there, in transitions and in holds, always marked; the gesture keeps its label.
     assert_eq!(found(mark(None)), BTreeSet::from([(None, true)]));
     assert_eq!(found(55), BTreeSet::from([(None, true)]));
     assert_eq!(found(mark(C)), BTreeSet::from([(C, false)]));
-    let unknown = splice_all(false);
+    let unknown = &spliced(&both, 40_000, false)[0];
     assert!(unknown.labels.contains(&None) && unknown.other_movement.is_empty());
     assert!(unknown.samples.iter().all(|sample| sample[0] != 55));
 }

@@ -85,13 +85,8 @@ pub(super) fn walk(
             continue;
         }
         let here: Vec<_> = pieces.iter().filter(|p| p.from == label).collect();
-        let nexts: Vec<_> = here
-            .iter()
-            .map(|p| p.to)
-            .collect::<BTreeSet<_>>()
-            .into_iter()
-            .collect();
-        let next = *nexts.choose(random)?;
+        let nexts: BTreeSet<_> = here.iter().map(|p| p.to).collect();
+        let next = *Vec::from_iter(nexts).choose(random)?;
         let fitting: Vec<_> = here.into_iter().filter(|p| p.to == next).collect();
         let piece = fitting.choose(random)?;
         let start = random.random_range(piece.start.clone());

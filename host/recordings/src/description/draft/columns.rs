@@ -13,10 +13,8 @@ use crate::readers::error::Fault;
 use crate::readers::npy::{self, Values};
 use crate::readers::path::ending;
 use crate::readers::read;
-use crate::readers::table;
 use crate::readers::table::columns::Columns as Named;
 use crate::readers::table::head::Head;
-use crate::readers::table::separator::Separator;
 
 /// Rows of a file that are looked at.
 const EXAMINED: usize = 20_000;
@@ -119,34 +117,22 @@ impl Table {
         let head = Head::of(text, None)?;
         let named = match Named::of(text) {
             Ok(columns) => Some(columns).filter(|columns| !columns.names.is_empty()),
-            // A person says which columns these are.
-            Err(error)
-                if matches!(
-                    error.fault,
-                    Fault::Channels { .. } | Fault::Headerless { .. }
-                ) =>
-            {
-                None
-            }
-            Err(_) => return None,
+            Err(error) => match error.fault {
+                // A person says which columns these are.
+                Fault::Channels { .. } | Fault::Headerless { .. } => None,
+                _ => return None,
+            },
         };
-        let first = head.line + usize::from(head.is_names);
-        let rows = table::rows(text).skip_while(|(line, _)| *line < first);
-        let mut columns = vec![Vec::new(); head.fields.len()];
-        for (_, row) in rows.take(EXAMINED) {
-            let fields = head.separator.fields(row);
-            if fields.len() == columns.len() {
-                for (column, field) in columns.iter_mut().zip(fields) {
-                    column.push(head.separator.number(field).into_owned());
-                }
+        let all = Named::of_head(&head, head.is_names);
+        let mut columns = vec![Vec::new(); all.count];
+        for (_, fields) in all.rows(text).take(EXAMINED).flatten() {
+            for (column, field) in columns.iter_mut().zip(fields) {
+                column.push(all.separator.number(field).into_owned());
             }
         }
-        let mut marks = Separator::TEXTS.into_iter();
-        let mark = marks.find(|(own, _)| *own == head.separator);
-        let names = head.fields.iter().filter(|_| head.is_names);
         Some(Self {
-            separator: mark.map(|(_, text)| text),
-            names: names.map(|&name| name.to_owned()).collect(),
+            separator: Some(all.separator.name()),
+            names: all.names,
             named,
             columns,
         })

@@ -1,5 +1,5 @@
 use super::*;
-use crate::library::tests::folder;
+use crate::fixture::{HEADER, folder};
 
 /// Text of the draft of a folder with these files.
 fn written(files: &[(&str, String)]) -> Result<String, DraftError> {
@@ -46,18 +46,15 @@ fn names_numbers_and_words_tell_the_columns() {
         r#"labels = { close = ["fist"], relax = ["rest"], unknown = ["snap"] }"#,
     ];
     assert_eq!(fields(&text), expected);
-    assert!(
-        text.contains("the first eight columns of numbers"),
-        "{text}"
-    );
+    assert!(text.contains("the first eight columns of num"), "{text}");
     // So are times, however late a row came, and with eight columns of numbers there is nothing to check.
     let late = |row: usize| format!(",{}", 5 * row + [0, 4, 1][row % 3]);
     let text = written(&[("1.csv", table("", 8, late))]).unwrap();
     assert!(fields(&text).contains(&"time = 9"), "{text}");
     assert!(!text.contains("the first eight"), "{text}");
     // Columns with names that are known are found by them.
-    let known = "emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7,gt\n";
-    let text = written(&[("1.csv", table(known, 8, |row| format!(",{}", row / 200)))]).unwrap();
+    let known = HEADER.trim_start_matches("gt,").replace('\n', ",gt\n");
+    let text = written(&[("1.csv", table(&known, 8, |row| format!(",{}", row / 200)))]).unwrap();
     let expected = [
         r#"files = "1.csv""#,
         r#"label = "gt""#,
@@ -74,19 +71,17 @@ fn names_numbers_and_words_tell_the_columns() {
 
 #[test]
 fn what_is_the_same_in_all_paths_is_text_and_the_outermost_folder_is_the_person() {
-    for (paths, pattern) in [
-        (["p1/open_1.csv", "p2/fist_2.csv"], "{person}/{any}.csv"),
+    for (one, other, pattern) in [
+        ("p1/open_1.csv", "p2/fist_2.csv", "{person}/{any}.csv"),
         (
-            ["p1/m/x_a.CSV", "p2/n/y_a.csv"],
+            "p1/m/x_a.CSV",
+            "p2/n/y_a.csv",
             "{person}/{session}/{any}_a.csv",
         ),
-        (
-            ["all/a_1_emg.csv", "all/a_02_emg.csv"],
-            "all/a_{any}_emg.csv",
-        ),
-        (["a_emg.csv", "a_b_emg.csv"], "{any}.csv"),
+        ("all/a_1_emg.csv", "all/a_02_emg.csv", "all/a_{any}_emg.csv"),
+        ("a_emg.csv", "a_b_emg.csv", "{any}.csv"),
     ] {
-        let text = written(&paths.map(|path| (path, plain()))).unwrap();
+        let text = written(&[(one, plain()), (other, plain())]).unwrap();
         let expected = format!("files = \"{pattern}\"");
         assert!(fields(&text).contains(&&*expected), "{text}");
         assert!(!text.contains("Cannot be read"), "{text}");
@@ -154,11 +149,11 @@ fn an_existing_description_is_never_replaced() {
     let folder = folder(&[("a.csv", plain())]);
     let refusal = |path: &Path| describe(path, None).unwrap_err().to_string();
     describe(folder.path(), None).unwrap();
-    let again = refusal(folder.path());
-    assert!(
-        again.contains("recordings.toml exists: correct it"),
-        "{again}"
-    );
-    let file = refusal(&folder.path().join("a.csv"));
-    assert!(file.contains("expected a folder"), "{file}");
+    for (below, words) in [
+        ("", "recordings.toml exists: correct it"),
+        ("a.csv", "expected a folder"),
+    ] {
+        let told = refusal(&folder.path().join(below));
+        assert!(told.contains(words), "{told}");
+    }
 }

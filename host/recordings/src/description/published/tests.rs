@@ -34,91 +34,55 @@ fn labelled(own: &Recording) -> String {
     names.join(" ")
 }
 
+/// Path, content, name and labels of a file of each set.
+const TAKEN: &str = "\
+EMG_S12/5_thumb_up.npy | 900 | wang-myo/S12/5_thumb_up | relax thumb-up
+EMG_S3/x/握拳_1_x.mat | mat | wang-myo/S3/1_fist |
+EMG_S3/Good_5_x.mat | mat | wang-myo/S3/5_thumb_up |
+user10/testing/055_pinch.npy | 1000 | epn/user10/testing/055_pinch | relax pinch relax
+sub7/M8T1.CSV | decimals | ss-stm/sub7/M8T1 | relax close relax
+EvaluationDataset/Male3/training0/classe_13.dat | int16 | cote-allard/E-Male3/training0/classe_13 | open
+ciil/7/S1_R2_wavein.npy | 900 | ciil/7/S1_R2_wavein | wave-in
+epn10/p3/1_doubletap_2.npy | 1000 | epn10/p3/1_doubletap_2 | relax other
+pangestu/p2/waveout_T1.npy | 1000 | pangestu/p2/waveout_T1 | relax wave-out relax
+dideakay/p1/close_3.npy | 1000 | dideakay/p1/close_3 | relax close relax
+adl/p1/eating.npy | 1000 | adl/p1/eating | eating
+psl/p2/w07_1.npy | 1000 | psl/p2/w07_1 | signing
+libras/p1/C_1.npy | 1000 | libras/p1/C_1 | signing";
+
+/// Path and content of files of no set.
+const NOT_TAKEN: &str = "\
+EMG_S3/握拳_1.mat | mat
+EMG_S3/握拳_11_x.mat | mat
+S/握拳_1_x.mat | mat
+user10/training/1_wink.npy | 900
+a/training/1_fist.npy | 900
+user10/1_fist.npy | 900
+subject/M8T1.csv | decimals
+sub7/M8T1.csv | whole
+s2_l_1-lizard-7-emg.csv | whole";
+
 #[test]
 fn names_say_set_person_and_motion_and_nothing_else_is_taken() {
-    let mat = fixture::file(&[fixture::doubles("data", [50, 8], &[0.5; 400])]);
-    let rows = b"0.5,0,0,0,0,0,0,-1\n".repeat(20);
-    for (path, bytes, name, labels) in [
-        (
-            "EMG_S12/5_thumb_up.npy",
-            array(900),
-            "wang-myo/S12/5_thumb_up",
-            "relax thumb-up",
-        ),
-        (
-            "EMG_S3/x/握拳_1_x.mat",
-            mat.clone(),
-            "wang-myo/S3/1_fist",
-            "",
-        ),
-        (
-            "EMG_S3/Good_5_x.mat",
-            mat.clone(),
-            "wang-myo/S3/5_thumb_up",
-            "",
-        ),
-        (
-            "user10/testing/055_pinch.npy",
-            array(1000),
-            "epn/user10/testing/055_pinch",
-            "relax pinch relax",
-        ),
-        (
-            "sub7/M8T1.CSV",
-            rows.repeat(40),
-            "ss-stm/sub7/M8T1",
-            "relax close relax",
-        ),
-        (
-            "EvaluationDataset/Male3/training0/classe_13.dat",
-            [1, 0].repeat(16),
-            "cote-allard/E-Male3/training0/classe_13",
-            "open",
-        ),
-        (
-            "ciil/7/S1_R2_wavein.npy",
-            array(900),
-            "ciil/7/S1_R2_wavein",
-            "wave-in",
-        ),
-        (
-            "epn10/p3/1_doubletap_2.npy",
-            array(1000),
-            "epn10/p3/1_doubletap_2",
-            "relax other",
-        ),
-        (
-            "pangestu/p2/waveout_T1.npy",
-            array(1000),
-            "pangestu/p2/waveout_T1",
-            "relax wave-out relax",
-        ),
-        (
-            "dideakay/p1/close_3.npy",
-            array(1000),
-            "dideakay/p1/close_3",
-            "relax close relax",
-        ),
-        ("adl/p1/eating.npy", array(1000), "adl/p1/eating", "eating"),
-        ("psl/p2/w07_1.npy", array(1000), "psl/p2/w07_1", "signing"),
-        ("libras/p1/C_1.npy", array(1000), "libras/p1/C_1", "signing"),
-    ] {
-        let own = read(&format!("/d/{path}"), &bytes).unwrap();
-        assert_eq!((&*own.full_name(), &*labelled(&own)), (name, labels));
+    let bytes = |content: &str| match content {
+        "mat" => fixture::file(&[fixture::doubles("data", [50, 8], &[0.5; 400])]),
+        "decimals" => b"0.5,0,0,0,0,0,0,-1\n".repeat(800),
+        "whole" => b"1,2,3,4,5,6,7,8\n".repeat(20),
+        "int16" => [1, 0].repeat(16),
+        rows => array(rows.parse().unwrap()),
+    };
+    for line in TAKEN.lines() {
+        let [path, content, name, labels] = line.split('|').collect::<Vec<_>>()[..] else {
+            panic!("{line}");
+        };
+        let own = read(&format!("/d/{}", path.trim()), bytes(content.trim())).unwrap();
+        let found = (own.full_name(), labelled(&own));
+        assert_eq!(found, (name.trim().to_owned(), labels.trim().to_owned()));
     }
-    let whole = b"1,2,3,4,5,6,7,8\n".repeat(20);
-    for (path, bytes) in [
-        ("/d/EMG_S3/握拳_1.mat", mat.clone()),
-        ("/d/EMG_S3/握拳_11_x.mat", mat.clone()),
-        ("/d/S/握拳_1_x.mat", mat),
-        ("/d/user10/training/1_wink.npy", array(900)),
-        ("/d/a/training/1_fist.npy", array(900)),
-        ("/d/user10/1_fist.npy", array(900)),
-        ("/d/subject/M8T1.csv", rows),
-        ("/d/sub7/M8T1.csv", whole.clone()),
-        ("/d/s2_l_1-lizard-7-emg.csv", whole),
-    ] {
-        assert!(Layout::of(Path::new(path), &bytes).is_none(), "{path}");
+    for line in NOT_TAKEN.lines() {
+        let (path, content) = line.split_once(" | ").unwrap();
+        let path = Path::new("/d").join(path);
+        assert!(Layout::of(&path, &bytes(content)).is_none(), "{line}");
     }
 }
 
@@ -132,19 +96,14 @@ fn the_gesture_of_a_name_is_where_the_muscle_is_active() {
     };
     let rock = read("/d/s2_l_1/s2_l_1-rock-7-emg.csv", rps(100..300)).unwrap();
     assert_eq!(rock.full_name(), "myo-rps/s2/l_1-rock-7");
-    assert_eq!(
-        [rock.labels[200], rock.labels[20]],
-        [Some(Intent::Close), RELAX]
-    );
+    let found = [rock.labels[200], rock.labels[20]];
+    assert_eq!(found, [Some(Intent::Close), RELAX]);
     assert_eq!((rock.samples[201], rock.timing), ([-40; 8], Timing::Muscle));
     let scissors = read("/d/s2_l_1-scissors-7-emg.csv", rps(100..300)).unwrap();
     assert!(scissors.other_movement[0].samples.contains(&200));
     let weak = read("/d/s5_l_1-rock-7-emg.csv", rps(0..0)).unwrap();
-    assert!(
-        !weak.has_labels() && weak.notes.len() == 2,
-        "{:?}",
-        weak.notes
-    );
+    assert!(!weak.has_labels());
+    assert_eq!(weak.notes.len(), 2, "{:?}", weak.notes);
     let rest = read("/d/user10/testing/001_noGesture.npy", array(900)).unwrap();
     assert_eq!((rest.labels, rest.timing), (vec![RELAX; 900], Timing::Cues));
     assert!(rest.notes[0].contains("some were lost"));
@@ -169,41 +128,30 @@ fn a_lost_newline_of_myo_readings_names_its_line() {
     let text = "0,0,0,0,0,0,0,0,0\n4,2,1,0,-1,0,0,0,00,3,2,0,1,1,-1,0,0\n0,0,0,0,0,0,0,0,0\n";
     let error = |path| read(path, text).unwrap_err().to_string();
     let own = error("/d/19999-2/12.txt");
-    assert!(
-        own.ends_with("line 2: expected 9 values as in the rows before, found 17"),
-        "{own}"
-    );
+    let words = "line 2: expected 9 values as in the rows before, found 17";
+    assert!(own.ends_with(words), "{own}");
     assert!(error("/d/19999-2/2.txt").ends_with("(damaged as published)"));
-}
-
-/// A file of `uci-gestures` of rows of a time, a count in all channels and a class.
-fn uci(rows: impl IntoIterator<Item = (usize, i32, u8)>) -> String {
-    let names: String = (1..=8)
-        .map(|channel| format!("channel{channel}\t"))
-        .collect();
-    let row =
-        |(time, count, class)| format!("{time}{}\t{class}\n", format!("\t{count}e-05").repeat(8));
-    format!("time\t{names}class\n") + &rows.into_iter().map(row).collect::<String>()
 }
 
 #[test]
 fn times_of_uci_gestures_that_go_back_leap_or_last_too_long_are_refused() {
-    let hours = (0..3602).map(|second| (1000 * second, (second % 2) as i32, 0));
-    for (text, words) in [
-        (
-            uci([(5, 1, 0), (4, 2, 0)]),
-            "line 3: expected times that rise",
-        ),
-        (
-            uci([(5, 1, 0), (2000, 2, 0)]),
-            "line 3: expected times that rise",
-        ),
-        (uci(hours), "at most 3600 s"),
-    ] {
-        let error = read("/d/07/2_raw_data_13.txt", text)
-            .unwrap_err()
-            .to_string();
-        assert!(error.contains(words), "{error}");
+    // A time, a count in all channels and a class.
+    let file = |times: &mut dyn Iterator<Item = usize>| {
+        let names = [1, 2, 3, 4, 5, 6, 7, 8].map(|channel| format!("channel{channel}\t"));
+        let row = |(at, time)| format!("{time}{}\t0\n", format!("\t{}e-05", at % 2).repeat(8));
+        let rows: String = (0..).zip(times).map(row).collect();
+        format!("time\t{}class\n{rows}", names.concat())
+    };
+    let hours = &mut (0..3602).map(|second| 1000 * second);
+    let (back, leap) = (&mut [5, 4].into_iter(), &mut [5, 2000].into_iter());
+    let cases: [(&mut dyn Iterator<Item = usize>, &str); 3] = [
+        (back, "line 3: expected times that rise"),
+        (leap, "line 3: expected times that rise"),
+        (hours, "at most 3600 s"),
+    ];
+    for (times, words) in cases {
+        let error = read("/d/07/2_raw_data_13.txt", file(times)).unwrap_err();
+        assert!(error.to_string().contains(words), "{error}");
     }
 }
 

@@ -1,6 +1,7 @@
 //! Refusals, and their words.
 
 use super::{array, described, table};
+use crate::readers::open::SkipReason;
 use crate::{LoadError, npy};
 
 /// Line of the fault, words of the refusal, and lines of the description.
@@ -67,63 +68,49 @@ fn a_description_that_cannot_be_used_names_file_line_and_field() {
         };
         assert_eq!(*found, line.parse().ok(), "{text}: {error}");
         let error = error.to_string();
-        assert!(
-            error.contains(words) && error.contains("recordings.toml"),
-            "{text}: {error}"
-        );
+        let is_told = error.contains(words) && error.contains("recordings.toml");
+        assert!(is_told, "{text}: {error}");
     }
 }
 
 #[test]
 fn faults_of_a_file_name_line_and_column() {
     let head = "files = \"{person}.csv\"\nrate = 200\n";
-    let numbers = "channels = [1, 2, 3, 4, 5, 6, 7, 8]\n";
-    let labelled = format!("{head}{numbers}label = 9\nlabels = {{ relax = [0] }}\n");
-    let good = table("", ",", 150, |_| (String::new(), ",0".to_owned()));
-    let with = |line: &str| [&good[..], line.as_bytes()].concat();
-    let ninth = |label: &str| labelled.replace("label = 9", label);
-    let plain = &format!("{head}{numbers}");
-    let scaled = &format!("{head}scale = 1000\n{numbers}");
+    let plain = &format!("{head}channels = [1, 2, 3, 4, 5, 6, 7, 8]\n");
+    let scaled = &format!("scale = 1000\n{plain}");
+    let ninth = |label: &str| format!("{plain}label = {label}\nlabels = {{ relax = [0] }}\n");
+    let labelled = &ninth("9");
+    let good = || table(150, ",", |_, counts| format!("{counts},0"));
+    let with = |line: &str| [&good(), line.as_bytes(), b"\n"].concat();
     let array = |columns: usize| npy::encode("|i1", &[50, columns], &vec![1; 50 * columns]);
+    let told = |text: &str, bytes, words: &str| {
+        let library = described(text, &[("anna.csv", bytes)]);
+        let error = library.map_or_else(|error| error.line(), |own| own.skipped[0].line());
+        let is_told = error.contains(words) && error.contains("anna.csv");
+        assert!(is_told, "{text}: {error}");
+    };
+    for (row, words) in [
+        ("1,2,3,4,5,6,7,8,7", "a label that is listed"),
+        ("1,2,3", "9 values"),
+        ("1,2,3,x,5,6,7,8,0", "a number in field 4, found \"x\""),
+        ("1,2,300,4,5,6,7,8,0", "a count of the armband in field 3"),
+    ] {
+        told(labelled, with(row), &format!("line 151: expected {words}"));
+    }
     for (text, bytes, words) in [
         (
-            &labelled,
-            with("1,2,3,4,5,6,7,8,7\n"),
-            "line 151: expected a label that is listed in `labels`",
+            &ninth("10"),
+            good(),
+            "number 10 of the description, found 9 columns",
         ),
-        (&labelled, with("1,2,3\n"), "line 151: expected 9 values"),
-        (
-            &labelled,
-            with("1,2,3,x,5,6,7,8,0\n"),
-            "line 151: expected a number in field 4, found \"x\"",
-        ),
-        (
-            &labelled,
-            with("1,2,300,4,5,6,7,8,0\n"),
-            "line 151: expected a count of the armband in field 3",
-        ),
-        (
-            &ninth("label = 10"),
-            good.clone(),
-            "column number 10 of the description, found 9 columns",
-        ),
-        (&ninth("label = \"gt\""), good.clone(), "column \"gt\""),
-        (scaled, good.clone(), "whole multiples of 1000"),
+        (&ninth("\"gt\""), good(), "column \"gt\""),
+        (scaled, good(), "whole multiples of 1000"),
         (plain, Vec::new(), "expected one row per sample"),
-        (
-            plain,
-            b"PK\x03\x04".to_vec(),
-            "as a description has them, found",
-        ),
+        (plain, b"PK\x03\x04".to_vec(), "as a description has them"),
         (plain, array(7), "numbers of the columns in the description"),
         (&head.to_owned(), array(9), "(50, 9)"),
     ] {
-        let library = described(text, &[("anna.csv", bytes)]);
-        let error = library.map_or_else(|error| error.line(), |own| own.skipped[0].line());
-        assert!(
-            error.contains(words) && error.contains("anna.csv"),
-            "{text}: {error}"
-        );
+        told(text, bytes, words);
     }
 }
 
@@ -142,18 +129,9 @@ fn what_is_named_otherwise_is_not_read_and_told() {
         skipped.contains("found \"fist\": add it to one of the lists"),
         "{skipped}"
     );
-    assert_eq!(library.ignored.len(), 1);
-    assert_eq!(
-        library.ignored[0].reason,
-        crate::readers::open::SkipReason::Pattern
-    );
-    assert!(
-        library
-            .people
-            .iter()
-            .any(|told| told
-                .contains("recordings.toml describes them: 1 recordings of 1 people: anna")),
-        "{:?}",
-        library.people
-    );
+    let ignored: Vec<_> = library.ignored.iter().map(|own| own.reason).collect();
+    assert_eq!(ignored, [SkipReason::Pattern]);
+    let told = library.people.concat();
+    let words = "recordings.toml describes them: 1 recordings of 1 people: anna";
+    assert!(told.contains(words), "{told}");
 }

@@ -45,11 +45,8 @@ fn time_of_day(text: &str) -> Option<f64> {
     let text = zone.map_or(text, |at| &text[..at]).trim_end();
     let mut parts = text.split(':');
     let mut next = || {
-        parts
-            .next()?
-            .parse::<f64>()
-            .ok()
-            .filter(|part| *part >= 0.0)
+        let part = parts.next()?.parse::<f64>().ok();
+        part.filter(|part| *part >= 0.0)
     };
     let (hours, minutes, seconds) = (next()?, next()?, next()?);
     let whole = parts.next().is_none() && hours.fract() == 0.0 && minutes.fract() == 0.0;

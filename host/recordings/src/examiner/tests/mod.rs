@@ -7,36 +7,42 @@ use std::f64::consts::TAU;
 
 use shared::units::{CHANNELS, Sample};
 
-use super::fixture::{csv, emg, with_column};
+use crate::Library;
+use crate::fixture::{counts, csv, emg, names, read, with_column};
 use crate::library::inspection::groups;
-use crate::library::tests::folder;
-use crate::{Library, LoadOptions, load};
-
-fn read(files: &[(&str, &str)]) -> Library {
-    load(folder(files).path(), &LoadOptions::default()).unwrap()
-}
 
 fn one(text: &str) -> Library {
     read(&[("anna/anna_1.csv", text)])
 }
 
-fn counts(samples: &[Sample]) -> String {
-    csv(samples, |count| count.to_string())
-}
-
 /// Kinds of the findings.
 fn kinds(library: &Library) -> Vec<&'static str> {
-    groups(library)
-        .iter()
-        .map(|group| group.finding.kind)
-        .collect()
+    let found = groups(library);
+    found.iter().map(|group| group.finding.kind).collect()
 }
 
-/// Message that refuses the only file.
-fn refusal(text: &str) -> String {
+/// What the first finding says.
+fn first(library: &Library) -> String {
+    groups(library)[0].finding.what.clone()
+}
+
+/// Asserts that a table is refused in these words.
+fn refused(text: &str, words: &str) {
     let library = one(text);
-    assert!(library.recordings.is_empty(), "{:?}", kinds(&library));
-    library.skipped[0].to_string()
+    assert!(
+        library.recordings.is_empty(),
+        "{words}: {:?}",
+        kinds(&library)
+    );
+    let told = library.skipped[0].to_string();
+    assert!(told.contains(words), "{words}: {told}");
+}
+
+/// Asserts that a table is read as so many recordings, with findings of these kinds.
+fn taken(text: &str, recordings: usize, kinds: &[&str]) {
+    let library = one(text);
+    let found = (library.recordings.len(), self::kinds(&library));
+    assert_eq!(found, (recordings, kinds.to_vec()), "{:?}", library.skipped);
 }
 
 /// Samples turned by a function of their number.
@@ -48,15 +54,13 @@ fn each(samples: &[Sample], of: impl Fn(usize, Sample) -> Sample) -> Vec<Sample>
 #[test]
 fn a_recording_as_it_should_be_has_no_finding() {
     for seed in 0..5 {
-        let library = one(&counts(&emg(12_000, seed)));
-        assert_eq!((library.recordings.len(), kinds(&library)), (1, vec![]));
+        taken(&counts(&emg(12_000, seed)), 1, &[]);
     }
 }
 
 #[test]
 fn values_that_are_no_counts_are_refused_with_their_scale() {
     let samples = emg(2000, 1);
-    let scaled = |factor: f64| csv(&samples, |count| (f64::from(count) * factor).to_string());
     for (factor, words) in [
         (1e-5, "0.00001 a count"),
         (1e-2, "millivolts"),
@@ -65,32 +69,29 @@ fn values_that_are_no_counts_are_refused_with_their_scale() {
         (1.0 / 127.0, "divided by 127"),
         (256.0, "bytes of each value exchanged"),
         (0.0078, "multiples of 0.0078"),
-        (0.37, "filtered, normalized"),
+        (0.37, "multiples of 0.37"),
     ] {
-        let refusal = refusal(&scaled(factor));
-        let whole = factor == 0.37 && refusal.contains("multiples of 0.37");
-        assert!(refusal.contains(words) || whole, "{factor}: {refusal}");
-        assert!(refusal.contains("-128 to 127"), "{refusal}");
+        let scaled = csv(&samples, |count| (f64::from(count) * factor).to_string());
+        refused(&scaled, words);
+        refused(&scaled, "whole numbers from -128 to 127");
     }
-    let unsigned = refusal(&csv(&samples, |count| count.cast_unsigned().to_string()));
-    assert!(unsigned.contains("subtract 256"), "{unsigned}");
-    let offset = refusal(&csv(&samples, |count| (i16::from(count) + 128).to_string()));
-    assert!(offset.contains("subtract 128"), "{offset}");
-    let filtered = refusal(&csv(&samples, |count| {
+    let unsigned = csv(&samples, |count| count.cast_unsigned().to_string());
+    refused(&unsigned, "subtract 256");
+    let offset = csv(&samples, |count| (i16::from(count) + 128).to_string());
+    refused(&offset, "subtract 128");
+    let cubes = csv(&samples, |count| {
         (f64::from(count).powi(3) / 97.0).to_string()
-    }));
-    assert!(filtered.contains("filtered"), "{filtered}");
+    });
+    refused(&cubes, "filtered, normalized");
 }
 
 #[test]
 fn values_on_one_side_and_those_that_never_change_are_refused() {
-    let samples = emg(2000, 1);
-    let rectified = each(&samples, |_, sample| {
-        sample.map(|count| count.saturating_abs())
-    });
-    assert!(refusal(&counts(&rectified)).contains("rectified"));
-    assert!(refusal(&counts(&[[0; CHANNELS]; 700])).contains("throughout"));
-    assert!(refusal(&counts(&[[3; CHANNELS]; 700])).contains("throughout"));
+    let rectified = each(&emg(2000, 1), |_, own| own.map(i8::saturating_abs));
+    refused(&counts(&rectified), "rectified");
+    for value in [0, 3] {
+        refused(&counts(&[[value; CHANNELS]; 700]), "throughout");
+    }
 }
 
 #[test]
@@ -100,10 +101,7 @@ fn a_column_that_counts_is_no_channel() {
             sample[3] = (at % modulus) as u8 as i8;
             sample
         });
-        assert!(
-            refusal(&counts(&counted)).contains("counts in channel 4"),
-            "{modulus}"
-        );
+        refused(&counts(&counted), "counts in channel 4");
     }
 }
 
@@ -161,7 +159,7 @@ fn every_channel_with_a_defect_is_named() {
     let words = "channels equal others: 4 as 2, 7 as 2, 8 as 3";
     assert_eq!(told(&copied), [words]);
     let single = each(&emg(2000, 1), |_, sample| [sample[3]; CHANNELS]);
-    assert!(refusal(&counts(&single)).contains("found 1 with a signal"));
+    refused(&counts(&single), "found 1 with a signal");
 }
 
 #[test]
@@ -173,61 +171,26 @@ fn two_armbands_are_refused_however_they_are_written() {
             .flat_map(|(l, r)| [l, r].concat())
             .collect()
     };
-    let named = with_column(&counts(&turns(1)), "device", |row| {
-        ["left", "right"][row % 2].into()
-    });
-    let refused = refusal(&named);
-    assert!(
-        refused.contains("in column \"device\": left, right"),
-        "{refused}"
-    );
+    let device = |row: usize| ["left", "right"][row % 2].to_owned();
+    let named = with_column(&counts(&turns(1)), "device", device);
+    refused(&named, "in column \"device\": left, right");
     for rows in [1, 2] {
-        let refused = refusal(&counts(&turns(rows)));
-        assert!(refused.contains(&format!("{rows} of each")), "{refused}");
+        refused(&counts(&turns(rows)), &format!("{rows} of each"));
     }
     let one_device = with_column(&counts(&left), "device", |_| "left".into());
-    assert_eq!(kinds(&one(&one_device)), Vec::<&str>::new());
-    for names in [
-        (0..16).map(|at| format!("emg_{at}")).collect::<Vec<_>>(),
-        (0..16)
-            .map(|at| format!("{}_{}", ["left", "right"][at / 8], at % 8))
-            .collect(),
-        (0..16)
-            .map(|at| format!("{}_emg{}", ["L", "R"][at / 8], at % 8 + 1))
-            .collect(),
-    ] {
-        let rows = format!("0{}\n", ",1".repeat(16)).repeat(10);
-        let text = format!("gt,{}\n{rows}", names.join(","));
-        let refused = refusal(&text);
-        assert!(
-            refused.contains("2 armbands") && refused.contains(&names[8]),
-            "{refused}"
-        );
-    }
+    taken(&one_device, 1, &[]);
     let wide = format!("{}\n", ["1"; 17].join(",")).repeat(100);
-    assert!(refusal(&wide).contains("two armbands"));
+    refused(&wide, "two armbands");
     let array = crate::npy::encode("|i1", &[100, 16], &[1; 1600]);
-    let folder = folder(&[("both.npy", array)]);
-    let library = load(folder.path(), &LoadOptions::default()).unwrap();
-    assert!(library.skipped[0].to_string().contains("two armbands"));
-}
-
-#[test]
-fn sensors_of_motion_beside_the_emg_are_no_second_armband() {
-    let imu: Vec<String> = (0..10).map(|at| format!("imu_{at}")).collect();
-    let text = with_column(&counts(&emg(2000, 1)), &imu.join(","), |_| {
-        ["0.5"; 10].join(",")
-    });
-    assert_eq!(kinds(&one(&text)), Vec::<&str>::new());
+    let told = read(&[("both.npy", array)]).skipped[0].to_string();
+    assert!(told.contains("two armbands"), "{told}");
 }
 
 #[test]
 fn a_column_of_sides_is_one_of_armbands_only_if_it_changes_from_row_to_row() {
     let text = counts(&emg(4000, 1));
-    let parts = with_column(&text, "hand", |row| {
-        if row < 2000 { "open" } else { "closed" }.into()
-    });
-    assert_eq!(kinds(&one(&parts)), Vec::<&str>::new());
+    let part = |row: usize| ["open", "closed"][row / 2000].to_owned();
+    taken(&with_column(&text, "hand", part), 1, &[]);
     let turns = with_column(&text, "side", |row| ["L", "R"][row % 2].into());
-    assert!(refusal(&turns).contains("in column \"side\": L, R"));
+    refused(&turns, "in column \"side\": L, R");
 }

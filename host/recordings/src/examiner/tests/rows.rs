@@ -4,6 +4,7 @@ use super::*;
 use crate::catalogue::DataSet;
 use crate::examiner::clock::Clock;
 use crate::examiner::rows::JudgedRows;
+use crate::fixture::label;
 use crate::recording::Recording;
 use crate::recording::movement::{Movement, MovementKind};
 
@@ -20,14 +21,13 @@ fn rows_at_another_rate_are_refused_in_every_unit_of_time() {
         ("sample", 2.0),
     ] {
         let clocked = with_column(&text, name, |row| (1e6 + row as f64 * step).to_string());
-        let refusal = refusal(&clocked);
-        assert!(refusal.contains("200 rows a second"), "{name}: {refusal}");
+        refused(&clocked, "200 rows a second");
     }
     let dated = with_column(&text, "time", |row| {
         let ms = row * 10;
         format!("2024-02-29 23:59:{:02}.{:03}", ms / 1000, ms % 1000)
     });
-    assert!(refusal(&dated).contains("found 100 by column \"time\""));
+    refused(&dated, "found 100 by column \"time\"");
 }
 
 #[test]
@@ -51,9 +51,7 @@ fn a_clock_of_200_hz_is_taken_in_every_unit_with_jitter_and_bursts() {
         ("counter", &|row| (row % 256).to_string()),
     ];
     for (name, clock) in clocks {
-        let library = one(&with_column(&text, name, clock));
-        assert_eq!(library.recordings.len(), 1, "{name}: {:?}", library.skipped);
-        assert_eq!(kinds(&library), Vec::<&str>::new(), "{name}");
+        taken(&with_column(&text, name, clock), 1, &[]);
     }
 }
 
@@ -79,20 +77,9 @@ fn a_clock_is_known_by_its_values_whatever_its_name() {
                 clock(row as f64 * period + if row < 2500 { 0.0 } else { gap })
             })
         };
-        let whole = one(&at(5.0, 0.0));
-        assert_eq!(
-            (whole.recordings.len(), kinds(&whole)),
-            (1, vec![]),
-            "{name}"
-        );
-        let torn = one(&at(5.0, 30_000.0));
-        assert_eq!(
-            (torn.recordings.len(), kinds(&torn)),
-            (2, vec!["gap"]),
-            "{name}"
-        );
-        let slow = refusal(&at(10.0, 0.0));
-        assert!(slow.contains("200 rows a second"), "{name}: {slow}");
+        taken(&at(5.0, 0.0), 1, &[]);
+        taken(&at(5.0, 30_000.0), 2, &["gap"]);
+        refused(&at(10.0, 0.0), "200 rows a second");
     }
     // A column that does not rise evenly is no clock, whatever it means.
     for value in [
@@ -100,59 +87,49 @@ fn a_clock_is_known_by_its_values_whatever_its_name() {
         |row| row * row,
         |row| row * 7919 % 1000,
     ] {
-        let library = one(&with_column(&text, "x", |row| value(row).to_string()));
-        assert_eq!((library.recordings.len(), kinds(&library)), (1, vec![]));
+        taken(
+            &with_column(&text, "x", |row| value(row).to_string()),
+            1,
+            &[],
+        );
     }
     // A name that says time does not hide the clock beside it.
     let dated = with_column(&text, "date", |_| "2024-02-29".into());
     let both = with_column(&dated, "Zeit", |row| (row as f64 * 0.01).to_string());
-    assert!(refusal(&both).contains("found 100 by column \"Zeit\""));
+    refused(&both, "found 100 by column \"Zeit\"");
 }
 
 #[test]
 fn a_clock_that_says_nothing_is_told() {
     let text = counts(&emg(3000, 1));
     for value in ["7", "noon"] {
-        let library = one(&with_column(&text, "time", |_| value.into()));
-        assert_eq!(kinds(&library), ["clock-unclear"]);
+        taken(
+            &with_column(&text, "time", |_| value.into()),
+            1,
+            &["clock-unclear"],
+        );
     }
 }
 
 #[test]
 fn nothing_is_joined_across_a_gap() {
     let samples = emg(6000, 1);
-    let time = |row: usize| {
-        let gap = if row >= 2500 { 30.0 } else { 0.0 };
-        (row as f64 * 0.005 + gap).to_string()
-    };
-    let library = one(&with_column(&counts(&samples), "time", time));
-    let pieces: Vec<_> = library
-        .recordings
-        .iter()
-        .map(|r| (r.full_name(), r.samples.len()))
-        .collect();
-    let expected = [
-        ("own/anna/anna_1.1".to_owned(), 2500),
-        ("own/anna/anna_1.2".to_owned(), 3500),
-    ];
-    assert_eq!(pieces, expected);
+    let text = counts(&samples);
+    let seconds = |row: usize, gap: f64| (row as f64 * 0.005 + gap).to_string();
+    let time = |row: usize| seconds(row, if row >= 2500 { 30.0 } else { 0.0 });
+    let library = one(&with_column(&text, "time", time));
+    assert_eq!(names(&library), ["own/anna/anna_1.1", "own/anna/anna_1.2"]);
+    assert_eq!(library.recordings[0].samples, samples[..2500]);
     assert_eq!(library.recordings[1].samples, samples[2500..]);
-    let what = &groups(&library)[0].finding.what;
-    assert!(what.contains("30.00 s at row 2501"), "{what}");
-    let counted = with_column(&counts(&samples), "sample", |row| {
-        (row + row / 3000 * 40).to_string()
-    });
-    assert_eq!(one(&counted).recordings.len(), 2);
+    assert!(first(&library).contains("30.00 s at row 2501"));
+    let count = |row: usize| (row + row / 3000 * 40).to_string();
+    taken(&with_column(&text, "sample", count), 2, &["gap"]);
     // Back to the beginning: two files joined.
-    let back = with_column(&counts(&samples), "time", |row| {
-        (row as f64 % 3000.0 * 0.005).to_string()
-    });
-    assert_eq!(one(&back).recordings.len(), 2);
+    let back = |row: usize| seconds(row % 3000, 0.0);
+    taken(&with_column(&text, "time", back), 2, &["gap"]);
     // A gap every second leaves no window.
-    let torn = with_column(&counts(&samples), "time", |row| {
-        (row as f64 * 0.005 + (row / 200) as f64 * 0.3).to_string()
-    });
-    assert!(refusal(&torn).contains("leaps 29 times"));
+    let torn = |row: usize| seconds(row, (row / 200) as f64 * 0.3);
+    refused(&with_column(&text, "time", torn), "leaps 29 times");
 }
 
 #[test]
@@ -163,22 +140,15 @@ fn even_repeats_are_dropped_with_their_labels_if_200_hz_is_left() {
             .flat_map(|at| vec![at; if at % every == every - 1 { times } else { 1 }])
             .collect();
         let polled: Vec<Sample> = rows.iter().map(|&at| samples[at]).collect();
-        let mut text = counts(&polled);
-        let labels = |at: usize| crate::examiner::fixture::label(rows[at]);
-        let lines = text.lines().skip(1).enumerate();
-        text = lines.fold(
-            text.lines().next().unwrap().to_owned() + "\n",
-            |text, (at, line)| {
-                text + &format!("{},{}\n", labels(at), line.split_once(',').unwrap().1)
-            },
-        );
-        let library = one(&text);
-        assert_eq!(
-            kinds(&library),
-            ["polled"],
-            "{times} {every}: {:?}",
-            library.skipped
-        );
+        let text = counts(&polled);
+        let mut lines = text.lines();
+        let head = lines.next().unwrap().to_owned() + "\n";
+        let labelled = rows.iter().zip(lines).fold(head, |text, (&at, line)| {
+            let (_, channels) = line.split_once(',').unwrap();
+            text + &format!("{},{channels}\n", label(at))
+        });
+        let library = one(&labelled);
+        assert_eq!(kinds(&library), ["polled"], "{times} {every}");
         let plain = &one(&counts(&samples)).recordings[0];
         assert_eq!(library.recordings[0].samples, plain.samples);
         assert_eq!(library.recordings[0].labels, plain.labels);
@@ -190,7 +160,7 @@ fn repeats_are_refused_where_samples_are_missing() {
     let samples = emg(8000, 1);
     // Every second sample, twice; and at random.
     let held = each(&samples, |at, _| samples[at / 2 * 2]);
-    assert!(refusal(&counts(&held)).contains("samples are missing"));
+    refused(&counts(&held), "samples are missing");
     let random = |percent: u64| -> Vec<Sample> {
         let mut seed = 7_u64;
         let mut from = 0;
@@ -203,21 +173,19 @@ fn repeats_are_refused_where_samples_are_missing() {
         });
         drawn.collect()
     };
-    assert!(refusal(&counts(&random(30))).contains("in no pattern"));
-    assert_eq!(kinds(&one(&counts(&random(6)))), ["repeats"]);
+    refused(&counts(&random(30)), "in no pattern");
+    taken(&counts(&random(6)), 1, &["repeats"]);
     // 66 Hz by the clock, each row three times.
     let thrice = each(&samples, |at, _| samples[at / 3]);
-    let clocked = with_column(&counts(&thrice), "time", |row| {
-        (row as f64 * 0.005).to_string()
-    });
-    assert!(refusal(&clocked).contains("3.00 times"));
+    let time = |row: usize| (row as f64 * 0.005).to_string();
+    refused(&with_column(&counts(&thrice), "time", time), "3.00 times");
 }
 
 #[test]
 fn every_second_sample_without_a_clock_and_a_standstill_are_told() {
     let samples = emg(12_000, 1);
     let half: Vec<Sample> = samples.iter().step_by(2).copied().collect();
-    assert_eq!(kinds(&one(&counts(&half))), ["unrelated-samples"]);
+    taken(&counts(&half), 1, &["unrelated-samples"]);
     let still = each(&samples, |at, sample| {
         if (3000..4000).contains(&at) {
             samples[3000]
@@ -225,8 +193,7 @@ fn every_second_sample_without_a_clock_and_a_standstill_are_told() {
             sample
         }
     });
-    let what = groups(&one(&counts(&still)))[0].finding.what.clone();
-    assert!(what.contains("5.0 s from row 3001"), "{what}");
+    assert!(first(&one(&counts(&still))).contains("5.0 s from row 3001"));
 }
 
 #[test]
@@ -238,13 +205,9 @@ fn samples_that_resemble_the_next_are_told() {
             before.map(|value| value.round() as i8)
         });
         let smooth: Vec<Sample> = filtered.collect();
-        let found = groups(&one(&counts(&smooth)));
-        assert_eq!(found[0].finding.kind, "resembling-samples", "{own}");
-        assert!(
-            found[0].finding.what.contains("faster than 200 Hz"),
-            "{}",
-            found[0].finding.what
-        );
+        let library = one(&counts(&smooth));
+        assert_eq!(kinds(&library)[0], "resembling-samples", "{own}");
+        assert!(first(&library).contains("faster than 200 Hz"));
     }
 }
 
@@ -257,14 +220,11 @@ fn other_movement_goes_with_its_samples_where_a_gap_divides_them() {
     let text = with_column(&text, "gt", |row| {
         if is_other(row) { "-2" } else { "0" }.into()
     });
-    let library = one(&text);
-    let found: Vec<_> = library
-        .recordings
-        .iter()
-        .map(|recording| recording.other_movement.clone())
-        .collect();
+    let recordings = one(&text).recordings;
+    let found = recordings.into_iter().map(|own| own.other_movement);
     let other = |samples| vec![Movement::new(MovementKind::Other, samples)];
-    assert_eq!(found, [other(1400..1500), other(0..100)]);
+    let expected = [other(1400..1500), other(0..100)];
+    assert_eq!(found.collect::<Vec<_>>(), expected);
 }
 
 #[test]

@@ -7,6 +7,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use crate::examiner::finding::Finding;
+use execution::file_kind::FileKind;
 use execution::printable::printable;
 pub use fault::Fault;
 
@@ -62,6 +63,11 @@ impl Damage {
 
     pub(crate) const fn of_file(fault: Fault) -> Self {
         Self::at(Place::File, fault)
+    }
+
+    /// Damage of a file of another kind.
+    pub(crate) const fn of_kind(expected: &'static str, found: FileKind) -> Self {
+        Self::of_file(Fault::Kind { expected, found })
     }
 
     /// Damage of a file without meaning.

@@ -23,16 +23,10 @@ pub struct Array {
     pub descr: String,
     /// The elements.
     pub values: Values,
-    pub(crate) layout: Layout,
-}
-
-/// Position of the elements of an [`Array`] in its file.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) struct Layout {
     /// Byte of the first element.
-    pub start: u64,
+    start: u64,
     /// Bytes from the first element of a row to that of the next.
-    pub row_bytes: usize,
+    row_bytes: usize,
 }
 
 /// Elements of an [`Array`].
@@ -63,7 +57,7 @@ impl Values {
 impl Array {
     /// Byte of the file at which a row (along the first axis) starts.
     pub const fn byte_of_row(&self, row: usize) -> u64 {
-        self.layout.start + (row * self.layout.row_bytes) as u64
+        self.start + (row * self.row_bytes) as u64
     }
 
     /// Shape and type for a message: `(8990, 8) of <i8`.
@@ -123,23 +117,17 @@ pub fn parse(bytes: &[u8]) -> Result<Array, Damage> {
         'U' => Values::Text(elements.map(utf32).collect()),
         _ => Values::Numbers(elements.map(|bytes| number(kind, bytes)).collect()),
     };
-    let row_bytes = if by_column {
-        size
+    let (values, row_bytes) = if by_column {
+        (values.by_row(columns), size)
     } else {
-        size.saturating_mul(columns)
+        (values, size.saturating_mul(columns))
     };
     Ok(Array {
-        values: if by_column {
-            values.by_row(columns)
-        } else {
-            values
-        },
+        values,
         shape,
         descr,
-        layout: Layout {
-            start: data_start as u64,
-            row_bytes,
-        },
+        start: data_start as u64,
+        row_bytes,
     })
 }
 
@@ -201,18 +189,18 @@ pub fn encode(descr: &str, shape: &[usize], data: &[u8]) -> Vec<u8> {
 mod tests {
     use super::*;
 
+    fn values(descr: &str, count: usize, data: &[u8]) -> Values {
+        parse(&encode(descr, &[count], data)).unwrap().values
+    }
+
     #[test]
     fn integers_keep_their_sign_at_every_size() {
         let array = parse(&encode("|i1", &[2, 2], &[0x80, 0x7f, 0xff, 0])).unwrap();
-        assert_eq!(
-            array.values,
-            Values::Numbers(vec![-128.0, 127.0, -1.0, 0.0])
-        );
-        assert_eq!(array.shape, [2, 2]);
-        let array = parse(&encode("<i8", &[1], &(-5i64).to_le_bytes())).unwrap();
-        assert_eq!(array.values, Values::Numbers(vec![-5.0]));
-        let array = parse(&encode("<f4", &[1], &0.5f32.to_le_bytes())).unwrap();
-        assert_eq!(array.values, Values::Numbers(vec![0.5]));
+        let expected = Values::Numbers(vec![-128.0, 127.0, -1.0, 0.0]);
+        assert_eq!((array.values, array.shape), (expected, vec![2, 2]));
+        let number = |value| Values::Numbers(vec![value]);
+        assert_eq!(values("<i8", 1, &(-5i64).to_le_bytes()), number(-5.0));
+        assert_eq!(values("<f4", 1, &0.5f32.to_le_bytes()), number(0.5));
     }
 
     #[test]
@@ -221,27 +209,18 @@ mod tests {
         let at = bytes.windows(5).position(|part| part == b"False").unwrap();
         bytes[at..at + 5].copy_from_slice(b"True ");
         let array = parse(&bytes).unwrap();
-        assert_eq!(
-            array.values,
-            Values::Numbers(vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
-        );
+        let expected = [1, 2, 3, 4, 5, 6].map(f64::from);
+        assert_eq!(array.values, Values::Numbers(expected.into()));
         assert_eq!(array.byte_of_row(1), bytes.len() as u64 - 5);
     }
 
     #[test]
     fn text_comes_in_both_widths() {
         let expected = Values::Text(vec!["rock".into(), "none".into()]);
-        assert_eq!(
-            parse(&encode("|S7", &[2], b"rock\0\0\0none\0\0\0"))
-                .unwrap()
-                .values,
-            expected
-        );
-        let wide: Vec<u8> = "rock\0\0none\0\0"
-            .chars()
-            .flat_map(|c| (c as u32).to_le_bytes())
-            .collect();
-        assert_eq!(parse(&encode("<U6", &[2], &wide)).unwrap().values, expected);
+        assert_eq!(values("|S7", 2, b"rock\0\0\0none\0\0\0"), expected);
+        let wide = "rock\0\0none\0\0".chars();
+        let wide: Vec<u8> = wide.flat_map(|c| (c as u32).to_le_bytes()).collect();
+        assert_eq!(values("<U6", 2, &wide), expected);
     }
 
     #[test]

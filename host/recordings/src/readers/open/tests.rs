@@ -7,15 +7,9 @@ use shared::intent::Intent;
 use shared::units::Sample;
 
 use crate::description::draft::describe;
-use crate::examiner::fixture::emg;
+use crate::fixture::{HEADER, emg, folder, joined, read};
 use crate::library::inspection::groups;
-use crate::library::tests::folder;
 use crate::{Library, LoadOptions, load};
-
-fn joined<T: ToString>(values: &[T], mark: &str) -> String {
-    let values: Vec<String> = values.iter().map(T::to_string).collect();
-    values.join(mark)
-}
 
 /// Rows of a table of one person.
 fn rows(of: impl Fn(usize, &Sample) -> String) -> String {
@@ -24,13 +18,9 @@ fn rows(of: impl Fn(usize, &Sample) -> String) -> String {
     rows.map(|(at, sample)| of(at, sample) + "\n").collect()
 }
 
-const NAMES: [&str; 9] = [
-    "gt", "emg_0", "emg_1", "emg_2", "emg_3", "emg_4", "emg_5", "emg_6", "emg_7",
-];
-
 fn own(mark: &str) -> String {
     let rows = rows(|_, sample| format!("0{mark}{}", joined(sample, mark)));
-    format!("{}\n{rows}", NAMES.join(mark))
+    HEADER.replace(',', mark) + &rows
 }
 
 /// Rows of so many samples each, with what stands around them.
@@ -72,18 +62,12 @@ fn what_is_not_one_sample_a_row_is_refused_in_words_that_name_the_fault() {
         format!("{}\n{}", names.join(","), row.repeat(700))
     };
     let numbered = |words: &[&str], count: usize| -> Vec<String> {
-        let names = |word: &&str| {
-            (0..count)
-                .map(move |at| format!("{word}{at}"))
-                .collect::<Vec<_>>()
-        };
-        words.iter().flat_map(names).collect()
+        let name = |at| format!("{}{}", words[at / count], at % count);
+        (0..words.len() * count).map(name).collect()
     };
     let lists = (0..20).fold(String::new(), |mut text, row| {
-        let samples: Vec<String> = emg(50, row)
-            .iter()
-            .map(|own| format!("[{}]", joined(own, ", ")))
-            .collect();
+        let samples = emg(50, row);
+        let samples: Vec<_> = samples.iter().map(|own| format!("{own:?}")).collect();
         let _ = writeln!(text, "rest [{}]", samples.join(", "));
         text
     });
@@ -92,10 +76,7 @@ fn what_is_not_one_sample_a_row_is_refused_in_words_that_name_the_fault() {
     let eight = "8 samples a row";
     for (text, words) in [
         (titled("Recording of Anna", ","), "found it in line 2"),
-        (
-            titled("Recording of Anna;;;;;;;;", ";"),
-            "found it in line 2",
-        ),
+        (titled("Anna;;;;;;;;", ";"), "found it in line 2"),
         (titled("Anna\t2024\nleft\n", "\t"), "found it in line 4"),
         (format!("Anna 1 2 3\n{counted}"), "8 in line 2"),
         // Rows of two kinds, in turn and with more of the other.
@@ -108,7 +89,7 @@ fn what_is_not_one_sample_a_row_is_refused_in_words_that_name_the_fault() {
         (windows(50, ["", ",1"], whole), "50 samples a row"),
         (named(numbered(&["emg_"], 64)), eight),
         (
-            named(numbered(&["s0_ch", "s1_ch", "s2_ch", "s3_ch"], 8)),
+            named(numbered(&["s_ch", "t_ch", "u_ch", "v_ch"], 8)),
             "4 samples a row",
         ),
         (lists, "lists in brackets"),
@@ -148,14 +129,7 @@ fn rows_of_separators_alone_are_passed_over() {
             format!("{head}{line}\n{blank}\n{rest}"),
             format!("{blank}\n{text}"),
         ] {
-            let read = |text: &str| {
-                load(
-                    folder(&[("anna/1.csv", text)]).path(),
-                    &LoadOptions::default(),
-                )
-                .unwrap()
-            };
-            let library = read(&blanked);
+            let library = read(&[("anna/1.csv", &blanked)]);
             assert!(library.skipped.is_empty(), "{blank}: {:?}", library.skipped);
             assert_eq!(library.recordings[0].samples.len(), 1000, "{blank}");
         }
@@ -171,7 +145,7 @@ fn a_word_beside_the_channels_makes_no_header() {
         (rows(|at, own| joined(own, ",") + &behind(at)), "label = 9"),
         (rows(|at, own| before(at) + &joined(own, ",")), "label = 1"),
         (
-            rows(|at, own| joined(own, ",") + &behind(at) + ",left"),
+            rows(|at, own| joined(own, ",") + &behind(at) + ",a"),
             "label = 9",
         ),
     ] {
@@ -180,13 +154,8 @@ fn a_word_beside_the_channels_makes_no_header() {
             ("bob/1.csv", &text.replacen("fist", "rest", 100)),
         ]);
         let loaded = load(folder.path(), &LoadOptions::default()).unwrap();
-        assert!(
-            loaded.skipped[0]
-                .to_string()
-                .contains("no header that says"),
-            "{:?}",
-            loaded.skipped
-        );
+        let refused = loaded.skipped[0].to_string();
+        assert!(refused.contains("no header that says"), "{refused}");
         let (_, text) = describe(folder.path(), None).unwrap();
         for line in ["header = false", label, "files = \"{person}/1.csv\""] {
             assert!(text.lines().any(|own| own == line), "{line}: {text}");
@@ -202,16 +171,13 @@ type Label<'l> = &'l dyn Fn(usize, usize) -> String;
 #[test]
 fn a_column_for_each_class_is_read_or_told() {
     let class = |at: usize| at / 100 % 3;
-    let read = |names: &str, of: &dyn Fn(usize, usize) -> String| {
+    let read = |names: &str, of: Label<'_>| {
         let row = |at: usize| (0..3).map(|own| of(at, own)).collect::<Vec<_>>().join(",");
         let rows = rows(|at, own| format!("{},{}", joined(own, ","), row(at)));
-        let text = format!("{},{names}\n{rows}", NAMES[1..].join(","));
-        let folder = folder(&[("anna/1.csv", &text)]);
-        let library = load(folder.path(), &LoadOptions::default()).unwrap();
-        let told: Vec<String> = groups(&library)
-            .into_iter()
-            .map(|own| own.finding.what)
-            .collect();
+        let text = format!("{},{names}\n{rows}", &HEADER.trim_end()[3..]);
+        let library = read(&[("anna/1.csv", text)]);
+        let told = groups(&library).into_iter().map(|own| own.finding.what);
+        let told: Vec<String> = told.collect();
         (library.recordings[0].labels.clone(), told.join("; "))
     };
     let number = |at: usize, own: usize| u8::from(class(at) == own).to_string();
@@ -235,10 +201,8 @@ fn a_column_for_each_class_is_read_or_told() {
     for (names, of) in unread {
         let (labels, told) = read(names, of);
         assert_eq!(labels, [None; 1000], "{names}");
-        assert!(
-            told.contains("look like a label each and are not read"),
-            "{names}: {told}"
-        );
+        let words = "look like a label each and are not read";
+        assert!(told.contains(words), "{names}: {told}");
     }
     // A switch beside the channels is no label.
     let (_, told) = read("led,button,x", &|at, own| {

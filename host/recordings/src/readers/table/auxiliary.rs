@@ -23,42 +23,24 @@ pub(crate) struct AuxiliaryColumns {
 }
 
 impl AuxiliaryColumns {
-    /// Finds clocks and devices among the columns that are neither channel nor label.
-    pub fn find(columns: &Columns) -> Self {
+    /// Finds clocks and devices among the columns that are neither channel nor label; the only clock is in column `time`,
+    /// if that is described.
+    pub fn find(columns: &Columns, time: Option<usize>) -> Self {
         let taken = |at: &usize| columns.channels.contains(at) || columns.label == Some(*at);
         let others: Vec<usize> = (0..columns.count).filter(|at| !taken(at)).collect();
-        let name = |at: usize| columns.names.get(at).map_or("", |name| name.trim());
-        let device = others.iter().copied().find(|&at| is_device(name(at)));
-        Self {
-            devices: device.map(|at| (at, Devices::of(name(at).to_owned()))),
-            filled_in: columns.position(FILLED_IN).is_some(),
-            ..Self::of(others, &columns.names)
-        }
-    }
-
-    /// Clocks among the columns of these numbers.
-    pub fn of(others: Vec<usize>, names: &[String]) -> Self {
         let name = |at: usize| {
-            names
-                .get(at)
-                .map_or_else(|| unnamed(at), |own| own.trim().to_owned())
+            let name = columns.names.get(at).map(|name| name.trim().to_owned());
+            name.unwrap_or_else(|| unnamed(at))
         };
+        let device = others.iter().copied().find(|&at| is_device(&name(at)));
         let clock = |at: usize| (at, Clock::of(name(at)));
         Self {
-            clocks: others.into_iter().map(clock).collect(),
-            ..Self::default()
-        }
-    }
-
-    /// The columns with a clock in this column alone, if it is described.
-    pub fn clocked(self, at: Option<usize>, names: &[String]) -> Self {
-        let Some(at) = at else {
-            return self;
-        };
-        let name = names.get(at).cloned().unwrap_or_else(|| unnamed(at));
-        Self {
-            clocks: vec![(at, Clock::described(name))],
-            ..self
+            clocks: match time {
+                Some(at) => vec![(at, Clock::described(name(at)))],
+                None => others.into_iter().map(clock).collect(),
+            },
+            devices: device.map(|at| (at, Devices::of(name(at)))),
+            filled_in: columns.position(FILLED_IN).is_some(),
         }
     }
 

@@ -101,16 +101,12 @@ impl Columns {
     }
 
     fn named(head: &Head<'_>) -> Result<Self, TableError> {
-        let Head {
-            separator,
-            fields: names,
-            ..
-        } = head;
+        let names = &head.fields;
         let error = |found: String, is_meant| TableError {
             fault: if head.has_numbers || is_meant {
                 Fault::Channels {
                     header: head.text.to_owned(),
-                    separator: *separator,
+                    separator: head.separator,
                     found,
                 }
             } else {
@@ -146,13 +142,23 @@ impl Columns {
             }
         };
         Ok(Self {
-            separator: *separator,
-            names: names.iter().map(|&name| name.to_owned()).collect(),
-            count: names.len(),
             channels,
             label,
-            first_line: head.line + 1,
+            ..Self::of_head(head, true)
         })
+    }
+
+    /// Columns below a first row, which may be names; which of them are channels is open.
+    pub(crate) fn of_head(head: &Head<'_>, is_names: bool) -> Self {
+        let names = head.fields.iter().filter(|_| is_names);
+        Self {
+            separator: head.separator,
+            names: names.map(|&name| name.to_owned()).collect(),
+            count: head.fields.len(),
+            channels: [0; CHANNELS],
+            label: None,
+            first_line: head.line + usize::from(is_names || head.is_comment),
+        }
     }
 
     /// Columns of a table without names.
@@ -162,10 +168,8 @@ impl Columns {
             line: head.line,
             is_meant,
         };
-        let numbers = head
-            .fields
-            .iter()
-            .filter(|field| head.separator.is_number(field));
+        let fields = head.fields.iter();
+        let numbers = fields.filter(|field| head.separator.is_number(field));
         if head.text.contains(['[', '{']) && numbers.count() >= CHANNELS / 2 {
             return Err(error(Fault::Lists(head.text.to_owned()), true));
         }
@@ -237,13 +241,8 @@ impl Group {
 
     /// Whether the name says that it is muscle activity.
     pub fn is_muscle(&self) -> bool {
-        Self::is_muscle_name(&self.name)
-    }
-
-    /// Whether a name says that a column is muscle activity.
-    pub fn is_muscle_name(name: &str) -> bool {
-        let mut words = name.split('_');
-        name.contains("emg") || words.any(|word| CHANNEL_NAMES.contains(&word))
+        let mut words = self.name.split('_');
+        self.name.contains("emg") || words.any(|word| CHANNEL_NAMES.contains(&word))
     }
 
     /// The columns if they are those of eight channels.

@@ -5,27 +5,21 @@ use std::fmt;
 
 use shared::units::CHANNELS;
 
-/// Separator of a table.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Separator {
-    /// `,`
-    Comma,
-    /// `;`, as spreadsheets write where the comma is the decimal point.
-    Semicolon,
-    /// Tabulator.
-    Tab,
-    /// Spaces, any number of them.
-    Space,
+shared::names! {
+    /// Separator of a table, by its text in a description.
+    pub enum Separator {
+        /// `,`
+        Comma = ",",
+        /// `;`, as spreadsheets write where the comma is the decimal point.
+        Semicolon = ";",
+        /// Tabulator.
+        Tab = "\t",
+        /// Spaces, any number of them.
+        Space = " ",
+    }
 }
 
 impl Separator {
-    /// Separators, each with its text in a description.
-    pub(crate) const TEXTS: [(Self, &str); 4] = [
-        (Self::Comma, ","),
-        (Self::Semicolon, ";"),
-        (Self::Tab, "\t"),
-        (Self::Space, " "),
-    ];
     /// Separators other than spaces, which names and decimals may hold, in order of precedence.
     const MARKS: [Self; 3] = [Self::Tab, Self::Semicolon, Self::Comma];
 
@@ -51,10 +45,8 @@ impl Separator {
 
     fn is(self, letter: char) -> bool {
         match self {
-            Self::Comma => letter == ',',
-            Self::Semicolon => letter == ';',
-            Self::Tab => letter == '\t',
             Self::Space => letter.is_whitespace(),
+            mark => mark.name().starts_with(letter),
         }
     }
 

@@ -128,21 +128,17 @@ mod tests {
 
     #[test]
     fn columns_that_rise_are_no_channels() {
-        let text = |row: &dyn Fn(usize) -> String| (0..30).map(row).collect::<String>();
         let noise = |at: usize| format!("{0},2,3,4,5,6,7,{0}", at % 2);
-        let start = |text: String| Shape::of(&text).unwrap().without_clocks(&text);
-        assert_eq!(start(text(&|at| format!("{at},{}\n", noise(at)))), Some(1));
-        assert_eq!(
-            start(text(&|at| format!("{},{}\n", noise(at), 5 * at))),
-            Some(0)
-        );
-        assert_eq!(
-            start(text(&|at| format!("{at},{},{at}.5\n", noise(at)))),
-            Some(1)
-        );
-        assert_eq!(
-            start(text(&|at| format!("{},{}\n", at / 10, noise(at)))),
-            None
-        );
+        let cases: [(&dyn Fn(usize) -> String, _); 4] = [
+            (&|at| format!("{at},{}\n", noise(at)), Some(1)),
+            (&|at| format!("{},{}\n", noise(at), 5 * at), Some(0)),
+            (&|at| format!("{at},{},{at}.5\n", noise(at)), Some(1)),
+            (&|at| format!("{},{}\n", at / 10, noise(at)), None),
+        ];
+        for (row, start) in cases {
+            let text: String = (0..30).map(row).collect();
+            let found = Shape::of(&text).unwrap().without_clocks(&text);
+            assert_eq!(found, start, "{text}");
+        }
     }
 }

@@ -11,7 +11,11 @@ fn people(data_set: DataSet, names: &[&str]) -> Vec<Recording> {
     names.iter().flat_map(two).collect()
 }
 
-const ROSHAMBO: [&str; 8] = ["01", "02", "03", "04", "05", "06", "07", "08"];
+fn roshambo() -> Vec<Recording> {
+    let names = ["01", "02", "03", "04", "05", "06", "07", "08"];
+    people(DataSet::named("roshambo"), &names)
+}
+
 const OWN: [&str; 6] = ["a", "b", "c", "d", "e", "f"];
 
 fn shares(seed: u64) -> Assignment<'static> {
@@ -26,7 +30,7 @@ fn shares(seed: u64) -> Assignment<'static> {
 
 #[test]
 fn the_predefined_split_decides_for_the_sets_that_it_names() {
-    let all = people(DataSet::named("roshambo"), &ROSHAMBO);
+    let all = roshambo();
     let split = assign(&all, &shares(1)).unwrap();
     assert_eq!(split.test, ["roshambo/06"]);
     assert_eq!(split.held_out, ["roshambo/03"]);
@@ -49,68 +53,59 @@ fn other_sets_draw_by_the_seed_and_do_not_depend_on_one_another() {
     assert!(draws.len() > 5);
     let both = [own.clone(), people(DataSet::SYNTHETIC, &OWN)].concat();
     let both = assign(&both, &shares(1)).unwrap();
-    assert!(
-        split
-            .held_out
-            .iter()
-            .all(|name| both.held_out.contains(name))
-    );
+    let mut held_out = split.held_out.iter();
+    assert!(held_out.all(|name| both.held_out.contains(name)));
 }
 
-#[test]
-fn lists_come_before_the_predefined_split_and_draws() {
-    let all = people(DataSet::named("roshambo"), &ROSHAMBO);
-    let [held_out, validation] = ["roshambo/01", "roshambo/03"].map(|name| vec![name.to_owned()]);
-    let listed = Assignment {
+/// Roles where lists hold out and validate with these subjects and sets.
+fn listed(all: &[Recording], held_out: &[&str], validation: &[&str]) -> Result<Split, SplitError> {
+    let owned = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
+    let [held_out, validation]: [Vec<String>; 2] = [owned(held_out), owned(validation)];
+    let assignment = Assignment {
         held_out: &held_out,
         validation: &validation,
         ..shares(1)
     };
-    let split = assign(&all, &listed).unwrap();
-    assert_eq!(split.held_out, held_out);
-    assert_eq!(split.validation, validation);
-    // A test person trains nobody's model, listed or not.
-    assert_eq!(split.test, ["roshambo/06"]);
-    let twice = Assignment {
-        validation: &held_out,
-        ..listed.clone()
-    };
-    let both = SplitError::TwoRoles("roshambo/01".into());
-    assert_eq!(assign(&all, &twice), Err(both));
+    assign(all, &assignment)
 }
 
 #[test]
-fn a_test_person_is_evaluated_where_listed_and_never_validates() {
-    let all = people(DataSet::named("roshambo"), &ROSHAMBO);
-    let test = ["roshambo/06".to_owned()];
-    let release = Assignment {
-        held_out: &test,
-        ..shares(1)
-    };
-    let split = assign(&all, &release).unwrap();
-    assert_eq!((split.held_out.len(), split.test.len()), (1, 0));
-    let validating = Assignment {
-        validation: &test,
-        ..shares(1)
-    };
+fn lists_come_before_the_predefined_split_and_draws() {
+    let all = roshambo();
+    let split = listed(&all, &["roshambo/01"], &["roshambo/03"]).unwrap();
+    assert_eq!(split.held_out, ["roshambo/01"]);
+    assert_eq!(split.validation, ["roshambo/03"]);
+    // A test person trains nobody's model, listed or not.
+    assert_eq!(split.test, ["roshambo/06"]);
+    let twice = listed(&all, &["roshambo/01"], &["roshambo/01"]);
+    assert_eq!(twice, Err(SplitError::TwoRoles("roshambo/01".into())));
+}
+
+#[test]
+fn a_test_person_is_evaluated_where_listed_by_name_and_never_validates() {
+    let all = [roshambo(), people(DataSet::OWN, &OWN)].concat();
+    let is_of_set = |name: &&String| name.starts_with("roshambo");
+    for (held_out, test, own) in [("roshambo/06", 0, 1), ("roshambo", 1, 7)] {
+        let split = listed(&all, &[held_out], &[]).unwrap();
+        let count = split.held_out.iter().filter(is_of_set).count();
+        assert_eq!((split.test.len(), count), (test, own), "{held_out}");
+    }
+    let validating = listed(&all, &[], &["roshambo/06"]);
     let refused = SplitError::TestPerson("roshambo/06".into());
-    assert_eq!(assign(&all, &validating), Err(refused));
+    assert_eq!(validating, Err(refused));
 }
 
 #[test]
 fn a_fold_replaces_the_predefined_development_people_but_not_the_test_people() {
-    let all = people(DataSet::named("roshambo"), &ROSHAMBO);
+    let all = roshambo();
     let fold = ["roshambo/01".to_owned(), "roshambo/08".to_owned()];
-    let split = assign(
-        &all,
-        &Assignment {
-            held_out: &fold,
-            held_out_share: 0.0,
-            predefined: false,
-            ..shares(1)
-        },
-    )
-    .unwrap();
+    let folded = Assignment {
+        held_out: &fold,
+        held_out_share: 0.0,
+        predefined: false,
+        ..shares(1)
+    };
+    let split = assign(&all, &folded).unwrap();
     assert_eq!(split.held_out, fold);
     assert_eq!((split.test.len(), split.validation.len()), (1, 2));
 }
@@ -118,18 +113,14 @@ fn a_fold_replaces_the_predefined_development_people_but_not_the_test_people() {
 #[test]
 fn nobody_to_train_on_is_refused() {
     let own = people(DataSet::OWN, &OWN);
-    let everybody = ["own".to_owned()];
-    let all_out = Assignment {
-        held_out: &everybody,
-        ..shares(1)
-    };
-    assert_eq!(assign(&own, &all_out), Err(SplitError::NothingToTrainOn));
+    let all_out = listed(&own, &["own"], &[]);
+    assert_eq!(all_out, Err(SplitError::NothingToTrainOn));
 }
 
 #[test]
 fn every_subject_has_exactly_one_role() {
     let all = [
-        people(DataSet::named("roshambo"), &ROSHAMBO),
+        roshambo(),
         people(DataSet::OWN, &OWN),
         people(DataSet::SYNTHETIC, &["1", "2"]),
     ]
@@ -143,25 +134,4 @@ fn every_subject_has_exactly_one_role() {
         known.dedup();
         assert_eq!(roles, known);
     }
-}
-
-#[test]
-fn a_data_set_named_as_a_whole_does_not_name_its_test_people() {
-    let all = [
-        people(DataSet::named("roshambo"), &ROSHAMBO),
-        people(DataSet::OWN, &OWN),
-    ]
-    .concat();
-    let set = ["roshambo".to_owned()];
-    let whole = Assignment {
-        held_out: &set,
-        ..shares(1)
-    };
-    let split = assign(&all, &whole).unwrap();
-    assert_eq!(split.test, ["roshambo/06"]);
-    let own = split
-        .held_out
-        .iter()
-        .filter(|name| name.starts_with("roshambo"));
-    assert_eq!(own.count(), 7);
 }

@@ -47,38 +47,25 @@ fn channels_are_eight_numbered_columns_of_one_name() {
     // As pandas writes a table without names.
     let pandas = columns(",0,1,2,3,4,5,6,7").unwrap().channels;
     assert_eq!(pandas, [1, 2, 3, 4, 5, 6, 7, 8]);
-    let beside = format!(
-        "Time;{};acc_0;acc_1;acc_2;gyro_0;Class",
-        eight("emg_", 0, ";")
-    );
-    let found = columns(&beside).unwrap();
-    assert_eq!((found.channels[0], found.label), (1, Some(13)));
+    let (emg, imu) = (eight("emg_", 0, ";"), eight("imu_", 0, ";"));
+    let found = columns(&format!("Time;{emg};{imu};gyro_0;Class")).unwrap();
+    assert_eq!((found.channels[0], found.label), (1, Some(18)));
     assert_eq!(found.separator, Separator::Semicolon);
 }
 
 #[test]
 fn what_is_not_eight_channels_of_one_armband_is_told() {
-    let left_and_right = format!("{},{}", eight("left_", 0, ","), eight("right_", 0, ","));
-    let two = format!("{},{}", eight("emg_", 0, ","), eight("emg2_", 0, ","));
+    let both = |one, other| format!("{},{}", eight(one, 0, ","), eight(other, 0, ","));
+    let two = both("emg_", "emg2_");
+    let one_to = |last: usize| eight("emg_", 0, ",") + &format!(",emg_{last}");
     for (header, words) in [
-        (
-            left_and_right.as_str(),
-            "8 columns left (0 1 2 3 4 5 6 7) and 8 columns right",
-        ),
+        (&both("left_", "right_"), "6 7) and 8 columns right (0 1"),
+        (&both("L_emg", "R_emg"), "6 7) and 8 columns r_emg (0 1"),
         (&two, "8 columns emg (0 1 2 3 4 5 6 7) and 8 columns emg2"),
-        (
-            "emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6",
-            "7 columns emg (0 1 2 3 4 5 6)",
-        ),
-        (
-            "emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_6",
-            "some twice",
-        ),
-        (
-            "emg_2,emg_3,emg_4,emg_5,emg_6,emg_7,emg_8,emg_9",
-            "(2 3 4 5 6 7 8 9)",
-        ),
-        ("name,age", "no numbered columns"),
+        (&one_to(8), "9 columns emg (0 1 2 3 4 5 6 7 8)"),
+        (&one_to(7), "some twice"),
+        (&eight("emg_", 2, ","), "(2 3 4 5 6 7 8 9)"),
+        (&"name,age".to_owned(), "no numbered columns"),
     ] {
         assert!(found(header).contains(words), "{header}: {}", found(header));
     }
