@@ -8,40 +8,13 @@ mod small;
 mod training;
 
 use std::fs;
-use std::process::{Command, ExitCode, Output};
+use std::process::Output;
 
-use clap::Parser as _;
-use myointent::cli::Cli;
 use shared::model::file::Model;
-use small::{folder, myointent, recordings, small_preset};
-
-const LINE: &str = "MYOINTENT_TEST_LINE";
-
-/// The program in a process of its own: this test program, which starts with `child`.
-fn process(line: &[&str]) -> Command {
-    let mut command = Command::new(std::env::current_exe().unwrap());
-    command
-        .args(["--exact", "child", "--ignored", "--nocapture"])
-        .env(LINE, serde_json::to_string(line).unwrap())
-        .env_remove("MYOINTENT_DATA");
-    command
-}
-
-/// Not a test: the process that [`process`] starts.
-#[test]
-#[ignore = "other tests start it, as a process"]
-fn child() {
-    let Ok(line) = std::env::var(LINE) else {
-        return;
-    };
-    let line: Vec<String> = serde_json::from_str(&line).unwrap();
-    let arguments = std::iter::once("myointent".to_owned()).chain(line);
-    let code = Cli::try_parse_from(arguments).unwrap().run();
-    std::process::exit(i32::from(code != ExitCode::SUCCESS));
-}
+use small::{folder, myointent, process, recordings, small_preset};
 
 /// The program where neither Vulkan nor OpenGL finds a driver.
-fn without_adapter(line: &[&str]) -> Output {
+fn without_adapter(line: &str) -> Output {
     let nowhere = "/nonexistent/driver.json";
     process(line)
         .env("VK_DRIVER_FILES", nowhere)
@@ -55,15 +28,9 @@ fn without_adapter(line: &[&str]) -> Output {
 fn without_an_adapter_the_message_says_what_to_do() {
     let folder = tempfile::tempdir().unwrap();
     let run = folder.path().join("run");
-    let output = without_adapter(&[
-        "train",
-        "--preset",
-        "quickstart",
-        "--run",
-        run.to_str().unwrap(),
-        "--backend",
-        "wgpu",
-    ]);
+    let run = run.display();
+    let line = format!("train --preset quickstart --run {run} --backend wgpu");
+    let output = without_adapter(&line);
     let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{message}");
     assert!(!message.contains("panicked"), "{message}");

@@ -5,7 +5,7 @@ use shared::intent::Intent;
 use shared::stream::safe_state::SILENCE_MS;
 use shared::uart_line::ReportKind;
 
-use super::{BoardLine, BoardOutput, PinLevels};
+use super::{BoardOutput, PinLevels};
 
 /// Longest time from the last byte to the pin: the silence, the sample's way in, and delays of a busy host.
 const SAFE_WITHIN_US: u32 = SILENCE_MS * 1000 + 25_000;
@@ -34,17 +34,14 @@ impl BoardOutput {
             return Ok(Some("the board restarted".to_owned()));
         }
         let placed = starts.iter().flat_map(|lines| lines.iter().enumerate());
-        for (place, line) in placed {
-            if line.sequence() as usize != place {
-                return Ok(Some(format!(
-                    "line {place} is numbered {}",
-                    line.sequence()
-                )));
+        for (place, (number, report)) in placed {
+            if *number as usize != place {
+                return Ok(Some(format!("line {place} is numbered {number}")));
             }
-            let BoardLine::Report(report) = line else {
-                continue;
-            };
-            if report.kind == ReportKind::Label && !report.status.valid() {
+            if let Some(report) = report
+                && report.kind == ReportKind::Label
+                && !report.status.valid()
+            {
                 return Ok(Some(format!("a label while not valid: {report}")));
             }
         }

@@ -32,43 +32,12 @@ pub fn is_numbered(line: &str) -> bool {
 /// Start of the first line that the program writes.
 const STARTED: &str = "# myointent ";
 
-/// Line of UART0 for programs.
-#[derive(Clone, Copy, Debug)]
-pub enum BoardLine {
-    /// Label or state.
-    Report(Report),
-    Alignment(AlignmentReport),
-}
-
-impl BoardLine {
-    pub fn parse(line: &str) -> anyhow::Result<Self> {
-        match Line::parse(line.as_bytes()) {
-            Ok(Line::Report(report)) => Ok(Self::Report(report)),
-            Ok(Line::Alignment(report)) => Ok(Self::Alignment(report)),
-            other => bail!("{line}: {other:?}"),
-        }
-    }
-
-    /// Returns the number of the line.
-    pub const fn sequence(&self) -> u32 {
-        match self {
-            Self::Report(report) => report.sequence,
-            Self::Alignment(report) => report.sequence,
-        }
-    }
-
-    pub const fn report(self) -> Option<Report> {
-        match self {
-            Self::Report(report) => Some(report),
-            Self::Alignment(_) => None,
-        }
-    }
-
-    const fn alignment(self) -> Option<AlignmentReport> {
-        match self {
-            Self::Report(_) => None,
-            Self::Alignment(report) => Some(report),
-        }
+/// Reads a line that has a number: the number, and the report if it is a label or a state.
+pub fn numbered(line: &str) -> anyhow::Result<(u32, Option<Report>)> {
+    match Line::parse(line.as_bytes()).with_context(|| line.to_owned())? {
+        Line::Report(report) => Ok((report.sequence, Some(report))),
+        Line::Alignment(report) => Ok((report.sequence, None)),
+        _ => bail!("{line}: expected a label, a state or an alignment"),
     }
 }
 
@@ -135,42 +104,34 @@ impl BoardOutput {
 
     /// Returns labels and states, parsed.
     pub fn reports(&self) -> anyhow::Result<Vec<Report>> {
-        let lines = self.parsed()?.into_iter();
-        Ok(lines.filter_map(BoardLine::report).collect())
+        let lines = self.lines();
+        let reports = lines.iter().map(|line| Ok(numbered(line)?.1));
+        reports.filter_map(Result::transpose).collect()
     }
 
     /// Returns the reports of alignments, parsed.
     pub fn alignments(&self) -> anyhow::Result<Vec<AlignmentReport>> {
-        let lines = self.parsed()?.into_iter();
-        Ok(lines.filter_map(BoardLine::alignment).collect())
+        let lines = self.complete(LINES, |line| line.starts_with("$ALIGN,"));
+        let alignment = |line: &String| match Line::parse(line.as_bytes()) {
+            Ok(Line::Alignment(report)) => Ok(report),
+            other => bail!("{line}: {other:?}"),
+        };
+        lines.iter().map(alignment).collect()
     }
 
-    fn parsed(&self) -> anyhow::Result<Vec<BoardLine>> {
-        let lines = self.lines().into_iter();
-        lines.map(|line| BoardLine::parse(&line)).collect()
-    }
-
-    /// Returns the lines for programs after each start of the program, the newest start last.
-    pub fn lines_by_start(&self) -> anyhow::Result<Vec<Vec<BoardLine>>> {
-        let mut starts: Vec<Vec<BoardLine>> = Vec::new();
+    /// Returns the lines that have a number, as [`numbered`] reads them, after each start of the program, the newest start last.
+    pub fn lines_by_start(&self) -> anyhow::Result<Vec<Vec<(u32, Option<Report>)>>> {
+        let mut starts: Vec<Vec<_>> = Vec::new();
         for line in self.complete(LINES, |_| true) {
             if line.starts_with(STARTED) {
                 starts.push(Vec::new());
             } else if is_numbered(&line) {
                 let lines = starts.last_mut();
                 let lines = lines.with_context(|| format!("before the start: {line}"))?;
-                lines.push(BoardLine::parse(&line)?);
+                lines.push(numbered(&line)?);
             }
         }
         Ok(starts)
-    }
-
-    /// Returns labels and states after each start of the program, the newest start last.
-    pub fn reports_by_start(&self) -> anyhow::Result<Vec<Vec<Report>>> {
-        let starts = self.lines_by_start()?.into_iter();
-        Ok(starts
-            .map(|lines| lines.into_iter().filter_map(BoardLine::report).collect())
-            .collect())
     }
 
     /// Returns every state of the pins.

@@ -8,14 +8,12 @@ mod processes;
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode};
+use std::process::ExitCode;
 
-use clap::Parser as _;
-use myointent::cli::Cli;
 use presets::Preset;
 use presets::config::ResolvedConfig;
 use recordings::{LoadOptions, load};
-use small::{folder, recordings, run, small_preset};
+use small::{folder, process, recordings, run, small_preset};
 
 /// Folder with recordings and a preset.
 struct Bench {
@@ -97,37 +95,6 @@ fn fails(line: &str, words: &str) {
 
 fn are_wrong_arguments(line: &str) {
     assert_eq!(run(line), ExitCode::from(2), "{line:?}");
-}
-
-/// Builds the program's command in a process of its own: this test program, which starts with `child`.
-fn process(line: &str) -> Command {
-    let mut command = Command::new(std::env::current_exe().unwrap());
-    command
-        .args(["--exact", "child", "--ignored", "--nocapture"])
-        .env(LINE, line)
-        .env_remove("MYOINTENT_DATA");
-    command
-}
-
-const LINE: &str = "MYOINTENT_TEST_LINE";
-
-/// Runs the command line of the process that [`process`] starts. It is not a test.
-#[test]
-#[ignore = "other tests start it, as a process"]
-fn child() {
-    let Ok(line) = std::env::var(LINE) else {
-        return;
-    };
-    let words = std::iter::once("myointent").chain(line.split_whitespace());
-    let code = match Cli::try_parse_from(words) {
-        Ok(cli) => cli.run(),
-        Err(error) => error.exit(),
-    };
-    let known = [0, 1, 2, 130];
-    let code = known
-        .into_iter()
-        .find(|&known| code == ExitCode::from(known));
-    std::process::exit(code.map_or(99, i32::from));
 }
 
 #[test]

@@ -8,7 +8,8 @@ use burn::tensor::Device;
 use execution::run_folder::RunFolder;
 use training::run::context::RunContext;
 
-use super::{Bench, fails, process, succeeds};
+use super::{Bench, fails, succeeds};
+use crate::small::process;
 
 #[test]
 fn a_second_process_is_refused_while_a_run_is_being_made() {

@@ -2,7 +2,7 @@
 
 use anyhow::{Context as _, ensure};
 use myointent_tests::oracle::{Input, expected_lines};
-use myointent_tests::output::{BoardLine, BoardOutput};
+use myointent_tests::output::{BoardOutput, numbered};
 use shared::stream::safe_state::Cause;
 use shared::uart_line::{Report, ReportKind};
 use shared::units::{PATCH, Sample, WINDOW};
@@ -44,9 +44,9 @@ pub fn check(
                 Input::Samples(&samples[resumed..=end]),
             ];
             let lines = expected_lines(models.first, &inputs)?;
-            let lines = lines.iter().map(|line| BoardLine::parse(line));
-            let lines: Vec<_> = lines.collect::<Result<_, _>>()?;
-            let reports: Vec<_> = lines.into_iter().filter_map(BoardLine::report).collect();
+            let reports = lines.iter().map(|line| Ok(numbered(line)?.1));
+            let reports = reports.filter_map(anyhow::Result::transpose);
+            let reports = reports.collect::<anyhow::Result<Vec<_>>>()?;
             let begun = position(&reports).context("no installation")?;
             Ok(labels(&reports[begun..]))
         };
