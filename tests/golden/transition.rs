@@ -1,7 +1,7 @@
 //! Transition accuracy: equal to the reference's on all of its cases, verdict by verdict.
 
 use evaluation::EvaluationError;
-use evaluation::metric::raw_accuracy::raw_accuracy;
+use evaluation::metric::balanced_accuracy::Recalls;
 use evaluation::metric::transition::{Rule, TransitionScore, Windows, score};
 use myointent_tests::golden;
 use serde_json::Value;
@@ -24,7 +24,7 @@ fn codes(result: &Result<TransitionScore, EvaluationError>) -> Value {
             let held = score.constant.held == score.constant.count;
             Value::from(vec![if held { "ok" } else { "constant_mismatch" }])
         }
-        Ok(score) => score.changes.iter().map(|c| c.status.code()).collect(),
+        Ok(score) => score.changes.iter().map(|c| c.status.name()).collect(),
     }
 }
 
@@ -50,7 +50,7 @@ fn every_case_of_the_reference_gets_its_windows_verdicts_and_offsets() {
     let mut judged = 0;
     for case in cases {
         let (truth, prediction) = (labels(&case["truth"]), labels(&case["prediction"]));
-        let accuracy = raw_accuracy(&truth, &prediction).unwrap();
+        let accuracy = Recalls::new(&truth, &prediction).unwrap().raw_accuracy();
         assert!(equal(accuracy, &case["raw_accuracy"]), "{}", case["name"]);
         for width in [60, 120, 200] {
             let expected = &case["buffers"][width.to_string()];

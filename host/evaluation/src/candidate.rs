@@ -5,12 +5,14 @@ use crate::EvaluationError;
 use crate::inference::integer_logits;
 use rayon::iter::IntoParallelRefIterator;
 use rayon::iter::ParallelIterator;
+use shared::intent::Vocabulary;
 use shared::model::LookBackLogits;
 use shared::model::file::{Model, ModelError, SmootherDefaults};
-use shared::stream::smoother::{Margins, Settings};
+use shared::stream::smoother::{Margins, Settings, SettingsError};
 use shared::units::CleanSample;
 
 use super::condition::LookAhead;
+use super::smoothing::{SmoothedLabels, smooth};
 use super::system::System;
 
 /// A model under evaluation: its logits over every recording.
@@ -62,11 +64,24 @@ impl Candidate {
     }
 
     /// The smoother's settings under a condition.
-    pub(crate) fn settings(&self, look_ahead: LookAhead) -> Settings {
+    fn settings(&self, look_ahead: LookAhead) -> Settings {
         Settings {
             margins: self.margins,
             ..look_ahead.settings()
         }
+    }
+
+    /// Labels of a recording under a condition; `at` is its place among the recordings.
+    pub(crate) fn labels(
+        &self,
+        at: usize,
+        recording: &EvaluatedRecording,
+        vocabulary: Vocabulary,
+        look_ahead: LookAhead,
+    ) -> Result<SmoothedLabels, SettingsError> {
+        let (logits, classes) = (&self.logits[at], vocabulary.classes());
+        let settings = self.settings(look_ahead);
+        smooth(logits, recording.emg.len(), classes, settings)
     }
 
     /// The condition `wanted`, or no look-ahead for a model that supports no other.

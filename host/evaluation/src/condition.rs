@@ -30,20 +30,12 @@ shared::names! {
 impl LookAhead {
     /// The smoother's settings; each label is held for 0.1 s in all of them.
     pub(crate) const fn settings(self) -> Settings {
-        let paper = Settings::PAPER_IN_PATCHES;
+        let mut settings = Settings::PAPER_IN_PATCHES;
         match self {
-            Self::None => Settings {
-                look_ahead: 0,
-                ..paper
-            },
-            Self::AllRows => Settings {
-                aggregation: AggregationMode::AllRowsFrom,
-                ..paper
-            },
-            Self::SameInstant => Settings {
-                aggregation: AggregationMode::SameInstant,
-                ..paper
-            },
+            Self::None => settings.look_ahead = 0,
+            Self::AllRows => settings.aggregation = AggregationMode::AllRowsFrom,
+            Self::SameInstant => settings.aggregation = AggregationMode::SameInstant,
         }
+        settings
     }
 }

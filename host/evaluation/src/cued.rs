@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use shared::intent::Intent;
 
 use super::evaluated_recording::EvaluatedRecording;
-use super::metric::event::{EventRule, RecordingEvents};
+use super::metric::event::{EventRule, gesture::gestures};
 use recordings::DataSet;
 
 /// Numbers of gestures, counted as [`gesture`](super::metric::event::gesture) counts them.
@@ -47,9 +47,7 @@ pub fn cued<'t>(
 /// Number of gestures in a truth.
 fn count(truth: &[Option<Intent>]) -> usize {
     let nothing = vec![None; truth.len()];
-    // Cannot fail: both have one length.
-    RecordingEvents::new(truth, &nothing, &[], &EventRule::default())
-        .map_or(0, |events| events.gestures.len())
+    gestures(truth, &nothing, &EventRule::default()).len()
 }
 
 #[cfg(test)]

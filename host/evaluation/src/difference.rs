@@ -10,12 +10,10 @@ use recordings::statistics::{Interval, MeanSd};
 /// A difference of two models in one measure, over the people for whom both have a value.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Difference {
-    /// Mean and deviation of the differences.
+    /// Mean and deviation of the differences, with the number of people.
     pub mean: MeanSd,
     /// 95 % interval of their mean; none for fewer than [`FEWEST`](recordings::statistics::FEWEST) people.
     pub interval: Option<Interval>,
-    /// Number of people.
-    pub people: usize,
 }
 
 impl Difference {
@@ -36,7 +34,6 @@ impl Difference {
         Some(Self {
             mean: MeanSd::of(&differences)?,
             interval: Interval::of_mean(&differences),
-            people: differences.len(),
         })
     }
 
@@ -85,7 +82,7 @@ mod tests {
         // Only the people whom both have count.
         let alone = difference(&[(1, 0.9), (7, 0.0)], &other).unwrap();
         assert_eq!(alone.mean.mean, 0.9 - 0.3);
-        assert_eq!((alone.people, alone.is_shown()), (1, false));
+        assert_eq!((alone.mean.n, alone.is_shown()), (1, false));
         assert_eq!(difference(&[(7, 0.9)], &other), None);
         let equal = difference(&other, &other).unwrap();
         assert!(!equal.is_shown());

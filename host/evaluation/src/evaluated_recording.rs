@@ -1,5 +1,8 @@
 //! The recordings that models are evaluated on, or that settings are chosen on.
 
+use std::collections::BTreeMap;
+use std::ops::Range;
+
 use presets::config::ResolvedConfig;
 use recordings::labels::compensation::Compensation;
 use recordings::split::Role;
@@ -70,22 +73,26 @@ impl EvaluatedRecording {
         clean(samples.iter().copied(), preprocessing.median).collect()
     }
 
-    /// Held-out recordings as published.
-    pub fn held_out(config: &ResolvedConfig, library: &Library) -> Vec<Self> {
-        Self::of_role(config, library, Role::HeldOut)
+    /// Removes labels: these samples are not scored.
+    pub(crate) fn unlabel(&mut self, samples: Range<usize>) {
+        if let Some(published) = &mut self.published {
+            published[samples.clone()].fill(None);
+        }
+        self.lag_compensated[samples].fill(None);
     }
 
-    /// Validation recordings as published, on which settings may be chosen.
-    pub fn validation(config: &ResolvedConfig, library: &Library) -> Vec<Self> {
-        Self::of_role(config, library, Role::Validation)
+    /// Places of each person's recordings.
+    pub(crate) fn places(recordings: &[Self]) -> BTreeMap<&str, Vec<usize>> {
+        let mut places: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+        for (at, recording) in recordings.iter().enumerate() {
+            places.entry(&recording.subject).or_default().push(at);
+        }
+        places
     }
 
-    /// Training recordings, which the floors of the tables are fitted to.
-    pub fn training(config: &ResolvedConfig, library: &Library) -> Vec<Self> {
-        Self::of_role(config, library, Role::Training)
-    }
-
-    fn of_role(config: &ResolvedConfig, library: &Library, role: Role) -> Vec<Self> {
+    /// Recordings of the people of a role, as published: models are evaluated on those held out, settings are chosen on those that
+    /// validate, the floors of the tables are fitted to those that train.
+    pub fn of_role(config: &ResolvedConfig, library: &Library, role: Role) -> Vec<Self> {
         let vocabulary = config.preset.vocabulary();
         config
             .evaluated_recordings(library, role)

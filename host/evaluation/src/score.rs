@@ -15,7 +15,7 @@ use super::metric::event::summary::{EventSummary, SubjectEvents};
 use super::metric::event::{EventRule, RecordingEvents, gesture::Gesture};
 use super::metric::summary::{RecordingScore, Summary, summary};
 use super::metric::transition::Rule;
-use super::smoothing::{SmoothedLabels, smooth};
+use super::smoothing::SmoothedLabels;
 use super::system::System;
 use crate::EvaluationError;
 
@@ -122,13 +122,10 @@ pub fn score(
     look_ahead: LookAhead,
     truth: Truth,
 ) -> Result<Vec<Score>, EvaluationError> {
-    let settings = candidate.settings(look_ahead);
     let labels = recordings
         .par_iter()
-        .zip(&candidate.logits)
-        .map(|(recording, logits)| {
-            smooth(logits, recording.emg.len(), vocabulary.classes(), settings)
-        })
+        .enumerate()
+        .map(|(at, recording)| candidate.labels(at, recording, vocabulary, look_ahead))
         .collect::<Result<Vec<_>, _>>()?;
     score_labels(
         &candidate.model,
@@ -265,12 +262,11 @@ pub fn gestures(
     look_ahead: LookAhead,
 ) -> Result<Vec<Gesture>, EvaluationError> {
     let mut gestures = Vec::new();
-    for (recording, logits) in recordings.iter().zip(&candidate.logits) {
-        let truth = &recording.lag_compensated;
-        let settings = candidate.settings(look_ahead);
-        let labels = smooth(logits, recording.emg.len(), vocabulary.classes(), settings)?;
-        let scores = score_recording(recording, &labels, truth)?;
-        gestures.extend(scores.events.gestures);
+    for (at, own) in recordings.iter().enumerate() {
+        let labels = candidate.labels(at, own, vocabulary, look_ahead)?;
+        let rule = EventRule::default();
+        let events = RecordingEvents::new(&own.lag_compensated, &labels.emitted, &[], &rule)?;
+        gestures.extend(events.gestures);
     }
     Ok(gestures)
 }
@@ -284,13 +280,8 @@ pub fn confusion(
     look_ahead: LookAhead,
 ) -> Result<Confusion, EvaluationError> {
     let mut confusion = Confusion::new(vocabulary);
-    for (recording, logits) in recordings.iter().zip(&candidate.logits) {
-        let labels = smooth(
-            logits,
-            recording.emg.len(),
-            vocabulary.classes(),
-            candidate.settings(look_ahead),
-        )?;
+    for (at, recording) in recordings.iter().enumerate() {
+        let labels = candidate.labels(at, recording, vocabulary, look_ahead)?;
         confusion.add(&recording.lag_compensated, &labels.reference)?;
     }
     Ok(confusion)

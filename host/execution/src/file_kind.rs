@@ -2,41 +2,42 @@
 
 use std::fmt;
 
-/// Kind of a file.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum FileKind {
-    /// No bytes.
-    Empty,
-    /// Model file of this project.
-    Model,
-    /// Array of numpy.
-    Npy,
-    /// MATLAB, version 5 to 7.2.
-    Mat,
-    /// HDF5, which MATLAB 7.3 writes too.
-    Hdf5,
-    /// EDF or BDF, the European data format of biosignals.
-    Edf,
-    /// XDF, as LabRecorder writes it.
-    Xdf,
-    /// Zip archive: also npz, xlsx and PyTorch checkpoints.
-    Zip,
-    /// Gzip, mostly a tar archive.
-    Gzip,
-    /// Stand-in that Git leaves until the content is fetched.
-    LfsPointer,
-    /// Page of a web site.
-    Html,
-    /// JSON.
-    Json,
-    /// UTF-16 text.
-    Utf16,
-    /// Rows of numbers, with or without a header.
-    Table,
-    /// Other text.
-    Text,
-    /// Any other content.
-    Binary,
+shared::names! {
+    /// Kind of a file.
+    pub enum FileKind {
+        /// No bytes.
+        Empty = "an empty file",
+        /// Model file of this project.
+        Model = "a model file",
+        /// Array of numpy.
+        Npy = "an npy array",
+        /// MATLAB, version 5 to 7.2.
+        Mat = "a MATLAB file",
+        /// HDF5, which MATLAB 7.3 writes too.
+        Hdf5 = "an HDF5 file (MATLAB 7.3 writes such)",
+        /// EDF or BDF, the European data format of biosignals.
+        Edf = "an EDF or BDF file",
+        /// XDF, as LabRecorder writes it.
+        Xdf = "an XDF file",
+        /// Zip archive: also npz, xlsx and PyTorch checkpoints.
+        Zip = "a zip archive",
+        /// Gzip, mostly a tar archive.
+        Gzip = "a gzip archive",
+        /// Stand-in that Git leaves until the content is fetched.
+        LfsPointer = "a Git LFS pointer without the content",
+        /// Page of a web site.
+        Html = "an HTML page",
+        /// JSON.
+        Json = "JSON",
+        /// UTF-16 text.
+        Utf16 = "UTF-16 text",
+        /// Rows of numbers, with or without a header.
+        Table = "a table of numbers (csv)",
+        /// Other text.
+        Text = "text",
+        /// Any other content.
+        Binary = "binary data of no known kind",
+    }
 }
 
 /// Bytes that are examined.
@@ -147,27 +148,9 @@ fn is_table(text: &str) -> bool {
 
 impl fmt::Display for FileKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let what = match self {
-            Self::Empty => "an empty file",
-            Self::Model => "a model file",
-            Self::Npy => "an npy array",
-            Self::Mat => "a MATLAB file",
-            Self::Hdf5 => "an HDF5 file (MATLAB 7.3 writes such)",
-            Self::Edf => "an EDF or BDF file",
-            Self::Xdf => "an XDF file",
-            Self::Zip => "a zip archive",
-            Self::Gzip => "a gzip archive",
-            Self::LfsPointer => "a Git LFS pointer without the content",
-            Self::Html => "an HTML page",
-            Self::Json => "JSON",
-            Self::Utf16 => "UTF-16 text",
-            Self::Table => "a table of numbers (csv)",
-            Self::Text => "text",
-            Self::Binary => "binary data of no known kind",
-        };
         match self.advice() {
-            "" => f.write_str(what),
-            advice => write!(f, "{what}: {advice}"),
+            "" => f.write_str(self.name()),
+            advice => write!(f, "{}: {advice}", self.name()),
         }
     }
 }

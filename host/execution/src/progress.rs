@@ -13,37 +13,30 @@ use crate::printable::{printable, printable_lines};
 use crate::run_folder::{RunError, RunFolder};
 
 /// A progress bar of `length` steps, hidden when standard error is not a terminal.
-///
-/// # Panics
-/// Never: its template is a constant.
 pub fn bar(length: usize, what: &str) -> ProgressBar {
-    let bar =
-        ProgressBar::with_draw_target(Some(length as u64), ProgressDrawTarget::stderr_with_hz(4));
-    bar.set_style(
-        ProgressStyle::with_template("{prefix:24} [{bar:32}] {pos}/{len} {elapsed}<{eta} {msg}")
-            .expect("a template of known fields")
-            .progress_chars("=> "),
-    );
-    bar.set_prefix(printable(what));
+    let template = "{prefix:24} [{bar:32}] {pos}/{len} {elapsed}<{eta} {msg}";
+    let bar = styled(Some(length as u64), template, what);
     bar.enable_steady_tick(Duration::from_millis(250));
     bar
 }
 
 /// A progress bar of bytes, of a number that may be unknown; hidden when standard error is not a terminal.
-///
-/// # Panics
-/// Never: its templates are constants.
 pub fn bytes(length: Option<u64>, what: &str) -> ProgressBar {
-    let bar = ProgressBar::with_draw_target(length, ProgressDrawTarget::stderr_with_hz(4));
     let template = match length {
         Some(_) => "{prefix:24} [{bar:32}] {bytes}/{total_bytes} {bytes_per_sec} {eta}",
         None => "{prefix:24} {bytes} {bytes_per_sec} {elapsed}",
     };
-    bar.set_style(
-        ProgressStyle::with_template(template)
-            .expect("a template of known fields")
-            .progress_chars("=> "),
-    );
+    styled(length, template, what)
+}
+
+/// A progress bar of a template.
+///
+/// # Panics
+/// Never: the templates are constants.
+fn styled(length: Option<u64>, template: &str, what: &str) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(length, ProgressDrawTarget::stderr_with_hz(4));
+    let style = ProgressStyle::with_template(template).expect("a template of known fields");
+    bar.set_style(style.progress_chars("=> "));
     bar.set_prefix(printable(what));
     bar
 }

@@ -24,13 +24,15 @@ use lock::Lock;
 
 /// Ending of a checkpoint's name.
 const CHECKPOINT: &str = ".checkpoint";
+/// Ending of the name of a model's weights.
+const WEIGHTS: &str = ".bpk";
 /// Ending of the name of a file with a line of metrics an epoch.
 const METRICS: &str = ".jsonl";
 
 /// Endings of the names of files that a run makes and that may be worth keeping. A configuration alone is left by a run
 /// that was refused before its training, and is made again.
 const OF_A_RUN: [&str; 6] = [
-    ".bpk",
+    WEIGHTS,
     CHECKPOINT,
     ".intent",
     METRICS,
@@ -44,11 +46,6 @@ pub struct RunFolder {
     path: PathBuf,
     /// Lock of a folder that is open for writing.
     lock: Option<Arc<Lock>>,
-}
-
-/// File name of the weights of a model called `name`.
-pub fn weights_file(name: &str) -> String {
-    format!("{name}.bpk")
 }
 
 impl RunFolder {
@@ -100,7 +97,7 @@ impl RunFolder {
     pub fn locked(mut self) -> Result<Self, RunError> {
         if self.lock.is_none() {
             self.lock = Some(Arc::new(Lock::of(&self.path)?));
-            durable::remove_partial(&self.path)
+            durable::remove_ending(&self.path, &[durable::PARTIAL])
                 .map_err(|source| RunError::io(&self.path, source))?;
         }
         Ok(self)
@@ -155,6 +152,6 @@ impl RunFolder {
 
     /// Path of the weights called `name`.
     pub fn weights_path(&self, name: &str) -> PathBuf {
-        self.file(&weights_file(name))
+        self.file(&format!("{name}{WEIGHTS}"))
     }
 }

@@ -1,12 +1,13 @@
 //! Validity of the values of a preset.
 
 mod memory;
-mod student;
 
 use shared::intent::Vocabulary;
-use shared::units::{LOOK_BACK, PATCH, WINDOW};
+use shared::units::{LOOK_BACK, PATCH, WINDOW, WINDOW_PATCHES};
 
 use super::Preset;
+use crate::augmentation::Augmentation;
+use crate::distillation::MEMBERS;
 use crate::training::LrSchedule;
 use memory::LIMIT;
 
@@ -55,12 +56,14 @@ const BOUNDS: [(&str, f64, f64, &str); 28] = [
 ];
 
 /// A value that a run cannot use.
-pub(super) struct Invalid {
-    pub(super) key: &'static str,
+#[derive(Debug, thiserror::Error)]
+#[error("{key} is {found}, expected {expected}")]
+pub struct Invalid {
+    key: &'static str,
     /// Value that was found.
-    pub(super) found: String,
+    found: String,
     /// Valid values.
-    pub(super) expected: &'static str,
+    expected: &'static str,
 }
 
 /// Refuses a value that is not valid.
@@ -80,20 +83,117 @@ fn require(
 impl Preset {
     /// The first invalid value, if there is one.
     pub(super) fn invalid(&self) -> Option<Invalid> {
-        let classes = require(
-            Vocabulary::with_classes(self.classes).is_some(),
-            "classes",
-            self.classes,
-            "3, 5 or 6",
-        );
-        classes
-            .or_else(|| self.invalid_teacher())
-            .or_else(|| self.invalid_teacher_training())
-            .or_else(|| self.invalid_student())
-            .or_else(|| self.invalid_distillation())
-            .or_else(|| self.invalid_augmentation())
-            .or_else(|| self.invalid_smoother())
-            .or_else(|| self.invalid_data())
+        let Self {
+            teacher,
+            teacher_training: training,
+            student,
+            distillation,
+            data,
+            ..
+        } = self;
+        let warm_up = match training.lr_schedule {
+            LrSchedule::WarmUp(share) => share,
+            LrSchedule::Constant => 0.0,
+        };
+        let is_extreme =
+            |own: &&Augmentation| !(0.0..=MOST_DEVIATION).contains(&own.gain) || own.rotation > 3;
+        let augmentations = [&training.augmentation, &distillation.augmentation];
+        let extreme = augmentations.into_iter().flatten().find(is_extreme);
+        let reaction = self.smoother.reaction.unwrap_or_default();
+        let seconds = data.spliced_seconds;
+        let conditions = [
+            require(
+                Vocabulary::with_classes(self.classes).is_some(),
+                "classes",
+                self.classes,
+                "3, 5 or 6",
+            ),
+            require(
+                teacher.patch > 0 && teacher.window.is_multiple_of(teacher.patch),
+                "teacher.patch",
+                teacher.patch,
+                "a divisor of the window",
+            ),
+            require(
+                are_heads(teacher.heads, teacher.d_model),
+                "teacher.heads",
+                teacher.heads,
+                "a divisor of d_model",
+            ),
+            require(
+                training.stride > 0 && training.batch > 0,
+                "teacher_training",
+                0,
+                "stride and batch of 1 or more",
+            ),
+            require(
+                !training.tasks.is_empty(),
+                "teacher_training.tasks",
+                &training.tasks,
+                "one task or more",
+            ),
+            require(
+                (0.0..=1.0).contains(&warm_up),
+                "teacher_training.lr_schedule",
+                warm_up,
+                "a warm-up of 0 to 1, the share of the steps",
+            ),
+            require(
+                are_heads(student.heads, student.d_model),
+                "student.heads",
+                student.heads,
+                "a divisor of d_model",
+            ),
+            require(
+                student.span > 0
+                    && student.layers > 0
+                    && student.receptive_field() <= WINDOW_PATCHES + 1 - LOOK_BACK,
+                "student.span",
+                student.receptive_field(),
+                "layers * (span - 1) + 1 of at most 55 patches",
+            ),
+            require(
+                distillation.patches > student.span
+                    && distillation.batch > 0
+                    && distillation.steps > 0,
+                "distillation",
+                distillation.patches,
+                "patches above the span; batch and steps of 1 or more",
+            ),
+            require(
+                !self.other() || !distillation.needs_teacher(),
+                "distillation.teacher_share",
+                distillation.teacher_share,
+                "0, or an ensemble, with data.other_movement = \"class\", which no teacher knows",
+            ),
+            require(
+                distillation
+                    .ensemble
+                    .is_none_or(|own| (2..=MEMBERS.len()).contains(&own.members)),
+                "distillation.ensemble",
+                distillation.ensemble,
+                "2 to 8 members",
+            ),
+            extreme.and_then(|found| {
+                let expected = "gain of 0 to 3, rotation of 0 to 3";
+                require(false, "augmentation", found, expected)
+            }),
+            require(
+                self.other() || reaction.other.is_none(),
+                "smoother.reaction",
+                reaction.to_string(),
+                "a margin over other movement only with data.other_movement = \"class\"",
+            ),
+            require(
+                (0.0..=DAY).contains(&seconds) && (seconds >= 10.0 || data.as_published),
+                "data.spliced_seconds",
+                seconds,
+                "10 to 86400, or as_published = true",
+            ),
+        ];
+        let mut unmet = conditions.into_iter().flatten();
+        unmet
+            .next()
             .or_else(|| self.beyond_bounds())
             .or_else(|| self.too_large())
     }
@@ -118,84 +218,6 @@ impl Preset {
         })
     }
 
-    fn invalid_teacher(&self) -> Option<Invalid> {
-        let teacher = &self.teacher;
-        [
-            require(
-                teacher.patch > 0 && teacher.window.is_multiple_of(teacher.patch),
-                "teacher.patch",
-                teacher.patch,
-                "a divisor of the window",
-            ),
-            require(
-                are_heads(teacher.heads, teacher.d_model),
-                "teacher.heads",
-                teacher.heads,
-                "a divisor of d_model",
-            ),
-        ]
-        .into_iter()
-        .flatten()
-        .next()
-    }
-
-    fn invalid_teacher_training(&self) -> Option<Invalid> {
-        let training = &self.teacher_training;
-        let warm_up = match training.lr_schedule {
-            LrSchedule::WarmUp(share) => share,
-            LrSchedule::Constant => 0.0,
-        };
-        [
-            require(
-                training.stride > 0 && training.batch > 0,
-                "teacher_training",
-                0,
-                "stride and batch of 1 or more",
-            ),
-            require(
-                !training.tasks.is_empty(),
-                "teacher_training.tasks",
-                &training.tasks,
-                "one task or more",
-            ),
-            require(
-                (0.0..=1.0).contains(&warm_up),
-                "teacher_training.lr_schedule",
-                warm_up,
-                "a warm-up of 0 to 1, the share of the steps",
-            ),
-        ]
-        .into_iter()
-        .flatten()
-        .next()
-    }
-
-    fn invalid_smoother(&self) -> Option<Invalid> {
-        let point = self.smoother.reaction;
-        require(
-            self.other() || point.is_none_or(|point| point.other.is_none()),
-            "smoother.reaction",
-            point.unwrap_or_default().to_string(),
-            "a margin over other movement only with data.other_movement = \"class\"",
-        )
-    }
-
-    fn invalid_augmentation(&self) -> Option<Invalid> {
-        let (training, distillation) = (&self.teacher_training, &self.distillation);
-        [&training.augmentation, &distillation.augmentation]
-            .into_iter()
-            .flatten()
-            .find_map(|augmentation| {
-                require(
-                    (0.0..=MOST_DEVIATION).contains(&augmentation.gain)
-                        && augmentation.rotation <= 3,
-                    "augmentation",
-                    augmentation,
-                    "gain of 0 to 3, rotation of 0 to 3",
-                )
-            })
-    }
-
     /// The first size that no memory holds, if there is one.
     fn too_large(&self) -> Option<Invalid> {
         let memory = |key, bytes: f64| {
@@ -206,16 +228,6 @@ impl Preset {
             })
         };
         memory("teacher", self.teacher_bytes()).or_else(|| memory("student", self.student_bytes()))
-    }
-
-    fn invalid_data(&self) -> Option<Invalid> {
-        let (seconds, as_published) = (self.data.spliced_seconds, self.data.as_published);
-        require(
-            (0.0..=DAY).contains(&seconds) && (seconds >= 10.0 || as_published),
-            "data.spliced_seconds",
-            seconds,
-            "10 to 86400, or as_published = true",
-        )
     }
 }
 
@@ -232,7 +244,7 @@ mod tests {
     fn refused(from: &str, to: &str) -> &'static str {
         let text = BUILT_IN[0].1.replace(from, to);
         match Preset::parse("mine", &text) {
-            Err(PresetError::Value { key, .. }) => key,
+            Err(PresetError::Value { value, .. }) => value.key,
             other => panic!("{other:?}"),
         }
     }

@@ -2,11 +2,9 @@
 //! them. It is saved beside the results.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
-use shared::intent::Intent;
 use shared::stream::alignment::Template;
 use shared::stream::preprocess::Median;
 use shared::units::{SAMPLE_RATE_HZ, Sample};
@@ -146,20 +144,9 @@ impl ResolvedConfig {
 
     /// Spliced recordings, one per subject, with lag-compensated labels; the recordings given are those of one data
     /// set.
-    pub fn spliced(&self, recordings: &[&Recording], seconds: f64, other: bool) -> Vec<Recording> {
-        let vocabulary = self.preset.vocabulary();
-        let own: Vec<Recording> = recordings
-            .iter()
-            .map(|&recording| {
-                let compensated = recording.compensated(self.compensation(recording));
-                Recording {
-                    labels: compensated.labels_in(vocabulary),
-                    other_movement: compensated.movement_outside(vocabulary),
-                    samples: self.samples(recording),
-                    ..compensated
-                }
-            })
-            .collect();
+    fn spliced(&self, recordings: &[&Recording], seconds: f64) -> Vec<Recording> {
+        let own = recordings.iter().map(|recording| self.seen(recording));
+        let own: Vec<Recording> = own.collect();
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -168,23 +155,22 @@ impl ResolvedConfig {
         let options = SpliceOptions {
             samples: (seconds * f64::from(SAMPLE_RATE_HZ)) as usize,
             count: 1,
-            other,
+            other: self.preset.other(),
             seed: self.preset.seed,
         };
         splice::splice(&own.iter().collect::<Vec<_>>(), &options)
     }
 
-    /// Lag-compensated labels of a recording, in the preset's vocabulary, and where movement
-    /// outside it has a target.
-    fn training_labels(&self, recording: &Recording) -> (Vec<Option<Intent>>, Vec<Range<usize>>) {
+    /// A recording as the preset says, with lag-compensated labels in its vocabulary and all movement outside it.
+    fn seen(&self, recording: &Recording) -> Recording {
         let vocabulary = self.preset.vocabulary();
         let compensated = recording.compensated(self.compensation(recording));
-        let mut other_movement = Vec::new();
-        if self.preset.other() {
-            let movements = compensated.movement_outside(vocabulary).into_iter();
-            other_movement.extend(movements.map(|movement| movement.samples));
+        Recording {
+            labels: compensated.labels_in(vocabulary),
+            other_movement: compensated.movement_outside(vocabulary),
+            samples: self.samples(recording),
+            ..compensated
         }
-        (compensated.labels_in(vocabulary), other_movement)
     }
 
     /// Adds a stream of the daily life of each person, weighted so that they have the preset's share beside the others.
@@ -224,18 +210,18 @@ impl ResolvedConfig {
         let mut streams = Vec::new();
         for (data_set, recordings) in &by_set {
             if data.as_published {
-                streams.extend(recordings.iter().map(|recording| {
-                    let (labels, other_movement) = self.training_labels(recording);
-                    Stream {
-                        other_movement,
-                        ..Stream::new(self.samples(recording), labels)
-                    }
-                }));
+                let mut published: Vec<_> = recordings.iter().map(|own| self.seen(own)).collect();
+                if !self.preset.other() {
+                    published
+                        .iter_mut()
+                        .for_each(|own| own.other_movement.clear());
+                }
+                streams.extend(published.into_iter().map(Stream::from));
             }
             if data.spliced_seconds > 0.0 {
                 let ratio = most as f64 / subjects[data_set].len() as f64;
                 let seconds = data.spliced_seconds * ratio.powf(data.balance);
-                let spliced = self.spliced(recordings, seconds, self.preset.other());
+                let spliced = self.spliced(recordings, seconds);
                 streams.extend(spliced.into_iter().map(Stream::from));
             }
         }

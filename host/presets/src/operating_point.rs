@@ -104,30 +104,13 @@ mod tests {
 
     #[test]
     fn an_operating_point_is_written_as_it_is_read() {
-        for text in [
-            "late",
-            "entry=0",
-            "entry=1.5,other=-2",
-            "balanced,other=0,caution=4",
-        ] {
+        for text in "late entry=0 entry=1.5,other=-2 balanced,other=0,caution=4".split(' ') {
             assert_eq!(text.parse::<OperatingPoint>().unwrap().to_string(), text);
         }
-        for text in [
-            "",
-            "slow",
-            "1.5",
-            "entry=",
-            "entry=-1",
-            "entry=51",
-            "entry=nan",
-            "other=-51",
-            "relax=1",
-            "caution=8",
-            "fast,",
-            "fast,steady",
-            "entry=1,entry=2",
-            "fast,caution=-1",
-        ] {
+        // Words, values and their combinations; the last one is empty.
+        let wrong = "slow 1.5 relax=1 entry= entry=-1 entry=51 entry=nan other=-51 caution=8 \
+                     fast, fast,steady fast,caution=-1 entry=1,entry=2 ";
+        for text in wrong.split(' ') {
             assert!(text.parse::<OperatingPoint>().is_err(), "{text}");
         }
     }

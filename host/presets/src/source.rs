@@ -27,13 +27,8 @@ pub enum PresetError {
     },
     #[error("preset {name}: {reason}")]
     Syntax { name: String, reason: String },
-    #[error("preset {name}: {key} is {found}, expected {expected}")]
-    Value {
-        name: String,
-        key: &'static str,
-        found: String,
-        expected: &'static str,
-    },
+    #[error("preset {name}: {value}")]
+    Value { name: String, value: Invalid },
 }
 
 impl Preset {
@@ -71,15 +66,9 @@ impl Preset {
         toml::from_str::<toml::Table>(text).map_err(syntax)?;
         match preset.invalid() {
             None => Ok(preset),
-            Some(Invalid {
-                key,
-                found,
-                expected,
-            }) => Err(PresetError::Value {
+            Some(value) => Err(PresetError::Value {
                 name: name.to_owned(),
-                key,
-                found,
-                expected,
+                value,
             }),
         }
     }

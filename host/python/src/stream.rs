@@ -26,7 +26,7 @@ struct Memory {
     state: MutBorrow<State>,
 }
 
-type Running<'a> = inference::Stream<'a, HostEncoder<'a>>;
+type Running<'a> = inference::Stream<'a>;
 
 self_cell! {
     struct Board {

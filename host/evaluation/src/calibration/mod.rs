@@ -64,10 +64,6 @@ pub fn calibrate(
     } else {
         Alignment::NONE
     };
-    let unlearnt = Calibration {
-        alignment,
-        ..Calibration::default()
-    };
     let mut hidden = BTreeMap::new();
     for part in &parts {
         if let Entry::Vacant(entry) = hidden.entry(part.recording) {
@@ -94,39 +90,32 @@ pub fn calibrate(
     };
     let refused = |refusal: Refusal| Calibration {
         refusal: Some(refusal.to_string()),
-        ..unlearnt.clone()
+        alignment,
+        ..Calibration::default()
     };
     let teaching = rounds.div_ceil(2);
-    let judging: Vec<&ShownPart> = parts
-        .iter()
-        .filter(|part| part.round >= teaching)
-        .copied()
-        .collect();
-    let first = match learnt(teaching) {
-        Ok(head) => head,
+    let judging = parts.iter().filter(|part| part.round >= teaching);
+    let judging: Vec<&ShownPart> = judging.copied().collect();
+    let mut head = match learnt(teaching) {
+        Ok(head) => Some(head),
         Err(refusal) => return Ok(refused(refusal)),
     };
-    if judging.is_empty() {
-        return Ok(Calibration {
-            head: Some(first),
-            ..unlearnt
-        });
+    let mut judged = None;
+    if let Some(first) = head.take_if(|_| !judging.is_empty()) {
+        let judgement = judge(model, &first, recordings, &judging, alignment)?;
+        judged = Some(judgement.recalls());
+        if judgement.accepts() {
+            head = match learnt(rounds) {
+                Ok(head) => Some(head),
+                Err(refusal) => return Ok(refused(refusal)),
+            };
+        }
     }
-    let judgement = judge(model, &first, recordings, &judging, alignment)?;
-    let judged = judgement.recalls();
-    if !judgement.accepts() {
-        return Ok(Calibration {
-            judged: Some(judged),
-            ..unlearnt
-        });
-    }
-    Ok(match learnt(rounds) {
-        Ok(head) => Calibration {
-            head: Some(head),
-            judged: Some(judged),
-            ..unlearnt
-        },
-        Err(refusal) => refused(refusal),
+    Ok(Calibration {
+        head,
+        judged,
+        refusal: None,
+        alignment,
     })
 }
 

@@ -24,25 +24,24 @@ const TOGETHER: u64 = 2;
 const FLASH_MS: u32 = 103;
 
 /// Stream of an armband, two samples every 10 ms, to a board that starts with the first sample.
-pub struct Stream<'s, E: Encode> {
-    pipeline: Pipeline<'s, E>,
+pub struct Stream<'s> {
+    pipeline: Pipeline<'s, HostEncoder<'s>>,
     /// Line of the start, until it is written.
     start: Option<Report>,
     /// Samples so far.
     count: u64,
-    calibration: Option<WearerCalibration<'s, E>>,
+    calibration: Option<WearerCalibration<'s>>,
 }
 
 /// Calibration of the stream's wearer, who follows its cues.
-struct WearerCalibration<'s, E> {
+struct WearerCalibration<'s> {
     /// Samples before it begins.
     at: u64,
     others: bool,
     /// The model as it is put in use again; its head is replaced.
-    encoder: E,
+    encoder: HostEncoder<'s>,
     smoother: Smoother,
     input: ModelInput,
-    with_head: fn(E, &'s Head) -> E,
     recalls: Option<Recalls>,
     /// Place of the head that is used.
     kept: Option<&'s mut Head>,
@@ -50,13 +49,13 @@ struct WearerCalibration<'s, E> {
     learnt: Option<(&'s mut Memory, Millis)>,
 }
 
-impl<'s, E: Encode + Copy> Stream<'s, E> {
+impl<'s> Stream<'s> {
     /// A stream before its first sample; `encoder` is that of the model. With `align`, an alignment begins with the
     /// first sample.
     pub fn new(
         model: &Model<'_>,
-        encoder: E,
-        state: &'s mut E::State,
+        encoder: HostEncoder<'s>,
+        state: &'s mut <HostEncoder<'s> as Encode>::State,
         align: Option<Arm>,
     ) -> Result<Self, SettingsError> {
         let mut pipeline = Pipeline::of_model(model, encoder, state)?;
@@ -162,7 +161,7 @@ impl<'s, E: Encode + Copy> Stream<'s, E> {
             head.clone_from(memory.head());
             own.input.alignment = memory.alignment();
             self.pipeline.lend(memory);
-            let encoder = (own.with_head)(own.encoder, head);
+            let encoder = own.encoder.with_head(head);
             let smoother = own.smoother.clone();
             self.pipeline.resume(now, encoder, smoother, own.input);
             let recalls = own.recalls;
@@ -181,9 +180,7 @@ impl<'s, E: Encode + Copy> Stream<'s, E> {
             let _ = self.pipeline.suspend(now);
         }
     }
-}
 
-impl<'s> Stream<'s, HostEncoder<'s>> {
     /// Begins a calibration after so many samples, rounded up to a notification; with other movement if wanted. The wearer
     /// follows the cues that are written. To be called before the first sample, with the stream's model.
     pub fn calibrate(
@@ -205,7 +202,6 @@ impl<'s> Stream<'s, HostEncoder<'s>> {
                 template: model.header.template,
                 alignment: Alignment::NONE,
             },
-            with_head: HostEncoder::with_head,
             recalls: None,
             kept: Some(kept),
             learnt: None,

@@ -79,16 +79,6 @@ impl LabelScore {
             rule,
         })
     }
-
-    /// Scores as JSON.
-    pub fn json(&self) -> serde_json::Value {
-        words::json(self)
-    }
-
-    /// Scores as text for a terminal, with a row for each change and gesture.
-    pub fn tables(&self) -> String {
-        words::tables(self)
-    }
 }
 
 /// Delays labels by a number of samples.

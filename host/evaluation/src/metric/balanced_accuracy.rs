@@ -6,6 +6,8 @@
 //! pooled before the recalls are computed, because single recordings often hold a single class. A truth of one class
 //! has no balanced accuracy: a constant would have 1 on it.
 //!
+//! Raw accuracy = samples whose prediction equals the truth / labelled samples.
+//!
 //! Source: Brodersen et al., *The balanced accuracy and its posterior distribution*, ICPR 2010.
 
 use shared::intent::{Intent, MAX_CLASSES};
@@ -62,6 +64,12 @@ impl Recalls {
             .collect();
         (recalls.len() > 1).then(|| recalls.iter().sum::<f64>() / recalls.len() as f64)
     }
+
+    /// Raw accuracy, 0..=1; `None` if no sample is labelled.
+    pub fn raw_accuracy(&self) -> Option<f64> {
+        let [samples, correct] = [self.samples, self.correct].map(|own| own.iter().sum::<u64>());
+        (samples > 0).then(|| correct as f64 / samples as f64)
+    }
 }
 
 #[cfg(test)]
@@ -77,6 +85,10 @@ mod tests {
         let recalls = Recalls::new(&truth, &vec![r; truth.len()]).unwrap();
         assert_eq!(recalls.balanced_accuracy(), Some(1.0 / 3.0));
         assert_eq!(recalls.recall(Intent::WaveIn), None);
+        assert_eq!(recalls.raw_accuracy(), Some(0.9));
+        assert_eq!(Recalls::default().raw_accuracy(), None);
+        let half = Recalls::new(&[r, r, o, o, None], &[r, o, o, None, None]).unwrap();
+        assert_eq!(half.raw_accuracy(), Some(0.5));
         assert_eq!(Recalls::default().balanced_accuracy(), None);
         let relax_alone = Recalls::new(&truth[..90], &truth[..90]).unwrap();
         assert_eq!(relax_alone.balanced_accuracy(), None);

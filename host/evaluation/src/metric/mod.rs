@@ -7,7 +7,6 @@ pub mod balanced_accuracy;
 pub mod confusion;
 pub mod event;
 pub mod offset;
-pub mod raw_accuracy;
 pub mod summary;
 pub mod transition;
 
@@ -43,6 +42,11 @@ pub fn predicted_length(prediction: &[Option<Intent>]) -> usize {
         .iter()
         .rposition(Option::is_some)
         .map_or(0, |last| last + 1)
+}
+
+/// Writes an intent by its name.
+fn by_name<S: serde::Serializer>(intent: &Intent, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(intent.name())
 }
 
 fn same_length(

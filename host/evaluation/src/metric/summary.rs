@@ -10,7 +10,6 @@ use shared::intent::{Intent, MAX_CLASSES};
 
 use super::balanced_accuracy::Recalls;
 use super::offset::{self, OffsetSummary};
-use super::raw_accuracy::raw_accuracy;
 use super::transition;
 use super::transition::{Rule, TransitionScore};
 use crate::EvaluationError;
@@ -60,12 +59,13 @@ impl RecordingScore {
                 lasting[at] = before;
             }
         }
+        let recalls = Recalls::new(truth, prediction)?;
         Ok(Self {
             subject: subject.to_owned(),
             name: name.to_owned(),
             present,
-            recalls: Recalls::new(truth, prediction)?,
-            raw_accuracy: raw_accuracy(truth, prediction)?,
+            recalls,
+            raw_accuracy: recalls.raw_accuracy(),
             transitions: transition::score(&lasting, prediction, rule)?,
         })
     }

@@ -12,7 +12,7 @@ use std::ops::Range;
 
 use shared::intent::Intent;
 
-use super::{same_length, stretches};
+use super::{by_name, same_length, stretches};
 use crate::EvaluationError;
 pub use status::TransitionStatus;
 use status::status;
@@ -190,10 +190,6 @@ fn offset(prediction: &[Label], at: usize, from: Label, to: Label, half: usize) 
         .min_by_key(|offset| offset.abs());
     // No direct change occurs only where relax lies between A and B: then the first B counts, as in the reference.
     straight.or_else(|| range.clone().find(|&i| prediction[i] == to).map(distance))
-}
-
-fn by_name<S: serde::Serializer>(intent: &Intent, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_str(intent.name())
 }
 
 /// Buffers and maintenance intervals of one labelled stretch.

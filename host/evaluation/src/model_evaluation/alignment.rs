@@ -94,11 +94,8 @@ pub(super) struct Aligned {
 pub(super) fn openings_of(
     recordings: &[EvaluatedRecording],
 ) -> BTreeMap<String, (Openings, Vec<usize>)> {
-    let mut own: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
-    for (at, recording) in recordings.iter().enumerate() {
-        own.entry(&recording.subject).or_default().push(at);
-    }
-    own.into_iter()
+    EvaluatedRecording::places(recordings)
+        .into_iter()
         .filter_map(|(subject, places)| {
             let pairs: Vec<(&[Sample], &[Option<Intent>])> = places
                 .iter()
@@ -196,11 +193,7 @@ pub(super) fn leave_out_openings(
         let count = taken.get(subject).copied().unwrap_or_default();
         for (number, &at) in places.iter().enumerate() {
             for range in openings.used(number, count) {
-                let recording = &mut recordings[at];
-                if let Some(published) = &mut recording.published {
-                    published[range.clone()].fill(None);
-                }
-                recording.lag_compensated[range].fill(None);
+                recordings[at].unlabel(range);
             }
         }
     }

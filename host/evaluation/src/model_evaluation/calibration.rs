@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use recordings::statistics::MeanSd;
 use serde::Serialize;
 use shared::calibration::Shown;
-use shared::intent::{Intent, Vocabulary};
+use shared::intent::Vocabulary;
 use shared::model::file::Model;
 use shared::model::head::Head;
 use shared::stream::alignment::Alignment;
@@ -54,11 +54,7 @@ pub(super) type People = BTreeMap<String, (Vec<usize>, Vec<ShownPart>)>;
 
 /// People with [`SET_ASIDE`] rounds.
 pub(super) fn people_of(recordings: &[EvaluatedRecording], vocabulary: Vocabulary) -> People {
-    let mut places: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
-    for (at, recording) in recordings.iter().enumerate() {
-        places.entry(&recording.subject).or_default().push(at);
-    }
-    places
+    EvaluatedRecording::places(recordings)
         .into_iter()
         .filter_map(|(subject, places)| {
             let own = own(recordings, &places);
@@ -142,10 +138,7 @@ pub(super) fn set_aside(recordings: &mut [EvaluatedRecording], people: &People) 
                 let movements = &mut recording.other_movement;
                 movements.retain(|own| own.samples.start != start);
             }
-            let unlabel =
-                |labels: &mut Vec<Option<Intent>>| labels[part.samples.clone()].fill(None);
-            recording.published.as_mut().map(unlabel);
-            unlabel(&mut recording.lag_compensated);
+            recording.unlabel(part.samples.clone());
         }
     }
 }

@@ -97,7 +97,8 @@ pub(crate) fn latency_in_words(LatencySummary { median, p90 }: LatencySummary) -
 /// A difference of shares: `+0.120 [+0.030, +0.210] n 8`, and in words if no difference is shown.
 pub fn difference(value: Option<Difference>) -> String {
     let Some(value) = value else { return none() };
-    let signed = |value: f64| format!("{:+.3}", unsigned_zero(value, 1000.0));
+    // What rounds to zero has no minus.
+    let signed = |value: f64| format!("{:+.3}", (value * 1000.0).round() / 1000.0 + 0.0);
     let mean = signed(value.mean.mean);
     let interval = value
         .interval
@@ -107,7 +108,7 @@ pub fn difference(value: Option<Difference>) -> String {
         true => "",
         false => ", no difference shown",
     };
-    format!("{mean}{interval} n {}{words}", value.people)
+    format!("{mean}{interval} n {}{words}", value.mean.n)
 }
 
 fn spread(
@@ -122,11 +123,6 @@ fn spread(
 
 fn whole(value: f64) -> String {
     format!("{:.0}", value.round())
-}
-
-/// Rounds to a step of 1 / `steps`; zero has no minus.
-fn unsigned_zero(value: f64, steps: f64) -> f64 {
-    (value * steps).round() / steps + 0.0
 }
 
 #[cfg(test)]
@@ -144,24 +140,15 @@ mod tests {
         assert_eq!(share(Some(both)), "0.912 (0.04)");
         assert_eq!(share(Some(one)), "0.912");
         assert_eq!(share(None), none());
-        let interval = Some(Interval {
-            low: 0.8811,
-            high: 0.94,
-        });
+        let (low, high) = (0.8811, 0.94);
+        let interval = Some(Interval { low, high });
         assert_eq!(estimate(Some(both), interval), "0.912 [0.88, 0.94]");
         assert_eq!(estimate(Some(one), None), "0.912");
-        let whole = Some(Interval {
-            low: 0.0,
-            high: 1.0,
-        });
+        let (low, high) = (0.0, 1.0);
+        let whole = Some(Interval { low, high });
         assert_eq!(narrow_estimate(Some(both), whole), "0.91 (.00-1.0)");
         assert_eq!(narrow_estimate(Some(both), interval), "0.91 (.88-.94)");
-        let missed = LatencySummary {
-            median: Latency::Ms(285.0),
-            p90: Latency::Missed,
-        };
-        assert_eq!(latency(Some(missed)), "285 / >10 % missed");
-        assert_eq!(of_people(latency(Some(missed)), 8, 8), "285 / >10 % missed");
+        assert_eq!(of_people(share(Some(both)), 8, 8), share(Some(both)));
         assert_eq!(of_people(share(Some(both)), 8, 9), "0.912 (0.04) n 8");
         assert_eq!(of_people(none(), 0, 9), none());
     }
@@ -182,38 +169,24 @@ mod tests {
 
     #[test]
     fn a_difference_whose_interval_contains_zero_is_not_shown() {
-        let of = |low, high| Difference {
-            mean: MeanSd {
-                mean: 0.0116,
-                sd: Some(0.044),
-                n: 8,
-            },
-            interval: Some(Interval { low, high }),
-            people: 8,
+        let of = |mean, interval: Option<(f64, f64)>| {
+            let (sd, n) = (None, 8);
+            difference(Some(Difference {
+                mean: MeanSd { mean, sd, n },
+                interval: interval.map(|(low, high)| Interval { low, high }),
+            }))
         };
-        let clear = difference(Some(of(0.003, 0.02)));
-        assert_eq!(clear, "+0.012 [+0.003, +0.020] n 8");
-        let unclear = difference(Some(of(-0.003, 0.02)));
-        assert_eq!(unclear, "+0.012 [-0.003, +0.020] n 8, no difference shown");
-        let alone = Difference {
-            interval: None,
-            people: 1,
-            ..of(0.0, 0.0)
-        };
-        assert!(difference(Some(alone)).ends_with("n 1, no difference shown"));
-    }
-
-    #[test]
-    fn what_rounds_to_zero_has_no_minus() {
-        let tiny = Difference {
-            mean: MeanSd {
-                mean: -0.0004,
-                sd: None,
-                n: 1,
-            },
-            interval: None,
-            people: 1,
-        };
-        assert!(difference(Some(tiny)).starts_with("+0.000 n 1"));
+        for (mean, interval, shown) in [
+            (0.0116, Some((0.003, 0.02)), "+0.012 [+0.003, +0.020] n 8"),
+            (
+                0.0116,
+                Some((-0.003, 0.02)),
+                "+0.012 [-0.003, +0.020] n 8, no difference shown",
+            ),
+            // What rounds to zero has no minus.
+            (-0.0004, None, "+0.000 n 8, no difference shown"),
+        ] {
+            assert_eq!(of(mean, interval), shown);
+        }
     }
 }

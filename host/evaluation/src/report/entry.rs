@@ -9,7 +9,7 @@ use super::Fact;
 use super::pictures::charts::Panel;
 use super::pictures::timeline::Timeline;
 use super::row::{Row, over_all};
-use crate::{Candidate, EvaluatedRecording, EvaluationError, LookAhead, Measure, System, smooth};
+use crate::{Candidate, EvaluatedRecording, EvaluationError, LookAhead, Measure, System};
 
 /// Samples of a recording in a picture: 20 s.
 pub(super) const SHOWN: usize = 4000;
@@ -92,12 +92,10 @@ impl<'a> Entry<'a> {
         part: Range<usize>,
     ) -> Result<Timeline<'_>, EvaluationError> {
         let recording = &self.recordings[at];
-        let labels = smooth(
-            &self.candidate.logits[at],
-            recording.emg.len(),
-            self.vocabulary.classes(),
-            self.candidate.settings(self.look_ahead),
-        )?;
+        let (vocabulary, look_ahead) = (self.vocabulary, self.look_ahead);
+        let labels = self
+            .candidate
+            .labels(at, recording, vocabulary, look_ahead)?;
         Ok(Timeline {
             subject: &recording.subject,
             recording: recording.name.clone(),

@@ -10,7 +10,7 @@ use super::cell::{median, none, rate};
 use super::entry::Entry;
 use super::pictures::{INK, MUTED, STYLE, charts, confusion, entry_colour, overview, timeline};
 use super::row::{Row, over_all};
-use super::scores::estimated;
+use super::scores::{counted, estimated};
 use super::table::Table;
 use super::{Fact, recognition};
 use crate::metric::event::summary::EventSummary;
@@ -224,7 +224,7 @@ fn headline(entry: &Entry<'_>) -> Markup {
     };
     let energy = entry.energy().find(|floor| floor.people == own.people);
     let share = |name, measure: Measure, why| {
-        let shown = estimated(own, measure);
+        let shown = counted(estimated(own, measure), own, measure);
         let (value, interval) = shown.split_once(' ').unwrap_or((&shown, ""));
         let floor = energy.and_then(|floor| measure.mean(floor));
         let floor = floor.map(|floor| format!("{:.3}", floor.mean));

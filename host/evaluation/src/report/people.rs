@@ -5,9 +5,8 @@ use super::entry::Entry;
 use super::row::{Row, over_all};
 use super::scores::COMPARED;
 use super::table::Table;
-use crate::Measure;
+use crate::Measure::{Decided, Raised, RestKept};
 use crate::metric::event::activation::Rate;
-use crate::metric::event::latency::LatencySummary;
 use crate::metric::event::summary::SubjectEvents;
 use crate::metric::summary::SubjectScore;
 
@@ -48,53 +47,42 @@ pub(super) type Column = (&'static str, fn(&PersonScores<'_>) -> String);
 pub(super) const COLUMNS: [Column; 16] = [
     ("balanced", |own| share(own.score.balanced_accuracy)),
     ("TA", |own| share(own.score.transition_accuracy)),
-    ("recognised", |own| {
-        share(own.events.and_then(|events| events.recognition))
-    }),
-    (Measure::Decided.name(), |own| {
-        share(own.events.and_then(SubjectEvents::decided))
-    }),
+    ("recognised", |own| own.share(|of| of.recognition)),
+    (Decided.name(), |own| own.share(SubjectEvents::decided)),
     ("gestures", |own| {
-        shown(own.events, |events| events.gestures.to_string())
+        own.shown(|of| Some(of.gestures.to_string()))
     }),
-    ("latency ms", |own| quantile(own, |of| of.latency, median)),
-    ("p90 ms", |own| quantile(own, |of| of.latency, p90)),
-    ("release ms", |own| quantile(own, |of| of.release, median)),
-    ("release p90", |own| quantile(own, |of| of.release, p90)),
-    ("false/min", |own| rate(own, |events| events.rest)),
-    (Measure::RestKept.name(), |own| {
-        share(own.events.and_then(SubjectEvents::rest_kept))
-    }),
-    ("other/min", |own| rate(own, |events| events.other_movement)),
-    (Measure::Raised.name(), |own| {
-        share(own.events.and_then(SubjectEvents::raised_share))
-    }),
-    ("flicker/min", |own| rate(own, |events| events.flicker)),
+    ("latency ms", |own| own.shown(|of| of.latency.map(median))),
+    ("p90 ms", |own| own.shown(|of| of.latency.map(p90))),
+    ("release ms", |own| own.shown(|of| of.release.map(median))),
+    ("release p90", |own| own.shown(|of| of.release.map(p90))),
+    ("false/min", |own| own.rate(|of| of.rest)),
+    (RestKept.name(), |own| own.share(SubjectEvents::rest_kept)),
+    ("other/min", |own| own.rate(|of| of.other_movement)),
+    (Raised.name(), |own| own.share(SubjectEvents::raised_share)),
+    ("flicker/min", |own| own.rate(|of| of.flicker)),
     ("raw", |own| share(own.score.raw_accuracy)),
     ("classes", |own| own.score.classes.to_string()),
 ];
 
-fn quantile(
-    person: &PersonScores<'_>,
-    latency: fn(&SubjectEvents) -> Option<LatencySummary>,
-    show: fn(LatencySummary) -> String,
-) -> String {
-    shown(person.events.and_then(latency), show)
-}
+impl PersonScores<'_> {
+    /// Cell about the person's events.
+    fn shown(&self, cell: fn(&SubjectEvents) -> Option<String>) -> String {
+        self.events.and_then(cell).unwrap_or_default()
+    }
 
-fn rate(person: &PersonScores<'_>, of: fn(&SubjectEvents) -> Rate) -> String {
-    shown(
-        person.events.and_then(|events| of(events).per_minute()),
-        |rate| format!("{rate:.1}"),
-    )
+    fn share(&self, of: fn(&SubjectEvents) -> Option<f64>) -> String {
+        share(self.events.and_then(of))
+    }
+
+    fn rate(&self, of: fn(&SubjectEvents) -> Rate) -> String {
+        let rate = self.events.and_then(|events| of(events).per_minute());
+        rate.map_or_else(String::new, |rate| format!("{rate:.1}"))
+    }
 }
 
 fn share(value: Option<f64>) -> String {
-    shown(value, |value| format!("{value:.3}"))
-}
-
-fn shown<T>(value: Option<T>, show: impl Fn(T) -> String) -> String {
-    value.map_or_else(String::new, show)
+    value.map_or_else(String::new, |value| format!("{value:.3}"))
 }
 
 /// Table of the people of a model's rows, the lowest balanced accuracy first, each with a remark; none without a row.

@@ -33,7 +33,8 @@ pub fn write(
         return Ok(());
     };
     let recordings = &evaluation.recordings;
-    let entry = entry(folder, config, results, candidate, recordings)?;
+    let mut entry = entry(config, results, candidate, recordings);
+    entry.panels = panels(folder)?;
     contents(config, results, std::slice::from_ref(&entry)).write(page)
 }
 
@@ -63,14 +64,13 @@ pub(super) fn contents<'a>(
     }
 }
 
-/// A run on a page: `candidate` is drawn.
+/// A run on a page, without its learning curves: `candidate` is drawn.
 pub(super) fn entry<'a>(
-    folder: &RunFolder,
     config: &ResolvedConfig,
     results: &'a Results,
     candidate: &'a Candidate,
     recordings: &'a [EvaluatedRecording],
-) -> Result<Entry<'a>, EvaluationError> {
+) -> Entry<'a> {
     let look_ahead = candidate.condition(results.aggregation);
     let compensated = || {
         let scores = results.published.iter();
@@ -86,7 +86,7 @@ pub(super) fn entry<'a>(
         score.look_ahead == look_ahead
             || score.look_ahead == LookAhead::None && same.all(|own| own.look_ahead != look_ahead)
     };
-    Ok(Entry {
+    Entry {
         name: candidate.model.to_string(),
         facts: provenance(config, results),
         scores: rows(&|score| score.model == candidate.model && score.look_ahead == look_ahead),
@@ -98,8 +98,8 @@ pub(super) fn entry<'a>(
         candidate,
         vocabulary: config.preset.vocabulary(),
         look_ahead,
-        panels: panels(folder)?,
-    })
+        panels: Vec::new(),
+    }
 }
 
 /// Origin of the numbers.

@@ -6,51 +6,59 @@ use super::cell::{
 };
 use super::row::{Row, sort};
 use super::table::Table;
+use crate::Measure::{self, *};
 use crate::results::Results;
-use crate::{ALL, Difference, LookAhead, Measure, Score, System, Truth};
-use recordings::statistics::MeanSd;
+use crate::{ALL, Difference, LookAhead, Score, System, Truth};
 
 /// Measures whose differences are shown.
-pub(super) const COMPARED: [Measure; 3] = [
-    Measure::BalancedAccuracy,
-    Measure::TransitionAccuracy,
-    Measure::Recognition,
-];
+pub(super) const COMPARED: [Measure; 3] = [BalancedAccuracy, TransitionAccuracy, Recognition];
 
 /// Measures of a person before and after tuning, with their decimals.
 const TUNED: [(Measure, usize); 7] = [
-    (Measure::BalancedAccuracy, 3),
-    (Measure::TransitionAccuracy, 3),
-    (Measure::Recognition, 3),
-    (Measure::FalseActivations, 1),
-    (Measure::OtherActivations, 1),
-    (Measure::Raised, 2),
-    (Measure::Flicker, 1),
+    (BalancedAccuracy, 3),
+    (TransitionAccuracy, 3),
+    (Recognition, 3),
+    (FalseActivations, 1),
+    (OtherActivations, 1),
+    (Raised, 2),
+    (Flicker, 1),
 ];
 
-/// Column of a table of scores: its name, and its cell in the row of a score.
-type Column = (&'static str, fn(&Row<'_>) -> String);
+/// Column of a table of scores: its name, and its cells.
+type Column = (&'static str, Cell);
 
-const RECORDINGS: Column = ("recordings", |own| own.data_set.clone());
-const CLASSES: Column = ("classes", |own| own.people_name());
-const MODEL: Column = ("model", |own| own.name.clone());
-const LOOK_AHEAD: Column = ("look-ahead", |own| own.look_ahead.name().to_owned());
-const OTHER: Column = ("other/min", |own| {
-    mean(own, Measure::OtherActivations, rate)
-});
-const DAILY: Column = (Measure::DailyActivations.name(), |own| {
-    mean(own, Measure::DailyActivations, rate)
-});
-const RAISED: Column = (Measure::Raised.name(), |own| {
-    mean(own, Measure::Raised, share)
-});
-const LATENCY: Column = ("latency ms", |own| {
-    counted(latency(own.events.latency), own, Measure::Recognition)
-});
-const RELEASE: Column = ("release ms", |own| latency(own.events.release));
-const RAW: Column = ("raw", |own| mean(own, Measure::RawAccuracy, share));
-const SUBJECTS: Column = ("subjects", |own| people(own).to_string());
-const TRANSITIONS: Column = ("transitions", |own| own.widest().events.to_string());
+/// Cell in the row of a score.
+#[derive(Clone, Copy)]
+enum Cell {
+    /// Text about the row.
+    Text(fn(&Row<'_>) -> String),
+    /// A measure, and its format.
+    Of(Measure, fn(&Score, Measure) -> String),
+}
+use Cell::{Of, Text};
+
+impl Cell {
+    fn of(self, row: &Row<'_>) -> String {
+        match self {
+            Text(text) => text(row),
+            Of(measure, show) => counted(show(row, measure), row, measure),
+        }
+    }
+}
+
+const RECORDINGS: Column = ("recordings", Text(|own| own.data_set.clone()));
+const CLASSES: Column = ("classes", Text(|own| own.people_name()));
+const MODEL: Column = ("model", Text(|own| own.name.clone()));
+const LOOK_AHEAD: Column = ("look-ahead", Text(|own| own.look_ahead.name().to_owned()));
+const LATENCY: Column = (
+    "latency ms",
+    Of(Recognition, |own, _| latency(own.events.latency)),
+);
+const RELEASE: Column = ("release ms", Text(|own| latency(own.events.release)));
+const OTHER: Column = ("other/min", Of(OtherActivations, mean_rate));
+const RAISED: Column = (Raised.name(), Of(Raised, mean_share));
+const DAILY: Column = (DailyActivations.name(), Of(DailyActivations, mean_rate));
+const SUBJECTS: Column = ("subjects", Text(|own| people(own).to_string()));
 
 /// Columns of a table of scores.
 const SCORES: [Column; 20] = [
@@ -58,28 +66,22 @@ const SCORES: [Column; 20] = [
     CLASSES,
     MODEL,
     LOOK_AHEAD,
-    ("balanced", |own| estimated(own, Measure::BalancedAccuracy)),
-    ("TA", |own| estimated(own, Measure::TransitionAccuracy)),
-    ("recognised", |own| estimated(own, Measure::Recognition)),
-    (Measure::Decided.name(), |own| {
-        estimated(own, Measure::Decided)
-    }),
+    ("balanced", Of(BalancedAccuracy, estimated)),
+    ("TA", Of(TransitionAccuracy, estimated)),
+    ("recognised", Of(Recognition, estimated)),
+    (Decided.name(), Of(Decided, estimated)),
     LATENCY,
     RELEASE,
-    ("false/min", |own| {
-        mean(own, Measure::FalseActivations, rate)
-    }),
-    (Measure::RestKept.name(), |own| {
-        mean(own, Measure::RestKept, share)
-    }),
+    ("false/min", Of(FalseActivations, mean_rate)),
+    (RestKept.name(), Of(RestKept, mean_share)),
     OTHER,
     RAISED,
     DAILY,
-    ("flicker/min", |own| mean(own, Measure::Flicker, rate)),
-    RAW,
+    ("flicker/min", Of(Flicker, mean_rate)),
+    ("raw", Of(RawAccuracy, mean_share)),
     SUBJECTS,
-    TRANSITIONS,
-    ("gestures", |own| own.events.gestures.to_string()),
+    ("transitions", Text(|own| own.widest().events.to_string())),
+    ("gestures", Text(|own| own.events.gestures.to_string())),
 ];
 
 /// Columns of what a user of the device gets.
@@ -88,42 +90,20 @@ const EMITTED: [Column; 13] = [
     CLASSES,
     MODEL,
     LOOK_AHEAD,
-    ("balanced", |own| {
-        estimated(own, Measure::BalancedAccuracyEmitted)
-    }),
-    ("TA", |own| {
-        estimated(own, Measure::TransitionAccuracyEmitted)
-    }),
-    (Measure::Within100.name(), |own| {
-        mean(own, Measure::Within100, share)
-    }),
-    (Measure::Within150.name(), |own| {
-        mean(own, Measure::Within150, share)
-    }),
-    (Measure::Within200.name(), |own| {
-        mean(own, Measure::Within200, share)
-    }),
-    (Measure::Within300.name(), |own| {
-        mean(own, Measure::Within300, share)
-    }),
+    ("balanced", Of(BalancedAccuracyEmitted, estimated)),
+    ("TA", Of(TransitionAccuracyEmitted, estimated)),
+    (Within100.name(), Of(Within100, mean_share)),
+    (Within150.name(), Of(Within150, mean_share)),
+    (Within200.name(), Of(Within200, mean_share)),
+    (Within300.name(), Of(Within300, mean_share)),
     LATENCY,
     RELEASE,
     SUBJECTS,
 ];
 
-const BALANCED: Column = ("balanced", |own| {
-    narrow_interval(own, Measure::BalancedAccuracy)
-});
-const EVENTS: Column = ("events", |own| {
-    mean(own, Measure::Recognition, narrow_share)
-});
-const MEDIAN: Column = ("lat. ms", |own| {
-    let shown = own.events.latency.map_or_else(none, median);
-    counted(shown, own, Measure::Recognition)
-});
-const FALSE: Column = ("false/min", |own| {
-    mean(own, Measure::FalseActivations, narrow_rate)
-});
+const BALANCED: Column = ("balanced", Of(BalancedAccuracy, narrow_interval));
+const EVENTS: Column = ("events", Of(Recognition, narrow_share));
+const FALSE: Column = ("false/min", Of(FalseActivations, narrow_rate));
 const PEOPLE: Column = ("n", SUBJECTS.1);
 
 /// Columns of a summary of one model, 100 letters together.
@@ -131,11 +111,14 @@ const SUMMARY: [Column; 8] = [
     RECORDINGS,
     CLASSES,
     BALANCED,
-    ("transition", |own| {
-        narrow_interval(own, Measure::TransitionAccuracy)
-    }),
+    ("transition", Of(TransitionAccuracy, narrow_interval)),
     EVENTS,
-    MEDIAN,
+    (
+        "lat. ms",
+        Of(Recognition, |own, _| {
+            own.events.latency.map_or_else(none, median)
+        }),
+    ),
     FALSE,
     PEOPLE,
 ];
@@ -148,18 +131,19 @@ const NARROW: [Column; 11] = [
     PEOPLE,
     BALANCED,
     EVENTS,
-    (Measure::Decided.name(), |own| {
-        mean(own, Measure::Decided, narrow_share)
-    }),
-    ("lat. ms", |own| {
-        let shown = own.events.latency.map_or_else(none, narrow_median);
-        counted(shown, own, Measure::Recognition)
-    }),
-    ("TA", |own| {
-        mean(own, Measure::TransitionAccuracy, narrow_share)
-    }),
+    (Decided.name(), Of(Decided, narrow_share)),
+    (
+        "lat. ms",
+        Of(Recognition, |own, _| {
+            own.events.latency.map_or_else(none, narrow_median)
+        }),
+    ),
+    ("TA", Of(TransitionAccuracy, narrow_share)),
     FALSE,
-    ("off ms", |own| own.events.release.map_or_else(none, median)),
+    (
+        "off ms",
+        Text(|own| own.events.release.map_or_else(none, median)),
+    ),
 ];
 
 fn people(score: &Score) -> usize {
@@ -167,31 +151,34 @@ fn people(score: &Score) -> usize {
 }
 
 /// A cell with the number of people who have a value of `measure`, where that is not the row's.
-fn counted(cell: String, score: &Score, measure: Measure) -> String {
+pub(super) fn counted(cell: String, score: &Score, measure: Measure) -> String {
     let with_value = measure.mean(score).map_or(0, |mean| mean.n);
     of_people(cell, with_value, people(score))
 }
 
-fn mean(score: &Score, measure: Measure, show: fn(Option<MeanSd>) -> String) -> String {
-    counted(show(measure.mean(score)), score, measure)
+fn mean_share(score: &Score, measure: Measure) -> String {
+    share(measure.mean(score))
+}
+
+fn mean_rate(score: &Score, measure: Measure) -> String {
+    rate(measure.mean(score))
 }
 
 /// Mean and 95 % interval.
 pub(super) fn estimated(score: &Score, measure: Measure) -> String {
-    let cell = estimate(measure.mean(score), measure.interval(score));
-    counted(cell, score, measure)
+    estimate(measure.mean(score), measure.interval(score))
 }
 
 fn narrow_interval(score: &Score, measure: Measure) -> String {
-    let cell = narrow_estimate(measure.mean(score), measure.interval(score));
-    counted(cell, score, measure)
+    narrow_estimate(measure.mean(score), measure.interval(score))
 }
 
-fn narrow_share(mean: Option<MeanSd>) -> String {
-    narrow_estimate(mean, None)
+fn narrow_share(score: &Score, measure: Measure) -> String {
+    narrow_estimate(measure.mean(score), None)
 }
 
-fn narrow_rate(mean: Option<MeanSd>) -> String {
+fn narrow_rate(score: &Score, measure: Measure) -> String {
+    let mean = measure.mean(score);
     mean.map_or_else(none, |mean| format!("{:.1}", mean.mean))
 }
 
@@ -263,8 +250,8 @@ pub(super) fn table(caption: &str, rows: &[Row<'_>]) -> Table {
     let has = |measure: Measure| rows.iter().any(|own| measure.mean(own).is_some());
     let mut columns = SCORES.to_vec();
     columns.retain(|(name, _)| match *name {
-        name if name == OTHER.0 || name == RAISED.0 => has(Measure::OtherActivations),
-        name if name == DAILY.0 => has(Measure::DailyActivations),
+        name if name == OTHER.0 || name == RAISED.0 => has(OtherActivations),
+        name if name == DAILY.0 => has(DailyActivations),
         _ => true,
     });
     of_columns(caption, rows, &columns)
@@ -285,7 +272,7 @@ pub(super) fn emitted(rows: &[Row<'_>]) -> Table {
 fn of_columns(caption: &str, rows: &[Row<'_>], columns: &[Column]) -> Table {
     let mut table = Table::new(caption, columns.iter().map(|(name, _)| *name));
     for row in rows {
-        table.push(columns.iter().map(|(_, cell)| cell(row)));
+        table.push(columns.iter().map(|(_, cell)| cell.of(row)));
     }
     table
 }
@@ -320,7 +307,7 @@ pub(super) fn differences<'s>(
     for (own, other) in pairs {
         let pair = format!("{} - {}", own.name, other.name);
         let mut cells = vec![own.data_set.clone(), own.people_name(), pair];
-        cells.extend(look_ahead.then(|| LOOK_AHEAD.1(own)));
+        cells.extend(look_ahead.then(|| LOOK_AHEAD.1.of(own)));
         cells.extend(COMPARED.map(|measure| difference(Difference::of(measure, own, other))));
         table.push(cells);
     }

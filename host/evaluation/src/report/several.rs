@@ -18,97 +18,80 @@ use execution::run_folder::RunFolder;
 use presets::config::ResolvedConfig;
 
 /// A run or a model file that was evaluated.
-pub enum Reported {
-    /// A run on the people whom it holds out.
-    Run(Box<ReportedRun>),
-    /// A model file on any recordings.
-    Model(Box<ReportedModel>),
-}
-
-/// A run on the people whom it holds out.
-pub struct ReportedRun {
+pub struct Reported {
     /// Name on the page.
     pub name: String,
-    /// Folder of the run.
-    pub folder: RunFolder,
-    /// Configuration of the run.
-    pub config: ResolvedConfig,
-    /// Results that the folder keeps.
-    pub results: Results,
-    /// Recordings and candidates of the results: one candidate, that of the model file.
-    pub evaluation: Evaluation,
-}
-
-/// A model file on any recordings.
-pub struct ReportedModel {
-    /// Name on the page.
-    pub name: String,
-    /// The run folder that it came from, for its learning curves.
+    /// Run folder with the learning curves, if there is one.
     pub folder: Option<RunFolder>,
-    /// Evaluation of the model alone.
-    pub evaluation: ModelEvaluation,
+    /// Its evaluation.
+    pub evaluated: Evaluated,
+}
+
+/// Evaluation of a run or a model file.
+pub enum Evaluated {
+    /// A run on the people whom it holds out: its configuration, the results that its folder keeps, and their recordings and
+    /// candidates, of which there is one, that of the model file.
+    Run(Box<(ResolvedConfig, Results, Evaluation)>),
+    /// A model file alone on any recordings.
+    Model(Box<ModelEvaluation>),
 }
 
 impl Reported {
-    /// Name on the page.
-    pub fn name(&self) -> &str {
-        match self {
-            Self::Run(run) => &run.name,
-            Self::Model(own) => &own.name,
-        }
-    }
-
     /// Name on the page of several, which says if it has seen some of the people.
     fn shown_name(&self) -> String {
-        match self {
-            Self::Run(run) => run.name.clone(),
-            Self::Model(own) => model_report::shown_name(&own.evaluation.results, &own.name),
+        match &self.evaluated {
+            Evaluated::Run(_) => self.name.clone(),
+            Evaluated::Model(own) => model_report::shown_name(&own.results, &self.name),
         }
     }
 
     /// Classes of the model.
     pub fn vocabulary(&self) -> Vocabulary {
-        match self {
-            Self::Run(run) => run.config.preset.vocabulary(),
-            Self::Model(own) => own.evaluation.vocabulary,
+        match &self.evaluated {
+            Evaluated::Run(run) => run.0.preset.vocabulary(),
+            Evaluated::Model(own) => own.vocabulary,
         }
     }
 
     fn entry(&self) -> Result<Entry<'_>, EvaluationError> {
-        match self {
-            Self::Run(run) => {
-                let evaluation = &run.evaluation;
+        let mut entry = match &self.evaluated {
+            Evaluated::Run(run) => {
+                let (config, results, evaluation) = &**run;
                 run_report::entry(
-                    &run.folder,
-                    &run.config,
-                    &run.results,
+                    config,
+                    results,
                     &evaluation.candidates[0],
                     &evaluation.recordings,
                 )
             }
-            Self::Model(own) => {
-                let mut entry = model_report::entries(&own.evaluation).remove(0);
+            Evaluated::Model(own) => {
+                let mut entry = model_report::entries(own).remove(0);
+                entry.facts.extend(model_report::facts(&own.results));
                 entry
-                    .facts
-                    .extend(model_report::facts(&own.evaluation.results));
-                if let Some(folder) = &own.folder {
-                    entry.panels = run_report::panels(folder)?;
-                }
-                Ok(entry)
             }
+        };
+        if let Some(folder) = &self.folder {
+            entry.panels = run_report::panels(folder)?;
         }
+        Ok(entry)
     }
 }
 
 /// The tables that the terminal shows: the page's if `wide`, else what matters in them.
 pub fn tables(reported: &[Reported], wide: bool) -> Result<Vec<Table>, EvaluationError> {
-    if let [Reported::Run(run)] = reported {
-        return Ok(super::scores::tables(&run.results, wide));
+    Ok(match only(reported) {
+        Some(Evaluated::Run(run)) => super::scores::tables(&run.1, wide),
+        Some(Evaluated::Model(own)) => model_report::tables(&own.results, wide),
+        None => side_by_side(&entries(reported)?, wide),
+    })
+}
+
+/// The evaluation, if there is one alone.
+fn only(reported: &[Reported]) -> Option<&Evaluated> {
+    match reported {
+        [only] => Some(&only.evaluated),
+        _ => None,
     }
-    if let [Reported::Model(own)] = reported {
-        return Ok(model_report::tables(&own.evaluation.results, wide));
-    }
-    Ok(side_by_side(&entries(reported)?, wide))
 }
 
 /// Writes the page. `data` names the recordings of model files; at most [`MOST_ENTRIES`] are drawn.
@@ -117,11 +100,10 @@ pub fn tables(reported: &[Reported], wide: bool) -> Result<Vec<Table>, Evaluatio
 /// When the file cannot be written, or the metrics of a run cannot be read.
 pub fn write(reported: &[Reported], data: &str, page: &Path) -> Result<(), EvaluationError> {
     let entries = entries(reported)?;
-    let report = match reported {
-        [Reported::Run(run)] => run_report::contents(&run.config, &run.results, &entries),
-        _ => several(reported, &entries, data),
-    };
-    report.write(page)
+    if let Some(Evaluated::Run(run)) = only(reported) {
+        return run_report::contents(&run.0, &run.1, &entries).write(page);
+    }
+    several(reported, &entries, data).write(page)
 }
 
 /// Entries of the page; several are named as they are on the page.
@@ -135,7 +117,7 @@ fn entries(reported: &[Reported]) -> Result<Vec<Entry<'_>>, EvaluationError> {
                 row.name.clone_from(&entry.name);
             }
             for panel in &mut entry.panels {
-                panel.title += &format!(", {}", own.name());
+                panel.title += &format!(", {}", own.name);
             }
             entry.beside.clear();
         }
@@ -167,14 +149,15 @@ fn several<'a>(reported: &[Reported], entries: &'a [Entry<'a>], data: &str) -> P
     });
     let mut summary = counts.collect::<Vec<_>>().join(", ");
     let mut notes = Vec::new();
-    if reported.iter().any(|own| matches!(own, Reported::Model(_))) {
+    let is_run = |own: &Reported| matches!(own.evaluated, Evaluated::Run(_));
+    if !reported.iter().all(is_run) {
         notes.extend(model_report::notes());
         summary += &format!(", of {data}");
     }
-    if reported.iter().any(|own| matches!(own, Reported::Run(_))) {
+    if reported.iter().any(is_run) {
         notes.extend(run_report::notes());
     }
-    let seen = reported.iter().any(|own| own.name() != own.shown_name());
+    let seen = reported.iter().any(|own| own.name != own.shown_name());
     let whom = if seen {
         "A model that has seen people of its row in training says so beside its name: on them it is too good."
     } else {
@@ -188,8 +171,8 @@ fn several<'a>(reported: &[Reported], entries: &'a [Entry<'a>], data: &str) -> P
     } else if seen {
         notes.push(whom.to_owned());
     }
-    let mut tables = match reported {
-        [Reported::Model(own)] => model_report::tables(&own.evaluation.results, true),
+    let mut tables = match only(reported) {
+        Some(Evaluated::Model(own)) => model_report::tables(&own.results, true),
         _ => side_by_side(entries, true),
     };
     // The last one is that of the people.

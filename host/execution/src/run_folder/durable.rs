@@ -7,8 +7,8 @@ use std::path::Path;
 
 use super::RunError;
 
-/// Suffix of a file that is being written.
-const PARTIAL: &str = ".partial";
+/// Suffix of a file that is being written; a killed process leaves it.
+pub(super) const PARTIAL: &str = ".partial";
 
 /// Writes a file under a temporary name and renames it when complete.
 ///
@@ -48,11 +48,6 @@ fn sync_folder(path: &Path) -> io::Result<()> {
         File::open(folder.unwrap_or(Path::new(".")))?.sync_all()?;
     }
     Ok(())
-}
-
-/// Removes files that killed processes had not finished writing in a folder.
-pub(super) fn remove_partial(folder: &Path) -> io::Result<()> {
-    remove_ending(folder, &[PARTIAL])
 }
 
 /// Removes the files of a folder whose names have one of these endings.

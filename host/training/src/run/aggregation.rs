@@ -9,6 +9,7 @@ use evaluation::{EvaluatedRecording, LookAhead, Truth, score};
 use execution::fingerprint::Fingerprint;
 use presets::Aggregation;
 use presets::distillation;
+use recordings::split::Role;
 
 /// Name of the file with the chosen mode in a run folder.
 const AGGREGATION: &str = "aggregation.json";
@@ -42,7 +43,8 @@ pub(super) fn aggregation(context: &RunContext) -> Result<LookAhead, StepError> 
     if let Ok(kept) = folder.load_stamped::<Chosen>(AGGREGATION, made_from) {
         return Ok(kept.content.aggregation);
     }
-    let recordings = EvaluatedRecording::validation(&context.config, &context.library);
+    let recordings =
+        EvaluatedRecording::of_role(&context.config, &context.library, Role::Validation);
     let candidate = if context.has(distillation::NAME) {
         let student = context.student(distillation::NAME)?;
         student_candidate(context, NAME.into(), &student, &recordings)?

@@ -17,6 +17,7 @@ use execution::run_folder::RunError;
 use presets::config::ResolvedConfig;
 use presets::distillation;
 use recordings::Library;
+use recordings::split::Role;
 
 pub use evaluation::results::{Evaluation, RESULTS, Results};
 
@@ -28,7 +29,7 @@ pub fn evaluate(
     context: &RunContext,
     model: Option<&ModelFile>,
 ) -> Result<(Results, Evaluation), StepError> {
-    let recordings = EvaluatedRecording::held_out(&context.config, &context.library);
+    let recordings = EvaluatedRecording::of_role(&context.config, &context.library, Role::HeldOut);
     if recordings.is_empty() {
         return Err(StepError::NoRecordings);
     }
@@ -77,7 +78,7 @@ pub fn kept(context: &RunContext) -> Result<(Results, Evaluation), StepError> {
     let made_from = context.config.fingerprint();
     let results: Results = context.folder.load_stamped(RESULTS, made_from)?.content;
     let model = ModelFile::of_run(context)?.ok_or(StepError::NoModel)?;
-    let recordings = EvaluatedRecording::held_out(&context.config, &context.library);
+    let recordings = EvaluatedRecording::of_role(&context.config, &context.library, Role::HeldOut);
     if recordings.is_empty() {
         return Err(StepError::NoRecordings);
     }
@@ -92,7 +93,11 @@ pub fn kept(context: &RunContext) -> Result<(Results, Evaluation), StepError> {
 
 /// Fits the energy detector to the training people of a run; none if they have no gesture.
 pub fn energy_detector(config: &ResolvedConfig, library: &Library) -> Option<EnergyDetector> {
-    let detector = EnergyDetector::fit(&EvaluatedRecording::training(config, library))?;
+    let detector = EnergyDetector::fit(&EvaluatedRecording::of_role(
+        config,
+        library,
+        Role::Training,
+    ))?;
     progress::log(&format!(
         "energy detector: {} from {:.1} counts on",
         detector.active.name(),

@@ -25,7 +25,7 @@ use shared::intent::Intent;
 
 use super::decision::decision;
 use super::{EventRule, active, runs};
-use crate::metric::stretches;
+use crate::metric::{by_name, stretches};
 
 /// A gesture of the truth. All positions are samples of the recording.
 #[derive(Clone, PartialEq, Eq, Debug, serde::Serialize)]
@@ -46,29 +46,19 @@ pub struct Gesture {
     pub release: Option<i32>,
 }
 
-/// Whether a gesture is recognised, or why not.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Verdict {
-    /// The gesture is recognised.
-    Recognised,
-    /// Another active label began.
-    OtherLabel,
-    /// Its label began and was not held.
-    NotHeld,
-    /// Its label did not begin.
-    NoLabel,
-}
-
-impl Verdict {
-    /// Explanation for a user.
-    pub const fn reason(self) -> &'static str {
-        match self {
-            Self::Recognised => "recognised",
-            Self::OtherLabel => "another gesture's label was emitted",
-            Self::NotHeld => "its label was emitted and not held",
-            Self::NoLabel => "its label was not emitted",
-        }
+shared::names! {
+    /// Whether a gesture is recognised, or why not.
+    #[derive(PartialOrd, Ord, serde::Serialize)]
+    #[serde(rename_all = "snake_case")]
+    pub enum Verdict {
+        /// The gesture is recognised.
+        Recognised = "recognised",
+        /// Another active label began.
+        OtherLabel = "another gesture's label was emitted",
+        /// Its label began and was not held.
+        NotHeld = "its label was emitted and not held",
+        /// Its label did not begin.
+        NoLabel = "its label was not emitted",
     }
 }
 
@@ -180,10 +170,6 @@ fn judge(
         latency,
         release: release.filter(|&samples| samples >= -(rule.tolerance as i32)),
     }
-}
-
-fn by_name<S: serde::Serializer>(intent: &Intent, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_str(intent.name())
 }
 
 fn by_name_if_any<S: serde::Serializer>(

@@ -4,55 +4,40 @@ use shared::intent::Intent;
 
 use super::{Label, Rule};
 
-/// Whether the prediction follows a change of the truth from label A to label B, or why not.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum TransitionStatus {
-    /// The prediction follows.
-    Ok,
-    /// A label other than A and B in the buffer, or none.
-    BufferOtherClass,
-    /// No change from A straight to B in the buffer.
-    NoChangeInBuffer,
-    /// A label other than B in the maintenance, or none.
-    MaintenanceNotHeld,
-    /// Relax allowed: a label other than B and relax in the maintenance.
-    MaintenanceOtherClass,
-    /// Relax allowed: no B in the maintenance.
-    MaintenanceOnlyRelax,
-    /// Strict: a label other than A and B in the buffer, or none.
-    StrictBufferOtherClass,
-    /// Strict: no B in the buffer.
-    StrictNoNewLabel,
-    /// Strict: the buffer starts with B.
-    StrictNewLabelAtStart,
-    /// Strict: A again after B.
-    StrictOldLabelAfterNew,
-    /// Strict: a label other than B in the maintenance, or none.
-    StrictMaintenanceNotHeld,
-    /// Strict, relax allowed: a label other than B and relax in the maintenance.
-    StrictMaintenanceOtherClass,
+shared::names! {
+    /// Whether the prediction follows a change of the truth from label A to label B, or why not. Names are those of the
+    /// reference's golden cases.
+    #[derive(PartialOrd, Ord, serde::Serialize)]
+    #[serde(rename_all = "snake_case")]
+    pub enum TransitionStatus {
+        /// The prediction follows.
+        Ok = "ok",
+        /// A label other than A and B in the buffer, or none.
+        BufferOtherClass = "buffer_other_class",
+        /// No change from A straight to B in the buffer.
+        NoChangeInBuffer = "no_change_in_buffer",
+        /// A label other than B in the maintenance, or none.
+        MaintenanceNotHeld = "maintenance_not_held",
+        /// Relax allowed: a label other than B and relax in the maintenance.
+        MaintenanceOtherClass = "maintenance_other_class",
+        /// Relax allowed: no B in the maintenance.
+        MaintenanceOnlyRelax = "maintenance_only_relax",
+        /// Strict: a label other than A and B in the buffer, or none.
+        StrictBufferOtherClass = "strict_buffer_other_class",
+        /// Strict: no B in the buffer.
+        StrictNoNewLabel = "strict_no_new_label",
+        /// Strict: the buffer starts with B.
+        StrictNewLabelAtStart = "strict_new_label_at_start",
+        /// Strict: A again after B.
+        StrictOldLabelAfterNew = "strict_old_label_after_new",
+        /// Strict: a label other than B in the maintenance, or none.
+        StrictMaintenanceNotHeld = "strict_maintenance_not_held",
+        /// Strict, relax allowed: a label other than B and relax in the maintenance.
+        StrictMaintenanceOtherClass = "strict_maintenance_other_class",
+    }
 }
 
 impl TransitionStatus {
-    /// Name in the reference's golden cases and in JSON.
-    pub const fn code(self) -> &'static str {
-        match self {
-            Self::Ok => "ok",
-            Self::BufferOtherClass => "buffer_other_class",
-            Self::NoChangeInBuffer => "no_change_in_buffer",
-            Self::MaintenanceNotHeld => "maintenance_not_held",
-            Self::MaintenanceOtherClass => "maintenance_other_class",
-            Self::MaintenanceOnlyRelax => "maintenance_only_relax",
-            Self::StrictBufferOtherClass => "strict_buffer_other_class",
-            Self::StrictNoNewLabel => "strict_no_new_label",
-            Self::StrictNewLabelAtStart => "strict_new_label_at_start",
-            Self::StrictOldLabelAfterNew => "strict_old_label_after_new",
-            Self::StrictMaintenanceNotHeld => "strict_maintenance_not_held",
-            Self::StrictMaintenanceOtherClass => "strict_maintenance_other_class",
-        }
-    }
-
     /// Explanation for a user.
     pub const fn reason(self) -> &'static str {
         match self {
@@ -76,7 +61,7 @@ impl TransitionStatus {
 }
 
 /// Checks a change from `from` to `to`: `near` are the predicted labels in the buffer, `later` those of the
-/// maintenance.
+/// maintenance. By the strict rule nothing else may follow once B has come.
 pub(super) fn status(
     from: Intent,
     to: Intent,
@@ -84,72 +69,36 @@ pub(super) fn status(
     later: &[Label],
     rule: &Rule,
 ) -> TransitionStatus {
+    let (from, to, relax) = (Some(from), Some(to), rule.allow_relax);
+    // Another label than B, and not relax where that is allowed.
+    let other = |label: &Label| *label != to && !(relax && *label == Some(Intent::Relax));
+    let is_third = near.iter().any(|label| *label != from && other(label));
+    let is_left = later.iter().any(other);
     if rule.strict {
-        strict(from, to, near, later, rule.allow_relax)
+        let first = near.iter().position(|&label| label == to);
+        return match first {
+            _ if is_third => TransitionStatus::StrictBufferOtherClass,
+            None => TransitionStatus::StrictNoNewLabel,
+            Some(0) => TransitionStatus::StrictNewLabelAtStart,
+            Some(first) if near[first..].iter().any(other) => {
+                TransitionStatus::StrictOldLabelAfterNew
+            }
+            _ if is_left && relax => TransitionStatus::StrictMaintenanceOtherClass,
+            _ if is_left => TransitionStatus::StrictMaintenanceNotHeld,
+            _ => TransitionStatus::Ok,
+        };
+    }
+    if is_third {
+        TransitionStatus::BufferOtherClass
+    } else if !near.windows(2).any(|pair| pair == [from, to]) {
+        TransitionStatus::NoChangeInBuffer
+    } else if is_left && relax {
+        TransitionStatus::MaintenanceOtherClass
+    } else if is_left {
+        TransitionStatus::MaintenanceNotHeld
+    } else if relax && !later.is_empty() && !later.contains(&to) {
+        TransitionStatus::MaintenanceOnlyRelax
     } else {
-        standard(from, to, near, later, rule.allow_relax)
-    }
-}
-
-/// Whether a label is another one than this, and not relax where that is allowed.
-fn other_than(to: Label, relax: bool) -> impl Fn(&Label) -> bool + Copy {
-    move |label| *label != to && !(relax && *label == Some(Intent::Relax))
-}
-
-/// The paper's rule.
-fn standard(
-    from: Intent,
-    to: Intent,
-    near: &[Label],
-    later: &[Label],
-    relax: bool,
-) -> TransitionStatus {
-    let (from, to) = (Some(from), Some(to));
-    let other = other_than(to, relax);
-    if near.iter().any(|label| *label != from && other(label)) {
-        return TransitionStatus::BufferOtherClass;
-    }
-    if !near.windows(2).any(|pair| pair == [from, to]) {
-        return TransitionStatus::NoChangeInBuffer;
-    }
-    if relax {
-        if later.iter().any(other) {
-            return TransitionStatus::MaintenanceOtherClass;
-        }
-        if !later.is_empty() && !later.contains(&to) {
-            return TransitionStatus::MaintenanceOnlyRelax;
-        }
-    } else if later.iter().any(|&label| label != to) {
-        return TransitionStatus::MaintenanceNotHeld;
-    }
-    TransitionStatus::Ok
-}
-
-/// The strict rule: once B has come, nothing else may follow.
-fn strict(
-    from: Intent,
-    to: Intent,
-    near: &[Label],
-    later: &[Label],
-    relax: bool,
-) -> TransitionStatus {
-    let (from, to) = (Some(from), Some(to));
-    let other = other_than(to, relax);
-    if near.iter().any(|label| *label != from && other(label)) {
-        return TransitionStatus::StrictBufferOtherClass;
-    }
-    let Some(first) = near.iter().position(|&label| label == to) else {
-        return TransitionStatus::StrictNoNewLabel;
-    };
-    if first == 0 {
-        return TransitionStatus::StrictNewLabelAtStart;
-    }
-    if near[first..].iter().any(other) {
-        return TransitionStatus::StrictOldLabelAfterNew;
-    }
-    match later.iter().any(other) {
-        true if relax => TransitionStatus::StrictMaintenanceOtherClass,
-        true => TransitionStatus::StrictMaintenanceNotHeld,
-        false => TransitionStatus::Ok,
+        TransitionStatus::Ok
     }
 }
