@@ -1,40 +1,29 @@
 //! Model tuned on one person's recordings, through the command line itself.
 
 #[path = "small.rs"]
-#[expect(dead_code, reason = "nothing is trained from the start here")]
 mod small;
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::Parser as _;
 use evaluation::Measure;
-use myointent::cli::Cli;
 use myointent_tests::shipped;
 use recordings::synthetic::{self, SynthOptions};
 use recordings::{LoadOptions, load};
 use shared::model::file::Model;
 use shared::units::CHANNELS;
-use small::folder;
+use small::{folder, run};
 use training::run::personalize::{PersonRecordings, judge};
 
 /// Exit code of a command that keeps the old model.
 const KEPT: u8 = 3;
 
 fn personalize(model: &Path, data: &Path, out: &Path) -> ExitCode {
-    let [model, data, out] = [model, data, out].map(|path| path.to_str().unwrap());
-    let line = [
-        "myointent",
-        "personalize",
-        "--model",
-        model,
-        "--data",
-        data,
-        "--out",
-        out,
-    ];
-    Cli::try_parse_from(line).unwrap().run()
+    let [model, data, out] = [model, data, out].map(Path::display);
+    run(&format!(
+        "personalize --model {model} --data {data} --out {out}"
+    ))
 }
 
 /// Writes recordings of one synthetic person into a folder of their own; returns them in the order in which they are

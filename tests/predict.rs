@@ -15,6 +15,14 @@ use recordings::{LoadOptions, Recording, load};
 use shared::intent::Vocabulary;
 use small::{folder, myointent};
 
+/// Makes a folder of a test, with a small model.
+fn with_model(test: &str) -> (PathBuf, PathBuf) {
+    let folder = folder(test);
+    let model = folder.join("three-class.intent");
+    small_model(&model, &[], Vocabulary::Three);
+    (folder, model)
+}
+
 /// Writes a recording of `samples` samples, with labels, as a person's own csv.
 fn recording(folder: &Path, samples: usize) -> PathBuf {
     let mut text = "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n".to_owned();
@@ -38,9 +46,7 @@ fn recording(folder: &Path, samples: usize) -> PathBuf {
 
 #[test]
 fn predict_and_then_score_take_a_recording_of_any_length() {
-    let folder = folder("predict");
-    let model = folder.join("three-class.intent");
-    small_model(&model, &[], Vocabulary::Three);
+    let (folder, model) = with_model("predict");
     let labels = folder.join("labels.csv");
     for samples in [9, 1003, 1009, 1010, 9001] {
         let recording = recording(&folder, samples);
@@ -57,9 +63,7 @@ fn predict_and_then_score_take_a_recording_of_any_length() {
 
 #[test]
 fn a_recording_too_short_for_a_label_fails_a_replay() {
-    let folder = folder("short");
-    let model = folder.join("three-class.intent");
-    small_model(&model, &[], Vocabulary::Three);
+    let (folder, model) = with_model("short");
     for (samples, labelled) in [(500, false), (660, false), (661, true), (1003, true)] {
         let recording = recording(&folder, samples);
         let line = format!("replay {} {}", model.display(), recording.display());
@@ -69,9 +73,7 @@ fn a_recording_too_short_for_a_label_fails_a_replay() {
 
 #[test]
 fn a_folder_without_one_readable_recording_fails_inspect_and_evaluate() {
-    let folder = folder("damaged");
-    let model = folder.join("three-class.intent");
-    small_model(&model, &[], Vocabulary::Three);
+    let (folder, model) = with_model("damaged");
     let path = recording(&folder, 700);
     let text = fs::read_to_string(&path).unwrap();
     fs::write(&path, text.replace(",-", ",x")).unwrap();
@@ -84,9 +86,7 @@ fn a_folder_without_one_readable_recording_fails_inspect_and_evaluate() {
 
 #[test]
 fn several_paths_are_taken_as_one_folder_that_holds_them() {
-    let folder = folder("several");
-    let model = folder.join("three-class.intent");
-    small_model(&model, &[], Vocabulary::Three);
+    let (folder, model) = with_model("several");
     let (data, _) = small::recordings(&folder);
     let file = |person: &str| data.join(person).join(format!("{person}_synthetic_1.csv"));
     let text = |path: &Path| path.to_str().unwrap().to_owned();

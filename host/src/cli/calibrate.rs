@@ -1,11 +1,10 @@
 //! `myointent calibrate`: a model file whose last layer is learnt from one person's holds.
 
 use std::io::Write as _;
-use std::path::PathBuf;
 
 use clap::Args;
-use thiserror::Error;
 
+use crate::cli::Kept;
 use crate::cli::arguments::OwnModel;
 use evaluation::calibration::calibrate_file;
 use execution::run_folder::write_whole;
@@ -28,17 +27,6 @@ pub struct Arguments {
     show_others: bool,
 }
 
-/// Error: the new head is worse, and the old model is kept.
-#[derive(Debug, Error)]
-#[error(
-    "in the later rounds the new head labels {new:.3} right, the old one {old:.3}: nothing was written, go on with {model}"
-)]
-pub(super) struct Kept {
-    model: PathBuf,
-    old: f32,
-    new: f32,
-}
-
 /// Calibrates the model, and writes it unless it is worse.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let OwnModel {
@@ -51,8 +39,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let done = calibrate_file(&bytes, &library, subject.as_deref(), arguments.show_others)?;
     let [old, new] = done.recalls;
     let Some(file) = done.file else {
-        let model = model.clone();
-        return Err(Kept { model, old, new }.into());
+        let kept = Kept(format!(
+            "in the later rounds the new head labels {new:.3} right, the old one {old:.3}: nothing was written, go on with {}",
+            model.display()
+        ));
+        return Err(kept.into());
     };
     write_whole(out, &file)?;
     writeln!(
@@ -77,25 +68,16 @@ mod tests {
     use std::path::Path;
     use std::process::ExitCode;
 
-    use clap::Parser as _;
     use recordings::synthetic::{SynthOptions, write};
 
-    use crate::cli::{Cli, KEPT};
+    use crate::cli::{KEPT, run};
 
     fn calibrate(data: &Path, out: &Path) -> ExitCode {
         let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/three-class.intent");
-        let [model, data, out] = [&model, data, out].map(|path| path.to_str().unwrap());
-        let line = [
-            "myointent",
-            "calibrate",
-            "--model",
-            model,
-            "--data",
-            data,
-            "--out",
-            out,
-        ];
-        Cli::try_parse_from(line).unwrap().run()
+        let [model, data, out] = [&model, data, out].map(|path| path.display());
+        run(&format!(
+            "calibrate --model {model} --data {data} --out {out}"
+        ))
     }
 
     /// The rows of a table with the gestures' labels exchanged.

@@ -206,35 +206,36 @@ struct Evaluated<'r> {
 
 /// Warns which people were left out, and which are for releases.
 pub(in crate::cli) fn warn(results: &ModelResults) {
-    let count = |people: usize, what: &str| {
-        if people > 0 {
-            let noun = if people == 1 { "person" } else { "people" };
-            progress::log(&format!("{what}: {people} {noun}"));
-        }
-    };
-    count(
-        results.left_out_seen.len(),
-        "left out, because a model has seen them in training (--seen)",
-    );
-    count(
-        results.left_out_test.len(),
-        "left out, because they are test people (--test-people)",
-    );
-    count(
-        results.left_out_openings.len(),
-        "left out, because they do not open the hand twice (--align)",
-    );
-    count(
-        results.left_out_holds.len(),
-        "left out, because they hold a gesture fewer than four times (--calibrate)",
-    );
     let evaluated = |wanted: fn(&&EvaluatedSubject) -> bool| {
         let subjects = results.subjects.iter();
         subjects.filter(wanted).count()
     };
-    count(
-        evaluated(|subject| !subject.seen_by.is_empty()),
-        "warning: evaluated, although a model has seen them in training",
-    );
+    for (people, what) in [
+        (
+            results.left_out_seen.len(),
+            "left out, because a model has seen them in training (--seen)",
+        ),
+        (
+            results.left_out_test.len(),
+            "left out, because they are test people (--test-people)",
+        ),
+        (
+            results.left_out_openings.len(),
+            "left out, because they do not open the hand twice (--align)",
+        ),
+        (
+            results.left_out_holds.len(),
+            "left out, because they hold a gesture fewer than four times (--calibrate)",
+        ),
+        (
+            evaluated(|subject| !subject.seen_by.is_empty()),
+            "warning: evaluated, although a model has seen them in training",
+        ),
+    ] {
+        if people > 0 {
+            let noun = if people == 1 { "person" } else { "people" };
+            progress::log(&format!("{what}: {people} {noun}"));
+        }
+    }
     warn_of_test_people(evaluated(|subject| subject.test));
 }

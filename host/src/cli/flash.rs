@@ -138,21 +138,16 @@ fn told(error: FlashError) -> anyhow::Error {
 impl Arguments {
     /// Firmware and model that are put onto the board; none if neither is given.
     fn content(&self) -> anyhow::Result<Option<Content>> {
-        let firmware = match &self.firmware {
-            Some(path) => {
-                let bytes = bounded_read::read(path, UF2_BYTES);
-                Some((
-                    path.as_path(),
-                    bytes.with_context(|| path.display().to_string())?,
-                ))
-            }
-            None => None,
-        };
-        let model = self.model.as_deref().map(read_model).transpose()?;
-        if firmware.is_none() && model.is_none() {
+        if self.firmware.is_none() && self.model.is_none() {
             return Ok(None);
         }
-        let firmware = firmware.as_ref().map(|(path, bytes)| (*path, &bytes[..]));
+        let read = |path: &PathBuf| {
+            let bytes = bounded_read::read(path, UF2_BYTES);
+            bytes.with_context(|| path.display().to_string())
+        };
+        let bytes = self.firmware.as_ref().map(read).transpose()?;
+        let model = self.model.as_deref().map(read_model).transpose()?;
+        let firmware = self.firmware.as_deref().zip(bytes.as_deref());
         Ok(Some(Content::new(firmware, model.as_deref())?))
     }
 }

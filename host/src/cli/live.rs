@@ -157,10 +157,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         };
         return live::print(options, output, opened, || interrupt.requested());
     }
-    let (address, port) = arguments
-        .listen
-        .unwrap_or((Ipv4Addr::LOCALHOST.into(), None));
-    serve(address, port, options)
+    serve(arguments.listen, options)
 }
 
 impl SourceArguments {
@@ -183,12 +180,12 @@ impl SourceArguments {
     }
 }
 
-/// Serves a page until Ctrl-C.
+/// Serves a page until Ctrl-C, by default on this machine alone.
 pub(super) fn serve(
-    address: IpAddr,
-    port: Option<u16>,
+    listen: Option<(IpAddr, Option<u16>)>,
     mut options: Options,
 ) -> anyhow::Result<()> {
+    let (address, port) = listen.unwrap_or((Ipv4Addr::LOCALHOST.into(), None));
     let port = port.unwrap_or_else(|| free(address));
     options.listen = Some(SocketAddr::new(address, port));
     let interrupt = Interrupt::listen();
@@ -271,14 +268,10 @@ mod tests {
     #[test]
     fn without_a_source_all_of_them_are_listed() {
         let error = refusal(&[]);
-        for source in [
-            "--demo",
-            "--replay <RECORDING>",
-            "--port <PATH>",
-            "--bluetooth <ADDRESS|any>",
-        ] {
-            assert!(error.contains(source), "{error}");
-        }
+        assert!(
+            error.contains("<--demo|--replay <RECORDING>|--port <PATH>|--bluetooth <ADDRESS|any>>"),
+            "{error}"
+        );
         assert!(refusal(&["--demo", "--port", "x"]).contains("cannot be used with"));
     }
 
@@ -307,27 +300,14 @@ mod tests {
 
     #[test]
     fn packets_go_to_a_name_or_an_address_with_a_port() {
-        for right in [
-            "localhost:9000",
-            "my-computer.local:1",
-            "127.0.0.1:9000",
-            "[::1]:65535",
-        ] {
+        let right = "localhost:9000 my-computer.local:1 127.0.0.1:9000 [::1]:65535";
+        for right in right.split(' ') {
             assert_eq!(receiver(right), Ok(right.to_owned()));
         }
-        for wrong in [
-            "localhost",
-            "localhost:",
-            ":9000",
-            "localhost:0",
-            "localhost:65536",
-            "::1",
-            "::1:9000",
-            "[::1]",
-            "[x]:9000",
-            "http://localhost:9000",
-            "",
-        ] {
+        // The last one is empty.
+        let wrong = "localhost localhost: :9000 localhost:0 localhost:65536 ::1 ::1:9000 [::1] [x]:9000 \
+                     http://localhost:9000 ";
+        for wrong in wrong.split(' ') {
             let error = receiver(wrong).unwrap_err();
             assert!(error.contains("localhost:9000"), "{wrong}: {error}");
         }

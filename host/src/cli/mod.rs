@@ -201,8 +201,13 @@ fn keeps_the_old(error: &anyhow::Error) -> bool {
     if steps::keeps_the_old(error) {
         return true;
     }
-    error.is::<calibrate::Kept>()
+    error.is::<Kept>()
 }
+
+/// Decision to keep the old model, with its reason: the new one is worse.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+struct Kept(String);
 
 /// Exit code if a command keeps the old model.
 const KEPT: u8 = 3;
@@ -223,6 +228,16 @@ pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
 /// Reads the bytes of a model file.
 fn read_model(path: &Path) -> anyhow::Result<Vec<u8>> {
     bounded_read::read_model(path).with_context(|| path.display().to_string())
+}
+
+/// Runs the program with the words of a line.
+#[cfg(test)]
+fn run(line: &str) -> ExitCode {
+    let words = ["myointent"].into_iter().chain(line.split(' '));
+    let Ok(cli) = Cli::try_parse_from(words) else {
+        panic!("{line}");
+    };
+    cli.run()
 }
 
 #[cfg(test)]

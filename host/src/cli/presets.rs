@@ -21,18 +21,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(name) = &arguments.name {
         // Prints the source text with its comments, after a check that it is valid.
         Preset::find(name)?;
-        let text = BUILT_IN
-            .iter()
-            .find(|(known, _)| known == name)
-            .map(|(_, text)| (*text).to_owned());
-        write!(
-            out,
-            "{}",
-            text.map_or_else(
-                || bounded_read::read_text(Path::new(name), bounded_read::PRESET),
-                Ok
-            )?
-        )?;
+        match BUILT_IN.iter().find(|(known, _)| known == name) {
+            Some((_, text)) => write!(out, "{text}")?,
+            None => {
+                let text = bounded_read::read_text(Path::new(name), bounded_read::PRESET)?;
+                write!(out, "{text}")?;
+            }
+        }
         return Ok(());
     }
     for (name, text) in BUILT_IN {

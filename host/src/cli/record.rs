@@ -1,7 +1,7 @@
 //! `myointent record`: a guided recording session on a page.
 
 use std::io::Write as _;
-use std::net::{IpAddr, Ipv4Addr};
+use std::net::IpAddr;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
@@ -108,9 +108,6 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     #[cfg(feature = "train")]
     let device = arguments.backend.device()?;
     let whole = recover(&arguments.out.join(&arguments.person))?;
-    let (address, port) = arguments
-        .listen
-        .unwrap_or((Ipv4Addr::LOCALHOST.into(), None));
     let record = RecordOptions {
         folder: arguments.out.clone(),
         person: arguments.person.clone(),
@@ -131,7 +128,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         imu: arguments.imu,
         record: Some(record),
     };
-    serve(address, port, options)?;
+    serve(arguments.listen, options)?;
     anyhow::ensure!(
         whole,
         "not everything of an earlier session could be kept: the first lines above say what is lost"

@@ -275,14 +275,8 @@ mod tests {
 
     /// Lines of a replay.
     fn lines(bytes: &[u8], samples: &[Sample], start: Start) -> Vec<String> {
-        let model = Model::parse(bytes).unwrap();
-        let mut lines = Vec::new();
-        replay(&model, samples, start, |line| {
-            lines.push(line.to_owned());
-            Ok(())
-        })
-        .unwrap();
-        lines
+        let lines = lines_from(bytes, samples, start).unwrap();
+        lines.split_inclusive('\n').map(str::to_owned).collect()
     }
 
     /// Lines of 4.5 s of the shipped model.

@@ -14,14 +14,13 @@ use super::output::{PAGE, Width, refuse_unlike};
 use super::steps::{find_run, recordings};
 use evaluation::model_evaluation::{NamedModel, Selection, evaluate_models, is_taken};
 use evaluation::report::MOST_ENTRIES;
-use evaluation::report::several::{Reported, ReportedModel, tables, write};
+use evaluation::report::several::{Evaluated, Reported, tables, write};
 use evaluation::results::MODEL;
 use execution::progress;
 use execution::run_folder::RunFolder;
 use recordings::Library;
 #[cfg(feature = "train")]
 use {
-    evaluation::report::several::ReportedRun,
     recordings::split::predefined::is_test,
     training::{
         backend::BackendArguments,
@@ -110,13 +109,11 @@ fn runs(arguments: &Arguments) -> anyhow::Result<Vec<Reported>> {
             format!("{run} has no results to report: `myointent evaluate --run {run}` makes them")
         });
         let (results, evaluation) = evaluated?;
-        reported.push(Reported::Run(Box::new(ReportedRun {
+        reported.push(Reported {
             name: unique(name(path), &reported),
-            folder: context.folder,
-            config: context.config,
-            results,
-            evaluation,
-        })));
+            folder: Some(context.folder),
+            evaluated: Evaluated::Run(Box::new((context.config, results, evaluation))),
+        });
     }
     same_classes(&reported)?;
     Ok(reported)
@@ -170,11 +167,11 @@ fn model(
         evaluation => evaluation,
     }?;
     warn(&evaluation.results);
-    Ok(Reported::Model(Box::new(ReportedModel {
+    Ok(Reported {
         name: model.name,
         folder,
-        evaluation,
-    })))
+        evaluated: Evaluated::Model(Box::new(evaluation)),
+    })
 }
 
 /// Name of a run folder or a model file on the page.
@@ -194,7 +191,7 @@ fn name(path: &Path) -> String {
 
 /// Makes a name unique: `fold-1`, `fold-1 (2)`.
 fn unique(name: String, before: &[Reported]) -> String {
-    let taken = |name: &str| is_taken(name) || before.iter().any(|own| own.name() == name);
+    let taken = |name: &str| is_taken(name) || before.iter().any(|own| own.name == name);
     if !taken(&name) {
         return name;
     }
@@ -207,18 +204,10 @@ fn unique(name: String, before: &[Reported]) -> String {
 
 /// Refuses models with different classes: their scores cannot be compared.
 fn same_classes(reported: &[Reported]) -> anyhow::Result<()> {
-    let Some(first) = reported.first() else {
-        return Ok(());
-    };
-    match reported
-        .iter()
-        .find(|own| own.vocabulary() != first.vocabulary())
-    {
-        None => Ok(()),
-        Some(other) => bail!(
-            "{} and {} have different classes: give one page each",
-            first.name(),
-            other.name()
-        ),
+    let is_other = |own: &&Reported| own.vocabulary() != reported[0].vocabulary();
+    if let Some(other) = reported.iter().find(is_other) {
+        let (first, other) = (&reported[0].name, &other.name);
+        bail!("{first} and {other} have different classes: give one page each");
     }
+    Ok(())
 }

@@ -41,16 +41,15 @@ fn of_two_drives_the_one_of_the_board_is_taken_and_none_of_two_alike() {
     boot_loader(other.path(), "nRF52840-nicenano");
     let folders = || [&one, &other, &empty].map(|folder| folder.path().to_owned());
     let chosen = |board| Drive::among(folders(), board);
-    let refused = chosen(None).unwrap_err();
-    assert!(
-        matches!(&refused, FlashError::Drives { paths } if paths.len() == 2),
-        "{refused}"
-    );
+    let refused = chosen(None).unwrap_err().to_string();
+    assert!(refused.starts_with("several drives"), "{refused}");
     let nano = chosen(UsbBoard::with_image("nice-nano")).unwrap();
     assert_eq!(nano.unwrap().path, other.path());
     boot_loader(other.path(), "nRF52840-SeeedXiaoSense-v1");
-    let refused = chosen(UsbBoard::with_image("xiao")).unwrap_err();
-    assert!(matches!(refused, FlashError::Drives { .. }), "{refused}");
+    let refused = chosen(UsbBoard::with_image("xiao"))
+        .unwrap_err()
+        .to_string();
+    assert!(refused.starts_with("several drives"), "{refused}");
     assert_eq!(Drive::among([empty.path().to_owned()], None).unwrap(), None);
 }
 
@@ -68,10 +67,8 @@ fn a_full_drive_and_one_that_cannot_be_written_are_told_apart() {
     assert!(matches!(full, FlashError::Full { .. }), "{full}");
     fs::create_dir(folder.path().join(WRITTEN)).unwrap();
     let refused = drive.write(&[1; 512]).unwrap_err();
-    assert!(
-        matches!(refused, FlashError::Unwritable { .. }),
-        "{refused}"
-    );
+    let is_unwritable = matches!(refused, FlashError::Unwritable { .. });
+    assert!(is_unwritable, "{refused}");
 }
 
 #[test]

@@ -170,12 +170,19 @@ fn margin(text: &str) -> Result<OrModel<i16>, String> {
 
 /// Sends the command to the board and prints its answer.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    if let Request::Install { model } = &arguments.request {
-        return run_install(&arguments.port, model);
-    }
-    let mut board = Board::open(&arguments.port).map_err(advised)?;
+    let port = &arguments.port;
+    let open = || Board::open(port).map_err(advised);
     let said = match &arguments.request {
+        // Opens the port itself, repeatedly.
+        Request::Install { model } => return run_install(port, model),
+        Request::Align(align) => return run_align(&mut open()?, align),
+        Request::Calibrate(request) => return calibrate::run(&mut open()?, *request),
+        Request::Bind(bind) => return run_bind(&mut open()?, bind),
+        Request::Gate(change) => run_gate(&mut open()?, *change)?,
+        Request::Lock(request) => lock::run(&mut open()?, *request)?,
+        Request::Hid(request) => hid::run(&mut open()?, *request)?,
         Request::Identify => {
+            let mut board = open()?;
             let said = board.ask(Command::Identify, |answer| match answer {
                 Answer::Identity(identity) => Some(identified(identity)),
                 _ => None,
@@ -187,29 +194,17 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             };
             said + head + &board.battery()?.map_or_else(String::new, charged)
         }
-        Request::Counters => board.ask(Command::Counters, |answer| match answer {
+        Request::Counters => open()?.ask(Command::Counters, |answer| match answer {
             Answer::Counts(counts) => Some(counted(counts)),
             _ => None,
         })?,
-        // Handled above: it opens the port itself, repeatedly.
-        Request::Install { .. } => String::new(),
-        Request::Align(align) => return run_align(&mut board, align),
-        Request::Calibrate(request) => return calibrate::run(&mut board, *request),
-        Request::Bind(bind) => return run_bind(&mut board, bind),
-        Request::Gate(change) => run_gate(&mut board, *change)?,
-        Request::Lock(request) => lock::run(&mut board, *request)?,
-        Request::Hid(request) => hid::run(&mut board, *request)?,
         Request::Strength { switch } => {
-            let command = Command::Strength(switch == "on");
-            board
-                .ask(command, |answer| match answer {
-                    Answer::Strength(true) => {
-                        Some("lines have the strength until the next start\n")
-                    }
-                    Answer::Strength(false) => Some("lines do not have the strength\n"),
-                    _ => None,
-                })?
-                .to_owned()
+            let said = open()?.ask(Command::Strength(switch == "on"), |answer| match answer {
+                Answer::Strength(true) => Some("lines have the strength until the next start\n"),
+                Answer::Strength(false) => Some("lines do not have the strength\n"),
+                _ => None,
+            })?;
+            said.to_owned()
         }
     };
     write!(std::io::stdout(), "{said}")?;

@@ -90,7 +90,6 @@ fn labels_of(
 mod tests {
     use std::process::ExitCode;
 
-    use clap::Parser as _;
     use evaluation::model_evaluation::{NamedModel, Selection, evaluate_models};
     use recordings::labels::lag::LabelLag;
     use recordings::synthetic::{self, SynthOptions};
@@ -100,12 +99,10 @@ mod tests {
     use shared::model::file::random::random_model;
 
     use super::*;
-    use crate::cli::Cli;
 
-    /// Runs the program with the words of a line.
+    /// Runs the program with the words of a line; returns true if it succeeds.
     fn myointent(line: &str) -> bool {
-        let line = ["myointent"].into_iter().chain(line.split(' '));
-        Cli::try_parse_from(line).unwrap().run() == ExitCode::SUCCESS
+        crate::cli::run(line) == ExitCode::SUCCESS
     }
 
     /// Writes a small model file.

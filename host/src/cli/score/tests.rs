@@ -45,15 +45,9 @@ fn a_failed_transition_is_shown_with_its_reason() {
 /// Scores of these files as the program prints them.
 fn scored(truth: &Path, prediction: &Path, more: &[&str]) -> String {
     let [truth, prediction] = [truth, prediction].map(|path| path.to_str().unwrap());
-    let line = [
-        "myointent",
-        "score",
-        "--truth",
-        truth,
-        "--prediction",
-        prediction,
-    ];
-    let Command::Score(arguments) = Cli::parse_from(line.iter().chain(more)).command else {
+    let line = ["myointent", "score", "--truth", truth, "--prediction"];
+    let line = line.iter().chain([&prediction]);
+    let Command::Score(arguments) = Cli::parse_from(line.chain(more)).command else {
         panic!("the command is score");
     };
     report(&arguments).unwrap()

@@ -26,7 +26,6 @@ use training::run::context::RunContext;
 use training::run::personalize::PersonalizeError;
 
 use super::arguments::{log_found, refused};
-use personalize::NotWritten;
 
 /// Commands of a program that trains.
 #[derive(Debug, Subcommand)]
@@ -62,11 +61,10 @@ impl Command {
     }
 }
 
-/// Whether `personalize` decided to keep the old model.
+/// Whether `personalize` refuses to tune the old model.
 pub(super) fn keeps_the_old(error: &anyhow::Error) -> bool {
     let refused = error.downcast_ref::<PersonalizeError>();
-    matches!(error.downcast_ref(), Some(NotWritten::Worse { .. }))
-        || refused.is_some_and(PersonalizeError::keeps_the_old)
+    refused.is_some_and(PersonalizeError::keeps_the_old)
 }
 
 /// Whether the user interrupted a step.
@@ -112,6 +110,66 @@ impl DataArguments {
     /// Loads the recordings, or generates synthetic ones; logs which.
     pub fn load(&self, preset: &Preset) -> anyhow::Result<Library> {
         recordings(self.folder().as_deref(), self.strict, preset)
+    }
+}
+
+/// Options of the commands that train.
+#[derive(Debug, Args)]
+struct TrainingArguments {
+    /// Train the teacher even if the preset's student does not learn from it.
+    #[arg(hide_short_help = true, long)]
+    teacher: bool,
+    /// Seed of all random numbers, instead of the preset's, which is 42 in the built-in presets.
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Continue after the last checkpoint of this run folder.
+    ///
+    /// Options that decide the outcome may be left out; if given, they must be those that the run began with.
+    #[arg(long)]
+    resume: bool,
+    /// Begin anew in a run folder that holds a run, in its place.
+    ///
+    /// Without it, such a folder is refused.
+    #[arg(hide_short_help = true, long, conflicts_with = "resume")]
+    overwrite: bool,
+    #[command(flatten)]
+    data: DataArguments,
+    #[command(flatten)]
+    backend: BackendArguments,
+}
+
+impl TrainingArguments {
+    /// Finds a preset, sets its seed, and loads its recordings.
+    fn preset(&self, name: &str) -> anyhow::Result<(Preset, Library)> {
+        let mut preset = Preset::find(name)?;
+        preset.seed = self.seed.unwrap_or(preset.seed);
+        let library = self.data.load(&preset)?;
+        Ok((preset, library))
+    }
+
+    /// Begins the run that `resolve` describes, or opens the one to continue. With `is_given`, or the options here that decide
+    /// the outcome, a run to continue must be the same.
+    fn open(
+        &self,
+        run: &Path,
+        is_given: bool,
+        resolve: impl FnOnce() -> anyhow::Result<(ResolvedConfig, Library)>,
+    ) -> anyhow::Result<RunContext> {
+        if self.resume {
+            let is_given = is_given || self.seed.is_some() || self.data.strict;
+            let repeated = is_given.then(resolve).transpose()?;
+            return resume_run(run, self.backend, &self.data, repeated);
+        }
+        if !self.overwrite {
+            RunFolder::refuse_run(run)?;
+        }
+        let device = self.backend.device()?;
+        let (config, library) = resolve()?;
+        let folder = RunFolder::open(run)?;
+        Ok(RunContext {
+            interrupt: Interrupt::listen(),
+            ..RunContext::begin(folder, config, library, device)?
+        })
     }
 }
 

@@ -1,18 +1,17 @@
 //! `myointent personalize`: a model file tuned on one person's recordings.
 
 use std::io::Write as _;
-use std::path::PathBuf;
 
 use clap::Args;
-use thiserror::Error;
 
+use crate::cli::Kept;
 use crate::cli::arguments::OwnModel;
 use evaluation::report::scores::tuned;
 use execution::interrupt::Interrupt;
 use execution::progress;
 use execution::run_folder::write_whole;
 use training::backend::BackendArguments;
-use training::run::personalize::{TuningSettings, Worse, personalize};
+use training::run::personalize::{TuningSettings, personalize};
 
 /// Arguments of `personalize`.
 #[derive(Debug, Args)]
@@ -50,19 +49,10 @@ fn per_minute(text: &str) -> Result<f64, String> {
     rate.ok_or_else(|| "expected a number from 0 to 1000".to_owned())
 }
 
-/// Error: the new model was not written.
-#[derive(Debug, Error)]
-pub(super) enum NotWritten {
-    #[error(
-        "on the part held back {why}: nothing was written, go on with {model}; more recordings may help"
-    )]
-    Worse { model: PathBuf, why: Worse },
-}
-
 /// Tunes the model, judges it, and writes it unless it is worse.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let OwnModel {
-        model: path,
+        model,
         out,
         subject,
         ..
@@ -97,8 +87,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut stdout = std::io::stdout().lock();
     writeln!(stdout, "{}", tuned(&caption, &done.scores).plain())?;
     if let Some(why) = done.worse() {
-        let model = path.clone();
-        return Err(NotWritten::Worse { model, why }.into());
+        let kept = Kept(format!(
+            "on the part held back {why}: nothing was written, go on with {}; more recordings may help",
+            model.display()
+        ));
+        return Err(kept.into());
     }
     write_whole(out, &done.bytes)?;
     writeln!(stdout, "{} ({} bytes)", out.display(), done.bytes.len())?;

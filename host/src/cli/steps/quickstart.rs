@@ -6,16 +6,12 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::{DataArguments, log_labels, resume_run};
+use super::{TrainingArguments, log_labels};
 use evaluation::System;
 use evaluation::report::run_report::{self, REPORT};
 use evaluation::report::scores::{summary, tables};
-use execution::interrupt::Interrupt;
 use execution::progress;
-use execution::run_folder::RunFolder;
-use presets::Preset;
 use presets::config::ResolvedConfig;
-use training::backend::BackendArguments;
 use training::run::context::RunContext;
 use training::run::evaluate::{Results, evaluate};
 use training::run::quantize::{MODEL, ModelFile, quantize};
@@ -35,39 +31,27 @@ pub struct Arguments {
     /// Built-in preset or a TOML file; quickstart if not given.
     #[arg(long)]
     preset: Option<String>,
-    /// Seed of all random numbers, instead of the preset's, which is 42 in the built-in presets.
-    #[arg(long)]
-    seed: Option<u64>,
-    /// Continue an interrupted quickstart of this run folder.
-    ///
-    /// Options that decide the outcome may be left out; if given, they must be those that the run began with.
-    #[arg(long)]
-    resume: bool,
-    /// Begin anew in a run folder that holds a run, in its place.
-    ///
-    /// Without it, such a folder is refused.
-    #[arg(long, conflicts_with = "resume")]
-    overwrite: bool,
-    /// Train the teacher even if the preset's student does not learn from it.
-    #[arg(long)]
-    teacher: bool,
     /// Print all tables, not only the scores of the model file.
     #[arg(long)]
     verbose: bool,
     #[command(flatten)]
-    data: DataArguments,
-    #[command(flatten)]
-    backend: BackendArguments,
+    training: TrainingArguments,
 }
 
 /// Trains, distils, quantizes, evaluates and writes the report.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let mut preset = Preset::find(arguments.preset.as_deref().unwrap_or("quickstart"))?;
-    preset.seed = arguments.seed.unwrap_or(preset.seed);
-    let context = begin(arguments, preset)?;
+    let TrainingArguments { data, teacher, .. } = &arguments.training;
+    let is_given = arguments.preset.is_some();
+    let context = arguments.training.open(&arguments.run, is_given, || {
+        let name = arguments.preset.as_deref().unwrap_or("quickstart");
+        let (preset, library) = arguments.training.preset(name)?;
+        let folder = data.folder();
+        let config = ResolvedConfig::new(preset, &library, folder.as_deref(), data.strict, None)?;
+        Ok((config, library))
+    })?;
     log_start(&context);
 
-    train(&context, arguments.teacher)?;
+    train(&context, *teacher)?;
     let model = context.folder.file(MODEL);
     quantize(&context, &model)?;
     let file = ModelFile::of_run(&context)?;
@@ -135,34 +119,6 @@ fn by_data_set(subjects: &[String]) -> String {
         .map(|(set, names)| format!("{set} {}", names.join(", ")))
         .collect();
     sets.join("; ")
-}
-
-fn begin(arguments: &Arguments, preset: Preset) -> anyhow::Result<RunContext> {
-    let run = &arguments.run;
-    if arguments.resume && !repeated(arguments) {
-        return resume_run(run, arguments.backend, &arguments.data, None);
-    }
-    if !arguments.resume && !arguments.overwrite {
-        RunFolder::refuse_run(run)?;
-    }
-    let device = arguments.backend.device()?;
-    let library = arguments.data.load(&preset)?;
-    let (data, strict) = (arguments.data.folder(), arguments.data.strict);
-    let config = ResolvedConfig::new(preset, &library, data.as_deref(), strict, None)?;
-    if arguments.resume {
-        let repeated = Some((config, library));
-        return resume_run(run, arguments.backend, &arguments.data, repeated);
-    }
-    let folder = RunFolder::open(run)?;
-    Ok(RunContext {
-        interrupt: Interrupt::listen(),
-        ..RunContext::begin(folder, config, library, device)?
-    })
-}
-
-/// Whether the command repeats options that decide the outcome.
-fn repeated(arguments: &Arguments) -> bool {
-    arguments.preset.is_some() || arguments.seed.is_some() || arguments.data.strict
 }
 
 fn log_start(context: &RunContext) {

@@ -5,17 +5,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{DataArguments, log_labels, resume_run};
-use execution::interrupt::Interrupt;
+use super::{TrainingArguments, log_labels};
 use execution::progress;
-use execution::run_folder::RunFolder;
 use presets::config::ResolvedConfig;
 use presets::resolve::FoldChoice;
-use presets::{Preset, distillation, teacher};
+use presets::{distillation, teacher};
 use recordings::Library;
 use recordings::folds::Protocol;
-use training::backend::BackendArguments;
-use training::run::context::RunContext;
 use training::run::start::start_from;
 use training::run::train::{train, train_teacher};
 
@@ -35,9 +31,6 @@ pub struct Arguments {
     /// Run folder to write checkpoints and metrics to.
     #[arg(long, value_name = "DIR", default_value = "runs/latest")]
     run: PathBuf,
-    /// Train the teacher even if the preset's student does not learn from it.
-    #[arg(hide_short_help = true, long)]
-    teacher: bool,
     /// Train the teacher alone; `--resume` trains the student later.
     #[arg(hide_short_help = true, long)]
     teacher_only: bool,
@@ -59,34 +52,16 @@ pub struct Arguments {
     /// Folds are independent.
     #[arg(hide_short_help = true, long, requires = "protocol")]
     fold: Option<usize>,
-    /// Seed of all random numbers, instead of the preset's, which is 42 in the built-in presets.
-    #[arg(long)]
-    seed: Option<u64>,
-    /// Continue after the last checkpoint of this run folder.
-    ///
-    /// Options that decide the outcome may be left out; if given, they must be those that the run began with.
-    #[arg(long)]
-    resume: bool,
-    /// Begin anew in a run folder that holds a run, in its place.
-    ///
-    /// Without it, such a folder is refused.
-    #[arg(hide_short_help = true, long, conflicts_with = "resume")]
-    overwrite: bool,
     #[command(flatten)]
-    data: DataArguments,
-    #[command(flatten)]
-    backend: BackendArguments,
+    training: TrainingArguments,
 }
 
 /// Trains the models.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let context = if arguments.resume {
-        let repeated = repeated(arguments).then(|| resolve(arguments));
-        let (run, data) = (&arguments.run, &arguments.data);
-        resume_run(run, arguments.backend, data, repeated.transpose()?)?
-    } else {
-        begin(arguments)?
-    };
+    let is_given =
+        arguments.preset.is_some() || arguments.from.is_some() || arguments.protocol.is_some();
+    let training = &arguments.training;
+    let context = training.open(&arguments.run, is_given, || resolve(arguments))?;
     progress::log(&format!(
         "held out: {}",
         context.config.split.held_out.join(", ")
@@ -96,7 +71,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         train_teacher(&context)?;
         teacher::NAME
     } else {
-        train(&context, arguments.teacher)?;
+        train(&context, training.teacher)?;
         distillation::NAME
     };
     let weights = context.folder.weights_path(name);
@@ -104,20 +79,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Whether the command repeats options that decide the outcome.
-fn repeated(arguments: &Arguments) -> bool {
-    arguments.preset.is_some()
-        || arguments.from.is_some()
-        || arguments.protocol.is_some()
-        || arguments.seed.is_some()
-        || arguments.data.strict
-}
-
 /// Resolves the configuration that the options give, and loads the recordings.
 fn resolve(arguments: &Arguments) -> anyhow::Result<(ResolvedConfig, Library)> {
-    let mut preset = Preset::find(arguments.preset.as_deref().unwrap_or("cpu"))?;
-    preset.seed = arguments.seed.unwrap_or(preset.seed);
-    let library = arguments.data.load(&preset)?;
+    let name = arguments.preset.as_deref().unwrap_or("cpu");
+    let (mut preset, library) = arguments.training.preset(name)?;
+    let data = &arguments.training.data;
     if arguments.from.is_some() {
         preset = preset.fine_tuned(arguments.lora);
     }
@@ -125,25 +91,12 @@ fn resolve(arguments: &Arguments) -> anyhow::Result<(ResolvedConfig, Library)> {
     let mut config = ResolvedConfig::new(
         preset,
         &library,
-        arguments.data.folder().as_deref(),
-        arguments.data.strict,
+        data.folder().as_deref(),
+        data.strict,
         fold.map(|(protocol, number)| FoldChoice { protocol, number }),
     )?;
     if let Some(start) = &arguments.from {
         start_from(&mut config, start)?;
     }
     Ok((config, library))
-}
-
-fn begin(arguments: &Arguments) -> anyhow::Result<RunContext> {
-    if !arguments.overwrite {
-        RunFolder::refuse_run(&arguments.run)?;
-    }
-    let device = arguments.backend.device()?;
-    let (config, library) = resolve(arguments)?;
-    let folder = RunFolder::open(&arguments.run)?;
-    Ok(RunContext {
-        interrupt: Interrupt::listen(),
-        ..RunContext::begin(folder, config, library, device)?
-    })
 }
