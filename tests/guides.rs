@@ -4,14 +4,17 @@
 //! A block of `sh` is run. A block that says what it needs (```` ```sh needs: a board ````) is parsed, and SKIPPED with
 //! that reason.
 
+#[path = "small.rs"]
+mod small;
+
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use clap::Parser as _;
 use clap::error::ErrorKind;
 use myointent::cli::Cli;
+use small::{BEGIN, process, shrunk};
 
 /// Block of commands.
 struct Block {
@@ -84,6 +87,10 @@ fn parse(words: &[String]) -> Result<(), String> {
             let parsed = myointent_research::cli::Cli::try_parse_from(words);
             parsed.err().and_then(refused)
         }
+        "cargo" if words[1] == "xtask" => {
+            let parsed = xtask::steps::Arguments::try_parse_from(&words[1..]);
+            parsed.err().and_then(refused)
+        }
         "cargo" => return cargo(&words[1..]),
         // Another project's program.
         "probe-rs" => None,
@@ -92,23 +99,11 @@ fn parse(words: &[String]) -> Result<(), String> {
     error.map_or(Ok(()), Err)
 }
 
-/// Checks that the repository has the steps of `xtask` and the packages, tests and features that are named.
+/// Checks that the repository has the packages, tests and features that are named.
 fn cargo(words: &[String]) -> Result<(), String> {
     let read = |path: &str| fs::read_to_string(repository().join(path)).unwrap();
     let (step, rest) = words.split_first().ok_or("cargo: no command")?;
     match step.as_str() {
-        "xtask" => {
-            let name = rest.first().ok_or("cargo xtask: no step")?;
-            let known = read("xtask/src/main.rs");
-            let variant = name[..1].to_uppercase() + &name[1..];
-            // The name is matched whole, with or without arguments.
-            let is_step = |end: &str| known.contains(&format!("Step::{variant}{end}"));
-            if ["(", " "].into_iter().any(is_step) {
-                Ok(())
-            } else {
-                Err(format!("cargo xtask has no step {name}"))
-            }
-        }
         "board" => Ok(()),
         "run" | "test" | "build" => {
             for pair in rest.windows(2) {
@@ -132,33 +127,8 @@ fn cargo(words: &[String]) -> Result<(), String> {
     }
 }
 
-const LINE: &str = "MYOINTENT_GUIDE_LINE";
-/// Line before the command's output, after the lines that the test program writes by itself.
-const BEGIN: &str = "-- begin --";
-
-/// Runs the program in a process of its own, in the folder of a guide. It is not a test.
-#[test]
-#[ignore = "other tests start it, as a process"]
-fn child() {
-    let Ok(line) = std::env::var(LINE) else {
-        return;
-    };
-    let line: Vec<String> = serde_json::from_str(&line).unwrap();
-    println!("{BEGIN}");
-    let code = match Cli::try_parse_from(line) {
-        Ok(cli) => cli.run(),
-        Err(error) => error.exit(),
-    };
-    assert!(code == std::process::ExitCode::SUCCESS, "failed");
-    // It exits here: the test program would write further lines.
-    std::process::exit(0);
-}
-
 fn run(folder: &Path, words: &[String], out: Option<&str>) {
-    let output = Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", "child", "--ignored", "--nocapture"])
-        .env(LINE, serde_json::to_string(words).unwrap())
-        .env_remove("MYOINTENT_DATA")
+    let output = process(&words[1..].join(" "))
         .current_dir(folder)
         .output()
         .unwrap();
@@ -167,31 +137,14 @@ fn run(folder: &Path, words: &[String], out: Option<&str>) {
     if let Some(out) = out {
         let text = String::from_utf8(output.stdout).unwrap();
         let (_, text) = text.split_once(&format!("{BEGIN}\n")).unwrap();
+        // A preset of a guide trains for minutes: its size does not matter here.
+        let text = if out.ends_with(".toml") {
+            &shrunk(text)
+        } else {
+            text
+        };
         fs::write(folder.join(out), text).unwrap();
-        make_small(&folder.join(out));
     }
-}
-
-/// Makes a preset of a guide small, which else trains for minutes: its size does not matter here.
-fn make_small(path: &Path) {
-    if path.extension().is_none_or(|ending| ending != "toml") {
-        return;
-    }
-    let text = fs::read_to_string(path).unwrap();
-    let small = [
-        ("spliced_seconds = 180.0", "spliced_seconds = 20.0"),
-        ("stride = 150", "stride = 600"),
-        ("epochs = 5", "epochs = 1"),
-        ("epochs = 6", "epochs = 1"),
-        ("steps = 150", "steps = 4"),
-        ("batch = 32", "batch = 8"),
-        ("d_model = 64", "d_model = 48"),
-        ("feed_forward = 256", "feed_forward = 64"),
-    ];
-    let text = small
-        .iter()
-        .fold(text, |text, (of, to)| text.replace(of, to));
-    fs::write(path, text).unwrap();
 }
 
 /// Makes a folder with the repository's models and nothing else.

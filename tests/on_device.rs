@@ -19,7 +19,7 @@ use myointent_tests::{golden, skip};
 use xtask::{
     count::{self, CountTable},
     device::{self, Clock, Image},
-    qemu,
+    emulator,
     toolchain::{self, Toolchain},
 };
 
@@ -29,7 +29,7 @@ const TIMEOUT: Duration = Duration::from_secs(300);
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
     let found =
-        toolchain::find(toolchain::TARGET, false).and_then(|found| qemu::find().map(|_| found));
+        toolchain::find(toolchain::TARGET, false).and_then(|found| emulator::qemu().map(|_| found));
     let trials = match found {
         Ok(toolchain) => trials(&toolchain).unwrap_or_else(|error| {
             let message = format!("{error:#}");

@@ -22,27 +22,19 @@ pub enum BrowserKind {
 }
 
 impl BrowserKind {
-    /// Environment variable that names another program than those on the path.
-    const fn variable(self) -> &'static str {
+    /// Environment variable that names another program than those on the path; programs that are tried; Debian's package.
+    const fn names(self) -> (&'static str, &'static [&'static str], &'static str) {
         match self {
-            Self::Chromium => "MYOINTENT_CHROMIUM",
-            Self::Firefox => "MYOINTENT_FIREFOX",
-        }
-    }
-
-    /// Programs that are tried.
-    const fn programs(self) -> &'static [&'static str] {
-        match self {
-            Self::Chromium => &["chromium", "google-chrome", "chromium-browser"],
-            Self::Firefox => &["firefox-esr", "firefox"],
-        }
-    }
-
-    /// Debian's package.
-    const fn package(self) -> &'static str {
-        match self {
-            Self::Chromium => "chromium",
-            Self::Firefox => "firefox-esr",
+            Self::Chromium => (
+                "MYOINTENT_CHROMIUM",
+                &["chromium", "google-chrome", "chromium-browser"],
+                "chromium",
+            ),
+            Self::Firefox => (
+                "MYOINTENT_FIREFOX",
+                &["firefox-esr", "firefox"],
+                "firefox-esr",
+            ),
         }
     }
 
@@ -52,7 +44,7 @@ impl BrowserKind {
             let version = Command::new(program).arg("--version").output();
             version.is_ok_and(|output| output.status.success())
         };
-        let variable = self.variable();
+        let (variable, programs, _) = self.names();
         if let Some(program) = env::var_os(variable).map(PathBuf::from) {
             ensure!(
                 runs(&program),
@@ -61,9 +53,9 @@ impl BrowserKind {
             );
             return Ok(program);
         }
-        match self.programs().iter().map(PathBuf::from).find(runs) {
+        match programs.iter().map(PathBuf::from).find(runs) {
             Some(program) => Ok(program),
-            None => bail!("no browser, {}: {HINT}", self.programs().join(" nor ")),
+            None => bail!("no browser, {}: {HINT}", programs.join(" nor ")),
         }
     }
 }
@@ -72,7 +64,7 @@ impl BrowserKind {
 pub fn prepare(install: bool) -> Result<()> {
     for kind in [BrowserKind::Chromium, BrowserKind::Firefox] {
         if let Err(error) = kind.find() {
-            debian::provide(&[kind.package(), FONT], install, &error.to_string())?;
+            debian::provide(&[kind.names().2, FONT], install, &error.to_string())?;
         }
     }
     for kind in [BrowserKind::Chromium, BrowserKind::Firefox] {

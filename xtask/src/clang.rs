@@ -39,30 +39,21 @@ pub fn find(install: bool) -> Result<Option<PathBuf>> {
 
 /// The `lib` folder of the first LLVM that has both library and headers.
 fn folder(installed: &Path) -> Option<PathBuf> {
-    let mut versions: Vec<PathBuf> = fs::read_dir(installed)
-        .ok()?
-        .flatten()
-        .map(|entry| entry.path())
-        .filter(|path| name_starts_with(path, "llvm-"))
-        .map(|path| path.join("lib"))
-        .collect();
+    let mut versions = entries(installed, "llvm-");
     versions.sort();
-    versions.into_iter().find(|lib| {
-        has(lib, |path| name_starts_with(path, "libclang.so"))
-            && has(&lib.join("clang"), |path| {
-                path.join("include/stdint.h").is_file()
-            })
+    let mut folders = versions.iter().map(|version| version.join("lib"));
+    folders.find(|lib| {
+        let mut headers = entries(&lib.join("clang"), "").into_iter();
+        !entries(lib, "libclang.so").is_empty()
+            && headers.any(|version| version.join("include/stdint.h").is_file())
     })
 }
 
-fn has(folder: &Path, wanted: impl Fn(&Path) -> bool) -> bool {
+/// Entries of a folder whose names have this start; none if it cannot be read.
+fn entries(folder: &Path, start: &str) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-    entries.into_iter().any(|entry| wanted(&entry.path()))
-}
-
-fn name_starts_with(path: &Path, start: &str) -> bool {
-    path.file_name()
-        .is_some_and(|name| name.to_string_lossy().starts_with(start))
+    let named = entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(start));
+    named.map(|entry| entry.path()).collect()
 }
 
 #[cfg(test)]

@@ -2,7 +2,9 @@
 
 use std::process::Command;
 
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Result, ensure};
+
+use crate::run;
 
 /// Packages that are not installed.
 fn missing<'p>(packages: &[&'p str]) -> Vec<&'p str> {
@@ -31,14 +33,10 @@ pub fn provide(packages: &[&str], install: bool, otherwise: &str) -> Result<()> 
     );
     ensure!(install, "{otherwise}\n  {command}\n(--install runs this)");
     println!("{command}");
-    let apt = |arguments: &[&str]| -> Result<()> {
-        let status = Command::new("apt-get")
-            .args(arguments)
-            .env("DEBIAN_FRONTEND", "noninteractive")
-            .status()
-            .context("apt-get cannot be run: install the packages by hand")?;
-        ensure!(status.success(), "apt-get {} failed", arguments.join(" "));
-        Ok(())
+    let apt = |arguments: &[&str]| {
+        let mut apt = Command::new("apt-get");
+        apt.args(arguments).env("DEBIAN_FRONTEND", "noninteractive");
+        run(&mut apt, &format!("apt-get {} failed", arguments.join(" ")))
     };
     apt(&["update", "-q"])?;
     apt(&[

@@ -16,7 +16,7 @@ use std::{
 use anyhow::{Context as _, Result, bail, ensure};
 
 use crate::cross_target;
-use crate::qemu::QEMU;
+use crate::emulator::QEMU;
 use crate::toolchain::{TARGET, Toolchain};
 
 /// A program for the emulated core.

@@ -7,10 +7,16 @@ use std::{
     process::{Command, Stdio},
 };
 
-use anyhow::{Context as _, Result, bail, ensure};
+use anyhow::{Result, bail, ensure};
 
 use crate::debian;
-use crate::qemu::{self, HINT, QEMU};
+use crate::run;
+
+/// The command that installs what is missing.
+const HINT: &str = "cargo xtask emulator --install";
+
+/// QEMU's program, and the Debian package of it.
+pub const QEMU: &str = "qemu-system-arm";
 
 /// Names another Python that has the requirements, instead of the environment that
 /// `cargo xtask emulator --install` creates.
@@ -18,10 +24,10 @@ pub const PYTHON_VARIABLE: &str = "MYOINTENT_PYTHON";
 
 /// Checks that emulator and armband can run; with `install` it installs what is missing.
 pub fn prepare(install: bool) -> Result<()> {
-    if qemu::find().is_err() {
+    if qemu().is_err() {
         debian::provide(&[QEMU], install, "no emulator:")?;
     }
-    println!("{}", qemu::find()?);
+    println!("{}", qemu()?);
     if python().is_err() {
         ensure!(
             install,
@@ -36,6 +42,17 @@ pub fn prepare(install: bool) -> Result<()> {
         requirements().join(", ")
     );
     Ok(())
+}
+
+/// Version line of QEMU, which emulates the Cortex-M4F of tests and instruction counts.
+pub fn qemu() -> Result<String> {
+    match Command::new(QEMU).arg("--version").output() {
+        Ok(output) if output.status.success() => {
+            let text = String::from_utf8_lossy(&output.stdout);
+            Ok(text.lines().next().unwrap_or(QEMU).to_owned())
+        }
+        _ => bail!("no {QEMU}: {HINT}"),
+    }
 }
 
 /// A Python that can run the virtual armband.
@@ -84,38 +101,20 @@ fn requirements() -> Vec<String> {
 fn create_environment() -> Result<()> {
     let environment = environment();
     // On Debian the module that creates environments is a package of its own.
-    if !runs(Command::new("python3").args(["-c", "import ensurepip, venv"])) {
+    let mut python = Command::new("python3");
+    let has_venv = python.args(["-c", "import ensurepip, venv"]).output();
+    if !has_venv.is_ok_and(|output| output.status.success()) {
         debian::provide(&["python3", "python3-venv"], true, "")?;
     }
     println!("creating {}", environment.display());
-    ensure!(
-        runs(
-            Command::new("python3")
-                .args(["-m", "venv"])
-                .arg(&environment)
-        ),
-        "python3 -m venv {} failed",
-        environment.display()
-    );
-    let status = Command::new(environment.join("bin/python"))
-        .args([
-            "-m",
-            "pip",
-            "install",
-            "--disable-pip-version-check",
-            "--quiet",
-            "-r",
-        ])
-        .arg(armband().join("requirements.txt"))
-        .status()
-        .context("pip cannot be run")?;
-    ensure!(status.success(), "pip could not install the requirements");
-    Ok(())
-}
-
-fn runs(command: &mut Command) -> bool {
-    let quiet = command.stdout(Stdio::null()).stderr(Stdio::null());
-    quiet.status().is_ok_and(|status| status.success())
+    let mut create = Command::new("python3");
+    create.args(["-m", "venv"]).arg(&environment);
+    run(&mut create, "python3 could not create it")?;
+    let mut pip = Command::new(environment.join("bin/python"));
+    pip.args(["-m", "pip", "install", "--disable-pip-version-check"]);
+    pip.args(["--quiet", "-r"]);
+    pip.arg(armband().join("requirements.txt"));
+    run(&mut pip, "pip could not install the requirements")
 }
 
 /// The folder of the environment.

@@ -12,12 +12,12 @@ use std::{
     panic,
     path::Path,
     process::Command,
-    sync::{Mutex, MutexGuard, PoisonError},
+    sync::atomic::{AtomicUsize, Ordering},
     thread,
     time::Instant,
 };
 
-use anyhow::{Context as _, Result, bail, ensure};
+use anyhow::{Context as _, Result, ensure};
 
 use self::program::{Target, folder};
 
@@ -67,42 +67,31 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return Ok(());
     }
     println!("target             executions  a second  branches  inputs  result");
-    let waiting = Mutex::new(known.iter().filter(wanted));
-    let findings = Mutex::new(Vec::new());
+    let targets: Vec<_> = known.iter().filter(wanted).collect();
+    let next = AtomicUsize::new(0);
     // A target is a process of one thread: one on each core.
-    let worker = || -> Result<()> {
-        loop {
-            let next = lock(&waiting).next();
-            let Some(target) = next else {
-                return Ok(());
-            };
+    let worker = || -> Result<Vec<String>> {
+        let mut findings = Vec::new();
+        while let Some(target) = targets.get(next.fetch_add(1, Ordering::Relaxed)) {
             let outcome = fuzz(&program, target, arguments)?;
             let name = &target.name;
             println!("{name:<16} {outcome}");
-            if let Some(finding) = outcome.finding {
-                lock(&findings).push(format!("{name}: {finding}"));
-            }
+            findings.extend(outcome.finding.map(|finding| format!("{name}: {finding}")));
         }
+        Ok(findings)
     };
     let cores = thread::available_parallelism().map_or(1, NonZero::get);
-    thread::scope(|scope| {
+    let findings = thread::scope(|scope| {
         let workers: Vec<_> = (0..cores).map(|_| scope.spawn(worker)).collect();
         let done = workers.into_iter().map(|worker| match worker.join() {
             Ok(done) => done,
             Err(panic) => panic::resume_unwind(panic),
         });
-        done.collect::<Result<()>>()
+        done.collect::<Result<Vec<_>>>()
     })?;
-    let findings = lock(&findings);
-    if !findings.is_empty() {
-        bail!("{}", findings.join("\n"));
-    }
+    let findings = findings.concat();
+    ensure!(findings.is_empty(), "{}", findings.join("\n"));
     Ok(())
-}
-
-/// Locks, even after a worker has panicked: what it left is whole, as nothing is held over more than a line.
-fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
-    shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Result of fuzzing a target.

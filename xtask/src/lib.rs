@@ -17,22 +17,20 @@ pub mod merge;
 pub mod page;
 #[cfg(test)]
 mod pages;
-pub mod qemu;
 pub mod release;
 pub mod size;
 pub mod stack_chain;
-pub mod symbols;
+pub mod steps;
 pub mod toolchain;
 pub mod uf2;
-pub mod vectors;
 
 use std::{
-    env,
+    env, fs,
     path::{Path, PathBuf},
     process::Command,
 };
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, ensure};
 
 /// The folder of the workspace.
 fn workspace() -> PathBuf {
@@ -51,11 +49,43 @@ fn cross_target() -> PathBuf {
     target().join("cross")
 }
 
+/// Reads a file.
+fn read(path: &Path) -> Result<Vec<u8>> {
+    fs::read(path).with_context(|| format!("{} cannot be read", path.display()))
+}
+
+/// Writes a file.
+fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<()> {
+    fs::write(path, content).with_context(|| format!("{} cannot be written", path.display()))
+}
+
+/// Runs a command to its end; fails with `otherwise` if it does.
+fn run(command: &mut Command, otherwise: &str) -> Result<()> {
+    let status = command.status();
+    let program = Path::new(command.get_program()).display();
+    let status = status.with_context(|| format!("{program} cannot be run"))?;
+    ensure!(status.success(), "{otherwise}");
+    Ok(())
+}
+
+/// The cargo that runs this program, in the workspace.
+fn cargo() -> Command {
+    let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    cargo.current_dir(workspace());
+    cargo
+}
+
+/// Output of the compiler that compiles this program.
+fn rustc(arguments: &[&str]) -> Result<String> {
+    let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let output = Command::new(rustc).args(arguments).output();
+    let output = output.context("rustc cannot be run")?;
+    Ok(String::from_utf8(output.stdout)?)
+}
+
 /// Target triple of this system, as rustc names it.
 fn host() -> Result<String> {
-    let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-    let output = Command::new(rustc).arg("-vV").output()?;
-    let text = String::from_utf8(output.stdout)?;
+    let text = rustc(&["-vV"])?;
     let host = text.lines().find_map(|line| line.strip_prefix("host: "));
     Ok(host.context("rustc names no host")?.to_owned())
 }

@@ -1,9 +1,8 @@
 //! One Intel hex of all that a chip is flashed with: `cargo xtask merge`.
 
 use std::fmt;
-use std::fs;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context as _, Result, bail, ensure};
 use ihex::{Reader, Record};
@@ -12,7 +11,7 @@ use object::{Endianness, Object as _, ObjectSymbol as _};
 
 use crate::firmware::{self, Compiling, Image};
 use crate::toolchain::TARGET;
-use crate::{cross_target, toolchain};
+use crate::{cross_target, read, toolchain, write};
 
 /// Address of UICR.APPROTECT, and its value HwDisabled: with it a debugger may access the chip. Without it, a chip of the
 /// current revision locks itself at its first reset (nRF52840 product specification 1.7, 4.8.2 "Access port protection").
@@ -64,13 +63,9 @@ impl Files {
     pub fn write(&self, image: Image, extension: &str, bytes: impl AsRef<[u8]>) -> Result<PathBuf> {
         let default = || cross_target().join(image.name()).with_extension(extension);
         let out = self.out.clone().unwrap_or_else(default);
-        fs::write(&out, bytes).with_context(|| format!("{} cannot be written", out.display()))?;
+        write(&out, bytes)?;
         Ok(out)
     }
-}
-
-fn read(path: &Path) -> Result<Vec<u8>> {
-    fs::read(path).with_context(|| format!("{} cannot be read", path.display()))
 }
 
 /// The images of chips.

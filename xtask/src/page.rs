@@ -4,7 +4,6 @@
 //! elsewhere, and its policy allows nothing but its own parts.
 
 use std::fmt::Write as _;
-use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -16,7 +15,7 @@ use flate2::write::GzEncoder;
 use sha2::{Digest as _, Sha256};
 
 use crate::toolchain::{self, Toolchain, WEB};
-use crate::{cross_target, firmware, workspace};
+use crate::{cross_target, firmware, read, workspace, write};
 
 const PACKAGE: &str = "myointent-web";
 const PROFILE: &str = "page";
@@ -38,7 +37,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let page = build(arguments.install)?;
     let out = &arguments.out;
-    fs::write(out, &page).with_context(|| format!("{} cannot be written", out.display()))?;
+    write(out, &page)?;
     println!("{}: {} KiB", out.display(), page.len() / 1024);
     Ok(())
 }
@@ -51,24 +50,19 @@ pub fn build(install: bool) -> Result<String> {
     if matches!(toolchain, Toolchain::Debian { .. }) {
         flags += " -C linker-flavor=wasm-ld";
     }
-    let status = toolchain
-        .cargo("rustc", WEB)
+    let mut cargo = toolchain.cargo("rustc", WEB);
+    cargo
         .args(["--locked", "--package", PACKAGE, "--profile", PROFILE])
         .args(["--lib", "--crate-type", "cdylib"])
         .env("CARGO_TARGET_DIR", cross_target())
         .env("RUSTFLAGS", flags)
-        .current_dir(workspace())
-        .status()
-        .context("cargo cannot be run")?;
-    ensure!(status.success(), "the page's module did not build");
+        .current_dir(workspace());
+    crate::run(&mut cargo, "the page's module did not build")?;
     let module = cross_target().join(WEB).join(PROFILE).join("web.wasm");
-    let module = fs::read(&module).with_context(|| format!("{}", module.display()))?;
+    let module = read(&module)?;
     let folder = workspace().join("host/web/page");
-    let read = |name: &str| {
-        let path = folder.join(name);
-        fs::read_to_string(&path).with_context(|| format!("{} cannot be read", path.display()))
-    };
-    page(&read, &module)
+    let part = |name: &str| -> Result<String> { Ok(String::from_utf8(read(&folder.join(name))?)?) };
+    page(&part, &module)
 }
 
 /// Bytes compressed by gzip, in base64.

@@ -3,11 +3,11 @@
 //! First choice: the target that rustup downloads. Where there is no such download, Debian's packages:
 //! a compiler and the sources of its libraries, which cargo then builds for the target.
 
-use std::{fmt, fs, path::Path, path::PathBuf, process::Command};
+use std::{env, fmt, iter, path::Path, path::PathBuf, process::Command};
 
-use anyhow::{Context as _, Result, bail, ensure};
+use anyhow::{Context as _, Result, ensure};
 
-use crate::debian;
+use crate::{debian, host, run, rustc};
 
 /// The target of every board: Cortex-M4 with FPU, hard-float calling convention.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
@@ -65,19 +65,17 @@ pub fn find(target: &str, install: bool) -> Result<Toolchain> {
 pub fn run_on_board(arguments: &[String]) -> Result<()> {
     let toolchain = find(TARGET, false)?;
     // Another runner brings its own program.
-    let another = std::env::var_os("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUNNER");
+    let another = env::var_os("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUNNER");
     let probe = Command::new("probe-rs").arg("--version").output();
     ensure!(
         another.is_some() || probe.is_ok(),
         "no probe-rs, which flashes the board: https://probe.rs says how to install it"
     );
-    let status = toolchain
-        .cargo("run", TARGET)
+    let mut cargo = toolchain.cargo("run", TARGET);
+    cargo
         .args(["--package", "myointent-firmware", "--profile", "firmware"])
-        .args(arguments)
-        .status()?;
-    ensure!(status.success(), "the board's program did not run");
-    Ok(())
+        .args(arguments);
+    run(&mut cargo, "the board's program did not run")
 }
 
 impl Toolchain {
@@ -153,33 +151,17 @@ fn lists(target: &str, installed: &str) -> bool {
 
 /// The linker of rustup's toolchain, or else a `rust-lld` on the path.
 fn rust_lld() -> Result<PathBuf> {
-    let rustc = std::env::var("RUSTC").unwrap_or_else(|_| "rustc".into());
-    let output = Command::new(rustc)
-        .args(["--print", "sysroot"])
-        .output()
-        .context("rustc cannot be run")?;
-    let sysroot = PathBuf::from(String::from_utf8(output.stdout)?.trim());
-    let hosts = sysroot.join("lib/rustlib");
-    for host in
-        fs::read_dir(&hosts).with_context(|| format!("{} cannot be read", hosts.display()))?
-    {
-        let linker = host?.path().join("bin/rust-lld");
-        if linker.is_file() {
-            return Ok(linker);
-        }
-    }
-    let on_path = std::env::var_os("PATH")
-        .iter()
-        .flat_map(std::env::split_paths)
-        .map(|directory| directory.join("rust-lld"))
-        .find(|candidate: &PathBuf| Path::is_file(candidate));
-    let Some(linker) = on_path else {
-        bail!(
-            "no rust-lld under {} nor on the path: install a toolchain with rustup",
-            hosts.display()
-        );
-    };
-    Ok(linker)
+    let sysroot = rustc(&["--print", "sysroot"])?;
+    let libraries = Path::new(sysroot.trim()).join("lib/rustlib");
+    let own = libraries.join(host()?).join("bin/rust-lld");
+    let path = env::var_os("PATH").unwrap_or_default();
+    let on_path = env::split_paths(&path).map(|folder| folder.join("rust-lld"));
+    let missing = format!(
+        "no {} nor rust-lld on the path: install a toolchain with rustup",
+        own.display()
+    );
+    let mut files = iter::once(own).chain(on_path);
+    files.find(|file| file.is_file()).context(missing)
 }
 
 #[cfg(test)]

@@ -43,52 +43,47 @@ impl fmt::Display for Comparison<'_> {
             }
             writeln!(f, "{:>14.0}", table.cycles(name))?;
         }
-        if let Some(encoder) = table.part("encoder") {
-            let mean = encoder.mean;
-            writeln!(f, "embed to head without a probe between them: {mean}")?;
-        }
-        let alignment = ALIGNMENT.map(|name| table.part(name));
-        if let [
-            Some(waiting),
-            Some(end),
-            Some(again),
-            Some(fit),
-            Some(turn),
-            Some(arm),
-        ] = alignment
-        {
-            let (waiting, fit, turn) = (waiting.mean, fit.mean, turn.mean);
+        let (mean, largest) = (|name| table.mean(name), |name| table.largest(name));
+        let ms = |name| milliseconds(largest(name));
+        let encoder = mean("encoder");
+        writeln!(f, "embed to head without a probe between them: {encoder}")?;
+        if table.part(ALIGNMENT[0]).is_some() {
+            let [waiting, end, again, fit, turn, arm] = ALIGNMENT;
             writeln!(
                 f,
-                "alignment: {waiting} a patch while gestures are waited for\n\
-                 alignment: {} for the sample that ends it, about {:.1} ms: {fit} for the fit, {turn} to turn the window, \
+                "alignment: {} a patch while gestures are waited for\n\
+                 alignment: {} for the sample that ends it, about {:.1} ms: {} for the fit, {} to turn the window, \
                  and a patch\n\
                  alignment: {} for each of the next 66 samples, at most {}, about {:.1} ms\n\
                  alignment: {} for each of 106 samples while the model decides on the arm, at most {}, about {:.1} ms",
-                end.largest,
-                milliseconds(end.largest),
-                again.mean,
-                again.largest,
-                milliseconds(again.largest),
-                arm.mean,
-                arm.largest,
-                milliseconds(arm.largest),
+                mean(waiting),
+                largest(end),
+                ms(end),
+                mean(fit),
+                mean(turn),
+                mean(again),
+                largest(again),
+                ms(again),
+                mean(arm),
+                largest(arm),
+                ms(arm),
             )?;
         }
-        if let [Some(teach), Some(judge), Some(solve)] = CALIBRATION.map(|name| table.part(name)) {
+        if table.part(CALIBRATION[0]).is_some() {
+            let [teach, judge, solve] = CALIBRATION;
             writeln!(
                 f,
                 "calibration: {} a patch of round one, at most {}; {} of round two, at most {}; {} for the solve, about {:.1} ms",
-                teach.mean,
-                teach.largest,
-                judge.mean,
-                judge.largest,
-                solve.largest,
-                milliseconds(solve.largest),
+                mean(teach),
+                largest(teach),
+                mean(judge),
+                largest(judge),
+                largest(solve),
+                ms(solve),
             )?;
         }
         writeln!(f, "state of the encoder: {} bytes", table.state)?;
-        let total = table.part("total").map_or(0, |total| total.mean);
+        let total = mean("total");
         let judgement = if total > BUDGET { "over" } else { "within" };
         let share = 100.0 * total as f64 / BUDGET as f64;
         let milliseconds = table.cycles("total") / 64e3;

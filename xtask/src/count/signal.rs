@@ -1,8 +1,10 @@
 //! The samples to count over: synthetic ones, or a recording.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
 use anyhow::{Context as _, Result};
+
+use crate::read;
 
 /// 20 s of noise, in turns weak as at rest and strong as in a fist, 2 s each.
 pub fn synthetic() -> Vec<u8> {
@@ -30,8 +32,7 @@ pub fn synthetic() -> Vec<u8> {
 
 /// The samples of an npy file.
 pub fn read_npy(path: &Path) -> Result<Vec<u8>> {
-    let bytes = fs::read(path).with_context(|| format!("{} cannot be read", path.display()))?;
-    npy_body(&bytes)
+    npy_body(&read(path)?)
         .with_context(|| format!("{} is no npy file of bytes in rows of 8", path.display()))
 }
 

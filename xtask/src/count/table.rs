@@ -64,6 +64,16 @@ impl CountTable {
         self.parts.iter().find(|part| part.name == name)
     }
 
+    /// Mean of a part; 0 if it was not counted.
+    pub fn mean(&self, name: &str) -> u64 {
+        self.part(name).map_or(0, |part| part.mean)
+    }
+
+    /// Largest count of a part; 0 if it was not counted.
+    pub fn largest(&self, name: &str) -> u64 {
+        self.part(name).map_or(0, |part| part.largest)
+    }
+
     /// Parses what the image printed.
     pub fn parse(output: &str) -> Result<Self> {
         let mut lines = output.lines();
@@ -104,9 +114,7 @@ impl CountTable {
 
     /// Estimated cycles of a part's mean; of the total, the sum over all parts.
     pub fn cycles(&self, name: &str) -> f64 {
-        let of = |(name, ratio): &(&str, f64)| {
-            self.part(name).map_or(0.0, |part| part.mean as f64 * ratio)
-        };
+        let of = |(name, ratio): &(&str, f64)| self.mean(name) as f64 * ratio;
         PARTS
             .iter()
             .filter(|part| name == "total" || part.0 == name)

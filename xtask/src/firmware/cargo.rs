@@ -2,43 +2,37 @@
 
 use std::{env, fs, path::PathBuf, process::Command};
 
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Context as _, Result};
 
-use super::Compiling;
 use super::image::Image;
+use super::{Compiling, contents};
 use crate::toolchain::{TARGET, Toolchain};
-use crate::{clang, cross_target, symbols, target, vectors, workspace};
+use crate::{clang, cross_target, read, run, target, write};
 
 const PACKAGE: &str = "myointent-firmware";
 const PROFILE: &str = "firmware";
 
 /// Builds an image; returns its ELF file.
 pub fn build_image(toolchain: &Toolchain, image: Image, compiling: Compiling) -> Result<PathBuf> {
-    let status = command(toolchain, "build", image, compiling)?
-        .status()
-        .context("cargo cannot be run")?;
-    ensure!(status.success(), "the image {image} did not build");
+    let mut cargo = command(toolchain, "build", image, compiling)?;
+    run(&mut cargo, &format!("the image {image} did not build"))?;
 
     // Cargo gives every image the same name: keep a copy of each under its own.
     let built = cross_target().join(TARGET).join(PROFILE).join(PACKAGE);
     let kept = elf_file(image);
-    let elf = fs::read(&built).with_context(|| format!("{} cannot be read", built.display()))?;
-    vectors::check(&elf, image.interrupts()).with_context(|| format!("the image {image}"))?;
-    symbols::check(&elf).with_context(|| format!("the image {image}"))?;
-    fs::write(&kept, elf).with_context(|| format!("{} cannot be written", kept.display()))?;
+    let elf = read(&built)?;
+    contents::check(&elf, image.interrupts()).with_context(|| format!("the image {image}"))?;
+    write(&kept, elf)?;
     Ok(kept)
 }
 
 /// Builds the program for this computer, where the board is simulated; returns the program's file.
 pub fn build_simulation() -> Result<PathBuf> {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let status = Command::new(cargo)
+    let mut cargo = crate::cargo();
+    cargo
         .args(["build", "--locked", "--quiet", "--package", PACKAGE])
-        .env("CARGO_TARGET_DIR", target())
-        .current_dir(workspace())
-        .status()
-        .context("cargo cannot be run")?;
-    ensure!(status.success(), "the simulated board did not build");
+        .env("CARGO_TARGET_DIR", target());
+    run(&mut cargo, "the simulated board did not build")?;
     let program = format!("{PACKAGE}{}", std::env::consts::EXE_SUFFIX);
     Ok(target().join("debug").join(program))
 }
@@ -57,12 +51,11 @@ pub fn command(
         .args(["--no-default-features", "--features", image.features()])
         .env("CARGO_TARGET_DIR", cross_target())
         .env("RUSTFLAGS", short_paths());
-    if image.has_controller()
-        && let Some(folder) = clang::find(compiling.install)?
-    {
-        cargo.env(clang::VARIABLE, folder);
-    }
-    if image.has_lto() {
+    if image.has_controller() {
+        if let Some(folder) = clang::find(compiling.install)? {
+            cargo.env(clang::VARIABLE, folder);
+        }
+        // An image with a Bluetooth host needs it to fit; one under a SoftDevice cannot have it (firmware/build.rs).
         cargo.env("CARGO_PROFILE_FIRMWARE_LTO", "fat");
     }
     if compiling.locked {

@@ -53,12 +53,6 @@ impl Image {
         }
     }
 
-    /// Returns true if the image is built with link-time optimisation. Images under a SoftDevice cannot be (see
-    /// firmware/build.rs); the others contain a Bluetooth host and need it to fit.
-    pub(super) fn has_lto(self) -> bool {
-        self.has_controller()
-    }
-
     /// Bytes of stack that a SoftDevice's interrupts take (its specification: 1.5 KiB); in other images the controller's
     /// handlers are functions of the image.
     pub(super) const fn softdevice_stack(self) -> u64 {

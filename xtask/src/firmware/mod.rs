@@ -2,17 +2,16 @@
 
 mod budget;
 mod cargo;
+mod contents;
 mod image;
 
-use std::fs;
-
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Context as _, Result};
 
 pub use cargo::{build_image, build_simulation, short_paths};
 pub use image::Image;
 
 use crate::toolchain::TARGET;
-use crate::{size, stack_chain, toolchain};
+use crate::{read, run, size, stack_chain, toolchain};
 use budget::{BudgetRow, BudgetTable};
 
 /// Options of each command that compiles images.
@@ -46,8 +45,7 @@ pub fn build(arguments: &Arguments) -> Result<()> {
         if selected.is_none_or(|name| name == image.name()) {
             let file = build_image(&toolchain, image, arguments.compiling)?;
             println!("{}", file.display());
-            let bytes =
-                fs::read(&file).with_context(|| format!("{} cannot be read", file.display()))?;
+            let bytes = read(&file)?;
             let size = size::measure(&bytes)
                 .with_context(|| format!("{} cannot be measured", file.display()))?;
             let chain = stack_chain::deepest(&bytes)?;
@@ -76,12 +74,11 @@ pub fn lint(compiling: Compiling) -> Result<()> {
     ];
     for (image, slow_clock) in images {
         println!("{image}, {slow_clock}");
-        let status = cargo::command(&toolchain, "clippy", image, compiling)?
+        let mut clippy = cargo::command(&toolchain, "clippy", image, compiling)?;
+        clippy
             .env("MYOINTENT_SLOW_CLOCK", slow_clock)
-            .args(["--", "-D", "warnings"])
-            .status()
-            .context("clippy cannot be run")?;
-        ensure!(status.success(), "the image {image} has lints to fix");
+            .args(["--", "-D", "warnings"]);
+        run(&mut clippy, &format!("the image {image} has lints to fix"))?;
     }
     Ok(())
 }

@@ -8,6 +8,8 @@ use std::{
 
 use anyhow::{Context as _, Result, ensure};
 
+use crate::run;
+
 /// Compiler flags that count branches, and show libFuzzer the operands of comparisons; those of `cargo fuzz`.
 const FLAGS: [&str; 5] = [
     "-Cpasses=sancov-module",
@@ -40,7 +42,8 @@ pub(super) fn build() -> Result<PathBuf> {
         flags = format!("{flags} {flag}");
     }
     let folder = folder();
-    let built = Command::new(env!("CARGO"))
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo
         // With a target named, the flags are not those of build scripts and macros.
         .args(["build", "--quiet", "--locked", "--release", "--target"])
         .arg(&host)
@@ -48,10 +51,8 @@ pub(super) fn build() -> Result<PathBuf> {
         .arg(sources().join("Cargo.toml"))
         .arg("--target-dir")
         .arg(&folder)
-        .env("RUSTFLAGS", flags.trim())
-        .status()
-        .context("cargo cannot be run")?;
-    ensure!(built.success(), "the fuzz targets cannot be built");
+        .env("RUSTFLAGS", flags.trim());
+    run(&mut cargo, "the fuzz targets cannot be built")?;
     Ok(folder.join(host).join("release/myointent-fuzz"))
 }
 

@@ -4,9 +4,9 @@
 mod packages;
 
 use std::env::consts::EXE_SUFFIX;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::{env, fs};
 
 use anyhow::{Context as _, Result, ensure};
 use sha2::{Digest as _, Sha256};
@@ -14,7 +14,7 @@ use shared::uf2::Uf2;
 
 use crate::firmware::{Compiling, Image};
 use crate::toolchain::{self, ARM};
-use crate::{cross_target, merge, page, target, uf2, workspace};
+use crate::{cargo, cross_target, merge, page, target, uf2, workspace};
 
 /// List of the checksums.
 const SUMS: &str = "SHA256SUMS";
@@ -132,7 +132,7 @@ fn program(out: &Path) -> Result<()> {
     let mut cargo = cargo();
     cargo.args(["rustc", "--release", "--locked", "--package=myointent"]);
     cargo.args(["--bin=myointent", "--", "-Cstrip=symbols"]);
-    done(&mut cargo)?;
+    crate::run(&mut cargo, "the program did not build")?;
     let built = target()
         .join("release")
         .join(format!("myointent{EXE_SUFFIX}"));
@@ -167,7 +167,7 @@ fn wheel(out: &Path, maturin: &mut Command) -> Result<()> {
     maturin
         .arg("--manifest-path")
         .arg(package.join("Cargo.toml"));
-    done(maturin.arg("--out").arg(out))
+    crate::run(maturin.arg("--out").arg(out), "the wheel did not build")
 }
 
 fn papers(out: &Path) -> Result<()> {
@@ -194,22 +194,10 @@ fn sums(folder: &Path) -> Result<String> {
     Ok(lines.into_iter().map(|(_, line)| line).collect())
 }
 
-/// The cargo that runs this program.
-fn cargo() -> Command {
-    let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    cargo.current_dir(workspace());
-    cargo
-}
-
-fn done(command: &mut Command) -> Result<()> {
-    let status = command.status();
-    let status = status.with_context(|| format!("{command:?} cannot be run"))?;
-    ensure!(status.success(), "{command:?} failed");
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
+    use std::env;
+
     use clap::Parser as _;
 
     use super::*;

@@ -8,8 +8,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result, ensure};
 use serde_json::{Value, json};
 
-use super::cargo;
-use crate::workspace;
+use crate::{cargo, workspace};
 
 /// Packages, features and targets of what each kind of file links.
 const LINKED: [(&str, &str); 6] = [
@@ -60,14 +59,7 @@ pub struct Package {
 pub fn linked() -> Result<Vec<Package>> {
     let mut part_of: BTreeMap<(String, String), BTreeSet<&'static str>> = BTreeMap::new();
     for (file, arguments) in LINKED {
-        let mut tree = vec![
-            "tree",
-            "--locked",
-            "--edges=normal",
-            "--prefix=none",
-            "--package",
-        ];
-        tree.extend(arguments.split(' '));
+        let tree = format!("tree --locked --edges=normal --prefix=none --package {arguments}");
         for line in output(&tree)?.lines() {
             let mut words = line.split(' ');
             if let (Some(name), Some(version)) = (words.next(), words.next()) {
@@ -79,12 +71,7 @@ pub fn linked() -> Result<Vec<Package>> {
             }
         }
     }
-    let all = output(&[
-        "metadata",
-        "--locked",
-        "--all-features",
-        "--format-version=1",
-    ])?;
+    let all = output("metadata --locked --all-features --format-version=1")?;
     let all: Value = serde_json::from_str(&all)?;
     let text = |package: &Value, key: &str| package[key].as_str().unwrap_or_default().to_owned();
     let mut found = Vec::new();
@@ -100,13 +87,10 @@ pub fn linked() -> Result<Vec<Package>> {
             found.push(Package {
                 name: key.0,
                 version: key.1,
-                licence: package["license"].as_str().map_or_else(
-                    || OWN.to_owned(),
-                    |licence| {
-                        let any: Vec<_> = licence.split('/').map(str::trim).collect();
-                        any.join(" OR ")
-                    },
-                ),
+                licence: match package["license"].as_str() {
+                    Some(licence) => licence.replace(" / ", "/").replace('/', " OR "),
+                    None => OWN.to_owned(),
+                },
                 authors: authors
                     .filter_map(Value::as_str)
                     .map(str::to_owned)
@@ -125,17 +109,12 @@ pub fn linked() -> Result<Vec<Package>> {
     Ok(found)
 }
 
-fn output(arguments: &[&str]) -> Result<String> {
-    let output = cargo()
-        .args(arguments)
-        .output()
-        .context("cargo cannot be run")?;
+/// Output of cargo with these words.
+fn output(words: &str) -> Result<String> {
+    let output = cargo().args(words.split(' ')).output();
+    let output = output.context("cargo cannot be run")?;
     let error = String::from_utf8_lossy(&output.stderr);
-    ensure!(
-        output.status.success(),
-        "cargo {}: {error}",
-        arguments.join(" ")
-    );
+    ensure!(output.status.success(), "cargo {words}: {error}");
     Ok(String::from_utf8(output.stdout)?)
 }
 
