@@ -81,7 +81,7 @@ fn the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_mad
         println!("{look_ahead:?}: recognised {recognised}, decided {own}, rest kept {kept}");
         assert!(own > recognised && own > decided(energy)[0] && kept > 0.9);
         // Three people show no difference, however clear their numbers.
-        assert_eq!((difference.people, difference.is_shown()), (3, false));
+        assert_eq!((difference.mean.n, difference.is_shown()), (3, false));
         // The hand moves 50 ms or more before a label of the newest patch, and 0.25 s before one with look-ahead.
         let latency = score.events.latency.unwrap();
         let Latency::Ms(median) = latency.median else {
