@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-use anyhow::{Result, ensure};
+use anyhow::{Context as _, Result, ensure};
 
 use crate::run;
 
@@ -37,6 +37,7 @@ pub fn provide(packages: &[&str], install: bool, otherwise: &str) -> Result<()> 
         let mut apt = Command::new("apt-get");
         apt.args(arguments).env("DEBIAN_FRONTEND", "noninteractive");
         run(&mut apt, &format!("apt-get {} failed", arguments.join(" ")))
+            .context("install the packages by hand")
     };
     apt(&["update", "-q"])?;
     apt(&[

@@ -109,7 +109,10 @@ fn create_environment() -> Result<()> {
     println!("creating {}", environment.display());
     let mut create = Command::new("python3");
     create.args(["-m", "venv"]).arg(&environment);
-    run(&mut create, "python3 could not create it")?;
+    run(
+        &mut create,
+        &format!("python3 -m venv {} failed", environment.display()),
+    )?;
     let mut pip = Command::new(environment.join("bin/python"));
     pip.args(["-m", "pip", "install", "--disable-pip-version-check"]);
     pip.args(["--quiet", "-r"]);

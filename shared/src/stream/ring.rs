@@ -99,7 +99,7 @@ impl SampleRing {
         alignment.apply_to_all(self.patches.as_flattened_mut());
     }
 
-    /// Number of complete patches: 60 directly after a patch has completed in a full ring, 59 while the next one overwrites
+    /// Number of complete patches, in a full ring 60 directly after a patch has completed, 59 while the next one overwrites
     /// the oldest.
     pub(crate) fn complete(&self) -> usize {
         if self.is_full() {

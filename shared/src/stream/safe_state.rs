@@ -80,7 +80,7 @@ impl Status {
 pub enum SafetyEvent {
     /// A sample arrived.
     Sample,
-    /// There is no label to be trusted, for this cause. The stream goes on.
+    /// No label is shown, for this cause. The stream goes on.
     NoLabel(Cause),
     /// There is no model, for this cause: no label until the next one is [installed](Self::Installed).
     NoModel(Cause),

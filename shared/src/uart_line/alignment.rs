@@ -32,9 +32,9 @@ use crate::units::SampleIndex;
 names! {
     /// State of an alignment.
     pub enum AlignmentState {
-        /// Open the hand, with rest before and after.
+        /// Gestures are waited for: open the hand, with rest before and after.
         Waiting = "waiting",
-        /// The electrodes are as `turn` and `mirrored` say from here on.
+        /// The alignment that was found is in force from here on.
         Aligned = "aligned",
         /// Nothing changed: the gestures look like no open hand.
         PoorDistance = "poor-distance",
@@ -45,11 +45,11 @@ names! {
         Timeout = "timeout",
         /// Nothing changed: ended on request.
         Cancelled = "cancelled",
-        /// The armband may have been taken off: as in training again, or as at the calibration in use.
+        /// The alignment is dropped, for the armband may have been taken off: as in training again, or as at the calibration in use.
         Disconnected = "disconnected",
         /// The model has no template.
         Unavailable = "unavailable",
-        /// `turn` and `mirrored` were given, or are those of the calibration in use.
+        /// The alignment in force was given, or is that of the calibration in use.
         Set = "set",
     }
 }

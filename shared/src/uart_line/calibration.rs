@@ -39,7 +39,7 @@ names! {
         Unusable = "unusable",
         /// Nothing changed: samples were lost, or the stream or the model ended.
         Interrupted = "interrupted",
-        /// Nothing changed: on request, or by an alignment.
+        /// Nothing changed: ended on request, or by an alignment.
         Cancelled = "cancelled",
         /// Flash did not take it: the model's own head is in use.
         NotKept = "not-kept",

@@ -79,6 +79,20 @@ fn a_line_with_a_changed_bit_or_without_its_end_is_never_read() {
             }
         }
     }
+    for text in [STATE, ALIGN, IDENTITY].map(line) {
+        for place in 0..text.len() {
+            for flips in 1..=u8::MAX {
+                let mut bytes = text.clone().into_bytes();
+                bytes[place] ^= flips;
+                // `$` may become `#`, which begins a comment.
+                let read = Line::parse(&bytes);
+                assert!(
+                    matches!(read, Err(_) | Ok(Line::Comment(_))),
+                    "{read:?}: {text}"
+                );
+            }
+        }
+    }
 }
 
 #[test]
@@ -120,6 +134,12 @@ fn no_line_is_longer_than_its_bound() {
         (format!("EMG,{most},{0},{0}", "F".repeat(16)), 54),
         (format!("IMU,{most},{}", "F".repeat(40)), 61),
         (format!("OK,COUNTERS,{counts}"), 193),
+        (
+            format!(
+                "OK,IDENTIFY,100.100.100,0123456789ab-dirty,nrf52840-s140,ffffffff,{ADDRESS},65535.65535.65535,100"
+            ),
+            111,
+        ),
     ] {
         let text = line(&body);
         assert!(Line::parse(text.as_bytes()).is_ok(), "{text}");
@@ -437,4 +457,9 @@ fn what_is_no_line_has_its_reason() {
     let (expected, found) = (10, 4);
     let fields = ParseError::Fields { expected, found };
     assert_eq!(refused(&line("STATE,0,0,0")), fields);
+    // A body whose row has two words.
+    let (expected, found) = (9, 8);
+    let fields = ParseError::Fields { expected, found };
+    let cut = IDENTITY.strip_suffix(",80").unwrap();
+    assert_eq!(refused(&line(cut)), fields);
 }

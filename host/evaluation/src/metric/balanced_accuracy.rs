@@ -93,7 +93,14 @@ mod tests {
         let relax_alone = Recalls::new(&truth[..90], &truth[..90]).unwrap();
         assert_eq!(relax_alone.balanced_accuracy(), None);
         assert_eq!(relax_alone.recall(Intent::Relax), Some(1.0));
-        assert!(Recalls::new(&truth, &[]).is_err());
+        let refused = Recalls::new(&truth[..1], &[]);
+        assert!(matches!(
+            refused,
+            Err(EvaluationError::Length {
+                truth: 1,
+                prediction: 0
+            })
+        ));
     }
 
     proptest! {

@@ -134,24 +134,43 @@ fn a_download_that_breaks_off_goes_on_where_it_stopped() {
 #[test]
 fn a_later_command_goes_on_too_and_a_changed_file_begins_anew() {
     let folder = folder();
-    let broken = Server::start(|_, number| match number {
+    let other: Vec<u8> = content().into_iter().rev().collect();
+    let sent = other.clone();
+    let server = Server::start(move |_, number| match number {
         0 => whole(&content(), 300_000),
-        _ => Vec::new(),
+        1..4 => Vec::new(),
+        // A server that ignores ranges, or whose file is another one now, sends all of it.
+        _ => whole(&sent, sent.len()),
     });
-    let error = fetch(&broken.file(None), &folder).unwrap_err();
+    let error = fetch(&server.file(None), &folder).unwrap_err();
     let FetchError::Broken { received, of, .. } = &error else {
         panic!("{error}");
     };
     assert_eq!((*received, of.as_str()), (300_000, " of 800000"));
     let error = error.to_string();
     assert!(error.contains("the same command continues there"));
-
-    // A server that ignores ranges, or whose file is another one now, sends all of it.
-    let other: Vec<u8> = content().into_iter().rev().collect();
-    let sent = other.clone();
-    let server = Server::start(move |_, _| whole(&sent, sent.len()));
     assert_eq!(fetch(&server.file(None), &folder).unwrap(), other);
-    assert!(server.requests()[0].contains("range: bytes=300000-"));
+    assert!(server.requests()[4].contains("range: bytes=300000-"));
+}
+
+#[test]
+fn a_part_of_another_address_or_with_a_damaged_version_is_not_gone_on_with() {
+    let server = Server::start(|_, _| whole(b"short", 5));
+    let url = server.file(None).downloads[0].url.clone();
+    for version in [
+        String::new(),
+        "https://example.org/file.zip\n\"1\"\n".to_owned(),
+        format!("{url}\n\"1\""),
+        format!("{url}\n\0\0\0\n"),
+    ] {
+        let folder = folder();
+        let path = |ending: &str| folder.path().join(format!("file.zip{ending}"));
+        fs::write(path(".partial"), [7; 100]).unwrap();
+        fs::write(path(".version"), &version).unwrap();
+        assert_eq!(fetch(&server.file(None), &folder).unwrap(), b"short");
+        let asked = server.requests();
+        assert!(!asked.last().unwrap().contains("range:"), "{version:?}");
+    }
 }
 
 #[test]
@@ -166,7 +185,11 @@ fn a_part_that_is_longer_than_the_file_is_thrown_away() {
     });
     let path = |ending: &str| folder.path().join(format!("file.zip{ending}"));
     fs::write(path(".partial"), [7; 100]).unwrap();
-    fs::write(path(".version"), "").unwrap();
+    fs::write(
+        path(".version"),
+        server.file(None).downloads[0].url.clone() + "\n\n",
+    )
+    .unwrap();
     assert_eq!(fetch(&server.file(None), &folder).unwrap(), b"short");
 }
 

@@ -29,7 +29,8 @@ pub(super) struct Transfer<'a> {
     /// Path of the complete file.
     whole: PathBuf,
     partial: PathBuf,
-    /// File with the `ETag` or `Last-Modified` of what is kept: the server's file is unchanged as long as this is.
+    /// File of two lines: the address of what is kept, and its `ETag` or `Last-Modified`, empty where the server gave neither.
+    /// The server's file is unchanged as long as that is.
     version: PathBuf,
     bar: &'a ProgressBar,
 }
@@ -92,9 +93,17 @@ impl<'a> Transfer<'a> {
         fs::metadata(&self.partial).map_or(0, |metadata| metadata.len())
     }
 
+    /// The version of what is kept; none if that is damaged, or of another address.
+    fn kept_version(&self) -> Option<String> {
+        let text = fs::read_to_string(&self.version).ok()?;
+        let (url, version) = text.strip_suffix('\n')?.split_once('\n')?;
+        let is_whole = url == self.of.url && !version.contains(char::is_control);
+        is_whole.then(|| version.to_owned())
+    }
+
     fn attempt(&self) -> Result<(), FetchError> {
         let url = &self.of.url;
-        let version = fs::read_to_string(&self.version).ok();
+        let version = self.kept_version();
         let kept = version.as_ref().map_or(0, |_| self.received());
         let mut request = agent(url).get(url);
         if kept > 0 {
@@ -131,7 +140,8 @@ impl<'a> Transfer<'a> {
         // A weak tag promises no equal bytes.
         let tag = tag.filter(|own| !own.starts_with("W/"));
         let version = tag.or_else(|| header(&response, "last-modified"));
-        fs::write(&self.version, version.unwrap_or_default())
+        let version = format!("{}\n{}\n", self.of.url, version.unwrap_or_default());
+        fs::write(&self.version, version)
             .map_err(|source| FetchError::io(&self.version, source))?;
         let io = |source| FetchError::io(&self.partial, source);
         let mut file = OpenOptions::new()

@@ -43,6 +43,9 @@ fn of_two_drives_the_one_of_the_board_is_taken_and_none_of_two_alike() {
     let chosen = |board| Drive::among(folders(), board);
     let refused = chosen(None).unwrap_err().to_string();
     assert!(refused.starts_with("several drives"), "{refused}");
+    let named =
+        [&one, &other, &empty].map(|folder| refused.contains(&*folder.path().to_string_lossy()));
+    assert_eq!(named, [true, true, false], "{refused}");
     let nano = chosen(UsbBoard::with_image("nice-nano")).unwrap();
     assert_eq!(nano.unwrap().path, other.path());
     boot_loader(other.path(), "nRF52840-SeeedXiaoSense-v1");

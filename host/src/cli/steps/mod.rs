@@ -130,7 +130,7 @@ struct TrainingArguments {
     /// Begin anew in a run folder that holds a run, in its place.
     ///
     /// Without it, such a folder is refused.
-    #[arg(hide_short_help = true, long, conflicts_with = "resume")]
+    #[arg(long, conflicts_with = "resume")]
     overwrite: bool,
     #[command(flatten)]
     data: DataArguments,

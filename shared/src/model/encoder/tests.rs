@@ -126,6 +126,11 @@ proptest! {
     }
 }
 
+#[test]
+fn streaming_equals_a_full_recompute_of_a_shipped_models_shape() {
+    compare((64, 2, 27), 1, 120);
+}
+
 /// The capacity of the state has no influence on the outputs, nor has what the state held before.
 #[test]
 fn a_device_gives_the_outputs_of_the_host() {

@@ -96,7 +96,7 @@ impl Template {
         Ok(template)
     }
 
-    /// A template about a mean that is as wide in all directions, by this number of nats per square octave.
+    /// A template of equal width in all directions about a mean, of this many nats per square octave.
     ///
     /// # Errors
     /// As [`Template::new`].
@@ -104,7 +104,7 @@ impl Template {
         let mut precision = [0; TRIANGLE];
         let mut diagonal = 0;
         for row in 0..CHANNELS {
-            precision[diagonal] = nats * PRECISION_ONE;
+            precision[diagonal] = nats.saturating_mul(PRECISION_ONE);
             diagonal += CHANNELS - row;
         }
         Self::new(mean, precision)

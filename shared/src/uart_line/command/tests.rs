@@ -55,6 +55,19 @@ fn read(bytes: &[u8]) -> Vec<Result<Command, Refusal>> {
     bytes.iter().filter_map(|&byte| reader.push(byte)).collect()
 }
 
+#[test]
+fn lines_of_the_documentation_are_read() {
+    let lines = include_str!("../command.rs").lines();
+    let shown: Vec<_> = lines
+        .filter_map(|line| line.strip_prefix("//! $"))
+        .collect();
+    assert!(!shown.is_empty());
+    for text in shown {
+        let read = read(format!("${text}\r\n").as_bytes());
+        assert!(matches!(read[..], [Ok(_)]), "{text}");
+    }
+}
+
 /// Lines of all commands, a block's among them, with what is read from them.
 fn commands() -> Vec<(alloc::string::String, Command)> {
     let lines = BODIES.split_whitespace().map(framed);

@@ -24,12 +24,20 @@ fn stream(data: &[u8]) {
             assert_eq!(Line::parse(written.as_bytes()), Ok(line));
         }
     }
-    let next = b"\n$STATE,0,0,0,relax,0,boot,0,0,0*3F\r\n";
-    let mut last = false;
-    for &byte in next {
-        last = matches!(reader.push(byte), Some(Ok(Line::Report(_))));
-    }
-    assert!(last, "a line after {data:?} is not found");
+    let next = b"\n$STATE,0,0,0,relax,0,boot,0,0,0*3F\r\n# send $BIND,begin*4A\r\n$OK,RAW,on*41\r\n";
+    let found: Vec<_> = next
+        .iter()
+        .filter_map(|&byte| match reader.push(byte)? {
+            Ok(Line::Report(_)) => Some("report"),
+            Ok(Line::Comment(_)) => Some("comment"),
+            Ok(Line::Answer(_)) => Some("answer"),
+            _ => None,
+        })
+        .collect();
+    assert!(
+        found.ends_with(&["report", "comment", "answer"]),
+        "lines after {data:?}: {found:?}"
+    );
 }
 
 fn check(line: &[u8]) {

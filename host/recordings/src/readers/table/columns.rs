@@ -116,9 +116,7 @@ impl Columns {
             is_meant,
         };
         let groups = Group::all(names);
-        let is_meant = groups
-            .iter()
-            .any(|group| group.is_muscle() || group.channels().is_some());
+        let is_meant = groups.iter().any(Group::is_of_armbands);
         let channels = match channels(&groups) {
             Ok(channels) => channels,
             Err(found) => return Err(error(found, is_meant)),
@@ -243,6 +241,12 @@ impl Group {
     pub fn is_muscle(&self) -> bool {
         let mut words = self.name.split('_');
         self.name.contains("emg") || words.any(|word| CHANNEL_NAMES.contains(&word))
+    }
+
+    /// Whether these may be the channels of an armband, or of two.
+    fn is_of_armbands(&self) -> bool {
+        let of_two = self.len() == 2 * CHANNELS || self.is_doubled && self.len() == CHANNELS;
+        self.is_muscle() || self.channels().is_some() || of_two
     }
 
     /// The columns if they are those of eight channels.

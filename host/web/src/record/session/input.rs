@@ -77,8 +77,8 @@ pub enum Output {
         /// Reason.
         why: RejectReason,
     },
-    /// Pause: samples are not kept until the next round or cue.
+    /// Pause, or the early end of a guided session: samples are not kept until the next round or cue.
     Pause,
-    /// End of the session.
+    /// End of a session that was carried out.
     Over,
 }

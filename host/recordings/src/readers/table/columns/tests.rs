@@ -70,7 +70,10 @@ fn what_is_not_eight_channels_of_one_armband_is_told() {
         assert!(found(header).contains(words), "{header}: {}", found(header));
     }
     assert!(!columns("name,age").unwrap_err().is_meant);
-    assert!(columns(&two).unwrap_err().is_meant);
+    let sixteen: Vec<String> = (0..16).map(|number| format!("myo{number}")).collect();
+    for meant in [two, both("left_", "left_"), sixteen.join(",")] {
+        assert!(columns(&meant).unwrap_err().is_meant, "{meant}");
+    }
 }
 
 #[test]
