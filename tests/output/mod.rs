@@ -32,8 +32,11 @@ pub fn is_numbered(line: &str) -> bool {
 /// Start of the first line that the program writes.
 const STARTED: &str = "# myointent ";
 
-/// Reads a line that has a number: the number, and the report if it is a label or a state.
-pub fn numbered(line: &str) -> anyhow::Result<(u32, Option<Report>)> {
+/// Number of a line, and its report if it is a label or a state.
+pub type NumberedLine = (u32, Option<Report>);
+
+/// Reads a line that has a number.
+pub fn numbered(line: &str) -> anyhow::Result<NumberedLine> {
     match Line::parse(line.as_bytes()).with_context(|| line.to_owned())? {
         Line::Report(report) => Ok((report.sequence, Some(report))),
         Line::Alignment(report) => Ok((report.sequence, None)),
@@ -120,7 +123,7 @@ impl BoardOutput {
     }
 
     /// Returns the lines that have a number, as [`numbered`] reads them, after each start of the program, the newest start last.
-    pub fn lines_by_start(&self) -> anyhow::Result<Vec<Vec<(u32, Option<Report>)>>> {
+    pub fn lines_by_start(&self) -> anyhow::Result<Vec<Vec<NumberedLine>>> {
         let mut starts: Vec<Vec<_>> = Vec::new();
         for line in self.complete(LINES, |_| true) {
             if line.starts_with(STARTED) {

@@ -214,7 +214,8 @@ fn endings_in_capitals_are_read_as_small_ones() {
     let description = "files = \"{person}/{trial}_emg.Npy\"\nlabel_files = \"{person}/{trial}_ann.npy\"\nrate = 200\n\
                        labels = { open = [5] }\n";
     let own = own(1);
-    let files: [(&str, &[(&str, &[u8])]); 4] = [
+    type Files<'f> = &'f [(&'f str, &'f [u8])];
+    let files: [(&str, Files<'_>); 4] = [
         ("own/anna/anna_1", &[("anna/anna_1.CSV", own.as_bytes())]),
         (
             "myoup/s3/e2",
