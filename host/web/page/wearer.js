@@ -52,7 +52,7 @@ export class Wearer {
     }
     write(find("worn-sign"), signs.filter(Boolean).join(" · "));
     find("worn-sign").dataset.state = judged;
-    const hand = inSession ? find(hands).dataset.gesture || null : cue ?? label;
+    const hand = inSession ? find(hands).dataset.gesture || null : label === null ? null : cue ?? label;
     const word = label === null ? t("wearer.none") : named("class", cue ?? label);
     write(find("worn-word"), inSession ? find(counts).textContent : word);
     find("worn").dataset.label = hand === null ? "none" : classOf(hand);
