@@ -24,7 +24,8 @@ fn stream(data: &[u8]) {
             assert_eq!(Line::parse(written.as_bytes()), Ok(line));
         }
     }
-    let next = b"\n$STATE,0,0,0,relax,0,boot,0,0,0*3F\r\n# send $BIND,begin*4A\r\n$OK,RAW,on*41\r\n";
+    let next =
+        b"\n$STATE,0,0,0,relax,0,boot,0,0,0*3F\r\n# send $BIND,begin*4A\r\n$OK,RAW,on*41\r\n";
     let found: Vec<_> = next
         .iter()
         .filter_map(|&byte| match reader.push(byte)? {
