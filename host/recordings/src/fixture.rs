@@ -26,7 +26,8 @@ pub(crate) fn muscle(count: usize, loud: &[Range<usize>]) -> Vec<Sample> {
     noise(count, 1, |at| if is_loud(at) { 40.0 } else { 3.0 })
 }
 
-/// EMG of a person at 200 Hz, noise whose neighbours correlate as the armband's: two seconds of rest and two of a gesture in turn. Another seed is another person.
+/// EMG of a person at 200 Hz, noise whose neighbours correlate as the armband's: two seconds of rest and two of a gesture in
+/// turn. Another seed is another person.
 pub(crate) fn emg(count: usize, seed: u64) -> Vec<Sample> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let gains: [f64; CHANNELS] = std::array::from_fn(|channel| {
@@ -103,7 +104,7 @@ pub(crate) fn folder<T: AsRef<[u8]>>(files: &[(&str, T)]) -> TempDir {
     folder
 }
 
-/// What a folder of these files is read as.
+/// Library that a folder of these files is read as.
 pub(crate) fn read<T: AsRef<[u8]>>(files: &[(&str, T)]) -> Library {
     load(folder(files).path(), &LoadOptions::default()).unwrap()
 }

@@ -1,5 +1,5 @@
-//! What an image must contain, and what not: a handler of each of its interrupts, and no function that a radio packet can make
-//! panic.
+//! Content that an image must have, and must not: a handler of each of its interrupts, and no function that a radio packet can
+//! make panic.
 
 use anyhow::{Context as _, Result, bail, ensure};
 use object::{File, Object as _, ObjectSection as _, ObjectSymbol as _};

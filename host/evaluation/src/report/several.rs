@@ -23,7 +23,7 @@ pub struct Reported {
     pub name: String,
     /// Run folder with the learning curves, if there is one.
     pub folder: Option<RunFolder>,
-    /// Its evaluation.
+    /// Evaluation of the run or the file.
     pub evaluated: Evaluated,
 }
 

@@ -55,9 +55,9 @@ shared::names! {
         Recognised = "recognised",
         /// Another active label began.
         OtherLabel = "another gesture's label was emitted",
-        /// Its label began and was not held.
+        /// The gesture's label began and was not held.
         NotHeld = "its label was emitted and not held",
-        /// Its label did not begin.
+        /// The gesture's label did not begin.
         NoLabel = "its label was not emitted",
     }
 }

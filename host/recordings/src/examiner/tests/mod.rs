@@ -21,7 +21,7 @@ fn kinds(library: &Library) -> Vec<&'static str> {
     found.iter().map(|group| group.finding.kind).collect()
 }
 
-/// What the first finding says.
+/// Words of the first finding.
 fn first(library: &Library) -> String {
     groups(library)[0].finding.what.clone()
 }
