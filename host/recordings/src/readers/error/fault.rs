@@ -50,7 +50,7 @@ pub enum Fault {
     Text,
     #[error(
         "expected a header with eight channels of one name, such as gt,emg_0 to emg_7, found {found} in \"{}\" \
-         (separated by {separator}): name the armband's eight columns so; of two armbands, keep the columns of one in a file",
+         (separated by {separator}): name the eight columns of one armband so, and leave out those of other devices",
         excerpt(header)
     )]
     Channels {
