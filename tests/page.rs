@@ -203,7 +203,7 @@ fn the_file_shows_the_simulated_arm_without_a_server_and_takes_recordings() {
 
     // A task that measures, by a key: the simulated arm moves blocks.
     browser.press("p");
-    browser.wait_for("$guide-task.textContent === 'Make a fist'");
+    browser.wait_for("$guide-task.textContent === 'Close the hand to a fist'");
     browser.wait_for("parseInt($guide-count.textContent) > 1");
     browser.screenshot(&picture("page-blocks.png"));
     browser.press("w");
@@ -226,7 +226,7 @@ fn the_file_shows_the_simulated_arm_without_a_server_and_takes_recordings() {
 
     // A calibration leads through half a minute; its model is saved, and opened again.
     browser.press("c");
-    browser.wait_for("$guide-task.textContent === 'Make a fist'");
+    browser.wait_for("$guide-task.textContent === 'Close the hand to a fist'");
     browser.screenshot(&picture("page-calibrating.png"));
     browser.wait_for("$calibrated.textContent.startsWith('Calibrated: ')");
     browser.value(CATCH);
@@ -534,7 +534,7 @@ fn a_session_is_recorded_in_the_file_and_a_tab_that_is_killed_loses_nothing() {
     browser.wait_for("document.body.dataset.mode === 'record'");
     browser.frames(20);
     browser.press("Enter");
-    browser.wait_for("$session.dataset.phase === 'cued' && $task.textContent === 'Make a fist'");
+    browser.wait_for("$session.dataset.phase === 'cued' && $task.textContent === 'Close the hand to a fist'");
     let picture = Path::new(env!("CARGO_TARGET_TMPDIR")).join("page-session.png");
     browser.screenshot(&picture);
     // A note, whose letters are no keys of the page.

@@ -32,7 +32,7 @@ fn the_page_moves_aligns_leads_a_session_speaks_german_and_obeys_keys_in_firefox
     browser.wait_for("$placement.textContent.startsWith('Aligned')");
 
     browser.press("Enter");
-    let fist = "$task.textContent === 'Make a fist' && $label.textContent === 'close'";
+    let fist = "$task.textContent === 'Close the hand to a fist' && $label.textContent === 'close'";
     browser.wait_for(&format!("{fist} && $agrees.dataset.state === 'right'"));
     browser.press("w");
     browser.wait_for("document.body.dataset.view === 'wearer'");

@@ -29,7 +29,7 @@ fn a_guided_session_in_a_browser_ends_with_a_verdict_and_what_to_do() {
     assert!(browser.is("Number($count.textContent) > 0"));
     browser.press("r");
     browser.wait_for("$progress.textContent.includes('1 not used')");
-    browser.wait_for(&task("Make a fist"));
+    browser.wait_for(&task("Close the hand to a fist"));
     browser.press("h");
     browser.wait_for(&phase("held"));
     assert_eq!(browser.text("task"), "Waiting for you");

@@ -203,7 +203,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     let follows = wearer.follow(&live);
     browser.wait_for(&phase("waiting"));
     browser.press("Enter");
-    let fist = "$task.textContent === 'Make a fist'";
+    let fist = "$task.textContent === 'Close the hand to a fist'";
     let go_on = |browser: &mut Browser| {
         if browser.value(&phase("held")) == true {
             browser.press("Enter");
@@ -234,7 +234,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
         "{headline}"
     );
     assert!(browser.text("tuned").contains("Of the gestures "));
-    assert!(browser.text("scores").contains("balanced accuracy"));
+    assert!(browser.text("scores").contains("time labelled right"));
     let drawn = "[...document.querySelectorAll('#scores tbody tr')].every((row) => row.querySelectorAll('.bars i').length === 2)";
     assert!(browser.is(drawn));
     let copy = "document.querySelector('.command button')";

@@ -10,6 +10,9 @@ const SIGNS = { right: ["✓", t("as.asked")], wrong: ["✗", t("not.as.asked")]
 /** Share in per cent below which there is advice. */
 const LOW = 50;
 
+/** Causes that pass by themselves, or that somebody asked for. */
+const PASSING = ["boot", "installation", "locked"];
+
 /** Why there is no label, in words. */
 export const causeText = (cause) => named("cause", cause);
 
@@ -48,7 +51,7 @@ export class Now {
     this.#agrees.dataset.state = state;
     write(this.#agrees.firstElementChild, sign);
     write(this.#agrees.lastElementChild, word);
-    this.#valid.dataset.valid = entry === null ? "unknown" : entry.valid ? "yes" : "no";
+    this.#valid.dataset.valid = entry === null ? "unknown" : entry.valid ? "yes" : PASSING.includes(entry.cause) ? "passing" : "no";
     write(this.#valid, entry === null ? none : entry.valid ? t(isOther && label === "relax" ? "in.use.other" : "in.use") : t("no.label", { cause: causeText(entry.cause) }));
   }
 

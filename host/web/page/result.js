@@ -42,6 +42,10 @@ const HEADLINES = { better: t("better"), worse: t("worse.model") };
 /** Measures that are numbers a minute. */
 const RATES = ["at-rest", "in-others"];
 
+/** A value of a measure: a number a minute, or a share in per cent; a dash without one. */
+export const measured = (measure, value) =>
+  value === null ? "–" : RATES.includes(measure) ? fixed(value, 1) : t("percent", { share: fixed(100 * value, 0) });
+
 /** What is said of a tuning. */
 export function tuned({ state, why, steps, of, rows, tuned_seconds, judged_seconds, file, doubts }) {
   if (state === "running") {
@@ -51,10 +55,8 @@ export function tuned({ state, why, steps, of, rows, tuned_seconds, judged_secon
     return said(why);
   }
   const known = rows.filter(({ measure, before, after }) => ["recognised", "in-others"].includes(measure) && before !== null && after !== null);
-  const halves = known.map(({ measure, before, after }) => {
-    const value = (of) => (RATES.includes(measure) ? fixed(of, 1) : fixed(100 * of, 0));
-    return t(`tuned.${measure}`, { before: value(before), after: value(after) });
-  });
+  const halves = known.map(({ measure, before, after }) =>
+    t(`tuned.${measure}`, { before: measured(measure, before), after: measured(measure, after) }));
   return [
     ...(why ? [`${said(why)}.`] : []),
     t("tuned.on", { judged: fixed(judged_seconds, 0), tuned: fixed(tuned_seconds, 0) }),
@@ -71,8 +73,6 @@ export function installation({ state, why, goes_on, model }) {
   const text = why ? failed() : state === "done" ? done() : t("installing.safe");
   return [t(`installing.${state}`), text];
 }
-
-const number = (value, digits) => (value === null ? "–" : fixed(value, digits));
 
 export class Result {
   isTuning = false;
@@ -169,8 +169,8 @@ export class Result {
     find("scores").hidden = rows.length === 0;
     find("scores").tBodies[0].replaceChildren(...rows.map(({ measure, before, after }) => {
       const row = made("tr");
-      const digits = RATES.includes(measure) ? 1 : 3;
-      row.append(made("th", t(`measure.${measure}`), { scope: "row" }), made("td", number(before, digits)), made("td", number(after, digits)), bars(before, after));
+      const values = [before, after].map((value) => made("td", measured(measure, value)));
+      row.append(made("th", t(`measure.${measure}`), { scope: "row" }), ...values, bars(before, after));
       return row;
     }));
   }

@@ -2,8 +2,9 @@
 
 import { find, made, write } from "./dom.js";
 import { outcome, placement } from "./placement.js";
+import { measured } from "./result.js";
 import { keep, kept } from "./stored.js";
-import { capital, fixed, said, t } from "./texts.js";
+import { capital, said, t } from "./texts.js";
 
 const FOLLOWS = ["bound", "built-in", "strongest"];
 const ALIGNED = ["aligned", "set"];
@@ -80,7 +81,7 @@ export class Steps {
       (board || source?.kind === "bluetooth") && ["align", aligned || this.#skipped || begun, aligned ? placement(alignment) : this.#skipped || begun ? t("step.left") : ""],
       ["record", kept?.good || judged, kept ? (t(kept.good ? "step.good" : "step.not.good")) : ""],
       tunes && ["tune", judged, tuning?.state === "running" ? percent(tuning) : tuning?.state === "failed" ? t("step.failed") : ""],
-      tunes && ["compare", judged, compared ? t("step.compared", { before: fixed(balanced.before, 2), after: fixed(balanced.after, 2) }) : ""],
+      tunes && ["compare", judged, compared ? t("step.compared", { before: measured("balanced-accuracy", balanced.before), after: measured("balanced-accuracy", balanced.after) }) : ""],
       tunes && ["install", installing?.state === "done", installing?.state === "running" ? percent({ steps: installing.blocks, of: installing.of }) : installing?.state === "failed" ? t("step.failed") : ""],
     ];
     return all.filter(Boolean);
