@@ -534,7 +534,9 @@ fn a_session_is_recorded_in_the_file_and_a_tab_that_is_killed_loses_nothing() {
     browser.wait_for("document.body.dataset.mode === 'record'");
     browser.frames(20);
     browser.press("Enter");
-    browser.wait_for("$session.dataset.phase === 'cued' && $task.textContent === 'Close the hand to a fist'");
+    browser.wait_for(
+        "$session.dataset.phase === 'cued' && $task.textContent === 'Close the hand to a fist'",
+    );
     let picture = Path::new(env!("CARGO_TARGET_TMPDIR")).join("page-session.png");
     browser.screenshot(&picture);
     // A note, whose letters are no keys of the page.

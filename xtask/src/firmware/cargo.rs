@@ -14,7 +14,12 @@ const PROFILE: &str = "firmware";
 
 /// Builds an image; returns its ELF file.
 pub fn build_image(toolchain: &Toolchain, image: Image, compiling: Compiling) -> Result<PathBuf> {
-    let mut cargo = command(toolchain, "build", image, compiling)?;
+    let mut cargo = command(toolchain, "rustc", image, compiling)?;
+    if image.has_controller() {
+        // An image with a Bluetooth host needs it to fit; one under a SoftDevice cannot have it (firmware/build.rs). An option
+        // of the program alone, not of the profile: all images have the same libraries.
+        cargo.args(["--", "-C", "lto=fat"]);
+    }
     run(&mut cargo, &format!("the image {image} did not build"))?;
 
     // Cargo gives every image the same name: keep a copy of each under its own.
@@ -50,13 +55,11 @@ pub fn command(
         .args(["--profile", PROFILE, "--package", PACKAGE])
         .args(["--no-default-features", "--features", image.features()])
         .env("CARGO_TARGET_DIR", cross_target())
-        .env("RUSTFLAGS", short_paths());
-    if image.has_controller() {
-        if let Some(folder) = clang::find(compiling.install)? {
-            cargo.env(clang::VARIABLE, folder);
-        }
-        // An image with a Bluetooth host needs it to fit; one under a SoftDevice cannot have it (firmware/build.rs).
-        cargo.env("CARGO_PROFILE_FIRMWARE_LTO", "fat");
+        .env("RUSTFLAGS", short_paths() + " -C embed-bitcode=yes");
+    if image.has_controller()
+        && let Some(folder) = clang::find(compiling.install)?
+    {
+        cargo.env(clang::VARIABLE, folder);
     }
     if compiling.locked {
         cargo.arg("--locked");
