@@ -23,6 +23,8 @@ shared::names! {
         Zip = "a zip archive",
         /// Gzip, mostly a tar archive.
         Gzip = "a gzip archive",
+        /// Tar archive.
+        Tar = "a tar archive",
         /// Stand-in that Git leaves until the content is fetched.
         LfsPointer = "a Git LFS pointer without the content",
         /// Page of a web site.
@@ -57,6 +59,7 @@ impl FileKind {
             _ if starts(b"XDF:") => Self::Xdf,
             _ if starts(b"PK\x03\x04") || starts(b"PK\x05\x06") => Self::Zip,
             [0x1f, 0x8b, ..] => Self::Gzip,
+            _ if bytes.get(257..262) == Some(b"ustar") => Self::Tar,
             [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => Self::Utf16,
             [0x21..=0x7e, 0, 0x09..=0x7e, 0, ..] | [0, 0x21..=0x7e, 0, 0x09..=0x7e, ..] => {
                 Self::Utf16

@@ -4,7 +4,7 @@
 //! folder refuses the whole archive, which must be hostile.
 
 use std::fs::{self, File};
-use std::io::{self, BufReader, Read, Seek as _, SeekFrom};
+use std::io::{self, BufReader, Read};
 use std::path::{Component, Path, PathBuf};
 
 use flate2::read::GzDecoder;
@@ -46,29 +46,16 @@ pub struct Unpacked {
     pub left_out: u64,
 }
 
-/// Kind of an archive.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum ArchiveKind {
-    Zip,
-    Tar,
-    TarGz,
-}
-
 /// Whether a file is an archive that [`unpack`] knows.
 pub(super) fn is_archive(path: &Path) -> io::Result<bool> {
-    Ok(kind(path)?.is_ok())
+    let archives = [FileKind::Zip, FileKind::Tar, FileKind::Gzip];
+    Ok(archives.contains(&kind(path)?))
 }
 
-/// Kind of an archive, or what the file is instead.
-fn kind(path: &Path) -> io::Result<Result<ArchiveKind, FileKind>> {
+fn kind(path: &Path) -> io::Result<FileKind> {
     let mut start = Vec::new();
     File::open(path)?.take(512).read_to_end(&mut start)?;
-    Ok(match FileKind::of(&start) {
-        FileKind::Zip => Ok(ArchiveKind::Zip),
-        FileKind::Gzip => Ok(ArchiveKind::TarGz),
-        _ if start.get(257..262) == Some(b"ustar") => Ok(ArchiveKind::Tar),
-        other => Err(other),
-    })
+    Ok(FileKind::of(&start))
 }
 
 /// Unpacks an archive into an existing folder.
@@ -77,9 +64,9 @@ pub(super) fn unpack(
     folder: &Path,
     bounds: Bounds,
 ) -> Result<Unpacked, FetchError> {
-    let damaged = FetchError::damaged(archive);
-    let kind = kind(archive).map_err(&damaged)?;
-    let file = File::open(archive).map_err(&damaged)?;
+    let damaged = |error| FetchError::io(archive, error);
+    let kind = kind(archive).map_err(damaged)?;
+    let file = File::open(archive).map_err(damaged)?;
     let mut target = Target {
         archive,
         folder,
@@ -88,14 +75,12 @@ pub(super) fn unpack(
         done: Unpacked::default(),
     };
     match kind {
-        Ok(ArchiveKind::Zip) => target.zip(BufReader::new(file))?,
-        Ok(ArchiveKind::Tar) => target.tar(BufReader::new(file))?,
-        Ok(ArchiveKind::TarGz) => target.tar(GzDecoder::new(BufReader::new(file)))?,
-        Err(found) => {
-            return Err(FetchError::NoArchive {
-                archive: archive.to_owned(),
-                found,
-            });
+        FileKind::Zip => target.zip(BufReader::new(file))?,
+        FileKind::Tar => target.tar(BufReader::new(file))?,
+        FileKind::Gzip => target.tar(GzDecoder::new(BufReader::new(file)))?,
+        found => {
+            let fault = format!("expected a zip, tar or tar.gz archive, found {found}");
+            return Err(FetchError::io(archive, fault));
         }
     }
     Ok(target.done)
@@ -111,15 +96,14 @@ struct Target<'a> {
 }
 
 impl Target<'_> {
-    fn zip(&mut self, mut file: BufReader<File>) -> Result<(), FetchError> {
-        let damaged = FetchError::damaged(self.archive);
-        let no_zip = |error| damaged(io::Error::other(error));
-        file.seek(SeekFrom::Start(0)).map_err(&damaged)?;
-        let mut archive = zip::ZipArchive::new(file).map_err(no_zip)?;
+    fn zip(&mut self, file: BufReader<File>) -> Result<(), FetchError> {
+        let path = self.archive;
+        let damaged = |error| FetchError::io(path, error);
+        let mut archive = zip::ZipArchive::new(file).map_err(damaged)?;
         for at in 0..archive.len() {
             self.count()?;
-            let mut entry = archive.by_index(at).map_err(no_zip)?;
-            let name = entry.name().map_err(no_zip)?.into_owned();
+            let mut entry = archive.by_index(at).map_err(damaged)?;
+            let name = entry.name().map_err(damaged)?.into_owned();
             if entry.is_dir() {
                 self.make_folder(&name)?;
             } else if entry.is_symlink() || !entry.is_file() {
@@ -132,11 +116,12 @@ impl Target<'_> {
     }
 
     fn tar(&mut self, file: impl Read) -> Result<(), FetchError> {
-        let damaged = FetchError::damaged(self.archive);
+        let path = self.archive;
+        let damaged = |error: io::Error| FetchError::io(path, error);
         let mut archive = tar::Archive::new(file);
-        for entry in archive.entries().map_err(&damaged)? {
+        for entry in archive.entries().map_err(damaged)? {
             self.count()?;
-            let mut entry = entry.map_err(&damaged)?;
+            let mut entry = entry.map_err(damaged)?;
             let name = String::from_utf8_lossy(&entry.path_bytes()).into_owned();
             match entry.header().entry_type() {
                 tar::EntryType::Directory => self.make_folder(&name)?,
@@ -153,13 +138,7 @@ impl Target<'_> {
 
     fn count(&mut self) -> Result<(), FetchError> {
         self.entries += 1;
-        if self.entries > self.bounds.entries {
-            return Err(FetchError::TooLarge {
-                most: self.bounds.entries,
-                what: "files",
-            });
-        }
-        Ok(())
+        within(self.entries, self.bounds.entries, "files")
     }
 
     fn make_folder(&self, name: &str) -> Result<(), FetchError> {
@@ -175,7 +154,8 @@ impl Target<'_> {
         // A second file of the name, even if only its case differs, writes over nothing.
         let mut file = File::create_new(&path).map_err(|source| {
             if source.kind() == io::ErrorKind::AlreadyExists {
-                FetchError::Twice(name.to_owned())
+                let fault = format!("the archive has {name:?} twice: nothing of it is unpacked");
+                FetchError::new(fault)
             } else {
                 FetchError::io(&path, source)
             }
@@ -183,43 +163,50 @@ impl Target<'_> {
         // Bytes are counted as they come, whatever number the archive states.
         let left = self.bounds.bytes - self.done.bytes;
         let copied = io::copy(&mut content.take(left + 1), &mut file);
-        let copied = copied.map_err(FetchError::damaged(self.archive))?;
-        if copied > left {
-            return Err(FetchError::TooLarge {
-                most: self.bounds.bytes,
-                what: "bytes",
-            });
-        }
-        self.done.bytes += copied;
+        self.done.bytes += copied.map_err(|error| FetchError::io(self.archive, error))?;
+        within(self.done.bytes, self.bounds.bytes, "bytes")?;
         self.done.files += 1;
         Ok(())
     }
+}
+
+/// Refuses an archive with more than its bounds allow.
+fn within(count: u64, most: u64, what: &str) -> Result<(), FetchError> {
+    if count > most {
+        let fault = format!("the archive holds more than {most} {what}: nothing of it is unpacked");
+        return Err(FetchError::new(fault));
+    }
+    Ok(())
 }
 
 /// The path of an entry below the folder.
 fn inside(name: &str) -> Result<PathBuf, FetchError> {
     /// Maximum depth of folders.
     const DEPTH: usize = 32;
-    let escapes = || FetchError::Escapes(name.to_owned());
+    let escapes = || {
+        FetchError::new(format!(
+            "the archive has a file named {name:?}, which leads out of its folder: nothing of it is unpacked"
+        ))
+    };
     // Some programs on Windows write their own separator.
-    let name = name.replace('\\', "/");
-    if name.contains(['\0', ':']) {
+    let path = name.replace('\\', "/");
+    if path.contains(['\0', ':']) {
         return Err(escapes());
     }
-    let mut path = PathBuf::new();
-    for component in Path::new(&name).components() {
+    let mut inside = PathBuf::new();
+    for component in Path::new(&path).components() {
         match component {
-            Component::Normal(part) => path.push(part),
+            Component::Normal(part) => inside.push(part),
             Component::CurDir => {}
             Component::ParentDir | Component::RootDir | Component::Prefix(_) => {
                 return Err(escapes());
             }
         }
     }
-    if path.as_os_str().is_empty() || path.components().count() > DEPTH {
+    if inside.as_os_str().is_empty() || inside.components().count() > DEPTH {
         return Err(escapes());
     }
-    Ok(path)
+    Ok(inside)
 }
 
 #[cfg(test)]

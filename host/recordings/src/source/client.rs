@@ -34,8 +34,5 @@ fn is_here(url: &str) -> bool {
 /// Error of a request that got no answer.
 pub(super) fn request_error(url: &str, error: &ureq::Error) -> FetchError {
     let host = url.split('/').nth(2).unwrap_or(url);
-    FetchError::NoNetwork {
-        host: host.to_owned(),
-        reason: error.to_string(),
-    }
+    FetchError::new(format!("cannot reach {host}: {error}"))
 }

@@ -48,11 +48,11 @@ fn one(of: &Download, source: &Source, folder: &Path) -> Result<Received, FetchE
         let found = checksum::md5(&path).map_err(io)?;
         if found != *expected {
             fs::remove_file(&path).map_err(io)?;
-            return Err(FetchError::Checksum {
-                file: of.file.clone(),
-                expected: expected.clone(),
-                found,
-            });
+            return Err(FetchError::new(format!(
+                "{}: expected {expected}, found {found}: the download is damaged, or was changed after its checksum was \
+                 published; it is removed",
+                of.file
+            )));
         }
     }
     Ok(Received {
@@ -100,10 +100,12 @@ fn must_hold(folder: &Path, data_set: DataSet) -> Result<(), FetchError> {
         data_sets: vec![data_set],
         ..LoadOptions::default()
     };
-    let other = |found: String| FetchError::OtherContent {
-        data_set: data_set.name(),
-        expected: data_set.recognised_by(),
-        found,
+    let other = |found: String| {
+        FetchError::new(format!(
+            "expected recordings of {} ({}), found {found}: is it the right archive? Nothing of it is kept",
+            data_set.name(),
+            data_set.recognised_by()
+        ))
     };
     match load(folder, &options) {
         Ok(library) if !library.recordings.is_empty() => Ok(()),
@@ -119,7 +121,9 @@ fn must_hold(folder: &Path, data_set: DataSet) -> Result<(), FetchError> {
 /// Refuses a folder that is there already.
 pub fn free(folder: &Path) -> Result<(), FetchError> {
     if folder.exists() {
-        return Err(FetchError::Exists(folder.to_owned()));
+        let folder = folder.display();
+        let words = format!("{folder} exists: remove it, or choose another folder with --to");
+        return Err(FetchError::new(words));
     }
     Ok(())
 }

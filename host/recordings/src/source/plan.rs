@@ -1,5 +1,6 @@
 //! Downloads of a data set.
 
+use std::fmt::Display;
 use std::io::Read as _;
 
 use serde::Deserialize;
@@ -90,20 +91,19 @@ fn record(server: &str, number: u32, page: &str) -> Result<Plan, FetchError> {
     }
     let mut text = String::new();
     let mut body = response.body_mut().as_reader().take(RECORD);
-    let refused = |reason: String| FetchError::Record {
-        url: url.clone(),
-        reason,
+    let refused = |reason: &dyn Display| {
+        FetchError::new(format!("{url}: expected a record of Zenodo: {reason}"))
     };
     body.read_to_string(&mut text)
-        .map_err(|error| refused(error.to_string()))?;
-    let record: Record = serde_json::from_str(&text).map_err(|error| refused(error.to_string()))?;
+        .map_err(|error| refused(&error))?;
+    let record: Record = serde_json::from_str(&text).map_err(|error| refused(&error))?;
     if record.files.is_empty() {
-        return Err(refused("it has no files, or not for everybody".to_owned()));
+        return Err(refused(&"it has no files, or not for everybody"));
     }
     let downloads = record.files.into_iter().map(|file| {
         let named = !file.key.is_empty() && !file.key.starts_with('.');
         if !named || file.key.contains(['/', '\\', ':', '\0']) {
-            return Err(refused(format!("a file is named {:?}", file.key)));
+            return Err(refused(&format!("a file is named {:?}", file.key)));
         }
         Ok(Download {
             url: file.links.own,

@@ -143,39 +143,19 @@ fn a_later_command_goes_on_too_and_a_changed_file_begins_anew() {
         _ => whole(&sent, sent.len()),
     });
     let error = fetch(&server.file(None), &folder).unwrap_err();
-    let FetchError::Broken { received, of, .. } = &error else {
-        panic!("{error}");
-    };
-    assert_eq!((*received, of.as_str()), (300_000, " of 800000"));
     let error = error.to_string();
-    assert!(error.contains("the same command continues there"));
+    for words in [
+        "broke off after 300000 bytes of 800000: ",
+        "the same command continues there",
+    ] {
+        assert!(error.contains(words), "{error}");
+    }
     assert_eq!(fetch(&server.file(None), &folder).unwrap(), other);
     assert!(server.requests()[4].contains("range: bytes=300000-"));
 }
 
 #[test]
-fn a_part_of_another_address_or_with_a_damaged_version_is_not_gone_on_with() {
-    let server = Server::start(|_, _| whole(b"short", 5));
-    let url = server.file(None).downloads[0].url.clone();
-    for version in [
-        String::new(),
-        "https://example.org/file.zip\n\"1\"\n".to_owned(),
-        format!("{url}\n\"1\""),
-        format!("{url}\n\0\0\0\n"),
-    ] {
-        let folder = folder();
-        let path = |ending: &str| folder.path().join(format!("file.zip{ending}"));
-        fs::write(path(".partial"), [7; 100]).unwrap();
-        fs::write(path(".version"), &version).unwrap();
-        assert_eq!(fetch(&server.file(None), &folder).unwrap(), b"short");
-        let asked = server.requests();
-        assert!(!asked.last().unwrap().contains("range:"), "{version:?}");
-    }
-}
-
-#[test]
-fn a_part_that_is_longer_than_the_file_is_thrown_away() {
-    let folder = folder();
+fn a_part_of_another_address_with_a_damaged_version_or_longer_than_the_file_is_thrown_away() {
     let server = Server::start(|request, _| {
         if request.contains("range:") {
             answer("416 Range Not Satisfiable", "content-length: 0\r\n", &[])
@@ -183,14 +163,24 @@ fn a_part_that_is_longer_than_the_file_is_thrown_away() {
             whole(b"short", 5)
         }
     });
-    let path = |ending: &str| folder.path().join(format!("file.zip{ending}"));
-    fs::write(path(".partial"), [7; 100]).unwrap();
-    fs::write(
-        path(".version"),
-        server.file(None).downloads[0].url.clone() + "\n\n",
-    )
-    .unwrap();
-    assert_eq!(fetch(&server.file(None), &folder).unwrap(), b"short");
+    let url = server.file(None).downloads[0].url.clone();
+    for version in [
+        String::new(),
+        "https://example.org/file.zip\n\"1\"\n".to_owned(),
+        format!("{url}\n\"1\""),
+        format!("{url}\n\0\0\0\n"),
+        format!("{url}\n\n"),
+    ] {
+        let folder = folder();
+        let path = |ending: &str| folder.path().join(format!("file.zip{ending}"));
+        fs::write(path(".partial"), [7; 100]).unwrap();
+        fs::write(path(".version"), &version).unwrap();
+        let before = server.requests().len();
+        assert_eq!(fetch(&server.file(None), &folder).unwrap(), b"short");
+        let asked = server.requests().split_off(before);
+        let is_gone_on = asked[0].contains("range:");
+        assert_eq!(is_gone_on, version.ends_with("\n\n"), "{version:?}");
+    }
 }
 
 #[test]
@@ -202,9 +192,9 @@ fn a_file_that_is_not_the_published_one_is_removed() {
     fs::remove_file(folder.path().join("file.zip")).unwrap();
     let wrong = server.file(Some("md5:00000000000000000000000000000000"));
     let error = fetch(&wrong, &folder).unwrap_err();
-    assert!(matches!(error, FetchError::Checksum { .. }), "{error}");
-    let found = "md5:900150983cd24fb0d6963f7d28e17f72";
-    assert!(error.to_string().contains(found));
+    let words =
+        "expected md5:00000000000000000000000000000000, found md5:900150983cd24fb0d6963f7d28e17f72";
+    assert!(error.to_string().contains(words), "{error}");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
@@ -236,8 +226,8 @@ fn a_missing_file_and_a_missing_server_say_what_to_do() {
     let free = TcpListener::bind("127.0.0.1:0").unwrap().local_addr();
     let free = free.unwrap();
     let error = plan(roshambo(), &format!("http://{free}")).unwrap_err();
-    assert!(matches!(error, FetchError::NoNetwork { .. }), "{error}");
-    assert!(error.to_string().contains(&free.to_string()));
+    let words = format!("cannot reach {free}");
+    assert!(error.to_string().contains(&words), "{error}");
 }
 
 #[test]
@@ -273,7 +263,8 @@ fn a_record_of_zenodo_gives_files_checksums_and_licence() {
     for bad in bad.into_iter().chain(["<html>".to_owned()]) {
         let server = Server::start(move |_, _| answer("200 OK", "", bad.as_bytes()));
         let error = plan(roshambo(), &server.address).unwrap_err();
-        assert!(matches!(error, FetchError::Record { .. }), "{error}");
+        let words = "expected a record of Zenodo";
+        assert!(error.to_string().contains(words), "{error}");
     }
 }
 
@@ -296,7 +287,7 @@ fn an_archive_is_put_in_place_whole_or_not_at_all_and_its_recordings_are_read() 
     let library = load(&place, &LoadOptions::default()).unwrap();
     assert_eq!(library.subjects(), ["myo-readings/12345"]);
     let again = put_in_place(files, &place, set).unwrap_err();
-    assert!(matches!(again, FetchError::Exists(_)), "{again}");
+    assert!(again.to_string().contains("exists: remove it"), "{again}");
 
     let other = folder.path().join("new/other");
     let wrong = put_in_place(files, &other, DataSet::named("roshambo")).unwrap_err();

@@ -3,6 +3,7 @@
 //! Received bytes are kept as `FILE.partial`, with the version of the server's file beside it. A later command continues
 //! where this one stopped, unless that version has changed.
 
+use std::fmt::Display;
 use std::fs::{self, OpenOptions};
 use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -67,7 +68,7 @@ impl<'a> Transfer<'a> {
             let before = self.received();
             match self.attempt() {
                 Ok(()) => break,
-                Err(error @ (FetchError::Broken { .. } | FetchError::Status { .. })) => {
+                Err(error) if error.may_pass => {
                     // An attempt that brings new bytes starts the count anew.
                     fruitless = if self.received() > before {
                         1
@@ -114,7 +115,7 @@ impl<'a> Transfer<'a> {
         }
         let response = request.call().map_err(|error| {
             if kept > 0 || is_break(&error) {
-                self.broken(error.to_string())
+                self.broken(&error)
             } else {
                 request_error(url, &error)
             }
@@ -125,7 +126,7 @@ impl<'a> Transfer<'a> {
             // What is kept is no part of the file.
             206 | 416 => {
                 self.discard();
-                Err(self.broken("no file is sent"))
+                Err(self.broken(&"no file is sent"))
             }
             status => Err(FetchError::status(url, status, self.page)),
         }
@@ -164,24 +165,23 @@ impl<'a> Transfer<'a> {
                 Ok(read) => read,
                 Err(error) => {
                     let _ = file.flush();
-                    return Err(self.broken(error.to_string()));
+                    return Err(self.broken(&error));
                 }
             };
             received += read as u64;
             if received > most {
                 drop(file);
                 self.discard();
-                return Err(FetchError::TooLong {
-                    url: self.of.url.clone(),
-                    most,
-                });
+                let url = &self.of.url;
+                let fault = format!("{url}: sends more than {most} bytes; nothing of it is kept");
+                return Err(FetchError::new(fault));
             }
             file.write_all(&piece[..read]).map_err(io)?;
             self.bar.set_position(received);
         }
         file.sync_all().map_err(io)?;
         match total {
-            Some(total) if received < total => Err(self.broken("the connection was closed")),
+            Some(total) if received < total => Err(self.broken(&"the connection was closed")),
             _ => Ok(()),
         }
     }
@@ -191,14 +191,13 @@ impl<'a> Transfer<'a> {
         let _ = fs::remove_file(&self.version);
     }
 
-    fn broken(&self, reason: impl Into<String>) -> FetchError {
-        let total = self.bar.length();
-        FetchError::Broken {
-            url: self.of.url.clone(),
-            received: self.received(),
-            of: total.map_or_else(String::new, |total| format!(" of {total}")),
-            reason: reason.into(),
-        }
+    fn broken(&self, reason: &dyn Display) -> FetchError {
+        let (url, received) = (&self.of.url, self.received());
+        let total = self.bar.length().map(|total| format!(" of {total}"));
+        let of = total.unwrap_or_default();
+        FetchError::passing(format!(
+            "{url}: broke off after {received} bytes{of}: {reason}; the same command continues there"
+        ))
     }
 }
 
