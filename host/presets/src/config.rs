@@ -147,11 +147,7 @@ impl ResolvedConfig {
     fn spliced(&self, recordings: &[&Recording], seconds: f64) -> Vec<Recording> {
         let own = recordings.iter().map(|recording| self.seen(recording));
         let own: Vec<Recording> = own.collect();
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "the preset's check allows finite values from 0 on"
-        )]
+        // The preset's check allows finite values from 0 on.
         let options = SpliceOptions {
             samples: (seconds * f64::from(SAMPLE_RATE_HZ)) as usize,
             count: 1,
@@ -239,11 +235,7 @@ impl ResolvedConfig {
 const WEIGHT: usize = 100;
 
 /// Weight of `samples` samples that gives them a share of the total, beside `others` samples of weight [`WEIGHT`].
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "the preset's check allows shares from 0 to 0.9"
-)]
+// The preset's check allows shares from 0 to 0.9.
 fn weight(share: f64, others: usize, samples: usize) -> usize {
     let others = (WEIGHT * others) as f64;
     let weight = share / (1.0 - share) * others / samples.max(1) as f64;

@@ -27,14 +27,9 @@ pub fn check(preset: &Preset) {
     let mut numbers = Vec::new();
     all_numbers(&toml::Value::Table(text.parse().unwrap()), &mut numbers);
     assert!(numbers.iter().all(|number| number.is_finite()), "{text}");
-    let (teacher, training, student) = (
-        &preset.teacher,
-        &preset.teacher_training,
-        &preset.distillation,
-    );
     for rate in [
-        training.learning_rate,
-        student.learning_rate,
+        preset.teacher_training.learning_rate,
+        preset.distillation.learning_rate,
         preset.fine_tuning.learning_rate,
         preset.fine_tuning.lora_learning_rate,
     ] {
@@ -44,17 +39,7 @@ pub fn check(preset: &Preset) {
             "a learning rate of {rate}: {text}"
         );
     }
-    for share in [teacher.dropout, teacher.attention_dropout] {
-        assert!((0.0..1.0).contains(&share), "a dropout of {share}: {text}");
-    }
-    for decay in [training.weight_decay, student.weight_decay] {
-        assert!(
-            (0.0..=1.0).contains(&decay),
-            "a weight decay of {decay}: {text}"
-        );
-    }
     assert!(preset.student.receptive_field() <= 55);
-    assert!(teacher.layers > 0 && teacher.feed_forward > 0, "{text}");
     assert!(
         preset.teacher_bytes() + preset.student_bytes() < 2e11,
         "{text}"

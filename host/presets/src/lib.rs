@@ -56,7 +56,7 @@ pub struct Preset {
     /// Settings of the student's training.
     pub distillation: Distillation,
     /// Smoothing of the model file's labels.
-    #[serde(default, skip_serializing_if = "Smoothing::is_default")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub smoother: Smoothing,
 }
 
@@ -80,12 +80,6 @@ pub enum Aggregation {
     AllRows,
     /// The row of the instant alone.
     SameInstant,
-}
-
-impl Smoothing {
-    fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
 }
 
 /// Settings of fine-tuning; all others are those of the teacher's training.
@@ -125,10 +119,10 @@ pub struct DataSelection {
     pub align_electrodes: bool,
     /// Whether samples are normalized to the wearer ([`Normalizer`](shared::stream::normalizer::Normalizer)): teacher
     /// and students are trained with it, and the model file says so.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub normalize: bool,
     /// The filter over time before rectification, of teacher and students; the model file says which.
-    #[serde(default, skip_serializing_if = "is_paper")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub median: Median,
     /// Seconds of spliced recordings per subject and data set: gestures in random order, of random duration.
     pub spliced_seconds: f64,
@@ -137,10 +131,10 @@ pub struct DataSelection {
     #[serde(default)]
     pub balance: f64,
     /// Role in training of movement outside the vocabulary.
-    #[serde(default, skip_serializing_if = "OtherMovement::is_unknown")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub other_movement: OtherMovement,
     /// Share of daily life among what a student learns from; 0: daily life is not used.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub daily_life: f64,
     /// Whether recordings are also used as published.
     pub as_published: bool,
@@ -148,12 +142,9 @@ pub struct DataSelection {
     pub most_subjects: usize,
 }
 
-fn is_zero(share: &f64) -> bool {
-    *share == 0.0
-}
-
-fn is_paper(median: &Median) -> bool {
-    *median == Median::Three
+/// Whether a preset need not name a value.
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 impl Preset {

@@ -127,11 +127,6 @@ fn fraction(mask_type: MaskType, rng: &mut impl RngExt) -> f64 {
     }
 }
 
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a fraction of a window"
-)]
 fn draw_mask(
     window: usize,
     mask_type: MaskType,
@@ -159,11 +154,6 @@ fn draw_mask(
 ///
 /// # Panics
 /// Never: the mean length of a span is a constant, valid for a Poisson distribution.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a Poisson draw is a small count"
-)]
 pub fn poisson_spans(window: usize, masked: usize, rng: &mut impl RngExt) -> Vec<bool> {
     let lengths = Poisson::new(SPAN_MEAN).expect("7 is a valid mean");
     let mut mask = vec![false; window];

@@ -42,11 +42,6 @@ impl LearningRate {
     /// A schedule over `total` steps that reaches `peak`.
     ///
     /// With a warm-up, as in the reference, the first step has rate 0, and so do steps beyond `total`.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a fraction of a number of steps"
-    )]
     pub fn new(peak: f64, lr_schedule: LrSchedule, total: usize) -> Self {
         let ramp = match lr_schedule {
             LrSchedule::WarmUp(share) => Some(((share * total as f64) as usize, total)),
