@@ -1,15 +1,49 @@
 //! Inputs of tests: synthetic EMG, tables of it, and folders of files.
 
-use std::fmt::Write as _;
+use std::fmt::{Display, Write as _};
 use std::ops::Range;
 
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
+use shared::intent::Intent;
 use shared::units::{CHANNELS, Sample};
 use tempfile::TempDir;
 
-use crate::{Library, LoadOptions, Recording, load};
+use crate::{DataSet, Library, LoadOptions, Recording, load, npy};
+
+/// Labels of relax, open, close and wave-in.
+pub(crate) const R: Option<Intent> = Some(Intent::Relax);
+pub(crate) const O: Option<Intent> = Some(Intent::Open);
+pub(crate) const C: Option<Intent> = Some(Intent::Close);
+pub(crate) const W: Option<Intent> = Some(Intent::WaveIn);
+
+/// Labels of runs, each of so many samples.
+pub(crate) fn labels<L: Copy>(runs: &[(L, usize)]) -> Vec<L> {
+    let runs = runs.iter();
+    runs.flat_map(|&(label, count)| vec![label; count])
+        .collect()
+}
+
+/// Two empty recordings of each person of a set.
+pub(crate) fn people<T: Display>(
+    set: DataSet,
+    names: impl IntoIterator<Item = T>,
+) -> Vec<Recording> {
+    let person = |name: T| {
+        let subject = format!("{}/{name}", set.name());
+        vec![Recording::new(set, subject, Vec::new(), Vec::new()); 2]
+    };
+    names.into_iter().flat_map(person).collect()
+}
+
+/// Cells of a table, ` | ` between them, row by row.
+pub(crate) fn cells<const N: usize>(table: &str) -> impl Iterator<Item = [&str; N]> {
+    table.lines().map(|line| {
+        let cells: Vec<&str> = line.split(" | ").map(str::trim).collect();
+        cells.try_into().expect(line)
+    })
+}
 
 /// Uniform noise of this amplitude at each sample.
 pub(crate) fn noise(count: usize, seed: u64, amplitude: impl Fn(usize) -> f64) -> Vec<Sample> {
@@ -53,6 +87,22 @@ pub(crate) fn emg(count: usize, seed: u64) -> Vec<Sample> {
 /// The label of each sample of [`emg`]: 2 at the gesture.
 pub(crate) fn label(at: usize) -> usize {
     2 * (at / 400 % 2)
+}
+
+/// Rows of a text, each as `row` writes a sample and its number.
+pub(crate) fn rows(samples: &[Sample], row: impl Fn(usize, &Sample) -> String) -> String {
+    let rows = samples.iter().enumerate();
+    rows.map(|(at, sample)| row(at, sample) + "\n").collect()
+}
+
+/// Samples as numpy's array (n, 8).
+pub(crate) fn array(samples: &[Sample]) -> Vec<u8> {
+    let counts = samples.iter().flatten().map(|count| count.cast_unsigned());
+    npy::encode(
+        "|i1",
+        &[samples.len(), CHANNELS],
+        &counts.collect::<Vec<u8>>(),
+    )
 }
 
 /// Names of the columns in ReactEMG's layout.

@@ -11,8 +11,10 @@ use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 use shared::intent::Intent;
 
-use super::source::{Joined, SpliceSource};
+use super::SpliceOptions;
+use super::joined::{Joined, crop};
 use crate::labels::runs::runs;
+use crate::recording::Recording;
 
 /// Samples of a crop of a steady hold: 0.6 to 3 s.
 pub(super) const HOLD: Range<usize> = 120..601;
@@ -20,23 +22,31 @@ pub(super) const HOLD: Range<usize> = 120..601;
 const REST_BETWEEN: f64 = 0.6;
 
 /// Recordings of one steady label, by label; none is movement outside the vocabulary.
-pub(super) type Holds<'a> = BTreeMap<Option<Intent>, Vec<&'a SpliceSource<'a>>>;
+pub(super) type Holds<'r> = BTreeMap<Option<Intent>, Vec<&'r Recording>>;
 
-/// The steady holds among a subject's recordings.
-pub(super) fn holds<'a>(sources: &'a [SpliceSource<'a>]) -> Holds<'a> {
-    let mut holds: Holds<'a> = BTreeMap::new();
-    for source in sources {
-        if let [run] = runs(&source.labels)[..]
-            && (run.label.is_some() || source.is_other_movement())
+/// The steady holds among a subject's recordings, of movement outside the vocabulary if it is a class.
+pub(super) fn holds<'r>(recordings: &[&'r Recording], other_is_a_class: bool) -> Holds<'r> {
+    let is_other_movement = |own: &Recording| {
+        let covered: usize = own.other_movement.iter().map(|own| own.samples.len()).sum();
+        other_is_a_class && covered > 0 && covered >= own.labels.len()
+    };
+    let mut holds: Holds<'r> = BTreeMap::new();
+    for &own in recordings {
+        if let [run] = runs(&own.labels)[..]
+            && (run.label.is_some() || is_other_movement(own))
         {
-            holds.entry(run.label).or_default().push(source);
+            holds.entry(run.label).or_default().push(own);
         }
     }
     holds
 }
 
 /// Joins crops of holds; none if there are fewer than two labels.
-pub(super) fn walk(holds: &Holds<'_>, samples: usize, random: &mut ChaCha8Rng) -> Option<Joined> {
+pub(super) fn walk(
+    holds: &Holds<'_>,
+    options: &SpliceOptions,
+    random: &mut ChaCha8Rng,
+) -> Option<Joined> {
     const RELAX: Option<Intent> = Some(Intent::Relax);
     let gestures = holds.keys().copied().filter(|&label| label != RELAX);
     let gestures: Vec<Option<Intent>> = gestures.collect();
@@ -46,10 +56,10 @@ pub(super) fn walk(holds: &Holds<'_>, samples: usize, random: &mut ChaCha8Rng) -
     }
     let mut joined = Joined::default();
     let mut label = *gestures.choose(random)?;
-    while joined.samples.len() < samples {
-        let source = holds[&label].choose(random)?;
-        let crop = source.crop(HOLD, random);
-        joined.append(source, crop, samples);
+    while joined.samples.len() < options.samples {
+        let recording = holds[&label].choose(random)?;
+        let crop = crop(recording, HOLD, random);
+        joined.append(recording, crop, options);
 
         let others: Vec<_> = gestures.iter().copied().filter(|&g| g != label).collect();
         let rest = rests && label != RELAX;

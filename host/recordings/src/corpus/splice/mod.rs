@@ -8,16 +8,11 @@
 //! (`cote-allard`: steady holds), random crops of the holds are joined instead (`holds`).
 
 mod holds;
-mod source;
+mod joined;
 #[cfg(test)]
 mod tests;
 mod transitions;
 
-use rand_chacha::ChaCha8Rng;
-
-use self::holds::Holds;
-use self::source::{Joined, SpliceSource};
-use self::transitions::Piece;
 use crate::recording::{Recording, by};
 use crate::seed;
 
@@ -47,54 +42,25 @@ pub fn splice(recordings: &[&Recording], options: &SpliceOptions) -> Vec<Recordi
     let used = recordings.iter().copied().filter(is_used);
     let mut spliced = Vec::new();
     for (subject, recordings) in by(used, |own| own.subject.as_str()) {
-        let sources = recordings.iter();
-        let sources = sources.map(|own| SpliceSource::new(own, options.other));
-        let sources: Vec<SpliceSource<'_>> = sources.collect();
-        let material = Material::of(&sources);
+        let pieces = transitions::pieces(&recordings);
+        let holds = holds::holds(&recordings, options.other);
         for index in 0..options.count {
             let seed = options.seed ^ (index as u64).rotate_left(32);
             let mut random = seed::generator(seed, subject);
-            let Some(Joined {
-                samples,
-                labels,
-                other,
-            }) = material.walk(options.samples, &mut random)
-            else {
-                continue;
+            let joined = if pieces.is_empty() {
+                holds::walk(&holds, options, &mut random)
+            } else {
+                transitions::walk(&pieces, &holds, options, &mut random)
             };
-            spliced.push(Recording {
+            let set = recordings[0].data_set;
+            spliced.extend(joined.map(|joined| Recording {
                 name: format!("spliced-{index}"),
                 timing: recordings[0].timing,
                 notes: vec![format!("spliced from {} recordings", recordings.len())],
-                other_movement: other,
-                ..Recording::new(recordings[0].data_set, subject, samples, labels)
-            });
+                other_movement: joined.other,
+                ..Recording::new(set, subject, joined.samples, joined.labels)
+            }));
         }
     }
     spliced
-}
-
-/// The parts of a subject's recordings that are joined.
-enum Material<'a> {
-    Transitions(Vec<Piece<'a>>, Holds<'a>),
-    Holds(Holds<'a>),
-}
-
-impl<'a> Material<'a> {
-    fn of(sources: &'a [SpliceSource<'a>]) -> Self {
-        let pieces = transitions::pieces(sources);
-        let holds = holds::holds(sources);
-        if pieces.is_empty() {
-            Self::Holds(holds)
-        } else {
-            Self::Transitions(pieces, holds)
-        }
-    }
-
-    fn walk(&self, samples: usize, random: &mut ChaCha8Rng) -> Option<Joined> {
-        match self {
-            Self::Transitions(pieces, holds) => transitions::walk(pieces, holds, samples, random),
-            Self::Holds(holds) => holds::walk(holds, samples, random),
-        }
-    }
 }

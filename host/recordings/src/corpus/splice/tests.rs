@@ -7,20 +7,14 @@ use shared::intent::Intent;
 use super::holds::HOLD;
 use super::{SpliceOptions, splice};
 use crate::catalogue::DataSet;
+use crate::fixture::{C, O, R, labels};
 use crate::labels::runs::{Run, runs};
 use crate::recording::Recording;
 use crate::recording::movement::{Movement, MovementKind, mask};
 
-const R: Option<Intent> = Some(Intent::Relax);
-const O: Option<Intent> = Some(Intent::Open);
-const C: Option<Intent> = Some(Intent::Close);
-
 /// Every sample carries its label's number, so that a cut at the wrong place shows.
 fn recording(subject: &str, sequence: &[(Option<Intent>, usize)]) -> Recording {
-    let labels: Vec<_> = sequence
-        .iter()
-        .flat_map(|&(label, count)| vec![label; count])
-        .collect();
+    let labels = labels(sequence);
     let samples = labels.iter().map(|&label| [mark(label); 8]).collect();
     Recording::new(DataSet::SYNTHETIC, subject, samples, labels)
 }

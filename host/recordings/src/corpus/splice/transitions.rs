@@ -13,9 +13,11 @@ use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 use shared::intent::Intent;
 
+use super::SpliceOptions;
 use super::holds::Holds;
-use super::source::{Joined, SpliceSource};
+use super::joined::{Joined, crop};
 use crate::labels::runs::{Run, runs};
+use crate::recording::Recording;
 
 /// Chance that a steady hold of the current label comes before the next transition.
 const STEADY: f64 = 0.3;
@@ -23,8 +25,8 @@ const STEADY: f64 = 0.3;
 const STEADY_FOR: Range<usize> = 200..1000;
 
 /// One transition and the places where it may be cut.
-pub(super) struct Piece<'a> {
-    source: &'a SpliceSource<'a>,
+pub(super) struct Piece<'r> {
+    recording: &'r Recording,
     from: Option<Intent>,
     to: Option<Intent>,
     start: Range<usize>,
@@ -32,8 +34,8 @@ pub(super) struct Piece<'a> {
 }
 
 /// The pieces of a subject's recordings.
-pub(super) fn pieces<'a>(sources: &'a [SpliceSource<'a>]) -> Vec<Piece<'a>> {
-    let mut pieces: Vec<Piece<'a>> = sources.iter().flat_map(pieces_of).collect();
+pub(super) fn pieces<'r>(recordings: &[&'r Recording]) -> Vec<Piece<'r>> {
+    let mut pieces: Vec<Piece<'r>> = recordings.iter().flat_map(|own| pieces_of(own)).collect();
     // A piece into a label that no piece starts in (a motion without a recorded end) would stop the walk.
     loop {
         let starts: BTreeSet<_> = pieces.iter().map(|p| p.from).collect();
@@ -45,17 +47,17 @@ pub(super) fn pieces<'a>(sources: &'a [SpliceSource<'a>]) -> Vec<Piece<'a>> {
     }
 }
 
-fn pieces_of<'a>(source: &'a SpliceSource<'a>) -> Vec<Piece<'a>> {
+fn pieces_of(recording: &Recording) -> Vec<Piece<'_>> {
     // The middle half: of a rest of 1 s a quarter covers most people's deviation from the lag.
     // Joined runs are then 0.5 to 1.5 times as long as the recorded ones.
     let middle = |run: &Run| {
         let quarter = run.samples() / 4;
         run.start + quarter..run.end - quarter
     };
-    runs(&source.labels)
+    runs(&recording.labels)
         .windows(2)
         .map(|pair| Piece {
-            source,
+            recording,
             from: pair[0].label,
             to: pair[1].label,
             start: middle(&pair[0]),
@@ -69,19 +71,19 @@ fn pieces_of<'a>(source: &'a SpliceSource<'a>) -> Vec<Piece<'a>> {
 pub(super) fn walk(
     pieces: &[Piece<'_>],
     holds: &Holds<'_>,
-    samples: usize,
+    options: &SpliceOptions,
     random: &mut ChaCha8Rng,
 ) -> Option<Joined> {
     let mut joined = Joined::default();
     let mut label = pieces.choose(random)?.from;
-    while joined.samples.len() < samples {
+    while joined.samples.len() < options.samples {
         // A hold may be longer than any cued run, as rest in daily use is.
         if let Some(steady) = holds.get(&label)
             && random.random_bool(STEADY)
         {
-            let source = steady.choose(random)?;
-            let crop = source.crop(STEADY_FOR, random);
-            joined.append(source, crop, samples);
+            let recording = steady.choose(random)?;
+            let crop = crop(recording, STEADY_FOR, random);
+            joined.append(recording, crop, options);
             continue;
         }
         let here: Vec<_> = pieces.iter().filter(|p| p.from == label).collect();
@@ -91,7 +93,7 @@ pub(super) fn walk(
         let piece = fitting.choose(random)?;
         let start = random.random_range(piece.start.clone());
         let end = random.random_range(piece.end.clone());
-        joined.append(piece.source, start..end, samples);
+        joined.append(piece.recording, start..end, options);
         label = next;
     }
     Some(joined)
