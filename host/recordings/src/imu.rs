@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use shared::myo::Imu;
 
-use crate::readers::error::{Damage, Fault, LoadError};
+use crate::readers::error::{self, Damage, LoadError};
 use crate::readers::{self, table};
 
 /// Number of columns.
@@ -50,20 +50,19 @@ pub fn read(recording: &Path) -> Result<Option<Vec<[f64; COLUMNS]>>, LoadError> 
 
 fn parse(text: &str) -> Result<Vec<[f64; COLUMNS]>, Damage> {
     let mut lines = table::lines(text);
-    let found = lines.next().map_or("", |(_, head)| head).to_owned();
+    let found = lines.next().map_or("", |(_, head)| head);
     if found != HEAD {
-        let expected = HEAD;
-        return Err(Damage::at_line(1, Fault::Array { expected, found }));
+        return Err(Damage::at_line(1, error::array(HEAD, found)));
     }
     let row = |(line, text): (usize, &str)| {
         let numbers = text.split(',').enumerate();
-        let numbers = numbers.map(|(field, text)| table::number(line, field + 1, text));
-        let numbers = numbers.collect::<Result<Vec<f64>, Damage>>()?;
-        let (expected, found) = (COLUMNS, numbers.len());
-        let fields = Fault::Fields { expected, found };
-        numbers
-            .try_into()
-            .map_err(|_| Damage::at_line(line, fields))
+        let numbers = numbers.map(|(field, text)| table::number(field + 1, text));
+        let numbers: Result<Vec<f64>, String> = numbers.collect();
+        let whole = numbers.and_then(|numbers| {
+            let fields = error::fields(COLUMNS, numbers.len());
+            numbers.try_into().map_err(|_| fields)
+        });
+        whole.map_err(|fault| Damage::at_line(line, fault))
     };
     lines.map(row).collect()
 }

@@ -24,7 +24,7 @@ pub fn raw_samples(values: &[f64]) -> Result<Vec<Sample>, NotRaw> {
         });
     }
     let (rows, _) = values.as_chunks::<CHANNELS>();
-    #[expect(clippy::cast_possible_truncation, reason = "just checked")]
+    // Just checked.
     let sample = |row: &[f64; CHANNELS]| row.map(|value| value as i8);
     Ok(rows.iter().map(sample).collect())
 }

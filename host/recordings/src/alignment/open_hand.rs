@@ -34,11 +34,7 @@ pub fn open_hand<'r>(
             count += 1.0;
         }
     }
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "means of |x|, 0 to 128"
-    )]
+    // Means of |x|, 0 to 128.
     let means = || sum.map(|sum| (64.0 * sum / count).round() as u32);
     let octaves = |value| f64::from(value) / f64::from(OCTAVE);
     (count > 0.0).then(|| Profile::new(means()).values().map(octaves))

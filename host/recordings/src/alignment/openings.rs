@@ -112,25 +112,14 @@ impl Openings {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fixture::{O, R, labels};
     use shared::stream::alignment::Alignment;
-
-    const RELAX: Option<Intent> = Some(Intent::Relax);
-    const OPEN: Option<Intent> = Some(Intent::Open);
 
     /// Rest and gestures in turn, 300 samples each; the sign changes so that the mean is 0.
     fn recording(gestures: usize, open: Sample) -> (Vec<Sample>, Vec<Option<Intent>>) {
-        let mut samples = Vec::new();
-        let mut labels = Vec::new();
-        for part in 0..=2 * gestures {
-            let (sample, label) = if part % 2 == 0 {
-                ([2; 8], RELAX)
-            } else {
-                (open, OPEN)
-            };
-            samples.extend([sample; 300]);
-            labels.extend([label; 300]);
-        }
-        (samples, labels)
+        let all = [[([2; 8], R), (open, O)].repeat(gestures), vec![([2; 8], R)]].concat();
+        let runs: Vec<_> = all.into_iter().map(|own| (own, 300)).collect();
+        labels(&runs).into_iter().unzip()
     }
 
     #[test]
@@ -161,7 +150,7 @@ mod tests {
         let (samples, labels) = recording(1, [50; 8]);
         assert_eq!(openings(&[(&samples, &labels)]), None);
         let (samples, labels) = recording(3, [50; 8]);
-        let restless = labels.iter().map(|&label| label.filter(|_| label == OPEN));
+        let restless = labels.iter().map(|&label| label.filter(|_| label == O));
         let restless: Vec<_> = restless.collect();
         assert_eq!(openings(&[(&samples, &restless)]), None);
     }

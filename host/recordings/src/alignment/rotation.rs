@@ -7,6 +7,7 @@
 //! (tests/recordings/main.rs).
 
 use serde::Deserialize;
+use shared::stream::alignment::Alignment;
 use shared::units::{CHANNELS, Sample};
 
 use crate::catalogue::DataSet;
@@ -20,20 +21,18 @@ use crate::recording::by_data_set;
 pub(crate) struct Frame {
     #[serde(default)]
     reversed: bool,
-    rotation: usize,
+    rotation: u8,
 }
 
 impl Frame {
-    /// A sample in the common frame.
-    fn align(self, sample: Sample) -> Sample {
-        std::array::from_fn(|channel| {
-            let own = if self.reversed {
-                self.rotation + CHANNELS - channel
-            } else {
-                channel + CHANNELS - self.rotation
-            };
-            sample[own % CHANNELS]
-        })
+    /// Order that brings channels into the common frame.
+    const fn alignment(self) -> Alignment {
+        let places = if self.reversed {
+            self.rotation
+        } else {
+            CHANNELS as u8 - self.rotation
+        };
+        Alignment::new(places, self.reversed)
     }
 
     /// Turn that brings channels into the common frame, in words; none if they are in it.
@@ -54,9 +53,9 @@ impl Frame {
 impl DataSet {
     /// Brings samples of this set into the common frame of all data sets.
     pub fn align(self, samples: &mut [Sample]) {
-        let frame = self.electrode_frame();
+        let alignment = self.electrode_frame().alignment();
         for sample in samples {
-            *sample = frame.align(*sample);
+            *sample = alignment.apply(*sample);
         }
     }
 }
@@ -121,7 +120,10 @@ mod tests {
     #[test]
     fn channels_are_turned_either_way_round_the_arm() {
         let numbers = [0, 1, 2, 3, 4, 5, 6, 7];
-        let aligned = |reversed, rotation| Frame { reversed, rotation }.align(numbers);
+        let aligned = |reversed, rotation| {
+            let frame = Frame { reversed, rotation };
+            frame.alignment().apply(numbers)
+        };
         assert_eq!(aligned(false, 1), [7, 0, 1, 2, 3, 4, 5, 6]);
         assert_eq!(aligned(true, 6), [6, 5, 4, 3, 2, 1, 0, 7]);
     }

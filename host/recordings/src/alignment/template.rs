@@ -38,32 +38,21 @@ fn inverse(mut matrix: Matrix) -> Matrix {
     inverse
 }
 
-/// A normal density of profiles, in octaves.
-struct Density {
-    mean: [f64; CHANNELS],
-    precision: Matrix,
-}
-
-/// Template from people's [profiles](super::open_hand()), with the armband as worn in training; none from fewer than
-/// [`FEWEST_PEOPLE`].
+/// Template from people's [profiles](super::open_hand()), with the armband as worn in training: a normal density of
+/// octaves, in the device's units. None from fewer than [`FEWEST_PEOPLE`], or if the template is invalid.
 ///
 /// The covariance is shrunk to a multiple of the identity. Rotating people until they agree would make a sharper
 /// template, but would turn the model's input away from its training: measured in docs/alignment.md.
 pub fn template(people: &[[f64; CHANNELS]]) -> Option<Template> {
-    quantized(&density(people)?)
-}
-
-/// Density of the profiles; none from fewer than [`FEWEST_PEOPLE`].
-fn density(profiles: &[[f64; CHANNELS]]) -> Option<Density> {
-    if profiles.len() < FEWEST_PEOPLE {
+    if people.len() < FEWEST_PEOPLE {
         return None;
     }
-    let count = profiles.len() as f64;
+    let count = people.len() as f64;
     let mean: [f64; CHANNELS] = std::array::from_fn(|electrode| {
-        profiles.iter().map(|values| values[electrode]).sum::<f64>() / count
+        people.iter().map(|values| values[electrode]).sum::<f64>() / count
     });
     let mut covariance = Matrix::default();
-    for values in profiles {
+    for values in people {
         for row in 0..CHANNELS {
             for column in 0..CHANNELS {
                 let product = (values[row] - mean[row]) * (values[column] - mean[column]);
@@ -81,25 +70,15 @@ fn density(profiles: &[[f64; CHANNELS]]) -> Option<Density> {
         }
         values[row] += shrinkage * variance;
     }
-    Some(Density {
-        mean,
-        precision: inverse(covariance),
-    })
-}
-
-/// Converts a density to the device's units; none if the template is invalid.
-fn quantized(density: &Density) -> Option<Template> {
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "a conversion to an integer saturates"
-    )]
+    let precision = inverse(covariance);
+    // A conversion to an integer saturates.
     let rounded = |value: f64, unit: i16| (value * f64::from(unit)).round() as i16;
     let mut upper = (0..CHANNELS).flat_map(|row| (row..CHANNELS).map(move |column| (row, column)));
     let precision = std::array::from_fn(|_| {
         let (row, column) = upper.next().unwrap_or_default();
-        rounded(density.precision[row][column], PRECISION_ONE)
+        rounded(precision[row][column], PRECISION_ONE)
     });
-    Template::new(density.mean.map(|mean| rounded(mean, OCTAVE)), precision).ok()
+    Template::new(mean.map(|mean| rounded(mean, OCTAVE)), precision).ok()
 }
 
 #[cfg(test)]

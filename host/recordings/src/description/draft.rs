@@ -31,51 +31,33 @@ const LISTED: usize = 30;
 /// Marks that divide a name.
 const MARKS: [char; 4] = ['_', '-', ' ', '.'];
 
-/// Error of a draft.
-#[derive(Debug, thiserror::Error)]
-#[expect(missing_docs, reason = "the messages say it")]
-pub enum DraftError {
-    #[error(transparent)]
-    Load(#[from] LoadError),
-    #[error("expected a folder, found {}: a description is of the recordings in a folder", _0.display())]
-    NoFolder(PathBuf),
-    #[error(
-        "no recordings in {}: expected csv, txt, tsv or npy files with eight columns of numbers, found {found}",
-        path.display()
-    )]
-    NoSamples { path: PathBuf, found: String },
-    #[error("names of folders have braces, as in {}: rename them", _0.display())]
-    Braces(PathBuf),
-    #[error("{} exists: correct it, or remove it and describe again", _0.display())]
-    Exists(PathBuf),
-    #[error("cannot write {}; --out FILE writes it elsewhere", path.display())]
-    Write {
-        path: PathBuf,
-        source: std::io::Error,
-    },
-}
-
 /// Writes a draft of a folder's description: into the folder, or into the file `out`. Returns the file and its text.
 ///
 /// # Errors
-/// [`DraftError`]; an existing file is never replaced.
-pub fn describe(folder: &Path, out: Option<&Path>) -> Result<(PathBuf, String), DraftError> {
+/// When the folder has no recordings that can be described, or the file exists: it is never replaced.
+pub fn describe(folder: &Path, out: Option<&Path>) -> Result<(PathBuf, String), LoadError> {
     let io = |source| LoadError::io(folder, source);
     let folder = dunce::canonicalize(folder).map_err(io)?;
     if !folder.is_dir() {
-        return Err(DraftError::NoFolder(folder));
+        let problem =
+            "expected a folder, found a file: a description is of the recordings in a folder";
+        return Err(LoadError::description(&folder, None, problem));
     }
     let path = out.map_or_else(|| folder.join(FILE_NAME), Path::to_owned);
+    let exists = || {
+        let problem = "exists: correct it, or remove it and describe again";
+        LoadError::description(&path, None, problem)
+    };
     if path.exists() {
-        return Err(DraftError::Exists(path));
+        return Err(exists());
     }
     let text = draft(&folder, out.is_some())?;
     let failed = |source: std::io::Error| match source.kind() {
-        ErrorKind::AlreadyExists => DraftError::Exists(path.clone()),
-        _ => DraftError::Write {
-            path: path.clone(),
-            source,
-        },
+        ErrorKind::AlreadyExists => exists(),
+        _ => {
+            let problem = format!("cannot be written; --out FILE writes it elsewhere: {source}");
+            LoadError::description(&path, None, problem)
+        }
     };
     let mut file = File::create_new(&path).map_err(failed)?;
     file.write_all(text.as_bytes()).map_err(failed)?;
@@ -83,7 +65,7 @@ pub fn describe(folder: &Path, out: Option<&Path>) -> Result<(PathBuf, String), 
 }
 
 /// Text of the draft of a folder's description, which names the folder if it is `elsewhere`.
-fn draft(folder: &Path, elsewhere: bool) -> Result<String, DraftError> {
+fn draft(folder: &Path, elsewhere: bool) -> Result<String, LoadError> {
     let (_, files) = crate::library::files(folder)?;
     let count = files.len();
     let found: Vec<(Columns, PathBuf)> = files
@@ -103,9 +85,12 @@ fn draft(folder: &Path, elsewhere: bool) -> Result<String, DraftError> {
         ),
         Err(error) => (0, Some(error.line())),
     };
-    let none = || DraftError::NoSamples {
-        path: folder.to_owned(),
-        found: reason.unwrap_or_else(|| format!("{count} files")),
+    let none = || {
+        let found = reason.unwrap_or_else(|| format!("{count} files"));
+        let problem = format!(
+            "no recordings in it: expected csv, txt, tsv or npy files with eight columns of numbers, found {found}"
+        );
+        LoadError::description(folder, None, problem)
     };
     let by_number = by_kind.into_values();
     let most = by_number.max_by_key(|own| (own.len(), std::cmp::Reverse(own[0])));
@@ -115,7 +100,9 @@ fn draft(folder: &Path, elsewhere: bool) -> Result<String, DraftError> {
         with_small_ending(path.strip_prefix(folder).unwrap_or(path))
     };
     let files: Vec<PathBuf> = most.iter().map(below).collect();
-    let pattern = pattern(&files).ok_or_else(|| DraftError::Braces(files[0].clone()))?;
+    let braces = "names of folders have braces: rename them";
+    let braces = || LoadError::description(&files[0], None, braces);
+    let pattern = pattern(&files).ok_or_else(braces)?;
     let columns = &found[most[0]].0;
     let described = Described::new(
         folder,

@@ -74,11 +74,7 @@ pub(crate) struct Description {
 impl Description {
     /// Parses the text of a description; `path` is for messages.
     fn parse(path: &Path, text: &str) -> Result<Self, LoadError> {
-        let error = |line, problem| LoadError::Description {
-            path: path.to_owned(),
-            line,
-            problem,
-        };
+        let error = |line, problem: String| LoadError::description(path, line, problem);
         let description: Self = toml::from_str(text).map_err(|reason| {
             let before = reason.span().and_then(|span| text.get(..span.start));
             let line = before.map(|before| before.matches('\n').count() + 1);
@@ -212,13 +208,10 @@ impl Described {
         let given = description.folder.as_ref();
         let folder = given.map_or(own.to_owned(), |folder| own.join(folder));
         let real = dunce::canonicalize(&folder).ok();
-        let missing = || LoadError::Description {
-            path: file.to_owned(),
-            line: None,
-            problem: format!(
-                "expected `folder` to be a folder, found none at {}",
-                folder.display()
-            ),
+        let missing = || {
+            let at = folder.display();
+            let problem = format!("expected `folder` to be a folder, found none at {at}");
+            LoadError::description(file, None, problem)
         };
         let folder = real.filter(|real| real.is_dir()).ok_or_else(missing)?;
         Ok(Self {

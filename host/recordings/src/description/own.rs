@@ -21,13 +21,14 @@ use crate::catalogue::DataSet;
 use crate::examiner::finding::Finding;
 use crate::labels::motion::Motion;
 use crate::readers::error::excerpt::excerpt;
-use crate::readers::error::{Damage, Fault, LoadError};
+use crate::readers::error::{Damage, LoadError};
 use crate::readers::label_file::{from_number, from_text};
 use crate::readers::npy::{Array, Values};
 use crate::readers::path::{is_number, left_arm, stem};
 use crate::readers::table;
+use crate::readers::table::auxiliary::Texts;
 use crate::readers::table::columns::Columns;
-use crate::readers::table::one_hot::{self, OneHot};
+use crate::readers::table::one_hot;
 use crate::recording::{Recording, Timing};
 
 /// Further column of synthetic recordings: class number of the intent that the muscle follows.
@@ -66,38 +67,24 @@ pub(crate) fn table(
     text: &str,
     columns: &Columns,
 ) -> Result<Vec<Recording>, LoadError> {
+    let damage = |damage: Damage| damage.in_file(path);
     let has = |name: &&str| columns.position(name).is_some();
     let is_recorded = RECORDER_COLUMNS.iter().all(has);
+    let (mut rows, texts) = TABLE.table(text, columns).map_err(damage)?;
+    place(&mut rows, columns, &texts).map_err(damage)?;
     let movement = columns.position(MOVEMENT_COLUMN).filter(|_| is_recorded);
-    let placements = columns
-        .position(TURN_COLUMN)
-        .zip(columns.position(MIRRORED_COLUMN));
-    let (mut placed, mut one_hot) = (Vec::new(), OneHot::find(columns));
-    let rows = TABLE.rows_of(text, columns, |line, fields| {
-        one_hot.push(fields);
-        if let Some((turn, mirrored)) = placements {
-            let number = |column: usize| {
-                table::number(line, column + 1, &columns.separator.number(fields[column]))
-            };
-            let (turn, mirrored) = (number(turn)?, number(mirrored)?);
-            let found = placement(turn, mirrored);
-            placed.push(found.ok_or(Damage::at_line(line, Fault::Placement { turn, mirrored }))?);
-        }
-        let word = columns.label.map_or("", |column| fields[column]);
-        let name = movement.map_or("", |column| fields[column]);
-        let is_named = !name.is_empty() && from_text(word) == Ok(Motion::OTHER);
-        Ok(if is_named { name } else { word })
-    });
-    let mut rows = rows.map_err(|damage| damage.in_file(path))?;
-    for (sample, placement) in rows.samples.iter_mut().zip(placed) {
-        *sample = placement.apply(*sample);
+    if let (Some(label), Some(movement)) = (columns.label, movement) {
+        let both = texts[&label].iter().zip(&texts[&movement]);
+        let word = |(&label, &name): (&_, &_)| {
+            let is_named = !str::is_empty(name) && from_text(label) == Ok(Motion::OTHER);
+            if is_named { name } else { label }
+        };
+        rows.labels.words = Some(both.map(word).collect());
     }
     let (mut notes, mut unread) = (Vec::new(), None);
-    match one_hot.finish() {
+    match one_hot::find(columns, &texts) {
         Some(one_hot::Found::Labels(motions, note)) => {
-            let mut words = Words::default();
-            motions.iter().for_each(|motion| words.push(motion.name()));
-            rows.labels.words = Some(words);
+            rows.labels.words = Some(motions.into_iter().map(Motion::name).collect());
             notes.push(printable(&note));
         }
         Some(one_hot::Found::Unread(why)) => unread = Some(Finding::known(why)),
@@ -129,6 +116,26 @@ pub(crate) fn table(
         }
     }
     Ok(pieces)
+}
+
+/// Rearranges the channels of rows as the columns of a board's alignment say.
+fn place(rows: &mut Rows, columns: &Columns, texts: &Texts<'_>) -> Result<(), Damage> {
+    let both = [TURN_COLUMN, MIRRORED_COLUMN].map(|name| columns.position(name));
+    let [Some(turns), Some(mirrored)] = both else {
+        return Ok(());
+    };
+    for (row, sample) in rows.samples.iter_mut().enumerate() {
+        let number = |at| table::number(at + 1, &columns.separator.number(texts[&at][row]));
+        let placement = number(turns).and_then(|turn| {
+            let mirrored = number(mirrored)?;
+            placement(turn, mirrored).ok_or_else(|| {
+                format!("expected a turn of 0..=7 and mirrored 0 or 1, found {turn} and {mirrored}")
+            })
+        });
+        let placement = placement.map_err(|fault| Damage::at(rows.labels.at.place(row), fault))?;
+        *sample = placement.apply(*sample);
+    }
+    Ok(())
 }
 
 /// Recordings of the rows, of a person whom the file alone does not name.
@@ -210,8 +217,7 @@ mod tests {
     use crate::recording::movement::MovementKind;
 
     fn read_csv(name: &str, text: &str) -> Result<Recording, Damage> {
-        let columns =
-            Columns::of(text).map_err(|error| Damage::at_line(error.line, error.fault))?;
+        let columns = Columns::of(text).map_err(|error| error.damage)?;
         match table(&Path::new("/d/anna").join(name), text, &columns) {
             Ok(mut pieces) => Ok(pieces.remove(0)),
             Err(LoadError::Damaged { damage, .. }) => Err(damage),
@@ -269,8 +275,7 @@ mod tests {
         assert_eq!(read(&["0,0", "3,0", "3,1"]).unwrap().samples, expected);
         for wrong in ["8,0", "-1,0", "0.5,0", "0,2"] {
             let fault = read(&[wrong]).unwrap_err().fault;
-            let is_told = matches!(fault, Fault::Placement { .. });
-            assert!(is_told, "{wrong}: {fault:?}");
+            assert!(fault.starts_with("expected a turn of 0..=7 and"), "{fault}");
         }
     }
 

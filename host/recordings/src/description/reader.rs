@@ -5,19 +5,21 @@ use std::path::Path;
 use shared::intent::Intent;
 
 use super::pattern::{Field, Fields, Pattern};
-use super::rows::{Labels, Rows, labels};
+use super::rows::{Rows, labels};
 use super::values::LabelTiming;
 use super::words::Words;
 use super::{Described, Description};
 use crate::catalogue::DataSet;
 use crate::labels::activity::{WEAK, label};
 use crate::labels::compensation::Compensation;
-use crate::labels::motion::{GroundTruth, Motion};
-use crate::readers::error::{Damage, Fault, LoadError};
+use crate::labels::motion::Motion;
+use crate::readers::error::excerpt::excerpt;
+use crate::readers::error::{Damage, LoadError};
 use crate::readers::label_file::Purpose;
 use crate::readers::open::{Found, OpenRequest, SkipReason, open};
 use crate::readers::path::{existing, left_arm};
 use crate::readers::read;
+use crate::readers::table::auxiliary::Auxiliary;
 use crate::recording::{Recording, Timing};
 
 /// Note of a recording that is named after the left arm.
@@ -93,8 +95,9 @@ impl Description {
         if let Some(pattern) = &self.label_files {
             let file = folder.join(pattern.path_of(fields));
             let name = file.file_name().unwrap_or_default().to_string_lossy();
-            let missing = Damage::of_file(Fault::Partner(name.into_owned()));
-            let file = existing(file).ok_or_else(|| missing.in_file(path))?;
+            let name = excerpt(&name);
+            let missing = format!("expected {name} beside it, found no such file");
+            let file = existing(file).ok_or_else(|| Damage::of_file(missing).in_file(path))?;
             let labels = labels(&read(&file)?, Purpose::Truth);
             let labels = labels.and_then(|labels| labels.of_each(rows.samples.len()));
             rows.labels = labels.map_err(|damage| damage.in_file(&file))?;
@@ -114,38 +117,33 @@ impl Rows {
         path: &Path,
         gesture: Option<&str>,
     ) -> Result<Vec<Recording>, LoadError> {
-        let damage = |damage: Damage| damage.in_file(path);
-        let labels_file = self.labels_file.as_deref().unwrap_or(path);
-        let motions = motions(description, &self.labels, self.samples.len());
-        let motions = motions.map_err(|damage| damage.in_file(labels_file))?;
-        let truth: GroundTruth = motions.into_iter().collect();
+        let motions = self.motions(&description.labels, path)?;
+        let (recording, auxiliary) = self.recording(description, path, motions);
+        let rows = auxiliary.rows(&recording.samples);
+        let rows = rows.map_err(|finding| Damage::from(finding).in_file(path))?;
+        let motion = gesture.and_then(|word| description.labels.motion(word));
+        let pieces = rows.apply(recording).into_iter();
+        Ok(pieces.map(|own| timed(description, motion, own)).collect())
+    }
+
+    /// Recording of the rows with the motion of each, of a person who is not known yet; and what stands beside the rows.
+    pub(super) fn recording(
+        self,
+        description: &Description,
+        path: &Path,
+        motions: Vec<Motion>,
+    ) -> (Recording, Auxiliary) {
         let placement = description.placement();
         let samples = self.samples.into_iter();
         let samples = samples.map(|sample| placement.apply(sample));
         let subject = format!("{}/unknown", DataSet::OWN.name());
         let recording = Recording {
             path: path.to_owned(),
-            other_movement: truth.other_movement,
-            ..Recording::new(DataSet::OWN, subject, samples.collect(), truth.labels)
+            ..Recording::new(DataSet::OWN, subject, samples.collect(), Vec::new())
         };
-        let rows = self.auxiliary.rows(&recording.samples);
-        let pieces = rows
-            .map_err(|finding| damage(Damage::refused(finding)))?
-            .apply(recording);
-        let motion = gesture.and_then(|word| description.labels.motion(word));
-        let pieces = pieces.into_iter();
-        Ok(pieces.map(|own| timed(description, motion, own)).collect())
+        let recording = recording.with_truth(motions.into_iter().collect());
+        (recording, self.auxiliary)
     }
-}
-
-/// Motion of each row.
-pub(super) fn motions(
-    description: &Description,
-    labels: &Labels,
-    samples: usize,
-) -> Result<Vec<Motion>, Damage> {
-    let motions = labels.motions(&description.labels)?;
-    Ok(motions.unwrap_or_else(|| vec![Motion::Unknown; samples]))
 }
 
 /// A recording with labels at the times that the description says.
@@ -166,13 +164,8 @@ pub(super) fn timed(
             let truth = label(&recording.samples, motion);
             let weak = truth.is_none().then(|| WEAK.to_owned());
             recording.notes.extend(weak);
-            recording.labels = vec![None; recording.samples.len()];
-            recording.other_movement.clear();
-            if let Some(truth) = truth {
-                recording.labels = truth.labels;
-                recording.other_movement = truth.other_movement;
-            }
-            recording
+            let unknown = vec![Motion::Unknown; recording.samples.len()];
+            recording.with_truth(truth.unwrap_or_else(|| unknown.into_iter().collect()))
         }
         (LabelTiming::FromActivity, _) => recording,
         (LabelTiming::Cues, _) => match description.lag_samples() {

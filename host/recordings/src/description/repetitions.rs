@@ -14,7 +14,8 @@ use shared::units::{CHANNELS, Sample};
 use super::rows::{At, Rows};
 use super::words::{Labels, Words};
 use crate::labels::motion::Motion;
-use crate::readers::error::{Damage, Fault};
+use crate::readers::error::excerpt::excerpt;
+use crate::readers::error::{self, Damage};
 use crate::readers::table;
 
 /// Word of rest.
@@ -45,11 +46,15 @@ pub(crate) fn looks_like(text: &str) -> bool {
 }
 
 /// Damage of a user's file in folders that do not say which part it is of.
-pub(crate) const fn misplaced() -> Damage {
-    Damage::of_file(Fault::Path {
-        set: "emg-epn-612",
-        example: "trainingJSON/user7/user7.json",
-    })
+pub(crate) fn misplaced() -> Damage {
+    Damage::of_file(
+        "expected the folders and names of emg-epn-612 as published, such as trainingJSON/user7/user7.json",
+    )
+}
+
+/// Fault of a text that is not the set's JSON.
+fn no_json(reason: &str) -> String {
+    format!("expected the set's JSON: {}", excerpt(reason))
 }
 
 /// A repetition: its name, its rows, and a note where it is unlabelled.
@@ -58,7 +63,7 @@ pub(super) type Named = (String, Rows, Option<&'static str>);
 /// Repetitions of a user, in the order of recording.
 pub(super) fn of(text: &str, labels: &Labels) -> Result<Vec<Named>, Damage> {
     let user: User = serde_json::from_str(text)
-        .map_err(|error| Damage::at_line(error.line(), Fault::Json(error.to_string())))?;
+        .map_err(|error| Damage::at_line(error.line(), no_json(&error.to_string())))?;
     let parts = [
         ("trainingSamples", user.training),
         ("testingSamples", user.testing),
@@ -69,7 +74,7 @@ pub(super) fn of(text: &str, labels: &Labels) -> Result<Vec<Named>, Damage> {
         repetitions.sort_by_key(|(key, _)| index(key));
         for (key, repetition) in repetitions {
             let name = format!("{part}/{key}");
-            let damage = |fault: Fault| Damage::of_file(Fault::Json(format!("{name}: {fault}")));
+            let damage = |fault: String| Damage::of_file(no_json(&format!("{name}: {fault}")));
             let samples = samples(&repetition).map_err(damage)?;
             let words = words(&repetition, samples.len(), labels).map_err(damage)?;
             let note = words.as_ref().err().copied();
@@ -87,27 +92,24 @@ fn index(key: &str) -> usize {
         .unwrap_or(usize::MAX)
 }
 
-fn samples(repetition: &Repetition) -> Result<Vec<Sample>, Fault> {
+fn samples(repetition: &Repetition) -> Result<Vec<Sample>, String> {
     let mut channels = Vec::with_capacity(CHANNELS);
     for number in 1..=CHANNELS {
-        let name = format!("ch{number}");
-        let missing = || Fault::Json(format!("emg has no {name}"));
-        channels.push(repetition.emg.get(&name).ok_or_else(missing)?);
+        let channel = repetition.emg.get(&format!("ch{number}"));
+        channels.push(channel.ok_or_else(|| no_json(&format!("emg has no ch{number}")))?);
     }
     let count = channels[0].len();
     if let Some(other) = channels.iter().find(|channel| channel.len() != count) {
-        let found = other.len() as u64;
-        return Err(Fault::Length {
-            expected: count as u64,
-            found,
-        });
+        let found = other.len();
+        return Err(format!(
+            "expected {count} values in each channel, found {found}"
+        ));
     }
-    (0..count)
-        .map(|at| {
-            let counts: Vec<f64> = channels.iter().map(|channel| channel[at]).collect();
-            table::sample(&counts, 1)
-        })
-        .collect()
+    let row = |at| {
+        let counts: Vec<f64> = channels.iter().map(|channel| channel[at]).collect();
+        table::sample(&counts, 1)
+    };
+    (0..count).map(row).collect()
 }
 
 /// Words of the samples, or the reason why the repetition is unlabelled.
@@ -115,7 +117,7 @@ fn words(
     repetition: &Repetition,
     samples: usize,
     labels: &Labels,
-) -> Result<Result<Words, &'static str>, Fault> {
+) -> Result<Result<Words, &'static str>, String> {
     let Some(gesture) = &repetition.gesture else {
         return Ok(Err("no gesture name: unlabelled"));
     };
@@ -131,14 +133,10 @@ fn words(
         return Ok(Err("start and end of the gesture are missing: unlabelled"));
     };
     if active.len() != samples {
-        let labels = active.len();
-        return Err(Fault::LabelCount { samples, labels });
+        return Err(error::label_count(samples, active.len()));
     }
-    let mut words = Words::default();
-    for active in active {
-        words.push(if active { gesture } else { REST });
-    }
-    Ok(Ok(words))
+    let word = |active| if active { gesture.as_str() } else { REST };
+    Ok(Ok(active.into_iter().map(word).collect()))
 }
 
 fn numbers(value: &serde_json::Value) -> Option<Vec<f64>> {
@@ -155,7 +153,7 @@ mod tests {
 
     use shared::intent::Intent;
 
-    use crate::description::published::Layout;
+    use crate::description::published::PublishedFile;
     use crate::readers::error::LoadError;
     use crate::recording::Recording;
 
@@ -164,8 +162,8 @@ mod tests {
             Path::new("/d/testingJSON/user7/user7.json"),
             text.as_bytes(),
         );
-        let (layout, fields) = Layout::of(path, bytes).expect("a path of the set");
-        layout.read(path, bytes, &fields)
+        let file = PublishedFile::of(path, bytes).expect("a path of the set");
+        file.read(bytes)
     }
 
     /// File of a user with repetitions of these fields, which have ' for ".

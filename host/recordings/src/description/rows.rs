@@ -1,6 +1,6 @@
 //! Rows of a file as a description has them: samples, words of labels, a clock.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use shared::units::{CHANNELS, Sample};
 
@@ -9,28 +9,26 @@ use super::values::Column;
 use super::words::{Labels as Meanings, Words};
 use crate::examiner::wide;
 use crate::labels::motion::Motion;
-use crate::readers::error::{Damage, Fault, Place};
+use crate::readers::error::excerpt::excerpt;
+use crate::readers::error::{self, Damage, EMPTY, LoadError, Place};
 use crate::readers::label_file::{self, Purpose};
 use crate::readers::npy::{self, Array, Values};
-use crate::readers::table::auxiliary::{AuxiliaryColumns, unnamed};
-use crate::readers::table::columns::Columns;
+use crate::readers::table::auxiliary::{Auxiliary, Texts};
+use crate::readers::table::columns::{Columns, unnamed};
 use crate::readers::table::head::Head;
 use crate::readers::table::separator::Separator;
 use crate::readers::table::{self, Samples};
 use execution::file_kind::FileKind;
 
 /// Labels of the rows, and where they stand.
-#[derive(Default)]
 pub(crate) struct Labels {
     pub(super) words: Option<Words>,
     pub(super) at: At,
 }
 
 /// Places of rows in their file.
-#[derive(Clone, Default)]
 pub(crate) enum At {
     /// A name.
-    #[default]
     File,
     /// Line of each.
     Lines(Vec<usize>),
@@ -59,7 +57,7 @@ pub(super) struct Rows {
     pub labels: Labels,
     /// File of the labels, if it is another.
     pub labels_file: Option<PathBuf>,
-    pub auxiliary: AuxiliaryColumns,
+    pub auxiliary: Auxiliary,
 }
 
 impl Rows {
@@ -69,8 +67,16 @@ impl Rows {
             samples,
             labels: Labels { words, at },
             labels_file: None,
-            auxiliary: AuxiliaryColumns::default(),
+            auxiliary: Auxiliary::default(),
         }
+    }
+
+    /// Motion of each row; unknown without labels.
+    pub fn motions(&self, meanings: &Meanings, path: &Path) -> Result<Vec<Motion>, LoadError> {
+        let path = self.labels_file.as_deref().unwrap_or(path);
+        let motions = self.labels.motions(meanings);
+        let motions = motions.map_err(|damage| damage.in_file(path))?;
+        Ok(motions.unwrap_or_else(|| vec![Motion::Unknown; self.samples.len()]))
     }
 }
 
@@ -79,11 +85,14 @@ impl Description {
     pub(super) fn rows(&self, bytes: &[u8]) -> Result<Rows, Damage> {
         match FileKind::of(bytes) {
             FileKind::Npy => self.array(&npy::parse(bytes)?),
-            FileKind::Table | FileKind::Text => match str::from_utf8(bytes) {
-                Ok(text) => self.table(text.trim_start_matches('\u{feff}')),
-                Err(error) => Err(Damage::at_byte(error.valid_up_to() as u64, Fault::Text)),
-            },
-            FileKind::Empty => Err(Damage::of_file(Fault::Empty)),
+            FileKind::Table | FileKind::Text => {
+                let text = str::from_utf8(bytes).map_err(Damage::of_text)?;
+                let text = text.trim_start_matches('\u{feff}');
+                wide::in_table(text, true)?;
+                let (rows, _) = self.table(text, &self.columns(text)?)?;
+                Ok(rows)
+            }
+            FileKind::Empty => Err(Damage::of_file(EMPTY)),
             found => {
                 let expected = "a table of text or an npy array, as a description has them";
                 Err(Damage::of_kind(expected, found))
@@ -91,52 +100,46 @@ impl Description {
         }
     }
 
-    fn table<'t>(&self, text: &'t str) -> Result<Rows, Damage> {
-        wide::windows(text).map_err(Damage::refused)?;
-        let columns = self.columns(text)?;
-        let word = |fields: &[&'t str]| columns.label.map_or("", |at| fields[at]);
-        self.rows_of(text, &columns, |_, fields| Ok(word(fields)))
-    }
-
-    /// Rows of a table of these columns; `word` gives the word of a row's label.
-    pub(super) fn rows_of<'t>(
+    /// Rows of a table of these columns, and the texts beside the channels.
+    pub(super) fn table<'t>(
         &self,
         text: &'t str,
         columns: &Columns,
-        mut word: impl FnMut(usize, &[&'t str]) -> Result<&'t str, Damage>,
-    ) -> Result<Rows, Damage> {
+    ) -> Result<(Rows, Texts<'t>), Damage> {
         let at = |time| position(time, &columns.names, columns.count, columns.first_line);
         let time = self.time.as_ref().map(at).transpose()?;
-        let mut auxiliary = AuxiliaryColumns::find(columns, time);
-        let (mut samples, mut words) =
-            (Samples::default(), columns.label.map(|_| Words::default()));
-        let mut lines = Vec::new();
+        let (mut samples, mut lines) = (Samples::default(), Vec::new());
+        let beside = columns.others().chain(columns.label);
+        let mut texts: Texts<'t> = beside.map(|at| (at, Vec::new())).collect();
         for row in columns.rows(text) {
             let (line, fields) = row?;
             let at_line = |fault| Damage::at_line(line, fault);
             let mut counts = [0.0; CHANNELS];
             for (count, &at) in counts.iter_mut().zip(&columns.channels) {
                 let text = columns.separator.number(fields[at]);
-                *count = table::number(line, at + 1, &text)? * self.scale;
+                *count = table::number(at + 1, &text).map_err(at_line)? * self.scale;
             }
             samples.push(&counts, columns.channels[0] + 1, at_line);
-            auxiliary.push(columns.separator, &fields);
+            texts
+                .iter_mut()
+                .for_each(|(&at, texts)| texts.push(fields[at]));
             lines.push(line);
-            let word = word(line, &fields)?;
-            if let Some(words) = &mut words {
-                words.push(word);
-            }
         }
-        let rows = Rows::of(samples.finish()?, words, At::Lines(lines));
-        Ok(Rows { auxiliary, ..rows })
+        let words = columns.label.map(|label| texts[&label].iter().collect());
+        let rows = Rows {
+            auxiliary: Auxiliary::of_table(columns, time, &texts),
+            ..Rows::of(samples.finish()?, words, At::Lines(lines))
+        };
+        Ok((rows, texts))
     }
 
     /// Columns of a table.
     pub(super) fn columns(&self, text: &str) -> Result<Columns, Damage> {
         let mut columns = match &self.channels {
-            None => Columns::of(text).map_err(|error| Damage::at_line(error.line, error.fault))?,
+            None => Columns::of(text).map_err(|error| error.damage)?,
             Some(channels) => {
-                let head = Head::of(text, self.separator).ok_or(Damage::of_file(Fault::Empty))?;
+                let head = Head::of(text, self.separator);
+                let head = head.ok_or_else(|| Damage::of_file(EMPTY))?;
                 let is_named = |column: &Column| matches!(column, Column::Named(_));
                 let is_names = head.is_names || channels.0.iter().any(is_named);
                 let header = self.header.unwrap_or(is_names);
@@ -153,14 +156,17 @@ impl Description {
         Ok(columns)
     }
 
+    /// Rows of an array.
     pub(super) fn array(&self, array: &Array) -> Result<Rows, Damage> {
-        let Values::Numbers(values) = &array.values else {
-            return Err(wrong_array(array));
+        let wrong = || {
+            let expected =
+                "numbers, (n, 8), or (n, more) and the numbers of the columns in the description";
+            Damage::of_file(error::array(expected, &array.describe()))
         };
-        let &[_, width] = &array.shape[..] else {
-            return Err(wrong_array(array));
+        let (Values::Numbers(values), &[_, width]) = (&array.values, &array.shape[..]) else {
+            return Err(wrong());
         };
-        let at = |column: &Column| position(column, &[], width, 1).map_err(|_| wrong_array(array));
+        let at = |column: &Column| position(column, &[], width, 1).map_err(|_| wrong());
         let mut channels: [usize; CHANNELS] = std::array::from_fn(|channel| channel);
         match &self.channels {
             Some(described) => {
@@ -169,7 +175,7 @@ impl Description {
                 }
             }
             None if width == CHANNELS => {}
-            None => return Err(wrong_array(array)),
+            None => return Err(wrong()),
         }
         let [label, time] =
             [&self.label, &self.time].map(|column| column.as_ref().map(at).transpose());
@@ -182,28 +188,21 @@ impl Description {
             label,
             first_line: 1,
         };
-        let mut auxiliary = AuxiliaryColumns::find(&columns, time);
-        let (mut samples, mut words) = (Samples::default(), label.map(|_| Words::default()));
-        for (row, values) in values.chunks_exact(width.max(1)).enumerate() {
+        let rows = values.chunks_exact(width.max(1));
+        let mut samples = Samples::default();
+        for (row, values) in rows.clone().enumerate() {
             let counts = channels.map(|channel: usize| values[channel] * self.scale);
             samples.push(&counts, channels[0] + 1, |fault| {
                 Damage::at_byte(array.byte_of_row(row), fault)
             });
-            if let Some((words, at)) = words.as_mut().zip(label) {
-                words.push(&values[at].to_string());
-            }
-            auxiliary.push_values(values);
         }
-        let rows = Rows::of(samples.finish()?, words, At::of(array));
-        Ok(Rows { auxiliary, ..rows })
+        let column = |at: usize| rows.clone().map(move |row| row[at]);
+        let words = label.map(|at| column(at).map(|value| value.to_string()).collect());
+        Ok(Rows {
+            auxiliary: Auxiliary::of_times(&columns, time, column),
+            ..Rows::of(samples.finish()?, words, At::of(array))
+        })
     }
-}
-
-fn wrong_array(array: &Array) -> Damage {
-    Damage::of_file(Fault::Array {
-        expected: "numbers, (n, 8), or (n, more) and the numbers of the columns in the description",
-        found: array.describe(),
-    })
 }
 
 fn position(column: &Column, names: &[String], count: usize, line: usize) -> Result<usize, Damage> {
@@ -221,42 +220,41 @@ fn position(column: &Column, names: &[String], count: usize, line: usize) -> Res
         } else {
             names.join(", ")
         };
-        Damage::at_line(line, Fault::DescribedColumn { column, found })
+        let found = excerpt(&found);
+        let fault = format!("expected column {column} of the description, found {found}");
+        Damage::at_line(line, fault)
     })
 }
 
 /// Words of a file with a label a sample: an npy array, whose first column is read, or text.
 pub(crate) fn labels(bytes: &[u8], purpose: Purpose) -> Result<Labels, Damage> {
-    let mut words = Words::default();
-    let at = if FileKind::of(bytes) == FileKind::Npy {
+    if FileKind::of(bytes) == FileKind::Npy {
         let array = npy::parse(bytes)?;
         let columns = match array.shape[..] {
             [_] => 1,
             [_, columns @ (1 | 9)] => columns,
             _ => {
-                let expected = "labels, (n) or (n, 9)";
-                let found = array.describe();
-                return Err(Damage::of_file(Fault::Array { expected, found }));
+                let fault = error::array("labels, (n) or (n, 9)", &array.describe());
+                return Err(Damage::of_file(fault));
             }
         };
-        match &array.values {
+        let words = match &array.values {
             Values::Numbers(values) => {
                 let values = values.iter().step_by(columns);
-                values.for_each(|value| words.push(&value.to_string()));
+                values.map(f64::to_string).collect()
             }
-            Values::Text(texts) => {
-                let texts = texts.iter().step_by(columns);
-                texts.for_each(|text| words.push(text));
-            }
-        }
-        At::of(&array)
-    } else {
-        let rows = label_file::rows(bytes, purpose)?;
-        rows.iter().for_each(|(_, word)| words.push(word));
-        At::Lines(rows.into_iter().map(|(line, _)| line).collect())
-    };
-    let words = Some(words);
-    Ok(Labels { words, at })
+            Values::Text(texts) => texts.iter().step_by(columns).collect(),
+        };
+        return Ok(Labels {
+            words: Some(words),
+            at: At::of(&array),
+        });
+    }
+    let rows = label_file::rows(bytes, purpose)?;
+    Ok(Labels {
+        words: Some(rows.iter().map(|(_, word)| word).collect()),
+        at: At::Lines(rows.into_iter().map(|(line, _)| line).collect()),
+    })
 }
 
 impl Labels {
@@ -266,7 +264,7 @@ impl Labels {
         if labels == samples {
             return Ok(self);
         }
-        Err(Damage::of_file(Fault::LabelCount { samples, labels }))
+        Err(Damage::of_file(error::label_count(samples, labels)))
     }
 
     /// Motion of each word.

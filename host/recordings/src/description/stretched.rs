@@ -8,30 +8,33 @@ use shared::units::{CHANNELS, SAMPLE_PERIOD_MS, Sample};
 
 use super::rows::Rows;
 use crate::examiner::repeats::first_of_each;
-use crate::readers::error::{Damage, Fault};
+use crate::readers::error::Damage;
 
 /// Largest gap between two rows, in ms: 175 in the published files.
 const GAP: f64 = 1000.0;
-/// Longest recording, in ms; the published ones last a minute or two. A row may stand for many samples, so the file's
+/// Longest recording, in s; the published ones last a minute or two. A row may stand for many samples, so the file's
 /// length is no bound.
-const LONGEST: f64 = 3_600_000.0;
+const LONGEST: f64 = 3600.0;
 /// Largest time between rows of one burst, in ms.
 const BURST: f64 = 2.0;
 
 /// Stretches rows to 200 Hz, by their times in ms.
 pub(super) fn stretch(rows: &mut Rows) -> Result<(), Damage> {
-    let times = rows.auxiliary.times();
+    let clock = rows.auxiliary.clock.as_ref();
+    let times: &[f64] = clock.map_or(&[], |clock| &clock.times);
     for (row, pair) in times.windows(2).enumerate() {
         let (from, to) = (pair[0], pair[1]);
-        let at = |fault| Damage::at(rows.labels.at.place(row + 1), fault);
-        if !(0.0..=GAP).contains(&(to - from)) {
-            let most = GAP;
-            return Err(at(Fault::Times { most, from, to }));
-        }
-        let (most, seconds) = (LONGEST / 1000.0, (to - times[0]) / 1000.0);
-        if seconds > most {
-            return Err(at(Fault::Duration { most, seconds }));
-        }
+        let seconds = (to - times[0]) / 1000.0;
+        let fault = if !(0.0..=GAP).contains(&(to - from)) {
+            format!(
+                "expected times that rise by at most {GAP} ms from row to row, found {from} and then {to}"
+            )
+        } else if seconds > LONGEST {
+            format!("expected a recording of at most {LONGEST} s, found one of {seconds:.0} s")
+        } else {
+            continue;
+        };
+        return Err(Damage::at(rows.labels.at.place(row + 1), fault));
     }
     let is_first = first_of_each(&rows.samples);
     let kept: Vec<usize> = (0..is_first.len()).filter(|&row| is_first[row]).collect();

@@ -5,17 +5,14 @@ mod refusals;
 use std::path::Path;
 
 use shared::intent::Intent;
+use shared::units::Sample;
 
 use super::*;
-use crate::fixture::{folder, joined, names};
+use crate::fixture::{C, O, R, emg, folder, joined, names};
 use crate::labels::activity;
 use crate::labels::motion::Motion;
 use crate::recording::movement::{Movement, MovementKind};
-use crate::{Library, LoadError, LoadOptions, Timing, load, npy, runs};
-
-const R: Option<Intent> = Some(Intent::Relax);
-const O: Option<Intent> = Some(Intent::Open);
-const C: Option<Intent> = Some(Intent::Close);
+use crate::{Library, LoadError, LoadOptions, Timing, load, runs};
 
 fn described(text: &str, files: &[(&str, Vec<u8>)]) -> Result<Library, LoadError> {
     let folder = folder(files);
@@ -23,26 +20,14 @@ fn described(text: &str, files: &[(&str, Vec<u8>)]) -> Result<Library, LoadError
     load(folder.path(), &LoadOptions::default())
 }
 
-/// Sample of a person: noise without repeats, louder in a hold.
-fn sample(person: usize, row: usize) -> [i8; 8] {
-    let is_hold = (200..500).contains(&row);
-    std::array::from_fn(|channel| {
-        let mixed = (row * 8 + channel + 1_000_003 * person) as u32;
-        let noise = (mixed.wrapping_mul(2_654_435_761) >> 24) as u8 as i8;
-        noise / if is_hold { 2 } else { 16 }
-    })
-}
-
-fn array(person: usize, rows: usize) -> Vec<u8> {
-    let counts = (0..rows).flat_map(|row| sample(person, row).map(i8::cast_unsigned));
-    npy::encode("|i1", &[rows, 8], &counts.collect::<Vec<u8>>())
+fn array(person: u64, rows: usize) -> Vec<u8> {
+    crate::fixture::array(&emg(rows, person))
 }
 
 /// A table of so many rows, each as `row` writes it with the counts and their separator.
 fn table(rows: usize, separator: &str, row: impl Fn(usize, &str) -> String) -> Vec<u8> {
-    let counts = |at| joined(&sample(1, at), separator);
-    let rows = (0..rows).map(|at| row(at, &counts(at)) + "\n");
-    rows.collect::<String>().into_bytes()
+    let row = |at, own: &Sample| row(at, &joined(own, separator));
+    crate::fixture::rows(&emg(rows, 1), row).into_bytes()
 }
 
 #[test]
@@ -57,17 +42,16 @@ fn channels_come_in_any_order_with_time_and_words() {
         labels = { relax = ["zzz"], open = ["auf"], point = ["zeig"], unknown = [""] }
         scale = 128"#;
     let word = |row: usize| ["zzz", "auf", "zeig", ""][row / 150 % 4];
-    let rows = (0..600).map(|row| {
-        let counts = sample(1, row).map(|count| f64::from(count) / 128.0);
+    let rows = crate::fixture::rows(&emg(600, 1), |row, own| {
+        let counts = own.map(|count| f64::from(count) / 128.0);
         let counts = joined(&counts, ";").replace('.', ",");
-        format!("{};{counts};{}\n", 5 * row, word(row))
+        format!("{};{counts};{}", 5 * row, word(row))
     });
-    let head = "# ein Kommentar\nwhen;a;b;c;d;e;f;g;h;what\n";
-    let rows = head.to_owned() + &rows.collect::<String>();
+    let rows = "# ein Kommentar\nwhen;a;b;c;d;e;f;g;h;what\n".to_owned() + &rows;
     let library = described(text, &[("anna.csv", rows.into_bytes())]).unwrap();
     let own = &library.recordings[0];
     assert_eq!(names(&library), ["own/anna/anna"]);
-    let mut expected = sample(1, 300);
+    let mut expected = emg(301, 1)[300];
     expected.reverse();
     assert_eq!((own.samples.len(), own.samples[300]), (600, expected));
     let labels = runs(&own.labels);
@@ -139,7 +123,7 @@ fn a_file_of_one_gesture_is_labelled_by_its_name_or_by_the_muscle() {
         (&first.labels, first.timing),
         (&found.labels, Timing::Muscle)
     );
-    assert_eq!([100, 350, 900].map(|at| first.labels[at]), [R, C, R]);
+    assert_eq!([100, 600, 900].map(|at| first.labels[at]), [R, C, R]);
     assert_eq!(library.recordings[1].labels, vec![R; 700]);
 }
 
@@ -166,7 +150,7 @@ fn arm_and_rotation_bring_the_channels_into_the_common_frame() {
     ] {
         let text = format!("files = \"{{person}}.npy\"\nrate = 200\n{lines}");
         let library = described(&text, &[("anna.npy", array(1, 700))]).unwrap();
-        let expected = channel_of.map(|channel: usize| sample(1, 10)[channel]);
+        let expected = channel_of.map(|channel: usize| emg(11, 1)[10][channel]);
         assert_eq!(library.recordings[0].samples[10], expected, "{lines}");
     }
 }

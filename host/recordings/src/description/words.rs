@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, HashMap};
 use serde::Deserialize;
 
 use crate::labels::motion::Motion;
-use crate::readers::error::Fault;
+use crate::readers::error::excerpt::excerpt;
 use crate::readers::label_file::from_text;
 
 /// A word or number of a label, or the name or number of a column.
@@ -96,12 +96,17 @@ impl Labels {
     ///
     /// # Errors
     /// A word in no list, or one that is no label.
-    pub fn meaning(&self, word: &str) -> Result<Motion, Fault> {
+    pub fn meaning(&self, word: &str) -> Result<Motion, String> {
         if self.is_empty() {
             return from_text(word);
         }
-        self.motion(word)
-            .ok_or_else(|| Fault::Word(word.to_owned()))
+        self.motion(word).ok_or_else(|| {
+            format!(
+                "expected a label that is listed in `labels` of the description, found \"{}\": add it to one of the \
+                 lists, such as unknown",
+                excerpt(word)
+            )
+        })
     }
 
     /// Meaning of a word; `None` if no list has it and no list is for all others.
@@ -132,7 +137,7 @@ impl Words {
     }
 
     /// Adds the word of the next sample.
-    pub fn push(&mut self, word: &str) {
+    fn push(&mut self, word: &str) {
         let row = self.at.len();
         // Labels change seldom: the last one first.
         let last = self.at.last().copied();
@@ -150,6 +155,15 @@ impl Words {
     /// Distinct words, each with the row of its first sample.
     pub fn distinct(&self) -> &[(String, usize)] {
         &self.distinct
+    }
+}
+
+impl<T: AsRef<str>> FromIterator<T> for Words {
+    /// Collects the word of each sample.
+    fn from_iter<I: IntoIterator<Item = T>>(texts: I) -> Self {
+        let mut words = Self::default();
+        texts.into_iter().for_each(|text| words.push(text.as_ref()));
+        words
     }
 }
 
@@ -198,10 +212,7 @@ mod tests {
 
     #[test]
     fn each_word_is_kept_once() {
-        let mut words = Words::default();
-        for word in ["0", "0", "1", " 1.0", "0", "rest"] {
-            words.push(word);
-        }
+        let words: Words = ["0", "0", "1", " 1.0", "0", "rest"].into_iter().collect();
         assert_eq!(words.at, [0, 0, 1, 1, 0, 2]);
         let expected = [("0", 0), ("1", 2), ("rest", 5)].map(|(word, row)| (word.to_owned(), row));
         assert_eq!(words.distinct(), expected);
@@ -210,8 +221,7 @@ mod tests {
     #[test]
     fn a_million_different_words_are_kept() {
         const MANY: usize = 1_000_000;
-        let mut words = Words::default();
-        (0..MANY).for_each(|row| words.push(&row.to_string()));
+        let words: Words = (0..MANY).map(|row| row.to_string()).collect();
         assert_eq!(words.distinct().len(), MANY);
     }
 }

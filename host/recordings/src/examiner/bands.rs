@@ -40,62 +40,34 @@ fn plain(name: &str) -> String {
     name.trim().trim_matches('"').to_lowercase()
 }
 
-/// Number of rows of each armband, by a column that names devices.
-#[derive(Clone, PartialEq, Debug)]
-pub(crate) struct Devices {
-    name: String,
-    rows: BTreeMap<String, usize>,
-    last: String,
-    changes: usize,
-}
-
 /// Maximum number of devices whose names are kept: a column of other numbers has any number of values.
 const MOST_DEVICES: usize = 9;
 
-impl Devices {
-    /// Empty counts for a column of this name.
-    pub fn of(name: String) -> Self {
-        Self {
-            name,
-            rows: BTreeMap::new(),
-            last: String::new(),
-            changes: 0,
-        }
-    }
-
-    /// Counts a row by its text in the column.
-    pub fn push(&mut self, text: &str) {
+/// Refuses rows of several armbands, by the texts of a column of this name.
+pub(crate) fn of_devices(name: &str, texts: &[&str]) -> Result<(), Finding> {
+    let mut rows: BTreeMap<&str, usize> = BTreeMap::new();
+    let (mut last, mut changes) = ("", 0);
+    for text in texts {
         let text = text.trim().trim_matches('"');
-        if self.last != text {
-            text.clone_into(&mut self.last);
-            self.changes += 1;
-        }
-        if let Some(rows) = self.rows.get_mut(text) {
-            *rows += 1;
-        } else if self.rows.len() < MOST_DEVICES {
-            self.rows.insert(text.to_owned(), 1);
+        changes += usize::from(text != std::mem::replace(&mut last, text));
+        if rows.contains_key(text) || rows.len() < MOST_DEVICES {
+            *rows.entry(text).or_default() += 1;
         }
     }
-
-    /// Refuses rows of several armbands.
-    pub(crate) fn judge(&self) -> Result<(), Finding> {
-        let rows: usize = self.rows.values().sum();
-        let in_turn = 10 * self.changes > rows;
-        if self.rows.len() < 2 || !in_turn && SIDES.contains(&&*plain(&self.name)) {
-            return Ok(());
-        }
-        let devices: Vec<&str> = self.rows.keys().map(String::as_str).collect();
-        Err(Finding::warning(
-            TWO_ARMBANDS,
-            format!(
-                "expected the rows of one armband, found those of {} in column \"{}\": {}",
-                devices.len(),
-                self.name,
-                devices.join(", ")
-            ),
-            "keep the rows of one armband in a file",
-        ))
+    let in_turn = 10 * changes > rows.values().sum::<usize>();
+    if rows.len() < 2 || !in_turn && SIDES.contains(&&*plain(name)) {
+        return Ok(());
     }
+    let devices: Vec<&str> = rows.into_keys().collect();
+    Err(Finding::warning(
+        TWO_ARMBANDS,
+        format!(
+            "expected the rows of one armband, found those of {} in column \"{name}\": {}",
+            devices.len(),
+            devices.join(", ")
+        ),
+        "keep the rows of one armband in a file",
+    ))
 }
 
 /// Refuses alternating samples of two armbands: one or two of each in turn.

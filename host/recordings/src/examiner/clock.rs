@@ -50,8 +50,6 @@ pub(crate) struct Clock {
     pub times: Vec<f64>,
     /// Whether its name or a description says that it is a clock.
     is_meant: bool,
-    /// Rows that go back, while it may be a clock.
-    back: Option<usize>,
 }
 
 /// Rate of the rows by a clock, and gaps between them.
@@ -102,44 +100,25 @@ fn kind(name: &str) -> Option<ClockKind> {
 }
 
 impl Clock {
-    /// Empty clock of a column of this name.
-    pub fn of(name: String) -> Self {
-        Self {
-            times: Vec::new(),
-            is_meant: kind(&name).is_some(),
-            back: Some(0),
-            name,
-        }
-    }
-
-    /// Empty clock of a column that a description calls so.
-    pub fn described(name: String) -> Self {
-        Self {
-            is_meant: true,
-            ..Self::of(name)
-        }
-    }
-
-    /// Adds a row's text. A text that is no time becomes NaN, and the clock then gives no rate.
-    pub fn push(&mut self, text: &str) {
-        if self.back.is_some() {
-            self.push_time(seconds_of(text).unwrap_or(f64::NAN));
-        }
-    }
-
-    /// Adds a row's value.
-    pub fn push_time(&mut self, time: f64) {
-        let Some(back) = &mut self.back else {
-            return;
-        };
-        let before = self.times.last();
-        *back += usize::from(before.is_some_and(|before| time.is_nan() || time < *before));
-        self.times.push(time);
+    /// Clock of a column of this name, by its values, NaN for a text that is no time: with one, the clock gives no rate.
+    /// None if so many rows go back that it is no clock for certain, unless its name or a description calls it so.
+    pub fn of(name: String, is_described: bool, values: impl Iterator<Item = f64>) -> Option<Self> {
+        let is_meant = is_described || kind(&name).is_some();
         let (first, share) = MAY_GO_BACK;
-        if !self.is_meant && *back as f64 > first as f64 + share * self.times.len() as f64 {
-            self.back = None;
-            self.times = Vec::new();
+        let (mut times, mut back): (Vec<f64>, usize) = (Vec::new(), 0);
+        for time in values {
+            let before = times.last();
+            back += usize::from(before.is_some_and(|before| time.is_nan() || time < *before));
+            times.push(time);
+            if !is_meant && back as f64 > first as f64 + share * times.len() as f64 {
+                return None;
+            }
         }
+        Some(Self {
+            name,
+            times,
+            is_meant,
+        })
     }
 
     /// Clock of the rows that are kept.
@@ -231,8 +210,8 @@ mod tests {
 
     #[test]
     fn work_grows_with_the_rows_and_not_with_their_square() {
-        let mut clock = Clock::of("time".to_owned());
-        (0..MANY).for_each(|row| clock.push(&(row * 5).to_string()));
+        let times = (0..MANY).map(|row| (row * 5) as f64);
+        let clock = Clock::of("time".to_owned(), false, times).unwrap();
         let gaps = Vec::new();
         assert_eq!(clock.timebase(), Some(Timebase { hz: 200.0, gaps }));
     }

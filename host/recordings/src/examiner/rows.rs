@@ -12,7 +12,7 @@ use super::clock::{Clock, Timebase};
 use super::repeats::{Repeats, first_of_each, judge, standstill};
 use super::signal::{Signal, mean};
 use crate::examiner::finding::Finding;
-use crate::labels::motion::{GroundTruth, Motion, motions};
+use crate::labels::motion::{Motion, motions};
 use crate::recording::Recording;
 
 /// Largest deviation of a clock's rate, as a share, that is not reported: the armband's own is within 2 %.
@@ -134,14 +134,13 @@ impl JudgedRows {
             several => several,
         };
         let piece = |(number, piece): (usize, &Range<usize>)| {
-            let truth: GroundTruth = motions[piece.clone()].iter().copied().collect();
-            let mut own = Recording {
+            let own = Recording {
                 samples: samples[piece.clone()].to_vec(),
-                labels: truth.labels,
-                other_movement: truth.other_movement,
                 findings: std::mem::take(&mut findings),
                 ..recording.clone()
             };
+            let motions = motions[piece.clone()].iter().copied();
+            let mut own = own.with_truth(motions.collect());
             if pieces.len() > 1 {
                 own.name += &format!(".{}", number + 1);
             }

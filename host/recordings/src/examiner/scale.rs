@@ -33,12 +33,8 @@ pub(crate) enum Scale {
     Counts,
     /// Whole multiples of the value of one count.
     Step(f64, Option<&'static str>),
-    /// Bytes without a sign, 0 to 255: those above 127 are negative counts.
-    Unsigned,
-    /// Bytes with 128 added, 0 to 255.
-    Offset,
-    /// Values that are multiples of no step.
-    Unknown,
+    /// Values that are multiples of no step: what they are, and how to make counts of them.
+    Other(&'static str, &'static str),
 }
 
 impl Scale {
@@ -63,19 +59,7 @@ impl Scale {
                     format!("divide by {step}")
                 },
             ],
-            Self::Unsigned => [
-                "bytes without a sign",
-                "subtract 256 from each value above 127",
-            ]
-            .map(str::to_owned),
-            Self::Offset => {
-                ["bytes with 128 added", "subtract 128 from each value"].map(str::to_owned)
-            }
-            Self::Unknown => [
-                "filtered, normalized, or of another device",
-                "export the armband's own samples, as they came",
-            ]
-            .map(str::to_owned),
+            Self::Other(words, advice) => [words, advice].map(str::to_owned),
         })
     }
 }
@@ -149,9 +133,10 @@ impl ScaleDetector {
             let values = self.values.iter();
             let middle = values.filter(|value| (64.0..192.0).contains(*value));
             return if 2 * middle.count() > self.values.len() {
-                Scale::Offset
+                Scale::Other("bytes with 128 added", "subtract 128 from each value")
             } else {
-                Scale::Unsigned
+                let advice = "subtract 256 from each value above 127";
+                Scale::Other("bytes without a sign", advice)
             };
         }
         let fits = |step: f64| {
@@ -168,7 +153,8 @@ impl ScaleDetector {
         if fits(step) {
             Scale::Step(step, None)
         } else {
-            Scale::Unknown
+            let advice = "export the armband's own samples, as they came";
+            Scale::Other("filtered, normalized, or of another device", advice)
         }
     }
 }

@@ -12,18 +12,9 @@ use crate::readers::table::shape::{Shape, first_numbers};
 /// Least number of values in a row from which they are several samples: fewer are two armbands.
 const SEVERAL: usize = 3 * CHANNELS;
 
-/// Refuses a table whose rows have several samples, or the channels of two armbands without names.
-pub(crate) fn in_table(text: &str) -> Result<(), Finding> {
-    windows(text)?;
-    let has_names = Head::of(text, None).is_some_and(|head| head.is_names);
-    match Shape::of(text).filter(|_| !has_names) {
-        Some(shape) => in_rows(shape.columns, shape.numbers, &first_numbers(text)),
-        None => Ok(()),
-    }
-}
-
-/// Refuses a table whose rows have several samples.
-pub(crate) fn windows(text: &str) -> Result<(), Finding> {
+/// Refuses a table whose rows have several samples; one without names, if it is not described, also if they have the
+/// channels of two armbands.
+pub(crate) fn in_table(text: &str, is_described: bool) -> Result<(), Finding> {
     let head = Head::of(text, None).filter(|head| head.is_names);
     let groups = Group::all(head.as_ref().map_or(&[], |head| &head.fields));
     if channels(&groups).is_ok() {
@@ -37,7 +28,12 @@ pub(crate) fn windows(text: &str) -> Result<(), Finding> {
     let Some(shape) = Shape::of(text) else {
         return Ok(());
     };
-    several(shape.columns, shape.numbers, &first_numbers(text))
+    let (columns, numbers) = (shape.columns, shape.numbers);
+    let rows = first_numbers(text, numbers);
+    if is_described || head.is_some() {
+        return several(columns, numbers, &rows);
+    }
+    in_rows(columns, numbers, &rows)
 }
 
 /// Refuses rows of numbers with the channels of two armbands, or several samples; `columns` may hold one more, a word.

@@ -33,18 +33,10 @@ impl Recording {
     /// Other movement that the muscle does not show is kept, moved by the set's usual lag: a label that it raises is
     /// wrong too.
     pub fn compensated(&self, compensation: Compensation) -> Self {
-        let GroundTruth {
-            labels,
-            other_movement,
-        } = match compensation {
+        self.clone().with_truth(match compensation {
             Compensation::Constant(samples) => self.later(samples),
             Compensation::EachCue => self.followed(),
-        };
-        Self {
-            labels,
-            other_movement,
-            ..self.clone()
-        }
+        })
     }
 
     /// Labels and other movement, moved `samples` later.
@@ -109,21 +101,22 @@ fn name_movements(cues: &mut [Motion]) {
 
 #[cfg(test)]
 mod tests {
-    use shared::intent::Intent;
-
     use super::*;
     use crate::catalogue::DataSet;
-    use crate::fixture::muscle;
+    use crate::fixture::{C, O, R, labels, muscle};
     use crate::recording::movement::MovementKind;
-
-    const R: Option<Intent> = Some(Intent::Relax);
-    const O: Option<Intent> = Some(Intent::Open);
-    const C: Option<Intent> = Some(Intent::Close);
 
     /// Cues of rest, open, rest, scissors, rest, close, rest; the muscle is loud in these ranges.
     fn recording(loud: &[std::ops::Range<usize>]) -> Recording {
-        let cues = [O, R, None, R, C, R].map(|cue| vec![cue; 400]).concat();
-        let labels = [vec![R; 600], cues].concat();
+        let cues = [
+            (O, 400),
+            (R, 400),
+            (None, 400),
+            (R, 400),
+            (C, 400),
+            (R, 400),
+        ];
+        let labels = [vec![R; 600], labels(&cues)].concat();
         let samples = muscle(labels.len(), loud);
         let mut recording =
             Recording::new(DataSet::named("roshambo"), "roshambo/01", samples, labels);

@@ -221,30 +221,23 @@ mod tests {
     use shared::intent::Intent;
 
     use super::*;
-    use crate::fixture::muscle;
+    use crate::fixture::{cells, labels, muscle};
     use crate::recording::movement::MovementKind;
 
     const R: Motion = Motion::RELAX;
     const O: Motion = Motion::Intent(Intent::Open);
     const C: Motion = Motion::Intent(Intent::Close);
 
-    fn cues(runs: &[(Motion, usize)]) -> Vec<Motion> {
-        let runs = runs.iter();
-        runs.flat_map(|&(label, count)| vec![label; count])
-            .collect()
-    }
-
     /// Cues, samples at which the muscle is loud, labels that are found, and how late each hold is followed. R is relax,
     /// O open, C close, X other movement, U unknown.
-    const CASES: [&str; 4] = [
-        "R600 O700 R600 C700 R600 | 680-1420 1950-2700 | R0 O680 R1420 C1950 R2700 | 80 50",
-        // From gesture to gesture the label changes as late as the muscle has followed.
-        "R600 O500 C500 R600 | 660-1650 | R0 O660 C1160 R1650 | 60",
-        // Other movement may begin at any time.
-        "R600 X4000 R600 | 2000-2600 3500-4700 | R0 U600 X2000 U2600 X3500 R4700 | 0",
-        // What the muscle does 1.5 s after its cue is unknown.
-        "R600 O600 R1400 | 650-1800 | R0 O650 U1500 R1800 | 50",
-    ];
+    ///
+    /// From gesture to gesture the label changes as late as the muscle has followed; other movement may begin at any time;
+    /// what the muscle does 1.5 s after its cue is unknown.
+    const CASES: &str = "\
+R600 O700 R600 C700 R600 | 680-1420 1950-2700 | R0 O680 R1420 C1950 R2700 | 80 50
+R600 O500 C500 R600 | 660-1650 | R0 O660 C1160 R1650 | 60
+R600 X4000 R600 | 2000-2600 3500-4700 | R0 U600 X2000 U2600 X3500 R4700 | 0
+R600 O600 R1400 | 650-1800 | R0 O650 U1500 R1800 | 50";
 
     fn number(text: &str) -> usize {
         text.parse().unwrap()
@@ -264,19 +257,16 @@ mod tests {
 
     #[test]
     fn labels_are_where_the_muscle_is_and_not_where_the_cue_was() {
-        for case in CASES {
-            let [asked, loud, labels, late] = case.split(" | ").collect::<Vec<_>>()[..] else {
-                panic!("{case}");
-            };
-            let asked: Vec<_> = asked.split(' ').map(motion).collect();
+        for [case, loud, expected, late] in cells(CASES) {
+            let asked: Vec<_> = case.split(' ').map(motion).collect();
             let ends = loud.split(' ').map(|loud| loud.split_once('-').unwrap());
             let loud: Vec<_> = ends.map(|(from, to)| number(from)..number(to)).collect();
-            let cues = cues(&asked);
+            let cues = labels(&asked);
             let found = follow(&muscle(cues.len(), &loud), &cues);
-            let labels: Vec<_> = labels.split(' ').map(motion).collect();
+            let expected: Vec<_> = expected.split(' ').map(motion).collect();
             let runs = runs(&found.motions);
-            assert_eq!(runs.len(), labels.len(), "{case}: {runs:?}");
-            for (run, (label, start)) in runs.iter().zip(labels) {
+            assert_eq!(runs.len(), expected.len(), "{case}: {runs:?}");
+            for (run, (label, start)) in runs.iter().zip(expected) {
                 assert_eq!(run.label, label, "{case}: {runs:?}");
                 assert!(run.start.abs_diff(start) <= 10, "{case}: {runs:?}");
             }
@@ -295,7 +285,7 @@ mod tests {
 
     #[test]
     fn a_muscle_that_is_active_at_another_time_does_not_follow() {
-        let cues = cues(&[(R, 600), (O, 700), (R, 800)]);
+        let cues = labels(&[(R, 600), (O, 700), (R, 800)]);
         for loud in [1250..1700, 300..1000, 700..900] {
             let found = follow(&muscle(cues.len(), std::slice::from_ref(&loud)), &cues);
             assert_eq!(found.holds[0].response, Response::Elsewhere, "{loud:?}");
@@ -303,7 +293,7 @@ mod tests {
             assert_eq!(gesture, 0, "{loud:?}");
         }
         let point = Motion::Other(MovementKind::Point);
-        let cues = self::cues(&[(R, 600), (point, 4000), (R, 600)]);
+        let cues = labels(&[(R, 600), (point, 4000), (R, 600)]);
         let found = follow(&muscle(cues.len(), &[2000..2600, 3500..4700]), &cues);
         assert_eq!(found.holds[0].response, Response::Elsewhere);
     }

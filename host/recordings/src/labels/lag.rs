@@ -158,17 +158,12 @@ pub(super) mod tests {
 
     use super::*;
     use crate::catalogue::DataSet;
-
-    const R: Option<Intent> = Some(Intent::Relax);
-    const C: Option<Intent> = Some(Intent::Close);
+    use crate::fixture::{C, R, labels};
 
     /// Rest and closing in turn, 200 samples each; the muscle follows `late` samples later.
     pub(crate) fn recording(late: usize, weak: bool) -> Recording {
-        let count = 2000;
-        let labels: Vec<_> = (0..count)
-            .map(|at| if at / 200 % 2 == 0 { R } else { C })
-            .collect();
-        let samples = (0..count)
+        let labels = labels(&[(R, 200), (C, 200)].repeat(5));
+        let samples = (0..labels.len())
             .map(|at| {
                 let active = at >= late && (at - late) / 200 % 2 == 1;
                 let sign = if at % 2 == 0 { 1 } else { -1 };

@@ -2,6 +2,7 @@
 
 use shared::intent::Intent;
 
+use crate::recording::Recording;
 use crate::recording::movement::{Movement, MovementKind};
 
 /// Motion at one sample.
@@ -136,6 +137,17 @@ pub struct GroundTruth {
     pub labels: Vec<Option<Intent>>,
     /// Movement that is none of the intents, in order.
     pub other_movement: Vec<Movement>,
+}
+
+impl Recording {
+    /// The recording with these labels and this other movement.
+    pub(crate) fn with_truth(self, truth: GroundTruth) -> Self {
+        Self {
+            labels: truth.labels,
+            other_movement: truth.other_movement,
+            ..self
+        }
+    }
 }
 
 impl FromIterator<Motion> for GroundTruth {

@@ -75,21 +75,19 @@ impl Lag {
             .chain(timed(Timing::RestAroundCues).filter(|_| !each_cue))
             .copied()
             .collect();
-        let (basis, estimate) = match label_lag {
-            LabelLag::None => (Basis::default(), None),
-            _ => measured(data_set, &by_constant, is_training),
-        };
-        let constant = match label_lag {
-            LabelLag::None => 0,
-            _ => estimate.map_or(data_set.label_lag(), |found| found.lag_samples),
+        let (mut basis, mut estimate, mut constant) = (Basis::default(), None, 0);
+        if label_lag != LabelLag::None {
+            (basis, estimate) = measured(data_set, &by_constant, is_training);
+            constant = estimate.map_or(data_set.label_lag(), |found| found.lag_samples);
+        }
+        let (compensation, otherwise) = if each_cue {
+            (Compensation::EachCue, constant)
+        } else {
+            (Compensation::Constant(constant), 0)
         };
         Self {
-            compensation: if each_cue {
-                Compensation::EachCue
-            } else {
-                Compensation::Constant(constant)
-            },
-            otherwise: if each_cue { constant } else { 0 },
+            compensation,
+            otherwise,
             basis,
             estimate,
             recordings: CompensationCounts {

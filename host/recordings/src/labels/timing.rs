@@ -82,10 +82,7 @@ mod tests {
 
     use super::*;
     use crate::catalogue::DataSet;
-
-    const R: Option<Intent> = Some(Intent::Relax);
-    const O: Option<Intent> = Some(Intent::Open);
-    const C: Option<Intent> = Some(Intent::Close);
+    use crate::fixture::{C, O, R};
 
     /// Runs of labels; the muscle follows each change at once, or after 60 to 130 samples at random.
     fn recording(person: &str, sequence: &[(Option<Intent>, usize)], at_once: bool) -> Recording {

@@ -70,10 +70,7 @@ pub fn smallest<'a>(labels: impl IntoIterator<Item = &'a Option<Intent>>) -> Voc
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const R: Option<Intent> = Some(Intent::Relax);
-    const C: Option<Intent> = Some(Intent::Close);
-    const W: Option<Intent> = Some(Intent::WaveIn);
+    use crate::fixture::{C, R, W};
 
     fn recording(data_set: DataSet) -> Recording {
         let labels = vec![R, W, R, C, R];

@@ -3,7 +3,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use shared::intent::Intent;
 use shared::units::SAMPLE_RATE_HZ;
 
 use super::Library;
@@ -131,7 +130,7 @@ fn files<'p, K: Ord>(
 }
 
 fn inspect(data_set: DataSet, recordings: &[&Recording]) -> SetInspection {
-    let mut counts = [0usize; Intent::ALL.len()];
+    let mut counts: BTreeMap<&'static str, usize> = BTreeMap::new();
     let (mut unlabelled, mut other, mut transitions) = (0, 0, 0);
     for recording in recordings {
         let movements = recording.other_movement.iter();
@@ -139,7 +138,7 @@ fn inspect(data_set: DataSet, recordings: &[&Recording]) -> SetInspection {
         let runs = runs(&recording.labels);
         for run in &runs {
             match run.label {
-                Some(intent) => counts[intent.class()] += run.samples(),
+                Some(intent) => *counts.entry(intent.name()).or_default() += run.samples(),
                 None => unlabelled += run.samples(),
             }
         }
@@ -154,10 +153,9 @@ fn inspect(data_set: DataSet, recordings: &[&Recording]) -> SetInspection {
         subjects: subjects.len(),
         recordings: recordings.len(),
         seconds: recordings.iter().map(|r| r.seconds()).sum(),
-        seconds_by_intent: Intent::ALL
+        seconds_by_intent: counts
             .into_iter()
-            .filter(|intent| counts[intent.class()] > 0)
-            .map(|intent| (intent.name(), seconds(counts[intent.class()])))
+            .map(|(intent, samples)| (intent, seconds(samples)))
             .collect(),
         seconds_other_movement: seconds(other),
         seconds_unlabelled: seconds(unlabelled.saturating_sub(other)),
@@ -190,16 +188,12 @@ mod tests {
     use shared::units::CHANNELS;
 
     use super::*;
+    use crate::fixture::{C, R};
     use crate::library::Ignored;
     use crate::readers::open::SkipReason;
     use crate::{Movement, MovementKind};
 
     fn library() -> Library {
-        let label = |at: usize| match at / 200 {
-            0 | 2 => Some(Intent::Relax),
-            1 => Some(Intent::Close),
-            _ => None,
-        };
         let sample = |at: usize| {
             let mut sample = [at as i8 % 7; CHANNELS];
             sample[2] = 0;
@@ -207,7 +201,7 @@ mod tests {
             sample
         };
         let samples = (0..800).map(sample).collect();
-        let labels = (0..800).map(label).collect();
+        let labels = crate::fixture::labels(&[(R, 200), (C, 200), (R, 200), (None, 200)]);
         Library {
             recordings: vec![Recording {
                 name: "a".into(),

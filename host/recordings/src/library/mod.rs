@@ -258,7 +258,7 @@ impl Library {
                     recording.findings.extend(findings);
                     Ok(recording)
                 }
-                Err(finding) => Err(Damage::refused(finding).in_file(&recording.path)),
+                Err(finding) => Err(Damage::from(finding).in_file(&recording.path)),
             })
             .collect();
         for recording in examined {

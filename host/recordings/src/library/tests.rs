@@ -1,5 +1,5 @@
 use super::*;
-use crate::fixture::{HEADER, counts, emg, folder, joined, names, read};
+use crate::fixture::{HEADER, array, counts, emg, folder, joined, names, read, rows};
 
 #[test]
 fn a_path_without_recordings_says_so() {
@@ -35,7 +35,7 @@ fn a_damaged_file_is_listed_or_stops_a_strict_load() {
 #[test]
 fn rows_of_no_known_set_are_no_people_and_those_of_a_single_file_are_read() {
     let row = [1, 2, 3, 4, 5, 6, 7, 8];
-    let array = crate::npy::encode("|i1", &[100, 8], &row.repeat(100));
+    let array = array(&[row; 100]);
     let texts = [",", ";", "\t", " "].map(|separator| {
         let row = row.map(|count| count.to_string()).join(separator) + "\n";
         ("a/1.csv", row.repeat(100).into_bytes())
@@ -188,11 +188,7 @@ fn no_two_recordings_have_names_that_are_one_file_s() {
 
 #[test]
 fn a_persons_two_arms_are_two_wearers() {
-    let rows = |person: u64| -> String {
-        let samples = emg(1000, person);
-        let rows = samples.iter().map(|own| joined(own, ",") + ",0\n");
-        rows.collect()
-    };
+    let rows = |person| rows(&emg(1000, person), |_, own| joined(own, ",") + ",0");
     let right = ("_readings_right_hand/12345-1/7.txt", rows(2));
     let left = ("_readings_left_hand/12345-1/7.txt", rows(1));
     let both = read(&[left, right.clone()]);
@@ -206,10 +202,9 @@ fn a_persons_two_arms_are_two_wearers() {
 #[test]
 fn endings_in_capitals_are_read_as_small_ones() {
     let samples = emg(1000, 1);
-    let bytes = samples.iter().flatten().map(|c| c.cast_unsigned());
-    let array = crate::npy::encode("|i1", &[1000, 8], &bytes.collect::<Vec<u8>>());
+    let array = array(&samples);
     let words = crate::npy::encode("|i1", &[1000], &[5; 1000]);
-    let rows: String = samples.iter().map(|own| joined(own, ",") + "\n").collect();
+    let rows = rows(&samples, |_, own| joined(own, ","));
     let metadata = r#"{"data/bob/R_0_C_1.csv": {"class_name": "Hand_Open"}}"#;
     let description = "files = \"{person}/{trial}_emg.Npy\"\nlabel_files = \"{person}/{trial}_ann.npy\"\nrate = 200\n\
                        labels = { open = [5] }\n";

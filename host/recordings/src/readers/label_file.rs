@@ -7,7 +7,8 @@
 
 use std::path::Path;
 
-use super::error::{Damage, Fault, LoadError};
+use super::error::excerpt::excerpt;
+use super::error::{self, Damage, EMPTY, LoadError};
 use super::table;
 use super::table::separator::{Separator, unquoted};
 use crate::description::{Meanings, labels};
@@ -117,21 +118,21 @@ pub fn parse(bytes: &[u8], purpose: Purpose) -> Result<Vec<Motion>, Damage> {
         && (header.fields.len() > 1 || purposes.any(|other| header.column(other).is_some()))
     {
         let (_, found) = table::lines(text).next().unwrap_or_default();
-        let fault = Fault::Column {
-            expected: purpose.columns().join(", "),
-            found: found.to_owned(),
-        };
+        let fault = format!(
+            "expected a header with one of the columns {}, found \"{}\"",
+            purpose.columns().join(", "),
+            excerpt(found)
+        );
         return Err(Damage::at_line(1, fault));
     }
     let motions = labels(bytes, purpose)?.motions(&Meanings::default())?;
     let motions = motions.filter(|motions| !motions.is_empty());
-    motions.ok_or(Damage::of_file(Fault::Empty))
+    motions.ok_or_else(|| Damage::of_file(EMPTY))
 }
 
 /// Rows of a text of labels, each with its line: the column that a header names, else the whole of each.
 pub(crate) fn rows(bytes: &[u8], purpose: Purpose) -> Result<Vec<(usize, &str)>, Damage> {
-    let text = str::from_utf8(bytes);
-    let text = text.map_err(|error| Damage::at_byte(error.valid_up_to() as u64, Fault::Text))?;
+    let text = str::from_utf8(bytes).map_err(Damage::of_text)?;
     let header = LabelHeader::of(text);
     let Some(column) = header.column(purpose) else {
         let rows = table::lines(text).map(|(line, row)| (line, unquoted(row)));
@@ -142,7 +143,7 @@ pub(crate) fn rows(bytes: &[u8], purpose: Purpose) -> Result<Vec<(usize, &str)>,
         let fields = header.separator.fields(row);
         let (expected, found) = (header.expected, fields.len().max(1));
         if found != expected {
-            return Err(Damage::at_line(line, Fault::Fields { expected, found }));
+            return Err(Damage::at_line(line, error::fields(expected, found)));
         }
         Ok((line, fields.get(column).copied().unwrap_or_default()))
     };
@@ -150,25 +151,29 @@ pub(crate) fn rows(bytes: &[u8], purpose: Purpose) -> Result<Vec<(usize, &str)>,
 }
 
 /// Motion of a class number, 0 to 5, of -1 for unknown, or of -2 for other movement.
-pub fn from_number(value: f64) -> Result<Motion, Fault> {
+pub fn from_number(value: f64) -> Result<Motion, String> {
     let whole = (value.fract() == 0.0).then_some(value as i64);
     let motion = whole.and_then(Motion::from_number);
-    motion.ok_or_else(|| Fault::Label {
-        expected: "-2 (other), -1 (unknown), 0, 1, 2, 3, 4, 5",
-        found: value.to_string(),
+    motion.ok_or_else(|| {
+        no_label(
+            "-2 (other), -1 (unknown), 0, 1, 2, 3, 4, 5",
+            &value.to_string(),
+        )
     })
 }
 
 /// Motion of a name ([`Motion::from_name`]) or a number.
-pub fn from_text(text: &str) -> Result<Motion, Fault> {
-    if let Some(motion) = Motion::from_name(text) {
-        return Ok(motion);
-    }
-    let fault = || Fault::Label {
-        expected: "-2 to 5, an intent's name, other, or unknown",
-        found: text.to_owned(),
-    };
-    from_number(text.parse().map_err(|_| fault())?).map_err(|_| fault())
+pub fn from_text(text: &str) -> Result<Motion, String> {
+    let number = || from_number(text.parse().ok()?).ok();
+    let motion = Motion::from_name(text).or_else(number);
+    motion.ok_or_else(|| no_label("-2 to 5, an intent's name, other, or unknown", text))
+}
+
+fn no_label(expected: &str, found: &str) -> String {
+    format!(
+        "expected a label of {expected}, found \"{}\"",
+        excerpt(found)
+    )
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::labels::motion::{GroundTruth, Motion};
+use crate::labels::motion::Motion;
 use crate::readers::path::{existing, with_small_ending};
 use crate::recording::Recording;
 use execution::bounded_read;
@@ -58,8 +58,7 @@ pub(crate) fn class_name(metadata: &str, path: &Path) -> Option<String> {
 pub(crate) fn labelled(mut recording: Recording, metadata: &str) -> Recording {
     let class = class_name(metadata, &recording.path);
     let motion = class.as_deref().and_then(Motion::of_gesture);
-    let labels = recording.samples.iter();
-    let truth: GroundTruth = labels.map(|_| motion.unwrap_or(Motion::Unknown)).collect();
+    let motions = vec![motion.unwrap_or(Motion::Unknown); recording.samples.len()];
     match (class, motion) {
         (Some(class), None) => recording.notes.push(format!(
             "no labels: the class {class} of its metadata is unknown"
@@ -70,11 +69,7 @@ pub(crate) fn labelled(mut recording: Recording, metadata: &str) -> Recording {
         }
         _ => {}
     }
-    Recording {
-        labels: truth.labels,
-        other_movement: truth.other_movement,
-        ..recording
-    }
+    recording.with_truth(motions.into_iter().collect())
 }
 
 #[cfg(test)]
@@ -83,7 +78,7 @@ mod tests {
 
     use super::*;
     use crate::catalogue::DataSet;
-    use crate::fixture::{emg, joined, names};
+    use crate::fixture::{emg, joined, names, rows};
 
     const METADATA: &str = r#"{"continuous": false,
         "data/alice/R_0_C_1.csv": {"class_idx": 1, "class_name": "Hand_Open"},
@@ -92,9 +87,7 @@ mod tests {
 
     #[test]
     fn screen_guided_recordings_are_people_by_folder_with_their_classes() {
-        let samples = emg(700, 1);
-        let rows = samples.iter().map(|own| joined(own, ",") + "\r\n");
-        let rows: String = rows.collect();
+        let rows = rows(&emg(700, 1), |_, own| joined(own, ",") + "\r");
         let details = r#"{"num_reps": 1, "class_map": {"0": "No_Motion", "1": "Hand_Close"}}"#;
         let library = crate::fixture::read(&[
             ("anna/collection_details.json", details),

@@ -7,7 +7,9 @@ use std::io::Read as _;
 
 use flate2::read::ZlibDecoder;
 
-use super::error::{Damage, Fault};
+use super::error::Damage;
+use super::error::excerpt::excerpt;
+use super::npy::Array;
 use execution::bounded_read::RECORDING;
 
 const _: () = assert!(RECORDING == 128 << 20, "as an error says");
@@ -22,37 +24,20 @@ const NUMERIC: std::ops::RangeInclusive<u8> = 6..=15;
 /// Flag of a complex matrix.
 const COMPLEX: u8 = 0x08;
 
-/// A real numeric matrix.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Matrix {
-    /// Name of the variable.
-    pub name: String,
-    /// Rows and columns.
-    pub shape: [usize; 2],
-    /// Elements, column after column.
-    pub values: Vec<f64>,
-    /// Byte of the file at which the variable starts.
-    pub byte: u64,
+/// Fault of a file that is not as MATLAB writes it.
+pub(crate) fn fault(what: &str) -> String {
+    format!("expected a MATLAB 5 file, but {}", excerpt(what))
 }
 
-impl Matrix {
-    /// The element of a row and a column; both inside the shape.
-    pub fn at(&self, row: usize, column: usize) -> f64 {
-        self.values[column * self.shape[0] + row]
-    }
-
-    /// Shape for a message.
-    pub fn describe(&self) -> String {
-        format!("{} x {} of {}", self.shape[0], self.shape[1], self.name)
-    }
+fn bad(byte: usize, what: &str) -> Damage {
+    Damage::at_byte(byte as u64, fault(what))
 }
 
-/// The real numeric matrices of two axes in the bytes of a file, in their order.
+/// The real numeric matrices of two axes in the bytes of a file, in their order; `descr` of each is its variable.
 ///
 /// # Errors
 /// Damage with the byte of the fault. No allocation exceeds the bound of a file.
-pub fn parse(bytes: &[u8]) -> Result<Vec<Matrix>, Damage> {
-    let bad = |byte: usize, what: &str| Damage::at_byte(byte as u64, Fault::Mat(what.to_owned()));
+pub fn parse(bytes: &[u8]) -> Result<Vec<Array>, Damage> {
     match bytes.get(124..HEAD) {
         Some([0, 1, b'I', b'M']) => {}
         Some([0, 2, b'I', b'M']) => {
@@ -145,7 +130,7 @@ impl<'b> Elements<'b> {
 }
 
 /// A matrix of the content of its element; none if it is no real numeric one of two axes.
-fn matrix(data: &[u8], byte: u64) -> Result<Option<Matrix>, &'static str> {
+fn matrix(data: &[u8], byte: u64) -> Result<Option<Array>, &'static str> {
     let mut parts = Elements { bytes: data, at: 0 };
     let mut part = || parts.next().ok_or("it ends in the head of a variable");
     let flags = part()?.data;
@@ -167,12 +152,8 @@ fn matrix(data: &[u8], byte: u64) -> Result<Option<Matrix>, &'static str> {
     if rows.checked_mul(columns) != Some(values.len()) {
         return Err("a matrix has another number of elements than its shape");
     }
-    Ok(Some(Matrix {
-        name,
-        shape: [rows, columns],
-        values,
-        byte,
-    }))
+    let shape = [rows, columns];
+    Ok(Some(Array::of_variable(name, byte, shape, values)))
 }
 
 /// Numbers of an element, whichever type they were packed in: whole ones are saved as small integers.
@@ -204,6 +185,7 @@ pub mod fixture;
 mod tests {
     use super::fixture::{compressed, doubles, file, variable};
     use super::*;
+    use crate::readers::npy::Values;
 
     #[test]
     fn matrices_are_read_packed_or_not() {
@@ -212,11 +194,16 @@ mod tests {
         let text = variable("note", [1, 2], 4, 4, &[65, 0, 66, 0]);
         let bytes = file(&[compressed(&plain), text, compressed(&small), plain]);
         let found = parse(&bytes).unwrap();
-        let names: Vec<_> = found.iter().map(|m| m.name.as_str()).collect();
+        let names: Vec<_> = found.iter().map(|own| own.descr.as_str()).collect();
         assert_eq!(names, ["data", "pulse", "data"]);
-        assert_eq!((found[0].at(0, 2), found[0].at(1, 2)), (3.0, -0.5));
-        assert_eq!(found[1].values, [0.0, 100.0, -128.0]);
-        assert_eq!((found[0].byte, found[0].shape), (128, [2, 3]));
+        let rows = [1.0, 2.0, 3.0, 4.0, 5.0, -0.5];
+        assert_eq!(found[0].values, Values::Numbers(rows.into()));
+        let pulse = [0.0, 100.0, -128.0];
+        assert_eq!(found[1].values, Values::Numbers(pulse.into()));
+        assert_eq!(
+            (found[0].byte_of_row(1), &found[0].shape[..]),
+            (128, &[2, 3][..])
+        );
         assert_eq!(found[2].values, found[0].values);
     }
 
@@ -224,11 +211,11 @@ mod tests {
     fn other_versions_and_wrong_shapes_say_so() {
         let mut newer = file(&[]);
         newer[125] = 2;
-        let error = parse(&newer).unwrap_err().fault.to_string();
+        let error = parse(&newer).unwrap_err().fault;
         assert!(error.contains("-v7"), "{error}");
         let wrong = file(&[doubles("data", [2, 2], &[1.0; 3])]);
-        let error = parse(&wrong).unwrap_err();
-        assert!(error.fault.to_string().contains("shape"), "{error:?}");
+        let error = parse(&wrong).unwrap_err().fault;
+        assert!(error.contains("shape"), "{error}");
         assert!(parse(b"MATLAB 5.0 MAT-file").is_err());
     }
 
@@ -250,7 +237,7 @@ mod tests {
         let variable = compressed(&variable("data", [axis as i32, 1], 8, 1, &zeros));
         let bytes = file(&vec![variable; 9]);
         assert!(bytes.len() < 1 << 20);
-        let fault = parse(&bytes).err().map(|error| error.fault.to_string());
+        let fault = parse(&bytes).err().map(|error| error.fault);
         assert!(fault.is_some_and(|fault| fault.contains("unpacked")));
     }
 }

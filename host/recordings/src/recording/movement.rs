@@ -96,13 +96,6 @@ pub enum OtherMovement {
     Class,
 }
 
-impl OtherMovement {
-    /// Whether the movement is unknown in training.
-    pub fn is_unknown(&self) -> bool {
-        *self == Self::Unknown
-    }
-}
-
 /// A movement in a recording.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Movement {

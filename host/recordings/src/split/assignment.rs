@@ -128,11 +128,6 @@ fn drawn(share: f64, known: usize, rest: usize) -> usize {
     if share <= 0.0 || known <= 2 {
         return 0;
     }
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a share of a count"
-    )]
     let wanted = ((share * known as f64).round() as usize).max(1);
     wanted.min(rest.saturating_sub(1))
 }

@@ -132,17 +132,12 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::fixture::people;
 
     fn recordings(roshambo: usize, ss_stm: usize) -> Vec<Recording> {
-        let of = |data_set: DataSet, people| {
-            (0..2 * people).map(move |at| {
-                let subject = format!("{}/{}", data_set.name(), at / 2);
-                Recording::new(data_set, subject, Vec::new(), Vec::new())
-            })
-        };
-        of(DataSet::named("roshambo"), roshambo)
-            .chain(of(DataSet::named("ss-stm"), ss_stm))
-            .collect()
+        let sets = [("roshambo", roshambo), ("ss-stm", ss_stm)];
+        sets.map(|(set, count)| people(DataSet::named(set), 0..count))
+            .concat()
     }
 
     proptest! {
@@ -198,11 +193,7 @@ mod tests {
             DataSet::named("adl"),
             DataSet::named("psl"),
         ];
-        all.extend(unseen.map(|set| Recording {
-            data_set: set,
-            subject: format!("{}/0", set.name()),
-            ..all[0].clone()
-        }));
+        all.extend(unseen.into_iter().flat_map(|set| people(set, 0..1)));
         let groups = Protocol::LeaveSetsOut.groups(&all, 42);
         let expected = [
             vec!["roshambo/0", "adl/0"],

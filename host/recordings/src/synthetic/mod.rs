@@ -58,16 +58,14 @@ impl Default for SynthOptions {
 
 /// Generates the recordings in memory, ordered by person.
 pub fn generate(options: &SynthOptions) -> Vec<Recording> {
-    timed(simulate(options))
+    let people = 1..=options.subjects;
+    let recordings = people.flat_map(|number| generate_person(options, number));
+    recordings.collect()
 }
 
 /// Generates the recordings of one person in memory, as [`generate`] does; `number` is 1 for `s1`.
 pub fn generate_person(options: &SynthOptions, number: usize) -> Vec<Recording> {
-    timed(simulate_person(*options, number))
-}
-
-/// Recordings with the timing of their labels.
-fn timed(simulated: impl Iterator<Item = (Recording, Vec<Intent>)>) -> Vec<Recording> {
+    let simulated = simulate_person(*options, number);
     let mut recordings: Vec<_> = simulated.map(|(recording, _)| recording).collect();
     timing::find(&mut recordings);
     recordings

@@ -3,6 +3,7 @@
 use crate::input::Input;
 pub use recordings::readers::mat::fixture::{compressed, file, packed, variable};
 use recordings::readers::mat::parse;
+use recordings::readers::npy::Values;
 
 /// Bytes of a stored block: small, so that a variable has several.
 const BLOCK: usize = 200;
@@ -58,11 +59,11 @@ fn stored(content: &[u8]) -> Vec<u8> {
 fn check(bytes: &[u8]) {
     let Ok(matrices) = parse(bytes) else { return };
     for matrix in matrices {
-        let [rows, columns] = matrix.shape;
-        assert_eq!(rows.checked_mul(columns), Some(matrix.values.len()));
-        assert!(matrix.byte < bytes.len() as u64);
-        if rows > 0 && columns > 0 {
-            let _ = matrix.at(rows - 1, columns - 1);
-        }
+        let (&[rows, columns], Values::Numbers(values)) = (&matrix.shape[..], &matrix.values)
+        else {
+            panic!("a matrix of numbers, found {}", matrix.describe());
+        };
+        assert_eq!(rows.checked_mul(columns), Some(values.len()));
+        assert!(matrix.byte_of_row(rows) < bytes.len() as u64);
     }
 }

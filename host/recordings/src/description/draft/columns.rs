@@ -9,7 +9,6 @@ use super::quoted;
 use crate::examiner::clock::{rises, seconds_of};
 use crate::examiner::finding::Finding;
 use crate::examiner::scale::ScaleDetector;
-use crate::readers::error::Fault;
 use crate::readers::npy::{self, Values};
 use crate::readers::path::ending;
 use crate::readers::read;
@@ -117,11 +116,9 @@ impl Table {
         let head = Head::of(text, None)?;
         let named = match Named::of(text) {
             Ok(columns) => Some(columns).filter(|columns| !columns.names.is_empty()),
-            Err(error) => match error.fault {
-                // A person says which columns these are.
-                Fault::Channels { .. } | Fault::Headerless { .. } => None,
-                _ => return None,
-            },
+            // A person says which columns these are.
+            Err(error) if error.has_columns => None,
+            Err(_) => return None,
         };
         let all = Named::of_head(&head, head.is_names);
         let mut columns = vec![Vec::new(); all.count];

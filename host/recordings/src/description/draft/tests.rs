@@ -2,7 +2,7 @@ use super::*;
 use crate::fixture::{HEADER, folder};
 
 /// Text of the draft of a folder with these files.
-fn written(files: &[(&str, String)]) -> Result<String, DraftError> {
+fn written(files: &[(&str, String)]) -> Result<String, LoadError> {
     let folder = folder(files);
     let (path, text) = describe(folder.path(), None)?;
     assert_eq!(std::fs::read_to_string(path).unwrap(), text);
@@ -150,7 +150,7 @@ fn an_existing_description_is_never_replaced() {
     let refusal = |path: &Path| describe(path, None).unwrap_err().to_string();
     describe(folder.path(), None).unwrap();
     for (below, words) in [
-        ("", "recordings.toml exists: correct it"),
+        ("", "recordings.toml: exists: correct it"),
         ("a.csv", "expected a folder"),
     ] {
         let told = refusal(&folder.path().join(below));

@@ -1,6 +1,7 @@
 use proptest::prelude::*;
 
 use super::*;
+use crate::fixture::cells;
 
 fn pattern(text: &str) -> Pattern {
     text.to_owned().try_into().unwrap()
@@ -11,33 +12,19 @@ fn fields(text: &str, path: &str, known: &[&str]) -> Option<Vec<String>> {
     found.map(|found| found.0.into_iter().map(|(_, text)| text).collect())
 }
 
+/// Patterns, paths that they match, and the texts of their fields.
+const DIVIDED: &str = "\
+{person}/{gesture}_{trial}.csv | anna/open_3.csv | anna open 3
+d/{person}/M{gesture}T{trial}.csv | d/sub12/M5T2.csv | sub12 5 2
+{session}_R{trial}_{gesture}.npy | test_trial_0_R1_close.npy | test_trial_0 1 close
+{person}/{trial}_{gesture}.npy | EMG_S3/5_thumb_up.npy | EMG_S3 5 thumb_up
+{any}/{any}-{gesture}.csv | a/b-c-d.csv | a b c-d
+{person}.csv | \u{63e1}.csv | \u{63e1}
+raw.CSV | raw.csv | ";
+
 #[test]
 fn paths_are_divided_as_the_pattern_says() {
-    for (text, path, expected) in [
-        (
-            "{person}/{gesture}_{trial}.csv",
-            "anna/open_3.csv",
-            "anna open 3",
-        ),
-        (
-            "d/{person}/M{gesture}T{trial}.csv",
-            "d/sub12/M5T2.csv",
-            "sub12 5 2",
-        ),
-        (
-            "{session}_R{trial}_{gesture}.npy",
-            "test_trial_0_R1_close.npy",
-            "test_trial_0 1 close",
-        ),
-        (
-            "{person}/{trial}_{gesture}.npy",
-            "EMG_S3/5_thumb_up.npy",
-            "EMG_S3 5 thumb_up",
-        ),
-        ("{any}/{any}-{gesture}.csv", "a/b-c-d.csv", "a b c-d"),
-        ("{person}.csv", "\u{63e1}.csv", "\u{63e1}"),
-        ("raw.CSV", "raw.csv", ""),
-    ] {
+    for [text, path, expected] in cells(DIVIDED) {
         let found = fields(text, path, &[]).map(|found| found.join(" "));
         assert_eq!(found.as_deref(), Some(expected), "{text} {path}");
     }

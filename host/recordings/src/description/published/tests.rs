@@ -1,17 +1,15 @@
 use shared::intent::Intent;
 
 use super::*;
+use crate::fixture::{R, cells};
 use crate::readers::mat::fixture;
-use crate::readers::npy;
 use crate::recording::Timing;
-
-const RELAX: Option<Intent> = Some(Intent::Relax);
 
 fn read(path: &str, bytes: impl AsRef<[u8]>) -> Result<Recording, LoadError> {
     let bytes = bytes.as_ref();
     let path = Path::new(path);
-    let (layout, fields) = Layout::of(path, bytes).expect("a path of a published set");
-    Ok(layout.read(path, bytes, &fields)?.remove(0))
+    let file = PublishedFile::of(path, bytes).expect("a path of a published set");
+    Ok(file.read(bytes)?.remove(0))
 }
 
 /// Count of a row: loud in the hold.
@@ -21,8 +19,8 @@ fn count(row: usize, hold: &std::ops::Range<usize>) -> i8 {
 }
 
 fn array(rows: usize) -> Vec<u8> {
-    let counts = (0..rows * 8).map(|at| count(at / 8, &(500..800)).cast_unsigned());
-    npy::encode("|i1", &[rows, 8], &counts.collect::<Vec<u8>>())
+    let samples = (0..rows).map(|row| [count(row, &(500..800)); 8]);
+    crate::fixture::array(&samples.collect::<Vec<_>>())
 }
 
 /// Names of what is labelled in a recording, intents first.
@@ -31,14 +29,17 @@ fn labelled(own: &Recording) -> String {
     let others = own.other_movement.iter().map(|own| own.kind.name());
     let mut names: Vec<&str> = labels.chain(others).collect();
     names.dedup();
+    if names.is_empty() {
+        return "-".to_owned();
+    }
     names.join(" ")
 }
 
 /// Path, content, name and labels of a file of each set.
 const TAKEN: &str = "\
 EMG_S12/5_thumb_up.npy | 900 | wang-myo/S12/5_thumb_up | relax thumb-up
-EMG_S3/x/握拳_1_x.mat | mat | wang-myo/S3/1_fist |
-EMG_S3/Good_5_x.mat | mat | wang-myo/S3/5_thumb_up |
+EMG_S3/x/握拳_1_x.mat | mat | wang-myo/S3/1_fist | -
+EMG_S3/Good_5_x.mat | mat | wang-myo/S3/5_thumb_up | -
 user10/testing/055_pinch.npy | 1000 | epn/user10/testing/055_pinch | relax pinch relax
 sub7/M8T1.CSV | decimals | ss-stm/sub7/M8T1 | relax close relax
 EvaluationDataset/Male3/training0/classe_13.dat | int16 | cote-allard/E-Male3/training0/classe_13 | open
@@ -71,18 +72,15 @@ fn names_say_set_person_and_motion_and_nothing_else_is_taken() {
         "int16" => [1, 0].repeat(16),
         rows => array(rows.parse().unwrap()),
     };
-    for line in TAKEN.lines() {
-        let [path, content, name, labels] = line.split('|').collect::<Vec<_>>()[..] else {
-            panic!("{line}");
-        };
-        let own = read(&format!("/d/{}", path.trim()), bytes(content.trim())).unwrap();
+    for [path, content, name, labels] in cells(TAKEN) {
+        let own = read(&format!("/d/{path}"), bytes(content)).unwrap();
         let found = (own.full_name(), labelled(&own));
-        assert_eq!(found, (name.trim().to_owned(), labels.trim().to_owned()));
+        assert_eq!(found, (name.to_owned(), labels.to_owned()));
     }
-    for line in NOT_TAKEN.lines() {
-        let (path, content) = line.split_once(" | ").unwrap();
+    for [path, content] in cells(NOT_TAKEN) {
         let path = Path::new("/d").join(path);
-        assert!(Layout::of(&path, &bytes(content)).is_none(), "{line}");
+        let found = PublishedFile::of(&path, &bytes(content));
+        assert!(found.is_none(), "{}", path.display());
     }
 }
 
@@ -97,7 +95,7 @@ fn the_gesture_of_a_name_is_where_the_muscle_is_active() {
     let rock = read("/d/s2_l_1/s2_l_1-rock-7-emg.csv", rps(100..300)).unwrap();
     assert_eq!(rock.full_name(), "myo-rps/s2/l_1-rock-7");
     let found = [rock.labels[200], rock.labels[20]];
-    assert_eq!(found, [Some(Intent::Close), RELAX]);
+    assert_eq!(found, [Some(Intent::Close), R]);
     assert_eq!((rock.samples[201], rock.timing), ([-40; 8], Timing::Muscle));
     let scissors = read("/d/s2_l_1-scissors-7-emg.csv", rps(100..300)).unwrap();
     assert!(scissors.other_movement[0].samples.contains(&200));
@@ -105,7 +103,7 @@ fn the_gesture_of_a_name_is_where_the_muscle_is_active() {
     assert!(!weak.has_labels());
     assert_eq!(weak.notes.len(), 2, "{:?}", weak.notes);
     let rest = read("/d/user10/testing/001_noGesture.npy", array(900)).unwrap();
-    assert_eq!((rest.labels, rest.timing), (vec![RELAX; 900], Timing::Cues));
+    assert_eq!((rest.labels, rest.timing), (vec![R; 900], Timing::Cues));
     assert!(rest.notes[0].contains("some were lost"));
 }
 
@@ -115,7 +113,7 @@ fn lines_of_myo_readings_end_and_are_spaced_either_way() {
     let right = read("/d/12345-2/7.TXT", text).unwrap();
     let samples = [[-3, 1, -2, 4, 0, 2, 0, -2], [1, 2, 3, 4, 5, 6, 7, -128]];
     assert_eq!(right.samples, samples);
-    assert_eq!(right.labels, [RELAX, Some(Intent::Close)]);
+    assert_eq!(right.labels, [R, Some(Intent::Close)]);
     assert_eq!(right.full_name(), "myo-readings/12345/2/7");
     let left = read("/d/_readings_left_hand/12345-2/7.txt", text).unwrap();
     assert_eq!(left.samples[1], [7, 6, 5, 4, 3, 2, 1, -128]);
@@ -170,7 +168,7 @@ fn pulses_of_myoup_are_counted_and_rest_keeps_a_second_away() {
     };
     let recording = read("/d/MyoUP/E2/s3e2.mat", file(60)).unwrap();
     assert_eq!(recording.full_name(), "myoup/s3/e2");
-    let expected = [None, None, RELAX, None].into_iter();
+    let expected = [None, None, R, None].into_iter();
     for (at, label) in [500, 1199, 1200, 1500].into_iter().zip(expected) {
         assert_eq!(recording.labels[at], label, "{at}");
     }
@@ -179,15 +177,20 @@ fn pulses_of_myoup_are_counted_and_rest_keeps_a_second_away() {
     let error = read("/d/MyoUP/E2/s3e2.mat", file(59)).unwrap_err();
     let words = "expected 60 gestures marked, found 59";
     assert!(error.to_string().contains(words), "{error}");
-    assert!(Layout::is_of_labels(Path::new("/d/s3/e2_ann.npy")));
+    assert!(has_labels(Path::new("/d/s3/e2_ann.npy")));
 }
 
 #[test]
 fn a_cut_row_of_cote_allard_names_its_byte() {
     let path = "/d/PreTrainingDataset/Male3/training0/classe_15.DAT";
+    // One value of many is damage, and no scale.
+    let one = [&[1, 0].repeat(8 * 200)[..], &[1; 16]].concat();
     for (bytes, words) in [
-        (&[0; 18][..], "byte 16: expected 32 bytes, found 18"),
-        (&[1; 32], "found 257"),
+        (&[0; 18][..], "byte 18: expected 32 bytes, found 18"),
+        (
+            &one,
+            "byte 3200: expected a count of the armband in field 1, a whole number from -128 to 127, found 257",
+        ),
     ] {
         let error = read(path, bytes).unwrap_err().to_string();
         assert!(error.contains(words), "{error}");

@@ -1,6 +1,7 @@
 //! Refusals, and their words.
 
 use super::{array, described, table};
+use crate::fixture::cells;
 use crate::readers::open::SkipReason;
 use crate::{LoadError, npy};
 
@@ -56,10 +57,7 @@ const UNUSABLE: &str = r#"3 | unknown field `foo`, expected one of `folder`, `fi
 
 #[test]
 fn a_description_that_cannot_be_used_names_file_line_and_field() {
-    for case in UNUSABLE.lines() {
-        let [line, words, text] = case.split(" | ").collect::<Vec<_>>()[..] else {
-            panic!("{case}");
-        };
+    for [line, words, text] in cells(UNUSABLE) {
         let text = text.replace("FILES", "files = \"{person}/{trial}.csv\"");
         let text = text.replace(" ; ", "\n") + "\n";
         let error = described(&text, &[]).unwrap_err();

@@ -1,15 +1,36 @@
-//! Errors of reading recordings, and the place of a fault.
+//! Errors of reading recordings: the place of a fault, and its words, which say what was expected, what was found and what
+//! to do.
 
 pub(crate) mod excerpt;
-mod fault;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 use crate::examiner::finding::Finding;
+use excerpt::excerpt;
 use execution::file_kind::FileKind;
 use execution::printable::printable;
-pub use fault::Fault;
+
+/// Fault of a file without rows.
+pub(crate) const EMPTY: &str = "expected one row per sample, found none";
+/// Fault of a text in another encoding.
+pub(crate) const NO_UTF_8: &str =
+    "expected UTF-8 text, found bytes of another encoding: save the file as UTF-8";
+
+/// Fault of a row with more or fewer values than those before.
+pub(crate) fn fields(expected: usize, found: usize) -> String {
+    format!("expected {expected} values as in the rows before, found {found}")
+}
+
+/// Fault of labels that are not one a sample.
+pub(crate) fn label_count(samples: usize, labels: usize) -> String {
+    format!("expected one label per sample, found {labels} labels for {samples} samples")
+}
+
+/// Fault of columns or axes.
+pub(crate) fn array(expected: &str, found: &str) -> String {
+    format!("expected an array of {expected}, found {}", excerpt(found))
+}
 
 /// Place of a fault in its file.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -33,46 +54,46 @@ impl fmt::Display for Place {
 }
 
 /// Fault of a file, and its place in the file.
-#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("{place}: {fault}{}", if *as_published { " (damaged as published)" } else { "" })]
 pub struct Damage {
     /// Place in the file.
     pub place: Place,
-    /// Fault at that place.
-    pub fault: Fault,
+    /// Words of the fault.
+    pub fault: String,
     /// Whether the published copy has the same damage, so that downloading it again does not help.
     pub as_published: bool,
 }
 
 impl Damage {
-    pub(crate) const fn at(place: Place, fault: Fault) -> Self {
+    pub(crate) fn at(place: Place, fault: impl Into<String>) -> Self {
         Self {
             place,
-            fault,
+            fault: fault.into(),
             as_published: false,
         }
     }
 
-    pub(crate) const fn at_line(line: usize, fault: Fault) -> Self {
+    pub(crate) fn at_line(line: usize, fault: impl Into<String>) -> Self {
         Self::at(Place::Line(line), fault)
     }
 
-    pub(crate) const fn at_byte(byte: u64, fault: Fault) -> Self {
+    pub(crate) fn at_byte(byte: u64, fault: impl Into<String>) -> Self {
         Self::at(Place::Byte(byte), fault)
     }
 
-    pub(crate) const fn of_file(fault: Fault) -> Self {
+    pub(crate) fn of_file(fault: impl Into<String>) -> Self {
         Self::at(Place::File, fault)
     }
 
     /// Damage of a file of another kind.
-    pub(crate) const fn of_kind(expected: &'static str, found: FileKind) -> Self {
-        Self::of_file(Fault::Kind { expected, found })
+    pub(crate) fn of_kind(expected: &str, found: FileKind) -> Self {
+        Self::of_file(format!("expected {expected}, found {found}"))
     }
 
-    /// Damage of a file without meaning.
-    pub(crate) fn refused(finding: Finding) -> Self {
-        Self::of_file(Fault::Refused { finding })
+    /// Damage of a text that is not UTF-8.
+    pub(crate) fn of_text(error: std::str::Utf8Error) -> Self {
+        Self::at_byte(error.valid_up_to() as u64, NO_UTF_8)
     }
 
     /// Error of this damage in a known file.
@@ -81,6 +102,13 @@ impl Damage {
             path: path.to_owned(),
             damage: self,
         }
+    }
+}
+
+impl From<Finding> for Damage {
+    /// Damage of a file without meaning.
+    fn from(finding: Finding) -> Self {
+        Self::of_file(format!("{finding}; {}", finding.advice))
     }
 }
 
@@ -122,6 +150,19 @@ impl LoadError {
         Self::Io {
             path: path.to_owned(),
             source,
+        }
+    }
+
+    /// Error of a description, in a line or as a whole.
+    pub(crate) fn description(
+        path: &Path,
+        line: Option<usize>,
+        problem: impl Into<String>,
+    ) -> Self {
+        Self::Description {
+            path: path.to_owned(),
+            line,
+            problem: problem.into(),
         }
     }
 

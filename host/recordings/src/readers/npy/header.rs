@@ -1,7 +1,7 @@
 //! The header of an npy file: a Python dictionary as text, parsed by hand.
 
-use super::MAGIC;
-use crate::readers::error::{Damage, Fault};
+use super::{MAGIC, bad};
+use crate::readers::error::Damage;
 
 /// Content of the header.
 pub(super) struct NpyHeader {
@@ -33,16 +33,11 @@ impl NpyHeader {
 
     /// The header of C order, padded with spaces so that the elements start at a multiple of 64 bytes.
     pub fn encode(descr: &str, shape: &[usize]) -> Vec<u8> {
-        let mut axes: Vec<String> = shape.iter().map(ToString::to_string).collect();
-        if axes.len() == 1 {
-            // A tuple of one element in Python: `(600,)`.
-            axes.push(String::new());
-        }
-        let axes = axes.join(", ");
-        let text = format!(
-            "{{'descr': '{descr}', 'fortran_order': False, 'shape': ({}), }}",
-            axes.trim_end()
-        );
+        let axes = super::axes(shape);
+        // A tuple of one element in Python: `(600,)`.
+        let comma = if shape.len() == 1 { "," } else { "" };
+        let text =
+            format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({axes}{comma}), }}");
         let end = (START_V1 + text.len() + 1).next_multiple_of(ALIGNMENT);
         let padded = end - START_V1;
         let mut bytes = MAGIC.to_vec();
@@ -57,11 +52,6 @@ impl NpyHeader {
 const START_V1: usize = 10;
 /// Alignment of the elements in a file, in bytes, which the format requires.
 const ALIGNMENT: usize = 64;
-
-/// Damage in the header.
-fn bad(byte: u64, what: &str) -> Damage {
-    Damage::at_byte(byte, Fault::Npy(what.to_owned()))
-}
 
 /// The dictionary's text, and where the data starts. Both are bounded by the file's end, whatever length the header
 /// claims.

@@ -9,7 +9,8 @@ mod header;
 
 use std::path::Path;
 
-use super::error::{Damage, Fault, LoadError};
+use super::error::excerpt::excerpt;
+use super::error::{Damage, LoadError};
 use header::NpyHeader;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
@@ -19,7 +20,7 @@ const MAGIC: &[u8] = b"\x93NUMPY";
 pub struct Array {
     /// Length of each axis; empty for a single value.
     pub shape: Vec<usize>,
-    /// Element type as numpy writes it: `<i8` is int64, `|S7` seven bytes of text.
+    /// Element type as numpy writes it: `<i8` is int64, `|S7` seven bytes of text; of a MATLAB file the variable's name.
     pub descr: String,
     /// The elements.
     pub values: Values,
@@ -55,6 +56,22 @@ impl Values {
 }
 
 impl Array {
+    /// Matrix of a MATLAB file: its variable, the byte where that starts, and the elements column after column.
+    pub(super) fn of_variable(
+        name: String,
+        start: u64,
+        shape: [usize; 2],
+        values: Vec<f64>,
+    ) -> Self {
+        Self {
+            values: Values::Numbers(values).by_row(shape[1]),
+            shape: shape.into(),
+            descr: name,
+            start,
+            row_bytes: 0,
+        }
+    }
+
     /// Byte of the file at which a row (along the first axis) starts.
     pub const fn byte_of_row(&self, row: usize) -> u64 {
         self.start + (row * self.row_bytes) as u64
@@ -62,9 +79,13 @@ impl Array {
 
     /// Shape and type for a message: `(8990, 8) of <i8`.
     pub fn describe(&self) -> String {
-        let axes: Vec<_> = self.shape.iter().map(ToString::to_string).collect();
-        format!("({}) of {}", axes.join(", "), self.descr)
+        format!("({}) of {}", axes(&self.shape), self.descr)
     }
+}
+
+/// Lengths of axes as text: `8990, 8`.
+fn axes(shape: &[usize]) -> String {
+    format!("{shape:?}").replace(['[', ']'], "")
 }
 
 /// Reads a whole npy file.
@@ -81,15 +102,39 @@ pub fn read(path: &Path) -> Result<Array, LoadError> {
 /// Damage with the byte of the fault: no npy file, an element type or order that is not read here, or another length
 /// than the header requires.
 pub fn parse(bytes: &[u8]) -> Result<Array, Damage> {
+    elements(NpyHeader::parse(bytes)?, bytes)
+}
+
+/// Parses rows of integers of two bytes each, without a header.
+pub(crate) fn int16(columns: usize, bytes: &[u8]) -> Result<Array, Damage> {
+    let header = NpyHeader {
+        descr: "<i2".to_owned(),
+        by_column: false,
+        shape: vec![bytes.len().div_ceil(2 * columns), columns],
+        data_start: 0,
+    };
+    elements(header, bytes)
+}
+
+/// Damage of a file that is no array.
+fn bad(byte: u64, what: &str) -> Damage {
+    let what = excerpt(what);
+    Damage::at_byte(
+        byte,
+        format!("expected an npy file (format 1 to 3), but {what}"),
+    )
+}
+
+/// Parses the elements behind a header.
+fn elements(header: NpyHeader, bytes: &[u8]) -> Result<Array, Damage> {
     let NpyHeader {
         descr,
         by_column,
         shape,
         data_start,
-    } = NpyHeader::parse(bytes)?;
-    let bad = |what: &str| Damage::at_byte(10, Fault::Npy(what.to_owned()));
+    } = header;
     let (kind, size) = element(&descr)
-        .ok_or_else(|| bad(&format!("elements of type {descr} are not read here")))?;
+        .ok_or_else(|| bad(10, &format!("elements of type {descr} are not read here")))?;
 
     let data = &bytes[data_start..];
     let expected = shape
@@ -97,11 +142,10 @@ pub fn parse(bytes: &[u8]) -> Result<Array, Damage> {
         .try_fold(size, |product, &axis| product.checked_mul(axis));
     if expected != Some(data.len()) {
         let expected = expected.map_or(u64::MAX, |n| data_start.saturating_add(n) as u64);
-        let fault = Fault::Length {
-            expected,
-            found: bytes.len() as u64,
-        };
-        return Err(Damage::at_byte(bytes.len() as u64, fault));
+        let found = bytes.len() as u64;
+        let fault =
+            format!("expected {expected} bytes, found {found}: the file is cut short or damaged");
+        return Err(Damage::at_byte(found, fault));
     }
     // Bounded by the file's length, but for the rows of an array without any.
     let columns = shape
@@ -109,7 +153,7 @@ pub fn parse(bytes: &[u8]) -> Result<Array, Damage> {
         .skip(1)
         .fold(1_usize, |product, &axis| product.saturating_mul(axis));
     if by_column && shape.len() > 2 {
-        return Err(bad("more than two axes are read in C order only"));
+        return Err(bad(10, "more than two axes are read in C order only"));
     }
     let elements = data.chunks_exact(size);
     let values = match kind {

@@ -13,9 +13,7 @@ use crate::{Library, LoadOptions, load};
 
 /// Rows of a table of one person.
 fn rows(of: impl Fn(usize, &Sample) -> String) -> String {
-    let samples = emg(1000, 1);
-    let rows = samples.iter().enumerate();
-    rows.map(|(at, sample)| of(at, sample) + "\n").collect()
+    crate::fixture::rows(&emg(1000, 1), of)
 }
 
 fn own(mark: &str) -> String {

@@ -1,75 +1,61 @@
-//! Columns beside the channels of a csv: a clock, and from which armband a row came.
+//! Columns beside the channels of a table: a clock, and from which armband a row came.
+
+use std::collections::BTreeMap;
 
 use shared::units::Sample;
 
-use crate::examiner::bands::{Devices, is_device};
-use crate::examiner::clock::Clock;
+use crate::examiner::bands::{is_device, of_devices};
+use crate::examiner::clock::{Clock, seconds_of};
 use crate::examiner::finding::Finding;
 use crate::examiner::rows::JudgedRows;
 use crate::readers::table::columns::Columns;
-use crate::readers::table::separator::Separator;
 
 /// Column of recordings by `myointent record` that says which samples were filled in.
 const FILLED_IN: &str = "bridged";
 
-/// Columns of times and of devices, as rows are read.
+/// Texts of the columns that are no channels, by column.
+pub(crate) type Texts<'t> = BTreeMap<usize, Vec<&'t str>>;
+
+/// What the columns beside the channels say of the rows.
 #[derive(Default)]
-pub(crate) struct AuxiliaryColumns {
-    /// Columns that may be clocks.
-    clocks: Vec<(usize, Clock)>,
-    devices: Option<(usize, Devices)>,
+pub(crate) struct Auxiliary {
+    /// Clock that gives the rate.
+    pub clock: Option<Clock>,
+    /// Finding on rows of several armbands.
+    devices: Option<Finding>,
     /// Whether a column marks filled-in samples, which explain repeats.
     filled_in: bool,
 }
 
-impl AuxiliaryColumns {
-    /// Finds clocks and devices among the columns that are neither channel nor label; the only clock is in column `time`,
-    /// if that is described.
-    pub fn find(columns: &Columns, time: Option<usize>) -> Self {
-        let taken = |at: &usize| columns.channels.contains(at) || columns.label == Some(*at);
-        let others: Vec<usize> = (0..columns.count).filter(|at| !taken(at)).collect();
-        let name = |at: usize| {
-            let name = columns.names.get(at).map(|name| name.trim().to_owned());
-            name.unwrap_or_else(|| unnamed(at))
-        };
-        let device = others.iter().copied().find(|&at| is_device(&name(at)));
-        let clock = |at: usize| (at, Clock::of(name(at)));
+impl Auxiliary {
+    /// Judges the columns of a table; the only clock is column `time`, if that is described.
+    pub fn of_table(columns: &Columns, time: Option<usize>, texts: &Texts<'_>) -> Self {
+        let device = columns.others().find(|&at| is_device(&columns.name(at)));
+        let devices = device.and_then(|at| of_devices(&columns.name(at), &texts[&at]).err());
+        let second = |text: &&str| seconds_of(&columns.separator.number(text)).unwrap_or(f64::NAN);
+        let times = |at| texts.get(&at).into_iter().flatten().map(second);
         Self {
-            clocks: match time {
-                Some(at) => vec![(at, Clock::described(name(at)))],
-                None => others.into_iter().map(clock).collect(),
-            },
-            devices: device.map(|at| (at, Devices::of(name(at)))),
+            devices,
             filled_in: columns.position(FILLED_IN).is_some(),
+            ..Self::of_times(columns, time, times)
         }
     }
 
-    /// Clock that gives the rate.
-    pub fn clock(&self) -> Option<&Clock> {
-        let clocks = self.clocks.iter().map(|(_, clock)| clock);
-        let ranked = clocks.filter_map(|clock| Some((clock.precedence()?, clock)));
-        ranked.min_by_key(|(rank, _)| *rank).map(|(_, clock)| clock)
-    }
-
-    /// Times of the rows; empty without a clock.
-    pub fn times(&self) -> &[f64] {
-        self.clocks.first().map_or(&[], |(_, clock)| &clock.times)
-    }
-
-    /// Adds the values of a row of an array.
-    pub fn push_values(&mut self, values: &[f64]) {
-        for (at, clock) in &mut self.clocks {
-            clock.push_time(values[*at]);
-        }
-    }
-
-    /// Adds the fields of a row.
-    pub fn push(&mut self, separator: Separator, fields: &[&str]) {
-        for (at, clock) in &mut self.clocks {
-            clock.push(&separator.number(fields[*at]));
-        }
-        if let Some((at, devices)) = &mut self.devices {
-            devices.push(fields[*at]);
+    /// Finds the clock; `times` gives the times of a column.
+    pub fn of_times<T: Iterator<Item = f64>>(
+        columns: &Columns,
+        time: Option<usize>,
+        times: impl Fn(usize) -> T,
+    ) -> Self {
+        let candidates = time.map_or_else(|| columns.others().collect(), |at| vec![at]);
+        let ranked = candidates.into_iter().filter_map(|at| {
+            let clock = Clock::of(columns.name(at), time.is_some(), times(at))?;
+            Some((clock.precedence()?, clock))
+        });
+        let first = ranked.min_by_key(|(rank, _)| *rank);
+        Self {
+            clock: first.map(|(_, clock)| clock),
+            ..Self::default()
         }
     }
 
@@ -77,15 +63,10 @@ impl AuxiliaryColumns {
     ///
     /// # Errors
     /// When the rows are those of several armbands, or not at 200 Hz.
-    pub fn rows(&self, samples: &[Sample]) -> Result<JudgedRows, Finding> {
-        if let Some((_, devices)) = &self.devices {
-            devices.judge()?;
+    pub fn rows(self, samples: &[Sample]) -> Result<JudgedRows, Finding> {
+        match self.devices {
+            Some(finding) => Err(finding),
+            None => JudgedRows::of(samples, self.clock.as_ref(), self.filled_in),
         }
-        JudgedRows::of(samples, self.clock(), self.filled_in)
     }
-}
-
-/// Name of a column without one.
-pub(crate) fn unnamed(at: usize) -> String {
-    format!("number {}", at + 1)
 }

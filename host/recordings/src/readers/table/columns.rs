@@ -11,7 +11,8 @@ use shared::units::CHANNELS;
 use super::head::{Head, form};
 use super::separator::Separator;
 use super::shape::Shape;
-use crate::readers::error::{Damage, Fault};
+use crate::readers::error::excerpt::excerpt;
+use crate::readers::error::{self, Damage, EMPTY};
 use crate::readers::table;
 
 /// Names of columns that hold labels; the first is ReactEMG's and goes before the others.
@@ -43,13 +44,26 @@ pub(crate) struct Columns {
 /// Reason why a text is no table that is read.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct TableError {
-    /// Fault: what was found and what was expected.
-    pub fault: Fault,
-    /// Line of the fault.
-    pub line: usize,
+    /// What was found, and where.
+    pub damage: Damage,
     /// Whether its columns show that it was meant as a recording.
     pub is_meant: bool,
+    /// Whether it has columns, of which a description can say what they are.
+    pub has_columns: bool,
 }
+
+impl TableError {
+    fn new(line: usize, fault: impl Into<String>, is_meant: bool, has_columns: bool) -> Self {
+        Self {
+            damage: Damage::at_line(line, fault),
+            is_meant,
+            has_columns,
+        }
+    }
+}
+
+/// Fault of a text that is no table.
+const NO_TABLE: &str = "expected rows of numbers separated by commas, semicolons, tabs or spaces, eight channels each, found other text";
 
 impl Columns {
     /// The rows of a text below its header: line and fields of each.
@@ -66,31 +80,22 @@ impl Columns {
             if found == expected {
                 Ok((line, fields))
             } else {
-                Err(Damage::at_line(line, Fault::Fields { expected, found }))
+                Err(Damage::at_line(line, error::fields(expected, found)))
             }
         })
     }
 
     /// The columns of a text.
     pub fn of(text: &str) -> Result<Self, TableError> {
-        let Some(head) = Head::of(text, None) else {
-            return Err(TableError {
-                fault: Fault::Empty,
-                line: 1,
-                is_meant: false,
-            });
-        };
+        let no_row = || TableError::new(1, EMPTY, false, false);
+        let head = Head::of(text, None).ok_or_else(no_row)?;
         let found = if head.is_names {
             Self::named(&head)
         } else {
             Self::bare(text, &head)
         };
         found.map_err(|error| match form(text) {
-            Some(fault) => TableError {
-                fault,
-                line: head.line,
-                is_meant: true,
-            },
+            Some(fault) => TableError::new(head.line, fault, true, false),
             None => error,
         })
     }
@@ -100,26 +105,39 @@ impl Columns {
         self.names.iter().position(|own| own == name)
     }
 
+    /// Columns that are neither channels nor label.
+    pub fn others(&self) -> impl Iterator<Item = usize> {
+        let taken = |at: &usize| self.channels.contains(at) || self.label == Some(*at);
+        (0..self.count).filter(move |at| !taken(at))
+    }
+
+    /// Name of a column for messages.
+    pub fn name(&self, at: usize) -> String {
+        let name = self.names.get(at).map(|name| name.trim().to_owned());
+        name.unwrap_or_else(|| unnamed(at))
+    }
+
     fn named(head: &Head<'_>) -> Result<Self, TableError> {
         let names = &head.fields;
-        let error = |found: String, is_meant| TableError {
-            fault: if head.has_numbers || is_meant {
-                Fault::Channels {
-                    header: head.text.to_owned(),
-                    separator: head.separator,
-                    found,
-                }
+        let error = |found: &str, is_meant| {
+            let has_columns = head.has_numbers || is_meant;
+            let fault = if has_columns {
+                format!(
+                    "expected a header with eight channels of one name, such as gt,emg_0 to emg_7, found {found} in \"{}\" \
+                     (separated by {}): name the eight columns of one armband so, and leave out those of other devices",
+                    excerpt(head.text),
+                    head.separator
+                )
             } else {
-                Fault::NoTable
-            },
-            line: head.line,
-            is_meant,
+                NO_TABLE.to_owned()
+            };
+            TableError::new(head.line, fault, is_meant, has_columns)
         };
         let groups = Group::all(names);
         let is_meant = groups.iter().any(Group::is_of_armbands);
         let channels = match channels(&groups) {
             Ok(channels) => channels,
-            Err(found) => return Err(error(found, is_meant)),
+            Err(found) => return Err(error(&found, is_meant)),
         };
         let known: Vec<String> = names.iter().map(|name| plain(name)).collect();
         let labels: Vec<usize> = (0..known.len())
@@ -136,7 +154,7 @@ impl Columns {
                     "several columns of labels, {}, of which none is gt,",
                     found.join(", ")
                 );
-                return Err(error(found, true));
+                return Err(error(&found, true));
             }
         };
         Ok(Self {
@@ -161,36 +179,45 @@ impl Columns {
 
     /// Columns of a table without names.
     fn bare(text: &str, head: &Head<'_>) -> Result<Self, TableError> {
-        let error = |fault, is_meant| TableError {
-            fault,
-            line: head.line,
-            is_meant,
-        };
         let fields = head.fields.iter();
         let numbers = fields.filter(|field| head.separator.is_number(field));
         if head.text.contains(['[', '{']) && numbers.count() >= CHANNELS / 2 {
-            return Err(error(Fault::Lists(head.text.to_owned()), true));
+            let fault = format!(
+                "expected a number in each field, found lists in brackets, \"{}\": write one sample a row, eight numbers \
+                 and the label",
+                excerpt(head.text)
+            );
+            return Err(TableError::new(head.line, fault, true, false));
         }
         let is_alike = |shape: &Shape| shape.columns == head.fields.len();
         let Some(shape) = Shape::of(text).filter(is_alike) else {
-            return Err(error(Fault::NoTable, false));
+            return Err(TableError::new(head.line, NO_TABLE, false, false));
         };
+        let Shape {
+            separator, columns, ..
+        } = shape;
         let Some(start) = shape.channels(text) else {
-            let fault = Fault::Headerless {
-                columns: shape.columns,
-                separator: shape.separator,
-            };
-            return Err(error(fault, shape.columns > CHANNELS));
+            let fault = format!(
+                "expected eight channels a row, found {columns} columns (separated by {separator}) and no header that says \
+                 what they are: write one as first line, such as gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7"
+            );
+            let is_meant = columns > CHANNELS;
+            return Err(TableError::new(head.line, fault, is_meant, true));
         };
         Ok(Self {
-            separator: shape.separator,
+            separator,
             names: Vec::new(),
-            count: shape.columns,
+            count: columns,
             channels: std::array::from_fn(|channel| start + channel),
             label: None,
             first_line: head.line,
         })
     }
+}
+
+/// Name of a column without one.
+pub(crate) fn unnamed(at: usize) -> String {
+    format!("number {}", at + 1)
 }
 
 /// A name in lower case, without a unit in brackets, with `_` between words.

@@ -4,7 +4,7 @@ use shared::units::CHANNELS;
 
 use super::columns::{Group, channels};
 use super::separator::Separator;
-use crate::readers::error::Fault;
+use super::shape::{self, Row};
 use crate::readers::table;
 
 /// Rows that are compared with the first one.
@@ -96,34 +96,28 @@ fn counts_up(fields: &[&str]) -> bool {
 }
 
 /// Fault of a text whose first rows do not have one form: titles above the header, or rows of several kinds.
-pub(super) fn form(text: &str) -> Option<Fault> {
-    let rows: Vec<(usize, &str)> = table::rows(text).take(FIRST).collect();
-    let rows = rows.into_iter().skip_while(|(_, row)| table::is_note(row));
-    let rows = rows.map(|(line, row)| {
-        let separator = Separator::of(row);
-        let fields = separator.fields(row);
-        let numbers = fields.iter().filter(|field| separator.is_number(field));
-        let numbers = numbers.count();
-        (line, fields, numbers)
-    });
-    let rows: Vec<(usize, Vec<&str>, usize)> = rows.collect();
-    let (_, first, _) = rows.first()?;
-    let is_header = |(_, fields, numbers): &&(usize, Vec<&str>, usize)| {
-        *numbers < fields.len() && channels(&Group::all(fields)).is_ok()
+pub(super) fn form(text: &str) -> Option<String> {
+    let rows: Vec<Row<'_>> = shape::rows(text).take(FIRST).collect();
+    let first = rows.first()?.fields.len();
+    let is_header = |row: &&Row<'_>| {
+        row.numbers.len() < row.fields.len() && channels(&Group::all(&row.fields)).is_ok()
     };
-    if let Some((line, ..)) = rows[1..].iter().find(is_header) {
-        return Some(Fault::Title { line: *line });
+    if let Some(Row { line, .. }) = rows[1..].iter().find(is_header) {
+        return Some(format!(
+            "expected the header in the first line, found it in line {line}: remove the lines before it, or begin each with #"
+        ));
     }
-    let is_other = |(_, fields, _): &&(usize, Vec<&str>, usize)| fields.len() != first.len();
+    let is_other = |row: &&Row<'_>| row.fields.len() != first;
     let others = rows.iter().filter(is_other).count();
     // One row that is cut short is damage, and not another kind.
     let kinds = others > 1 && rows.len() > others + 1 || others + 1 == rows.len() && others > 0;
-    let is_sample = |row: &&(usize, Vec<&str>, usize)| row.2 >= CHANNELS;
+    let is_sample = |row: &&Row<'_>| row.numbers.len() >= CHANNELS;
     let is_meant = 4 * rows.iter().filter(is_sample).count() >= rows.len();
-    let (line, other, _) = rows.iter().find(is_other)?;
-    (kinds && is_meant).then_some(Fault::Kinds {
-        found: first.len(),
-        other: other.len(),
-        line: *line,
+    let Row { line, fields, .. } = rows.iter().find(is_other)?;
+    let found = format!("{first} values here and {} in line {line}", fields.len());
+    (kinds && is_meant).then(|| {
+        format!(
+            "expected rows of one kind, found {found}: keep the rows of the EMG, with one header, in a file of their own"
+        )
     })
 }

@@ -1,4 +1,4 @@
-//! Rows of numbers: what the text formats share, and arrays and matrices as samples.
+//! Rows of numbers: what the text formats share, and numbers as samples.
 
 pub(crate) mod auxiliary;
 pub(crate) mod columns;
@@ -10,8 +10,8 @@ pub(crate) mod shape;
 use shared::units::{CHANNELS, Sample};
 
 use crate::examiner::scale::ScaleDetector;
-use crate::readers::error::{Damage, Fault};
-use crate::readers::mat::Matrix;
+use crate::readers::error::excerpt::excerpt;
+use crate::readers::error::{Damage, EMPTY};
 
 /// The rows of a text, each with its line number. Empty lines are no rows, nor are separators alone, as spreadsheets
 /// write them.
@@ -37,35 +37,28 @@ pub(crate) fn is_note(row: &str) -> bool {
 }
 
 /// One field as a finite number; whole numbers first, which parse faster: files have millions of them.
-pub(crate) fn number(line: usize, field: usize, text: &str) -> Result<f64, Damage> {
+pub(crate) fn number(field: usize, text: &str) -> Result<f64, String> {
     if let Ok(whole) = text.parse::<i32>() {
         return Ok(f64::from(whole));
     }
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        _ => Err(Damage::at_line(
-            line,
-            Fault::Number {
-                field,
-                text: text.to_owned(),
-            },
-        )),
-    }
+    let number = text.parse::<f64>().ok().filter(|value| value.is_finite());
+    let text = || excerpt(text);
+    number.ok_or_else(|| format!("expected a number in field {field}, found \"{}\"", text()))
 }
 
 /// Eight counts of the armband as a sample; `first_field` is where they start in the row.
 ///
 /// Counts off a whole number by up to 0.01 are rounded (decimals were printed short); +128, which
 /// a rescaled source may hold, is the armband's 127.
-pub(crate) fn sample(counts: &[f64], first_field: usize) -> Result<Sample, Fault> {
+pub(crate) fn sample(counts: &[f64], first_field: usize) -> Result<Sample, String> {
     let mut sample = [0; CHANNELS];
     for (channel, (to, &value)) in sample.iter_mut().zip(counts).enumerate() {
         let whole = value.round();
         if !(-128.0..=128.0).contains(&whole) || (value - whole).abs() > 0.01 {
-            return Err(Fault::Range {
-                field: first_field + channel,
-                value,
-            });
+            let field = first_field + channel;
+            return Err(format!(
+                "expected a count of the armband in field {field}, a whole number from -128 to 127, found {value}"
+            ));
         }
         *to = whole.min(127.0) as i8;
     }
@@ -83,7 +76,7 @@ pub(crate) struct Samples {
 
 impl Samples {
     /// Adds a row's counts; `first_field` is where they start, and `at` adds the place to a fault.
-    pub fn push(&mut self, counts: &[f64], first_field: usize, at: impl FnOnce(Fault) -> Damage) {
+    pub fn push(&mut self, counts: &[f64], first_field: usize, at: impl FnOnce(String) -> Damage) {
         self.scale.push(counts);
         match sample(counts, first_field) {
             Ok(sample) => self.samples.push(sample),
@@ -98,31 +91,11 @@ impl Samples {
     /// # Errors
     /// A scale other than counts; else the first value that is no count; else that there are no samples.
     pub fn finish(self) -> Result<Vec<Sample>, Damage> {
-        self.scale.finish().map_err(Damage::refused)?;
+        self.scale.finish()?;
         match self.fault {
             Some(fault) => Err(fault),
-            None if self.samples.is_empty() => Err(Damage::of_file(Fault::Empty)),
+            None if self.samples.is_empty() => Err(Damage::of_file(EMPTY)),
             None => Ok(self.samples),
         }
     }
-}
-
-/// A matrix n x 8 of counts over `divisor` as samples.
-pub(crate) fn matrix(matrix: &Matrix, divisor: f64) -> Result<Vec<Sample>, Damage> {
-    let at = |fault| Damage::at_byte(matrix.byte, fault);
-    let [rows, CHANNELS] = matrix.shape else {
-        return Err(at(Fault::Array {
-            expected: "numbers, n x 8",
-            found: matrix.describe(),
-        }));
-    };
-    let of_row = |row| {
-        let counts: [f64; CHANNELS] = std::array::from_fn(|c| matrix.at(row, c) * divisor);
-        sample(&counts, 1).map_err(at)
-    };
-    let samples: Vec<Sample> = (0..rows).map(of_row).collect::<Result<_, _>>()?;
-    if samples.is_empty() {
-        return Err(Damage::of_file(Fault::Empty));
-    }
-    Ok(samples)
 }

@@ -1,5 +1,6 @@
 //! Labels as a column for each class, of which one is 1 in a row.
 
+use super::auxiliary::Texts;
 use super::columns::Columns;
 use crate::labels::motion::Motion;
 
@@ -10,18 +11,6 @@ const PREFIXES: [&str; 9] = [
 /// Share of rows with exactly one 1 from which columns of unknown names look like labels.
 const ONE: f64 = 0.99;
 
-/// Columns that may have a label each, as rows are read.
-pub(crate) struct OneHot<'c> {
-    candidates: Vec<Candidate<'c>>,
-    rows: usize,
-}
-
-struct Candidate<'c> {
-    at: usize,
-    name: &'c str,
-    values: Vec<bool>,
-}
-
 /// Labels by columns of one label each.
 pub(crate) enum Found {
     /// Labels of the rows, and a sentence on where they stand.
@@ -30,77 +19,53 @@ pub(crate) enum Found {
     Unread(String),
 }
 
-impl<'c> OneHot<'c> {
-    /// Candidates among the columns beside the channels, where no column has the labels.
-    pub fn find(columns: &'c Columns) -> Self {
-        let is_other = |at: &usize| columns.label.is_none() && !columns.channels.contains(at);
-        let names = columns.names.iter().enumerate();
-        let others = names.filter(|(at, _)| is_other(at));
-        let candidate = |(at, name): (usize, &'c String)| Candidate {
-            at,
-            name: name.trim(),
-            values: Vec::new(),
-        };
-        Self {
-            candidates: others.map(candidate).collect(),
-            rows: 0,
-        }
+/// Labels of the rows by columns beside the channels, where no column has the labels; none without such columns.
+pub(crate) fn find(columns: &Columns, texts: &Texts<'_>) -> Option<Found> {
+    if columns.label.is_some() || columns.names.is_empty() {
+        return None;
     }
-
-    /// Adds a row; a column with anything but 0 and 1 has no label.
-    pub fn push(&mut self, fields: &[&str]) {
-        self.rows += 1;
-        self.candidates.retain_mut(|own| {
-            let value = value(fields[own.at]);
-            own.values.extend(value);
-            value.is_some()
-        });
+    let mut found: Vec<(&str, Vec<bool>)> = Vec::new();
+    for (&at, texts) in texts {
+        // A column with anything but 0 and 1, or without a 1, has no label.
+        let values: Option<Vec<bool>> = texts.iter().map(|text| value(text)).collect();
+        let values = values.filter(|values| values.contains(&true));
+        found.extend(values.map(|values| (columns.names[at].trim(), values)));
     }
-
-    /// Labels of the rows, if there are such columns.
-    pub fn finish(mut self) -> Option<Found> {
-        self.candidates.retain(|own| own.values.contains(&true));
-        let names: Vec<&str> = self.candidates.iter().map(|own| own.name).collect();
-        let of_row = |row: usize| {
-            let mut own = self.candidates.iter();
-            own.position(|own| own.values[row])
-        };
-        let count = |row: usize| self.candidates.iter().filter(|own| own.values[row]).count();
-        let single = (0..self.rows).filter(|&row| count(row) == 1).count();
-        let is_exclusive = (0..self.rows).all(|row| count(row) <= 1);
-        let motions: Vec<Option<Motion>> = names.iter().map(|name| motion(name)).collect();
-        let known = motions.iter().flatten().count();
-        let names = names.join(", ");
-        if known < 2 && !(is_exclusive && single as f64 >= ONE * self.rows as f64)
-            || motions.len() < 2
-        {
-            return None;
-        }
-        if known < 2 || !is_exclusive {
-            let reason = if is_exclusive {
-                "their names are no classes"
-            } else {
-                "several are 1 at a time"
-            };
-            return Some(Found::Unread(format!(
-                "columns {names} look like a label each and are not read, because {reason}: write one column gt"
-            )));
-        }
-        let motion = |row| {
-            of_row(row)
-                .and_then(|at| motions[at])
-                .unwrap_or(Motion::Unknown)
-        };
-        let labels = (0..self.rows).map(motion).collect();
-        Some(Found::Labels(
-            labels,
-            format!("labels are read from columns {names}, the one that is 1"),
-        ))
+    let rows = found.first().map_or(0, |(_, values)| values.len());
+    let count = |row: usize| found.iter().filter(|(_, values)| values[row]).count();
+    let single = (0..rows).filter(|&row| count(row) == 1).count();
+    let is_exclusive = (0..rows).all(|row| count(row) <= 1);
+    let motions = found.iter().map(|(name, _)| motion(name));
+    let motions: Vec<Option<Motion>> = motions.collect();
+    let known = motions.iter().flatten().count();
+    let looks_alike = is_exclusive && single as f64 >= ONE * rows as f64;
+    if motions.len() < 2 || known < 2 && !looks_alike {
+        return None;
     }
+    let names: Vec<&str> = found.iter().map(|(name, _)| *name).collect();
+    let names = names.join(", ");
+    if known < 2 || !is_exclusive {
+        let reason = if is_exclusive {
+            "their names are no classes"
+        } else {
+            "several are 1 at a time"
+        };
+        return Some(Found::Unread(format!(
+            "columns {names} look like a label each and are not read, because {reason}: write one column gt"
+        )));
+    }
+    let motion = |row: usize| {
+        let at = found.iter().position(|(_, values)| values[row]);
+        at.and_then(|at| motions[at]).unwrap_or(Motion::Unknown)
+    };
+    Some(Found::Labels(
+        (0..rows).map(motion).collect(),
+        format!("labels are read from columns {names}, the one that is 1"),
+    ))
 }
 
 /// Value of a field that is 0 or 1; none of another.
-pub(crate) fn value(field: &str) -> Option<bool> {
+fn value(field: &str) -> Option<bool> {
     match field.to_ascii_lowercase().as_str() {
         "0" | "0.0" | "false" => Some(false),
         "1" | "1.0" | "true" => Some(true),

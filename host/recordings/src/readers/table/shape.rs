@@ -24,31 +24,57 @@ pub(crate) struct Shape {
     pub is_decimal: bool,
 }
 
+/// Row of a table by its own separator.
+pub(crate) struct Row<'t> {
+    /// Line of the row, 1 first.
+    pub line: usize,
+    separator: Separator,
+    pub fields: Vec<&'t str>,
+    /// The finite numbers among the fields.
+    pub numbers: Vec<f64>,
+}
+
+/// The rows of a text behind the notes in front of them.
+pub(crate) fn rows(text: &str) -> impl Iterator<Item = Row<'_>> {
+    let rows = table::rows(text).skip_while(|(_, row)| table::is_note(row));
+    rows.map(|(line, row)| {
+        let separator = Separator::of(row);
+        let fields = separator.fields(row);
+        let numbers = fields.iter().filter_map(|field| {
+            let value = separator.number(field).parse::<f64>().ok();
+            value.filter(|value| value.is_finite())
+        });
+        Row {
+            line,
+            separator,
+            numbers: numbers.collect(),
+            fields,
+        }
+    })
+}
+
+/// Numbers of the first rows with so many.
+pub(crate) fn first_numbers(text: &str, count: usize) -> Vec<Vec<f64>> {
+    let numbers = rows(text).take(RISING).map(|row| row.numbers);
+    numbers.filter(|own| own.len() == count).collect()
+}
+
 impl Shape {
     /// The shape of most of the first rows; none if they are no rows of numbers. Words may stand beside eight numbers.
     pub fn of(text: &str) -> Option<Self> {
-        let rows: Vec<&str> = table::rows(text)
-            .map(|(_, row)| row)
-            .skip_while(|row| table::is_note(row))
-            .take(FIRST)
-            .collect();
+        let rows: Vec<Row<'_>> = rows(text).take(FIRST).collect();
         let most = |count: usize| 2 * count > rows.len();
-        let rows: Vec<(Separator, usize, Vec<f64>)> = rows
-            .iter()
-            .map(|row| fields_and_numbers(row))
-            .filter(|(_, fields, numbers)| numbers.len() == *fields || numbers.len() >= CHANNELS)
-            .collect();
-        let shape = |(separator, fields, numbers): &(Separator, usize, Vec<f64>)| {
-            (*separator, *fields, numbers.len())
-        };
+        let shape = |row: &Row<'_>| (row.separator, row.fields.len(), row.numbers.len());
+        let is_own = |&(_, fields, numbers): &_| numbers == fields || numbers >= CHANNELS;
         let (separator, columns, numbers) = rows
             .iter()
             .map(shape)
+            .filter(is_own)
             .find(|own| most(rows.iter().filter(|row| shape(row) == *own).count()))?;
-        let is_decimal = |(_, _, row): &&(Separator, usize, Vec<f64>)| {
-            row.len() == columns
-                && row.iter().all(|v| v.abs() <= 1.0)
-                && row.iter().any(|v| v.fract() != 0.0)
+        let is_decimal = |row: &&Row<'_>| {
+            row.numbers.len() == columns
+                && row.numbers.iter().all(|value| value.abs() <= 1.0)
+                && row.numbers.iter().any(|value| value.fract() != 0.0)
         };
         Some(Self {
             separator,
@@ -68,42 +94,18 @@ impl Shape {
     }
 
     /// First of eight columns, if the others rise from row to row.
-    pub(crate) fn without_clocks(self, text: &str) -> Option<usize> {
-        let rows = table::rows(text).map(|(_, row)| fields_and_numbers(row).2);
-        let rows = rows.filter(|row| row.len() == self.columns);
-        let rows: Vec<Vec<f64>> = rows.take(RISING).collect();
+    fn without_clocks(self, text: &str) -> Option<usize> {
+        let rows = first_numbers(text, self.columns);
         let rises = |column: usize| {
             let values: Vec<f64> = rows.iter().map(|row| row[column]).collect();
             rises_evenly(&values)
         };
-        let start = (0..self.columns)
-            .take_while(|&column| rises(column))
-            .count();
+        let columns = 0..self.columns;
+        let start = columns.take_while(|&column| rises(column)).count();
         let end = start + CHANNELS;
         let others = (end..self.columns).all(rises);
         (end <= self.columns && others).then_some(start)
     }
-}
-
-/// Numbers of the first rows of the usual number of fields.
-pub(crate) fn first_numbers(text: &str) -> Vec<Vec<f64>> {
-    let Some(shape) = Shape::of(text) else {
-        return Vec::new();
-    };
-    let rows = table::rows(text).map(|(_, row)| fields_and_numbers(row).2);
-    let rows = rows.take(RISING);
-    rows.filter(|row| row.len() == shape.numbers).collect()
-}
-
-/// Separator of a row, number of its fields, and the numbers among them.
-fn fields_and_numbers(row: &str) -> (Separator, usize, Vec<f64>) {
-    let separator = Separator::of(row);
-    let fields = separator.fields(row);
-    let numbers = fields.iter().filter_map(|field| {
-        let value = separator.number(field).parse::<f64>().ok();
-        value.filter(|value| value.is_finite())
-    });
-    (separator, fields.len(), numbers.collect())
 }
 
 #[cfg(test)]

@@ -1,19 +1,10 @@
 use super::*;
+use crate::fixture::people;
 use crate::split::Role;
-
-/// People `names` of a data set, two recordings each.
-fn people(data_set: DataSet, names: &[&str]) -> Vec<Recording> {
-    let recording = |name: &&str| {
-        let subject = format!("{}/{name}", data_set.name());
-        Recording::new(data_set, subject, Vec::new(), Vec::new())
-    };
-    let two = |name| [recording(name), recording(name)];
-    names.iter().flat_map(two).collect()
-}
 
 fn roshambo() -> Vec<Recording> {
     let names = ["01", "02", "03", "04", "05", "06", "07", "08"];
-    people(DataSet::named("roshambo"), &names)
+    people(DataSet::named("roshambo"), names)
 }
 
 const OWN: [&str; 6] = ["a", "b", "c", "d", "e", "f"];
@@ -42,7 +33,7 @@ fn the_predefined_split_decides_for_the_sets_that_it_names() {
 
 #[test]
 fn other_sets_draw_by_the_seed_and_do_not_depend_on_one_another() {
-    let own = people(DataSet::OWN, &OWN);
+    let own = people(DataSet::OWN, OWN);
     let with = |seed| assign(&own, &shares(seed)).unwrap();
     let split = with(1);
     assert_eq!(
@@ -51,7 +42,7 @@ fn other_sets_draw_by_the_seed_and_do_not_depend_on_one_another() {
     );
     let draws: BTreeSet<_> = (0..20).map(|seed| with(seed).held_out).collect();
     assert!(draws.len() > 5);
-    let both = [own.clone(), people(DataSet::SYNTHETIC, &OWN)].concat();
+    let both = [own.clone(), people(DataSet::SYNTHETIC, OWN)].concat();
     let both = assign(&both, &shares(1)).unwrap();
     let mut held_out = split.held_out.iter();
     assert!(held_out.all(|name| both.held_out.contains(name)));
@@ -83,7 +74,7 @@ fn lists_come_before_the_predefined_split_and_draws() {
 
 #[test]
 fn a_test_person_is_evaluated_where_listed_by_name_and_never_validates() {
-    let all = [roshambo(), people(DataSet::OWN, &OWN)].concat();
+    let all = [roshambo(), people(DataSet::OWN, OWN)].concat();
     let is_of_set = |name: &&String| name.starts_with("roshambo");
     for (held_out, test, own) in [("roshambo/06", 0, 1), ("roshambo", 1, 7)] {
         let split = listed(&all, &[held_out], &[]).unwrap();
@@ -112,7 +103,7 @@ fn a_fold_replaces_the_predefined_development_people_but_not_the_test_people() {
 
 #[test]
 fn nobody_to_train_on_is_refused() {
-    let own = people(DataSet::OWN, &OWN);
+    let own = people(DataSet::OWN, OWN);
     let all_out = listed(&own, &["own"], &[]);
     assert_eq!(all_out, Err(SplitError::NothingToTrainOn));
 }
@@ -121,8 +112,8 @@ fn nobody_to_train_on_is_refused() {
 fn every_subject_has_exactly_one_role() {
     let all = [
         roshambo(),
-        people(DataSet::OWN, &OWN),
-        people(DataSet::SYNTHETIC, &["1", "2"]),
+        people(DataSet::OWN, OWN),
+        people(DataSet::SYNTHETIC, ["1", "2"]),
     ]
     .concat();
     for seed in 0..10 {

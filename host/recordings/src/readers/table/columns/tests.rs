@@ -5,10 +5,7 @@ fn columns(header: &str) -> Result<Columns, TableError> {
 }
 
 fn found(header: &str) -> String {
-    match columns(header).unwrap_err().fault {
-        Fault::Channels { found, .. } => found,
-        other => panic!("{other}"),
-    }
+    columns(header).unwrap_err().damage.to_string()
 }
 
 /// Eight names, numbered from `first` on.
