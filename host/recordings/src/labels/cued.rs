@@ -23,7 +23,7 @@ use shared::units::Sample;
 use super::activity::{Activity, activity};
 use super::envelope::Envelope;
 use super::motion::Motion;
-use super::runs::{Run, runs};
+use super::runs::{self, Run, runs};
 use crate::statistics::median;
 
 /// Samples before a cue from which the muscle may follow it: 0.5 s.
@@ -76,26 +76,24 @@ pub fn follow(samples: &[Sample], cues: &[Motion]) -> Followed {
     let mut holds = Vec::new();
     let envelope = Envelope::new(samples);
     let runs = runs(cues);
-    let mut at = 0;
-    while at < runs.len() {
-        if !is_gesture(&runs[at]) {
-            at += 1;
-            continue;
-        }
-        let count = runs[at..].iter().take_while(|run| is_gesture(run)).count();
-        let hold = &runs[at..at + count];
-        let before = at.checked_sub(1).map(|at| runs[at]).filter(is_rest);
-        let after = runs.get(at + count).copied().filter(is_rest);
+    for Range { start, end } in runs::holds(&runs, is_gesture) {
+        let hold = runs[start].start..runs[end - 1].end;
+        let before = runs[..start].last().filter(|run| is_rest(run));
+        let after = runs.get(end).filter(|run| is_rest(run));
         let segment = Segment {
             // The earlier half belongs to the hold before, which may end there.
-            from: before.map_or(hold[0].start, |rest| {
-                if at == 1 { rest.start } else { rest.middle() }
+            from: before.map_or(hold.start, |rest| {
+                if start == 1 {
+                    rest.start
+                } else {
+                    rest.middle()
+                }
             }),
-            hold: hold[0].start..hold[count - 1].end,
-            to: after.map_or(hold[count - 1].end, |rest| rest.end),
+            to: after.map_or(hold.end, |rest| rest.end),
+            hold,
         };
-        holds.push(segment.label(samples, &envelope, hold, &mut motions));
-        at += count;
+        let cued = &runs[start..end];
+        holds.push(segment.label(samples, &envelope, cued, &mut motions));
     }
     Followed { motions, holds }
 }

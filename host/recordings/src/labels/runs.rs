@@ -1,5 +1,7 @@
 //! Runs of equal labels.
 
+use std::ops::Range;
+
 use shared::intent::Intent;
 
 /// Longest possible run of one label: samples `start..end`.
@@ -40,6 +42,17 @@ pub fn runs<L: Copy + PartialEq>(labels: &[L]) -> Vec<Run<L>> {
             run
         })
         .collect()
+}
+
+/// Places, among runs, of those in a row that are gestures.
+pub(crate) fn holds<L>(runs: &[Run<L>], is_gesture: impl Fn(&Run<L>) -> bool) -> Vec<Range<usize>> {
+    let mut from = 0;
+    let alike = runs.chunk_by(|a, b| is_gesture(a) == is_gesture(b));
+    let places = alike.map(|own| {
+        from += own.len();
+        from - own.len()..from
+    });
+    places.filter(|own| is_gesture(&runs[own.start])).collect()
 }
 
 #[cfg(test)]

@@ -11,10 +11,12 @@
 //!
 //! Labels inside the activity (`myoup`, `uci-gestures`) and steady holds have no such rest.
 
+use std::ops::Range;
+
 use shared::intent::Intent;
 
 use super::lag::lags_of;
-use super::runs::{Run, runs};
+use super::runs::{Run, holds, runs};
 use crate::recording::{Recording, Timing, by};
 
 /// Minimum length in samples of a rest before and after a gesture: 0.5 s.
@@ -60,19 +62,13 @@ fn of_person(recordings: &[&mut Recording]) -> Timing {
 fn rests_around(labels: &[Option<Intent>]) -> Vec<bool> {
     let runs = runs(labels);
     let is_rest = |run: &Run| run.label == Some(Intent::Relax);
-    let long = |run: Option<&Run>| run.is_some_and(|run| is_rest(run) && run.samples() >= REST);
-    let mut rested = Vec::new();
-    let mut at = 0;
-    while at < runs.len() {
-        let gesture = |run: &&Run| run.label.is_some() && !is_rest(run);
-        let count = runs[at..].iter().take_while(gesture).count();
-        if count > 0 {
-            let before = at.checked_sub(1).and_then(|before| runs.get(before));
-            rested.push(long(before) && long(runs.get(at + count)));
-        }
-        at += count.max(1);
-    }
-    rested
+    let is_long = |run: &Run| is_rest(run) && run.samples() >= REST;
+    let gestures = holds(&runs, |run| run.label.is_some() && !is_rest(run));
+    let rested = |hold: Range<usize>| {
+        let before = runs[..hold.start].last();
+        before.is_some_and(is_long) && runs.get(hold.end).is_some_and(is_long)
+    };
+    gestures.into_iter().map(rested).collect()
 }
 
 #[cfg(test)]

@@ -2,15 +2,6 @@ use super::*;
 use crate::fixture::{HEADER, array, counts, emg, folder, joined, names, read, rows};
 
 #[test]
-fn a_path_without_recordings_says_so() {
-    let folder = folder(&[("notes.txt", "not a recording\n")]);
-    let error = load(folder.path(), &LoadOptions::default()).unwrap_err();
-    assert!(matches!(error, LoadError::NoRecordings { .. }));
-    let missing = load(&folder.path().join("nowhere"), &LoadOptions::default()).unwrap_err();
-    assert!(matches!(missing, LoadError::Io { .. }));
-}
-
-#[test]
 fn a_damaged_file_is_listed_or_stops_a_strict_load() {
     let good = "1,2,3,4,5,6,7,8,0\n".repeat(30);
     let bad = ("12345-1/7.txt", format!("{good}1,2\n"));
@@ -42,8 +33,11 @@ fn rows_of_no_known_set_are_no_people_and_those_of_a_single_file_are_read() {
     });
     for (name, rows) in texts.into_iter().chain([("a/1.npy", array)]) {
         let folder = folder(&[(name, &rows), ("b/2.txt", &rows)]);
-        let error = load(folder.path(), &LoadOptions::default()).unwrap_err();
+        let refused = |path: &Path| load(path, &LoadOptions::default()).unwrap_err();
+        let error = refused(folder.path());
         assert!(matches!(error, LoadError::NoRecordings { .. }), "{error}");
+        let missing = refused(&folder.path().join("nowhere"));
+        assert!(matches!(missing, LoadError::Io { .. }), "{missing}");
         let one = load(&folder.path().join(name), &LoadOptions::default()).unwrap();
         assert_eq!(one.subjects(), ["own/a"]);
         assert_eq!(one.recordings[0].samples[99], [1, 2, 3, 4, 5, 6, 7, 8]);
