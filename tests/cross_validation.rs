@@ -6,7 +6,7 @@ mod small;
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser as _;
@@ -15,14 +15,13 @@ use recordings::npy;
 use recordings::synthetic::{self, SynthOptions};
 use serde_json::Value;
 use shared::intent::Intent;
-use small::{folder, myointent, recordings, small_preset};
+use small::{folder, in_folder, paths, recordings, small_preset};
 
-/// Runs a cross-validation of `myointent-research` with folds of a protocol, and returns true if it succeeds.
-fn cross_validate([preset, data, out]: [&Path; 3], rest: &str) -> bool {
-    let [preset, data, out] = [preset, data, out].map(Path::display);
-    let line = format!(
-        "myointent-research cross-validate --preset {preset} --data {data} --out {out} --protocol {rest}"
-    );
+/// Runs a cross-validation of `myointent-research` with folds of a protocol, of the small preset and the recordings in a folder,
+/// into `out` there; returns true if it succeeds.
+fn cross_validate(folder: &Path, rest: &str) -> bool {
+    let start = "myointent-research cross-validate --preset @small.toml --data @data --out @out";
+    let line = paths(folder, &format!("{start} --protocol {rest}"));
     let words = line.split_whitespace();
     Cli::try_parse_from(words).unwrap().run() == ExitCode::SUCCESS
 }
@@ -41,37 +40,27 @@ fn names(value: &Value) -> Vec<String> {
 #[test]
 fn a_teacher_is_fine_tuned_from_a_run_or_from_safetensors() {
     let folder = folder("fine-tuning");
-    let (data, _) = recordings(&folder);
-    let preset = small_preset(&folder);
-    let run = |name: &str| folder.join(name);
-    let first = run("first");
-    let [data, preset, start] = [&data, &preset, &first].map(|path| path.display());
+    recordings(&folder);
+    small_preset(&folder);
     let train = |name: &str, rest: &str| {
-        let run = run(name);
-        let line = format!(
-            "train --preset {preset} --data {data} --run {}",
-            run.display()
-        );
-        myointent(&format!("{line} --protocol 2-fold --fold {rest}"))
+        let line = format!("train --preset @small.toml --data @data --run @{name}");
+        in_folder(&folder, &format!("{line} --protocol 2-fold --fold {rest}"))
     };
     let teacher = |name: &str| {
-        let path = run(name);
-        assert!(myointent(&format!("export --run {}", path.display())));
-        fs::read(path.join("teacher.safetensors")).unwrap()
+        assert!(in_folder(&folder, &format!("export --run @{name}")));
+        fs::read(folder.join(name).join("teacher.safetensors")).unwrap()
     };
     assert!(train("first", "1"));
-    assert!(train("tuned", &format!("1 --from {start}")));
-    assert!(train("adapted", &format!("1 --from {start} --lora")));
+    assert!(train("tuned", "1 --from @first"));
+    assert!(train("adapted", "1 --from @first --lora"));
     assert!(teacher("tuned") != teacher("first"));
     assert!(teacher("adapted") != teacher("first"));
 
     // The start comes from fold 1, which has trained on subjects that fold 2 holds out.
-    assert!(!train("leak", &format!("2 --from {start}")));
-    assert!(!run("leak").exists());
+    assert!(!train("leak", "2 --from @first"));
+    assert!(!folder.join("leak").exists());
 
-    let checkpoint = first.join("teacher.safetensors");
-    let from = format!("1 --from {}", checkpoint.display());
-    assert!(train("imported", &from));
+    assert!(train("imported", "1 --from @first/teacher.safetensors"));
     assert!(
         teacher("imported") == teacher("tuned"),
         "one teacher from two kinds of files"
@@ -81,21 +70,17 @@ fn a_teacher_is_fine_tuned_from_a_run_or_from_safetensors() {
 #[test]
 fn a_cross_validation_evaluates_everybody_once_for_each_seed_and_goes_on() {
     let folder = folder("cross-validation");
-    let (data, _) = recordings(&folder);
-    let one = small_preset(&folder);
-    let text = fs::read_to_string(&one).unwrap();
-    let other = folder.join("other.toml");
+    recordings(&folder);
+    let text = fs::read_to_string(small_preset(&folder)).unwrap();
     let text = text
         .replace("name = \"small\"", "name = \"other\"")
         .replace("teacher_share = 0.5", "teacher_share = 0.0");
-    fs::write(&other, text).unwrap();
+    fs::write(folder.join("other.toml"), text).unwrap();
     let out = folder.join("out");
-    let compared = format!(
-        "--preset {} --seeds 1,2 --baselines ed-tcn",
-        other.display()
-    );
-    let command =
-        |rest: &str| cross_validate([&one, &data, &out], &format!("2-fold {compared} {rest}"));
+    let command = |rest: &str| {
+        let compared = "2-fold --preset @other.toml --seeds 1,2 --baselines ed-tcn";
+        cross_validate(&folder, &format!("{compared} {rest}"))
+    };
     assert!(!command("--fold 3"));
     assert!(command("--fold 2"));
     assert!(
@@ -116,20 +101,12 @@ fn a_cross_validation_evaluates_everybody_once_for_each_seed_and_goes_on() {
     assert_eq!(student("small"), before);
 
     let rows = fs::read_to_string(out.join("people.csv")).unwrap();
-    let mut people: Vec<(&str, &str, &str)> = rows
-        .lines()
-        .skip(1)
-        .map(|row| {
-            // The look-ahead may have a comma of its own, in quotes.
-            let (name, rest) = row.split_once(',').unwrap();
-            let fields: Vec<&str> = rest
-                .rsplit_once('"')
-                .map_or(rest, |(_, rest)| rest)
-                .split(',')
-                .collect();
-            (name, fields[2], fields[5])
-        })
-        .collect();
+    let row = |line: &str| {
+        let fields = fields(line);
+        // Model, seed and subject.
+        [0, 3, 6].map(|at| fields[at].clone())
+    };
+    let mut people: Vec<[String; 3]> = rows.lines().skip(1).map(row).collect();
     people.sort_unstable();
     // Four people, two seeds, two presets and a baseline with two aggregation modes, and two floors: each person in one fold of
     // each.
@@ -166,7 +143,7 @@ fn fields(line: &str) -> Vec<String> {
 
 /// Writes synthetic recordings of other people than those of [`recordings`] as files of roshambo, whose subject 06 is a
 /// test person.
-fn roshambo(folder: &Path, subjects: &[&str]) -> PathBuf {
+fn roshambo(folder: &Path, subjects: &[&str]) {
     let options = SynthOptions {
         subjects: subjects.len(),
         recordings: 1,
@@ -205,16 +182,15 @@ fn roshambo(folder: &Path, subjects: &[&str]) -> PathBuf {
             npy::encode("|S7", &[count], &names.collect::<Vec<_>>()),
         );
     }
-    data
 }
 
 #[test]
 fn a_cross_validation_scores_the_test_people_apart_by_students_that_never_saw_them() {
     let folder = folder("cross-validation-test-people");
-    let data = roshambo(&folder, &["01", "02", "03", "04", "06"]);
-    let (preset, out) = (small_preset(&folder), folder.join("out"));
-    let command =
-        |more: &str| cross_validate([&preset, &data, &out], &format!("2-fold --seeds 1 {more}"));
+    roshambo(&folder, &["01", "02", "03", "04", "06"]);
+    small_preset(&folder);
+    let out = folder.join("out");
+    let command = |more: &str| cross_validate(&folder, &format!("2-fold --seeds 1 {more}"));
     // Each row of people.csv gives model, look-ahead, seed, fold, subject, people and classes.
     let rows = || -> Vec<Vec<String>> {
         let text = fs::read_to_string(out.join("people.csv")).unwrap();
@@ -281,7 +257,7 @@ fn a_cross_validation_scores_the_test_people_apart_by_students_that_never_saw_th
 #[test]
 fn a_fold_of_sets_holds_out_everybody_of_one_set() {
     let folder = folder("cross-validation-sets");
-    let data = roshambo(&folder, &["01", "02", "06"]);
+    roshambo(&folder, &["01", "02", "06"]);
     recordings(&folder);
     let preset = small_preset(&folder);
     let text = fs::read_to_string(&preset).unwrap();
@@ -289,7 +265,7 @@ fn a_fold_of_sets_holds_out_everybody_of_one_set() {
     assert!(text.contains(sets));
     fs::write(&preset, text.replace(sets, "data_sets = []")).unwrap();
     let out = folder.join("out");
-    assert!(cross_validate([&preset, &data, &out], "sets --seeds 1"));
+    assert!(cross_validate(&folder, "sets --seeds 1"));
     for fold in ["fold-1", "fold-2"] {
         let split = &json(&out.join("small/seed-1").join(fold).join("config.json"))["split"];
         let held_out = names(&split["held_out"]);

@@ -13,21 +13,23 @@ use recordings::synthetic::{self, SynthOptions};
 use recordings::{LoadOptions, load};
 use shared::model::file::Model;
 use shared::units::CHANNELS;
-use small::{folder, run};
+use small::{folder, paths, run};
 use training::run::personalize::{PersonRecordings, judge};
 
 /// Exit code of a command that keeps the old model.
 const KEPT: u8 = 3;
 
-fn personalize(model: &Path, data: &Path, out: &Path) -> ExitCode {
-    let [model, data, out] = [model, data, out].map(Path::display);
-    run(&format!(
-        "personalize --model {model} --data {data} --out {out}"
+/// Tunes the shipped model on the `recordings` in a folder; `new.intent` is the new file there.
+fn personalize(folder: &Path) -> ExitCode {
+    let model = shipped("three-class").display().to_string();
+    let line = "--data @recordings --out @new.intent";
+    run(&paths(
+        folder,
+        &format!("personalize --model {model} {line}"),
     ))
 }
 
-/// Writes recordings of one synthetic person into a folder of their own; returns them in the order in which they are
-/// read.
+/// Writes `recordings` of one synthetic person into a folder; returns them in the order in which they are read.
 fn person(folder: &Path) -> Vec<PathBuf> {
     let options = SynthOptions {
         subjects: 1,
@@ -35,7 +37,7 @@ fn person(folder: &Path) -> Vec<PathBuf> {
         seconds: 60,
         ..SynthOptions::default()
     };
-    synthetic::write(&options, folder).unwrap()
+    synthetic::write(&options, &folder.join("recordings")).unwrap()
 }
 
 fn seen(file: &Path) -> Vec<String> {
@@ -88,11 +90,9 @@ fn on_the_part_held_back(model: &Path, recordings: &Path) -> f64 {
 #[test]
 fn who_is_unlike_the_people_of_the_training_gets_a_better_model() {
     let folder = folder("personalize");
-    let recordings = folder.join("recordings");
-    person(&recordings).iter().for_each(|path| turn(path));
-    let out = folder.join("new.intent");
-    let code = personalize(&shipped("three-class"), &recordings, &out);
-    assert_eq!(code, ExitCode::SUCCESS);
+    person(&folder).iter().for_each(|path| turn(path));
+    let [recordings, out] = ["recordings", "new.intent"].map(|name| folder.join(name));
+    assert_eq!(personalize(&folder), ExitCode::SUCCESS);
     let [before, after] =
         [&shipped("three-class"), &out].map(|file| on_the_part_held_back(file, &recordings));
     assert!(after > before + 0.02, "{before} {after}");
@@ -101,24 +101,20 @@ fn who_is_unlike_the_people_of_the_training_gets_a_better_model() {
     assert_eq!(seen(&out), expected);
 
     // A file is not replaced, whatever its content.
-    let again = personalize(&shipped("three-class"), &recordings, &out);
-    assert_eq!(again, ExitCode::FAILURE);
+    assert_eq!(personalize(&folder), ExitCode::FAILURE);
     assert_eq!(seen(&out), expected);
 }
 
 #[test]
 fn the_old_model_is_kept_if_the_new_one_is_worse() {
     let folder = folder("personalize-worse");
-    let recordings = folder.join("recordings");
-    let files = person(&recordings);
+    let files = person(&folder);
     // The labels that it is tuned on contradict those held back, of the last recording.
     let [first, second] = [&files[0], &files[1]];
     for path in [first, second] {
         exchange(path, ["1", "2"]);
     }
-    let out = folder.join("new.intent");
-    let code = personalize(&shipped("three-class"), &recordings, &out);
-    assert_eq!(code, ExitCode::from(KEPT));
+    assert_eq!(personalize(&folder), ExitCode::from(KEPT));
     let names = fs::read_dir(&folder)
         .unwrap()
         .map(|entry| entry.unwrap().file_name());
@@ -132,10 +128,8 @@ fn the_old_model_is_kept_if_the_new_one_is_worse() {
 #[test]
 fn exchanged_labels_are_not_tuned_on() {
     let folder = folder("personalize-exchanged");
-    let recordings = folder.join("recordings");
-    let files = person(&recordings);
+    let files = person(&folder);
     files.iter().for_each(|path| exchange(path, ["1", "2"]));
-    let out = folder.join("new.intent");
-    let code = personalize(&shipped("three-class"), &recordings, &out);
-    assert_eq!((code, out.exists()), (ExitCode::from(KEPT), false));
+    assert_eq!(personalize(&folder), ExitCode::from(KEPT));
+    assert!(!folder.join("new.intent").exists());
 }

@@ -3,20 +3,19 @@
 #[path = "small.rs"]
 mod small;
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use shared::model::file::Model;
-use small::{folder, myointent, recordings, small_preset};
+use small::{folder, in_folder, recordings, small_preset};
 
 fn quickstart(folder: &Path, run: &str) -> PathBuf {
-    let (data, _) = recordings(folder);
-    let preset = small_preset(folder);
-    let run = folder.join(run);
-    let [preset, data, path] = [&preset, &data, &run].map(|path| path.display());
-    let line = format!("quickstart --preset {preset} --data {data} --run {path}");
-    assert!(myointent(&line));
-    run
+    recordings(folder);
+    small_preset(folder);
+    let line = format!("quickstart --preset @small.toml --data @data --run @{run}");
+    assert!(in_folder(folder, &line));
+    folder.join(run)
 }
 
 #[test]
@@ -31,12 +30,11 @@ fn quickstart_leaves_a_model_a_table_and_a_page() {
 
     let results: serde_json::Value =
         serde_json::from_slice(&fs::read(run.join("results.json")).unwrap()).unwrap();
-    let models: std::collections::BTreeSet<_> = results["published"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|line| line["model"].as_str().unwrap())
-        .collect();
+    let published = results["published"].as_array().unwrap().iter();
+    let models = published
+        .clone()
+        .map(|line| line["model"].as_str().unwrap());
+    let models: BTreeSet<_> = models.collect();
     assert_eq!(
         models.into_iter().collect::<Vec<_>>(),
         [
@@ -48,12 +46,8 @@ fn quickstart_leaves_a_model_a_table_and_a_page() {
         ]
     );
     // A constant has a recall of 1 for one class of the three, and recognises no gesture.
-    let constant = results["published"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .find(|line| line["model"] == "constant relax")
-        .unwrap();
+    let is_constant = |line: &&serde_json::Value| line["model"] == "constant relax";
+    let constant = published.clone().find(is_constant).unwrap();
     let subject = &constant["reference"][2]["subjects"][0];
     assert!((subject["balanced_accuracy"].as_f64().unwrap() - 1.0 / 3.0).abs() < 1e-9);
     let events = &constant["events"]["subjects"][0];

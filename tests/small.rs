@@ -10,7 +10,7 @@ use clap::Parser as _;
 use myointent::cli::Cli;
 use recordings::synthetic::{self, SynthOptions};
 
-/// Writes a preset that trains in seconds; its accuracy does not matter.
+/// Writes `small.toml`, a preset that trains in seconds; its accuracy does not matter.
 pub fn small_preset(folder: &Path) -> PathBuf {
     let text = shrunk(presets::BUILT_IN[0].1);
     let path = folder.join("small.toml");
@@ -43,6 +43,16 @@ pub fn run(line: &str) -> ExitCode {
 /// Runs the program with the words of a line; returns true if it succeeds.
 pub fn myointent(line: &str) -> bool {
     run(line) == ExitCode::SUCCESS
+}
+
+/// Runs the program with the words of a line of [`paths`]; returns true if it succeeds.
+pub fn in_folder(folder: &Path, line: &str) -> bool {
+    myointent(&paths(folder, line))
+}
+
+/// A line with each `@name` as a path in a folder.
+pub fn paths(folder: &Path, line: &str) -> String {
+    line.replace('@', &format!("{}/", folder.display()))
 }
 
 const LINE: &str = "MYOINTENT_TEST_LINE";
@@ -87,8 +97,8 @@ pub fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// Writes synthetic recordings of four subjects and returns their folder and one file.
-pub fn recordings(folder: &Path) -> (PathBuf, PathBuf) {
+/// Writes synthetic recordings of four subjects into `data` and returns it.
+pub fn recordings(folder: &Path) -> PathBuf {
     let data = folder.join("data");
     let options = SynthOptions {
         subjects: 4,
@@ -96,6 +106,6 @@ pub fn recordings(folder: &Path) -> (PathBuf, PathBuf) {
         seconds: 30,
         ..SynthOptions::default()
     };
-    let files = synthetic::write(&options, &data).unwrap();
-    (data, files[0].clone())
+    synthetic::write(&options, &data).unwrap();
+    data
 }

@@ -11,7 +11,7 @@ use std::fs;
 use std::process::Output;
 
 use shared::model::file::Model;
-use small::{folder, myointent, process, recordings, small_preset};
+use small::{folder, in_folder, process, recordings, small_preset};
 
 /// The program where neither Vulkan nor OpenGL finds a driver.
 fn without_adapter(line: &str) -> Output {
@@ -45,17 +45,15 @@ fn a_run_goes_through_all_steps_and_repeats() {
         return;
     }
     let folder = folder("wgpu-run");
-    let (data, _) = recordings(&folder);
-    let preset = small_preset(&folder);
+    recordings(&folder);
+    small_preset(&folder);
     let file = |run: &str| folder.join(run).join("student.intent");
     let on_gpu = |command: &str, run: &str| {
-        let run = folder.join(run);
-        let line = format!("{command} --run {} --backend wgpu", run.display());
-        assert!(myointent(&line), "{line}");
+        let line = format!("{command} --run @{run} --backend wgpu");
+        assert!(in_folder(&folder, &line), "{line}");
     };
     for run in ["first", "again"] {
-        let [preset, data] = [&preset, &data].map(|path| path.display());
-        on_gpu(&format!("train --preset {preset} --data {data}"), run);
+        on_gpu("train --preset @small.toml --data @data", run);
         on_gpu("quantize", run);
     }
     let bytes = fs::read(file("first")).unwrap();
@@ -64,7 +62,5 @@ fn a_run_goes_through_all_steps_and_repeats() {
     on_gpu("evaluate", "first");
     assert!(folder.join("first/report.html").is_file());
     // Its weights are those of any backend.
-    let run = folder.join("first");
-    let line = format!("export --run {} --backend flex", run.display());
-    assert!(myointent(&line));
+    assert!(in_folder(&folder, "export --run @first --backend flex"));
 }

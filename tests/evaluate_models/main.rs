@@ -16,24 +16,24 @@ use evaluation::model_evaluation::{ModelEvaluation, NamedModel, Selection, evalu
 use myointent_tests::small_model as model;
 use recordings::{LoadOptions, load};
 use shared::intent::Vocabulary;
-use small::{folder, myointent, recordings};
+use small::{folder, in_folder, recordings};
 
-/// Makes a folder of a test, with recordings and a small model that has seen these people.
-fn with_model(test: &str, seen: &[&str]) -> (PathBuf, PathBuf) {
+/// Makes a folder of a test, with recordings in `data` and a small model, `one.intent`, that has seen these people.
+fn with_model(test: &str, seen: &[&str]) -> PathBuf {
     let folder = folder(test);
     recordings(&folder);
-    let file = folder.join("one.intent");
-    model(&file, seen, Vocabulary::Three);
-    (folder, file)
+    model(&folder.join("one.intent"), seen, Vocabulary::Three);
+    folder
 }
 
 /// Evaluates models, which begin the words.
 fn evaluate(folder: &Path, models: &str) -> bool {
-    let paths = ["data", "people.csv", "page.html"].map(|name| folder.join(name));
-    let [data, csv, page] = paths.each_ref().map(|path| path.display());
-    myointent(&format!(
-        "evaluate --data {data} --csv {csv} --report {page} --model {models}"
-    ))
+    let line = "evaluate --data @data --csv @people.csv --report @page.html --model";
+    in_folder(folder, &format!("{line} {models}"))
+}
+
+fn page(folder: &Path) -> String {
+    fs::read_to_string(folder.join("page.html")).unwrap()
 }
 
 /// Returns subject, model and balanced accuracy of each row of the CSV file.
@@ -62,8 +62,8 @@ fn people(folder: &Path) -> Vec<String> {
 
 #[test]
 fn people_whom_a_model_has_seen_are_left_out_unless_asked_for() {
-    let (folder, file) = with_model("evaluate-seen", &["synthetic/s1", "synthetic/s3"]);
-    let with = |more: &str| evaluate(&folder, &format!("{} {more}", file.display()));
+    let folder = with_model("evaluate-seen", &["synthetic/s1", "synthetic/s3"]);
+    let with = |more: &str| evaluate(&folder, &format!("@one.intent {more}"));
     assert!(with(""));
     assert_eq!(people(&folder), ["synthetic/s2", "synthetic/s4"]);
     assert!(with("--seen"));
@@ -77,7 +77,7 @@ fn people_whom_a_model_has_seen_are_left_out_unless_asked_for() {
     assert!(with("--subjects synthetic/s1"));
     assert_eq!(people(&folder), ["synthetic/s1"]);
     assert!(!with("--subjects synthetic/s9"));
-    let evaluation = evaluated(&folder, &file, &Selection::default());
+    let evaluation = evaluated(&folder, &Selection::default());
     let json = serde_json::to_value(&evaluation.results).unwrap();
     assert_eq!(
         (&json["left_out_seen"][0], &json["models"][0]["seed"]),
@@ -89,12 +89,10 @@ fn people_whom_a_model_has_seen_are_left_out_unless_asked_for() {
 fn several_models_and_the_floors_stand_side_by_side_and_the_page_begins_with_the_worst() {
     let folder = folder("evaluate-several");
     recordings(&folder);
-    let files = ["a.intent", "b.intent"].map(|name| folder.join(name));
-    for file in &files {
-        model(file, &[], Vocabulary::Three);
+    for file in ["a.intent", "b.intent"] {
+        model(&folder.join(file), &[], Vocabulary::Three);
     }
-    let [a, b] = files.each_ref().map(|file| file.display());
-    assert!(evaluate(&folder, &format!("{a} --model {b}")));
+    assert!(evaluate(&folder, "@a.intent --model @b.intent"));
     let rows = rows(&folder);
     let of = |model: &str| -> Vec<f64> {
         let own = rows.iter().filter(|(_, name, _)| name == model);
@@ -110,7 +108,7 @@ fn several_models_and_the_floors_stand_side_by_side_and_the_page_begins_with_the
             .all(|&balanced| balanced == 0.333)
     );
     assert_eq!(of("energy detector").len(), 4);
-    let page = fs::read_to_string(folder.join("page.html")).unwrap();
+    let page = page(&folder);
     let worst = &rows.iter().find(|(_, name, _)| name == "a").unwrap().0;
     let drawn = page.find("EMG and labels: ").unwrap();
     assert!(
@@ -133,20 +131,13 @@ fn several_models_and_the_floors_stand_side_by_side_and_the_page_begins_with_the
         assert_eq!(browser.value(tiny), 0);
     }
 
-    let six = folder.join("six.intent");
-    model(&six, &[], Vocabulary::Six);
-    assert!(!evaluate(
-        &folder,
-        &format!("{a} --model {}", six.display())
-    ));
+    model(&folder.join("six.intent"), &[], Vocabulary::Six);
+    assert!(!evaluate(&folder, "@a.intent --model @six.intent"));
 }
 
-/// Evaluates one model on the recordings below `folder`.
-fn evaluated(folder: &Path, file: &Path, selection: &Selection) -> ModelEvaluation {
-    let models = [NamedModel {
-        name: "one".to_owned(),
-        bytes: fs::read(file).unwrap(),
-    }];
+/// Evaluates the model of a test's folder on its recordings.
+fn evaluated(folder: &Path, selection: &Selection) -> ModelEvaluation {
+    let models = [NamedModel::read(&folder.join("one.intent")).unwrap()];
     let library = load(&folder.join("data"), &LoadOptions::default()).unwrap();
     evaluate_models(&models, &library, selection).unwrap()
 }
@@ -162,21 +153,12 @@ fn a_page_of_several_compares_them_over_the_people_whom_both_have_not_seen() {
     for (name, seen) in seen {
         model(&folder.join(name), seen, Vocabulary::Three);
     }
-    let path = |name: &str| folder.join(name).to_str().unwrap().to_owned();
-    let (a, b, data, page) = (
-        path("a.intent"),
-        path("b.intent"),
-        path("data"),
-        path("page.html"),
-    );
-    let report = |models: &[&str]| {
-        myointent(&format!(
-            "report --data {data} --out {page} {}",
-            models.join(" ")
-        ))
+    let report = |models: &str| {
+        let line = format!("report --data @data --out @page.html {models}");
+        in_folder(&folder, &line)
     };
-    assert!(report(&[&a, &b]));
-    let text = fs::read_to_string(&page).unwrap();
+    assert!(report("@a.intent @b.intent"));
+    let text = page(&folder);
     // Each has three people; s3 and s4 are of both.
     assert!(text.contains("a on 3 subjects, b on 3 subjects"));
     let row = text
@@ -194,19 +176,18 @@ fn a_page_of_several_compares_them_over_the_people_whom_both_have_not_seen() {
     assert!(!text.contains("<script") && !text.contains("http"));
 
     // Two copies of one file have two names, and no difference.
-    assert!(report(&[&a, &a]));
-    let text = fs::read_to_string(&page).unwrap();
+    assert!(report("@a.intent @a.intent"));
+    let text = page(&folder);
     let row = text
         .split("<tr>")
         .find(|row| row.contains("a (2) - a"))
         .unwrap();
     assert!(row.contains("+0.000 n 3"), "{row}");
 
-    let six = path("six.intent");
-    model(Path::new(&six), &[], Vocabulary::Six);
-    assert!(!report(&[&a, &six]));
-    assert!(!myointent(&format!("report {a} --out {page}")));
-    assert!(!report(&[&a, &a, &a, &a, &a, &a]));
+    model(&folder.join("six.intent"), &[], Vocabulary::Six);
+    assert!(!report("@a.intent @six.intent"));
+    assert!(!in_folder(&folder, "report @a.intent --out @page.html"));
+    assert!(!report(&"@a.intent ".repeat(6)));
 }
 
 #[test]
@@ -226,18 +207,14 @@ fn a_model_tuned_on_the_only_person_is_reported_and_said_to_have_seen_them() {
         Vocabulary::Three,
     );
     model(&folder.join("shipped.intent"), &[], Vocabulary::Three);
-    let path = |name: &str| folder.join(name).to_str().unwrap().to_owned();
-    let (data, page) = (path("data"), path("page.html"));
-    let report = |models: &[&str], more: &str| {
-        let models: Vec<String> = models.iter().map(|name| path(name)).collect();
-        let models = models.join(" ");
-        let line = format!("report --data {data} --out {page} {models} {more}");
-        assert!(myointent(&line), "{line}");
-        fs::read_to_string(&page).unwrap()
+    let report = |models: &str, more: &str| {
+        let line = format!("report --data @data --out @page.html {models} {more}");
+        assert!(in_folder(&folder, &line), "{line}");
+        page(&folder)
     };
     let unseen = "people whom it has not seen";
     for more in ["", "--seen"] {
-        let text = report(&["own.intent", "shipped.intent"], more);
+        let text = report("@own.intent @shipped.intent", more);
         assert!(!text.contains(unseen), "{more:?}");
         assert!(text.contains("own (has seen them) on 4 subjects, shipped on 4 subjects"));
         // Marks are in tables, differences and pictures too.
@@ -245,21 +222,18 @@ fn a_model_tuned_on_the_only_person_is_reported_and_said_to_have_seen_them() {
         assert!(row(">own (has seen them)</td>") && row("shipped - own (has seen them)"));
         assert!(text.contains("seen in training"));
     }
-    let one = report(&["own.intent"], "--subjects synthetic/s1");
+    let one = report("@own.intent", "--subjects synthetic/s1");
     assert!(one.contains("own (has seen them) on 1 subject, of "));
-    let alone = report(&["own.intent"], "");
+    let alone = report("@own.intent", "");
     assert!(alone.contains("own (has seen them) on 4 subjects"));
-    let text = report(&["part.intent", "shipped.intent"], "--seen");
+    let text = report("@part.intent @shipped.intent", "--seen");
     assert!(text.contains("part (has seen 1 of 4) on 4 subjects") && !text.contains(unseen));
-    let text = report(&["part.intent", "shipped.intent"], "");
+    let text = report("@part.intent @shipped.intent", "");
     assert!(text.contains("part on 3 subjects") && text.contains(unseen));
 
     // `evaluate` marks a model in the same words.
-    let [own, shipped] = ["own.intent", "shipped.intent"].map(path);
-    assert!(evaluate(
-        &folder,
-        &format!("{own} --model {shipped} --seen")
-    ));
-    let text = fs::read_to_string(&page).unwrap();
+    let both = "@own.intent --model @shipped.intent --seen";
+    assert!(evaluate(&folder, both));
+    let text = page(&folder);
     assert!(text.contains(">own (has seen them)</td>") && !text.contains("shipped (has seen"));
 }

@@ -10,21 +10,24 @@ use shared::uart_line::alignment::AlignmentState;
 use shared::units::CHANNELS;
 
 use super::{evaluate, evaluated, model, with_model};
-use crate::small::{folder, myointent, recordings};
+use crate::small::{folder, in_folder, recordings};
+
+/// Everybody with the armband turned by so many places, with or without an alignment.
+fn turned(places: u8, align: bool) -> Selection {
+    Selection {
+        worn: Worn {
+            turn: Turn::By(places),
+            mirrored: false,
+        },
+        align,
+        ..Selection::default()
+    }
+}
 
 #[test]
 fn a_rotated_armband_changes_what_the_model_sees_and_not_the_amplitude() {
-    let (folder, file) = with_model("evaluate-rotated", &[]);
-    let with = |places| {
-        let selection = Selection {
-            worn: Worn {
-                turn: Turn::By(places),
-                mirrored: false,
-            },
-            ..Selection::default()
-        };
-        evaluated(&folder, &file, &selection)
-    };
+    let folder = with_model("evaluate-rotated", &[]);
+    let with = |places| evaluated(&folder, &turned(places, false));
     let (straight, rotated, full_turn) = (with(0), with(4), with(8));
     assert_ne!(straight.candidates[0].logits, rotated.candidates[0].logits);
     assert_eq!(
@@ -41,18 +44,8 @@ fn a_rotated_armband_changes_what_the_model_sees_and_not_the_amplitude() {
 
 #[test]
 fn alignment_finds_the_same_however_the_armband_is_turned_and_its_openings_are_not_scored() {
-    let (folder, file) = with_model("evaluate-aligned", &[]);
-    let with = |places, align| {
-        let selection = Selection {
-            worn: Worn {
-                turn: Turn::By(places),
-                mirrored: false,
-            },
-            align,
-            ..Selection::default()
-        };
-        evaluated(&folder, &file, &selection)
-    };
+    let folder = with_model("evaluate-aligned", &[]);
+    let with = |places, align| evaluated(&folder, &turned(places, align));
     let (plain, straight, turned) = (with(0, false), with(0, true), with(3, true));
     let names: Vec<_> = straight
         .candidates
@@ -88,15 +81,16 @@ fn alignment_finds_the_same_however_the_armband_is_turned_and_its_openings_are_n
             .sum()
     };
     assert!(labels(&straight) + 4 * 2 * 60 <= labels(&plain));
-    let text = folder.join("people.csv");
-    let line = format!("{} --rotate any --mirror --align", file.display());
-    assert!(evaluate(&folder, &line));
-    assert!(fs::read_to_string(text).unwrap().contains("one, aligned"));
+    let words = "@one.intent --rotate any --mirror --align";
+    assert!(evaluate(&folder, words));
+    let text = fs::read_to_string(folder.join("people.csv")).unwrap();
+    assert!(text.contains("one, aligned"));
 }
 
 #[test]
 fn an_alignment_that_is_told_the_arm_takes_no_placement_on_the_other_one() {
-    let (folder, file) = with_model("evaluate-arm-told", &[]);
+    let folder = with_model("evaluate-arm-told", &[]);
+    let file = folder.join("one.intent");
     // The second template's electrodes run the other way round: one of the two templates is for the wrong arm.
     let bytes = fs::read(&file).unwrap();
     let template = Model::parse(&bytes).unwrap().header.template.unwrap();
@@ -115,7 +109,7 @@ fn an_alignment_that_is_told_the_arm_takes_no_placement_on_the_other_one() {
         };
         let count = |template| {
             fs::write(&file, Model::with_template(&bytes, Some(template)).unwrap()).unwrap();
-            let results = evaluated(&folder, &file, &selection).results;
+            let results = evaluated(&folder, &selection).results;
             let alignments = results.alignments.iter();
             alignments.filter(|own| own.wrong_arm).count()
         };
@@ -131,14 +125,12 @@ fn an_alignment_that_is_told_the_arm_takes_no_placement_on_the_other_one() {
 fn a_template_is_made_of_the_people_whom_the_model_has_seen_and_nothing_else_changes() {
     let folder = folder("template");
     recordings(&folder);
-    let data = folder.join("data");
     let made = |seen: &[&str]| {
         let file = folder.join("bare.intent");
         model(&file, seen, Vocabulary::Three);
         let bare = Model::with_template(&fs::read(&file).unwrap(), None).unwrap();
         fs::write(&file, &bare).unwrap();
-        let line = format!("template {} --data {}", file.display(), data.display());
-        let done = myointent(&line);
+        let done = in_folder(&folder, "template @bare.intent --data @data");
         let bytes = fs::read(&file).unwrap();
         assert_eq!(Model::with_template(&bytes, None).unwrap(), bare);
         done.then(|| {

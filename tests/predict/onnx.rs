@@ -17,7 +17,7 @@ use training::run::context::{RunContext, load_student};
 use training::student::dequantization::dequantize;
 use training::student::model::Student;
 
-use crate::small::{folder, myointent, recordings as synthetic, small_preset};
+use crate::small::{folder, in_folder, myointent, recordings as synthetic, small_preset};
 
 /// Half a minute.
 const PATCHES: usize = 600;
@@ -162,13 +162,12 @@ fn the_runtime_gives_the_logits_of_the_float_student_and_the_integers_nearly_its
 fn the_student_of_a_run_is_written_as_it_was_trained() {
     let Some(python) = python() else { return };
     let folder = folder("onnx-of-a-run");
-    let preset = small_preset(&folder);
-    let (data, _) = synthetic(&folder);
+    small_preset(&folder);
+    let data = synthetic(&folder);
+    let train = "train --preset @small.toml --data @data --run @run";
+    assert!(in_folder(&folder, train));
+    assert!(in_folder(&folder, "export --onnx --run @run"));
     let run = folder.join("run");
-    let [preset, of, path] = [&preset, &data, &run].map(|path| path.display());
-    let train = format!("train --preset {preset} --data {of} --run {path}");
-    assert!(myointent(&train));
-    assert!(myointent(&format!("export --onnx --run {path}")));
 
     let (run_folder, config) = RunContext::find(&run).unwrap();
     let device = Device::default();

@@ -10,7 +10,7 @@ use shared::model::file::Model;
 use training::run::context::RunContext;
 
 use super::{Bench, fails, succeeds};
-use crate::small::myointent;
+use crate::small::{myointent, paths};
 
 /// Reads the scores in a model file's header.
 fn figures(file: &Path) -> Vec<(String, f32)> {
@@ -115,33 +115,36 @@ fn a_run_is_not_replaced_by_a_second_one() {
 #[test]
 fn a_model_and_a_recording_are_never_replaced_by_what_a_command_writes() {
     let bench = Bench::new("outputs");
-    let shipped = myointent_tests::shipped("three-class");
-    let model = bench.path("mine.intent");
-    fs::copy(&shipped, &model).unwrap();
-    let recording = bench.data.join("s1/s1_synthetic_1.csv");
-    let (labels, page) = (bench.path("labels.csv"), bench.path("page.html"));
-    let paths = [&shipped, &model, &recording, &bench.data, &labels, &page];
-    let [shipped, model, recording, data, labels, page] = paths.map(|path| path.to_str().unwrap());
-    let content = |path: &str| fs::read(path).unwrap();
-    let before = [content(model), content(recording)];
+    fs::copy(
+        myointent_tests::shipped("three-class"),
+        bench.path("mine.intent"),
+    )
+    .unwrap();
+    let (model, recording) = ("mine.intent", "data/s1/s1_synthetic_1.csv");
+    let before = [model, recording].map(|name| fs::read(bench.path(name)).unwrap());
 
-    fails(
-        &format!("gate {shipped} --other 1 --out {model}"),
-        "exists already",
-    );
-    let predict = |out| format!("predict --model {shipped} --recording {recording} --out {out}");
+    let gate = "gate @mine.intent --other 1 --out @mine.intent";
+    fails(&paths(&bench.folder, gate), "exists already");
+    let predict = |out| {
+        let line = format!("predict --model @mine.intent --recording @{recording} --out @{out}");
+        paths(&bench.folder, &line)
+    };
     fails(&predict(recording), "exists already");
-    let report = |out| format!("report {shipped} --data {data} --out {out}");
+    let report = |out| {
+        let line = format!("report @mine.intent --data @data --out @{out}");
+        paths(&bench.folder, &line)
+    };
     fails(&report(recording), "exists already");
-    assert!(before == [content(model), content(recording)]);
+    let after = [model, recording].map(|name| fs::read(bench.path(name)).unwrap());
+    assert!(before == after);
 
     // An earlier output of the same kind is replaced.
     for _ in 0..2 {
-        succeeds(&predict(labels));
-        succeeds(&report(page));
+        succeeds(&predict("labels.csv"));
+        succeeds(&report("page.html"));
     }
-    fails(&predict(page), "expected a name that ends in");
-    fails(&report(labels), "no earlier output");
+    fails(&predict("page.html"), "expected a name that ends in");
+    fails(&report("labels.csv"), "no earlier output");
 }
 
 #[test]
@@ -159,8 +162,7 @@ fn figures_of_another_model_are_not_written_into_the_runs_own() {
         figures(&other),
         "the test needs two models that differ"
     );
-    let with_other = format!("--model {}", other.display());
-    succeeds(&bench.on("evaluate", "run", &with_other));
+    succeeds(&bench.on("evaluate", "run", "--model @other/student.intent"));
     succeeds(&bench.on("quantize", "run", ""));
     assert_eq!(figures(&own), honest);
 }
@@ -168,8 +170,8 @@ fn figures_of_another_model_are_not_written_into_the_runs_own() {
 #[test]
 fn a_preset_without_a_teacher_trains_one_if_asked() {
     let bench = Bench::new("extra");
-    let preset = bench.edited(&[("teacher_share = 0.5", "teacher_share = 0.0")]);
-    let begin = |run, more| succeeds(&bench.begin_with("train", &preset, run, more));
+    bench.edit(&[("teacher_share = 0.5", "teacher_share = 0.0")]);
+    let begin = |run, more| succeeds(&bench.begin_with("train", "@edited.toml", run, more));
     let has = |run: &str, name: &str| bench.path(run).join(name).exists();
     begin("student", "");
     assert!(!has("student", "teacher.bpk") && has("student", "student.bpk"));
@@ -184,11 +186,11 @@ fn a_preset_without_a_teacher_trains_one_if_asked() {
 #[test]
 fn an_ensemble_goes_on_where_it_was_interrupted() {
     let bench = Bench::new("ensemble");
-    let edited = bench.edited(&[(
+    bench.edit(&[(
         "temperature = 2.0",
         "temperature = 2.0\nensemble = { members = 2, epochs = 2 }",
     )]);
-    succeeds(&bench.begin_with("quickstart", &edited, "run", ""));
+    succeeds(&bench.begin_with("quickstart", "@edited.toml", "run", ""));
     let run = bench.path("run");
     let content = |name: &str| fs::read(run.join(name)).unwrap();
     assert!(!run.join("teacher.bpk").exists());

@@ -7,31 +7,25 @@ mod belonging;
 mod processes;
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use presets::Preset;
 use presets::config::ResolvedConfig;
 use recordings::{LoadOptions, load};
-use small::{folder, process, recordings, run, small_preset};
+use small::{folder, paths, process, recordings, run, small_preset};
 
-/// Folder with recordings and a preset.
+/// Folder with recordings, `data`, and presets, `small.toml` and `edited.toml`. In lines, `@name` is a path in it.
 struct Bench {
     folder: PathBuf,
-    data: PathBuf,
-    preset: PathBuf,
 }
 
 impl Bench {
     fn new(name: &str) -> Self {
         let folder = folder(name);
-        let (data, _) = recordings(&folder);
-        let preset = small_preset(&folder);
-        Self {
-            folder,
-            data,
-            preset,
-        }
+        recordings(&folder);
+        small_preset(&folder);
+        Self { folder }
     }
 
     fn path(&self, name: &str) -> PathBuf {
@@ -39,42 +33,37 @@ impl Bench {
     }
 
     /// Writes the preset with some text replaced, which must be there.
-    fn edited(&self, edits: &[(&str, &str)]) -> PathBuf {
-        let mut text = fs::read_to_string(&self.preset).unwrap();
+    fn edit(&self, edits: &[(&str, &str)]) {
+        let mut text = fs::read_to_string(self.path("small.toml")).unwrap();
         for (from, to) in edits {
             assert!(text.contains(from), "{from}");
             text = text.replace(from, to);
         }
-        let path = self.path("edited.toml");
-        fs::write(&path, text).unwrap();
-        path
+        fs::write(self.path("edited.toml"), text).unwrap();
     }
 
     /// Returns the arguments of a command that begins a run.
     fn begin(&self, command: &str, run: &str, more: &str) -> String {
-        self.begin_with(command, &self.preset, run, more)
+        self.begin_with(command, "@small.toml", run, more)
     }
 
-    fn begin_with(&self, command: &str, preset: &Path, run: &str, more: &str) -> String {
-        let (preset, data) = (preset.display(), self.data.display());
-        self.on(
-            command,
-            run,
-            &format!("--preset {preset} --data {data} {more}"),
-        )
+    fn begin_with(&self, command: &str, preset: &str, run: &str, more: &str) -> String {
+        let rest = format!("--preset {preset} --data @data {more}");
+        self.on(command, run, &rest)
     }
 
     /// Returns the arguments of a command on a run.
     fn on(&self, command: &str, run: &str, more: &str) -> String {
-        format!("{command} --run {} {more}", self.path(run).display())
+        paths(&self.folder, &format!("{command} --run @{run} {more}"))
     }
 
     /// Returns the resolved configuration of `train` with another seed.
     fn configuration(&self, seed: u64) -> RunContextParts {
-        let mut preset = Preset::find(self.preset.to_str().unwrap()).unwrap();
+        let mut preset = Preset::find(self.path("small.toml").to_str().unwrap()).unwrap();
         preset.seed = seed;
-        let library = load(&self.data, &LoadOptions::default()).unwrap();
-        let config = ResolvedConfig::new(preset, &library, Some(&self.data), false, None).unwrap();
+        let data = self.path("data");
+        let library = load(&data, &LoadOptions::default()).unwrap();
+        let config = ResolvedConfig::new(preset, &library, Some(&data), false, None).unwrap();
         (config, library)
     }
 }
@@ -107,9 +96,9 @@ fn a_loss_that_is_no_number_stops_the_training() {
         ),
         ("{ warm-up = 0.05 }", "\"constant\""),
     ];
-    let preset = bench.edited(&rates);
+    bench.edit(&rates);
     fails(
-        &bench.begin_with("train", &preset, "run", ""),
+        &bench.begin_with("train", "@edited.toml", "run", ""),
         "so the training has diverged",
     );
     assert!(!bench.path("run/teacher.bpk").exists());
@@ -122,17 +111,17 @@ fn a_student_that_no_board_runs_is_refused_before_training() {
         "d_model = 48\nheads = 4\nlayers = 2\nspan",
         "d_model = 96\nheads = 4\nlayers = 2\nspan",
     )];
-    let preset = bench.edited(&wide);
+    bench.edit(&wide);
     fails(
-        &bench.begin_with("train", &preset, "run", ""),
+        &bench.begin_with("train", "@edited.toml", "run", ""),
         "no board can run this student",
     );
     assert!(!bench.path("run/teacher.bpk").exists());
     // The model format does not have these heads.
     let heads = [("heads = 4\nlayers = 2\nspan", "heads = 2\nlayers = 2\nspan")];
-    let preset = bench.edited(&heads);
+    bench.edit(&heads);
     fails(
-        &bench.begin_with("train", &preset, "run", ""),
+        &bench.begin_with("train", "@edited.toml", "run", ""),
         "this student cannot become a model file",
     );
 }
@@ -140,7 +129,7 @@ fn a_student_that_no_board_runs_is_refused_before_training() {
 #[test]
 fn wrong_arguments_have_exit_code_2() {
     let bench = Bench::new("arguments");
-    are_wrong_arguments(&bench.begin_with("train", Path::new("no-such-preset"), "run", ""));
+    are_wrong_arguments(&bench.begin_with("train", "no-such-preset", "run", ""));
     are_wrong_arguments(&bench.begin("train", "run", "--protocol 4-fold --fold 9"));
     are_wrong_arguments("presets no-such-preset");
 }
@@ -148,8 +137,7 @@ fn wrong_arguments_have_exit_code_2() {
 #[test]
 fn an_empty_variable_names_no_recordings() {
     let bench = Bench::new("variable");
-    let preset = format!("--preset {}", bench.preset.display());
-    let line = bench.on("train", "run", &preset);
+    let line = bench.on("train", "run", "--preset @small.toml");
     let child = process(&line)
         .env("MYOINTENT_DATA", "")
         .current_dir(&bench.folder)

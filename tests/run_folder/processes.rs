@@ -56,8 +56,8 @@ fn a_killed_process_leaves_no_lock() {
 #[test]
 fn an_interrupted_command_advises_what_it_has() {
     let bench = Bench::new("interrupt");
-    let preset = bench.edited(&[("epochs = 1", "epochs = 1000")]);
-    let line = bench.begin_with("train", &preset, "run", "");
+    bench.edit(&[("epochs = 1", "epochs = 1000")]);
+    let line = bench.begin_with("train", "@edited.toml", "run", "");
     let mut child = process(&line)
         .stdout(Stdio::null())
         .stderr(Stdio::piped())
