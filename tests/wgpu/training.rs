@@ -25,7 +25,9 @@ use training::optimization::learner::{Learner, WeightedMetric};
 use training::optimization::optimizer::{gradients, optimizer};
 use training::optimization::read_back;
 use training::student::learner::{StudentLearner, Teaching};
+use training::student::model::Student;
 use training::teacher::learner::TeacherLearner;
+use training::teacher::model::Teacher;
 
 /// Steps that are compared.
 const STEPS: usize = 4;
@@ -240,43 +242,48 @@ fn compare(cpu: &Trained, gpu: &Trained) {
     );
 }
 
-#[test]
-fn a_teacher_trains_as_on_the_cpu() {
-    let Some(gpu) = gpu() else {
+/// The CPU's device and the GPU's; none, with the test booked as skipped, without an adapter.
+fn devices() -> Option<[Device; 2]> {
+    let cpu = Device::flex().autodiff();
+    cpu.seed(SEED);
+    Some([cpu, gpu()?])
+}
+
+/// Trains from a model's weights on both devices, and compares.
+fn train_on_both<'d, L: Learner>(
+    [cpu, gpu]: [&'d Device; 2],
+    model: L::Model,
+    learner: impl Fn(&'d Device) -> L,
+) {
+    let on_cpu = train(&learner(cpu), model.clone());
+    let on_gpu = train(&learner(gpu), model.fork(gpu));
+    compare(&on_cpu, &on_gpu);
+}
+
+fn train_teacher(preset: &Preset) {
+    let Some([cpu, gpu]) = devices() else {
         return;
     };
-    let cpu = Device::flex().autodiff();
     let corpus = corpus();
+    let (shape, settings) = (preset.teacher.window_shape(), &preset.teacher_training);
+    let model = Teacher::new(&preset.teacher, 3, &cpu);
+    train_on_both([&cpu, &gpu], model, |device| {
+        TeacherLearner::new(shape, &corpus, &corpus, settings, SEED, device)
+    });
+}
+
+#[test]
+fn a_teacher_trains_as_on_the_cpu() {
     let mut preset = Preset::find("quickstart").unwrap();
     preset.teacher.attention_dropout = preset.teacher.dropout;
     let settings = &mut preset.teacher_training;
     settings.batch = 16;
     settings.tasks.push(Task::SelfSupervised);
-    let shape = preset.teacher.window_shape();
-    cpu.seed(SEED);
-    let model = preset.teacher.init(3, &cpu);
-    let learner = |device| {
-        TeacherLearner::new(
-            shape,
-            &corpus,
-            &corpus,
-            &preset.teacher_training,
-            SEED,
-            device,
-        )
-    };
-    let on_cpu = train(&learner(&cpu), model.clone());
-    let on_gpu = train(&learner(&gpu), model.fork(&gpu));
-    compare(&on_cpu, &on_gpu);
+    train_teacher(&preset);
 }
 
 #[test]
 fn windows_of_the_papers_tokens_train_as_on_the_cpu() {
-    let Some(gpu) = gpu() else {
-        return;
-    };
-    let cpu = Device::flex().autodiff();
-    let corpus = corpus();
     let mut preset = Preset::find("paper").unwrap();
     let teacher = &mut preset.teacher;
     (teacher.d_model, teacher.feed_forward, teacher.layers) = (32, 32, 1);
@@ -284,22 +291,14 @@ fn windows_of_the_papers_tokens_train_as_on_the_cpu() {
     // The scores of six windows, a shard's, are more than 128 MiB, and more than what lavapipe binds.
     (settings.batch, settings.stride) = (12, 600);
     settings.tasks.push(Task::SelfSupervised);
-    let shape = preset.teacher.window_shape();
-    cpu.seed(SEED);
-    let model = preset.teacher.init(3, &cpu);
-    let settings = &preset.teacher_training;
-    let learner = |device| TeacherLearner::new(shape, &corpus, &corpus, settings, SEED, device);
-    let on_cpu = train(&learner(&cpu), model.clone());
-    let on_gpu = train(&learner(&gpu), model.fork(&gpu));
-    compare(&on_cpu, &on_gpu);
+    train_teacher(&preset);
 }
 
 #[test]
 fn a_student_is_distilled_as_on_the_cpu() {
-    let Some(gpu) = gpu() else {
+    let Some([cpu, gpu]) = devices() else {
         return;
     };
-    let cpu = Device::flex().autodiff();
     let corpus = corpus();
     let mut preset = Preset::find("quickstart").unwrap();
     preset.distillation.batch = 8;
@@ -313,21 +312,12 @@ fn a_student_is_distilled_as_on_the_cpu() {
                 .collect()
         })
         .collect();
-    cpu.seed(SEED);
-    let model = preset.student.init(3, false, &cpu);
-    let learner = |device| {
-        let (span, settings) = (preset.student.span, &preset.distillation);
+    let (span, settings) = (preset.student.span, &preset.distillation);
+    let model = Student::new(&preset.student, 3, false, &cpu);
+    train_on_both([&cpu, &gpu], model, |device| {
+        let teaching = Teaching::Teacher(soft_targets.clone());
         StudentLearner::new(
-            "student",
-            span,
-            &corpus,
-            Teaching::Teacher(soft_targets.clone()),
-            &corpus,
-            settings,
-            device,
+            "student", span, &corpus, teaching, &corpus, settings, device,
         )
-    };
-    let on_cpu = train(&learner(&cpu), model.clone());
-    let on_gpu = train(&learner(&gpu), model.fork(&gpu));
-    compare(&on_cpu, &on_gpu);
+    });
 }
