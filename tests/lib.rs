@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 use shared::intent::Vocabulary;
 use shared::model::dimensions::Dimensions;
-use shared::model::file::random::random_model;
+use shared::model::file::random::{SMALL, random_model};
 
 /// Value of a part of a test, or the test's end where the part is missing, which is booked as skipped.
 #[macro_export]
@@ -93,10 +93,9 @@ pub fn shipped(name: &str) -> PathBuf {
 pub fn small_model(path: &Path, seen: &[&str], vocabulary: Vocabulary) {
     let dimensions = Dimensions {
         width: 32,
-        layers: 1,
         span: 20,
         vocabulary,
-        other: false,
+        ..SMALL
     };
     let mut parts = random_model(dimensions, 5);
     parts.provenance.subjects_seen = seen.iter().map(|&name| name.to_owned()).collect();

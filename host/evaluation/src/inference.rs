@@ -71,23 +71,18 @@ mod tests {
     use shared::intent::Vocabulary;
     use shared::model::dimensions::{Dimensions, usual_span};
     use shared::model::encoder::DeviceEncoder;
-    use shared::model::file::random::random_model;
-
-    fn model_bytes(width: usize, layers: usize, span: usize) -> Vec<u8> {
-        let vocabulary = Vocabulary::Six;
-        let dimensions = Dimensions {
-            width,
-            layers,
-            span,
-            vocabulary,
-            other: false,
-        };
-        random_model(dimensions, 5).to_bytes().unwrap()
-    }
+    use shared::model::file::random::{SMALL, random_model};
 
     #[test]
     fn the_outputs_are_those_of_the_device_step_by_step() {
-        let bytes = model_bytes(64, 2, usual_span(2));
+        let dimensions = Dimensions {
+            width: 64,
+            layers: 2,
+            span: usual_span(2),
+            vocabulary: Vocabulary::Six,
+            ..SMALL
+        };
+        let bytes = random_model(dimensions, 5).to_bytes().unwrap();
         let model = Model::parse(&bytes).unwrap();
         let device = DeviceEncoder::new(&model).unwrap();
         let patches: Vec<Patch> = (0..39)

@@ -137,22 +137,13 @@ fn lines(model: &Model<'_>) -> String {
 
 #[cfg(test)]
 mod tests {
-    use shared::intent::Vocabulary;
-    use shared::model::dimensions::Dimensions;
-    use shared::model::file::random::random_model;
+    use shared::model::file::random::{SMALL, random_model};
 
     use super::*;
 
     /// Model file whose texts clear the screen and set its colour.
     fn hostile() -> Vec<u8> {
-        let dimensions = Dimensions {
-            vocabulary: Vocabulary::Three,
-            other: false,
-            width: 32,
-            layers: 1,
-            span: 10,
-        };
-        let mut parts = random_model(dimensions, 1);
+        let mut parts = random_model(SMALL, 1);
         let texts = &mut parts.provenance;
         texts.data_sets = vec!["\u{1b}[2Jroshambo".into()];
         texts.subjects_left_out = vec!["a\u{9b}31m\u{202e}".into()];

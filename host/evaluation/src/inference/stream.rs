@@ -213,21 +213,12 @@ impl<'s> Stream<'s> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shared::intent::Vocabulary;
-    use shared::model::dimensions::Dimensions;
     use shared::model::encoder::HostEncoder;
-    use shared::model::file::random::random_model;
+    use shared::model::file::random::{SMALL, random_model};
 
     #[test]
     fn pieces_of_any_size_give_the_same_lines_and_times() {
-        let dimensions = Dimensions {
-            width: 16,
-            layers: 1,
-            span: 5,
-            vocabulary: Vocabulary::Three,
-            other: false,
-        };
-        let bytes = random_model(dimensions, 1).to_bytes().unwrap();
+        let bytes = random_model(SMALL, 1).to_bytes().unwrap();
         let model = Model::parse(&bytes).unwrap();
         let sample = |at: i32| [0, 1, 2, 3, 4, 5, 6, 7].map(|k| (at * (k + 3) % 251 - 125) as i8);
         let samples: Vec<Sample> = (0..3001).map(sample).collect();

@@ -94,9 +94,7 @@ mod tests {
     use recordings::labels::lag::LabelLag;
     use recordings::synthetic::{self, SynthOptions};
     use recordings::{LoadOptions, load};
-    use shared::intent::Vocabulary;
-    use shared::model::dimensions::Dimensions;
-    use shared::model::file::random::random_model;
+    use shared::model::file::random::{SMALL, random_model};
 
     use super::*;
 
@@ -107,14 +105,7 @@ mod tests {
 
     /// Writes a small model file.
     fn write_model(file: &str) {
-        let dimensions = Dimensions {
-            width: 32,
-            layers: 1,
-            span: 20,
-            vocabulary: Vocabulary::Three,
-            other: false,
-        };
-        std::fs::write(file, random_model(dimensions, 5).to_bytes().unwrap()).unwrap();
+        std::fs::write(file, random_model(SMALL, 5).to_bytes().unwrap()).unwrap();
     }
 
     #[test]

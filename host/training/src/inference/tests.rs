@@ -3,11 +3,10 @@
 use crate::student::model::Student;
 use crate::teacher::model::Teacher;
 use burn::tensor::Device;
-use shared::intent::Vocabulary;
 use shared::model::LookBackLogits;
 use shared::model::dimensions::{Dimensions, usual_span};
 use shared::model::file::Model;
-use shared::model::file::random::random_model;
+use shared::model::file::random::{SMALL, random_model};
 use shared::units::{CHANNELS, CleanSample, PATCH};
 
 use super::{student_logits, teacher_logits};
@@ -89,8 +88,7 @@ fn logits_of_the_integer_student_do_not_change_with_later_samples() {
         width: 64,
         layers: 2,
         span: usual_span(2),
-        vocabulary: Vocabulary::Three,
-        other: false,
+        ..SMALL
     };
     let bytes = random_model(dimensions, 5).to_bytes().unwrap();
     let model = Model::parse(&bytes).unwrap();

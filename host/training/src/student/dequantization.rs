@@ -68,10 +68,9 @@ fn parameter<const D: usize>(
 
 #[cfg(test)]
 mod tests {
-    use shared::intent::Vocabulary;
     use shared::model::dimensions::Dimensions;
     use shared::model::file::Model;
-    use shared::model::file::random::random_model;
+    use shared::model::file::random::{SMALL, random_model};
     use shared::units::CHANNELS;
 
     use super::*;
@@ -83,8 +82,8 @@ mod tests {
             width: 32,
             layers: 2,
             span: 11,
-            vocabulary: Vocabulary::Three,
             other: true,
+            ..SMALL
         };
         random_model(dimensions, 3)
     }

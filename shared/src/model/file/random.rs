@@ -4,12 +4,22 @@ use alloc::vec::Vec;
 
 use super::{LayerParts, LinearParts, ModelParts, NormParts, ProvenanceParts, SmootherDefaults};
 use crate::arithmetic::inverse_square_root;
+use crate::intent::Vocabulary;
 use crate::model::dimensions::{Companding, Dimensions, HEADS};
 use crate::model::noise::Noise;
 use crate::stream::alignment::Template;
 use crate::stream::preprocess::{Median, Preprocessing};
 use crate::stream::smoother::{AggregationMode, Margins};
 use crate::units::{CHANNELS, LOOK_BACK, PATCH};
+
+/// Small dimensions.
+pub const SMALL: Dimensions = Dimensions {
+    width: 16,
+    layers: 1,
+    span: 5,
+    vocabulary: Vocabulary::Three,
+    other: false,
+};
 
 /// Draws tensors.
 struct Draw(Noise);
