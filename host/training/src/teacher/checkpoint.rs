@@ -22,7 +22,7 @@ use execution::run_folder::{RunError, write_whole};
 
 mod error;
 
-pub use error::CheckpointError;
+pub use error::{CheckpointError, Fault};
 
 /// Names under which the reference saves the positional encoding that EMG and intents share.
 const POSITION: &str = "emg_positional_encoding";
@@ -34,15 +34,22 @@ struct Entry {
     values: TensorData,
 }
 
-/// Reads the weights of a checkpoint (`.pth`, `.pt` or `.safetensors`) into a teacher of the same dimensions.
-pub fn load(path: &Path, mut teacher: Teacher) -> Result<Teacher, CheckpointError> {
-    let mut file = read(path)?;
-    remove_second_position(path, &mut file)?;
-    let unreadable = |reason: String| CheckpointError::Unreadable {
+/// Adds the file to a fault.
+fn at<T>(path: &Path, result: Result<T, Fault>) -> Result<T, CheckpointError> {
+    result.map_err(|why| CheckpointError {
         path: path.to_owned(),
-        reason,
-    };
+        why,
+    })
+}
 
+/// Reads the weights of a checkpoint (`.pth`, `.pt` or `.safetensors`) into a teacher of the same dimensions.
+pub fn load(path: &Path, teacher: Teacher) -> Result<Teacher, CheckpointError> {
+    at(path, read(path).and_then(|file| filled(teacher, file)))
+}
+
+/// Fills a teacher with the tensors of a file.
+fn filled(mut teacher: Teacher, mut file: BTreeMap<String, Entry>) -> Result<Teacher, Fault> {
+    remove_second_position(&mut file)?;
     let (mut tensors, mut missing) = (Vec::new(), Vec::new());
     for own in own_tensors(&teacher) {
         let (name, shape) = reference_entry(&own.name, &own.shape);
@@ -51,8 +58,7 @@ pub fn load(path: &Path, mut teacher: Teacher) -> Result<Teacher, CheckpointErro
             continue;
         };
         if found.shape != shape {
-            return Err(CheckpointError::Shape {
-                path: path.to_owned(),
+            return Err(Fault::Shape {
                 name,
                 expected: shape,
                 found: found.shape,
@@ -64,23 +70,17 @@ pub fn load(path: &Path, mut teacher: Teacher) -> Result<Teacher, CheckpointErro
         ));
     }
     if !missing.is_empty() {
-        return Err(CheckpointError::Missing {
-            path: path.to_owned(),
-            names: missing,
-        });
+        return Err(Fault::Missing(missing));
     }
     if !file.is_empty() {
-        return Err(CheckpointError::Unknown {
-            path: path.to_owned(),
-            names: file.into_keys().collect(),
-        });
+        return Err(Fault::Unknown(file.into_keys().collect()));
     }
 
     let result = teacher.apply(tensors, None, Some(Box::new(PyTorchToBurnAdapter)), false);
     if result.errors.is_empty() && result.missing.is_empty() && result.unused.is_empty() {
         Ok(teacher)
     } else {
-        Err(unreadable(result.to_string()))
+        Err(Fault::unreadable(result))
     }
 }
 
@@ -96,19 +96,17 @@ pub(crate) fn subjects_seen(path: &Path) -> Result<Option<Vec<String>>, Checkpoi
     {
         return Ok(None);
     }
-    let unreadable = |reason: String| CheckpointError::Unreadable {
-        path: path.to_owned(),
-        reason,
-    };
-    let bytes = bounded_read::read(path, bounded_read::CHECKPOINT)
-        .map_err(|error| unreadable(error.to_string()))?;
-    let (_, metadata) =
-        SafeTensors::read_metadata(&bytes).map_err(|error| unreadable(error.to_string()))?;
+    at(path, seen_in(path))
+}
+
+fn seen_in(path: &Path) -> Result<Option<Vec<String>>, Fault> {
+    let bytes = bounded_read::read(path, bounded_read::CHECKPOINT).map_err(Fault::unreadable)?;
+    let (_, metadata) = SafeTensors::read_metadata(&bytes).map_err(Fault::unreadable)?;
     metadata
         .metadata()
         .as_ref()
         .and_then(|entries| entries.get(SUBJECTS_SEEN))
-        .map(|json| serde_json::from_str(json).map_err(|error| unreadable(error.to_string())))
+        .map(|json| serde_json::from_str(json).map_err(Fault::unreadable))
         .transpose()
 }
 
@@ -119,14 +117,21 @@ pub fn save(
     teacher: &Teacher,
     subjects_seen: &[String],
 ) -> Result<(), CheckpointError> {
-    let unwritable = |reason: String| CheckpointError::Unwritable {
-        path: path.to_owned(),
-        reason,
-    };
+    let written = encoded(teacher, subjects_seen).and_then(|bytes| {
+        write_whole(path, &bytes).map_err(|error| match error {
+            RunError::Io { source, .. } => Fault::unwritable(source),
+            other => Fault::unwritable(other),
+        })
+    });
+    at(path, written)
+}
+
+/// Bytes of a teacher's safetensors file.
+fn encoded(teacher: &Teacher, subjects_seen: &[String]) -> Result<Vec<u8>, Fault> {
     let mut entries = BTreeMap::new();
     for own in own_tensors(teacher) {
         let (name, shape) = reference_entry(&own.name, &own.shape);
-        let data = bridge::into_data(own).map_err(|error| unwritable(error.to_string()))?;
+        let data = bridge::into_data(own).map_err(Fault::unwritable)?;
         let (bytes, _, _) = data.convert_dtype(DType::F32).into_parts();
         entries.insert(name, (shape, bytes));
     }
@@ -139,22 +144,15 @@ pub fn save(
             TensorView::new(Dtype::F32, shape.clone(), bytes).map(|view| (name, view))
         })
         .collect::<Result<Vec<_>, _>>()
-        .map_err(|error| unwritable(error.to_string()))?;
+        .map_err(Fault::unwritable)?;
     // Readers of Hugging Face expect the name of the framework that wrote the tensors.
-    let seen =
-        serde_json::to_string(subjects_seen).map_err(|error| unwritable(error.to_string()))?;
+    let seen = serde_json::to_string(subjects_seen).map_err(Fault::unwritable)?;
     let metadata = HashMap::from([
         ("format".to_owned(), "pt".to_owned()),
         (SUBJECTS_SEEN.to_owned(), seen),
     ]);
-    let bytes = safetensors::serialize(views, Some(metadata))
-        .map_err(|error| unwritable(error.to_string()))?;
-    let bytes = with_sorted_header(&bytes)
-        .ok_or_else(|| unwritable("the header is no JSON object".to_owned()))?;
-    write_whole(path, &bytes).map_err(|error| match error {
-        RunError::Io { source, .. } => unwritable(source.to_string()),
-        other => unwritable(other.to_string()),
-    })
+    let bytes = safetensors::serialize(views, Some(metadata)).map_err(Fault::unwritable)?;
+    with_sorted_header(&bytes).ok_or_else(|| Fault::unwritable("the header is no JSON object"))
 }
 
 /// Sorts the header keys of a safetensors file: the library writes the metadata in any order, and the same teacher must
@@ -208,11 +206,7 @@ fn reference_entry(own: &str, shape: &[usize]) -> (String, Vec<usize>) {
 }
 
 /// Reads all tensors of a file as f32, by the reference's names.
-fn read(path: &Path) -> Result<BTreeMap<String, Entry>, CheckpointError> {
-    let unreadable = |reason: String| CheckpointError::Unreadable {
-        path: path.to_owned(),
-        reason,
-    };
+fn read(path: &Path) -> Result<BTreeMap<String, Entry>, Fault> {
     let tensors = match path.extension().and_then(|extension| extension.to_str()) {
         Some("pth" | "pt") => {
             // LoRA adapters have their own key beside the model's state. They are read too, so that they are refused by
@@ -220,9 +214,7 @@ fn read(path: &Path) -> Result<BTreeMap<String, Entry>, CheckpointError> {
             let mut store = PytorchStore::from_file(path)
                 .with_top_level_key("model_info")
                 .map_indices_contiguous(false);
-            let tensors = store
-                .get_all_tensors()
-                .map_err(|error| unreadable(error.to_string()))?;
+            let tensors = store.get_all_tensors().map_err(Fault::unreadable)?;
             let strip = |name: &str| {
                 name.strip_prefix("model_state_dict.")
                     .unwrap_or(name)
@@ -235,26 +227,20 @@ fn read(path: &Path) -> Result<BTreeMap<String, Entry>, CheckpointError> {
         }
         Some("safetensors") => {
             let mut store = SafetensorsStore::from_file(path);
-            let tensors = store
-                .get_all_tensors()
-                .map_err(|error| unreadable(error.to_string()))?;
-            tensors.clone()
+            store.get_all_tensors().map_err(Fault::unreadable)?.clone()
         }
-        _ => {
-            return Err(CheckpointError::Format {
-                path: path.to_owned(),
-            });
-        }
+        _ => return Err(Fault::Format),
     };
     tensors
         .into_iter()
         .map(|(name, tensor): (String, burn_pack::Tensor)| {
             if !tensor.dtype.is_float() {
-                return Err(unreadable(format!("{name} is of type {:?}", tensor.dtype)));
+                let reason = format!("{name} is of type {:?}", tensor.dtype);
+                return Err(Fault::Unreadable(reason));
             }
             let shape = tensor.shape.to_vec();
             let values = bridge::into_data(tensor)
-                .map_err(|error| unreadable(format!("{name}: {error}")))?
+                .map_err(|error| Fault::Unreadable(format!("{name}: {error}")))?
                 .convert_dtype(DType::F32);
             Ok((name, Entry { shape, values }))
         })
@@ -262,20 +248,11 @@ fn read(path: &Path) -> Result<BTreeMap<String, Entry>, CheckpointError> {
 }
 
 /// Removes the positional encoding's second copy, which must be equal to the first.
-fn remove_second_position(
-    path: &Path,
-    file: &mut BTreeMap<String, Entry>,
-) -> Result<(), CheckpointError> {
-    let Some(again) = file.remove(POSITION_AGAIN) else {
-        return Err(CheckpointError::Missing {
-            path: path.to_owned(),
-            names: vec![POSITION_AGAIN.to_owned()],
-        });
-    };
+fn remove_second_position(file: &mut BTreeMap<String, Entry>) -> Result<(), Fault> {
+    let again = file.remove(POSITION_AGAIN);
+    let again = again.ok_or_else(|| Fault::Missing(vec![POSITION_AGAIN.to_owned()]))?;
     match file.get(POSITION) {
-        Some(first) if first.values != again.values => Err(CheckpointError::Positions {
-            path: path.to_owned(),
-        }),
+        Some(first) if first.values != again.values => Err(Fault::Positions),
         _ => Ok(()),
     }
 }
