@@ -46,7 +46,7 @@ fn last_cause(run: &Run) -> Option<Cause> {
 fn a_recordings_lines_equal_replays() -> anyhow::Result<()> {
     let path = "roshambo/data/subject02_session01_emg.npy";
     let path = found!(myointent_tests::recorded(path));
-    let mut samples = replay::one_recording(&path, None)?.samples;
+    let mut samples = replay::recording_of(&path, None, false)?.samples;
     samples.truncate(15 * 200);
     // Its speech without a subscription means nothing.
     let script = json!([{ "do": "chatter", "ms": 1 }]);

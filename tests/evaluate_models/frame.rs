@@ -69,7 +69,7 @@ fn predict_gives_the_labels_that_evaluate_scores_of_files_of_published_sets() {
             assert_eq!(predicted, expected, "{recording} {flag:?}");
         }
         assert_eq!(labels("") != labels("--as-recorded"), turned, "{recording}");
-        let replayed = replay::one_recording(&path, None).unwrap();
+        let replayed = replay::recording_of(&path, None, false).unwrap();
         let library = load(&path, &LoadOptions::default()).unwrap();
         assert_eq!(replayed.samples, library.recordings[0].samples);
     }

@@ -28,7 +28,7 @@ fn used(before: &[u8], after: &[u8]) -> usize {
 /// Checks the lines of the three images for the first seconds of a recording, in which the label changes.
 fn labels_equal_replays(name: &str, seconds: usize) -> anyhow::Result<()> {
     let path = found!(recorded(name));
-    let mut samples = replay::one_recording(&path, None)?.samples;
+    let mut samples = replay::recording_of(&path, None, false)?.samples;
     samples.truncate(seconds * 200);
     let expected = replay::lines(&chip::model(), &samples)?;
     let expected: Vec<_> = expected.split_inclusive('\n').collect();

@@ -221,13 +221,8 @@ fn replay(
     }
 }
 
-/// Loads the recording at a path, by name if there are several.
-pub fn one_recording(path: &Path, name: Option<&str>) -> anyhow::Result<Recording> {
-    recording_of(path, name, false)
-}
-
-/// Loads the recording at a path as [`one_recording`], or with the channels as recorded.
-pub(super) fn recording_of(
+/// Loads the recording at a path, by name if there are several, in the common frame or with the channels as recorded.
+pub fn recording_of(
     path: &Path,
     name: Option<&str>,
     as_recorded: bool,
@@ -267,9 +262,7 @@ pub(super) fn recording_of(
 mod tests {
     use super::*;
     use recordings::library::inspection::Inspection;
-    use shared::intent::Vocabulary;
-    use shared::model::dimensions::Dimensions;
-    use shared::model::file::random::random_model;
+    use shared::model::file::random::{SMALL, random_model};
     use shared::stream::strength::Percent;
     use shared::uart_line::alignment::AlignmentState;
 
@@ -287,14 +280,7 @@ mod tests {
 
     #[test]
     fn an_alignment_is_reported_from_the_first_line_on() {
-        let dimensions = Dimensions {
-            width: 16,
-            layers: 1,
-            span: 5,
-            vocabulary: Vocabulary::Three,
-            other: false,
-        };
-        let mut parts = random_model(dimensions, 1);
+        let mut parts = random_model(SMALL, 1);
         let mut begun = |template| {
             parts.template = template;
             let start = Start {
@@ -308,7 +294,7 @@ mod tests {
             assert_eq!((lines.len(), report.sequence), (2, 1));
             report.state
         };
-        let template = random_model(dimensions, 1).template;
+        let template = random_model(SMALL, 1).template;
         assert_eq!(begun(template), AlignmentState::Waiting);
         assert_eq!(begun(None), AlignmentState::Unavailable);
     }
@@ -343,9 +329,10 @@ mod tests {
         let mut findings = inspection.findings.iter();
         let short = findings.find(|group| group.finding.kind == "short");
         let printed = &short.unwrap().which[1];
-        let found = one_recording(folder.path(), Some(printed)).unwrap();
+        let found = recording_of(folder.path(), Some(printed), false).unwrap();
         assert_eq!(found.name, "s1_b");
-        let error = one_recording(folder.path(), None).unwrap_err().to_string();
+        let error = recording_of(folder.path(), None, false);
+        let error = error.unwrap_err().to_string();
         assert!(error.contains("--name own/s1/s1_a"), "{error}");
     }
 }

@@ -56,7 +56,7 @@ pub fn samples(scenario: &Scenario) -> anyhow::Result<Option<Vec<Sample>>> {
     let Some(path) = myointent_tests::recorded(recording) else {
         return Ok(None);
     };
-    let mut samples = myointent::cli::replay::one_recording(&path, None)?.samples;
+    let mut samples = myointent::cli::replay::recording_of(&path, None, false)?.samples;
     ensure!(
         samples.len() >= count,
         "{} has {} samples, not {count}",
