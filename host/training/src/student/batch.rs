@@ -134,17 +134,22 @@ mod tests {
         outputs: 3,
     };
 
-    /// A stream of 20 patches, and soft targets whose first logit is the number of the patch.
-    fn sequence() -> Vec<Sequence> {
+    /// A stream of 20 patches of one label, or of none, with movement outside the vocabulary.
+    fn corpus(label: Option<Intent>, other: bool) -> Corpus {
         let samples = 20 * PATCH;
-        let corpus = Corpus {
+        let mut stream = Stream::new(vec![[1; CHANNELS]; samples], vec![label; samples]);
+        if label.is_none() {
+            stream.other_movement.push(100..150);
+        }
+        Corpus {
             vocabulary: Vocabulary::Three,
-            other: false,
-            streams: vec![Stream::new(
-                vec![[1; CHANNELS]; samples],
-                vec![Some(Intent::Open); samples],
-            )],
-        };
+            other,
+            streams: vec![stream],
+        }
+    }
+
+    /// A stream with a label, and soft targets whose first logit is the number of the patch.
+    fn sequence() -> Vec<Sequence> {
         let soft_targets = (0..20)
             .map(|patch| {
                 let mut logits = LookBackLogits::default();
@@ -154,19 +159,16 @@ mod tests {
                 logits
             })
             .collect();
+        let corpus = corpus(Some(Intent::Open), false);
         sequences(&corpus, Some(vec![soft_targets]), true)
     }
 
     #[test]
     fn movement_outside_the_vocabulary_is_the_output_after_the_classes() {
-        let samples = 20 * PATCH;
-        let mut stream = Stream::new(vec![[1; CHANNELS]; samples], vec![None; samples]);
-        stream.labels[..50].fill(Some(Intent::Open));
-        stream.other_movement.push(100..150);
-        let corpus = |other| Corpus {
-            vocabulary: Vocabulary::Three,
-            other,
-            streams: vec![stream.clone()],
+        let corpus = |other| {
+            let mut corpus = corpus(None, other);
+            corpus.streams[0].labels[..50].fill(Some(Intent::Open));
+            corpus
         };
         let found =
             |other| sequences(&corpus(other), None, true)[0].targets[WINDOW_PATCHES..].to_vec();
@@ -188,14 +190,7 @@ mod tests {
 
     #[test]
     fn the_own_outputs_of_a_model_teach_no_other_movement() {
-        let samples = 20 * PATCH;
-        let mut stream = Stream::new(vec![[1; CHANNELS]; samples], vec![None; samples]);
-        stream.other_movement.push(100..150);
-        let corpus = Corpus {
-            vocabulary: Vocabulary::Three,
-            other: true,
-            streams: vec![stream],
-        };
+        let corpus = corpus(None, true);
         let shape = BatchShape {
             outputs: 4,
             ..SHAPE

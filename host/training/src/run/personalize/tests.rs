@@ -3,7 +3,7 @@
 use rayon::ThreadPoolBuilder;
 use shared::intent::{Intent, Vocabulary};
 use shared::model::dimensions::Dimensions;
-use shared::model::file::random::random_model;
+use shared::model::file::random::{SMALL, random_model};
 use shared::model::file::{Model, ModelParts};
 use shared::units::WINDOW;
 
@@ -18,11 +18,9 @@ const C: Option<Intent> = Some(Intent::Close);
 /// Smallest model, quick to tune.
 fn parts(vocabulary: Vocabulary) -> ModelParts {
     let dimensions = Dimensions {
-        width: 16,
-        layers: 1,
         span: 8,
         vocabulary,
-        other: false,
+        ..SMALL
     };
     let mut parts = random_model(dimensions, 5);
     parts.provenance.subjects_seen = vec!["roshambo/01".to_owned()];
@@ -213,20 +211,22 @@ const SETTINGS: fn() -> TuningSettings = || TuningSettings {
     ..TuningSettings::default()
 };
 
-fn tuned(settings: &TuningSettings) -> Personalized {
+/// Personalizes a model file on the only person of a library.
+fn personalized(
+    (file, library): (&[u8], &Library),
+    settings: &TuningSettings,
+    interrupt: &Interrupt,
+    report: impl FnMut(usize, usize),
+) -> Result<Personalized, PersonalizeError> {
     let device = Device::default().autodiff();
-    let interrupt = Interrupt::default();
+    personalize(file, library, None, settings, &device, interrupt, report)
+}
+
+fn tuned(settings: &TuningSettings) -> Personalized {
     let mut taken = Vec::new();
     let report = |step, of| taken.push((step, of));
-    let done = personalize(
-        &file(),
-        &synthetic(),
-        None,
-        settings,
-        &device,
-        &interrupt,
-        report,
-    );
+    let own = (&file()[..], &synthetic());
+    let done = personalized(own, settings, &Interrupt::default(), report);
     assert!(taken.into_iter().eq((1..=6).map(|step| (step, 6))));
     done.unwrap()
 }
@@ -268,19 +268,9 @@ fn the_same_seed_gives_the_same_file_with_any_number_of_threads() {
 
 #[test]
 fn an_interrupt_stops_the_tuning() {
-    let device = Device::default().autodiff();
-    let interrupt = Interrupt::at_once();
-    let settings = SETTINGS();
     let never = |steps, of| panic!("{steps} of {of} steps");
-    let stopped = personalize(
-        &file(),
-        &synthetic(),
-        None,
-        &settings,
-        &device,
-        &interrupt,
-        never,
-    );
+    let own = (&file()[..], &synthetic());
+    let stopped = personalized(own, &SETTINGS(), &Interrupt::at_once(), never);
     assert!(stopped.unwrap_err().is_interrupt());
 }
 
@@ -320,16 +310,11 @@ fn where_other_movement_is_shown_there_are_more_steps_and_a_lower_margin() {
     };
     assert_eq!(tuned(turns(5)), (vec![(1, 1)], Some(0.25)));
     let wave = Some(Intent::WaveIn);
-    let shown = [
-        (R, 400),
-        (O, 400),
-        (R, 400),
-        (C, 400),
-        (R, 400),
-        (wave, 400),
-    ];
-    let shown = recording(&shown.repeat(5));
-    assert_eq!(tuned(shown), (vec![(1, 2), (2, 2)], Some(-1.0)));
+    let shown = [R, O, R, C, R, wave].map(|label| (label, 400));
+    assert_eq!(
+        tuned(recording(&shown.repeat(5))),
+        (vec![(1, 2), (2, 2)], Some(-1.0))
+    );
 }
 
 #[test]
@@ -355,17 +340,8 @@ fn a_margin_over_other_movement_is_not_judged_on_the_movements_that_chose_it() {
                 other_per_minute,
                 ..SETTINGS()
             };
-            let (device, interrupt) = (Device::default().autodiff(), Interrupt::default());
-            let file = file_with_other();
-            personalize(
-                &file,
-                &library,
-                None,
-                &settings,
-                &device,
-                &interrupt,
-                |_, _| (),
-            )
+            let own = (&file_with_other()[..], &library);
+            personalized(own, &settings, &Interrupt::default(), |_, _| ())
         };
         let others = |done: &Personalized| {
             let [old, new, constant] = &done.scores;
