@@ -62,7 +62,7 @@ fn the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_mad
     let floor = |system| of(system, LookAhead::None);
     let (constant, energy) = (floor(System::Constant), floor(System::Energy));
     assert!((balanced(constant) - 1.0 / 3.0).abs() < 1e-9);
-    let flicker = constant.events.flicker.unwrap().mean;
+    let flicker = Measure::Flicker.mean(constant).unwrap().mean;
     assert_eq!((constant.events.recognised, flicker), (0, 0.0));
     assert!(constant.events.gestures > 30 * people);
     let decided = |score: &Score| {

@@ -2,14 +2,14 @@
 
 use crate::EvaluatedRecording;
 use crate::EvaluationError;
-use crate::inference::integer_logits;
-use rayon::iter::IntoParallelRefIterator;
-use rayon::iter::ParallelIterator;
+use crate::inference::logits_with;
+use rayon::prelude::*;
 use shared::intent::Vocabulary;
 use shared::model::LookBackLogits;
-use shared::model::file::{Model, ModelError, SmootherDefaults};
+use shared::model::file::{Model, SmootherDefaults};
+use shared::model::head::Head;
+use shared::stream::alignment::Alignment;
 use shared::stream::smoother::{Margins, Settings, SettingsError};
-use shared::units::CleanSample;
 
 use super::condition::LookAhead;
 use super::smoothing::{SmoothedLabels, smooth};
@@ -100,18 +100,25 @@ pub fn integer_candidate(
     model: &Model<'_>,
     recordings: &[EvaluatedRecording],
 ) -> Result<Candidate, EvaluationError> {
-    candidate(name, model, recordings, |_, emg| integer_logits(model, emg))
+    let as_it_is = |_: &EvaluatedRecording| (Alignment::NONE, None);
+    candidate(name, model, recordings, as_it_is)
 }
 
-/// A model file's candidate; `logits` gives those of a recording, by the model's input.
-pub(crate) fn candidate(
+/// A model file's candidate, with the alignment and the head that `own` gives for a recording; none for the model's own head.
+pub(crate) fn candidate<'h>(
     system: impl Into<System>,
     model: &Model<'_>,
     recordings: &[EvaluatedRecording],
-    logits: impl Fn(&EvaluatedRecording, &[CleanSample]) -> Result<Vec<LookBackLogits>, ModelError>
-    + Sync,
+    own: impl Fn(&EvaluatedRecording) -> (Alignment, Option<&'h Head>) + Sync,
 ) -> Result<Candidate, EvaluationError> {
-    let of = |own: &EvaluatedRecording| logits(own, &own.input(model.header.preprocessing));
+    let of = |recording: &EvaluatedRecording| {
+        let (alignment, head) = own(recording);
+        logits_with(
+            model,
+            head,
+            &recording.input(model.header.preprocessing, alignment),
+        )
+    };
     let logits = recordings.par_iter().map(of).collect::<Result<_, _>>()?;
     Ok(Candidate::new(system, logits, &model.header.smoother))
 }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use shared::intent::Intent;
 
 use super::evaluated_recording::EvaluatedRecording;
-use super::metric::event::{EventRule, gesture::gestures};
+use super::metric::event::gesture::gestures;
 use recordings::DataSet;
 
 /// Numbers of gestures, counted as [`gesture`](super::metric::event::gesture) counts them.
@@ -47,7 +47,7 @@ pub fn cued<'t>(
 /// Number of gestures in a truth.
 fn count(truth: &[Option<Intent>]) -> usize {
     let nothing = vec![None; truth.len()];
-    gestures(truth, &nothing, &EventRule::default()).len()
+    gestures(truth, &nothing).len()
 }
 
 #[cfg(test)]

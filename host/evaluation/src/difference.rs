@@ -53,15 +53,8 @@ mod tests {
     fn score(people: &[(usize, f64)]) -> Score {
         let subject = |&(who, balanced): &(usize, f64)| SubjectScore {
             subject: format!("x/{who}"),
-            recordings: 1,
-            classes: 3,
             balanced_accuracy: Some(balanced),
-            raw_accuracy: None,
-            correct: 0,
-            events: 0,
-            transition_accuracy: None,
-            offsets: Vec::new(),
-            offset: None,
+            ..SubjectScore::default()
         };
         Score::of_people(people.iter().map(subject).collect(), Vec::new())
     }

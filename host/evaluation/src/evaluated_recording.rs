@@ -8,6 +8,7 @@ use recordings::labels::compensation::Compensation;
 use recordings::split::Role;
 use recordings::{DataSet, Library, Movement, Recording};
 use shared::intent::{Intent, Vocabulary};
+use shared::stream::alignment::Alignment;
 use shared::stream::preprocess::{Median, Preprocessing, clean};
 use shared::units::{CleanSample, Sample};
 
@@ -63,14 +64,16 @@ impl EvaluatedRecording {
         }
     }
 
-    /// The input of a model.
-    pub fn input(&self, preprocessing: Preprocessing) -> Vec<CleanSample> {
+    /// The input of a model, aligned.
+    pub fn input(&self, preprocessing: Preprocessing, alignment: Alignment) -> Vec<CleanSample> {
         let samples = if preprocessing.normalized {
             &self.normalized
         } else {
             &self.raw
         };
-        clean(samples.iter().copied(), preprocessing.median).collect()
+        clean(samples.iter().copied(), preprocessing.median)
+            .map(|sample| alignment.apply(sample))
+            .collect()
     }
 
     /// Removes labels: these samples are not scored.

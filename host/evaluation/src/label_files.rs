@@ -12,8 +12,8 @@ use shared::units::Sample;
 
 use crate::model_evaluation::{evaluated_recordings, labelled};
 use crate::{
-    Cued, EnergyDetector, EvaluationError, LookAhead, Score, SmoothedLabels, System, Truth,
-    constant, cued, score, score_labels,
+    Cued, EnergyDetector, EvaluationError, LookAhead, Score, SmoothedLabels, System, constant,
+    cued, score, score_labels,
 };
 
 /// Scores of a program's labels, with the floors.
@@ -64,11 +64,11 @@ pub fn evaluate_labels(
     let as_they_are = |_: &mut Vec<Sample>| ();
     let recordings = evaluated_recordings(&found, vocabulary, &lags, |_| Some(as_they_are));
     let program = System::Model(name.to_owned());
-    let (own, truth) = (LookAhead::None, Truth::LagCompensated);
-    let mut scores = score_labels(&program, &predicted, &recordings, vocabulary, own, truth)?;
+    let own = LookAhead::None;
+    let mut scores = score_labels(&program, &predicted, &recordings, vocabulary, own)?;
     let energy = EnergyDetector::default().candidate(&recordings);
     for floor in [constant(&recordings), energy] {
-        scores.extend(score(&floor, &recordings, vocabulary, own, truth)?);
+        scores.extend(score(&floor, &recordings, vocabulary, own)?);
     }
     Ok(LabelResults {
         missing,

@@ -15,7 +15,7 @@ use shared::stream::alignment::Alignment;
 use shared::stream::smoother::AggregationMode;
 use shared::units::Sample;
 
-use self::alignment::{Aligned, align, aligned_candidate, leave_out_openings, openings_of};
+use self::alignment::{Aligned, align, leave_out_openings, openings_of};
 pub use self::alignment::{AlignedSubject, Turn, Worn};
 pub use self::calibration::{CalibratedSubject, Lesson, SET_ASIDE};
 use self::calibration::{calibrated, calibrated_candidate, people_of, set_aside};
@@ -24,8 +24,9 @@ pub use self::named_model::{NamedModel, beside, is_taken};
 use self::named_model::{common_vocabulary, distinct};
 pub use self::subjects::EvaluatedSubject;
 use self::subjects::subjects;
+use crate::candidate::candidate;
 use crate::{
-    Candidate, Cued, EnergyDetector, EvaluatedRecording, EvaluationError, LookAhead, Score, Truth,
+    Candidate, Cued, EnergyDetector, EvaluatedRecording, EvaluationError, LookAhead, Score, System,
     constant, cued, integer_candidate, score,
 };
 use recordings::labels::lag::LabelLag;
@@ -193,7 +194,11 @@ pub fn evaluate_models(
         .map(|(model, parsed)| integer_candidate(&model.name[..], parsed, &recordings))
         .collect::<Result<Vec<_>, _>>()?;
     for ((model, parsed), own) in named.iter().zip(&aligned.found) {
-        candidates.push(aligned_candidate(&model.name, parsed, &recordings, own)?);
+        let aligned = System::Aligned(model.name.clone());
+        candidates.push(candidate(aligned, parsed, &recordings, |recording| {
+            let alignment = own.get(&recording.subject).copied();
+            (alignment.unwrap_or_default(), None)
+        })?);
     }
     if selection.calibrate.is_some_and(|lesson| lesson.rounds > 0) {
         for (model, parsed) in &named {
@@ -212,13 +217,7 @@ pub fn evaluate_models(
         let mut own = models.iter();
         let own = own.find(|own| candidate.model.model() == Some(&own.name));
         let look_ahead = own.map_or(LookAhead::None, |own| own.look_ahead);
-        scores.extend(score(
-            candidate,
-            &recordings,
-            vocabulary,
-            look_ahead,
-            Truth::LagCompensated,
-        )?);
+        scores.extend(score(candidate, &recordings, vocabulary, look_ahead)?);
     }
     Ok(ModelEvaluation {
         results: ModelResults {

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
+use recordings::statistics::MeanSd;
 use serde::{Deserialize, Serialize, Serializer};
 use shared::intent::{Intent, Vocabulary};
 
@@ -10,9 +11,13 @@ use super::candidate::Candidate;
 use super::condition::{LookAhead, Truth};
 use super::evaluated_recording::EvaluatedRecording;
 use super::group::{Group, groups};
+use super::measure::Measure;
 use super::metric::confusion::Confusion;
 use super::metric::event::summary::{EventSummary, SubjectEvents};
-use super::metric::event::{EventRule, RecordingEvents, gesture::Gesture};
+use super::metric::event::{
+    RecordingEvents,
+    gesture::{self, Gesture},
+};
 use super::metric::summary::{RecordingScore, Summary, summary};
 use super::metric::transition::Rule;
 use super::smoothing::SmoothedLabels;
@@ -48,6 +53,9 @@ pub struct Score {
     pub emission: Summary,
     /// Events, each label at its emission time.
     pub events: EventSummary,
+    /// Mean over people of each [`Measure`] that anybody has a value of, by its name; empty in results of earlier versions.
+    #[serde(default)]
+    pub means: BTreeMap<String, MeanSd>,
 }
 
 impl Score {
@@ -63,6 +71,12 @@ impl Score {
         people
             .filter_map(|own| Some((own.subject.as_str(), own.recognised_within(ms)?)))
             .collect()
+    }
+
+    fn with_means(mut self) -> Self {
+        let mean = |measure: Measure| Some((measure.name().to_owned(), measure.mean(&self)?));
+        self.means = Measure::ALL.into_iter().filter_map(mean).collect();
+        self
     }
 
     /// Name of the row's people in tables.
@@ -106,7 +120,11 @@ pub fn score_all(
     for &truth in truths {
         for candidate in candidates {
             for look_ahead in candidate.conditions() {
-                scores.extend(score(candidate, recordings, vocabulary, look_ahead, truth)?);
+                let labels = labels(candidate, recordings, vocabulary, look_ahead)?;
+                let model = &candidate.model;
+                scores.extend(rows(
+                    model, &labels, recordings, vocabulary, look_ahead, truth,
+                )?);
             }
         }
     }
@@ -114,31 +132,49 @@ pub fn score_all(
 }
 
 /// Scores a candidate under one condition: a row for each data set among the recordings, and one over all of them if
-/// there are several; each for the people of either [`Group`], if there are any.
+/// there are several; each for the people of either [`Group`], if there are any. Labels are lag-compensated.
 pub fn score(
     candidate: &Candidate,
     recordings: &[EvaluatedRecording],
     vocabulary: Vocabulary,
     look_ahead: LookAhead,
-    truth: Truth,
 ) -> Result<Vec<Score>, EvaluationError> {
-    let labels = recordings
-        .par_iter()
-        .enumerate()
-        .map(|(at, recording)| candidate.labels(at, recording, vocabulary, look_ahead))
-        .collect::<Result<Vec<_>, _>>()?;
+    let labels = labels(candidate, recordings, vocabulary, look_ahead)?;
     score_labels(
         &candidate.model,
         &labels,
         recordings,
         vocabulary,
         look_ahead,
-        truth,
     )
+}
+
+/// Labels of a candidate for each recording.
+fn labels(
+    candidate: &Candidate,
+    recordings: &[EvaluatedRecording],
+    vocabulary: Vocabulary,
+    look_ahead: LookAhead,
+) -> Result<Vec<SmoothedLabels>, EvaluationError> {
+    let numbered = recordings.par_iter().enumerate();
+    let labels =
+        numbered.map(|(at, recording)| candidate.labels(at, recording, vocabulary, look_ahead));
+    Ok(labels.collect::<Result<_, _>>()?)
 }
 
 /// Scores the labels of a model or of any program, in the order of the recordings: rows as of [`score`].
 pub fn score_labels(
+    model: &System,
+    labels: &[SmoothedLabels],
+    recordings: &[EvaluatedRecording],
+    vocabulary: Vocabulary,
+    look_ahead: LookAhead,
+) -> Result<Vec<Score>, EvaluationError> {
+    let truth = Truth::LagCompensated;
+    rows(model, labels, recordings, vocabulary, look_ahead, truth)
+}
+
+fn rows(
     model: &System,
     labels: &[SmoothedLabels],
     recordings: &[EvaluatedRecording],
@@ -195,7 +231,7 @@ pub fn score_labels(
         let subjects = by_subject
             .into_iter()
             .map(|(subject, events)| SubjectEvents::new(subject, events));
-        Some(Score {
+        let score = Score {
             model: model.clone(),
             data_set: set.to_owned(),
             classes: vocabulary.classes(),
@@ -205,7 +241,9 @@ pub fn score_labels(
             reference: std::array::from_fn(summary_of),
             emission: summary(&emission.collect::<Vec<_>>()),
             events: EventSummary::of_subjects(subjects.collect()),
-        })
+            means: BTreeMap::new(),
+        };
+        Some(score.with_means())
     };
     let both = |&set: &&'static str| Group::ALL.map(|people| (set, people));
     Ok(sets.iter().flat_map(both).filter_map(row).collect())
@@ -233,16 +271,10 @@ fn score_recording(
             buffer,
             ..Rule::default()
         };
-        let (subject, name) = (&recording.subject, &recording.name);
-        RecordingScore::new(subject, name, &truth[first..], &labels[first..], &rule)
+        let (truth, labels) = (&truth[first..], &labels[first..]);
+        RecordingScore::new(&recording.subject, truth, labels, &rule)
     };
     let [narrow, middle, wide] = BUFFERS;
-    let events = RecordingEvents::new(
-        truth,
-        emitted,
-        &recording.other_movement,
-        &EventRule::default(),
-    )?;
     Ok(RecordingScores {
         reference: [
             with_buffer(reference, narrow)?,
@@ -250,7 +282,7 @@ fn score_recording(
             with_buffer(reference, wide)?,
         ],
         emission: with_buffer(emitted, wide)?,
-        events,
+        events: RecordingEvents::new(truth, emitted, &recording.other_movement)?,
     })
 }
 
@@ -261,14 +293,11 @@ pub fn gestures(
     vocabulary: Vocabulary,
     look_ahead: LookAhead,
 ) -> Result<Vec<Gesture>, EvaluationError> {
-    let mut gestures = Vec::new();
-    for (at, own) in recordings.iter().enumerate() {
-        let labels = candidate.labels(at, own, vocabulary, look_ahead)?;
-        let rule = EventRule::default();
-        let events = RecordingEvents::new(&own.lag_compensated, &labels.emitted, &[], &rule)?;
-        gestures.extend(events.gestures);
-    }
-    Ok(gestures)
+    let labels = labels(candidate, recordings, vocabulary, look_ahead)?;
+    let judged = recordings.iter().zip(labels);
+    let judged =
+        judged.flat_map(|(own, labels)| gesture::gestures(&own.lag_compensated, &labels.emitted));
+    Ok(judged.collect())
 }
 
 /// Confusion matrix of a candidate over all recordings: lag-compensated labels, each predicted label at its reference
@@ -280,8 +309,8 @@ pub fn confusion(
     look_ahead: LookAhead,
 ) -> Result<Confusion, EvaluationError> {
     let mut confusion = Confusion::new(vocabulary);
-    for (at, recording) in recordings.iter().enumerate() {
-        let labels = candidate.labels(at, recording, vocabulary, look_ahead)?;
+    let labels = labels(candidate, recordings, vocabulary, look_ahead)?;
+    for (recording, labels) in recordings.iter().zip(labels) {
         confusion.add(&recording.lag_compensated, &labels.reference)?;
     }
     Ok(confusion)
@@ -296,7 +325,7 @@ impl Score {
         events: Vec<SubjectEvents>,
     ) -> Self {
         let summary = Summary::of_subjects(subjects);
-        Self {
+        let score = Self {
             model: "m".into(),
             data_set: "x".to_owned(),
             classes: 3,
@@ -306,7 +335,9 @@ impl Score {
             reference: std::array::from_fn(|_| summary.clone()),
             emission: summary.clone(),
             events: EventSummary::of_subjects(events),
-        }
+            means: BTreeMap::new(),
+        };
+        score.with_means()
     }
 }
 

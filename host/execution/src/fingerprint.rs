@@ -29,13 +29,6 @@ impl Fingerprint {
         let text = serde_json::to_vec(value).expect("a value with a JSON text");
         Self::of_bytes(&text)
     }
-
-    /// Fingerprint of bytes that come in parts.
-    pub fn of_parts(parts: impl FnOnce(&mut dyn FnMut(&[u8]))) -> Self {
-        let mut digest = CRC.digest();
-        parts(&mut |bytes| digest.update(bytes));
-        Self(digest.finalize())
-    }
 }
 
 impl fmt::Display for Fingerprint {

@@ -19,7 +19,7 @@ pub use artefact::{Artefact, ModelInfo};
 pub use durable::kill;
 pub use durable::write_whole;
 pub use error::RunError;
-pub use json::{EpochMetrics, Stamped};
+pub use json::EpochMetrics;
 use lock::Lock;
 
 /// Ending of a checkpoint's name.

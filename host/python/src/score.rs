@@ -50,6 +50,6 @@ pub fn score(
         strict,
         allow_relax,
     };
-    let score = LabelScore::new("", &truth, &labels(prediction)?, emission, rule).map_err(told)?;
+    let score = LabelScore::new(&truth, &labels(prediction)?, emission, rule).map_err(told)?;
     Report::of(py, &score.json(), score.tables())
 }

@@ -146,7 +146,7 @@ class ExamplesTest(unittest.TestCase):
             np.savez(weights, **{name: random.random(shape) / 9 for name, shape in network()})
             own.main([str(weights), self.folder, str(out)])
             results = json.loads(program("score", "--truth", self.folder, "--prediction", out, "--json"))
-        self.assertEqual(results["scores"][0]["events"]["decided"]["n"], 3)
+        self.assertEqual(results["scores"][0]["means"]["decided"]["n"], 3)
 
     def test_lab_streaming_layer_receives_samples_and_labels(self):
         own = example(self.id(), "lab_streaming_layer")

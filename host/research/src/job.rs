@@ -8,10 +8,9 @@ use execution::run_folder::{RunError, RunFolder};
 use presets::config::{CONFIG, ResolvedConfig};
 use presets::resolve::ConfigError;
 use training::run::StepError;
+use training::run::personalize::PersonalizeError;
 
-use crate::baselines::training::TrainingError;
-
-/// Why a job failed.
+/// Why a job, or the measurement of a person, failed.
 #[derive(Debug, Error)]
 pub(crate) enum JobError {
     #[error(transparent)]
@@ -21,7 +20,15 @@ pub(crate) enum JobError {
     #[error(transparent)]
     Step(#[from] StepError),
     #[error(transparent)]
-    Baseline(#[from] TrainingError),
+    Personalize(#[from] PersonalizeError),
+    #[error(
+        "{baseline} has {training} training windows and {validation} validation windows; it needs both: give more labelled recordings"
+    )]
+    NoWindows {
+        baseline: &'static str,
+        training: usize,
+        validation: usize,
+    },
     #[error("{path}: made with another preset, protocol or recordings; give another --out folder")]
     OtherRun { path: PathBuf },
 }
@@ -33,7 +40,7 @@ impl JobError {
             Self::Run(error) | Self::Step(StepError::Run(error)) => {
                 matches!(error, RunError::Interrupted { .. })
             }
-            Self::Baseline(error) => error.is_interrupt(),
+            Self::Personalize(error) => error.is_interrupt(),
             _ => false,
         }
     }

@@ -109,9 +109,10 @@ fn score(args: &Arguments) -> anyhow::Result<LabelScore> {
     let prediction = labels(label_file::read(&args.prediction, Purpose::Prediction)?);
     let emission = emission(&args.prediction, args.delay)?;
     let rule = args.rule();
-    let name = args.prediction.display().to_string();
-    LabelScore::new(&name, &truth, &prediction, emission, rule)
-        .with_context(|| format!("cannot score {} against {}", name, path.display()))
+    LabelScore::new(&truth, &prediction, emission, rule).with_context(|| {
+        let prediction = args.prediction.display();
+        format!("cannot score {prediction} against {}", path.display())
+    })
 }
 
 impl Arguments {

@@ -12,70 +12,58 @@ use execution::run_folder::{Artefact, ModelInfo, RunError, RunFolder};
 /// Name of an artefact's part with a model's weights.
 const PART: &str = "weights";
 
-/// Weights of models in a run folder.
-pub trait Weights {
-    /// Writes a model's weights as `NAME.bpk`.
-    fn save_model(
-        &self,
-        name: &str,
-        made_from: Fingerprint,
-        model: &impl Module,
-    ) -> Result<(), RunError>;
-
-    /// Reads the weights made from `made_from` into a model of the same shape.
-    fn load_model<M: Module>(
-        &self,
-        name: &str,
-        made_from: Fingerprint,
-        model: M,
-    ) -> Result<M, RunError>;
+/// Writes a model's weights into a run folder as `NAME.bpk`.
+pub(crate) fn save_model(
+    run: &RunFolder,
+    name: &str,
+    made_from: Fingerprint,
+    model: &impl Module,
+) -> Result<(), RunError> {
+    let path = run.weights_path(name);
+    let weights = model_bytes(&path, model)?;
+    let about = ModelInfo {
+        weights: fingerprint(model),
+    };
+    Artefact::new(path, made_from, &about)?
+        .with(PART, weights)
+        .save()
 }
 
-impl Weights for RunFolder {
-    fn save_model(
-        &self,
-        name: &str,
-        made_from: Fingerprint,
-        model: &impl Module,
-    ) -> Result<(), RunError> {
-        let path = self.weights_path(name);
-        let about = ModelInfo {
-            weights: fingerprint(model),
-        };
-        let artefact = Artefact::new(made_from, &about)
-            .map_err(|error| RunError::content(&path, error))?
-            .with(PART, model_bytes(&path, model)?);
-        self.save_artefact(&path, &artefact)
-    }
-
-    fn load_model<M: Module>(
-        &self,
-        name: &str,
-        made_from: Fingerprint,
-        model: M,
-    ) -> Result<M, RunError> {
-        let path = self.weights_path(name);
-        let mut artefact = self.artefact_of(&path, made_from)?;
-        let bytes = artefact.take(PART);
-        let bytes = bytes.map_err(|reason| RunError::content(&path, reason))?;
-        load_model_bytes(&path, bytes, model)
-    }
+/// Reads the weights of a run folder made from `made_from` into a model of the same shape.
+pub fn load_model<M: Module>(
+    run: &RunFolder,
+    name: &str,
+    made_from: Fingerprint,
+    model: M,
+) -> Result<M, RunError> {
+    let path = run.weights_path(name);
+    let bytes = run.artefact_of(&path, made_from)?.take(PART)?;
+    load_model_bytes(&path, bytes, model)
 }
 
-/// Fingerprint of the values of a model's weights, in the order in which the module visits them. A file's bytes would not
-/// do: they also hold identifiers that are drawn anew for every model.
-pub(crate) fn fingerprint(model: &impl Module) -> Fingerprint {
-    Fingerprint::of_parts(|update| model.visit(&mut Values(update)))
+/// Values of a model's weights, in the order in which the module visits them.
+pub fn values(model: &impl Module) -> Vec<f32> {
+    let mut values = Values(Vec::new());
+    model.visit(&mut values);
+    values.0
 }
 
-struct Values<'a>(&'a mut dyn FnMut(&[u8]));
+struct Values(Vec<f32>);
 
-impl ModuleVisitor for Values<'_> {
+impl ModuleVisitor for Values {
     fn visit_float<const D: usize>(&mut self, param: &Param<Tensor<D>>) {
-        for value in param.val().into_data().iter::<f32>() {
-            (self.0)(&value.to_le_bytes());
-        }
+        self.0.extend(param.val().into_data().iter::<f32>());
     }
+}
+
+/// Fingerprint of the [`values`] of a model. A file's bytes would not do: they also hold identifiers that are drawn anew
+/// for every model.
+pub(crate) fn fingerprint(model: &impl Module) -> Fingerprint {
+    let bytes: Vec<u8> = values(model)
+        .into_iter()
+        .flat_map(f32::to_le_bytes)
+        .collect();
+    Fingerprint::of_bytes(&bytes)
 }
 
 /// Encodes a model's weights as bytes, for the file `path`.

@@ -18,7 +18,7 @@ use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
 use shared::model::head::Head;
 use shared::stream::alignment::{Alignment, AlignmentOutcome, AlignmentProgress, Arm};
-use shared::units::{CleanSample, PATCH, WINDOW_PATCHES};
+use shared::units::{PATCH, WINDOW_PATCHES};
 
 pub use self::own::{FEWEST_ROUNDS, OwnCalibration, calibrate_file, calibrate_on};
 pub use self::parts::{ShownPart, parts, rounds_of};
@@ -153,7 +153,7 @@ fn alignment(
     let outcome = match AlignmentProgress::of(profile, Arm::Unknown, u64::MAX, template, FAVOUR) {
         AlignmentProgress::Done(outcome) => outcome,
         AlignmentProgress::Undecided(mut decision) => {
-            let input = input(model, recording, Alignment::NONE);
+            let input = recording.input(model.header.preprocessing, Alignment::NONE);
             let patches = &input.as_chunks::<PATCH>().0[part.start()..part.end()];
             let encoder = HostEncoder::new(model)?;
             let mut state = encoder.fresh();
@@ -180,16 +180,6 @@ fn alignment(
     })
 }
 
-/// Input of a model, aligned.
-fn input(
-    model: &Model<'_>,
-    recording: &EvaluatedRecording,
-    alignment: Alignment,
-) -> Vec<CleanSample> {
-    let input = recording.input(model.header.preprocessing);
-    input.into_iter().map(|own| alignment.apply(own)).collect()
-}
-
 /// Hidden vector at each patch of a recording.
 fn hidden_vectors(
     model: &Model<'_>,
@@ -198,7 +188,7 @@ fn hidden_vectors(
 ) -> Result<Vec<Vec<f32>>, EvaluationError> {
     let encoder = HostEncoder::new(model)?;
     let mut state = encoder.fresh();
-    let stream = padded(&input(model, recording, alignment));
+    let stream = padded(&recording.input(model.header.preprocessing, alignment));
     let (patches, _) = stream.as_chunks::<PATCH>();
     let vectors = patches.iter().map(|patch| {
         let _ = encoder.step(&mut state, patch);
@@ -218,7 +208,8 @@ fn judge(
     let classes = model.header.dimensions.vocabulary.classes();
     let settings = model.header.smoother.in_patches();
     let emitted = |recording: &EvaluatedRecording, head, alignment| {
-        let logits = logits_with(model, head, &input(model, recording, alignment))?;
+        let input = recording.input(model.header.preprocessing, alignment);
+        let logits = logits_with(model, head, &input)?;
         Ok::<_, EvaluationError>(smooth(&logits, recording.emg.len(), classes, settings)?.emitted)
     };
     let mut labels = BTreeMap::new();

@@ -44,13 +44,8 @@ pub fn calibrate_file(
 ) -> Result<OwnCalibration, EvaluationError> {
     let model = Model::parse(file)?;
     let dimensions = &model.header.dimensions;
-    let people = library.subjects();
-    let named = people.iter().filter(|own| {
-        let after = own.split_once('/').map(|(_, name)| name);
-        subject.is_none_or(|wanted| *own == wanted || after == Some(wanted))
-    });
-    let [subject] = named.collect::<Vec<_>>()[..] else {
-        return Err(EvaluationError::Whose(people));
+    let [subject] = &library.named(subject)[..] else {
+        return Err(EvaluationError::Whose(library.subjects()));
     };
     let labelled = labelled(library, dimensions.vocabulary);
     let lags = lags(&labelled, LabelLag::default(), &predefined::is_training);

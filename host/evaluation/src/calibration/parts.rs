@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use recordings::runs;
 use shared::calibration::{MOST_PATCHES, Shown};
 use shared::intent::{Intent, Vocabulary};
 use shared::units::{PATCH, SAMPLE_RATE_HZ};
@@ -95,15 +96,11 @@ pub fn parts(
 fn holds(recordings: &[&EvaluatedRecording]) -> BTreeMap<Intent, Vec<(usize, Range<usize>)>> {
     let mut holds: BTreeMap<Intent, Vec<(usize, Range<usize>)>> = BTreeMap::new();
     for (recording, own) in recordings.iter().enumerate() {
-        let mut end = 0;
-        for run in own.lag_compensated.chunk_by(|a, b| a == b) {
-            let start = end;
-            end += run.len();
-            if let (Some(intent), true) = (run[0], run.len() >= SHORTEST) {
-                holds
-                    .entry(intent)
-                    .or_default()
-                    .push((recording, start..end));
+        let long = runs(&own.lag_compensated).into_iter();
+        for run in long.filter(|run| run.samples() >= SHORTEST) {
+            if let Some(intent) = run.label {
+                let own = holds.entry(intent).or_default();
+                own.push((recording, run.start..run.end));
             }
         }
     }

@@ -9,7 +9,7 @@ use shared::intent::Intent;
 
 use crate::EvaluationError;
 use crate::metric::confusion::Confusion;
-use crate::metric::event::{EventRule, RecordingEvents};
+use crate::metric::event::RecordingEvents;
 use crate::metric::predicted_length;
 use crate::metric::summary::RecordingScore;
 use crate::metric::transition::Rule;
@@ -50,19 +50,18 @@ impl Emission {
 }
 
 impl LabelScore {
-    /// Scores predicted labels, one a sample, against the truth. `name` is the recording's.
+    /// Scores predicted labels, one a sample, against the truth.
     ///
     /// # Errors
     /// When the two differ in length, or a label or the rule's buffer cannot be scored.
     pub fn new(
-        name: &str,
         truth: &GroundTruth,
         prediction: &[Option<Intent>],
         emission: Emission,
         rule: Rule,
     ) -> Result<Self, EvaluationError> {
         let labels = &truth.labels;
-        let reference = RecordingScore::new("", name, labels, prediction, &rule)?;
+        let reference = RecordingScore::new("", labels, prediction, &rule)?;
         let mut confusion = Confusion::new(vocabulary::smallest(labels.iter().chain(prediction)));
         let scored = predicted_length(prediction);
         let (own, prediction) = (&labels[..scored], &prediction[..scored]);
@@ -71,8 +70,8 @@ impl LabelScore {
         emitted.truncate(scored);
         let movements = movement::within(&truth.other_movement, &(0..scored));
         Ok(Self {
-            emission: RecordingScore::new("", name, own, &emitted, &rule)?,
-            events: RecordingEvents::new(own, &emitted, &movements, &EventRule::default())?,
+            emission: RecordingScore::new("", own, &emitted, &rule)?,
+            events: RecordingEvents::new(own, &emitted, &movements)?,
             reference,
             confusion,
             unscored: labels.len() - scored,
@@ -101,7 +100,7 @@ mod tests {
             ..GroundTruth::default()
         };
         let emission = Emission::After(51);
-        let score = LabelScore::new("", &truth, &labels, emission, Rule::default()).unwrap();
+        let score = LabelScore::new(&truth, &labels, emission, Rule::default()).unwrap();
         assert_eq!(score.events.gestures[0].latency, Some(51));
         assert_eq!(score.reference.transitions.accuracy(), Some(1.0));
         assert_eq!(delayed(&labels, 51)[..51], [None; 51]);

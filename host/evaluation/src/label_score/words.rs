@@ -8,7 +8,7 @@ use shared::units::{SAMPLE_PERIOD_MS, SAMPLE_RATE_HZ};
 
 use super::LabelScore;
 use crate::metric::confusion::Confusion;
-use crate::metric::event::EventRule;
+use crate::metric::event::TOLERANCE;
 use crate::metric::event::activation::Rate;
 use crate::metric::event::gesture::Gesture;
 use crate::metric::event::summary::{SubjectEvents, Tally};
@@ -40,7 +40,7 @@ impl LabelScore {
         let offsets: Vec<i32> = score.transitions.offsets().collect();
         serde_json::json!({
             "rule": rule,
-            "event_rule": EventRule::default(),
+            "event_rule": {"tolerance": TOLERANCE},
             "balanced_accuracy": score.recalls.balanced_accuracy(),
             "recalls": recalls,
             "gestures_recognised": own.recognised,
@@ -178,15 +178,12 @@ impl LabelScore {
 fn changes(changes: &[Change]) -> Table {
     let mut table = Table::new("", ["sample", "at s", "change", "status", "offset ms"]);
     for change in changes {
-        let offset = change.offset.map_or_else(String::new, |samples| {
-            format!("{:+}", i64::from(samples) * i64::from(SAMPLE_PERIOD_MS))
-        });
         table.push([
             change.at.to_string(),
-            format!("{:.2}", change.at as f64 / f64::from(SAMPLE_RATE_HZ)),
+            seconds(change.at),
             format!("{} -> {}", change.from.name(), change.to.name()),
             change.status.name().to_owned(),
-            offset,
+            milliseconds(change.offset),
         ]);
     }
     table
@@ -203,24 +200,31 @@ fn gestures(gestures: &[Gesture]) -> Table {
         "release ms",
     ];
     let mut table = Table::new("", columns);
-    let ms = |samples: Option<i32>| {
-        samples.map_or_else(String::new, |samples| {
-            format!("{:+}", i64::from(samples) * i64::from(SAMPLE_PERIOD_MS))
-        })
-    };
     for gesture in gestures {
         let onset = gesture.span.start;
         table.push([
             onset.to_string(),
-            format!("{:.2}", onset as f64 / f64::from(SAMPLE_RATE_HZ)),
+            seconds(onset),
             gesture.label.name().to_owned(),
             gesture.verdict.name().to_owned(),
             gesture.decision.map_or("", Intent::name).to_owned(),
-            ms(gesture.latency),
-            ms(gesture.release),
+            milliseconds(gesture.latency),
+            milliseconds(gesture.release),
         ]);
     }
     table
+}
+
+/// Time of a sample in seconds.
+fn seconds(sample: usize) -> String {
+    format!("{:.2}", sample as f64 / f64::from(SAMPLE_RATE_HZ))
+}
+
+/// A number of samples in milliseconds, with its sign; empty without one.
+fn milliseconds(samples: Option<i32>) -> String {
+    samples.map_or_else(String::new, |samples| {
+        format!("{:+}", i64::from(samples) * i64::from(SAMPLE_PERIOD_MS))
+    })
 }
 
 fn matrix(confusion: &Confusion) -> Table {

@@ -4,8 +4,7 @@
 //! separate late from early. The delay of a look-ahead is included if the labels are given at their
 //! emission times, and not if at their reference times.
 
-use shared::units::SAMPLE_PERIOD_MS;
-
+use super::event::latency::milliseconds;
 use recordings::statistics::{MeanSd, median};
 
 /// Offsets of many transitions together, in ms.
@@ -25,7 +24,6 @@ pub struct OffsetSummary {
 
 /// Statistics of signed offsets, given in samples; none without an offset.
 pub fn summary(offsets: &[i32]) -> Option<OffsetSummary> {
-    let milliseconds = |samples: i32| f64::from(samples) * f64::from(SAMPLE_PERIOD_MS);
     let signed: Vec<f64> = offsets.iter().map(|&o| milliseconds(o)).collect();
     let absolute: Vec<f64> = signed.iter().map(|o| o.abs()).collect();
     Some(OffsetSummary {

@@ -1,8 +1,8 @@
 //! Scores of many recordings: per subject, then over subjects.
 //!
 //! Per subject: balanced accuracy = mean of the recalls over the samples of all recordings; raw accuracy = unweighted
-//! mean over its recordings; transition accuracy = correct / events over all of them. Over subjects: mean and sample
-//! standard deviation (n - 1), as in the reference's evaluation of ROAM-EMG.
+//! mean over its recordings; transition accuracy = correct / events over all of them. Over subjects, a
+//! [`Measure`](crate::Measure) has mean and sample standard deviation (n - 1), as in the reference's evaluation of ROAM-EMG.
 
 use std::collections::BTreeMap;
 
@@ -16,17 +16,13 @@ use crate::EvaluationError;
 use recordings::statistics::MeanSd;
 
 /// The scores of one recording.
-#[derive(Clone, PartialEq, Debug, serde::Serialize)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct RecordingScore {
     /// Subject.
     pub subject: String,
-    /// Name of the recording.
-    pub name: String,
     /// Whether each class is in the truth, scored or not.
-    #[serde(skip)]
     pub present: [bool; MAX_CLASSES],
     /// Samples of each class, and how many of them are right.
-    #[serde(skip)]
     pub recalls: Recalls,
     /// Raw accuracy; none without a true label.
     pub raw_accuracy: Option<f64>,
@@ -38,7 +34,6 @@ impl RecordingScore {
     /// Scores one recording; samples after the last predicted one are not counted.
     pub fn new(
         subject: &str,
-        name: &str,
         truth: &[Option<Intent>],
         prediction: &[Option<Intent>],
         rule: &Rule,
@@ -62,7 +57,6 @@ impl RecordingScore {
         let recalls = Recalls::new(truth, prediction)?;
         Ok(Self {
             subject: subject.to_owned(),
-            name: name.to_owned(),
             present,
             recalls,
             raw_accuracy: recalls.raw_accuracy(),
@@ -72,7 +66,7 @@ impl RecordingScore {
 }
 
 /// The scores of one subject.
-#[derive(Clone, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, PartialEq, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct SubjectScore {
     /// Subject.
     pub subject: String,
@@ -101,12 +95,6 @@ pub struct SubjectScore {
 pub struct Summary {
     /// Each subject, in alphabetical order.
     pub subjects: Vec<SubjectScore>,
-    /// Mean over subjects that have at least two classes.
-    pub balanced_accuracy: Option<MeanSd>,
-    /// Mean over subjects.
-    pub raw_accuracy: Option<MeanSd>,
-    /// Mean over subjects that have changes.
-    pub transition_accuracy: Option<MeanSd>,
     /// Changes that the prediction follows, of all subjects.
     pub correct: usize,
     /// Changes in the truth, of all subjects.
@@ -119,14 +107,8 @@ impl Summary {
     /// Summary of the scores of subjects, each given once, in any order.
     pub fn of_subjects(mut subjects: Vec<SubjectScore>) -> Self {
         subjects.sort_by(|a, b| a.subject.cmp(&b.subject));
-        let mean = |of: fn(&SubjectScore) -> Option<f64>| {
-            MeanSd::of(&subjects.iter().filter_map(of).collect::<Vec<_>>())
-        };
         let offsets: Vec<i32> = subjects.iter().flat_map(|s| s.offsets.clone()).collect();
         Self {
-            balanced_accuracy: mean(|subject| subject.balanced_accuracy),
-            raw_accuracy: mean(|subject| subject.raw_accuracy),
-            transition_accuracy: mean(|subject| subject.transition_accuracy),
             correct: subjects.iter().map(|s| s.correct).sum(),
             events: subjects.iter().map(|s| s.events).sum(),
             offset: offset::summary(&offsets),
@@ -185,6 +167,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::{Measure, Score};
 
     const R: Option<Intent> = Some(Intent::Relax);
     const O: Option<Intent> = Some(Intent::Open);
@@ -202,7 +185,7 @@ mod tests {
             .iter()
             .flat_map(|&(label, count)| vec![label; count])
             .collect();
-        let score = RecordingScore::new("a", "r", &truth, &truth, &Rule::default()).unwrap();
+        let score = RecordingScore::new("a", &truth, &truth, &Rule::default()).unwrap();
         let changes: Vec<usize> = score.transitions.changes.iter().map(|own| own.at).collect();
         assert_eq!(changes, [603]);
     }
@@ -210,38 +193,32 @@ mod tests {
     #[test]
     fn subjects_weigh_the_same_whatever_their_number_of_changes() {
         let score = |subject, late: usize| {
-            RecordingScore::new(
-                subject,
-                "r",
-                &step(500),
-                &step(500 + late),
-                &Rule::default(),
-            )
-            .unwrap()
+            let prediction = step(500 + late);
+            RecordingScore::new(subject, &step(500), &prediction, &Rule::default()).unwrap()
         };
         let summary = summary(&[score("a", 0), score("a", 20), score("b", 300)]);
         assert_eq!((summary.correct, summary.events), (2, 3));
-        assert_eq!(summary.transition_accuracy.unwrap().mean, 0.5);
         assert_eq!(summary.subjects[0].raw_accuracy, Some(0.99));
         // 20 of the 1000 samples of the second class are wrong.
         assert_eq!(summary.subjects[0].balanced_accuracy, Some(0.99));
         assert_eq!(summary.offset.unwrap().signed.mean, 50.0);
         assert_eq!(summary.subjects[0].classes, 2);
-        assert_eq!(summary.balanced_accuracy.unwrap().n, 2);
+        let score = Score::of_people(summary.subjects, Vec::new());
+        let mean = |measure: Measure| measure.mean(&score).unwrap();
+        assert_eq!(mean(Measure::TransitionAccuracy).mean, 0.5);
+        assert_eq!(mean(Measure::BalancedAccuracy).n, 2);
     }
 
     #[test]
     fn samples_after_the_last_label_are_not_scored() {
         let mut prediction = step(500);
         prediction[950..].fill(None);
-        let score =
-            RecordingScore::new("a", "r", &step(500), &prediction, &Rule::default()).unwrap();
+        let score = RecordingScore::new("a", &step(500), &prediction, &Rule::default()).unwrap();
         assert_eq!(score.raw_accuracy, Some(1.0));
         assert_eq!(score.transitions.correct(), 1);
         // A class of which no sample is scored is in the recording all the same.
         prediction[490..].fill(None);
-        let score =
-            RecordingScore::new("a", "r", &step(500), &prediction, &Rule::default()).unwrap();
+        let score = RecordingScore::new("a", &step(500), &prediction, &Rule::default()).unwrap();
         assert_eq!(summary(&[score]).subjects[0].classes, 2);
     }
 
@@ -252,13 +229,11 @@ mod tests {
             recordings in prop::collection::vec((0..6_usize, 0..150_usize), 1..16),
             fold_of in prop::collection::vec(0..3_usize, 6),
         ) {
-            let score = |(at, &(who, late)): (usize, &(usize, usize))| {
-                let (subject, name) = (format!("s{who}"), format!("r{at}"));
-                let prediction = step(500 + late);
-                RecordingScore::new(&subject, &name, &step(500), &prediction, &Rule::default())
-                    .unwrap()
+            let score = |&(who, late): &(usize, usize)| {
+                let (subject, prediction) = (format!("s{who}"), step(500 + late));
+                RecordingScore::new(&subject, &step(500), &prediction, &Rule::default()).unwrap()
             };
-            let scores: Vec<_> = recordings.iter().enumerate().map(score).collect();
+            let scores: Vec<_> = recordings.iter().map(score).collect();
             let mut merged = Vec::new();
             for fold in (0..3).rev() {
                 let own = |score: &&RecordingScore| fold_of[score.subject[1..].parse::<usize>().unwrap()] == fold;

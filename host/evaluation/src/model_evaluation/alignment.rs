@@ -14,10 +14,8 @@ use shared::uart_line::line::Line;
 use shared::units::{CHANNELS, Sample};
 
 use super::named_model::NamedModel;
-use crate::EvaluationError;
-use crate::candidate::candidate;
-use crate::inference::{Stream, integer_logits};
-use crate::{Candidate, EvaluatedRecording, System};
+use crate::inference::Stream;
+use crate::{EvaluatedRecording, EvaluationError};
 use recordings::alignment::{Openings, openings};
 
 /// Placement of the armband, after the data set's own frame is accounted for.
@@ -197,20 +195,4 @@ pub(super) fn leave_out_openings(
             }
         }
     }
-}
-
-/// The logits of a model whose electrodes are aligned for each person.
-pub(super) fn aligned_candidate(
-    name: &str,
-    model: &Model<'_>,
-    recordings: &[EvaluatedRecording],
-    alignments: &BTreeMap<String, Alignment>,
-) -> Result<Candidate, EvaluationError> {
-    let aligned = System::Aligned(name.to_owned());
-    candidate(aligned, model, recordings, |recording, emg| {
-        let alignment = alignments.get(&recording.subject);
-        let alignment = alignment.copied().unwrap_or_default();
-        let emg: Vec<_> = emg.iter().map(|&own| alignment.apply(own)).collect();
-        integer_logits(model, &emg)
-    })
 }

@@ -15,8 +15,7 @@ use super::look_ahead;
 use super::named_model::NamedModel;
 use crate::calibration::{Calibration, ShownPart, calibrate, parts, rounds_of};
 use crate::candidate::candidate;
-use crate::inference::logits_with;
-use crate::{Candidate, EvaluatedRecording, EvaluationError, Measure, System, Truth, score};
+use crate::{Candidate, EvaluatedRecording, EvaluationError, Measure, System, score};
 
 /// Rounds of each person that are not scored, so that any number of rounds is judged on the same remainder.
 pub const SET_ASIDE: usize = 4;
@@ -114,11 +113,10 @@ fn daily_per_minute(
     head: Option<&Head>,
     daily: &[EvaluatedRecording],
 ) -> Result<Option<f64>, EvaluationError> {
-    let candidate = candidate("", model, daily, |_, emg| logits_with(model, head, emg))?;
+    let candidate = candidate("", model, daily, |_| (Alignment::NONE, head))?;
     let vocabulary = model.header.dimensions.vocabulary;
     let smoother = &model.header.smoother;
-    let truth = Truth::LagCompensated;
-    let scores = score(&candidate, daily, vocabulary, look_ahead(smoother), truth)?;
+    let scores = score(&candidate, daily, vocabulary, look_ahead(smoother))?;
     let rates = scores
         .iter()
         .flat_map(|score| Measure::DailyActivations.values(score));
@@ -155,10 +153,10 @@ pub(super) fn calibrated_candidate(
         .map(|own| (&own.subject[..], &own.calibration))
         .collect();
     let calibrated = System::Calibrated(name.to_owned());
-    candidate(calibrated, model, recordings, |own, emg| {
+    candidate(calibrated, model, recordings, |own| {
         let own = people.get(&own.subject[..]);
-        let alignment = own.map_or(Alignment::NONE, |own| own.alignment);
-        let emg: Vec<_> = emg.iter().map(|&one| alignment.apply(one)).collect();
-        logits_with(model, own.and_then(|own| own.head.as_ref()), &emg)
+        own.map_or((Alignment::NONE, None), |own| {
+            (own.alignment, own.head.as_ref())
+        })
     })
 }

@@ -13,7 +13,6 @@ use super::row::{Row, over_all};
 use super::scores::{counted, estimated};
 use super::table::Table;
 use super::{Fact, recognition};
-use crate::metric::event::summary::EventSummary;
 use crate::{EvaluationError, Measure, Score, confusion, gestures};
 
 /// Style of the page; that of the pictures comes from `pictures`.
@@ -230,12 +229,12 @@ fn headline(entry: &Entry<'_>) -> Markup {
         let floor = floor.map(|floor| format!("{:.3}", floor.mean));
         tile(name, value, interval, why, floor)
     };
-    let of_both = |name, of: fn(&EventSummary) -> String, unit, why| {
-        let floor = energy.map(|floor| of(&floor.events));
-        tile(name, &of(&own.events), unit, why, floor)
+    let of_both = |name, of: fn(&Score) -> String, unit, why| {
+        let floor = energy.map(|floor| of(floor));
+        tile(name, &of(own), unit, why, floor)
     };
     let people = own.widest().subjects.len().to_string();
-    let is_other_marked = own.events.other_activations.is_some();
+    let is_other_marked = Measure::OtherActivations.mean(own).is_some();
     html! {
         ul.headline {
             (tile("people", &people, &own.people.told(own.classes), "", None))
@@ -243,19 +242,20 @@ fn headline(entry: &Entry<'_>) -> Markup {
             (share("transition accuracy", Measure::TransitionAccuracy, "no label changes here"))
             (share("gestures recognised", Measure::Recognition, "no gesture begins here"))
             (share("one decision a gesture", Measure::Decided, "no gesture begins here"))
-            (of_both("median latency, ms", |of| of.latency.map_or_else(none, median), "from the muscle's onset", "no gesture begins here"))
-            (of_both("median release, ms", |of| of.release.map_or_else(none, median), "from the muscle's end", "no gesture is let go here"))
-            (of_both("false activations", |of| mean_rate(of.false_activations), "a minute of rest", "there is no rest here"))
+            (of_both("median latency, ms", |of| of.events.latency.map_or_else(none, median), "from the muscle's onset", "no gesture begins here"))
+            (of_both("median release, ms", |of| of.events.release.map_or_else(none, median), "from the muscle's end", "no gesture is let go here"))
+            (of_both("false activations", |of| mean_rate(of, Measure::FalseActivations), "a minute of rest", "there is no rest here"))
             @if is_other_marked {
-                (of_both("labels in other movement", |of| mean_rate(of.other_activations), "a minute of it", ""))
+                (of_both("labels in other movement", |of| mean_rate(of, Measure::OtherActivations), "a minute of it", ""))
             }
         }
     }
 }
 
 /// Mean of a rate, without its deviation.
-fn mean_rate(value: Option<MeanSd>) -> String {
-    rate(value.map(|of| MeanSd { sd: None, ..of }))
+fn mean_rate(of: &Score, measure: Measure) -> String {
+    let mean = measure.mean(of);
+    rate(mean.map(|mean| MeanSd { sd: None, ..mean }))
 }
 
 /// A number with its interval or unit, or why it is missing, and the number of the energy detector.

@@ -1,6 +1,6 @@
 //! The report of a run: tables, learning curves, a recording with labels, confusion and offsets.
 
-use std::path::Path;
+use std::path::PathBuf;
 
 use super::Fact;
 use super::cell::number_of;
@@ -17,25 +17,26 @@ use execution::run_folder::{EpochMetrics, RunError, RunFolder};
 use presets::config::ResolvedConfig;
 
 /// Name of the report in a run folder.
-pub const REPORT: &str = "report.html";
+const REPORT: &str = "report.html";
 
-/// Writes the report of a run's models to `page`.
+/// Writes the report of a run's models into its folder; returns the file.
 pub fn write(
     folder: &RunFolder,
     config: &ResolvedConfig,
     results: &Results,
     evaluation: &Evaluation,
-    page: &Path,
-) -> Result<(), EvaluationError> {
+) -> Result<PathBuf, EvaluationError> {
+    let page = folder.file(REPORT);
     let mut candidates = evaluation.candidates.iter();
     let integer = candidates.find(|candidate| candidate.model == System::Integer);
     let Some(candidate) = integer.or(evaluation.candidates.first()) else {
-        return Ok(());
+        return Ok(page);
     };
     let recordings = &evaluation.recordings;
     let mut entry = entry(config, results, candidate, recordings);
     entry.panels = panels(folder)?;
-    contents(config, results, std::slice::from_ref(&entry)).write(page)
+    contents(config, results, std::slice::from_ref(&entry)).write(&page)?;
+    Ok(page)
 }
 
 /// The page of one run, its only entry.

@@ -30,14 +30,8 @@ fn followed(changes_after: &[usize]) -> (EvaluatedRecording, Candidate) {
 #[test]
 fn json_names_the_buffer_of_each_summary_and_is_read_back() {
     let (recording, candidate) = followed(&[1, 2]);
-    let scores = score(
-        &candidate,
-        &[recording],
-        Vocabulary::Three,
-        LookAhead::None,
-        Truth::LagCompensated,
-    );
-    let scores = scores.unwrap();
+    let (three, none) = (Vocabulary::Three, LookAhead::None);
+    let scores = score(&candidate, &[recording], three, none).unwrap();
     let json = serde_json::to_value(&scores).unwrap();
     let buffers = [0, 1, 2].map(|at| json[0]["reference"][at]["buffer"].as_u64());
     assert_eq!(buffers, BUFFERS.map(|buffer| Some(buffer as u64)));
@@ -48,14 +42,8 @@ fn json_names_the_buffer_of_each_summary_and_is_read_back() {
 fn no_label_is_emitted_before_the_time_that_it_is_for() {
     // Half a second of buffer: the second change is inside it at its reference time and outside when emitted.
     let (recording, candidate) = followed(&[2, 8, 2]);
-    let scores = score(
-        &candidate,
-        &[recording],
-        Vocabulary::Three,
-        LookAhead::SameInstant,
-        Truth::LagCompensated,
-    )
-    .unwrap();
+    let (three, look_ahead) = (Vocabulary::Three, LookAhead::SameInstant);
+    let scores = score(&candidate, &[recording], three, look_ahead).unwrap();
     let reference: Vec<i32> = scores[0].widest().subjects[0].offsets.clone();
     let latencies = &scores[0].events.subjects[0].latencies;
     // Three changes are followed, of which two begin a gesture; none is left out for being emitted late.

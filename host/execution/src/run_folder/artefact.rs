@@ -9,7 +9,7 @@
 
 use std::fs;
 use std::io::ErrorKind;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -36,9 +36,10 @@ struct ArtefactHeader {
     parts: Vec<(String, usize)>,
 }
 
-/// The content of a binary file of a run.
+/// A binary file of a run, with its content.
 #[derive(Debug)]
 pub struct Artefact {
+    path: PathBuf,
     /// Fingerprint of what it was made from.
     pub made_from: Fingerprint,
     /// Description of the content, as JSON.
@@ -48,10 +49,16 @@ pub struct Artefact {
 
 impl Artefact {
     /// An artefact without parts.
-    pub fn new(made_from: Fingerprint, about: &impl Serialize) -> Result<Self, serde_json::Error> {
+    pub fn new(
+        path: PathBuf,
+        made_from: Fingerprint,
+        about: &impl Serialize,
+    ) -> Result<Self, RunError> {
+        let about = serde_json::to_value(about);
         Ok(Self {
+            about: about.map_err(|error| RunError::content(&path, error))?,
+            path,
             made_from,
-            about: serde_json::to_value(about)?,
             parts: Vec::new(),
         })
     }
@@ -63,15 +70,26 @@ impl Artefact {
     }
 
     /// Description of the content.
-    pub fn about<T: DeserializeOwned>(&self) -> Result<T, String> {
-        T::deserialize(&self.about).map_err(|error| error.to_string())
+    pub fn about<T: DeserializeOwned>(&self) -> Result<T, RunError> {
+        T::deserialize(&self.about).map_err(|error| RunError::content(&self.path, error))
     }
 
     /// Takes a part out.
-    pub fn take(&mut self, name: &str) -> Result<Vec<u8>, String> {
-        let at = self.parts.iter().position(|(known, _)| known == name);
-        let at = at.ok_or_else(|| format!("it has no part {name}"))?;
-        Ok(self.parts.swap_remove(at).1)
+    pub fn take(&mut self, name: &str) -> Result<Vec<u8>, RunError> {
+        match self.parts.iter().position(|(known, _)| known == name) {
+            Some(at) => Ok(self.parts.swap_remove(at).1),
+            None => {
+                let reason = format!("it has no part {name}");
+                Err(RunError::content(&self.path, reason))
+            }
+        }
+    }
+
+    /// Writes the file.
+    pub fn save(&self) -> Result<(), RunError> {
+        let bytes = self.encode();
+        let bytes = bytes.map_err(|error| RunError::content(&self.path, error))?;
+        write_whole(&self.path, &bytes)
     }
 
     /// Bytes of the file: magic, a line of JSON, the parts.
@@ -99,7 +117,7 @@ impl Artefact {
     }
 
     /// Reads the bytes of a file.
-    fn decode(bytes: &[u8]) -> Result<Self, String> {
+    fn decode(path: &Path, bytes: &[u8]) -> Result<Self, String> {
         let text = bytes.strip_prefix(MAGIC).ok_or("it has another format")?;
         let end = text.iter().position(|&byte| byte == b'\n');
         let (header, content) = text.split_at(end.ok_or("its header is cut off")?);
@@ -116,6 +134,7 @@ impl Artefact {
             rest = behind;
         }
         Ok(Self {
+            path: path.to_owned(),
             made_from: header.made_from,
             about: header.about,
             parts,
@@ -124,21 +143,13 @@ impl Artefact {
 }
 
 impl RunFolder {
-    /// Writes a binary file.
-    pub fn save_artefact(&self, path: &Path, artefact: &Artefact) -> Result<(), RunError> {
-        let bytes = artefact
-            .encode()
-            .map_err(|error| RunError::content(path, error))?;
-        write_whole(path, &bytes)
-    }
-
     /// Reads a binary file, whatever it was made from.
     pub fn load_artefact(&self, path: &Path) -> Result<Artefact, RunError> {
         let bytes = fs::read(path).map_err(|source| match source.kind() {
             ErrorKind::NotFound => RunError::NotTrained { path: path.into() },
             _ => RunError::io(path, source),
         })?;
-        Artefact::decode(&bytes).map_err(|reason| RunError::content(path, reason))
+        Artefact::decode(path, &bytes).map_err(|reason| RunError::content(path, reason))
     }
 
     /// Reads a binary file that was made from `made_from`.
@@ -161,11 +172,8 @@ impl RunFolder {
         name: &str,
         made_from: Fingerprint,
     ) -> Result<Fingerprint, RunError> {
-        let path = self.weights_path(name);
-        let about: Result<ModelInfo, _> = self.artefact_of(&path, made_from)?.about();
-        Ok(about
-            .map_err(|reason| RunError::content(&path, reason))?
-            .weights)
+        let artefact = self.artefact_of(&self.weights_path(name), made_from)?;
+        Ok(artefact.about::<ModelInfo>()?.weights)
     }
 }
 
@@ -176,26 +184,24 @@ mod tests {
     #[test]
     fn what_is_written_is_read_and_damage_is_refused() {
         let made_from = Fingerprint::of_bytes(b"a");
-        let artefact = Artefact::new(made_from, &vec![0.1, 2.0]).unwrap();
+        let decode = |bytes: &[u8]| Artefact::decode(Path::new("a"), bytes);
+        let artefact = Artefact::new("a".into(), made_from, &vec![0.1, 2.0]).unwrap();
         let bytes = artefact
             .with("one", vec![1, 10, 3])
             .with("two", Vec::new())
             .encode()
             .unwrap();
-        let mut read = Artefact::decode(&bytes).unwrap();
+        let mut read = decode(&bytes).unwrap();
         assert_eq!(read.made_from, made_from);
         assert_eq!(read.about::<Vec<f64>>().unwrap(), [0.1, 2.0]);
         assert_eq!(read.take("one").unwrap(), [1, 10, 3]);
         assert!(read.take("two").unwrap().is_empty());
         assert!(read.take("one").is_err());
         for length in 0..bytes.len() {
-            assert!(
-                Artefact::decode(&bytes[..length]).is_err(),
-                "{length} bytes"
-            );
+            assert!(decode(&bytes[..length]).is_err(), "{length} bytes");
         }
         let mut damaged = bytes;
         *damaged.last_mut().unwrap() ^= 1;
-        assert!(Artefact::decode(&damaged).is_err());
+        assert!(decode(&damaged).is_err());
     }
 }

@@ -11,16 +11,14 @@ use crate::fingerprint::Fingerprint;
 use crate::revision::revision;
 
 /// A JSON file of a run: its content, what that was made from, and by which revision of the program.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Stamped<T> {
-    /// Fingerprint of what the content was made from.
-    pub made_from: Fingerprint,
+#[derive(Serialize, Deserialize)]
+struct Stamped<T> {
+    made_from: Fingerprint,
     /// Source revision of the program that wrote it, if known.
     #[serde(default)]
-    pub revision: Option<String>,
-    /// The content.
+    revision: Option<String>,
     #[serde(flatten)]
-    pub content: T,
+    content: T,
 }
 
 impl RunFolder {
@@ -74,10 +72,10 @@ impl RunFolder {
         &self,
         name: &str,
         made_from: Fingerprint,
-    ) -> Result<Stamped<T>, RunError> {
+    ) -> Result<T, RunError> {
         let stamped: Stamped<T> = self.load_json(name)?;
         if stamped.made_from == made_from {
-            Ok(stamped)
+            Ok(stamped.content)
         } else {
             let path = self.file(name);
             Err(RunError::NotOfThisRun { path })

@@ -212,6 +212,16 @@ impl Library {
         subjects
     }
 
+    /// Subjects of a name (`data-set/subject`, or the part after the slash); all without one.
+    pub fn named(&self, name: Option<&str>) -> Vec<String> {
+        let mut subjects = self.subjects();
+        subjects.retain(|own| {
+            let after = own.split_once('/').map(|(_, after)| after);
+            name.is_none_or(|name| own == name || after == Some(name))
+        });
+        subjects
+    }
+
     /// Findings in the recordings with their names, in path order; then those of the copies left out, with their paths.
     pub fn findings(&self) -> impl Iterator<Item = (String, &Finding)> {
         let recordings = self.recordings.iter();

@@ -6,7 +6,7 @@ use shared::units::{PATCH, Sample};
 
 use super::Baseline;
 use super::features::FeatureExtraction;
-use super::networks::{EdTcnConfig, LstmBaselineConfig, Network};
+use super::networks::{EdTcn, LstmBaseline, Network};
 use super::windows::PaddedStream;
 use evaluation::Candidate;
 use evaluation::EvaluatedRecording;
@@ -15,35 +15,18 @@ use execution::progress;
 use execution::run_folder::{RunError, RunFolder};
 use training::optimization::read_back;
 use training::run::context::RunContext;
-use training::weights::Weights as _;
+use training::weights::load_model;
 
 /// Number of windows that are predicted at once.
 const BATCH: usize = 256;
 
-/// Model that predicts from features.
-trait Predict: Send + Sync {
-    /// Computes logits `[windows][frames][classes]`, from one input per window.
-    fn predict(&self, inputs: Vec<Vec<f32>>) -> Vec<f32>;
-}
-
-/// Network and the device that holds its weights.
-struct NetworkOnDevice<N> {
-    network: N,
-    device: Device,
-}
-
-impl<N: Network + Send> Predict for NetworkOnDevice<N> {
-    fn predict(&self, inputs: Vec<Vec<f32>>) -> Vec<f32> {
-        let shape = [inputs.len(), inputs[0].len()];
-        let input = Tensor::from_data(TensorData::new(inputs.concat(), shape), &self.device);
-        read_back(self.network.forward(input))
-    }
-}
+/// Network with trained weights: logits `[windows][frames][classes]` of one input per window.
+type Predict = dyn Fn(Vec<Vec<f32>>) -> Vec<f32> + Send + Sync;
 
 pub(crate) struct TrainedBaseline {
     features: FeatureExtraction,
     classes: usize,
-    model: Box<dyn Predict>,
+    predict: Box<Predict>,
 }
 
 impl TrainedBaseline {
@@ -57,19 +40,17 @@ impl TrainedBaseline {
         classes: usize,
         device: &Device,
     ) -> Result<Self, RunError> {
-        let features: FeatureExtraction = run
-            .load_stamped(&baseline.features_file(), streams)?
-            .content;
+        let features: FeatureExtraction = run.load_stamped(&baseline.features_file(), streams)?;
         let made_from = features.lineage(streams);
         let from = (baseline, run, made_from, device);
-        let model: Box<dyn Predict> = match baseline {
-            Baseline::Lstm => load(LstmBaselineConfig::default().init(classes, device), from)?,
-            Baseline::EdTcn => load(EdTcnConfig::default().init(classes, device), from)?,
+        let predict = match baseline {
+            Baseline::Lstm => load(LstmBaseline::new(classes, device), from)?,
+            Baseline::EdTcn => load(EdTcn::new(classes, device), from)?,
         };
         Ok(Self {
             features,
             classes,
-            model,
+            predict,
         })
     }
 
@@ -84,8 +65,7 @@ impl TrainedBaseline {
                     .iter()
                     .map(|&end| self.features.extract(stream.window(end, layout.window)))
                     .collect();
-                self.model
-                    .predict(inputs)
+                (self.predict)(inputs)
                     .chunks_exact(layout.count * self.classes)
                     .map(|logits| layout.look_back_logits(logits, self.classes))
                     .collect::<Vec<_>>()
@@ -98,12 +78,13 @@ impl TrainedBaseline {
 fn load<N: Network + Send + 'static>(
     network: N,
     (baseline, run, made_from, device): (Baseline, &RunFolder, Fingerprint, &Device),
-) -> Result<Box<dyn Predict>, RunError> {
-    Ok(Box::new(NetworkOnDevice {
-        network: run
-            .load_model(baseline.file_stem(), made_from, network)?
-            .valid(),
-        device: device.clone(),
+) -> Result<Box<Predict>, RunError> {
+    let model = load_model(run, baseline.file_stem(), made_from, network)?;
+    let (network, device) = (model.valid(), device.clone());
+    Ok(Box::new(move |inputs| {
+        let shape = [inputs.len(), inputs[0].len()];
+        let input = Tensor::from_data(TensorData::new(inputs.concat(), shape), &device);
+        read_back(network.forward(input))
     }))
 }
 

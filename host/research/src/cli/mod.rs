@@ -10,9 +10,7 @@ use clap::{Parser, Subcommand};
 use execution::progress;
 use myointent::cli::is_broken_pipe;
 
-use crate::baselines::training::TrainingError;
 use crate::job::JobError;
-use crate::personalization::MeasurementError;
 
 /// Comparisons of presets and baselines, on the recordings and run folders of `myointent`.
 #[derive(Debug, Parser)]
@@ -62,22 +60,15 @@ fn exit_code(error: &anyhow::Error) -> ExitCode {
 }
 
 fn is_interrupt(error: &anyhow::Error) -> bool {
-    error
-        .downcast_ref::<JobError>()
-        .is_some_and(JobError::is_interrupt)
-        || error
-            .downcast_ref::<TrainingError>()
-            .is_some_and(TrainingError::is_interrupt)
-        || error
-            .downcast_ref::<MeasurementError>()
-            .is_some_and(MeasurementError::is_interrupt)
-        || myointent::cli::is_interrupt(error)
+    let job = error.downcast_ref::<JobError>();
+    job.is_some_and(JobError::is_interrupt) || myointent::cli::is_interrupt(error)
 }
 
 #[cfg(test)]
 mod tests {
     use execution::run_folder::RunError;
     use training::run::StepError;
+    use training::run::personalize::PersonalizeError;
 
     use super::*;
 
@@ -89,10 +80,9 @@ mod tests {
         let errors = [
             anyhow::Error::from(interrupted()),
             StepError::from(interrupted()).into(),
-            TrainingError::from(interrupted()).into(),
             JobError::from(interrupted()).into(),
             JobError::from(StepError::from(interrupted())).into(),
-            JobError::from(TrainingError::from(interrupted())).into(),
+            JobError::from(PersonalizeError::Interrupted).into(),
         ];
         let code = |error: &anyhow::Error| format!("{:?}", exit_code(error));
         for error in &errors {

@@ -2,10 +2,9 @@
 
 use evaluation::metric::event::activation::Rate;
 use evaluation::metric::event::latency;
-use evaluation::metric::event::summary::{EventSummary, SubjectEvents};
-use evaluation::metric::offset;
-use evaluation::metric::summary::{SubjectScore, Summary};
-use evaluation::{ALL, Group, LookAhead, Score, Truth};
+use evaluation::metric::event::summary::SubjectEvents;
+use evaluation::metric::summary::SubjectScore;
+use evaluation::{ALL, LookAhead, Score};
 
 use super::job_scores::FoldScore;
 use super::merged::Origin;
@@ -21,30 +20,23 @@ pub(crate) fn fold(model: &str, people: &[(&str, f64, &[i32], usize)]) -> Vec<Fo
         .iter()
         .map(|&(subject, accuracy, offsets, transitions)| SubjectScore {
             subject: subject.to_owned(),
-            recordings: 1,
-            classes: 3,
             balanced_accuracy: Some(accuracy),
             raw_accuracy: Some(accuracy),
             correct: offsets.len(),
             events: transitions,
             transition_accuracy: (transitions > 0)
                 .then(|| offsets.len() as f64 / transitions as f64),
-            offset: offset::summary(offsets),
             offsets: offsets.to_vec(),
+            ..SubjectScore::default()
         })
         .collect();
-    let events = EventSummary::of_subjects(subjects.iter().map(events).collect());
-    let reference = Summary::of_subjects(subjects);
+    let events = subjects.iter().map(events).collect();
+    let of_people = Score::of_people(subjects, events);
     let score = |look_ahead| Score {
         model: model.into(),
         data_set: ALL.to_owned(),
-        classes: 3,
-        people: Group::AllClasses,
         look_ahead,
-        truth: Truth::LagCompensated,
-        reference: std::array::from_fn(|_| reference.clone()),
-        emission: reference.clone(),
-        events: events.clone(),
+        ..of_people.clone()
     };
     let scores = LookAhead::ALL.into_iter().map(score);
     scores

@@ -8,7 +8,7 @@ use burn::tensor::Device;
 use shared::model::LookBackLogits;
 
 use evaluation::model_evaluation::recordings_of;
-use evaluation::{ALL, Candidate, EvaluatedRecording, LookAhead, Truth, score};
+use evaluation::{ALL, Candidate, EvaluatedRecording, LookAhead, score};
 use execution::fingerprint::Fingerprint;
 use execution::interrupt::Interrupt;
 use execution::progress;
@@ -74,8 +74,7 @@ impl CrossValidation<'_> {
     /// all wanted people.
     fn kept(&self, job: &Job, folder: &RunFolder, config: &ResolvedConfig) -> Option<JobScores> {
         let kept = folder.load_stamped::<JobScores>(SCORES, self.made_from(job, config));
-        let scores = kept.ok()?.content;
-        scores.complete(self.gates(job), self.test_people)
+        kept.ok()?.complete(self.gates(job), self.test_people)
     }
 
     /// Operating points that a job is evaluated with.
@@ -209,13 +208,7 @@ impl CrossValidation<'_> {
                 &[LookAhead::None]
             };
             for &look_ahead in look_aheads {
-                let rows = score(
-                    &candidate,
-                    recordings,
-                    vocabulary,
-                    look_ahead,
-                    Truth::LagCompensated,
-                );
+                let rows = score(&candidate, recordings, vocabulary, look_ahead);
                 let rows = rows.map_err(StepError::from)?.into_iter();
                 scores.extend(rows.map(|score| FoldScore { gate, score }));
             }

@@ -339,7 +339,7 @@ fn sections<'a>(merged: &[Merged<'a>]) -> Vec<Section<'a>> {
 
 #[cfg(test)]
 mod tests {
-    use evaluation::{CONSTANT, EvaluatedRecording, Truth, constant, score};
+    use evaluation::{CONSTANT, EvaluatedRecording, constant, score};
     use shared::intent::Vocabulary;
 
     use super::*;
@@ -354,15 +354,10 @@ mod tests {
             EvaluatedRecording::made_up("y/d", &[0, 2, 0, 2, 0]),
         ];
         recordings.extend([0, 1, 2].map(|class| EvaluatedRecording::made_up("x/c", &[class])));
-        let scores = score(
-            &constant(&recordings),
-            &recordings,
-            Vocabulary::Three,
-            LookAhead::None,
-            Truth::LagCompensated,
-        );
-        let scores = scores.unwrap().into_iter();
+        let (constant, three) = (constant(&recordings), Vocabulary::Three);
+        let scores = score(&constant, &recordings, three, LookAhead::None).unwrap();
         scores
+            .into_iter()
             .map(|score| FoldScore { gate: None, score })
             .collect()
     }

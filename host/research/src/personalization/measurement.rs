@@ -10,11 +10,13 @@ use evaluation::{EvaluationError, Measure, Score};
 use execution::fingerprint::Fingerprint;
 use execution::interrupt::Interrupt;
 use execution::progress;
-use execution::run_folder::{RunError, RunFolder};
+use execution::run_folder::RunFolder;
 use recordings::Library;
 use training::run::personalize::{
     PersonPart, PersonRecordings, PersonalizeError, TuningSettings, judge, tune,
 };
+
+use crate::job::JobError;
 
 /// Measures that are kept, in this order.
 pub(crate) const MEASURES: [Measure; 5] = [
@@ -65,11 +67,7 @@ pub(crate) struct Amount {
 
 impl Measurement<'_> {
     /// Measures a person with a model, or loads an earlier measurement; none if the recordings do not allow it.
-    pub(crate) fn person(
-        &self,
-        model: &[u8],
-        subject: &str,
-    ) -> Result<Option<Measured>, MeasurementError> {
+    pub(crate) fn person(&self, model: &[u8], subject: &str) -> Result<Option<Measured>, JobError> {
         let header = Model::parse(model).map_err(PersonalizeError::from)?.header;
         let found = PersonRecordings::new(self.library, Some(subject), &header);
         let found = found.and_then(|person| {
@@ -86,7 +84,7 @@ impl Measurement<'_> {
         let name = format!("{}.json", subject.replace('/', "-"));
         let made_from = self.made_from(model, &person.whole());
         if let Ok(kept) = self.folder.load_stamped::<Measured>(&name, made_from) {
-            return Ok(Some(kept.content));
+            return Ok(Some(kept));
         }
         let measured = self.measure(model, &person)?;
         self.folder.save_stamped(&name, made_from, &measured)?;
@@ -178,20 +176,4 @@ impl Measurement<'_> {
 
 fn values(score: &Score) -> Values {
     MEASURES.map(|measure| measure.mean(score).map(|own| own.mean))
-}
-
-/// Why a person could not be measured.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum MeasurementError {
-    #[error(transparent)]
-    Personalize(#[from] PersonalizeError),
-    #[error(transparent)]
-    Run(#[from] RunError),
-}
-
-impl MeasurementError {
-    /// Whether the user interrupted.
-    pub(crate) const fn is_interrupt(&self) -> bool {
-        matches!(self, Self::Personalize(error) if error.is_interrupt())
-    }
 }

@@ -3,5 +3,5 @@
 mod measurement;
 mod tables;
 
-pub(crate) use measurement::{Measured, Measurement, MeasurementError};
+pub(crate) use measurement::{Measured, Measurement};
 pub(crate) use tables::{curves, people};

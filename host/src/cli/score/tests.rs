@@ -14,7 +14,7 @@ fn a_failed_transition_is_shown_with_its_reason() {
         labels: truth,
         ..GroundTruth::default()
     };
-    let score = LabelScore::new("", &truth, &prediction, Emission::After(0), Rule::default());
+    let score = LabelScore::new(&truth, &prediction, Emission::After(0), Rule::default());
     let score = score.unwrap();
     let text = score.tables();
     let text = text.split_whitespace().collect::<Vec<_>>().join(" ");

@@ -4,7 +4,7 @@ use std::io::Write as _;
 
 use anyhow::bail;
 use evaluation::report::labels;
-use evaluation::report::run_report::{self, REPORT};
+use evaluation::report::run_report;
 use evaluation::report::scores::tables;
 use recordings::split::predefined::is_test;
 use training::run::evaluate::evaluate;
@@ -30,30 +30,25 @@ pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let held_out = context.config.split.held_out.iter();
     warn_of_test_people(held_out.filter(|subject| is_test(subject)).count());
     let (results, evaluation) = evaluate(&context, model.as_ref())?;
-    let page = context.folder.file(REPORT);
-    if evaluation.is_kept {
-        run_report::write(
-            &context.folder,
-            &context.config,
-            &results,
-            &evaluation,
-            &page,
-        )?;
-    }
+    let (folder, config) = (&context.folder, &context.config);
+    let page = if evaluation.is_kept {
+        Some(run_report::write(folder, config, &results, &evaluation)?)
+    } else {
+        None
+    };
     let mut out = std::io::stdout().lock();
     if arguments.json {
         writeln!(out, "{}", serde_json::to_string_pretty(&results)?)?;
     } else {
         let width = &arguments.width;
         width.print(&tables(&results, width.wide), &mut out)?;
-        for (what, how) in labels(&context.config.lags, &results.gestures) {
+        for (what, how) in labels(&config.lags, &results.gestures) {
             writeln!(out, "{what}: {how}")?;
         }
         writeln!(out, "held out: {}", results.held_out.join(", "))?;
-        if evaluation.is_kept {
-            writeln!(out, "report:   {}", page.display())?;
-        } else {
-            writeln!(out, "not kept: the model file is not that of this run")?;
+        match page {
+            Some(page) => writeln!(out, "report:   {}", page.display())?,
+            None => writeln!(out, "not kept: the model file is not that of this run")?,
         }
     }
     Ok(())

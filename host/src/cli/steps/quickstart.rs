@@ -8,7 +8,7 @@ use clap::Args;
 
 use super::{TrainingArguments, log_labels};
 use evaluation::System;
-use evaluation::report::run_report::{self, REPORT};
+use evaluation::report::run_report;
 use evaluation::report::scores::{summary, tables};
 use execution::progress;
 use presets::config::ResolvedConfig;
@@ -58,14 +58,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let (results, evaluation) = evaluate(&context, file.as_ref())?;
     // Written again, now with the scores in the header.
     quantize(&context, &model)?;
-    let page = context.folder.file(REPORT);
-    run_report::write(
-        &context.folder,
-        &context.config,
-        &results,
-        &evaluation,
-        &page,
-    )?;
+    let page = run_report::write(&context.folder, &context.config, &results, &evaluation)?;
 
     let mut out = std::io::stdout().lock();
     if arguments.verbose {

@@ -5,8 +5,7 @@ use burn::optim::ModuleOptimizer;
 use burn::tensor::Bytes;
 use serde::{Deserialize, Serialize};
 
-use super::epoch::{Start, Taken};
-use super::metrics::{KeptMeans, RunningMeans};
+use super::metrics::RunningMeans;
 use crate::weights::{load_model_bytes, model_bytes};
 use execution::fingerprint::Fingerprint;
 use execution::run_folder::EpochMetrics;
@@ -34,38 +33,17 @@ pub(super) struct TrainingProgress {
 }
 
 /// Progress within an epoch.
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub(super) struct Within {
     /// Optimizer steps of the epoch, which [`TrainingProgress::step`] does not count.
     pub(super) steps: usize,
     /// Position of the epoch's generator.
     pub(super) drawn: u64,
     /// Metrics of these steps.
-    pub(super) means: KeptMeans,
+    pub(super) means: RunningMeans,
 }
 
-impl Within {
-    /// Progress after a step.
-    pub(super) fn after<M>(taken: &Taken<'_, M>) -> Self {
-        Self {
-            steps: taken.steps,
-            // An epoch draws far less than 2^64 words.
-            drawn: taken.rng.get_word_pos() as u64,
-            means: taken.means.kept(),
-        }
-    }
-
-    /// Position in the epoch from which it continues.
-    pub(super) fn start(self) -> Start {
-        Start {
-            steps: self.steps,
-            means: RunningMeans::of_kept(self.means),
-            drawn: Some(self.drawn.into()),
-        }
-    }
-}
-
-/// State that a training resumes from.
+/// State of a training, from which it resumes.
 pub(super) struct Checkpoint<M> {
     pub(super) progress: TrainingProgress,
     pub(super) model: M,
@@ -76,13 +54,17 @@ pub(super) struct Checkpoint<M> {
     pub(super) best: Vec<u8>,
 }
 
-/// Checkpoint to be saved.
-pub(super) struct Snapshot<'a, M> {
-    pub(super) progress: &'a TrainingProgress,
-    pub(super) model: &'a M,
-    pub(super) optimizer: &'a ModuleOptimizer,
-    pub(super) average: Option<&'a M>,
-    pub(super) best: &'a [u8],
+impl<M> Checkpoint<M> {
+    /// State before the first step.
+    pub(super) fn new(model: M, optimizer: ModuleOptimizer) -> Self {
+        Self {
+            progress: TrainingProgress::default(),
+            model,
+            optimizer,
+            average: None,
+            best: Vec::new(),
+        }
+    }
 }
 
 /// Files of one training in a run folder.
@@ -130,19 +112,14 @@ impl Store<'_> {
         if artefact.made_from != self.made_from {
             return Err(RunError::OtherTraining { path });
         }
-        let content = |reason: String| RunError::content(&path, reason);
-        let progress: TrainingProgress = artefact.about().map_err(content)?;
         let average = artefact.take(AVERAGE).ok();
-        let mut part = |name| artefact.take(name).map_err(content);
         let weights = |bytes| load_model_bytes(&path, bytes, model.clone());
-        let optimizer = optimizer
-            .from_bytes(Bytes::from_bytes_vec(part(OPTIMIZER)?))
-            .map_err(|error| content(error.to_string()))?;
+        let optimizer = optimizer.from_bytes(Bytes::from_bytes_vec(artefact.take(OPTIMIZER)?));
         let checkpoint = Checkpoint {
-            progress,
-            optimizer,
-            model: weights(part(MODEL)?)?,
-            best: part(BEST)?,
+            progress: artefact.about()?,
+            optimizer: optimizer.map_err(|error| RunError::content(&path, error))?,
+            model: weights(artefact.take(MODEL)?)?,
+            best: artefact.take(BEST)?,
             average: average.map(weights).transpose()?,
         };
         self.save_metrics(&checkpoint.progress)?;
@@ -150,20 +127,22 @@ impl Store<'_> {
     }
 
     /// Saves a checkpoint in place of the last one, then writes the metrics file.
-    pub(super) fn save<M: Module>(&self, checkpoint: &Snapshot<'_, M>) -> Result<(), RunError> {
+    pub(super) fn save<M: Module>(&self, checkpoint: &Checkpoint<M>) -> Result<(), RunError> {
         let path = self.run.checkpoint_path(self.name);
         let optimizer = checkpoint.optimizer.into_bytes();
         let optimizer = optimizer.map_err(|error| RunError::content(&path, error))?;
-        let mut artefact = Artefact::new(self.made_from, checkpoint.progress)
-            .map_err(|error| RunError::content(&path, error))?
-            .with(MODEL, model_bytes(&path, checkpoint.model)?)
+        let model = model_bytes(&path, &checkpoint.model)?;
+        let average = checkpoint.average.as_ref();
+        let average = average.map(|own| model_bytes(&path, own)).transpose()?;
+        let mut artefact = Artefact::new(path, self.made_from, &checkpoint.progress)?
+            .with(MODEL, model)
             .with(OPTIMIZER, optimizer.to_vec())
-            .with(BEST, checkpoint.best.to_vec());
-        if let Some(average) = checkpoint.average {
-            artefact = artefact.with(AVERAGE, model_bytes(&path, average)?);
+            .with(BEST, checkpoint.best.clone());
+        if let Some(average) = average {
+            artefact = artefact.with(AVERAGE, average);
         }
-        self.run.save_artefact(&path, &artefact)?;
-        self.save_metrics(checkpoint.progress)
+        artefact.save()?;
+        self.save_metrics(&checkpoint.progress)
     }
 
     /// Writes the metrics file from the checkpoint's metrics.

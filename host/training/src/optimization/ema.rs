@@ -4,8 +4,10 @@
 //! saved, while training continues on the weights. Source: Polyak and Juditsky (1992), here with
 //! exponentially decaying weights.
 
-use burn::module::{Module, ModuleMapper, ModuleVisitor, Param};
+use burn::module::{Module, ModuleMapper, Param};
 use burn::tensor::{Tensor, TensorData};
+
+use crate::weights::values;
 
 /// Average of all weights, in the order in which the module visits them.
 #[derive(Clone, Debug)]
@@ -22,7 +24,7 @@ impl Ema {
         Self {
             decay: decay as f32,
             steps,
-            weights: weights(model),
+            weights: values(model),
         }
     }
 
@@ -33,7 +35,7 @@ impl Ema {
         let decay = self
             .decay
             .min(self.steps as f32 / (self.steps as f32 + 10.0));
-        for (average, weight) in self.weights.iter_mut().zip(weights(model)) {
+        for (average, weight) in self.weights.iter_mut().zip(values(model)) {
             *average += (weight - *average) * (1.0 - decay);
         }
     }
@@ -41,20 +43,6 @@ impl Ema {
     /// The model with the average as its weights.
     pub(super) fn apply<M: Module>(&self, model: M) -> M {
         model.map(&mut Replace(&self.weights))
-    }
-}
-
-pub(super) fn weights(model: &impl Module) -> Vec<f32> {
-    let mut collected = Collect(Vec::new());
-    model.visit(&mut collected);
-    collected.0
-}
-
-struct Collect(Vec<f32>);
-
-impl ModuleVisitor for Collect {
-    fn visit_float<const D: usize>(&mut self, param: &Param<Tensor<D>>) {
-        self.0.extend(param.val().into_data().iter::<f32>());
     }
 }
 
@@ -93,7 +81,7 @@ mod tests {
         ema.add(&model(1.0));
         ema.add(&model(3.0));
         // 0, then (0 + 1) / 2, then (1/2 + 3) / 2.
-        assert_eq!(weights(&ema.apply(model(9.0))), [1.75; 9]);
+        assert_eq!(values(&ema.apply(model(9.0))), [1.75; 9]);
     }
 
     #[test]
@@ -102,7 +90,7 @@ mod tests {
         for _ in 0..50 {
             ema.add(&model(1.0));
         }
-        let mean = weights(&ema.apply(model(0.0)))[0];
+        let mean = values(&ema.apply(model(0.0)))[0];
         assert!((mean - 1.0).abs() < 0.01, "{mean}");
     }
 }

@@ -6,13 +6,13 @@ use burn::module::Module as _;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::checkpoint::{Checkpoint, Snapshot, Store, TrainingProgress, Within};
+use super::checkpoint::{Checkpoint, Store, Within};
 use super::ema::Ema;
-use super::epoch::{Epoch, Taken, Trained, finite};
-use super::learner::{Learner, WeightedMetric};
+use super::epoch::{Epoch, finite};
+use super::learner::Learner;
 use super::metrics::{RunningMeans, recorded};
 use super::optimizer::optimizer;
-use crate::weights::{Weights as _, load_model_bytes, model_bytes};
+use crate::weights::{load_model_bytes, model_bytes, save_model};
 use execution::fingerprint::Fingerprint;
 use execution::interrupt::Interrupt;
 use execution::progress;
@@ -67,104 +67,67 @@ pub fn fit<L: Learner>(
     let mut checkpoint = match store.load(&model, fresh.clone())? {
         Some(checkpoint) => checkpoint,
         None => Checkpoint {
-            progress: TrainingProgress::default(),
-            optimizer: fresh,
             average: (config.ema_decay > 0.0).then(|| model.clone()),
-            best: Vec::new(),
-            model,
+            ..Checkpoint::new(model, fresh)
         },
     };
-    let mut step = checkpoint.progress.step;
-    let mut start = checkpoint.progress.within.take().map(Within::start);
-    let taken = step + start.as_ref().map_or(0, |start| start.steps);
+    let progress = &checkpoint.progress;
+    let taken = progress.step + progress.within.as_ref().map_or(0, |within| within.steps);
     let mut ema = checkpoint
         .average
         .as_ref()
         .map(|average| Ema::new(average, config.ema_decay, taken));
     let mut saved = Instant::now();
 
-    for epoch in checkpoint.progress.epochs.len() + 1..=config.epochs {
+    for number in progress.epochs.len() + 1..=config.epochs {
+        let title = format!("{name} epoch {number}/{}", config.epochs);
         let mut rng = ChaCha8Rng::seed_from_u64(config.seed);
-        rng.set_stream(epoch as u64);
-        let title = format!("{name} epoch {epoch}/{}", config.epochs);
-        let steps = Epoch {
+        rng.set_stream(number as u64);
+        let epoch = Epoch {
             title: &title,
-            number: epoch,
-            first_step: step,
+            number,
             schedule: &schedule,
+            rng,
             interrupt: training.interrupt,
         };
-        let progress = &mut checkpoint.progress;
-        let best = &checkpoint.best;
-        let after = |taken: Taken<'_, L::Model>| {
+        let after = |checkpoint: &mut Checkpoint<L::Model>| {
             if let Some(ema) = &mut ema {
-                ema.add(taken.model);
+                ema.add(&checkpoint.model);
             }
             if saved.elapsed() < training.checkpoint_every && !training.interrupt.requested() {
                 return Ok(());
             }
-            progress.within = Some(Within::after(&taken));
-            let average = ema.as_ref().map(|ema| ema.apply(taken.model.clone()));
-            store.save(&Snapshot {
-                progress,
-                model: taken.model,
-                optimizer: taken.optimizer,
-                average: average.as_ref(),
-                best,
-            })?;
+            checkpoint.average = ema.as_ref().map(|ema| ema.apply(checkpoint.model.clone()));
+            store.save(checkpoint)?;
             saved = Instant::now();
             Ok(())
         };
-        let done = steps.take(
-            learner,
-            checkpoint.model,
-            &mut checkpoint.optimizer,
-            &mut rng,
-            start.take().unwrap_or_default(),
-            after,
-        )?;
-        let Some(trained) = done else {
-            return Err(run.interrupted());
-        };
-        let Trained { means, rate, .. } = trained;
-        checkpoint.model = trained.model;
-        step += trained.steps;
+        let done = epoch.take(learner, checkpoint, after)?;
+        checkpoint = done.ok_or_else(|| run.interrupted())?;
 
         checkpoint.average = ema.as_ref().map(|ema| ema.apply(checkpoint.model.clone()));
         let kept = checkpoint.average.as_ref().unwrap_or(&checkpoint.model);
         let (loss, metrics) = learner.validate(&kept.valid());
-        let loss = recorded(loss);
-        let selecting = WeightedMetric {
-            name: "selecting",
-            mean: loss,
-            weight: 1.0,
-        };
-        finite(name, epoch, "validation", &[selecting])?;
-        let mut validation = RunningMeans::default();
-        validation.add(&metrics);
+        let (loss, validation) = (recorded(loss), RunningMeans::of(metrics));
+        finite(name, number, "validation loss (selecting)".to_owned(), loss)?;
+        let progress = &mut checkpoint.progress;
+        let Within { steps, means, .. } = progress.within.take().unwrap_or_default();
         progress::log(&format!("{title}: train {means}; validation {validation}"));
-        let best = checkpoint.progress.best_loss;
-        if best.is_none_or(|best| loss < best) {
-            checkpoint.progress.best_loss = Some(loss);
+        if progress.best_loss.is_none_or(|best| loss < best) {
+            progress.best_loss = Some(loss);
             checkpoint.best = model_bytes(&run.checkpoint_path(name), kept)?;
         }
-        checkpoint.progress.step = step;
-        checkpoint.progress.within = None;
-        checkpoint.progress.epochs.push(EpochMetrics {
-            epoch,
-            step,
-            learning_rate: recorded(rate),
+        progress.step += steps;
+        let last = progress.step.checked_sub(1).filter(|_| steps > 0);
+        progress.epochs.push(EpochMetrics {
+            epoch: number,
+            step: progress.step,
+            learning_rate: recorded(last.map_or(0.0, |last| schedule.rate(last))),
             train: means.by_name(),
             validation_loss: loss,
             validation: validation.by_name(),
         });
-        store.save(&Snapshot {
-            progress: &checkpoint.progress,
-            model: &checkpoint.model,
-            optimizer: &checkpoint.optimizer,
-            average: checkpoint.average.as_ref(),
-            best: &checkpoint.best,
-        })?;
+        store.save(&checkpoint)?;
         saved = Instant::now();
     }
     let best = load_model_bytes(
@@ -172,7 +135,7 @@ pub fn fit<L: Learner>(
         checkpoint.best,
         checkpoint.model,
     )?;
-    run.save_model(name, training.made_from, &best)?;
+    save_model(run, name, training.made_from, &best)?;
     Ok(best)
 }
 

@@ -4,6 +4,8 @@ use burn::module::Module;
 use burn::tensor::Tensor;
 use rand_chacha::ChaCha8Rng;
 
+use super::read_back;
+
 /// A training problem: batches, a loss, a validation.
 pub trait Learner: Sync {
     /// The network.
@@ -30,12 +32,18 @@ pub trait Learner: Sync {
     /// Computes the loss of one part, which is minimized, and its metrics. Both add up over the parts of a batch.
     fn loss(&self, model: &Self::Model, shard: Self::Shard) -> (Tensor<1>, Vec<WeightedMetric>);
 
-    /// Validates a model without gradients: the loss that selects the checkpoint, and metrics.
-    fn validate(&self, model: &Self::Model) -> (f64, Vec<WeightedMetric>);
+    /// Validates a model without gradients: the loss that selects the checkpoint, and metrics by name.
+    fn validate(&self, model: &Self::Model) -> (f64, Vec<(&'static str, f64)>);
 }
 
 /// Number of parts that a step's batch is computed in, each on its own thread.
-pub const SHARDS: usize = 2;
+const SHARDS: usize = 2;
+
+/// Divides the examples of a step's batch into shards, each assembled by `assemble`.
+pub fn shards<T, S>(examples: &[T], assemble: impl FnMut(&[T]) -> S) -> Vec<S> {
+    let size = examples.len().div_ceil(SHARDS);
+    examples.chunks(size).map(assemble).collect()
+}
 
 /// Named mean and its weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,4 +54,35 @@ pub struct WeightedMetric {
     pub mean: f64,
     /// Number of values in the mean.
     pub weight: f64,
+}
+
+impl WeightedMetric {
+    /// Metric of a loss that is a mean over `weight` values.
+    pub fn of_loss(name: &'static str, loss: &Tensor<1>, weight: f64) -> Self {
+        Self {
+            name,
+            mean: f64::from(read_back(loss.clone())[0]),
+            weight,
+        }
+    }
+}
+
+/// Mean of the means of batches, each weighted with its number of values.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct WeightedMean {
+    sum: f64,
+    weight: f64,
+}
+
+impl WeightedMean {
+    /// Adds the mean of a batch over `weight` values.
+    pub fn add(&mut self, mean: f32, weight: f64) {
+        self.sum += f64::from(mean) * weight;
+        self.weight += weight;
+    }
+
+    /// The mean; 0 without a value.
+    pub fn mean(&self) -> f64 {
+        self.sum / self.weight.max(1.0)
+    }
 }

@@ -2,12 +2,16 @@
 
 use std::borrow::Cow;
 
+use serde::{Deserialize, Serialize};
+
 use super::learner::WeightedMetric;
 
 /// Weighted means by name, in the order of first appearance.
-#[derive(Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(from = "KeptMeans", into = "KeptMeans")]
 pub(super) struct RunningMeans(Vec<RunningMean>);
 
+#[derive(Clone, Debug)]
 struct RunningMean {
     name: Cow<'static, str>,
     mean: f64,
@@ -15,7 +19,7 @@ struct RunningMean {
 }
 
 /// [`RunningMeans`] in a file: name, and the bits of mean and weight.
-pub(super) type KeptMeans = Vec<(String, u64, u64)>;
+type KeptMeans = Vec<(String, u64, u64)>;
 
 impl RunningMeans {
     pub(super) fn add(&mut self, metrics: &[WeightedMetric]) {
@@ -37,21 +41,14 @@ impl RunningMeans {
         }
     }
 
-    pub(super) fn kept(&self) -> KeptMeans {
-        let kept = |one: &RunningMean| {
-            let name = one.name.clone().into_owned();
-            (name, one.mean.to_bits(), one.weight.to_bits())
-        };
-        self.0.iter().map(kept).collect()
-    }
-
-    pub(super) fn of_kept(kept: KeptMeans) -> Self {
-        let mean = |(name, mean, weight): (String, u64, u64)| RunningMean {
+    /// Complete means by name.
+    pub(super) fn of(means: Vec<(&'static str, f64)>) -> Self {
+        let mean = |(name, mean): (&'static str, f64)| RunningMean {
             name: name.into(),
-            mean: f64::from_bits(mean),
-            weight: f64::from_bits(weight),
+            mean,
+            weight: 1.0,
         };
-        Self(kept.into_iter().map(mean).collect())
+        Self(means.into_iter().map(mean).collect())
     }
 
     pub(super) fn by_name(&self) -> Vec<(String, f64)> {
@@ -59,6 +56,27 @@ impl RunningMeans {
             .iter()
             .map(|metric| (metric.name.clone().into_owned(), recorded(metric.mean)))
             .collect()
+    }
+}
+
+impl From<RunningMeans> for KeptMeans {
+    fn from(means: RunningMeans) -> Self {
+        let kept = |one: RunningMean| {
+            let name = one.name.into_owned();
+            (name, one.mean.to_bits(), one.weight.to_bits())
+        };
+        means.0.into_iter().map(kept).collect()
+    }
+}
+
+impl From<KeptMeans> for RunningMeans {
+    fn from(kept: KeptMeans) -> Self {
+        let mean = |(name, mean, weight): (String, u64, u64)| RunningMean {
+            name: name.into(),
+            mean: f64::from_bits(mean),
+            weight: f64::from_bits(weight),
+        };
+        Self(kept.into_iter().map(mean).collect())
     }
 }
 

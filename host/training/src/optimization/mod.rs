@@ -19,6 +19,8 @@ use std::sync::{Mutex, PoisonError};
 use burn::module::Module;
 use burn::tensor::{Device, Tensor};
 
+use crate::weights::values;
+
 /// Creates a model and draws its initial weights from a seed.
 ///
 /// Burn has one generator for a device, which all threads share, and draws a weight when it is first read. Here all weights are
@@ -28,7 +30,7 @@ pub fn initial<M: Module>(seed: u64, device: &Device, create: impl FnOnce() -> M
     let _alone = GENERATOR.lock().unwrap_or_else(PoisonError::into_inner);
     device.seed(seed);
     let model = create();
-    ema::weights(&model);
+    values(&model);
     model
 }
 
@@ -64,7 +66,7 @@ mod tests {
         let drawn = |seed| {
             let device = Device::default();
             let model = initial(seed, &device, || LinearConfig::new(40, 50).init(&device));
-            ema::weights(&model)
+            values(&model)
         };
         let expected = [drawn(0), drawn(1)];
         std::thread::scope(|scope| {

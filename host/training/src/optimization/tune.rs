@@ -3,7 +3,8 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::epoch::{Epoch, Start};
+use super::checkpoint::Checkpoint;
+use super::epoch::Epoch;
 use super::fit::TrainConfig;
 use super::learner::Learner;
 use super::optimizer::optimizer;
@@ -23,16 +24,14 @@ pub(crate) fn tune<L: Learner>(
     let epoch = Epoch {
         title: learner.name(),
         number: 1,
-        first_step: 0,
         schedule: &schedule,
+        rng: ChaCha8Rng::seed_from_u64(config.seed),
         interrupt,
     };
-    let mut rng = ChaCha8Rng::seed_from_u64(config.seed);
-    let mut optimizer = optimizer(config.weight_decay);
-    let start = Start::default();
-    let done = epoch.take(learner, model, &mut optimizer, &mut rng, start, |taken| {
-        report(taken.steps);
+    let start = Checkpoint::new(model, optimizer(config.weight_decay));
+    let done = epoch.take(learner, start, |training| {
+        report(training.progress.within.as_ref().map_or(0, |own| own.steps));
         Ok(())
     })?;
-    Ok(done.map(|trained| trained.model))
+    Ok(done.map(|training| training.model))
 }

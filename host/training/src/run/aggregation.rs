@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::candidates::{student_candidate, teacher_candidate};
+use super::candidates::candidate;
 use super::context::RunContext;
 use super::error::StepError;
-use evaluation::{EvaluatedRecording, LookAhead, Truth, score};
+use evaluation::{EvaluatedRecording, LookAhead, score};
 use execution::fingerprint::Fingerprint;
 use presets::Aggregation;
 use presets::distillation;
@@ -30,35 +30,25 @@ pub(super) fn aggregation(context: &RunContext) -> Result<LookAhead, StepError> 
         Some(Aggregation::SameInstant) => return Ok(LookAhead::SameInstant),
         None => {}
     }
-    let weights = if context.has(distillation::NAME) {
-        let lineage = config.student_lineage(distillation::NAME, folder)?;
-        folder.weights_fingerprint(distillation::NAME, lineage)?
-    } else if context.has(presets::teacher::NAME) {
-        folder.weights_fingerprint(presets::teacher::NAME, config.teacher_lineage())?
+    let (student, teacher) = (distillation::NAME, presets::teacher::NAME);
+    let (model, lineage) = if context.has(student) {
+        (student, config.student_lineage(student, folder)?)
+    } else if context.has(teacher) {
+        (teacher, config.teacher_lineage())
     } else {
         return Ok(LookAhead::AllRows);
     };
+    let weights = folder.weights_fingerprint(model, lineage)?;
     let made_from = Fingerprint::of(&(config.streams_lineage(), weights));
     // A mode chosen with another model is ignored and chosen again.
     if let Ok(kept) = folder.load_stamped::<Chosen>(AGGREGATION, made_from) {
-        return Ok(kept.content.aggregation);
+        return Ok(kept.aggregation);
     }
-    let recordings =
-        EvaluatedRecording::of_role(&context.config, &context.library, Role::Validation);
-    let candidate = if context.has(distillation::NAME) {
-        let student = context.student(distillation::NAME)?;
-        student_candidate(context, NAME.into(), &student, &recordings)?
-    } else {
-        teacher_candidate(context, NAME.into(), &recordings)?
-    };
+    let recordings = EvaluatedRecording::of_role(config, &context.library, Role::Validation);
+    let candidate = candidate(context, model, NAME.into(), &recordings)?;
     let correct = |look_ahead| -> Result<usize, StepError> {
-        let scores = score(
-            &candidate,
-            &recordings,
-            context.config.preset.vocabulary(),
-            look_ahead,
-            Truth::LagCompensated,
-        )?;
+        let vocabulary = config.preset.vocabulary();
+        let scores = score(&candidate, &recordings, vocabulary, look_ahead)?;
         // The last rows are over all data sets, one for each group of people.
         let over_all = scores.last().map(|score| score.data_set.clone());
         let rows = scores

@@ -5,11 +5,14 @@ use std::sync::Arc;
 
 use burn::module::Module as _;
 use burn::tensor::Device;
+use shared::model::LookBackLogits;
+use shared::units::CleanSample;
 
+use crate::inference::{student_logits, teacher_logits};
 use crate::optimization::fit::{CHECKPOINT_EVERY, Training};
 use crate::student::model::Student;
 use crate::teacher::model::Teacher;
-use crate::weights::Weights as _;
+use crate::weights::load_model;
 use execution::fingerprint::Fingerprint;
 use execution::interrupt::Interrupt;
 use execution::run_folder::{RunError, RunFolder};
@@ -44,14 +47,7 @@ impl RunContext {
     ) -> Result<Self, RunError> {
         folder.remove_checkpoints()?;
         config.save(&folder)?;
-        Ok(Self {
-            folder,
-            config,
-            library: library.into(),
-            device,
-            resume: false,
-            interrupt: Interrupt::default(),
-        })
+        Ok(Self::new(folder, config, library.into(), device))
     }
 
     /// Continues the run in a folder.
@@ -67,14 +63,23 @@ impl RunContext {
                 path: folder.path().to_owned(),
             });
         }
-        Ok(Self {
+        Ok(Self::new(folder, config, library, device))
+    }
+
+    fn new(
+        folder: RunFolder,
+        config: ResolvedConfig,
+        library: Arc<Library>,
+        device: Device,
+    ) -> Self {
+        Self {
             folder,
             config,
             library,
             device,
             resume: false,
             interrupt: Interrupt::default(),
-        })
+        }
     }
 
     /// Finds the folder and the configuration of an earlier run.
@@ -94,9 +99,9 @@ impl RunContext {
         self.folder.weights_path(name).exists()
     }
 
-    /// Loads the trained teacher, without gradients.
-    pub(crate) fn teacher(&self) -> Result<Teacher, RunError> {
-        load_teacher(&self.folder, &self.config, &self.inference_device())
+    /// Loads a float model by the name of its files.
+    pub(crate) fn logits(&self, name: &str) -> Result<FloatModel, RunError> {
+        load_logits(&self.folder, &self.config, name, self.inference_device())
     }
 
     /// Loads a trained student by the name of its files, without gradients.
@@ -116,6 +121,27 @@ impl RunContext {
     }
 }
 
+/// Float model of a run: its logits at every patch of a stream.
+pub type FloatModel = Box<dyn Fn(&[CleanSample]) -> Vec<LookBackLogits> + Send + Sync>;
+
+/// Loads the trained teacher or a student of a run folder by the name of its files, on a device without gradients.
+pub fn load_logits(
+    folder: &RunFolder,
+    config: &ResolvedConfig,
+    name: &str,
+    device: Device,
+) -> Result<FloatModel, RunError> {
+    if name == presets::teacher::NAME {
+        let model = load_teacher(folder, config, &device)?;
+        let shape = config.preset.teacher.window_shape();
+        return Ok(Box::new(move |emg| {
+            teacher_logits(&model, shape, emg, &device)
+        }));
+    }
+    let model = load_student(folder, config, name, &device)?;
+    Ok(Box::new(move |emg| student_logits(&model, emg, &device)))
+}
+
 /// Loads the trained teacher of a run folder, on a device without gradients.
 pub fn load_teacher(
     folder: &RunFolder,
@@ -123,13 +149,9 @@ pub fn load_teacher(
     device: &Device,
 ) -> Result<Teacher, RunError> {
     let preset = &config.preset;
-    folder
-        .load_model(
-            presets::teacher::NAME,
-            config.teacher_lineage(),
-            Teacher::new(&preset.teacher, preset.classes, device),
-        )
-        .map(|model| model.valid())
+    let (name, made_from) = (presets::teacher::NAME, config.teacher_lineage());
+    let teacher = Teacher::new(&preset.teacher, preset.classes, device);
+    Ok(load_model(folder, name, made_from, teacher)?.valid())
 }
 
 /// Loads a trained student of a run folder by the name of its files, on a device without gradients.
@@ -141,11 +163,6 @@ pub fn load_student(
 ) -> Result<Student, RunError> {
     let preset = &config.preset;
     let made_from = config.student_lineage(name, folder)?;
-    folder
-        .load_model(
-            name,
-            made_from,
-            Student::new(&preset.student, preset.classes, preset.other(), device),
-        )
-        .map(|model| model.valid())
+    let student = Student::new(&preset.student, preset.classes, preset.other(), device);
+    Ok(load_model(folder, name, made_from, student)?.valid())
 }

@@ -9,7 +9,6 @@ use thiserror::Error;
 use crate::teacher::checkpoint::CheckpointError;
 use evaluation::EvaluationError;
 use execution::run_folder::RunError;
-use recordings::split::SplitError;
 
 /// Why a step of a run cannot be done.
 #[derive(Debug, Error)]
@@ -25,12 +24,6 @@ pub enum StepError {
         "no labelled recording of a held-out subject was found: name subjects under data.held_out"
     )]
     NoRecordings,
-    #[error(
-        "{model} was trained on or validated with {subject}, whom this run holds out: evaluate another model, or a run that does not"
-    )]
-    Seen { model: String, subject: String },
-    #[error(transparent)]
-    Name(#[from] SplitError),
     #[error("no model in this run folder: train one first")]
     NoModel,
     #[error(transparent)]

@@ -3,7 +3,7 @@
 use shared::model::file::Model;
 
 use super::aggregation::aggregation;
-use super::candidates::{student_candidate, teacher_candidate};
+use super::candidates::candidate;
 use super::context::RunContext;
 use super::error::StepError;
 use super::quantize::{Figure, ModelFile, save_figures};
@@ -29,10 +29,7 @@ pub fn evaluate(
     context: &RunContext,
     model: Option<&ModelFile>,
 ) -> Result<(Results, Evaluation), StepError> {
-    let recordings = EvaluatedRecording::of_role(&context.config, &context.library, Role::HeldOut);
-    if recordings.is_empty() {
-        return Err(StepError::NoRecordings);
-    }
+    let recordings = held_out(context)?;
     let aggregation = aggregation(context)?;
     let is_kept = model.is_none_or(|model| model.is_own);
     let bytes = model.map(|model| model.bytes.as_slice());
@@ -76,12 +73,9 @@ pub fn evaluate(
 /// again, but not those of the other models.
 pub fn kept(context: &RunContext) -> Result<(Results, Evaluation), StepError> {
     let made_from = context.config.fingerprint();
-    let results: Results = context.folder.load_stamped(RESULTS, made_from)?.content;
+    let results: Results = context.folder.load_stamped(RESULTS, made_from)?;
     let model = ModelFile::of_run(context)?.ok_or(StepError::NoModel)?;
-    let recordings = EvaluatedRecording::of_role(&context.config, &context.library, Role::HeldOut);
-    if recordings.is_empty() {
-        return Err(StepError::NoRecordings);
-    }
+    let recordings = held_out(context)?;
     let candidate = integer_candidate(System::Integer, &Model::parse(&model.bytes)?, &recordings)?;
     let evaluation = Evaluation {
         recordings,
@@ -89,6 +83,14 @@ pub fn kept(context: &RunContext) -> Result<(Results, Evaluation), StepError> {
         is_kept: true,
     };
     Ok((results, evaluation))
+}
+
+fn held_out(context: &RunContext) -> Result<Vec<EvaluatedRecording>, StepError> {
+    let recordings = EvaluatedRecording::of_role(&context.config, &context.library, Role::HeldOut);
+    if recordings.is_empty() {
+        return Err(StepError::NoRecordings);
+    }
+    Ok(recordings)
 }
 
 /// Fits the energy detector to the training people of a run; none if they have no gesture.
@@ -112,34 +114,23 @@ fn candidates(
     model: Option<&[u8]>,
 ) -> Result<Vec<Candidate>, StepError> {
     let mut candidates = Vec::new();
-    if context.has(presets::teacher::NAME) {
-        candidates.extend(if_own(teacher_candidate(
-            context,
-            System::Teacher,
-            recordings,
-        ))?);
+    let (teacher, student) = (presets::teacher::NAME, distillation::NAME);
+    if context.has(teacher) {
+        let own = candidate(context, teacher, System::Teacher, recordings);
+        candidates.extend(if_own(own)?);
     }
-    if context.has(distillation::NAME) {
-        let student = context.student(distillation::NAME)?;
-        candidates.push(student_candidate(
-            context,
-            System::Student,
-            &student,
-            recordings,
-        )?);
+    if context.has(student) {
+        candidates.push(candidate(context, student, System::Student, recordings)?);
     }
     if let Some(bytes) = model {
-        candidates.push(integer_candidate(
-            System::Integer,
-            &Model::parse(bytes)?,
-            recordings,
-        )?);
+        let model = Model::parse(bytes)?;
+        candidates.push(integer_candidate(System::Integer, &model, recordings)?);
     }
     Ok(candidates)
 }
 
 /// Makes a model optional; none, with a line in the log, if it is left over from another run.
-pub fn if_own<T>(model: Result<T, RunError>) -> Result<Option<T>, RunError> {
+fn if_own<T>(model: Result<T, RunError>) -> Result<Option<T>, RunError> {
     match model {
         Ok(model) => Ok(Some(model)),
         Err(error @ RunError::NotOfThisRun { .. }) => {
@@ -172,10 +163,10 @@ fn figures(results: &Results) -> Vec<Figure> {
         for (what, measure) in measures {
             if let Some(value) = measure.mean(score) {
                 #[expect(clippy::cast_possible_truncation, reason = "a share of 1")]
-                figures.push(Figure {
-                    name: format!("{}{people} {what}, n {}", score.data_set, value.n),
-                    value: value.mean as f32,
-                });
+                figures.push((
+                    format!("{}{people} {what}, n {}", score.data_set, value.n),
+                    value.mean as f32,
+                ));
             }
         }
     }

@@ -24,14 +24,8 @@ pub use evaluation::results::MODEL;
 /// Name of the file with the [`Figure`]s of the model file in a run folder.
 const FIGURES: &str = "figures.json";
 
-/// Score of the model, kept in the model file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Figure {
-    /// Data set and metric.
-    pub name: String,
-    /// Value of the metric.
-    pub value: f32,
-}
+/// Score of the model, kept in the model file: data set and metric, and its value.
+pub(super) type Figure = (String, f32);
 
 /// Figures of one model file.
 #[derive(Serialize, Deserialize)]
@@ -72,15 +66,9 @@ impl ModelFile {
         })?;
         let is_own = context.has(distillation::NAME) && {
             let figures = Model::parse(&bytes)?.header.provenance.metrics;
-            let figures: Vec<Figure> = figures
-                .iter()
-                .map(|(name, value)| Figure {
-                    name: name.to_owned(),
-                    value,
-                })
-                .collect();
+            let figures = figures.iter().map(|(name, value)| (name.to_owned(), value));
             let student = context.student(distillation::NAME)?;
-            bytes == model_bytes(context, &student, aggregation(context)?, figures)?
+            bytes == model_bytes(context, &student, aggregation(context)?, figures.collect())?
         };
         Ok(Self { bytes, is_own })
     }
@@ -96,7 +84,7 @@ pub fn quantize(context: &RunContext, out: &Path) -> Result<Vec<u8>, StepError> 
     let made_from = context.config.fingerprint();
     let model = model_without_figures(context, &student, aggregation)?;
     let figures = match context.folder.load_stamped::<Figures>(FIGURES, made_from) {
-        Ok(kept) if kept.content.model == model => kept.content.figures,
+        Ok(kept) if kept.model == model => kept.figures,
         _ => Vec::new(),
     };
     let bytes = model_bytes(context, &student, aggregation, figures)?;
@@ -140,10 +128,7 @@ pub(super) fn model_bytes(
         subjects_left_out: [&split.held_out[..], &split.test].concat(),
         git_revision: context.config.git_revision.clone().unwrap_or_default(),
         seed: preset.seed,
-        metrics: figures
-            .into_iter()
-            .map(|figure| (figure.name, figure.value))
-            .collect(),
+        metrics: figures,
     };
     let smoother = preset.smoother_defaults(match aggregation {
         LookAhead::SameInstant => AggregationMode::SameInstant,

@@ -5,10 +5,9 @@ use shared::units::{CleanSample, PATCH};
 
 use super::context::RunContext;
 use super::error::StepError;
-use crate::inference::teacher_logits;
 use execution::fingerprint::Fingerprint;
 use execution::progress;
-use execution::run_folder::{Artefact, RunError};
+use execution::run_folder::Artefact;
 
 const FILE: &str = "soft-targets.bin";
 const LOGITS: &str = "logits";
@@ -30,29 +29,18 @@ pub(super) fn soft_targets(
     {
         return Ok(targets);
     }
-    let targets = of_teacher(context, streams)?;
-    let artefact = Artefact::new(made_from, &())
-        .map_err(|error| RunError::content(&path, error))?
-        .with(LOGITS, pack(&targets));
-    folder.save_artefact(&path, &artefact)?;
-    Ok(targets)
-}
-
-/// Computes the teacher's logits.
-fn of_teacher(
-    context: &RunContext,
-    streams: &[&[CleanSample]],
-) -> Result<Vec<Vec<LookBackLogits>>, StepError> {
-    let model = context.teacher()?;
-    let device = context.inference_device();
-    let shape = context.config.preset.teacher.window_shape();
-    Ok(progress::map(
+    let logits = context.logits(presets::teacher::NAME)?;
+    let targets = progress::map(
         "soft targets",
         streams,
         &context.folder,
         &context.interrupt,
-        |emg| teacher_logits(&model, shape, emg, &device),
-    )?)
+        |emg| logits(emg),
+    )?;
+    Artefact::new(path, made_from, &())?
+        .with(LOGITS, pack(&targets))
+        .save()?;
+    Ok(targets)
 }
 
 fn pack(targets: &[Vec<LookBackLogits>]) -> Vec<u8> {

@@ -25,7 +25,7 @@ mod tests {
 
     use super::*;
     use crate::teacher::model::Teacher;
-    use crate::weights::Weights as _;
+    use crate::weights::save_model;
 
     /// Run folder with this configuration and a teacher.
     fn run_folder(config: &ResolvedConfig) -> tempfile::TempDir {
@@ -34,8 +34,8 @@ mod tests {
         config.save(&run).unwrap();
         let device = burn::tensor::Device::default();
         let teacher = Teacher::new(&config.preset.teacher, config.preset.classes, &device);
-        run.save_model(presets::teacher::NAME, config.teacher_lineage(), &teacher)
-            .unwrap();
+        let lineage = config.teacher_lineage();
+        save_model(&run, presets::teacher::NAME, lineage, &teacher).unwrap();
         folder
     }
 

@@ -10,7 +10,7 @@ use crate::optimization::initial;
 use crate::teacher;
 use crate::teacher::learner::TeacherLearner;
 use crate::teacher::model::Teacher;
-use crate::weights::Weights as _;
+use crate::weights::{load_model, save_model};
 use execution::progress;
 use presets::lineage;
 
@@ -54,9 +54,7 @@ pub fn train_teacher(context: &RunContext) -> Result<(), StepError> {
         model = load_start(start, model)?;
     }
     if preset.teacher_training.epochs == 0 {
-        context
-            .folder
-            .save_model(presets::teacher::NAME, made_from, &model)?;
+        save_model(&context.folder, presets::teacher::NAME, made_from, &model)?;
         return Ok(());
     }
     let learner = TeacherLearner::new(
@@ -75,7 +73,13 @@ pub fn train_teacher(context: &RunContext) -> Result<(), StepError> {
 fn load_start(start: &Path, model: Teacher) -> Result<Teacher, StepError> {
     if start.is_dir() {
         let (folder, origin) = RunContext::find(start)?;
-        return Ok(folder.load_model(presets::teacher::NAME, origin.teacher_lineage(), model)?);
+        let made_from = origin.teacher_lineage();
+        return Ok(load_model(
+            &folder,
+            presets::teacher::NAME,
+            made_from,
+            model,
+        )?);
     }
     Ok(teacher::checkpoint::load(start, model)?)
 }

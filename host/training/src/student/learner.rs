@@ -10,7 +10,7 @@ use super::batch::{Batch, BatchShape};
 use super::ensemble::Ensemble;
 use super::model::Student;
 use super::sequence::{Excerpt, Sequence, sequences};
-use crate::optimization::learner::{Learner, SHARDS, WeightedMetric};
+use crate::optimization::learner::{Learner, WeightedMean, WeightedMetric, shards};
 use crate::optimization::loss::cross_entropy;
 use crate::optimization::read_back;
 use presets::augmentation::Variation;
@@ -144,10 +144,8 @@ impl Learner for StudentLearner<'_> {
     }
 
     fn shards(&self, item: &Self::Item, _: &mut ChaCha8Rng) -> Vec<Batch> {
-        let mut shards: Vec<Batch> = item
-            .chunks(item.len().div_ceil(SHARDS))
-            .map(|part| Batch::new(&self.sequences, part, self.shape, self.device))
-            .collect();
+        let batch = |part: &[Excerpt]| Batch::new(&self.sequences, part, self.shape, self.device);
+        let mut shards = shards(item, batch);
         // Losses are means over the whole batch, as if it had one part.
         let labelled = shards.iter().map(|batch| batch.labelled).sum();
         let distilled = shards.iter().map(|batch| batch.distilled).sum();
@@ -161,12 +159,7 @@ impl Learner for StudentLearner<'_> {
     fn loss(&self, model: &Student, mut batch: Batch) -> (Tensor<1>, Vec<WeightedMetric>) {
         let logits = model.forward(batch.emg.clone());
         let label = label_loss(&logits, &batch);
-        let metric = |name, loss: &Tensor<1>| WeightedMetric {
-            name,
-            mean: f64::from(read_back(loss.clone())[0]),
-            weight: 1.0,
-        };
-        let mut metrics = vec![metric("label", &label)];
+        let mut metrics = vec![WeightedMetric::of_loss("label", &label, 1.0)];
         let share = self.config.teacher_share;
         let teacher = match self.ensemble {
             Some(ensemble) => Some(ensemble.logits(batch.emg.clone())),
@@ -176,7 +169,7 @@ impl Learner for StudentLearner<'_> {
             Some(teacher) if share > 0.0 => {
                 let temperature = self.config.temperature;
                 let divergence = distillation_loss(&logits, &teacher, &batch, temperature);
-                metrics.push(metric("teacher", &divergence));
+                metrics.push(WeightedMetric::of_loss("teacher", &divergence, 1.0));
                 divergence * share + label * (1.0 - share)
             }
             _ => label,
@@ -184,42 +177,31 @@ impl Learner for StudentLearner<'_> {
         (total, metrics)
     }
 
-    fn validate(&self, model: &Student) -> (f64, Vec<WeightedMetric>) {
+    fn validate(&self, model: &Student) -> (f64, Vec<(&'static str, f64)>) {
         let device = self.device.clone().inner();
-        let (mut loss, mut labelled) = (0.0, 0.0);
-        let mut correct = [0.0; LOOK_BACK];
-        let mut counted = [0.0; LOOK_BACK];
+        let mut loss = WeightedMean::default();
+        let mut correct = [WeightedMean::default(); LOOK_BACK];
         for sequence in 0..self.validation_sequences.len() {
             for excerpts in self.covering(sequence).chunks(self.config.batch) {
                 let batch = Batch::new(&self.validation_sequences, excerpts, self.shape, &device);
                 let logits = model.forward(batch.emg.clone());
-                loss += f64::from(read_back(label_loss(&logits, &batch))[0]) * batch.labelled;
-                labelled += batch.labelled;
+                loss.add(read_back(label_loss(&logits, &batch))[0], batch.labelled);
                 let hits = logits
                     .argmax(3)
                     .equal(batch.targets)
                     .float()
                     .squeeze_dim::<3>(3);
-                let hits = read_back(hits * batch.label_mask.clone());
                 let mask = read_back(batch.label_mask);
-                for (output, (hit, weight)) in hits.iter().zip(mask).enumerate() {
-                    correct[output % LOOK_BACK] += f64::from(*hit);
-                    counted[output % LOOK_BACK] += f64::from(weight);
+                for (output, (hit, weight)) in read_back(hits).into_iter().zip(mask).enumerate() {
+                    correct[output % LOOK_BACK].add(hit, f64::from(weight));
                 }
             }
         }
-        let loss = loss / f64::max(labelled, 1.0);
-        let accuracy = |back: usize| correct[back] / f64::max(counted[back], 1.0);
-        let metrics = [
-            ("label", loss),
-            ("newest patch", accuracy(0)),
-            ("oldest patch", accuracy(LOOK_BACK - 1)),
-        ]
-        .map(|(name, mean)| WeightedMetric {
-            name,
-            mean,
-            weight: 1.0,
-        });
-        (loss, metrics.to_vec())
+        let metrics = vec![
+            ("label", loss.mean()),
+            ("newest patch", correct[0].mean()),
+            ("oldest patch", correct[LOOK_BACK - 1].mean()),
+        ];
+        (loss.mean(), metrics)
     }
 }

@@ -10,10 +10,10 @@ use super::batch::Batch;
 use super::model::{Teacher, TeacherInput, TeacherOutput};
 use super::window::{Example, WindowShape, examples};
 use crate::optimization::fit::{Training, fit};
-use crate::optimization::learner::{Learner, SHARDS, WeightedMetric};
+use crate::optimization::learner::{Learner, WeightedMean, WeightedMetric, shards};
 use crate::optimization::loss::cross_entropy;
 use crate::optimization::{best_class, initial, read_back};
-use crate::weights::Weights as _;
+use crate::weights::save_model;
 use execution::run_folder::RunError;
 use presets::augmentation::Variation;
 use presets::teacher::{ADAPTED, LoraConfig, NAME, TeacherTraining};
@@ -67,7 +67,7 @@ impl<'a> TeacherLearner<'a> {
         let model = initial(self.seed, self.device, || adapt(lora, model));
         let adapted = fit(self, model, config, training)?;
         let merged = adapted.valid().materialize();
-        training.run.save_model(NAME, training.made_from, &merged)?;
+        save_model(training.run, NAME, training.made_from, &merged)?;
         Ok(merged)
     }
 
@@ -95,7 +95,7 @@ impl<'a> TeacherLearner<'a> {
             for (logits, label) in logits.chunks_exact(classes + 1).zip(labels) {
                 if let Some(intent) = label {
                     let hit = best_class(&logits[..classes]) == intent.class();
-                    correct.add(f32::from(u8::from(hit)), 1);
+                    correct.add(f32::from(u8::from(hit)), 1.0);
                 }
             }
         }
@@ -132,20 +132,17 @@ impl Learner for TeacherLearner<'_> {
 
     fn shards(&self, item: &Self::Item, rng: &mut ChaCha8Rng) -> Vec<Self::Shard> {
         let augmentation = self.config.augmentation.as_ref();
-        let mut shards: Vec<Self::Shard> = item
-            .chunks(item.len().div_ceil(SHARDS))
-            .map(|part| {
-                let batch = Batch::new(
-                    self.corpus,
-                    part,
-                    self.shape,
-                    augmentation,
-                    rng,
-                    self.device,
-                );
-                (batch, ChaCha8Rng::from_rng(rng))
-            })
-            .collect();
+        let mut shards = shards(item, |part| {
+            let batch = Batch::new(
+                self.corpus,
+                part,
+                self.shape,
+                augmentation,
+                rng,
+                self.device,
+            );
+            (batch, ChaCha8Rng::from_rng(rng))
+        });
         // Losses are means over the whole batch, as if it had one part.
         let emg_cells = shards.iter().map(|(batch, _)| batch.emg_cells).sum();
         let intent_samples = shards.iter().map(|(batch, _)| batch.intent_samples).sum();
@@ -159,21 +156,13 @@ impl Learner for TeacherLearner<'_> {
         let (emg, intent) = losses(&model.forward_dropping(batch.input.clone(), rng), &batch);
         let total = emg.clone() + intent.clone();
         let metrics = vec![
-            WeightedMetric {
-                name: "emg",
-                mean: f64::from(read_back(emg)[0]),
-                weight: batch.emg_cells as f64,
-            },
-            WeightedMetric {
-                name: "intent",
-                mean: f64::from(read_back(intent)[0]),
-                weight: batch.intent_samples as f64,
-            },
+            WeightedMetric::of_loss("emg", &emg, batch.emg_cells as f64),
+            WeightedMetric::of_loss("intent", &intent, batch.intent_samples as f64),
         ];
         (total, metrics)
     }
 
-    fn validate(&self, model: &Teacher) -> (f64, Vec<WeightedMetric>) {
+    fn validate(&self, model: &Teacher) -> (f64, Vec<(&'static str, f64)>) {
         let device = self.device.clone().inner();
         // The same masks for every epoch, so that the losses of two epochs can be compared.
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
@@ -188,21 +177,15 @@ impl Learner for TeacherLearner<'_> {
                 &device,
             );
             let (emg, intent) = losses(&model.forward(batch.input.clone()), &batch);
-            emg_loss.add(read_back(emg)[0], batch.emg_cells);
-            intent_loss.add(read_back(intent)[0], batch.intent_samples);
+            emg_loss.add(read_back(emg)[0], batch.emg_cells as f64);
+            intent_loss.add(read_back(intent)[0], batch.intent_samples as f64);
         }
-        let accuracy = self.accuracy(model, &device);
-        let metrics = [
+        let metrics = vec![
             ("emg", emg_loss.mean()),
             ("intent", intent_loss.mean()),
-            ("accuracy", accuracy),
-        ]
-        .map(|(name, mean)| WeightedMetric {
-            name,
-            mean,
-            weight: 1.0,
-        });
-        (emg_loss.mean() + intent_loss.mean(), metrics.to_vec())
+            ("accuracy", self.accuracy(model, &device)),
+        ];
+        (emg_loss.mean() + intent_loss.mean(), metrics)
     }
 }
 
@@ -219,24 +202,6 @@ pub fn losses(output: &TeacherOutput, batch: &Batch) -> (Tensor<1>, Tensor<1>) {
         batch.intent_samples as f64,
     );
     (emg, intent)
-}
-
-/// Weighted mean of the means of batches.
-#[derive(Default)]
-struct WeightedMean {
-    sum: f64,
-    count: f64,
-}
-
-impl WeightedMean {
-    fn add(&mut self, mean: f32, count: usize) {
-        self.sum += f64::from(mean) * count as f64;
-        self.count += count as f64;
-    }
-
-    fn mean(&self) -> f64 {
-        self.sum / self.count.max(1.0)
-    }
 }
 
 /// Adds adapters of low rank (LoRA, arXiv 2106.09685) to a model, which alone are trained; at first they do not change its outputs.

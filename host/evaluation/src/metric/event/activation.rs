@@ -10,8 +10,8 @@ use std::ops::Range;
 use shared::intent::Intent;
 use shared::units::SAMPLE_RATE_HZ;
 
+use super::active;
 use super::gesture::owners;
-use super::{EventRule, active};
 
 /// A number of events in a time.
 #[derive(Clone, Copy, PartialEq, Debug, Default, serde::Serialize, serde::Deserialize)]
@@ -46,12 +46,12 @@ impl Rate {
 }
 
 /// Flags of the samples that are rest: the truth is relax, and no gesture owns the sample.
-pub(crate) fn rest(truth: &[Option<Intent>], rule: &EventRule) -> Vec<bool> {
+pub(crate) fn rest(truth: &[Option<Intent>]) -> Vec<bool> {
     let mut rest: Vec<bool> = truth
         .iter()
         .map(|&label| label == Some(Intent::Relax))
         .collect();
-    for owner in owners(truth, rule) {
+    for owner in owners(truth) {
         rest[owner.samples].fill(false);
     }
     rest

@@ -14,7 +14,8 @@
 use shared::intent::{Intent, MAX_CLASSES};
 
 use super::summary::Tally;
-use super::{EventRule, activation, active, runs};
+use super::{TOLERANCE, activation, active};
+use recordings::runs;
 
 /// The decision over these samples; none without an active label.
 pub(super) fn decision(emitted: &[Option<Intent>]) -> Option<Intent> {
@@ -28,11 +29,12 @@ pub(super) fn decision(emitted: &[Option<Intent>]) -> Option<Intent> {
 }
 
 /// Rest spans, all and kept. `rest` flags the samples at rest.
-pub(super) fn rests(emitted: &[Option<Intent>], rest: &[bool], rule: &EventRule) -> Tally {
-    let long = runs(rest).filter(|(is_rest, span)| *is_rest && span.len() >= 4 * rule.tolerance);
-    let decided = long.map(|(_, span)| {
-        let stays = active(emitted[span.end - 1]).is_none() && !activation::raises(emitted, span);
-        Tally::one(stays)
+pub(super) fn rests(emitted: &[Option<Intent>], rest: &[bool]) -> Tally {
+    let spans = runs(rest).into_iter();
+    let long = spans.filter(|span| span.label && span.samples() >= 4 * TOLERANCE);
+    let decided = long.map(|span| {
+        let is_raised = activation::raises(emitted, span.start..span.end);
+        Tally::one(active(emitted[span.end - 1]).is_none() && !is_raised)
     });
     decided.fold(Tally::default(), Tally::plus)
 }

@@ -8,16 +8,12 @@
 
 use shared::intent::Intent;
 
-use super::EventRule;
+use super::TOLERANCE;
 use super::activation::Rate;
 use crate::metric::stretches;
 
 /// Changes of the emitted label beyond the true ones, over the labelled time.
-pub(super) fn flicker(
-    truth: &[Option<Intent>],
-    emitted: &[Option<Intent>],
-    rule: &EventRule,
-) -> Rate {
+pub(super) fn flicker(truth: &[Option<Intent>], emitted: &[Option<Intent>]) -> Rate {
     let first = emitted.iter().position(Option::is_some);
     let changes: Vec<usize> = (1..emitted.len())
         .filter(|&at| emitted[at] != emitted[at - 1] && Some(at) != first)
@@ -32,7 +28,7 @@ pub(super) fn flicker(
         let mut allowed = usize::from(stretch.start > 0);
         for at in stretch.start + 1..stretch.end {
             if truth[at] != truth[at - 1] {
-                let cut = at.saturating_sub(rule.tolerance).max(stretch.start);
+                let cut = at.saturating_sub(TOLERANCE).max(stretch.start);
                 count += within(from, cut).saturating_sub(allowed);
                 (from, allowed) = (cut, 1);
             }

@@ -24,8 +24,9 @@ use std::ops::Range;
 use shared::intent::Intent;
 
 use super::decision::decision;
-use super::{EventRule, active, runs};
+use super::{TOLERANCE, active};
 use crate::metric::{by_name, stretches};
+use recordings::runs;
 
 /// A gesture of the truth. All positions are samples of the recording.
 #[derive(Clone, PartialEq, Eq, Debug, serde::Serialize)]
@@ -76,23 +77,25 @@ pub(super) struct Owner {
 }
 
 /// The runs of active labels in the truth, in order, with the samples that they own; these do not overlap.
-pub(super) fn owners(truth: &[Option<Intent>], rule: &EventRule) -> Vec<Owner> {
+pub(super) fn owners(truth: &[Option<Intent>]) -> Vec<Owner> {
     let mut owners: Vec<Owner> = Vec::new();
     for stretch in stretches(truth) {
         let first = owners.len();
-        for (label, run) in runs(&truth[stretch.clone()]) {
-            let Some(label) = active(label) else { continue };
+        for run in runs(&truth[stretch.clone()]) {
+            let Some(label) = active(run.label) else {
+                continue;
+            };
             let span = stretch.start + run.start..stretch.start + run.end;
-            let from = span.start.saturating_sub(rule.tolerance);
-            let cut = span.end == stretch.end && span.len() < 4 * rule.tolerance;
+            let from = span.start.saturating_sub(TOLERANCE);
+            let cut = span.end == stretch.end && span.len() < 4 * TOLERANCE;
             if let Some(before) = owners[first..].last_mut() {
                 before.samples.end = before.samples.end.min(from.max(before.samples.start));
                 before.released_by = Some(stretch.end);
             }
-            let rests = stretch.end - span.end >= 4 * rule.tolerance;
+            let rests = stretch.end - span.end >= 4 * TOLERANCE;
             owners.push(Owner {
                 label,
-                samples: from.max(stretch.start)..(span.end + rule.tolerance).min(stretch.end),
+                samples: from.max(stretch.start)..(span.end + TOLERANCE).min(stretch.end),
                 counted: span.start > stretch.start && !cut,
                 released_by: rests.then_some(stretch.end),
                 span,
@@ -105,30 +108,22 @@ pub(super) fn owners(truth: &[Option<Intent>], rule: &EventRule) -> Vec<Owner> {
 /// The gestures of the truth, judged by the labels emitted.
 ///
 /// Both sequences have one length.
-pub fn gestures(
-    truth: &[Option<Intent>],
-    emitted: &[Option<Intent>],
-    rule: &EventRule,
-) -> Vec<Gesture> {
+pub fn gestures(truth: &[Option<Intent>], emitted: &[Option<Intent>]) -> Vec<Gesture> {
     let emitted_runs: Vec<_> = runs(emitted)
-        .filter_map(|(label, run)| Some((active(label)?, run)))
+        .into_iter()
+        .filter_map(|run| Some((active(run.label)?, run.start..run.end)))
         .collect();
-    owners(truth, rule)
+    owners(truth)
         .into_iter()
         .filter(|owner| owner.counted)
         .map(|owner| {
             let decision = decision(&emitted[owner.samples.clone()]);
-            judge(owner, decision, &emitted_runs, rule)
+            judge(owner, decision, &emitted_runs)
         })
         .collect()
 }
 
-fn judge(
-    owner: Owner,
-    decision: Option<Intent>,
-    emitted: &[(Intent, Range<usize>)],
-    rule: &EventRule,
-) -> Gesture {
+fn judge(owner: Owner, decision: Option<Intent>, emitted: &[(Intent, Range<usize>)]) -> Gesture {
     let Owner {
         label,
         span,
@@ -168,7 +163,7 @@ fn judge(
         decision,
         verdict,
         latency,
-        release: release.filter(|&samples| samples >= -(rule.tolerance as i32)),
+        release: release.filter(|&samples| samples >= -(TOLERANCE as i32)),
     }
 }
 

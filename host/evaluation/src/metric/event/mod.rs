@@ -20,20 +20,11 @@ use recordings::DailyKind;
 use recordings::movement::{Movement, MovementKind, mask};
 use summary::Tally;
 
-/// Durations of the event metrics, in samples.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
-pub struct EventRule {
-    /// Samples before a gesture's onset, and after its end, in which a label still belongs to the gesture.
-    pub tolerance: usize,
-}
-
-impl Default for EventRule {
-    /// Tolerance of 0.25 s, the look-ahead: a label that is emitted that long before the onset refers to half a second
-    /// before it, the other side of the paper's transition buffer.
-    fn default() -> Self {
-        Self { tolerance: 50 }
-    }
-}
+/// Samples before a gesture's onset, and after its end, in which a label still belongs to the gesture.
+///
+/// It is 0.25 s, the look-ahead: a label that is emitted that long before the onset refers to half a second before it, the
+/// other side of the paper's transition buffer.
+pub(crate) const TOLERANCE: usize = 50;
 
 /// The events of one recording.
 #[derive(Clone, PartialEq, Debug, Default)]
@@ -63,7 +54,6 @@ impl RecordingEvents {
         truth: &[Option<Intent>],
         emitted: &[Option<Intent>],
         other_movement: &[Movement],
-        rule: &EventRule,
     ) -> Result<Self, EvaluationError> {
         super::same_length(truth, emitted)?;
         let (mut others, mut raised, mut daily) = (Vec::new(), Vec::new(), Vec::new());
@@ -76,15 +66,15 @@ impl RecordingEvents {
                 others.push(movement.clone());
             }
         }
-        let rest = activation::rest(truth, rule);
+        let rest = activation::rest(truth);
         Ok(Self {
-            gestures: gesture::gestures(truth, emitted, rule),
-            rests: decision::rests(emitted, &rest, rule),
+            gestures: gesture::gestures(truth, emitted),
+            rests: decision::rests(emitted, &rest),
             rest: activation::activations(emitted, &rest),
             raised,
             daily,
             other_movement: activation::activations(emitted, &mask(&others, truth.len())),
-            flicker: flicker::flicker(truth, emitted, rule),
+            flicker: flicker::flicker(truth, emitted),
         })
     }
 
@@ -95,16 +85,6 @@ impl RecordingEvents {
             .filter(|gesture| gesture.verdict == Verdict::Recognised)
             .count()
     }
-}
-
-/// Runs of equal values, with their samples.
-fn runs<T: Copy + PartialEq>(values: &[T]) -> impl Iterator<Item = (T, std::ops::Range<usize>)> {
-    let mut start = 0;
-    values.chunk_by(|a, b| a == b).map(move |run| {
-        let range = start..start + run.len();
-        start = range.end;
-        (run[0], range)
-    })
 }
 
 /// The label if it is one of a gesture; none if it is relax.

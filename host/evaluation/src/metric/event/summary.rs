@@ -1,7 +1,7 @@
 //! Events of many recordings: per subject, then over subjects.
 //!
-//! Per subject: the gestures, times and counts of all recordings together. Over subjects: the mean of the subjects'
-//! shares and rates, and the latencies of all gestures.
+//! Per subject: the gestures, times and counts of all recordings together. Over subjects: the latencies of all gestures;
+//! means are those of a [`Measure`](crate::Measure).
 
 use std::collections::BTreeMap;
 
@@ -167,53 +167,25 @@ pub struct EventSummary {
     pub gestures: usize,
     /// Gestures that are recognised, of all subjects.
     pub recognised: usize,
-    /// Share of gestures recognised, mean over subjects that have gestures.
-    pub recognition: Option<MeanSd>,
-    /// Share of gestures whose one decision is right, balanced over labels, mean over subjects that have gestures; none in
-    /// scores of earlier versions.
-    #[serde(default)]
-    pub decided: Option<MeanSd>,
-    /// Share of rest spans that stay at rest, mean over subjects that have such; none in scores of earlier versions.
-    #[serde(default)]
-    pub rest_kept: Option<MeanSd>,
     /// Quantiles of the latency over all gestures, misses included.
     pub latency: Option<LatencySummary>,
     /// Quantiles of the release latency over all gestures whose release is known; none in scores of earlier versions.
     #[serde(default)]
     pub release: Option<LatencySummary>,
-    /// False activations a minute of rest, mean over subjects that have rest.
-    pub false_activations: Option<MeanSd>,
-    /// Activations a minute of other movements, mean over subjects that have such.
-    pub other_activations: Option<MeanSd>,
-    /// Activations a minute of daily life, mean over subjects that have such; none in scores of earlier versions.
-    #[serde(default)]
-    pub daily_activations: Option<MeanSd>,
-    /// Label changes a minute beyond the true ones, mean over subjects.
-    pub flicker: Option<MeanSd>,
 }
 
 impl EventSummary {
     /// Summary of the events of subjects, each given once, in any order.
     pub fn of_subjects(mut subjects: Vec<SubjectEvents>) -> Self {
         subjects.sort_by(|a, b| a.subject.cmp(&b.subject));
-        let mean = |of: &dyn Fn(&SubjectEvents) -> Option<f64>| {
-            MeanSd::of(&subjects.iter().filter_map(of).collect::<Vec<_>>())
-        };
         let latencies: Vec<i32> = subjects.iter().flat_map(|s| s.latencies.clone()).collect();
         let releases: Vec<i32> = subjects.iter().flat_map(|s| s.releases.clone()).collect();
         let gestures = subjects.iter().map(|s| s.gestures).sum();
         Self {
             gestures,
             recognised: subjects.iter().map(|s| s.recognised).sum(),
-            recognition: mean(&|s| s.recognition),
-            decided: mean(&SubjectEvents::decided),
-            rest_kept: mean(&SubjectEvents::rest_kept),
             latency: latency::summary(&latencies, gestures),
             release: latency::summary(&releases, releases.len()),
-            false_activations: mean(&|s| s.rest.per_minute()),
-            other_activations: mean(&|s| s.other_movement.per_minute()),
-            daily_activations: mean(&|s| s.daily_life()?.activations.per_minute()),
-            flicker: mean(&|s| s.flicker.per_minute()),
             subjects,
         }
     }

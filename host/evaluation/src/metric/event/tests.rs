@@ -1,8 +1,9 @@
 //! Events by hand.
 
 use super::latency::Latency;
-use super::summary::{EventSummary, SubjectEvents};
+use super::summary::SubjectEvents;
 use super::*;
+use crate::{Measure, Score};
 
 type Label = Option<Intent>;
 
@@ -19,7 +20,7 @@ fn sequence(runs: &[(Label, usize)]) -> Vec<Label> {
 
 fn events(truth: &[(Label, usize)], emitted: &[(Label, usize)]) -> RecordingEvents {
     let (truth, emitted) = (sequence(truth), sequence(emitted));
-    RecordingEvents::new(&truth, &emitted, &[], &EventRule::default()).unwrap()
+    RecordingEvents::new(&truth, &emitted, &[]).unwrap()
 }
 
 /// A close of 2 s between rests of 2 s.
@@ -117,8 +118,9 @@ fn decisions_are_balanced_over_the_labels_of_a_person() {
     assert_eq!((other.decided(), other.recognition), (Some(1.0), Some(0.0)));
     let nothing = SubjectEvents::new("c", []);
     assert_eq!((nothing.decided(), nothing.rest_kept()), (None, None));
-    let everybody = EventSummary::of_subjects(vec![own, other, nothing]);
-    let [decided, rest] = [everybody.decided, everybody.rest_kept].map(Option::unwrap);
+    let everybody = Score::of_people(Vec::new(), vec![own, other, nothing]);
+    let of_all = [Measure::Decided, Measure::RestKept];
+    let [decided, rest] = of_all.map(|measure| measure.mean(&everybody).unwrap());
     assert_eq!((decided.mean, decided.n, rest.n), (0.75, 2, 2));
 }
 
@@ -207,7 +209,7 @@ fn daily_life_is_neither_rest_nor_other_movement() {
         daily(DailyKind::Typing, 50..600),
         daily(DailyKind::Walking, 600..1200),
     ];
-    let events = RecordingEvents::new(&truth, &emitted, &movements, &EventRule::default()).unwrap();
+    let events = RecordingEvents::new(&truth, &emitted, &movements).unwrap();
     assert_eq!((events.rest, events.other_movement), Default::default());
     assert!(events.raised.is_empty());
     let own = SubjectEvents::new("a", [&events]);
@@ -218,8 +220,8 @@ fn daily_life_is_neither_rest_nor_other_movement() {
     let all = own.daily_life().unwrap();
     assert_eq!(all.activations.per_minute(), Some(2.0 * 60.0 / 5.75));
     assert_eq!(all.active_share(), 1.25 / 5.75);
-    let everybody = EventSummary::of_subjects(vec![own]);
-    assert_eq!(everybody.daily_activations.unwrap().n, 1);
+    let everybody = Score::of_people(Vec::new(), vec![own]);
+    assert_eq!(Measure::DailyActivations.mean(&everybody).unwrap().n, 1);
 }
 
 #[test]
@@ -234,7 +236,7 @@ fn false_activations_are_counted_in_rest_and_in_other_movements() {
         Movement::new(MovementKind::ThumbUp, 2100..2200),
         Movement::new(MovementKind::ThumbUp, 2200..2400),
     ];
-    let events = RecordingEvents::new(&truth, &emitted, &other, &EventRule::default()).unwrap();
+    let events = RecordingEvents::new(&truth, &emitted, &other).unwrap();
     let rest = Rate {
         count: 3,
         seconds: (1150.0 + 350.0) / 200.0,
@@ -278,8 +280,9 @@ fn subjects_weigh_the_same_and_misses_count_in_the_latency() {
     let a = SubjectEvents::new("a", [&good, &good, &good]);
     let b = SubjectEvents::new("b", [&missed]);
     assert_eq!(b.latency.unwrap().median, Latency::Missed);
-    let summary = EventSummary::of_subjects(vec![b, a]);
-    assert_eq!(summary.recognition.unwrap().mean, 0.5);
+    let score = Score::of_people(Vec::new(), vec![b, a]);
+    assert_eq!(Measure::Recognition.mean(&score).unwrap().mean, 0.5);
+    let summary = score.events;
     assert_eq!((summary.recognised, summary.gestures), (3, 4));
     let latency = summary.latency.unwrap();
     assert_eq!(latency.median, Latency::Ms(300.0));

@@ -9,41 +9,10 @@ use shared::units::CHANNELS;
 
 use super::Network;
 
-/// Dimensions of the network.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct EdTcnConfig {
-    /// Number of filters of the outer and of the inner convolutions.
-    filters: [usize; 2],
-    /// Kernel size in frames; odd.
-    kernel: usize,
-}
-
-impl Default for EdTcnConfig {
-    fn default() -> Self {
-        Self {
-            filters: [128, 288],
-            kernel: 9,
-        }
-    }
-}
-
-impl EdTcnConfig {
-    /// Creates a network with random weights.
-    pub(crate) fn init(&self, classes: usize, device: &Device) -> EdTcn {
-        let [outer, inner] = self.filters;
-        let half = self.kernel / 2;
-        let convolution = |from, to| {
-            Conv1dConfig::new(from, to, self.kernel)
-                .with_padding(PaddingConfig1d::Explicit(half, half))
-                .init(device)
-        };
-        EdTcn {
-            encoder: vec![convolution(CHANNELS, outer), convolution(outer, inner)],
-            decoder: vec![convolution(inner, inner), convolution(inner, outer)],
-            out: Conv1dConfig::new(outer, classes, 1).init(device),
-        }
-    }
-}
+/// Number of filters of the outer and of the inner convolutions.
+const FILTERS: [usize; 2] = [128, 288];
+/// Kernel size in frames; odd.
+const KERNEL: usize = 9;
 
 /// ED-TCN network.
 #[derive(Module, Debug)]
@@ -51,6 +20,24 @@ pub(crate) struct EdTcn {
     encoder: Vec<Conv1d>,
     decoder: Vec<Conv1d>,
     out: Conv1d,
+}
+
+impl EdTcn {
+    /// Creates a network with random weights.
+    pub(crate) fn new(classes: usize, device: &Device) -> Self {
+        let [outer, inner] = FILTERS;
+        let half = KERNEL / 2;
+        let convolution = |from, to| {
+            Conv1dConfig::new(from, to, KERNEL)
+                .with_padding(PaddingConfig1d::Explicit(half, half))
+                .init(device)
+        };
+        Self {
+            encoder: vec![convolution(CHANNELS, outer), convolution(outer, inner)],
+            decoder: vec![convolution(inner, inner), convolution(inner, outer)],
+            out: Conv1dConfig::new(outer, classes, 1).init(device),
+        }
+    }
 }
 
 impl Network for EdTcn {
@@ -120,7 +107,7 @@ mod tests {
     #[test]
     fn has_as_many_parameters_as_counted_by_hand() {
         let _lock = lock_random_weights();
-        let model = EdTcnConfig::default().init(3, &Device::default());
+        let model = EdTcn::new(3, &Device::default());
         let encoder = (8 * 9 + 1) * 128 + (128 * 9 + 1) * 288;
         let decoder = (288 * 9 + 1) * 288 + (288 * 9 + 1) * 128;
         assert_eq!(model.num_params(), encoder + decoder + (128 + 1) * 3);
@@ -133,7 +120,7 @@ mod tests {
         let x = Tensor::<3>::from_floats([[[1.0, 2.0], [3.0, 4.0]]], &device);
         let found = read_back(upsampled(x));
         assert_eq!(found, [1.0, 2.0, 1.0, 2.0, 3.0, 4.0, 3.0, 4.0]);
-        let model = EdTcnConfig::default().init(3, &device);
+        let model = EdTcn::new(3, &device);
         let logits = model.forward(Tensor::ones([2, 160], &device));
         assert_eq!(logits.dims(), [2, 20, 3]);
     }

@@ -8,41 +8,10 @@ use shared::units::CHANNELS;
 
 use super::Network;
 
-/// Dimensions of the network.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct LstmBaselineConfig {
-    /// Width of the linear layer before the recurrent layer.
-    projection: usize,
-    /// Width of the recurrent layer's state.
-    hidden: usize,
-}
-
-impl Default for LstmBaselineConfig {
-    fn default() -> Self {
-        Self {
-            projection: 400,
-            hidden: 256,
-        }
-    }
-}
-
-impl LstmBaselineConfig {
-    /// Creates a network with random weights.
-    pub(crate) fn init(&self, classes: usize, device: &Device) -> LstmBaseline {
-        // PyTorch's initialization, not Burn's.
-        let bound = 1.0 / (self.hidden as f64).sqrt();
-        LstmBaseline {
-            projection: LinearConfig::new(CHANNELS, self.projection).init(device),
-            lstm: LstmConfig::new(self.projection, self.hidden, true)
-                .with_initializer(Initializer::Uniform {
-                    min: -bound,
-                    max: bound,
-                })
-                .init(device),
-            out: LinearConfig::new(self.hidden, classes).init(device),
-        }
-    }
-}
+/// Width of the linear layer before the recurrent layer.
+const PROJECTION: usize = 400;
+/// Width of the recurrent layer's state.
+const HIDDEN: usize = 256;
 
 /// LSTM network.
 #[derive(Module, Debug)]
@@ -50,6 +19,24 @@ pub(crate) struct LstmBaseline {
     projection: Linear,
     lstm: Lstm,
     out: Linear,
+}
+
+impl LstmBaseline {
+    /// Creates a network with random weights.
+    pub(crate) fn new(classes: usize, device: &Device) -> Self {
+        // PyTorch's initialization, not Burn's.
+        let bound = 1.0 / (HIDDEN as f64).sqrt();
+        Self {
+            projection: LinearConfig::new(CHANNELS, PROJECTION).init(device),
+            lstm: LstmConfig::new(PROJECTION, HIDDEN, true)
+                .with_initializer(Initializer::Uniform {
+                    min: -bound,
+                    max: bound,
+                })
+                .init(device),
+            out: LinearConfig::new(HIDDEN, classes).init(device),
+        }
+    }
 }
 
 impl Network for LstmBaseline {
@@ -79,7 +66,7 @@ mod tests {
     #[test]
     fn has_as_many_parameters_as_counted_by_hand() {
         let _lock = lock_random_weights();
-        let model = LstmBaselineConfig::default().init(3, &Device::default());
+        let model = LstmBaseline::new(3, &Device::default());
         // Four gates, each with one bias for the input and one for the state, as in PyTorch.
         let gates = 4 * (400 * 256 + 256 + 256 * 256 + 256);
         assert_eq!(model.num_params(), (8 + 1) * 400 + gates + (256 + 1) * 3);
@@ -89,7 +76,7 @@ mod tests {
     fn single_time_steps_equal_the_whole_sequence() {
         let _lock = lock_random_weights();
         let device = Device::default();
-        let model = LstmBaselineConfig::default().init(3, &device);
+        let model = LstmBaseline::new(3, &device);
         let input: Vec<f32> = (0..2 * 5 * 8_u8)
             .map(|x| (f32::from(x) * 0.7).sin())
             .collect();

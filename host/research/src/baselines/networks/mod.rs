@@ -6,8 +6,8 @@ mod lstm;
 use burn::module::Module;
 use burn::tensor::Tensor;
 
-pub(crate) use ed_tcn::EdTcnConfig;
-pub(crate) use lstm::LstmBaselineConfig;
+pub(crate) use ed_tcn::EdTcn;
+pub(crate) use lstm::LstmBaseline;
 
 /// Network that classifies the frames of windows.
 pub(crate) trait Network: Module + Sync {

@@ -1,8 +1,8 @@
 //! Batch of windows as tensors.
 
 use burn::tensor::{Device, Int, Tensor, TensorData};
+use rayon::prelude::*;
 
-use super::data::extract;
 use crate::baselines::features::FeatureExtraction;
 use crate::baselines::windows::{Window, WindowedCorpus};
 use training::optimization::loss::cross_entropy;
@@ -58,14 +58,26 @@ impl Batch {
         cross_entropy(logits, self.target.clone(), weight, self.targets)
     }
 
-    /// Number of frames whose target has the largest logit.
-    pub(super) fn correct(&self, logits: Tensor<3>) -> f64 {
+    /// Share of the frames with a target whose target has the largest logit.
+    pub(super) fn accuracy(&self, logits: Tensor<3>) -> f32 {
         let hits = logits
             .argmax(2)
             .equal(self.target.clone())
             .float()
             .squeeze_dim::<2>(2)
             * self.mask.clone();
-        f64::from(read_back(hits.sum())[0])
+        read_back(hits.sum() / self.targets.max(1.0))[0]
     }
+}
+
+/// Extracts the features of windows of a corpus.
+pub(super) fn extract(
+    features: &FeatureExtraction,
+    corpus: &WindowedCorpus,
+    windows: &[Window],
+) -> Vec<Vec<f32>> {
+    windows
+        .par_iter()
+        .map(|&window| features.extract(corpus.samples(window)))
+        .collect()
 }

@@ -1,43 +1,26 @@
 //! Training of the baselines.
 
 mod batch;
-mod data;
 mod learner;
+
+use std::marker::PhantomData;
 
 use burn::tensor::Device;
 
-use self::data::TrainingData;
+use self::batch::extract;
+use self::learner::NetworkLearner;
 use super::Baseline;
 use super::features::FeatureExtraction;
-use super::networks::{EdTcnConfig, LstmBaselineConfig};
+use super::networks::{EdTcn, LstmBaseline, Network};
 use super::settings::BaselineSettings;
-use execution::run_folder::RunError;
+use super::windows::WindowedCorpus;
+use crate::job::JobError;
+use execution::progress;
+use presets::training::LrSchedule;
 use recordings::corpus::Corpus;
-use training::optimization::fit::Training;
+use training::optimization::fit::{TrainConfig, Training, fit};
 use training::optimization::initial;
 use training::run::context::RunContext;
-
-/// Why a baseline cannot be trained.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum TrainingError {
-    #[error(
-        "{baseline} has {training} training windows and {validation} validation windows; it needs both: give more labelled recordings"
-    )]
-    NoWindows {
-        baseline: &'static str,
-        training: usize,
-        validation: usize,
-    },
-    #[error(transparent)]
-    Run(#[from] RunError),
-}
-
-impl TrainingError {
-    /// Whether the user interrupted.
-    pub(crate) const fn is_interrupt(&self) -> bool {
-        matches!(self, Self::Run(RunError::Interrupted { .. }))
-    }
-}
 
 /// Data and settings of a training.
 struct Setup<'a> {
@@ -61,7 +44,7 @@ pub(crate) fn train_baseline(
     context: &RunContext,
     baseline: Baseline,
     settings: &BaselineSettings,
-) -> Result<(), TrainingError> {
+) -> Result<(), JobError> {
     // The paper's baselines get the signal as the armband sends it.
     let config = context.config.without_normalization();
     let setup = Setup {
@@ -76,33 +59,71 @@ pub(crate) fn train_baseline(
 }
 
 /// Trains one baseline and saves it in the run folder: its feature extraction and the network of the lowest validation loss.
-fn train(baseline: Baseline, setup: &Setup<'_>) -> Result<(), TrainingError> {
-    let mut data = TrainingData::new(baseline, setup)?;
-    data.fit_scaling();
+fn train(baseline: Baseline, setup: &Setup<'_>) -> Result<(), JobError> {
+    let device = setup.device;
+    match baseline {
+        Baseline::Lstm => train_network(baseline, setup, |of| LstmBaseline::new(of, device)),
+        Baseline::EdTcn => train_network(baseline, setup, |of| EdTcn::new(of, device)),
+    }
+}
+
+/// Trains the network that `network` makes for a number of classes.
+fn train_network<N: Network>(
+    baseline: Baseline,
+    setup: &Setup<'_>,
+    network: impl FnOnce(usize) -> N,
+) -> Result<(), JobError> {
+    let settings = setup.settings;
+    let mut features = FeatureExtraction::new(baseline, settings.lstm_step);
+    let layout = features.frame_layout();
+    let windows = |corpus| WindowedCorpus::new(corpus, layout, settings.stride);
+    let (training, validation) = (windows(setup.training), windows(setup.validation));
+    let (of_training, of_validation) = (training.windows.len(), validation.windows.len());
+    if of_training == 0 || of_validation == 0 {
+        return Err(JobError::NoWindows {
+            baseline: baseline.name(),
+            training: of_training,
+            validation: of_validation,
+        });
+    }
+    progress::log(&format!(
+        "{}: {of_training} training windows, {of_validation} validation windows",
+        baseline.name(),
+    ));
+    if features.is_scaled() {
+        let unscaled = extract(&features, &training, &training.windows);
+        features = features.with_scaling(unscaled.iter().map(Vec::as_slice));
+    }
     let (run, streams) = (setup.place.run, setup.place.made_from);
     let file = baseline.features_file();
-    run.save_stamped(&file, streams, data.features())?;
+    run.save_stamped(&file, streams, &features)?;
     // Read back from the file: the model is bound to exactly these numbers.
-    let features = run.load_stamped::<FeatureExtraction>(&file, streams)?;
-    let place = &Training {
-        made_from: features.content.lineage(streams),
+    let features: FeatureExtraction = run.load_stamped(&file, streams)?;
+    let place = Training {
+        made_from: features.lineage(streams),
         ..setup.place
     };
-    let (classes, device) = (data.classes(), setup.device);
-    match baseline {
-        Baseline::Lstm => {
-            let network = initial(setup.seed, device, || {
-                LstmBaselineConfig::default().init(classes, device)
-            });
-            learner::fit(data, network, setup, place)
-        }
-        Baseline::EdTcn => {
-            let network = initial(setup.seed, device, || {
-                EdTcnConfig::default().init(classes, device)
-            });
-            learner::fit(data, network, setup, place)
-        }
-    }
+    let config = TrainConfig {
+        epochs: settings.epochs,
+        learning_rate: settings.learning_rate,
+        lr_schedule: LrSchedule::Constant,
+        weight_decay: settings.weight_decay,
+        ema_decay: 0.0,
+        seed: setup.seed,
+    };
+    let classes = setup.training.vocabulary.classes();
+    let learner = NetworkLearner {
+        baseline,
+        features,
+        training,
+        validation,
+        batch: settings.batch,
+        device: setup.device,
+        network: PhantomData,
+    };
+    let network = initial(setup.seed, setup.device, || network(classes));
+    fit(&learner, network, config, &place)?;
+    Ok(())
 }
 
 #[cfg(test)]

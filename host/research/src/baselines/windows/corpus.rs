@@ -55,8 +55,6 @@ pub(crate) struct WindowedCorpus {
     layout: FrameLayout,
     /// Windows, `stride` samples apart; each has a frame with a target.
     pub(crate) windows: Vec<Window>,
-    /// Number of classes.
-    pub(crate) classes: usize,
 }
 
 impl WindowedCorpus {
@@ -81,7 +79,6 @@ impl WindowedCorpus {
             streams,
             layout,
             windows,
-            classes: corpus.vocabulary.classes(),
         }
     }
 

@@ -52,21 +52,18 @@ impl Learner for LineLearner {
         if let Some((interrupt, _)) = self.stop.as_ref().filter(|(_, after)| losses == *after) {
             interrupt.request();
         }
-        (loss, vec![metric(f64::from(x))])
+        let metric = WeightedMetric {
+            name: "loss",
+            mean: f64::from(x),
+            weight: 1.0,
+        };
+        (loss, vec![metric])
     }
 
-    fn validate(&self, model: &Linear) -> (f64, Vec<WeightedMetric>) {
+    fn validate(&self, model: &Linear) -> (f64, Vec<(&'static str, f64)>) {
         let weight = f64::from(read_back(model.weight.val())[0]);
         let loss = (weight - 1.0).powi(2);
-        (loss, vec![metric(loss)])
-    }
-}
-
-fn metric(mean: f64) -> WeightedMetric {
-    WeightedMetric {
-        name: "loss",
-        mean,
-        weight: 1.0,
+        (loss, vec![("loss", loss)])
     }
 }
 

@@ -11,7 +11,7 @@ use super::rule::rate;
 use crate::run::StepError;
 use evaluation::integer_candidate;
 use evaluation::model_evaluation::look_ahead;
-use evaluation::{Candidate, EvaluatedRecording, LookAhead, Score, Truth, constant, score};
+use evaluation::{Candidate, EvaluatedRecording, LookAhead, Score, constant, score};
 use recordings::movement::{Movement, MovementKind};
 
 /// Step between margins over other movement that are tried, and their number.
@@ -54,23 +54,22 @@ impl Judgement {
 
     /// Scores the models.
     pub(super) fn score(&self) -> Result<Score, PersonalizeError> {
-        only(
-            &self.candidate,
-            &self.recordings,
-            self.vocabulary,
-            self.look_ahead,
-        )
+        self.only(&self.candidate, self.look_ahead)
     }
 
     /// Scores always relax on the same parts.
     pub(super) fn constant(&self) -> Result<Score, PersonalizeError> {
-        let constant = constant(&self.recordings);
-        only(
-            &constant,
-            &self.recordings,
-            self.vocabulary,
-            LookAhead::None,
-        )
+        self.only(&constant(&self.recordings), LookAhead::None)
+    }
+
+    fn only(
+        &self,
+        candidate: &Candidate,
+        look_ahead: LookAhead,
+    ) -> Result<Score, PersonalizeError> {
+        let mut scores = score(candidate, &self.recordings, self.vocabulary, look_ahead)?;
+        // One row: all recordings of a person are of one data set.
+        scores.pop().ok_or(StepError::NoRecordings.into())
     }
 
     /// Halves the other movement: one judgement to choose a margin on, and one to judge it on. Every second movement of a
@@ -130,16 +129,4 @@ impl Judgement {
 /// Scores a model file, `name` in tables, on a part of a person's recordings.
 pub fn judge(name: &str, file: &[u8], part: &PersonPart<'_>) -> Result<Score, PersonalizeError> {
     Judgement::new(name, file, part)?.score()
-}
-
-fn only(
-    candidate: &Candidate,
-    recordings: &[EvaluatedRecording],
-    vocabulary: Vocabulary,
-    look_ahead: LookAhead,
-) -> Result<Score, PersonalizeError> {
-    let truth = Truth::LagCompensated;
-    let mut scores = score(candidate, recordings, vocabulary, look_ahead, truth)?;
-    // One row: all recordings of a person are of one data set.
-    scores.pop().ok_or(StepError::NoRecordings.into())
 }

@@ -93,10 +93,16 @@ impl<'p> PersonPart<'p> {
                 side.push((*piece).clone());
             }
         }
-        let (tuned, judged) = (
-            Self::new(self.person, tuned),
-            Self::new(self.person, judged),
-        );
+        self.pair(tuned, judged)
+    }
+
+    /// A part to tune on and one to hold back, neither too short.
+    fn pair(
+        &self,
+        tuned: Vec<Piece>,
+        judged: Vec<Piece>,
+    ) -> Result<(Self, Self), PersonalizeError> {
+        let [tuned, judged] = [tuned, judged].map(|pieces| Self::new(self.person, pieces));
         tuned.refuse_too_short("tuned on")?;
         judged.refuse_too_short("held back")?;
         Ok((tuned, judged))
@@ -130,11 +136,7 @@ impl<'p> PersonPart<'p> {
             first.extend_from_slice(before);
             second.extend_from_slice(after);
         }
-        let halves = [first, second].map(|pieces| Self::new(self.person, pieces));
-        let [first, second] = halves;
-        first.refuse_too_short("tuned on")?;
-        second.refuse_too_short("held back")?;
-        Ok((first, second))
+        self.pair(first, second)
     }
 
     /// Divides the part into one to tune on and one to hold back ([`divided`](Self::divided)). If that is too short, into four such pairs:

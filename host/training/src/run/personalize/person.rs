@@ -145,26 +145,16 @@ fn as_seen(recording: &Recording, vocabulary: Vocabulary, normalized: bool, lag:
 
 /// Finds the person of a name.
 fn person(library: &Library, wanted: Option<&str>) -> Result<String, PersonalizeError> {
-    let found = library.subjects();
-    let Some(wanted) = wanted else {
-        return match <[String; 1]>::try_from(found) {
-            Ok([only]) => Ok(only),
-            Err(found) => Err(PersonalizeError::SeveralPeople { found }),
-        };
-    };
-    let named = |subject: &&String| {
-        let after = subject.split_once('/').map(|(_, name)| name);
-        *subject == wanted || after == Some(wanted)
-    };
-    let all: Vec<&String> = found.iter().filter(named).collect();
-    match all[..] {
-        [only] => Ok(only.clone()),
-        [] => Err(PersonalizeError::UnknownPerson {
+    let mut named = library.named(wanted);
+    match (named.pop(), wanted) {
+        (Some(only), _) if named.is_empty() => Ok(only),
+        (None, Some(wanted)) => Err(PersonalizeError::UnknownPerson {
             wanted: wanted.to_owned(),
-            found,
+            found: library.subjects(),
         }),
-        _ => Err(PersonalizeError::SeveralPeople {
-            found: all.into_iter().cloned().collect(),
-        }),
+        (last, _) => {
+            named.extend(last);
+            Err(PersonalizeError::SeveralPeople { found: named })
+        }
     }
 }

@@ -177,15 +177,9 @@ mod tests {
             let [balanced_accuracy, transition_accuracy, recognition] = self.measures;
             let subject = SubjectScore {
                 subject: "x/1".to_owned(),
-                recordings: 1,
-                classes: 3,
                 balanced_accuracy,
-                raw_accuracy: None,
-                correct: 0,
-                events: 0,
                 transition_accuracy,
-                offsets: Vec::new(),
-                offset: None,
+                ..SubjectScore::default()
             };
             let raised = self.raised.map(|raised| {
                 let of = Tally {
