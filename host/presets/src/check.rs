@@ -129,57 +129,22 @@ impl Preset {
                 .is_some_and(|own| own.other.is_some())
         };
         let (least, most) = (if data.as_published { 0.0 } else { 10.0 }, DAY);
+        #[rustfmt::skip]
         let conditions = [
-            (
-                Vocabulary::with_classes(self.classes).is_some(),
-                "classes",
-                "3, 5 or 6",
-            ),
-            (
-                divides(teacher.patch, teacher.window),
-                "teacher.patch",
-                "a divisor of the window",
-            ),
-            (
-                divides(teacher.heads, teacher.d_model),
-                "teacher.heads",
-                "a divisor of d_model",
-            ),
-            (
-                !self.teacher_training.tasks.is_empty(),
-                "teacher_training.tasks",
-                "one task or more",
-            ),
-            (
-                divides(student.heads, student.d_model),
-                "student.heads",
-                "a divisor of d_model",
-            ),
-            (
-                student.receptive_field() <= WINDOW_PATCHES + 1 - LOOK_BACK,
-                "student.span",
-                "layers * (span - 1) + 1 of at most 55 patches",
-            ),
-            (
-                distillation.patches > student.span,
-                "distillation.patches",
-                "more than the span",
-            ),
-            (
-                !self.other() || !distillation.needs_teacher(),
-                "distillation.teacher_share",
-                "0, or an ensemble, with data.other_movement = \"class\", which no teacher knows",
-            ),
-            (
-                self.other() || !has_margin(),
-                "smoother.reaction",
-                "a margin over other movement only with data.other_movement = \"class\"",
-            ),
-            (
-                (least..=most).contains(&data.spliced_seconds),
-                "data.spliced_seconds",
-                "10 to 86400, or as_published = true",
-            ),
+            (Vocabulary::with_classes(self.classes).is_some(), "classes", "3, 5 or 6"),
+            (divides(teacher.patch, teacher.window), "teacher.patch", "a divisor of the window"),
+            (divides(teacher.heads, teacher.d_model), "teacher.heads", "a divisor of d_model"),
+            (!self.teacher_training.tasks.is_empty(), "teacher_training.tasks", "one task or more"),
+            (divides(student.heads, student.d_model), "student.heads", "a divisor of d_model"),
+            (student.receptive_field() <= WINDOW_PATCHES + 1 - LOOK_BACK, "student.span",
+                "layers * (span - 1) + 1 of at most 55 patches"),
+            (distillation.patches > student.span, "distillation.patches", "more than the span"),
+            (!self.other() || !distillation.needs_teacher(), "distillation.teacher_share",
+                "0, or an ensemble, with data.other_movement = \"class\", which no teacher knows"),
+            (self.other() || !has_margin(), "smoother.reaction",
+                "a margin over other movement only with data.other_movement = \"class\""),
+            ((least..=most).contains(&data.spliced_seconds), "data.spliced_seconds",
+                "10 to 86400, or as_published = true"),
         ];
         let mut unmet = conditions.into_iter().filter(|(is_met, ..)| !is_met);
         unmet.next().map(|(_, key, expected)| (key, expected))
