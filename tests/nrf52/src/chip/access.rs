@@ -2,7 +2,7 @@
 
 use super::bus::Peripheral;
 use super::register::{RegisterKind, Written};
-use super::{Chip, FICR, GPIO, uicr};
+use super::{Chip, FICR, GPIO, ppi, uicr};
 use crate::refusal::What;
 use crate::time::us;
 
@@ -117,7 +117,7 @@ impl Chip {
             Written::Stored(offset) => one.stored(offset, bus),
         }
         self.pins_are_stale |= pins;
-        match address.checked_sub(self.ppi.registers().base) {
+        match address.checked_sub(self.ppi.base) {
             Some(offset) if offset < 0x1000 => self.check_channel(offset),
             _ => Ok(()),
         }
@@ -129,7 +129,7 @@ impl Chip {
 
     /// Refuses ends of channels that are no event, or no task.
     fn check_channel(&mut self, offset: u32) -> Result<(), What> {
-        let Some((is_event, end)) = self.ppi.end(offset) else {
+        let Some((is_event, end)) = ppi::end(&self.ppi, offset) else {
             return Ok(());
         };
         let kind = if is_event {
@@ -157,7 +157,7 @@ impl Chip {
                     self.start(base + task);
                 }
             }
-            for task in self.ppi.tasks(event) {
+            for task in ppi::tasks(&self.ppi, event) {
                 self.start(task);
             }
         }

@@ -24,7 +24,7 @@ registers![
         .reset(DISCONNECTED),
 ];
 
-#[derive(Debug)]
+#[derive(Default, Debug)]
 pub struct Gpio {
     registers: Registers,
     /// Levels that something outside drives: a mask, and the levels.
@@ -37,8 +37,7 @@ impl Gpio {
     pub fn new(name: &'static str, number: u32) -> Self {
         Self {
             registers: Registers::new(name, 0x5000_0000 + number * PORT, TABLE),
-            outside: (0, 0),
-            levels: [None; 32],
+            ..Self::default()
         }
     }
 
@@ -59,7 +58,7 @@ impl Gpio {
         Self {
             registers: Registers::new(name, base, TABLE),
             outside: self.outside,
-            levels: [None; 32],
+            ..Self::default()
         }
     }
 

@@ -35,7 +35,6 @@ use clock_and_power::ClockAndPower;
 use gpio::Gpio;
 use gpiote::Gpiote;
 use nvmc::Nvmc;
-use ppi::Ppi;
 use pwm::Pwm;
 use register::Registers;
 use rng::Rng;
@@ -104,7 +103,7 @@ pub struct Chip {
     rng: Rng,
     watchdog: Watchdog,
     pub nvmc: Nvmc,
-    ppi: Ppi,
+    ppi: Registers,
     pwm: Pwm,
     saadc: Saadc,
     usbd: Usbd,
@@ -156,10 +155,10 @@ impl Chip {
             rng: Rng::new(),
             watchdog: Watchdog::new(),
             nvmc: Nvmc::new(model.flash_times(), model.flash()),
-            ppi: Ppi::new(),
+            ppi: ppi::new(),
             pwm: Pwm::new(),
             saadc: Saadc::new(),
-            usbd: Usbd::default(),
+            usbd: Usbd::new(),
             errata: usbd::errata(),
             ports: [Gpio::new("P0", 0), Gpio::new("P1", 1)],
             ficr: ficr::of(part, variant, ram, flash),

@@ -157,6 +157,4 @@ impl Peripheral for Nvmc {
             _ => {}
         }
     }
-
-    fn task(&mut self, _: u32, _: &mut Bus) {}
 }

@@ -1,7 +1,6 @@
 //! PPI, the programmable interconnect (product specification, 6.16): an event of one peripheral starts tasks of others.
 //! The fixed channels 20 to 31 belong to the radio, which is not modelled; neither are groups.
 
-use super::bus::Peripheral;
 use super::register::{Registers, registers};
 
 /// Channels with ends of one's own.
@@ -16,41 +15,26 @@ registers![
     FORK_TEP = read_write(0x910, !0).times(32),
 ];
 
-#[derive(Debug)]
-pub struct Ppi {
-    registers: Registers,
+pub fn new() -> Registers {
+    Registers::new("PPI", 0x4001_f000, TABLE)
 }
 
-impl Ppi {
-    pub fn new() -> Self {
-        Self {
-            registers: Registers::new("PPI", 0x4001_f000, TABLE),
-        }
-    }
-
-    /// Addresses of the tasks that an event starts.
-    pub fn tasks(&self, event: u32) -> Vec<u32> {
-        let enabled = self.registers.get(CHEN);
-        (0..CHANNELS)
-            .filter(|channel| enabled >> channel & 1 == 1)
-            .filter(|channel| self.registers.get(CH_EEP + 8 * channel) == event)
-            .flat_map(|channel| [CH_TEP + 8 * channel, FORK_TEP + 4 * channel])
-            .map(|offset| self.registers.get(offset))
-            .filter(|task| *task != 0)
-            .collect()
-    }
-
-    /// Both ends of a register that names one: whether it is an event's, and the address.
-    pub fn end(&self, offset: u32) -> Option<(bool, u32)> {
-        let in_channels = (CH_EEP..CH_EEP + 8 * CHANNELS).contains(&offset);
-        let is_event = in_channels && (offset - CH_EEP).is_multiple_of(8);
-        let address = self.registers.get(offset);
-        (address != 0 && (in_channels || offset >= FORK_TEP)).then_some((is_event, address))
-    }
+/// Addresses of the tasks that an event starts.
+pub fn tasks(ppi: &Registers, event: u32) -> Vec<u32> {
+    let enabled = ppi.get(CHEN);
+    (0..CHANNELS)
+        .filter(|channel| enabled >> channel & 1 == 1)
+        .filter(|channel| ppi.get(CH_EEP + 8 * channel) == event)
+        .flat_map(|channel| [CH_TEP + 8 * channel, FORK_TEP + 4 * channel])
+        .map(|offset| ppi.get(offset))
+        .filter(|task| *task != 0)
+        .collect()
 }
 
-impl Peripheral for Ppi {
-    fn registers(&mut self) -> &mut Registers {
-        &mut self.registers
-    }
+/// Both ends of a register that names one: whether it is an event's, and the address.
+pub fn end(ppi: &Registers, offset: u32) -> Option<(bool, u32)> {
+    let in_channels = (CH_EEP..CH_EEP + 8 * CHANNELS).contains(&offset);
+    let is_event = in_channels && (offset - CH_EEP).is_multiple_of(8);
+    let address = ppi.get(offset);
+    (address != 0 && (in_channels || offset >= FORK_TEP)).then_some((is_event, address))
 }

@@ -34,7 +34,7 @@ registers![
     PSEL_OUT = read_write(0x560, !0).times(4).reset(!0),
 ];
 
-#[derive(Debug)]
+#[derive(Default, Debug)]
 pub struct Pwm {
     registers: Registers,
     /// Tick at which the period began, while there is one.
@@ -50,11 +50,7 @@ impl Pwm {
     pub fn new() -> Self {
         Self {
             registers: Registers::new("PWM0", 0x4001_c000, TABLE),
-            began: None,
-            value: 0,
-            following: 0,
-            stops: false,
-            now: 0,
+            ..Self::default()
         }
     }
 

@@ -139,7 +139,7 @@ pub enum Written {
 }
 
 /// The registers of one peripheral.
-#[derive(Debug)]
+#[derive(Default, Debug)]
 pub struct Registers {
     pub name: &'static str,
     pub base: u32,

@@ -20,7 +20,7 @@ registers![
     CC = read_write(0x540, 0xff_ffff).times(CHANNELS),
 ];
 
-#[derive(Debug)]
+#[derive(Default, Debug)]
 pub struct Rtc {
     registers: Registers,
     runs: bool,
@@ -37,10 +37,7 @@ impl Rtc {
     pub fn new() -> Self {
         Self {
             registers: Registers::new("RTC1", 0x4001_1000, TABLE),
-            runs: false,
-            since: 0,
-            seen: 0,
-            blind_until: [0; CHANNELS as usize],
+            ..Self::default()
         }
     }
 

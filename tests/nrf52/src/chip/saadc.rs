@@ -50,7 +50,7 @@ registers![
     POWER = read_write(0xffc, 1).reset(1),
 ];
 
-#[derive(Debug)]
+#[derive(Default, Debug)]
 pub struct Saadc {
     registers: Registers,
     /// True from a start until the buffer is full.
@@ -65,9 +65,7 @@ impl Saadc {
     pub fn new() -> Self {
         Self {
             registers: Registers::new("SAADC", 0x4000_7000, TABLE),
-            is_started: false,
-            at: None,
-            inputs: BTreeMap::new(),
+            ..Self::default()
         }
     }
 }

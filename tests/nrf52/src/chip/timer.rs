@@ -23,7 +23,7 @@ registers![
     CC = read_write(0x540, !0).times(CHANNELS),
 ];
 
-#[derive(Debug)]
+#[derive(Default, Debug)]
 pub struct Timer {
     registers: Registers,
     runs: bool,
@@ -38,10 +38,7 @@ impl Timer {
     pub fn new(name: &'static str, base: u32) -> Self {
         Self {
             registers: Registers::new(name, base, TABLE),
-            runs: false,
-            since: 0,
-            count: 0,
-            seen: 0,
+            ..Self::default()
         }
     }
 

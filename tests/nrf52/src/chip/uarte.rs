@@ -85,7 +85,7 @@ struct Buffer {
     done: u32,
 }
 
-#[derive(Debug)]
+#[derive(Default, Debug)]
 pub struct Uarte {
     registers: Registers,
     sending: Option<(Buffer, u64)>,
@@ -113,14 +113,7 @@ impl Uarte {
         }
         Self {
             registers,
-            sending: None,
-            receiving: None,
-            listens: false,
-            stops: None,
-            fifo: VecDeque::new(),
-            line: VecDeque::new(),
-            sent: Vec::new(),
-            counts_broken: false,
+            ..Self::default()
         }
     }
 

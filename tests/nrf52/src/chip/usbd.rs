@@ -65,7 +65,7 @@ registers![
 ];
 
 /// The device, and the host.
-#[derive(Debug)]
+#[derive(Default, Debug)]
 pub struct Usbd {
     registers: Registers,
     /// Tick at which it is ready, once it was enabled.
@@ -96,32 +96,19 @@ pub struct Usbd {
     pub to_send: VecDeque<(usize, Vec<u8>)>,
 }
 
-impl Default for Usbd {
+impl Usbd {
     /// Creates the device after a reset.
-    fn default() -> Self {
+    pub fn new() -> Self {
         Self {
             registers: Registers::new("USBD", 0x4002_7000, TABLE),
-            ready: None,
-            is_ready: false,
-            transfer: None,
-            frame: None,
-            is_suspended: false,
-            polled: 0,
-            waiting: Default::default(),
-            arrived: Default::default(),
-            armed: 0,
             control: Control {
                 is_over: true,
                 ..Control::default()
             },
-            reads: false,
-            taken: Vec::new(),
-            to_send: VecDeque::new(),
+            ..Self::default()
         }
     }
-}
 
-impl Usbd {
     /// Returns true if the host sees a device.
     pub fn is_attached(&self) -> bool {
         self.registers.get(ENABLE) & self.registers.get(USBPULLUP) == 1

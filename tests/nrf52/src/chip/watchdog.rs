@@ -22,7 +22,7 @@ registers![
     RR = write_only(0x600, !0).times(8),
 ];
 
-#[derive(Debug)]
+#[derive(Default, Debug)]
 pub struct Watchdog {
     registers: Registers,
     /// The period of the low-frequency clock in which the counter is 0.
@@ -35,8 +35,7 @@ impl Watchdog {
     pub fn new() -> Self {
         Self {
             registers: Registers::new("WDT", 0x4001_0000, TABLE),
-            expires: None,
-            has_warned: false,
+            ..Self::default()
         }
     }
 

@@ -7,7 +7,7 @@ use std::ops::Range;
 const PREFIXES: [&str; 4] = ["sdc_", "mpsl_", "MPSL_IRQ_", "sym_"];
 
 /// The libraries of an image: the controller, and MPSL, the scheduler below it.
-#[derive(Clone, PartialEq, Eq, Debug)]
+#[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub struct Library {
     /// Addresses of its instructions.
     pub range: Range<u32>,

@@ -58,7 +58,7 @@ enum Frame {
     Start(u32),
 }
 
-#[derive(Debug)]
+#[derive(Default, Debug)]
 pub struct Controller {
     library: Library,
     frames: Vec<Frame>,
@@ -82,27 +82,19 @@ impl Controller {
     pub fn new(library: Library) -> Self {
         Self {
             library,
-            frames: Vec::new(),
-            callbacks: VecDeque::new(),
-            mpsl: Mpsl::default(),
-            sdc: Sdc::default(),
-            hci: Hci::default(),
-            timeslot: Timeslot::default(),
-            interrupts: Vec::new(),
-            more_bytes: 0,
-            air: Air::default(),
+            ..Self::default()
         }
     }
 
     pub fn reset(&mut self, now: u64) {
         self.air.reset(now);
-        self.frames.clear();
-        self.callbacks.clear();
-        self.mpsl = Mpsl::default();
-        self.sdc = Sdc::default();
-        self.hci = Hci::default();
         self.timeslot.reset();
-        self.interrupts.clear();
+        *self = Self {
+            air: std::mem::take(&mut self.air),
+            timeslot: std::mem::take(&mut self.timeslot),
+            more_bytes: self.more_bytes,
+            ..Self::new(std::mem::take(&mut self.library))
+        };
     }
 
     pub fn take_interrupts(&mut self) -> Vec<u16> {

@@ -1,13 +1,25 @@
 //! Structures of the events that the program takes (`ble_evt_t` of ble.h; ble_gap.h, ble_gattc.h).
 
-use super::calls::{attribute as status_of, event};
-use crate::air::Parameters;
 use shared::myo::{Address, AddressKind};
+use virtual_armband::gatt::ASKED_PARAMETERS;
+
+use super::SoftDevice;
+use super::calls::{attribute as status_of, event};
+use super::gattc::WRITE_REQUEST;
+use crate::air::{AirEvent, Parameters};
+use crate::memory::Memory;
 
 /// The handle of the only connection.
 pub const HANDLE: u16 = 0;
 /// Handle of the connection where there is none.
-pub const NO_HANDLE: u16 = 0xffff;
+const NO_HANDLE: u16 = 0xffff;
+/// Source of a time-out: scanning, connecting (`BLE_GAP_TIMEOUT_SRC_*`).
+const SCAN: u8 = 1;
+const CONNECT: u8 = 2;
+/// Role of the program (`BLE_GAP_ROLE_CENTRAL`).
+const CENTRAL: u8 = 2;
+/// Status of an attribute, and the attribute that an error is about.
+const SUCCESS: (u16, u16) = (0, 0);
 
 fn header(id: u16, body: Vec<u8>) -> Vec<u8> {
     let length = 4 + body.len() as u16;
@@ -24,10 +36,16 @@ fn gap(id: u16, handle: u16, parameters: &[u8]) -> Vec<u8> {
 }
 
 /// `ble_gattc_evt_t`: handle, status, the attribute that an error is about, parameters.
-fn gattc(id: u16, handle: u16, status: u16, about: u16, parameters: &[u8]) -> Vec<u8> {
-    let mut body = [handle, status, about].map(u16::to_le_bytes).concat();
+fn gattc(id: u16, (status, about): (u16, u16), parameters: &[u8]) -> Vec<u8> {
+    let mut body = [HANDLE, status, about].map(u16::to_le_bytes).concat();
     body.extend(parameters);
     header(id, body)
+}
+
+/// Parameters of an attribute's event: the attribute, what was done, a value with its length.
+fn valued([attribute, done]: [u16; 2], value: &[u8]) -> Vec<u8> {
+    let fields = [attribute, done, value.len() as u16].map(u16::to_le_bytes);
+    [&fields.concat(), value].concat()
 }
 
 /// `ble_gap_addr_t`: the kind above the lowest bit, and six bytes.
@@ -44,90 +62,67 @@ fn parameters(parameters: Parameters) -> Vec<u8> {
     parameters.map(u16::to_le_bytes).concat()
 }
 
-/// An advertisement that is in the program's buffer.
-pub fn advertised(from: Address, rssi: i8, buffer: u32, length: u16) -> Vec<u8> {
-    let mut body = Vec::new();
-    // Connectable and undirected.
-    body.extend(1_u16.to_le_bytes());
-    body.extend(address(from));
-    body.extend([0; 7]);
-    // Physical layers 1 and none, unknown power of the sender, strength, channel, no set.
-    body.extend([1, 0, 127, rssi.cast_unsigned(), 37, 0xff]);
-    body.resize(24, 0);
-    body.extend(buffer.to_le_bytes());
-    body.extend(length.to_le_bytes());
-    gap(event::ADV_REPORT, NO_HANDLE, &body)
-}
-
-/// A connection is there, as a central.
-pub fn connected(handle: u16, to: Address, with: Parameters) -> Vec<u8> {
-    const CENTRAL: u8 = 2;
-    let mut body = address(to).to_vec();
-    body.push(CENTRAL);
-    body.extend(parameters(with));
-    gap(event::CONNECTED, handle, &body)
-}
-
-/// A connection has ended.
-pub fn disconnected(handle: u16, reason: u8) -> Vec<u8> {
-    gap(event::DISCONNECTED, handle, &[reason])
-}
-
-/// A connection has other parameters.
-pub fn updated(handle: u16, with: Parameters) -> Vec<u8> {
-    gap(event::CONN_PARAM_UPDATE, handle, &parameters(with))
-}
-
-/// The armband asks for other parameters.
-pub fn asked(handle: u16, with: Parameters) -> Vec<u8> {
-    gap(event::CONN_PARAM_UPDATE_REQUEST, handle, &parameters(with))
-}
-
-/// Scanning or connecting has ended by itself.
-pub fn timed_out(source: u8) -> Vec<u8> {
-    gap(event::TIMEOUT, NO_HANDLE, &[source])
-}
-
-/// An attribute was read, or could not be.
-pub fn read(handle: u16, attribute: u16, value: Option<&[u8]>) -> Vec<u8> {
-    match value {
-        Some(value) => {
-            let fields = [attribute, 0, value.len() as u16].map(u16::to_le_bytes);
-            gattc(
-                event::READ_RSP,
-                handle,
-                0,
-                0,
-                &[&fields.concat(), value].concat(),
-            )
-        }
-        None => {
-            let status = status_of::READ_NOT_PERMITTED;
-            gattc(event::READ_RSP, handle, status, attribute, &[0; 6])
-        }
+impl SoftDevice {
+    /// Tells the program of an event.
+    pub(super) fn tell(&mut self, event: AirEvent, memory: &Memory) {
+        const NOTIFICATION: u16 = 1;
+        let event = match event {
+            AirEvent::Advertised(armband) => self.advertised(armband, memory),
+            AirEvent::ScanTimedOut => gap(event::TIMEOUT, NO_HANDLE, &[SCAN]),
+            AirEvent::AttemptTimedOut => gap(event::TIMEOUT, NO_HANDLE, &[CONNECT]),
+            AirEvent::Connected(armband, with) => {
+                let to = address(self.air.armbands[armband].address);
+                let body = [&to[..], &[CENTRAL], &parameters(with)].concat();
+                gap(event::CONNECTED, HANDLE, &body)
+            }
+            AirEvent::Disconnected(reason) => gap(event::DISCONNECTED, HANDLE, &[reason]),
+            AirEvent::Updated(with) => gap(event::CONN_PARAM_UPDATE, HANDLE, &parameters(with)),
+            AirEvent::Asked(identifier) => {
+                self.asked = Some(identifier);
+                let asked = parameters(ASKED_PARAMETERS);
+                gap(event::CONN_PARAM_UPDATE_REQUEST, HANDLE, &asked)
+            }
+            // Only writes without a response are told of (`BLE_GATTC_EVT_WRITE_CMD_TX_COMPLETE`).
+            AirEvent::Sent(_) | AirEvent::Mtu(_) => return,
+            AirEvent::Read(attribute, Some(value)) => {
+                gattc(event::READ_RSP, SUCCESS, &valued([attribute, 0], &value))
+            }
+            AirEvent::Read(attribute, None) => {
+                let failed = (status_of::READ_NOT_PERMITTED, attribute);
+                gattc(event::READ_RSP, failed, &[0; 6])
+            }
+            AirEvent::Written(attribute, is_taken) => {
+                let status = match is_taken {
+                    true => SUCCESS,
+                    false => (status_of::WRITE_NOT_PERMITTED, attribute),
+                };
+                // An offset, and a value that is empty.
+                let fields = [attribute, WRITE_REQUEST.into(), 0, 0].map(u16::to_le_bytes);
+                gattc(event::WRITE_RSP, status, &fields.concat())
+            }
+            AirEvent::Notified(attribute, value) => gattc(
+                event::HVX,
+                SUCCESS,
+                &valued([attribute, NOTIFICATION], &value),
+            ),
+        };
+        self.push(event);
     }
-}
 
-/// An attribute was written, or could not be.
-pub fn written(handle: u16, attribute: u16, is_taken: bool) -> Vec<u8> {
-    const REQUEST: u16 = 1;
-    let (status, about) = match is_taken {
-        true => (0, 0),
-        false => (status_of::WRITE_NOT_PERMITTED, attribute),
-    };
-    let fields = [attribute, REQUEST, 0, 0].map(u16::to_le_bytes).concat();
-    gattc(event::WRITE_RSP, handle, status, about, &fields)
-}
-
-/// A notification.
-pub fn notified(handle: u16, attribute: u16, value: &[u8]) -> Vec<u8> {
-    const NOTIFICATION: u16 = 1;
-    let fields = [attribute, NOTIFICATION, value.len() as u16].map(u16::to_le_bytes);
-    gattc(
-        event::HVX,
-        handle,
-        0,
-        0,
-        &[&fields.concat(), value].concat(),
-    )
+    /// Puts an armband's advertisement into the program's buffer; returns the event that says so.
+    fn advertised(&self, armband: usize, memory: &Memory) -> Vec<u8> {
+        let armband = &self.air.armbands[armband];
+        let data = armband.advertisement(u64::MAX).unwrap_or_default();
+        memory.write(self.scan_buffer, data);
+        // Connectable and undirected.
+        let mut body = 1_u16.to_le_bytes().to_vec();
+        body.extend(address(armband.address));
+        body.extend([0; 7]);
+        // Physical layers 1 and none, unknown power of the sender, strength, channel, no set.
+        body.extend([1, 0, 127, armband.rssi.cast_unsigned(), 37, 0xff]);
+        body.resize(24, 0);
+        body.extend(self.scan_buffer.to_le_bytes());
+        body.extend((data.len() as u16).to_le_bytes());
+        gap(event::ADV_REPORT, NO_HANDLE, &body)
+    }
 }

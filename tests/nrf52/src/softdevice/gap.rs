@@ -1,21 +1,17 @@
 //! Scanning and connecting (`ble_gap.h`), as a central.
 
 use shared::myo::{Address, AddressKind};
-use virtual_armband::gatt::ASKED_PARAMETERS;
 
 use super::SoftDevice;
 use super::calls::answer;
-use super::events::{self, HANDLE};
-use crate::air::{AirEvent, Parameters, ScanTimes, parameters_are_allowed};
+use super::events::HANDLE;
+use crate::air::{Parameters, ScanTimes, parameters_are_allowed};
 use crate::memory::{Memory, halves, take};
 use crate::refusal::{What, needs, wrong};
 use crate::time::ms;
 
 /// Bytes that a scan's buffer has at least (`BLE_GAP_SCAN_BUFFER_MIN`).
 const SCAN_BUFFER: u16 = 31;
-/// Source of a time-out: scanning, connecting (`BLE_GAP_TIMEOUT_SRC_*`).
-const SCAN: u8 = 1;
-const CONNECT: u8 = 2;
 
 impl SoftDevice {
     pub(super) fn set_whitelist(
@@ -132,36 +128,6 @@ impl SoftDevice {
             true => answer::SUCCESS,
             false => answer::INVALID_CONN_HANDLE,
         }
-    }
-
-    /// Tells the program of an event.
-    pub(super) fn tell(&mut self, event: AirEvent, memory: &Memory) {
-        let event = match event {
-            AirEvent::Advertised(armband) => {
-                let armband = &self.air.armbands[armband];
-                let data = armband.advertisement(u64::MAX).unwrap_or_default();
-                memory.write(self.scan_buffer, data);
-                let length = data.len() as u16;
-                events::advertised(armband.address, armband.rssi, self.scan_buffer, length)
-            }
-            AirEvent::ScanTimedOut => events::timed_out(SCAN),
-            AirEvent::AttemptTimedOut => events::timed_out(CONNECT),
-            AirEvent::Connected(armband, parameters) => {
-                events::connected(HANDLE, self.air.armbands[armband].address, parameters)
-            }
-            AirEvent::Disconnected(reason) => events::disconnected(HANDLE, reason),
-            AirEvent::Updated(parameters) => events::updated(HANDLE, parameters),
-            AirEvent::Asked(identifier) => {
-                self.asked = Some(identifier);
-                events::asked(HANDLE, ASKED_PARAMETERS)
-            }
-            // Only writes without a response are told of (`BLE_GATTC_EVT_WRITE_CMD_TX_COMPLETE`).
-            AirEvent::Sent(_) | AirEvent::Mtu(_) => return,
-            AirEvent::Read(attribute, value) => events::read(HANDLE, attribute, value.as_deref()),
-            AirEvent::Written(attribute, is_taken) => events::written(HANDLE, attribute, is_taken),
-            AirEvent::Notified(attribute, value) => events::notified(HANDLE, attribute, &value),
-        };
-        self.push(event);
     }
 }
 

@@ -8,7 +8,7 @@ use crate::memory::{Memory, halves, take};
 use crate::refusal::{What, needs};
 
 /// A write that is answered (`BLE_GATT_OP_WRITE_REQ`).
-const WRITE_REQUEST: u8 = 1;
+pub(super) const WRITE_REQUEST: u8 = 1;
 
 impl SoftDevice {
     pub(super) fn read_attribute(&mut self, handle: u16, attribute: u16) -> u32 {

@@ -23,9 +23,10 @@ use calls::{answer, call};
 pub use flash::{Fate, Flash};
 
 /// Kind of SoftDevice.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum SoftDeviceKind {
     /// S140 7.x, for the nRF52840.
+    #[default]
     S140,
     /// S132 7.x, for the nRF52832.
     S132,
@@ -61,7 +62,7 @@ const EVENTS_PRIORITY: u8 = 6;
 const FIRST_OF_BLUETOOTH: u8 = 0x60;
 
 /// A SoftDevice.
-#[derive(Debug)]
+#[derive(Default, Debug)]
 pub struct SoftDevice {
     kind: SoftDeviceKind,
     is_enabled: bool,
@@ -89,18 +90,7 @@ impl SoftDevice {
     pub fn new(kind: SoftDeviceKind) -> Self {
         Self {
             kind,
-            is_enabled: false,
-            speaks_bluetooth: false,
-            events: VecDeque::new(),
-            chip_events: VecDeque::new(),
-            interrupts: false,
-            whitelist: Vec::new(),
-            asked: None,
-            scan_buffer: 0,
-            air: Air::default(),
-            flash: Flash::default(),
-            most_waiting: 0,
-            keeps_crystal: false,
+            ..Self::default()
         }
     }
 
@@ -111,15 +101,13 @@ impl SoftDevice {
 
     pub fn reset(&mut self, now: u64) {
         self.air.reset(now);
-        self.is_enabled = false;
-        self.speaks_bluetooth = false;
-        self.keeps_crystal = false;
-        self.events.clear();
-        self.chip_events.clear();
-        self.interrupts = false;
-        self.whitelist.clear();
-        self.asked = None;
         self.flash.reset();
+        *self = Self {
+            air: std::mem::take(&mut self.air),
+            flash: std::mem::take(&mut self.flash),
+            most_waiting: self.most_waiting,
+            ..Self::new(self.kind)
+        };
     }
 
     fn push(&mut self, event: Vec<u8>) {
