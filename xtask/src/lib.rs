@@ -31,6 +31,7 @@ use std::{
 };
 
 use anyhow::{Context as _, Result, ensure};
+use object::{Object as _, ObjectSymbol as _};
 
 /// The folder of the workspace.
 fn workspace() -> PathBuf {
@@ -57,6 +58,14 @@ fn read(path: &Path) -> Result<Vec<u8>> {
 /// Writes a file.
 fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<()> {
     fs::write(path, content).with_context(|| format!("{} cannot be written", path.display()))
+}
+
+/// Address of a symbol of an image.
+fn address(elf: &[u8], name: &str) -> Result<u32> {
+    let image = object::File::parse(elf).context("the image is no ELF file")?;
+    let symbol = image.symbols().find(|symbol| symbol.name() == Ok(name));
+    let symbol = symbol.with_context(|| format!("the image has no symbol {name}"))?;
+    u32::try_from(symbol.address()).context("an address of more than 32 bits")
 }
 
 /// Runs a command to its end; fails with `otherwise` if it does.

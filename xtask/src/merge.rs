@@ -6,12 +6,12 @@ use std::path::PathBuf;
 
 use anyhow::{Context as _, Result, bail, ensure};
 use ihex::{Reader, Record};
+use object::Endianness;
 use object::read::elf::{ElfFile32, ProgramHeader as _};
-use object::{Endianness, Object as _, ObjectSymbol as _};
 
 use crate::firmware::{self, Compiling, Image};
 use crate::toolchain::TARGET;
-use crate::{cross_target, read, toolchain, write};
+use crate::{address, cross_target, read, toolchain, write};
 
 /// Address of UICR.APPROTECT, and its value HwDisabled: with it a debugger may access the chip. Without it, a chip of the
 /// current revision locks itself at its first reset (nRF52840 product specification 1.7, 4.8.2 "Access port protection").
@@ -184,14 +184,6 @@ impl FlashPart {
             start..start + bytes.len() as u64
         })
     }
-}
-
-/// Address of a symbol of an image.
-fn address(elf: &[u8], name: &str) -> Result<u32> {
-    let image = object::File::parse(elf).context("the image is no ELF file")?;
-    let symbol = image.symbols().find(|symbol| symbol.name() == Ok(name));
-    let symbol = symbol.with_context(|| format!("the image has no symbol {name}"))?;
-    u32::try_from(symbol.address()).context("an address of more than 32 bits")
 }
 
 impl fmt::Display for FlashPart {

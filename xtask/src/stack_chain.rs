@@ -12,6 +12,8 @@ use std::ops::Range;
 use anyhow::{Context as _, Result, ensure};
 use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SectionKind, SymbolKind};
 
+use crate::address;
+
 /// Bytes that the core pushes before a handler runs: eight words, those of the FPU, and a word for alignment.
 const EXCEPTION_FRAME: u64 = 4 * (8 + 18 + 1);
 
@@ -76,14 +78,7 @@ pub fn deepest(elf: &[u8]) -> Result<Chain> {
 
 /// Addresses of the stack in an image, the guard's with them.
 pub fn stack(elf: &[u8]) -> Result<Range<u32>> {
-    let file = object::File::parse(elf).context("not an ELF image")?;
-    let address = |name: &str| {
-        let symbol = file.symbol_by_name(name);
-        symbol
-            .map(|symbol| symbol.address() as u32)
-            .context(name.to_owned())
-    };
-    Ok(address("_stack_end")?..address("_stack_start")?)
+    Ok(address(elf, "_stack_end")?..address(elf, "_stack_start")?)
 }
 
 /// Deepest chains of calls, by the function that they begin with: bytes and functions. A call back to a caller adds nothing:
