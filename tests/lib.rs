@@ -18,13 +18,17 @@ use shared::intent::Vocabulary;
 use shared::model::dimensions::Dimensions;
 use shared::model::file::random::{SMALL, random_model};
 
-/// Value of a part of a test, or the test's end where the part is missing, which is booked as skipped.
+/// Value of a part of a test, or the test's end where the part is missing, which is booked as skipped. A function that is no
+/// test ends with the second value.
 #[macro_export]
 macro_rules! found {
     ($part:expr) => {
+        $crate::found!($part, ())
+    };
+    ($part:expr, $missing:expr) => {
         match $part {
             Some(part) => part,
-            None => return Ok(()),
+            None => return Ok($missing),
         }
     };
 }
@@ -84,6 +88,14 @@ fn folder(variable: &str, default: &str) -> PathBuf {
 pub fn shipped(name: &str) -> PathBuf {
     let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
     models.join(name).with_extension("intent")
+}
+
+/// Reads a model of the repository.
+///
+/// # Panics
+/// Panics if there is none of this name.
+pub fn model_file(name: &str) -> Vec<u8> {
+    std::fs::read(shipped(name)).expect("a model of the repository")
 }
 
 /// Writes a small model of random weights that has seen these people.

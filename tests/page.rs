@@ -10,6 +10,7 @@ use std::sync::LazyLock;
 
 use myointent::cli::replay;
 use myointent_tests::chip::{self, Board, Setting};
+use myointent_tests::found;
 use nrf52::time::HZ;
 use recordings::synthetic::{self, SynthOptions};
 use recordings::{LoadOptions, load};
@@ -467,17 +468,9 @@ fn the_simulated_board_shows_labels_and_takes_a_dropped_model() {
 
 #[test]
 fn a_dropped_model_is_installed_on_the_emulated_board() -> anyhow::Result<()> {
-    let Some(image) = chip::image(Image::Nrf52840S140) else {
-        return Ok(());
-    };
-    let Some(mut browser) = open(BrowserKind::Chromium, &fakes(&Value::Null, &[])) else {
-        return Ok(());
-    };
-    let samples = samples(120);
-    let setting = Setting {
-        samples,
-        ..Setting::default()
-    };
+    let image = found!(chip::image(Image::Nrf52840S140));
+    let mut browser = found!(open(BrowserKind::Chromium, &fakes(&Value::Null, &[])));
+    let setting = Setting::of(chip::model(), samples(120));
     let mut board = Board::new(Image::Nrf52840S140, image, setting);
     browser.wait_for(CONNECTED);
     click(&mut browser, "use-board");

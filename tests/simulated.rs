@@ -6,14 +6,14 @@ mod calibration;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use myointent_tests::shipped;
+use myointent_tests::model_file;
 use myointent_tests::simulation::{self, Inputs, Ran};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use recordings::synthetic::{self, SynthOptions};
-use shared::myo::Address;
 use shared::myo::binding::to_record;
 use shared::uart_line::{Report, ReportKind};
+use virtual_armband::{ADDRESS, framed};
 use xtask::firmware;
 
 /// Returns the path of the simulated board's program, built once.
@@ -22,14 +22,9 @@ fn program() -> &'static Path {
     PROGRAM.get_or_init(|| firmware::build_simulation().unwrap())
 }
 
-/// Reads a model of the repository.
-fn model(name: &str) -> Vec<u8> {
-    std::fs::read(shipped(name)).unwrap()
-}
-
 /// Returns the page of a board that the armband is bound to.
 fn page() -> Vec<u8> {
-    to_record(Address::parse("FA:12:34:56:78:9A").unwrap()).to_vec()
+    to_record(ADDRESS).to_vec()
 }
 
 /// Milliseconds of the packet that completes a patch, with every wait state that the nRF52840 may have
@@ -64,11 +59,10 @@ fn stream(commands: &[&str]) -> Ran {
     let mut random = ChaCha8Rng::seed_from_u64(3);
     let sent = |(number, command): (usize, &&str)| {
         let at = 400 + 7 * number;
-        let sum = command.bytes().fold(0, |sum, byte| sum ^ byte);
         // Bytes outside a line mean nothing, and take their time.
         let before = " ".repeat(random.random_range(0..100));
-        let text = format!("{before}${command}*{sum:02X}\\r\\n");
-        format!("{{ do = \"send-bytes\", at = {at}, text = \"{text}\" }},\n")
+        let text = before + &framed(command);
+        format!("{{ do = \"send-bytes\", at = {at}, text = {text:?} }},\n")
     };
     let person: String = commands.iter().enumerate().map(sent).collect();
     let text = format!(
@@ -82,7 +76,7 @@ fn stream(commands: &[&str]) -> Ran {
     };
     let inputs = Inputs {
         scenario: &text,
-        model: &model("three-class"),
+        model: &model_file("three-class"),
         samples: &synthetic::generate(&person).remove(0).samples,
         page: &page(),
         calibration: &[],
@@ -134,7 +128,7 @@ fn times(ran: &Ran) -> (Times, Times) {
     assert_eq!(changed.len(), changes.len());
     let pin = changes.iter().zip(&changed).map(|(report, pins)| {
         assert_eq!(pins.high, [report.status.label()]);
-        u64::from(pins.at_us) - received(report)
+        pins.at_us - received(report)
     });
     (Times::of(pin), line)
 }

@@ -1,14 +1,11 @@
 //! The part of flash that holds the bound armband (`BINDING` in `memory.x`): a page of its own, which neither a new program
 //! nor a new model touches.
 
+use shared::model::Aligned;
 use shared::myo::Address;
-use shared::myo::binding::{RECORD_BYTES, from_record, to_record};
+use shared::myo::binding::{from_record, to_record};
 
 use crate::flash::{Flash, Region};
-
-/// A record as flash is written: from the start of a word.
-#[repr(align(4))]
-struct Record([u8; RECORD_BYTES]);
 
 /// The armband that is kept; none if the page holds no whole record.
 pub fn load() -> Option<Address> {
@@ -24,7 +21,7 @@ pub async fn keep(flash: &mut impl Flash, armband: Option<Address>) -> bool {
         let erased = flash.erase(page).await;
         if let (Ok(()), Some(armband)) = (erased, armband) {
             // What came of it is read.
-            let _ = flash.write(page, &Record(to_record(armband)).0).await;
+            let _ = flash.write(page, &Aligned(to_record(armband)).0).await;
         }
     }
     load() == armband

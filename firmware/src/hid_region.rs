@@ -2,15 +2,12 @@
 //! nor a new model touches.
 
 use shared::hid::Settings;
-use shared::hid::record::{RECORD_BYTES, from_record, to_record};
+use shared::hid::record::{from_record, to_record};
+use shared::model::Aligned;
 use shared::uart_line::answer::Refusal;
 
 use crate::flash::{Flash, FlashFailed, Region, SharedFlash};
 use crate::messages::{hid, requests::HID};
-
-/// A record as flash is written: from the start of a word.
-#[repr(align(4))]
-struct Record([u8; RECORD_BYTES]);
 
 /// The settings that are kept. Without a whole record, as after a loss of power while it was written, they are off.
 pub fn load() -> Settings {
@@ -35,5 +32,5 @@ pub async fn serve(flash: &SharedFlash<impl Flash>) -> ! {
 async fn write(flash: &mut impl Flash, settings: Settings) -> Result<(), FlashFailed> {
     let page = Region::Hid.address(0);
     flash.erase(page).await?;
-    flash.write(page, &Record(to_record(&settings)).0).await
+    flash.write(page, &Aligned(to_record(&settings)).0).await
 }

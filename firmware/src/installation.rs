@@ -8,6 +8,7 @@ use embassy_time::Timer;
 use shared::installation::{
     BLOCK_BYTES, Block, Installation, InstallationProgress, InstallationStep, Refused, journal,
 };
+use shared::model::Aligned;
 use shared::model::file::{Model, ModelError};
 use shared::uart_line::answer::Refusal;
 use shared::uart_line::calibration::{CalibrationReport, CalibrationState};
@@ -180,11 +181,11 @@ async fn write(
             flash.erase(log.address(0)).await
         }
         InstallationStep::WriteJournal => {
-            let record = Words(installation.record());
+            let record = Aligned(installation.record());
             put(flash, log, 0, &record.0).await
         }
         InstallationStep::MarkPage(page) => {
-            let mark = Words([0; 4]);
+            let mark = Aligned([0; 4]);
             put(flash, log, journal::mark(page), &mark.0).await
         }
         InstallationStep::ErasePage(page) => {
@@ -197,10 +198,6 @@ async fn write(
         InstallationStep::Suspend | InstallationStep::Verify | InstallationStep::Resume => Ok(()),
     }
 }
-
-/// Bytes that begin at a word, as flash is written.
-#[repr(align(4))]
-struct Words<const N: usize>([u8; N]);
 
 /// Writes words, a block at most, and reads them back.
 async fn put(

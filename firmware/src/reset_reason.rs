@@ -1,6 +1,7 @@
 //! Why the program started, and what the run before said at its end.
 
 #[derive(Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(not(target_os = "none"), derive(clap::ValueEnum))]
 pub enum ResetReason {
     /// Power, the reset button or a debugger.
     Power,

@@ -85,7 +85,7 @@ impl Board {
         Ok(Self {
             path: path.to_owned(),
             port,
-            reader: LineReader::new(),
+            reader: LineReader::default(),
             unavailable: None,
             has_heard_nobody: false,
         })

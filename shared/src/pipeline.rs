@@ -100,7 +100,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
     pub fn without_model(state: &'s mut E::State, start: Cause) -> Self {
         Self {
             normalizer: None,
-            strength: Strength::new(),
+            strength: Strength::default(),
             placement: Placement::default(),
             window: Window::new(),
             network: Network::new(state),
@@ -112,8 +112,8 @@ impl<'s, E: Encode> Pipeline<'s, E> {
     /// Sets the preprocessing of the model's training; before the first call it is not normalized, with the paper's
     /// median. Forgets the wearer.
     pub fn preprocess(&mut self, preprocessing: Preprocessing) {
-        self.normalizer = preprocessing.normalized.then(Normalizer::new);
-        self.strength = Strength::new();
+        self.normalizer = preprocessing.normalized.then(Normalizer::default);
+        self.strength = Strength::default();
         self.window.preprocess(preprocessing);
     }
 

@@ -9,11 +9,13 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, bail, ensure};
 use bytemuck::cast_slice;
 use tempfile::TempDir;
+use virtual_armband::LINES;
 use xtask::emulator;
 
 use super::process::KillOnDrop;
 use super::{Place, Python, Scenario, program};
-use crate::output::{ARMBAND_LOG, BoardOutput, LINES};
+use crate::output::{ARMBAND_LOG, BoardOutput};
+use crate::simulation::{self, MODEL, PAGE, SAMPLES};
 
 /// Longest wait. Far more than a healthy run needs, for a machine that is busy with other work.
 const TIMEOUT: Duration = Duration::from_secs(90);
@@ -21,11 +23,8 @@ const POLL: Duration = Duration::from_millis(10);
 /// Scenario without acts: the armband is another program, and the test is the person. The board runs for a day at most.
 const SCENARIO: &str = "run_seconds = 86400\n";
 
-/// Names of files in the folder of a run.
-const RECORDING: &str = "recording.i8";
+/// Name of the socket in the folder of a run.
 const SOCKET: &str = "hci";
-const MODEL: &str = "model.intent";
-const PAGE: &str = "page";
 
 /// A running board beside an armband. Both are killed when it is dropped.
 pub struct Run {
@@ -80,8 +79,8 @@ impl Run {
         let files = [
             (MODEL, model),
             (PAGE, page),
-            ("scenario.toml", SCENARIO.as_bytes()),
-            (RECORDING, &[]),
+            (simulation::SCENARIO, SCENARIO.as_bytes()),
+            (SAMPLES, &[]),
             (LINES, &[]),
         ];
         for (name, contents) in files {
@@ -99,17 +98,7 @@ impl Run {
 
     fn start_board(&mut self) -> anyhow::Result<()> {
         let folder = self.folder.path();
-        let mut board = Command::new(program());
-        board.arg(folder.join("scenario.toml"));
-        for (option, name) in [
-            ("--model", MODEL),
-            ("--page", PAGE),
-            ("--journal", "journal"),
-            ("--samples", RECORDING),
-            ("--out", ""),
-        ] {
-            board.arg(option).arg(folder.join(name));
-        }
+        let mut board = simulation::command(&program(), folder);
         board.args(["--slowed", &self.slowed.to_string()]);
         board.arg("--hci").arg(folder.join(SOCKET));
         board.stdin(Stdio::piped());
@@ -125,7 +114,7 @@ impl Run {
 
     /// The file that the armband streams; with its argument `--follow`, what is appended to it as well.
     pub fn recording(&self) -> PathBuf {
-        self.folder.path().join(RECORDING)
+        self.folder.path().join(SAMPLES)
     }
 
     /// Sends a command and gives its answer's body. The answers to all commands before must have come.

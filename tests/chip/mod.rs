@@ -5,22 +5,24 @@ mod output;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
-use nrf52::chip::{APPROTECT, ChipModel, REGOUT0, RESET_PINS, Reset};
+use nrf52::chip::{APPROTECT, ChipModel, PAGE, REGOUT0, RESET_PINS, Reset};
 use nrf52::controller::Controller;
 use nrf52::softdevice::{Flash, SoftDevice, SoftDeviceKind, boot};
 use nrf52::time::ms;
-use nrf52::{Image, Machine, Memory, Refusal};
-use shared::myo::{Address, binding};
+use nrf52::{Image, Incident, Machine, Memory, Refusal};
+use shared::myo::{Address, AddressKind, binding};
 use shared::units::Sample;
-use virtual_armband::{Armband, Behaviour, End};
+use virtual_armband::{ADDRESS, Behaviour, End, Stranger, armbands, framed};
 use xtask::firmware::{self, Compiling, Image as Built};
 use xtask::toolchain;
 
-pub const ARMBAND: &str = "FA:12:34:56:78:9A";
-/// Strength of its signal, dBm.
-const RSSI: i8 = -50;
 /// The page of the bound armband, as in `memory.x`.
 pub const BINDING: u32 = 0x5_7000;
+/// Another armband than the one of the page.
+pub const OTHER: Address = Address {
+    kind: AddressKind::Public,
+    bytes: [0xab, 0x89, 0x67, 0x45, 0x23, 0xf1],
+};
 /// The model's region, as in `memory.x`.
 pub const MODEL: u32 = 0x5_8000;
 /// Address at which a boot loader starts the program.
@@ -145,11 +147,8 @@ pub fn elf(image: Built) -> Option<Vec<u8>> {
 }
 
 /// The model that the README flashes.
-///
-/// # Panics
-/// If it is not in the repository.
 pub fn model() -> Vec<u8> {
-    std::fs::read(crate::shipped("three-class")).expect("a model of the repository")
+    crate::model_file("three-class")
 }
 
 /// Contents and surroundings of a board.
@@ -161,8 +160,8 @@ pub struct Setting {
     pub page: Vec<u8>,
     pub samples: Vec<Sample>,
     pub behaviour: Behaviour,
-    /// Another armband: its address, and the strength of its signal.
-    pub stranger: Option<(Address, i8)>,
+    /// Another armband.
+    pub stranger: Option<Stranger>,
     /// True if UICR was never written.
     pub is_blank: bool,
 }
@@ -170,10 +169,9 @@ pub struct Setting {
 impl Default for Setting {
     /// The README's model, bound to an armband that disconnects after its last sample.
     fn default() -> Self {
-        let armband = Address::parse(ARMBAND).expect("an address");
         Self {
             model: model(),
-            page: binding::to_record(armband).to_vec(),
+            page: binding::to_record(ADDRESS).to_vec(),
             samples: Vec::new(),
             behaviour: Behaviour {
                 end: End::Disconnect,
@@ -181,6 +179,17 @@ impl Default for Setting {
             },
             stranger: None,
             is_blank: false,
+        }
+    }
+}
+
+impl Setting {
+    /// Returns the setting of this model and an armband that streams these samples.
+    pub fn of(model: Vec<u8>, samples: Vec<Sample>) -> Self {
+        Self {
+            model,
+            samples,
+            ..Self::default()
         }
     }
 }
@@ -195,16 +204,13 @@ impl Board {
     /// A board with this image; if it cannot be built here, reports the test as skipped.
     ///
     /// # Panics
-    /// Where [`image`] or [`Self::new`] does.
+    /// Where [`image`] does.
     pub fn of(built: Built, setting: Setting) -> Option<Self> {
         Some(Self::new(built, image(built)?, setting))
     }
 
     /// A board with this image, whose power has just come. One with USB has its boot loader, which starts the program: the vectors
     /// at 0 are not the program's, and none but reset's leads anywhere; and a full battery.
-    ///
-    /// # Panics
-    /// If the constant address is not an address.
     pub fn new(built: Built, image: Image, setting: Setting) -> Self {
         let (model, pins, kind) = match built {
             Built::Nrf52840S140 => (
@@ -222,17 +228,10 @@ impl Board {
             Built::NiceNano => (ChipModel::Nrf52840, ChipPins::NICE_NANO, None),
             _ => (ChipModel::Nrf52840, ChipPins::NRF52840, None),
         };
-        let address = Address::parse(ARMBAND).expect("an address");
-        let stranger = setting.stranger.map(|(address, rssi)| {
-            // It streams the same, so that whoever follows it shows itself by its address alone.
-            Armband::new(address, rssi, setting.samples.clone())
-        });
-        let worn = Armband::new(address, RSSI, setting.samples);
-        let worn = worn.of_wearer(setting.behaviour, 0);
-        let armbands = [Some(worn), stranger].into_iter().flatten().collect();
         let softdevice = kind.map(SoftDevice::new);
         let mut machine = Machine::new(model, image, softdevice, 0x6d79_6f21);
-        machine.air_mut().armbands = armbands;
+        machine.air_mut().armbands =
+            armbands(setting.behaviour, setting.stranger, setting.samples, 0);
         {
             let mut chip = machine.chip();
             chip.bus.memory.program(MODEL, &setting.model);
@@ -289,6 +288,12 @@ impl Board {
         self.machine.air().armbands[0].sent()
     }
 
+    /// Returns the armband in the page of the bound one.
+    pub fn bound(&self) -> Option<Address> {
+        let page = self.memory().read(BINDING, PAGE);
+        binding::from_record(page.as_deref().and_then(<[u8]>::first_chunk)?)
+    }
+
     pub fn text(&self) -> String {
         self.text_from(0)
     }
@@ -316,8 +321,7 @@ impl Board {
 
     /// Sends a line to the UART; frame and checksum are added.
     pub fn send(&mut self, body: &str) {
-        let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
-        self.send_bytes(format!("${body}*{sum:02X}\r\n").bytes());
+        self.send_bytes(framed(body).bytes());
     }
 
     pub fn send_bytes(&mut self, bytes: impl IntoIterator<Item = u8>) {
@@ -348,19 +352,58 @@ impl Board {
     }
 
     /// Runs until the UART has sent the text after its first `looked` bytes.
-    fn wait_from(&mut self, mut looked: usize, text: &str, at_most_ms: u64) -> anyhow::Result<()> {
+    pub fn wait_from(
+        &mut self,
+        mut looked: usize,
+        text: &str,
+        at_most_ms: u64,
+    ) -> anyhow::Result<()> {
+        self.until(&format!("{text:?}"), at_most_ms, ms(5), |board| {
+            let said = board.text_from(looked);
+            // It may have begun.
+            looked = board.sent_bytes().saturating_sub(text.len());
+            said.contains(text)
+        })
+    }
+
+    /// Runs until something is so, looking every `ticks`; fails with what it waited for after the milliseconds given.
+    pub fn until(
+        &mut self,
+        what: &str,
+        at_most_ms: u64,
+        ticks: u64,
+        mut is_so: impl FnMut(&mut Self) -> bool,
+    ) -> anyhow::Result<()> {
         let end = self.machine.now() + ms(at_most_ms);
-        while !self.text_from(looked).contains(text) {
+        while !is_so(self) {
             let in_time = self.machine.now() < end;
             anyhow::ensure!(
                 in_time,
-                "no {text:?} within {at_most_ms} ms:\n{}",
+                "no {what} within {at_most_ms} ms:\n{}",
                 self.text()
             );
-            // It may have begun.
-            looked = self.sent_bytes().saturating_sub(text.len());
-            self.machine.run(ms(5))?;
+            self.machine.run(ticks)?;
         }
         Ok(())
+    }
+
+    /// Runs until the label is valid.
+    pub fn until_valid(&mut self) -> anyhow::Result<()> {
+        self.until("valid label", 10_000, ms(50), |board| board.is_valid())
+    }
+
+    /// Returns true if the pin of a valid label is high.
+    pub fn is_valid(&self) -> bool {
+        self.machine.chip().level(self.pins.valid) == Some(true)
+    }
+
+    /// Reasons of the program's starts, in order.
+    pub fn starts(&self) -> Vec<Reset> {
+        let incidents = self.machine.incidents.iter();
+        let started = incidents.filter_map(|(_, incident)| match incident {
+            Incident::Started(why) => Some(*why),
+            Incident::HardFault(_) => None,
+        });
+        started.collect()
     }
 }

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use nrf52::time::us;
 use shared::intent::Intent;
+use virtual_armband::{LEVELS, LINES, PinLevels};
 
 use super::Board;
-use crate::output::{LEVELS, LINES};
 
 /// Ticks within which levels change together: one pin after the other.
 const TOGETHER: u64 = us(50);
@@ -42,15 +42,21 @@ impl Board {
             let is_lit = |pin: u32| levels[pin as usize] == Some(self.pins.led_on);
             let before = received.partition_point(|(received, _)| received <= at);
             let last = before.checked_sub(1).map_or(0, |last| received[last].0);
-            let (now, last) = (at / us(1), last / us(1));
-            let valid = u8::from(is_high(self.pins.valid));
+            let labels = Intent::ALL.into_iter().zip(self.pins.intents);
+            let [_, armband, alignment_led] = self.pins.leds.map(is_lit);
+            let line = PinLevels {
+                at_us: at / us(1),
+                last_byte_us: last / us(1),
+                valid: is_high(self.pins.valid),
+                high: labels
+                    .filter(|(_, pin)| is_high(*pin))
+                    .map(|(intent, _)| intent)
+                    .collect(),
+                armband,
+                alignment_led,
+            };
             // Writing to a string cannot fail.
-            let _ = write!(lines, "PINS {now} {last} valid={valid}");
-            for (intent, pin) in Intent::ALL.into_iter().zip(self.pins.intents) {
-                let _ = write!(lines, " {}={}", intent.name(), u8::from(is_high(pin)));
-            }
-            let [_, armband, alignment] = self.pins.leds.map(|pin| u8::from(is_lit(pin)));
-            let _ = writeln!(lines, " armband={armband} alignment={alignment}");
+            let _ = writeln!(lines, "{line}");
         }
         lines
     }

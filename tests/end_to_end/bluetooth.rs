@@ -6,9 +6,10 @@ use myointent_tests::bench::{Run, Scenario, python};
 use myointent_tests::chip;
 use myointent_tests::found;
 use serde_json::{Value, json};
-use shared::myo::{Address, binding};
+use shared::myo::binding;
 use shared::stream::safe_state::Cause;
 use shared::units::Sample;
+use virtual_armband::ADDRESS;
 
 /// Factor by which the board's clock runs slower than the PC's. The timeout of 200 ms is then 0.6 s: an armband that waits for
 /// a core does not look silent.
@@ -21,13 +22,10 @@ fn start(
     script: Value,
     arguments: &[&str],
 ) -> anyhow::Result<Option<Run>> {
-    let Some(python) = python() else {
-        return Ok(None);
-    };
-    let armband = Address::parse(chip::ARMBAND).expect("an address");
+    let python = found!(python(), None);
     let scenario = Scenario {
         model: &chip::model(),
-        page: binding::to_record(armband).to_vec(),
+        page: binding::to_record(ADDRESS).to_vec(),
         samples,
         slowed: SLOWED,
         pace,
@@ -88,9 +86,10 @@ fn play_with(kind: &str) -> anyhow::Result<Option<Run>> {
         .map(|number| json!({"do": "corrupt", "at": 400 + 27 * number, "kind": kind}))
         .collect();
     let samples = vec![[1; 8]; 2600];
-    let Some(mut run) = start(&samples, 3.0, script.into(), &["--end", "disconnect"])? else {
-        return Ok(None);
-    };
+    let mut run = found!(
+        start(&samples, 3.0, script.into(), &["--end", "disconnect"])?,
+        None
+    );
     run.wait_for("the end", |run| {
         last_cause(run) == Some(Cause::Disconnected)
     })?;

@@ -1,22 +1,19 @@
 //! Use of the radio: scans, streams, links that are lost.
 
-use nrf52::time::HZ;
+use nrf52::time::{HZ, ms};
 use shared::model::noise::Noise;
-use shared::myo::Address;
 use shared::units::Sample;
-use virtual_armband::{ArmbandFault, Behaviour};
+use virtual_armband::{ADDRESS, ArmbandFault, Behaviour, Stranger};
 use xtask::firmware::Image;
 
-use myointent_tests::chip::{Board, Setting};
+use myointent_tests::chip::{Board, OTHER, Setting};
 use myointent_tests::found;
 
 const STREAM: usize = 120;
 
 fn samples() -> Vec<Sample> {
     let mut noise = Noise(5);
-    (0..STREAM * 200)
-        .map(|_| [(); 8].map(|()| (noise.signed() * 20.0) as i8))
-        .collect()
+    (0..STREAM * 200).map(|_| noise.sample(20.0)).collect()
 }
 
 /// A board beside an armband that streams noise; none where the image cannot be built.
@@ -44,11 +41,8 @@ fn scanned_percent(board: &mut Board, seconds: u64) -> anyhow::Result<u64> {
 #[test]
 fn a_board_that_sees_nobody_for_a_minute_scans_a_tenth_of_the_time() -> anyhow::Result<()> {
     for built in [Image::Nrf52840S140, Image::Nrf52840Sdc] {
-        let behaviour = Behaviour {
-            steps: vec![ArmbandFault::Absent],
-            ..Behaviour::default()
-        };
-        let mut board = found!(board_of(built, behaviour));
+        let absent = Behaviour::with(vec![ArmbandFault::Absent]);
+        let mut board = found!(board_of(built, absent));
         let at_first = scanned_percent(&mut board, 50)?;
         assert!(at_first > 90, "{built}: {at_first} %");
         board.run_ms(25_000)?;
@@ -63,11 +57,8 @@ fn a_board_that_sees_nobody_for_a_minute_scans_a_tenth_of_the_time() -> anyhow::
 
 #[test]
 fn a_pairing_scans_all_the_time() -> anyhow::Result<()> {
-    let behaviour = Behaviour {
-        steps: vec![ArmbandFault::Absent],
-        ..Behaviour::default()
-    };
-    let mut board = found!(board(behaviour));
+    let absent = Behaviour::with(vec![ArmbandFault::Absent]);
+    let mut board = found!(board(absent));
     board.run_ms(90_000)?;
     board.ask("BIND,begin", "$OK,BIND")?;
     let pairing = scanned_percent(&mut board, 20)?;
@@ -78,37 +69,31 @@ fn a_pairing_scans_all_the_time() -> anyhow::Result<()> {
 #[test]
 fn a_link_that_is_made_while_its_attempt_is_cancelled_is_not_kept_for_ever() -> anyhow::Result<()> {
     let built = Image::Nrf52840Sdc;
-    let stranger = Address::parse("F1:23:45:67:89:AB").expect("an address");
+    let stranger = Stranger {
+        address: OTHER,
+        rssi: -80,
+    };
     let setting = Setting {
         samples: samples(),
-        stranger: Some((stranger, -80)),
+        stranger: Some(stranger),
         ..Setting::default()
     };
     let mut board = found!(Board::of(built, setting));
     board.machine.air_mut().cancel_comes_late = true;
-    while !board.machine.air().connects() {
-        board.run_ms(1)?;
-    }
+    let connects = |board: &mut Board| board.machine.air().connects();
+    board.until("attempt", 10_000, ms(1), connects)?;
     // The first ends the attempt; the second has the same armband sought.
     board.send("BIND,forget");
-    board.send("BIND,set,FA:12:34:56:78:9A");
+    board.send(&format!("BIND,set,{ADDRESS}"));
     // A link that no task of the program has keeps its armband from advertising, while the stranger is heard.
-    board.wait_for("# armband FA", 120_000)?;
-    assert!(
-        board.text().contains("started by the watchdog"),
-        "{}",
-        board.text()
-    );
-    Ok(())
+    board.wait_for("started by the watchdog", 120_000)?;
+    board.wait_for("# armband FA", 120_000)
 }
 
 #[test]
 fn the_parameters_that_an_armband_prefers_are_said_once() -> anyhow::Result<()> {
-    let behaviour = Behaviour {
-        steps: vec![ArmbandFault::Sleep { at: 100, for_ms: 1 }],
-        ..Behaviour::default()
-    };
-    let mut board = found!(board(behaviour));
+    let sleeps = ArmbandFault::Sleep { at: 100, for_ms: 1 };
+    let mut board = found!(board(Behaviour::with(vec![sleeps])));
     board.run_ms(10_000)?;
     let text = board.text();
     assert_eq!(text.matches("# armband FA").count(), 2, "{text}");

@@ -8,6 +8,7 @@ use myointent_tests::chip::{Board, Setting};
 use myointent_tests::found;
 use myointent_tests::oracle::{Input, expected_lines};
 use myointent_tests::output::BoardOutput;
+use nrf52::time::ms;
 use shared::intent::Vocabulary;
 use shared::model::dimensions::Dimensions;
 use shared::model::file::random::random_model;
@@ -25,13 +26,7 @@ const NEARLY_SYMMETRICAL: [i32; CHANNELS] = [118, 68, 40, 23, 17, 23, 40, 68];
 
 /// Returns a model whose template is symmetrical, 2 nats per square octave in every direction.
 fn model() -> Vec<u8> {
-    let dimensions = Dimensions {
-        width: 48,
-        layers: 2,
-        span: 27,
-        vocabulary: Vocabulary::Three,
-        other: false,
-    };
+    let dimensions = Dimensions::new(Vocabulary::Three, 48, 2, 27);
     let mut parts = random_model(dimensions, 3);
     parts.template = Template::round(SYMMETRICAL, 2).ok();
     parts.to_bytes().expect("a writable model")
@@ -64,15 +59,9 @@ fn worn(samples: &[Sample], placement: Alignment) -> Vec<Sample> {
 fn an_opening_that_does_not_tell_the_arm_is_decided_by_the_model_and_the_lines_equal_the_pipelines()
 -> anyhow::Result<()> {
     let samples = worn(&two_openings(), Alignment::new(3, false));
-    let setting = Setting {
-        model: model(),
-        samples: samples.clone(),
-        ..Setting::default()
-    };
+    let setting = Setting::of(model(), samples.clone());
     let mut board = found!(Board::of(Image::Nrf52840S140, setting));
-    while board.sent() < 50 {
-        board.run_ms(10)?;
-    }
+    board.until("stream", 10_000, ms(10), |board| board.sent() >= 50)?;
     board.set_button(true);
     board.wait_for("$ALIGN,", 1000)?;
     board.set_button(false);

@@ -4,7 +4,6 @@ use nrf52::chip::{REGOUT0, Reset};
 use nrf52::time::{HZ, ms};
 use xtask::firmware::Image;
 
-use super::start::starts;
 use super::usb::{heard, plug, set_port, started};
 use myointent_tests::chip::{Board, Setting};
 use myointent_tests::found;
@@ -64,7 +63,7 @@ fn a_board_with_usb_starts_whatever_its_crystal_does() -> anyhow::Result<()> {
             assert_says_its_clock(&mut board, &case)?;
             board.wait_for("# armband FA", 4000)?;
             assert_eq!(
-                starts(&board)[1..],
+                board.starts()[1..],
                 [Reset::Power],
                 "{case}:\n{}",
                 board.text()
@@ -108,7 +107,7 @@ fn a_board_starts_as_its_boot_loader_leaves_the_chip() -> anyhow::Result<()> {
         board.run_ms(BOOT_LOADER_MS + 10)?;
         assert_safe(&board, &case);
         board.run_ms(3000)?;
-        assert_eq!(starts(&board)[1..], *expected, "{case}:\n{}", board.text());
+        assert_eq!(board.starts()[1..], *expected, "{case}:\n{}", board.text());
         assert_says_its_clock(&mut board, &case)?;
         board.wait_for("# armband FA", 4000)?;
     }
@@ -125,6 +124,6 @@ fn a_board_with_its_battery_at_vddh_gets_levels_of_3_volts() -> anyhow::Result<(
     board.wait_for("$STATE", 1000)?;
     // 3.3 V.
     assert_eq!(board.machine.chip().uicr(REGOUT0) & 7, 5);
-    assert_eq!(starts(&board)[1..], [Reset::Power, Reset::Software]);
+    assert_eq!(board.starts()[1..], [Reset::Power, Reset::Software]);
     Ok(())
 }

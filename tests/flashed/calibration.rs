@@ -2,8 +2,9 @@
 
 use std::iter::repeat_n;
 
-use myointent_tests::chip::{Board, Setting};
+use myointent_tests::chip::{self, Board, Setting};
 use myointent_tests::output::BoardOutput;
+use nrf52::time::ms;
 use recordings::synthetic::Follower;
 use shared::calibration::from_record;
 use shared::intent::Intent;
@@ -25,17 +26,14 @@ fn what_a_wearer_shows_is_learnt_in_time_kept_and_used() {
             .chain(cues)
             .chain(repeat_n(Intent::Relax, 2000));
         let mut person = Follower::new("s2");
-        let setting = Setting {
-            samples: cues.map(|cue| person.sample(cue)).collect(),
-            ..Setting::default()
-        };
-        let file = setting.model.clone();
+        let file = chip::model();
+        let samples = cues.map(|cue| person.sample(cue)).collect();
+        let setting = Setting::of(file.clone(), samples);
         let Some(mut board) = Board::of(built, setting) else {
             return;
         };
-        while board.sent() < 340 {
-            board.run_ms(10).unwrap();
-        }
+        let streamed = board.until("stream", 10_000, ms(10), |board| board.sent() >= 340);
+        streamed.unwrap();
         if built == Image::Nrf52840S140 {
             board.flash().needs_silence = true;
         }

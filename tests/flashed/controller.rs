@@ -9,9 +9,7 @@ use myointent_tests::found;
 
 /// A board whose radio runs; where the image cannot be built, reports the test as skipped.
 fn board() -> anyhow::Result<Option<Board>> {
-    let Some(mut board) = Board::of(Image::Nrf52840Sdc, Setting::default()) else {
-        return Ok(None);
-    };
+    let mut board = found!(Board::of(Image::Nrf52840Sdc, Setting::default()), None);
     board.run_ms(600)?;
     leave_interrupts(&mut board)?;
     Ok(Some(board))

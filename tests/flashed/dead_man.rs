@@ -1,13 +1,13 @@
 //! Pins when the core hangs: the dead-man timer clears every label's pin and ends the pulses, on every board.
 
-use nrf52::time::{HZ, ms};
+use nrf52::time::ms;
 use shared::intent::Intent;
 use shared::model::file::Model;
 use xtask::firmware::Image;
 
-use super::faults::{effort, is_valid};
+use super::faults::effort;
 use myointent_tests::chip::{Board, Setting};
-use myointent_tests::{found, shipped};
+use myointent_tests::{found, model_file};
 
 /// Milliseconds of a core that stands still: more than the timer takes, less than the watchdog.
 const HALT_MS: u64 = 400;
@@ -16,7 +16,7 @@ const SAFE_MS: u64 = 250;
 
 /// The model of six classes, which sees this one in everything.
 pub fn model_of(intent: Intent) -> anyhow::Result<Vec<u8>> {
-    let file = std::fs::read(shipped("six-class"))?;
+    let file = model_file("six-class");
     let model = Model::parse(&file)?;
     let outputs = model.header.dimensions.row_outputs();
     let mut parts = model.to_parts();
@@ -37,21 +37,9 @@ fn high(board: &Board) -> Vec<u32> {
 fn a_core_that_stands_still_in_any_label_loses_all_pins_on_every_board() -> anyhow::Result<()> {
     for built in Image::ALL {
         for intent in Intent::ALL {
-            let setting = Setting {
-                model: model_of(intent)?,
-                samples: effort(10),
-                ..Setting::default()
-            };
+            let setting = Setting::of(model_of(intent)?, effort(10));
             let mut board = found!(Board::of(built, setting));
-            while !is_valid(&board) {
-                let in_time = board.machine.now() < 10 * HZ;
-                anyhow::ensure!(
-                    in_time,
-                    "{built}, {intent:?}: never valid:\n{}",
-                    board.text()
-                );
-                board.run_ms(50)?;
-            }
+            board.until_valid()?;
             let [relax, pin] = [Intent::Relax, intent].map(|one| board.pins.intents[one.class()]);
             assert_eq!(high(&board), [pin, board.pins.valid], "{built}, {intent:?}");
             let pulses = |board: &Board| {

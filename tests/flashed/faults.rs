@@ -2,46 +2,27 @@
 
 use nrf52::Incident;
 use nrf52::chip::Reset;
-use nrf52::time::{HZ, ms};
+use nrf52::time::ms;
 use shared::model::noise::Noise;
 use shared::units::Sample;
 use xtask::firmware::Image;
 
-use myointent_tests::chip::{BOOT_LOADER_RAM, Board, Setting};
+use myointent_tests::chip::{self, BOOT_LOADER_RAM, Board, Setting};
 use myointent_tests::found;
+
+const FAULTED: &str = "# the run before panicked: hard fault at 0x000f0000, ";
 
 /// Noise of rest and effort in turn.
 pub fn effort(seconds: usize) -> Vec<Sample> {
-    let mut noise = Noise(5);
-    let sample = |index: usize| {
-        let strength = if index / 300 % 2 == 1 { 90.0 } else { 3.0 };
-        [(); 8].map(|()| (noise.signed() * strength) as i8)
-    };
-    (0..seconds * 200).map(sample).collect()
+    Noise(5).efforts().take(seconds * 200).collect()
 }
 
 /// A board whose labels are valid; where the image cannot be built, reports the test as skipped.
 fn board_with_valid_labels() -> anyhow::Result<Option<Board>> {
-    let setting = Setting {
-        samples: effort(60),
-        ..Setting::default()
-    };
-    let Some(mut board) = Board::of(Image::Nrf52840S140, setting) else {
-        return Ok(None);
-    };
-    while !is_valid(&board) {
-        anyhow::ensure!(
-            board.machine.now() < 10 * HZ,
-            "never valid:\n{}",
-            board.text()
-        );
-        board.run_ms(10)?;
-    }
+    let setting = Setting::of(chip::model(), effort(60));
+    let mut board = found!(Board::of(Image::Nrf52840S140, setting), None);
+    board.until_valid()?;
     Ok(Some(board))
-}
-
-pub fn is_valid(board: &Board) -> bool {
-    board.machine.chip().level(board.pins.valid) == Some(true)
 }
 
 /// Milliseconds from a time to the fall of `valid`.
@@ -72,21 +53,13 @@ pub fn run_code(board: &mut Board, code: &[u16]) {
     board.machine.core().jump(CODE);
 }
 
-fn last_start(board: &Board) -> Option<(u64, Reset)> {
-    let mut incidents = board.machine.incidents.iter().rev();
-    incidents.find_map(|(at, incident)| match incident {
-        Incident::Started(why) => Some((*at, *why)),
-        Incident::HardFault(_) => None,
-    })
-}
-
 #[test]
 fn a_clock_that_stops_is_ended_by_the_watchdog() -> anyhow::Result<()> {
     let mut board = found!(board_with_valid_labels()?);
     // RTC1, which has all deadlines.
     board.machine.core().disable(17);
     board.run_ms(3000)?;
-    let why = last_start(&board).map(|(_, why)| why);
+    let why = board.starts().pop();
     assert_eq!(why, Some(Reset::Watchdog), "{}", board.text());
     Ok(())
 }
@@ -97,16 +70,8 @@ fn the_guard_of_the_stack_ends_a_program_that_grows_into_it() -> anyhow::Result<
     leave_interrupts(&mut board)?;
     // push {r0-r7}, and again.
     run_code(&mut board, &[0xb4ff, 0xe7fd]);
-    board.run_ms(1000)?;
-    assert!(
-        board.text().contains("a stack overflow"),
-        "{}",
-        board.text()
-    );
-    assert_eq!(
-        last_start(&board).map(|(_, why)| why),
-        Some(Reset::Software)
-    );
+    board.wait_for("a stack overflow", 1000)?;
+    assert_eq!(board.starts().pop(), Some(Reset::Software));
     Ok(())
 }
 
@@ -127,10 +92,7 @@ fn the_words_of_a_panic_outlive_the_boot_loader_of_a_board_with_usb() -> anyhow:
     board.machine.boot_loader_ram = Some(BOOT_LOADER_RAM);
     leave_interrupts(&mut board)?;
     board.machine.core().jump(0xf_0000);
-    board.run_ms(1000)?;
-    let words = "# the run before panicked: hard fault at 0x000f0000, ";
-    assert!(board.text().contains(words), "{}", board.text());
-    Ok(())
+    board.wait_for(FAULTED, 1000)
 }
 
 #[test]
@@ -141,20 +103,20 @@ fn a_fault_restarts_the_board_within_the_time_that_a_probe_needs() -> anyhow::Re
     // Erased flash is no instruction. A core that sleeps finds out when it wakes.
     board.machine.core().jump(0xf_0000);
     board.run_ms(1000)?;
-    let mut incidents = board.machine.incidents.iter();
-    let faulted = incidents.find_map(|(at, incident)| match incident {
-        Incident::HardFault(_) => Some(*at),
-        Incident::Started(_) => None,
-    });
-    let faulted = faulted.expect("a hard fault");
+    let [
+        ..,
+        (faulted, Incident::HardFault(_)),
+        (at, Incident::Started(why)),
+    ] = &board.machine.incidents[..]
+    else {
+        panic!("{:?}", board.machine.incidents);
+    };
     let fell = fell_after_ms(&board, from);
     assert!(fell.is_some_and(|after| after <= 50), "{fell:?} ms");
-    let (at, why) = last_start(&board).expect("it has started");
-    assert_eq!(why, Reset::Software);
+    assert_eq!(*why, Reset::Software);
     assert!(board.text().contains("software"), "{}", board.text());
     // Nobody reads a debugger's log in the field.
-    let words = "# the run before panicked: hard fault at 0x000f0000, ";
-    assert!(board.text().contains(words), "{}", board.text());
+    assert!(board.text().contains(FAULTED), "{}", board.text());
     // A loop's turn takes four cycles here, three on a chip.
     let took = (at - faulted) / ms(1);
     assert!((50..=70).contains(&took), "{took} ms");

@@ -2,36 +2,21 @@
 
 use std::iter::repeat_n;
 
-use nrf52::chip::PAGE;
 use nrf52::softdevice::Fate;
-use shared::myo::{Address, binding};
+use virtual_armband::ADDRESS;
 use xtask::firmware::Image;
 
-use myointent_tests::chip::{ARMBAND, BINDING, Board, Setting};
+use myointent_tests::chip::{self, Board, OTHER, Setting};
 use myointent_tests::found;
 
 /// A binding has fewer operations of flash.
 const MOST_OPERATIONS: usize = 8;
 /// Most operations in time slots: nine partial erasures, and words.
 const MOST_OPERATIONS_IN_SLOTS: usize = 40;
-const OTHER: &str = "F1:23:45:67:89:AB";
-
-/// The armband in the page of the bound one.
-pub fn bound(board: &Board) -> Option<Address> {
-    let page = board.memory().read(BINDING, PAGE);
-    binding::from_record(page.as_deref().and_then(<[u8]>::first_chunk)?)
-}
-
-fn address(text: &str) -> Address {
-    Address::parse(text).expect("an address")
-}
 
 /// A board with Nordic's controller library, which grants time slots for flash.
 fn board_with_time_slots() -> Option<Board> {
-    let setting = Setting {
-        samples: vec![[1; 8]; 60 * 200],
-        ..Setting::default()
-    };
+    let setting = Setting::of(chip::model(), vec![[1; 8]; 60 * 200]);
     Board::of(Image::Nrf52840Sdc, setting)
 }
 
@@ -43,17 +28,12 @@ fn board(fates: impl IntoIterator<Item = Fate>) -> Option<Board> {
 
 /// Checks that the page holds one of both armbands or none, and that binding can be done again.
 fn check_page(board: &mut Board, case: &str, again_ms: u64) -> anyhow::Result<()> {
-    let found = bound(board);
-    let allowed = [None, Some(address(ARMBAND)), Some(address(OTHER))];
+    let found = board.bound();
+    let allowed = [None, Some(ADDRESS), Some(OTHER)];
     assert!(allowed.contains(&found), "{case}: {found:?}");
     board.send(&format!("BIND,set,{OTHER}"));
     board.run_ms(again_ms)?;
-    assert_eq!(
-        bound(board),
-        Some(address(OTHER)),
-        "{case}:\n{}",
-        board.text()
-    );
+    assert_eq!(board.bound(), Some(OTHER), "{case}:\n{}", board.text());
     Ok(())
 }
 
@@ -93,7 +73,7 @@ fn binding_in_time_slots_writes_the_page_beside_a_stream() -> anyhow::Result<()>
         board.send(&format!("BIND,set,{OTHER}"));
         board.wait_for("$OK,BIND", 3000)?;
         board.run_ms(2000)?;
-        assert_eq!(bound(&board), Some(address(OTHER)), "{}", board.text());
+        assert_eq!(board.bound(), Some(OTHER), "{}", board.text());
         assert!(board.controller().timeslot.begun > before);
     }
     Ok(())
@@ -127,7 +107,7 @@ fn flash_that_finds_no_time_at_first_is_asked_again() -> anyhow::Result<()> {
     board.run_ms(500)?;
     board.send(&format!("BIND,set,{OTHER}"));
     board.run_ms(4000)?;
-    assert_eq!(bound(&board), Some(address(OTHER)), "{}", board.text());
+    assert_eq!(board.bound(), Some(OTHER), "{}", board.text());
     let said = board.text().contains("did not take the change");
     assert!(!said, "{}", board.text());
     Ok(())

@@ -10,7 +10,6 @@ use xtask::firmware::Image;
 
 use super::dead_man::model_of;
 use super::faults::{effort, leave_interrupts, run_code};
-use super::start::starts;
 use super::usb::{Endpoints, control, plug};
 use myointent_tests::chip::{Board, Setting};
 use myointent_tests::found;
@@ -24,11 +23,7 @@ const RELEASED: &[u8] = &[1, 0, 0];
 
 /// A board that labels everything as close, for so many seconds of samples.
 fn closing(built: Image, seconds: usize) -> anyhow::Result<Option<Board>> {
-    let setting = Setting {
-        model: model_of(Intent::Close)?,
-        samples: effort(seconds),
-        ..Setting::default()
-    };
+    let setting = Setting::of(model_of(Intent::Close)?, effort(seconds));
     Ok(Board::of(built, setting))
 }
 
@@ -63,29 +58,19 @@ fn wait_for_report(
     report: &[u8],
     at_most_ms: u64,
 ) -> anyhow::Result<()> {
-    let end = board.machine.now() + ms(at_most_ms);
-    while reports(board, endpoints, 0).last().map(Vec::as_slice) != Some(report) {
-        ensure!(
-            board.machine.now() < end,
-            "no {report:x?} within {at_most_ms} ms: {:x?}\n{}",
-            reports(board, endpoints, 0),
-            board.text()
-        );
-        board.run_ms(1)?;
-    }
-    Ok(())
+    board.until(&format!("{report:x?}"), at_most_ms, ms(1), |board| {
+        reports(board, endpoints, 0).last().map(Vec::as_slice) == Some(report)
+    })
 }
 
 /// A board with a plugged cable whose computer has the space bar pressed.
 fn pressing(built: Image, seconds: usize) -> anyhow::Result<Option<(Board, Endpoints)>> {
-    let Some(mut board) = closing(built, seconds)? else {
-        return Ok(None);
-    };
+    let mut board = found!(closing(built, seconds)?, None);
     use_space(&mut board)?;
     let endpoints = plug(&mut board)?;
     wait_for_report(&mut board, endpoints, PRESSED, 10_000)?;
     // With the label, and once.
-    ensure!(super::faults::is_valid(&board) && reports(&board, endpoints, 0) == [PRESSED]);
+    ensure!(board.is_valid() && reports(&board, endpoints, 0) == [PRESSED]);
     Ok(Some((board, endpoints)))
 }
 
@@ -154,8 +139,8 @@ fn a_label_presses_its_key_until_the_state_is_safe() -> anyhow::Result<()> {
         );
         // The armband disconnects after its last sample.
         wait_for_report(&mut board, endpoints, RELEASED, 12_000)?;
-        assert!(!super::faults::is_valid(&board));
-        assert_eq!(starts(&board)[1..], [Reset::Power], "{}", board.text());
+        assert!(!board.is_valid());
+        assert_eq!(board.starts()[1..], [Reset::Power], "{}", board.text());
     }
     Ok(())
 }
@@ -180,7 +165,7 @@ fn a_bus_that_is_suspended_in_a_press_begins_with_the_release() -> anyhow::Resul
     board.machine.chip().suspend_usb(false);
     board.run_ms(20)?;
     assert_eq!(reports(&board, endpoints, before), [RELEASED]);
-    assert_eq!(starts(&board)[1..], [Reset::Power], "{}", board.text());
+    assert_eq!(board.starts()[1..], [Reset::Power], "{}", board.text());
     Ok(())
 }
 
@@ -197,7 +182,7 @@ fn a_cable_that_is_pulled_in_a_press_leaves_nothing_pressed() -> anyhow::Result<
     let endpoints = plug(&mut board)?;
     board.run_ms(6000)?;
     assert_eq!(reports(&board, endpoints, before), [RELEASED, PRESSED]);
-    assert_eq!(starts(&board)[1..], [Reset::Power], "{}", board.text());
+    assert_eq!(board.starts()[1..], [Reset::Power], "{}", board.text());
     Ok(())
 }
 
@@ -249,12 +234,12 @@ fn a_core_that_is_late_presses_the_key_again_when_the_label_is_valid_again() -> 
         board.machine.chip().bus.halt(halt);
         board.run_ms(1000)?;
         let all = reports(&board, endpoints, before);
-        if !super::faults::is_valid(&board) {
+        if !board.is_valid() {
             assert_eq!(all.last().map(Vec::as_slice), Some(RELEASED), "{all:x?}");
             assert!(all.iter().all(|report| report == RELEASED), "{all:x?}");
         }
         wait_for_report(&mut board, endpoints, PRESSED, 10_000)?;
     }
-    assert_eq!(starts(&board)[1..], [Reset::Power], "{}", board.text());
+    assert_eq!(board.starts()[1..], [Reset::Power], "{}", board.text());
     Ok(())
 }

@@ -4,7 +4,7 @@ use std::iter::repeat_n;
 
 use anyhow::{Context as _, ensure};
 use nrf52::softdevice::Fate;
-use nrf52::time::HZ;
+use nrf52::time::ms;
 use shared::installation::{Block, Transfer};
 use shared::intent::Vocabulary;
 use shared::model::dimensions::Dimensions;
@@ -15,7 +15,7 @@ use xtask::firmware::Image;
 
 use super::air;
 use myointent_tests::chip::{Board, MODEL, Setting};
-use myointent_tests::{found, shipped};
+use myointent_tests::{found, model_file};
 
 const PAGE_BLOCKS: u32 = 64;
 /// Lives of a board whose power fails at every operation: no installation takes more.
@@ -29,13 +29,7 @@ struct Sender {
 impl Sender {
     /// A small file: two pages of flash, the second one not full.
     fn small(seed: u64) -> Self {
-        let dimensions = Dimensions {
-            width: 16,
-            layers: 1,
-            span: 27,
-            vocabulary: Vocabulary::Three,
-            other: false,
-        };
+        let dimensions = Dimensions::new(Vocabulary::Three, 16, 1, 27);
         let file = random_model(dimensions, seed).to_bytes();
         let file = file.expect("a writable model");
         assert_eq!(file.len().div_ceil(4096), 2, "{} bytes", file.len());
@@ -43,11 +37,7 @@ impl Sender {
     }
 
     fn transfer(&self) -> Transfer {
-        let (_, checksum) = self.file.split_at(self.file.len() - 4);
-        Transfer {
-            length: self.file.len() as u32,
-            checksum: u32::from_le_bytes(checksum.try_into().expect("four bytes")),
-        }
+        Transfer::of(&self.file)
     }
 
     fn block(&self, number: u32) -> Command {
@@ -64,20 +54,18 @@ impl Sender {
 fn ask(board: &mut Board, command: Command) -> anyhow::Result<Option<String>> {
     let (before, starts) = (board.sent_bytes(), board.machine.incidents.len());
     board.send_bytes(command.to_string().bytes());
-    let end = board.machine.now() + 3 * HZ;
-    loop {
-        board.run_ms(5)?;
-        if board.machine.incidents.len() > starts {
-            return Ok(None);
-        }
+    let answer = |board: &Board| {
         let new = board.text_from(before);
         let mut lines = new.split_inclusive('\n');
         let is_answer = |line: &&str| line.starts_with("$OK") || line.starts_with("$ERR");
-        if let Some(line) = lines.find(|line| line.ends_with('\n') && is_answer(line)) {
-            return Ok(Some(line.to_owned()));
-        }
-        ensure!(board.machine.now() < end, "{command} has no answer:\n{new}");
-    }
+        let line = lines.find(|line| line.ends_with('\n') && is_answer(line));
+        line.map(str::to_owned)
+    };
+    let starts_again = |board: &Board| board.machine.incidents.len() > starts;
+    board.until(&format!("answer to {command}"), 3000, ms(5), |board| {
+        starts_again(board) || answer(board).is_some()
+    })?;
+    Ok(answer(board).filter(|_| !starts_again(board)))
 }
 
 /// Sends a file, and tells what the board asks for after each block: none once it is installed. Returns false if the board
@@ -103,9 +91,7 @@ fn install(
 }
 
 fn streaming_board() -> anyhow::Result<Option<Board>> {
-    let Some(mut board) = air::board(Behaviour::default()) else {
-        return Ok(None);
-    };
+    let mut board = found!(air::board(Behaviour::default()), None);
     board.wait_for("# armband FA", 10_000)?;
     board.flash().needs_silence = true;
     Ok(Some(board))
@@ -134,8 +120,9 @@ fn the_radio_is_silent_while_a_model_is_installed() -> anyhow::Result<()> {
 fn the_stream_goes_on_after_an_installation_that_flash_refuses() -> anyhow::Result<()> {
     let mut board = found!(streaming_board()?);
     board.flash().fates.extend(repeat_n(Fate::TimeOut, 4));
-    let file = std::fs::read(shipped("five-class"))?;
-    let sender = Sender { file };
+    let sender = Sender {
+        file: model_file("five-class"),
+    };
     ask(&mut board, Command::Install(sender.transfer()))?;
     let answer = ask(&mut board, sender.block(0))?.context("a restart")?;
     assert!(answer.starts_with("$ERR,flash"), "{answer}");
@@ -159,17 +146,15 @@ fn cut(board: &mut Board, number: usize) {
 
 /// Checks that a board that has started has the old model, the new one, or none and says so.
 fn check_start(board: &mut Board, from: usize, models: [&Sender; 2]) -> anyhow::Result<()> {
-    let end = board.machine.now() + HZ;
     // What the life before has said is before the name.
-    let said = loop {
+    let said = |board: &Board| {
         let text = board.text_from(from);
         let said = text.rsplit_once("# myointent ").map(|(_, said)| said);
-        if let Some(said) = said.filter(|said| said.contains("$STATE")) {
-            break said.to_owned();
-        }
-        ensure!(board.machine.now() < end, "{text}");
-        board.run_ms(2)?;
+        said.unwrap_or_default().to_owned()
     };
+    let is_said = |board: &mut Board| said(board).contains("$STATE");
+    board.until("state", 1000, ms(2), is_said)?;
+    let said = said(board);
     let names = |one: &&Sender| said.contains(&format!("model {:08x},", one.transfer().checksum));
     match models.into_iter().find(names) {
         Some(one) => ensure!(one.is_in(board), "another model than it says:\n{said}"),
@@ -189,15 +174,10 @@ fn install_without_power(built: Image, next: impl Fn(usize) -> usize) -> anyhow:
     let (old, new) = (Sender::small(4), Sender::small(3));
     let setting = Setting {
         model: old.file.clone(),
-        behaviour: Behaviour {
-            steps: vec![ArmbandFault::Absent],
-            ..Behaviour::default()
-        },
+        behaviour: Behaviour::with(vec![ArmbandFault::Absent]),
         ..Setting::default()
     };
-    let Some(mut board) = Board::of(built, setting) else {
-        return Ok(Vec::new());
-    };
+    let mut board = found!(Board::of(built, setting), Vec::new());
     board.wait_for("$STATE", 1000)?;
     let (mut cuts, mut number, mut page) = (Vec::new(), 0, 0);
     while cuts.len() < MOST_LIVES {

@@ -36,10 +36,7 @@ fn labels_equal_replays(name: &str, seconds: usize) -> anyhow::Result<()> {
     assert!(changes.iter().filter(|one| **one).count() > 1);
     for built in FLASHED {
         let elf = found!(chip::elf(built));
-        let setting = Setting {
-            samples: samples.clone(),
-            ..Setting::default()
-        };
+        let setting = Setting::of(chip::model(), samples.clone());
         let mut board = found!(Board::of(built, setting));
         let stack = stack_chain::stack(&elf)?;
         let read = |board: &Board| {

@@ -11,6 +11,7 @@ use xtask::firmware::Image;
 use xtask::merge::{FlashPart, merged};
 
 use myointent_tests::chip::{self, MODEL};
+use myointent_tests::found;
 
 const UICR: u32 = 0x1000_1000;
 /// Bytes of a SoftDevice that ends where the program begins.
@@ -49,12 +50,8 @@ pub fn take(found: &mut BTreeMap<u32, u8>, start: u32, length: usize) -> anyhow:
 
 #[test]
 fn the_merged_file_holds_every_region_and_nothing_else() -> anyhow::Result<()> {
-    let (Some(elf), Some(image)) = (
-        chip::elf(Image::Nrf52840S140),
-        chip::image(Image::Nrf52840S140),
-    ) else {
-        return Ok(());
-    };
+    let elf = found!(chip::elf(Image::Nrf52840S140));
+    let image = found!(chip::image(Image::Nrf52840S140));
     let stand_in = FlashPart {
         name: "SoftDevice",
         segments: vec![

@@ -4,10 +4,9 @@
 use std::cell::Cell;
 use std::collections::BTreeSet;
 
-use anyhow::ensure;
 use myointent::cli::replay;
 use nrf52::chip::Reset;
-use nrf52::time::{HZ, ms};
+use nrf52::time::{ms, us};
 use nrf52::{Incident, RAM};
 use shared::installation::{Block, Transfer};
 use shared::uart_line::command::Command;
@@ -16,7 +15,7 @@ use xtask::firmware::Image;
 
 use super::faults::{effort, leave_interrupts, run_code};
 use super::start::FLASHED;
-use myointent_tests::chip::{self, Board, Setting};
+use myointent_tests::chip::{self, Board, OTHER, Setting};
 use myointent_tests::found;
 
 /// Something that a board does, and how it comes to it.
@@ -35,16 +34,10 @@ fn until_flash(board: &mut Board) -> anyhow::Result<()> {
         _ => (0, false),
     };
     let (before, _) = begun(board);
-    let end = board.machine.now() + HZ;
-    while begun(board).0 == before || begun(board).1 {
-        ensure!(
-            board.machine.now() < end,
-            "nothing is written:\n{}",
-            board.text()
-        );
-        board.machine.run(ms(1) / 10)?;
-    }
-    Ok(())
+    board.until("operation of flash", 1000, us(100), |board| {
+        let (now, is_in_slot) = begun(board);
+        now != before && !is_in_slot
+    })
 }
 
 fn until_a_stream(board: &mut Board) -> anyhow::Result<()> {
@@ -75,11 +68,8 @@ const ACTIVITIES: [Activity; 8] = [
         name: "first requests of a link",
         is_alone: false,
         begin: |board| {
-            while !board.machine.air().is_linked() {
-                ensure!(board.machine.now() < 5 * HZ, "no link:\n{}", board.text());
-                board.machine.run(ms(1) / 10)?;
-            }
-            Ok(())
+            let is_linked = |board: &mut Board| board.machine.air().is_linked();
+            board.until("link", 5000, us(100), is_linked)
         },
     },
     Activity {
@@ -104,7 +94,7 @@ const ACTIVITIES: [Activity; 8] = [
         is_alone: false,
         begin: |board| {
             until_a_stream(board)?;
-            board.send("BIND,set,F1:23:45:67:89:AB");
+            board.send(&format!("BIND,set,{OTHER}"));
             until_flash(board)
         },
     },
@@ -130,14 +120,15 @@ const ACTIVITIES: [Activity; 8] = [
 
 /// The core stands still, as in a loop that nothing interrupts, until the chip is reset.
 fn stand_still(board: &mut Board) -> anyhow::Result<()> {
-    let (incidents, from) = (board.machine.incidents.len(), board.machine.now());
-    while board.machine.incidents.len() == incidents {
-        ensure!(board.machine.now() < from + 3 * HZ, "nothing ends it");
-        // One instruction each time, too few to end an interrupt.
-        board.machine.chip().bus.halt(ms(50));
-        board.machine.run(1)?;
-    }
-    Ok(())
+    let incidents = board.machine.incidents.len();
+    board.until("end of it", 3000, 1, |board| {
+        let is_over = board.machine.incidents.len() > incidents;
+        if !is_over {
+            // One instruction each time, too few to end an interrupt.
+            board.machine.chip().bus.halt(ms(50));
+        }
+        is_over
+    })
 }
 
 /// Tasks stand still, and interrupts go on.
@@ -157,10 +148,7 @@ fn the_watchdog_ends_a_hang_whatever_the_board_was_doing() -> anyhow::Result<()>
             let steps = Vec::from_iter(activity.is_alone.then_some(ArmbandFault::Absent));
             let setting = Setting {
                 samples: effort(20),
-                behaviour: Behaviour {
-                    steps,
-                    ..Behaviour::default()
-                },
+                behaviour: Behaviour::with(steps),
                 ..Setting::default()
             };
             let mut board = found!(Board::of(built, setting));
@@ -195,10 +183,7 @@ fn an_interrupt_at_every_instruction_of_queues_and_wakers_changes_no_label() -> 
     ];
     let samples = effort(5);
     let expected = replay::lines(&chip::model(), &samples)?;
-    let setting = Setting {
-        samples,
-        ..Setting::default()
-    };
+    let setting = Setting::of(chip::model(), samples);
     let mut board = found!(Board::of(Image::Nrf52840S140, setting));
     let functions = names.map(|parts| board.machine.image().functions(parts));
     board.wait_for("# armband FA", 10_000)?;
@@ -255,11 +240,7 @@ fn whatever_ram_holds_at_the_start_the_first_lines_are_the_same() -> anyhow::Res
             board.machine.reset(Reset::Power);
             memory.write(RAM, &content);
             let sent = board.sent_bytes();
-            while !board.text_from(sent).contains("$STATE") {
-                let said = board.text_from(sent);
-                ensure!(said.len() < 1000, "{built}, {}:\n{said}", content[0]);
-                board.run_ms(5)?;
-            }
+            board.wait_from(sent, "$STATE", 1000)?;
             let said = board.text_from(sent);
             assert!(said.contains(expected.trim_end()), "{built}:\n{said}");
         }

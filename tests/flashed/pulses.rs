@@ -9,7 +9,7 @@ use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample};
 use xtask::firmware::Image;
 
 use super::dead_man::model_of;
-use super::faults::{effort, is_valid};
+use super::faults::effort;
 use myointent_tests::chip::{Board, Setting};
 use myointent_tests::found;
 
@@ -46,16 +46,12 @@ fn pulses_are_the_strength_and_end_with_the_stream() -> anyhow::Result<()> {
     let expected = expected(&model, &samples)?;
     assert!(expected.len() > 20, "{expected:?}");
     for built in [Image::Nrf52840S140, Image::Nrf52832S132] {
-        let setting = Setting {
-            model: model.clone(),
-            samples: samples.clone(),
-            ..Setting::default()
-        };
+        let setting = Setting::of(model.clone(), samples.clone());
         let mut board = found!(Board::of(built, setting));
         let mut found = Vec::new();
         while board.sent() < samples.len() / 2 {
             anyhow::ensure!(board.machine.now() < 12 * HZ, "{}", board.text());
-            assert!(is_valid(&board) || board.machine.now() < 5 * HZ);
+            assert!(board.is_valid() || board.machine.now() < 5 * HZ);
             board.machine.run(us(500))?;
             found.extend(high_us(&board));
         }

@@ -57,11 +57,7 @@ fn every_image_of_a_release_starts_and_labels_as_replay_does() -> anyhow::Result
         // Emulated functions are found by the names that the image has here; what runs is the file's.
         let mut image = chip::image(built).context("no compiler")?;
         image.segments = found;
-        let setting = Setting {
-            model,
-            samples: samples.clone(),
-            ..Setting::default()
-        };
+        let setting = Setting::of(model, samples.clone());
         let mut board = Board::new(built, image, setting);
         board.wait_for("# stream over", 20_000)?;
         board.run_ms(200)?;

@@ -1,6 +1,5 @@
 //! Start of the program, from reset to the first lines.
 
-use nrf52::Incident;
 use nrf52::chip::{APPROTECT, Reset};
 use nrf52::softdevice::boot::SOFTDEVICE_VERSION;
 use xtask::firmware::Image;
@@ -9,16 +8,6 @@ use myointent_tests::chip::{Board, Setting};
 use myointent_tests::found;
 
 pub const FLASHED: [Image; 3] = [Image::Nrf52840S140, Image::Nrf52840Sdc, Image::Nrf52832S132];
-
-/// Reasons of the program's starts, in order.
-pub fn starts(board: &Board) -> Vec<Reset> {
-    let incidents = board.machine.incidents.iter();
-    let started = incidents.filter_map(|(_, incident)| match incident {
-        Incident::Started(why) => Some(*why),
-        Incident::HardFault(_) => None,
-    });
-    started.collect()
-}
 
 #[test]
 fn the_uart_runs_on_the_crystal() -> anyhow::Result<()> {
@@ -71,13 +60,9 @@ fn an_older_softdevice_is_named_at_each_start() -> anyhow::Result<()> {
 fn the_reset_button_is_no_watchdog() -> anyhow::Result<()> {
     let mut board = found!(Board::of(Image::Nrf52840S140, Setting::default()));
     board.wait_for("started by power or reset", 1000)?;
-    let before = board.text().len();
+    let before = board.sent_bytes();
     board.machine.reset(Reset::Pin);
-    board.run_ms(1000)?;
-    let text = board.text();
-    let after = text.get(before..).unwrap_or(&text);
-    assert!(after.contains("started by power or reset"), "{text}");
-    Ok(())
+    board.wait_from(before, "started by power or reset", 1000)
 }
 
 #[test]
@@ -92,7 +77,7 @@ fn a_blank_chip_sets_its_reset_pin_and_starts_again() -> anyhow::Result<()> {
         };
         let mut board = found!(Board::of(built, setting));
         board.wait_for("# model refused", 2000)?;
-        assert_eq!(starts(&board), [Reset::Power, Reset::Software], "{built}");
+        assert_eq!(board.starts(), [Reset::Power, Reset::Software], "{built}");
         // The chip was reset to set UICR, not after a panic.
         board.wait_for("started by power or reset", 1000)?;
         let chip = board.machine.chip();

@@ -3,16 +3,13 @@
 use std::iter::repeat_n;
 
 use shared::model::noise::Noise;
-use shared::myo::Address;
 use xtask::firmware::Image;
 
-use super::flash::bound;
 use super::start::FLASHED;
-use myointent_tests::chip::{Board, Setting};
+use myointent_tests::chip::{Board, OTHER, Setting};
 use myointent_tests::found;
 
 const NOISE: usize = 1_000_000;
-const OTHER: &str = "F1:23:45:67:89:AB";
 
 fn board(built: Image) -> Option<Board> {
     Board::of(built, Setting::default())
@@ -27,7 +24,7 @@ fn bytes_that_come_while_a_page_is_erased_do_not_end_the_receiver() -> anyhow::R
         board.send(&format!("BIND,set,{OTHER}"));
         board.send_bytes(repeat_n(b'x', 3000));
         board.run_ms(1000)?;
-        assert_eq!(bound(&board), Address::parse(OTHER).ok(), "{built}");
+        assert_eq!(board.bound(), Some(OTHER), "{built}");
         board.ask("IDENTIFY", "$OK,IDENTIFY")?;
         // The ring of the nRF52840 holds them all.
         let is_said = board.text().contains("# received bytes were lost");

@@ -10,7 +10,7 @@ use xtask::firmware::Image;
 
 use super::merged::take;
 use myointent_tests::chip::{self, BINDING, MODEL};
-use myointent_tests::{found, shipped};
+use myointent_tests::{found, model_file};
 
 /// Address of the journal, as in `memory.x`.
 const JOURNAL: u32 = 0x5_6000;
@@ -70,7 +70,7 @@ fn take_model(found: &mut BTreeMap<u32, u8>, model: &[u8]) -> anyhow::Result<()>
 
 #[test]
 fn the_program_writes_a_model_alone_or_into_the_file_of_an_image() -> anyhow::Result<()> {
-    let mine = std::fs::read(shipped("six-class"))?;
+    let mine = model_file("six-class");
     let alone = Content::new(None, Some(&mine))?;
     let mut found = read(&alone.file())?;
     take_model(&mut found, &mine)?;

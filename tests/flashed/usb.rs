@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use anyhow::{Context as _, bail, ensure};
 use nrf52::chip::Reset;
-use nrf52::time::{HZ, ms};
+use nrf52::time::{ms, us};
 use shared::uart_line::answer::{Answer, Charge};
 use shared::uart_line::command::Command;
 use shared::uart_line::imu::ImuReport;
@@ -12,8 +12,7 @@ use shared::uart_line::line::{Line, LineReader};
 use xtask::firmware::Image;
 
 use super::faults::effort;
-use super::start::starts;
-use myointent_tests::chip::{Board, Setting};
+use myointent_tests::chip::{self, Board, Setting};
 use myointent_tests::found;
 
 /// UARTE0.PSEL.TXD and RXD.
@@ -22,21 +21,15 @@ const UART_PINS: [u32; 2] = [0x4000_250c, 0x4000_2514];
 const GPREGRET: u32 = 0x4000_051c;
 
 pub fn started(built: Image) -> Option<Board> {
-    let setting = Setting {
-        samples: effort(60),
-        ..Setting::default()
-    };
-    Board::of(built, setting)
+    Board::of(built, Setting::of(chip::model(), effort(60)))
 }
 
 /// Makes a control transfer; returns the bytes that the device sent.
 pub fn control(board: &mut Board, setup: [u8; 8], data: &[u8]) -> anyhow::Result<Vec<u8>> {
     board.machine.chip().begin_control(setup, data);
-    let end = board.machine.now() + ms(100);
-    while !board.machine.chip().usb().control.is_over {
-        ensure!(board.machine.now() < end, "no end of {setup:x?}");
-        board.machine.run(ms(1) / 10)?;
-    }
+    board.until(&format!("end of {setup:x?}"), 100, us(100), |board| {
+        board.machine.chip().usb().control.is_over
+    })?;
     let done = board.machine.chip().usb().control.clone();
     ensure!(!done.is_stalled, "refused: {setup:x?}");
     Ok(done.data)
@@ -59,11 +52,9 @@ pub struct Endpoints {
 /// Plugs the cable and enumerates, as a host does.
 pub fn plug(board: &mut Board) -> anyhow::Result<Endpoints> {
     board.machine.chip().plug_usb(true);
-    let end = board.machine.now() + HZ;
-    while !board.machine.chip().usb().is_attached() {
-        ensure!(board.machine.now() < end, "no pull-up:\n{}", board.text());
-        board.run_ms(1)?;
-    }
+    board.until("pull-up", 1000, ms(1), |board| {
+        board.machine.chip().usb().is_attached()
+    })?;
     board.machine.chip().reset_usb();
     board.run_ms(10)?;
     let device = descriptor(board, 1, 0, 18)?;
@@ -136,9 +127,7 @@ pub fn heard(board: &Board, endpoints: Endpoints) -> String {
 
 /// A started XIAO whose port is open.
 fn opened() -> anyhow::Result<Option<(Board, Endpoints)>> {
-    let Some(mut board) = started(Image::Xiao) else {
-        return Ok(None);
-    };
+    let mut board = found!(started(Image::Xiao), None);
     board.run_ms(1000)?;
     let endpoints = plug(&mut board)?;
     set_port(&mut board, 115_200, true)?;
@@ -179,7 +168,7 @@ fn every_board_starts_from_its_boot_loader_on_pins_of_its_own() -> anyhow::Resul
         board.set_button(true);
         board.wait_for("# pairing", 4000)?;
         assert_eq!(
-            starts(&board)[1..],
+            board.starts()[1..],
             [Reset::Power],
             "{built}:\n{}",
             board.text()
@@ -237,7 +226,7 @@ fn movement_comes_by_usb_alone_where_its_host_has_asked_for_it() -> anyhow::Resu
     ask(&mut board, Command::Imu(false))?;
     let over = board.machine.chip().usb().taken.len();
     board.run_ms(500)?;
-    let mut reader = LineReader::new();
+    let mut reader = LineReader::default();
     let (mut moved, mut first) = (Vec::new(), None);
     for byte in received(&board, endpoints, asked) {
         match reader.push(byte) {
@@ -279,7 +268,7 @@ fn a_host_that_does_not_read_delays_no_label_and_no_watchdog() -> anyhow::Result
     let counts = text.rsplit("$OK,COUNTERS,").next().unwrap_or_default();
     let dropped = counts.split(['*', ',']).nth(14).unwrap_or_default();
     assert_ne!(dropped, "0", "{counts}");
-    assert_eq!(starts(&board)[1..], [Reset::Power]);
+    assert_eq!(board.starts()[1..], [Reset::Power]);
     // It reads again: new lines come behind the old ones.
     board.machine.chip().read_usb(true);
     board.run_ms(500)?;
@@ -293,11 +282,11 @@ fn a_port_that_is_closed_at_1200_baud_restarts_into_the_boot_loader() -> anyhow:
     let (mut board, _) = found!(opened()?);
     set_port(&mut board, 115_200, false)?;
     board.run_ms(100)?;
-    assert_eq!(starts(&board)[1..], [Reset::Power]);
+    assert_eq!(board.starts()[1..], [Reset::Power]);
     set_port(&mut board, 1200, true)?;
     set_port(&mut board, 1200, false)?;
     board.run_ms(30)?;
-    assert_eq!(starts(&board)[1..], [Reset::Power, Reset::Software]);
+    assert_eq!(board.starts()[1..], [Reset::Power, Reset::Software]);
     // What Adafruit's boot loader looks for.
     assert_eq!(board.machine.chip().read(GPREGRET, 4), 0x57);
     Ok(())

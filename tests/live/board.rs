@@ -115,8 +115,7 @@ fn armband() -> Address {
 /// Returns a minute of a hand at rest.
 fn rest() -> Vec<Sample> {
     let mut noise = Noise(5);
-    let mut sample = || [(); 8].map(|()| (noise.signed() * 3.0) as i8);
-    (0..12_000).map(|_| sample()).collect()
+    (0..12_000).map(|_| noise.sample(3.0)).collect()
 }
 
 /// Streams a recording with labels at four times its speed, until it is stopped.
@@ -130,7 +129,7 @@ fn run(mut wire: Wire, mut following: Following, stop: &AtomicBool, raw: &Atomic
         Following::Nobody => rest(),
         _ => synthetic(60).samples,
     };
-    let mut reader = CommandReader::new();
+    let mut reader = CommandReader::default();
     wire.write("# myointent 0.1.0 0123456789ab, image test, started by power or reset\r\n");
     wire.write(&pipeline.state_report().without_strength().to_string());
     let (pairs, _) = samples.as_chunks::<2>();

@@ -57,9 +57,8 @@ mod viewer;
 #[cfg(target_os = "linux")]
 mod worker;
 
-use std::path::Path;
-
 use myointent::live::{self, Live, Options, Source};
+use myointent_tests::model_file;
 use recordings::Recording;
 use recordings::synthetic::{self, SynthOptions};
 
@@ -77,8 +76,7 @@ fn serve(source: Source) -> Live {
 }
 
 fn shipped() -> Vec<u8> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    std::fs::read(root.join("models/three-class.intent")).unwrap()
+    model_file("three-class")
 }
 
 /// Generates a synthetic recording.

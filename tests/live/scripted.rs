@@ -20,7 +20,7 @@ impl Scripted {
     pub fn start(link: &Path, mut lines: impl FnMut(Command) -> String + Send + 'static) -> Self {
         let terminal = Terminal::new(link);
         let worker = Worker::start(move |stop| {
-            let mut reader = CommandReader::new();
+            let mut reader = CommandReader::default();
             let mut buffer = [0; 256];
             while !stop.load(Ordering::Relaxed) {
                 let length = terminal.master.read(&mut buffer).unwrap_or(0);

@@ -4,14 +4,15 @@ use anyhow::{Context as _, bail};
 use shared::intent::Intent;
 use shared::stream::safe_state::SILENCE_MS;
 use shared::uart_line::ReportKind;
+use virtual_armband::PinLevels;
 
-use super::{BoardOutput, PinLevels};
+use super::BoardOutput;
 
 /// Longest time from the last byte to the pin: the silence, the sample's way in, and delays of a busy host.
-const SAFE_WITHIN_US: u32 = SILENCE_MS * 1000 + 25_000;
+const SAFE_WITHIN_US: u64 = SILENCE_MS as u64 * 1000 + 25_000;
 
 /// Longest such time where a fault keeps the program from it.
-const SAFE_BY_HARDWARE_WITHIN_US: u32 = 250_000;
+const SAFE_BY_HARDWARE_WITHIN_US: u64 = 250_000;
 
 impl BoardOutput {
     /// Checks the conditions that hold in every run; with `may_restart` the board may have restarted.

@@ -1,7 +1,6 @@
 //! Output of a board, emulated or simulated: files of a folder, which every call reads again.
 
 mod invariants;
-mod pins;
 
 use std::path::{Path, PathBuf};
 
@@ -10,13 +9,8 @@ use std::fmt::Write as _;
 use anyhow::{Context as _, bail};
 use serde_json::Value;
 use shared::uart_line::{Report, alignment::AlignmentReport, emg::EmgReport, line::Line};
+use virtual_armband::{LEVELS, LINES, PinLevels};
 
-pub use pins::PinLevels;
-
-/// Name of the file with the lines of UART0.
-pub const LINES: &str = "uart0.out";
-/// Name of the file with UART2's output: the levels of the pins.
-pub const LEVELS: &str = "uart2.out";
 /// Name of the armband's log of events.
 pub const ARMBAND_LOG: &str = "armband";
 
@@ -170,16 +164,16 @@ impl BoardOutput {
 
     /// Returns the times at which the simulated armband began to stream, in microseconds; the virtual one does not log
     /// them.
-    pub fn streams_us(&self) -> Vec<u32> {
+    pub fn streams_us(&self) -> Vec<u64> {
         self.times_us("STREAM ")
     }
 
     /// Returns the times of the injected faults, in microseconds.
-    pub fn faults_us(&self) -> Vec<u32> {
+    pub fn faults_us(&self) -> Vec<u64> {
         self.times_us("FAULT ")
     }
 
-    fn times_us(&self, what: &str) -> Vec<u32> {
+    fn times_us(&self, what: &str) -> Vec<u64> {
         let lines = self.complete(LEVELS, |line| line.starts_with(what));
         let times = lines.iter().map(|line| line[what.len()..].trim_end());
         times.filter_map(|us| us.parse().ok()).collect()

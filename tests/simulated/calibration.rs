@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::iter::repeat_n;
 
 use myointent::cli::replay::calibrated_lines;
+use myointent_tests::model_file;
 use myointent_tests::output::is_numbered;
 use myointent_tests::simulation::{self, Inputs, Ran};
 use recordings::synthetic::Follower;
@@ -14,7 +15,7 @@ use shared::stream::alignment::Alignment;
 use shared::uart_line::{Report, ReportKind};
 use shared::units::Sample;
 
-use super::{model, page, program};
+use super::{page, program};
 
 /// Notifications before the command.
 const AT: usize = 400;
@@ -49,7 +50,7 @@ struct Bench {
 impl Bench {
     fn new() -> Self {
         Self {
-            model: model("three-class"),
+            model: model_file("three-class"),
             samples: samples(),
         }
     }
@@ -173,7 +174,7 @@ fn who_follows_the_cues_gets_a_head_that_is_kept_and_no_label_is_valid_meanwhile
     assert_eq!(again.calibration, [0xff; 4096]);
     // Another model does not.
     let other = Bench {
-        model: model("five-class"),
+        model: model_file("five-class"),
         samples: samples(),
     };
     let other = other
@@ -213,7 +214,7 @@ fn replay_writes_what_the_board_writes_in_a_calibration_and_after_it() {
 
 #[test]
 fn an_armband_that_is_turned_or_on_the_other_arm_ends_calibrated_like_any_other() {
-    let model = model("three-class");
+    let model = model_file("three-class");
     let (samples, cues): (Vec<_>, Vec<_>) = following(4, 0).unzip();
     // Thousandths of the labels after it that are as asked.
     let right = |placed: Alignment| {

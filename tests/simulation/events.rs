@@ -4,9 +4,6 @@ use std::path::Path;
 
 use anyhow::{Context as _, bail};
 
-/// Name of the file to which the board writes the log.
-pub const EVENTS: &str = "events.out";
-
 /// Events from one start of the program to the next.
 #[derive(Clone, Default, Debug)]
 pub struct Start {

@@ -10,10 +10,35 @@ use std::process::Command;
 use anyhow::{Context as _, ensure};
 use shared::units::Sample;
 use tempfile::TempDir;
+use virtual_armband::EVENTS;
 
 pub use events::Start;
 
 use crate::output::BoardOutput;
+
+/// Names of files in a board's folder.
+pub const SCENARIO: &str = "scenario.toml";
+pub const MODEL: &str = "model.intent";
+pub const SAMPLES: &str = "samples.i8";
+pub const PAGE: &str = "page";
+const CALIBRATION: &str = "calibration";
+
+/// Returns the command that runs a board on the files of a folder.
+pub fn command(program: &Path, folder: &Path) -> Command {
+    let mut board = Command::new(program);
+    board.arg(folder.join(SCENARIO));
+    for (option, name) in [
+        ("--model", MODEL),
+        ("--samples", SAMPLES),
+        ("--page", PAGE),
+        ("--journal", "journal"),
+        ("--calibration", CALIBRATION),
+        ("--out", ""),
+    ] {
+        board.arg(option).arg(folder.join(name));
+    }
+    board
+}
 
 /// Surroundings of a simulated board.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +69,7 @@ pub struct Ran {
 impl Ran {
     /// Returns the events after each start, with their times.
     pub fn starts(&self) -> anyhow::Result<Vec<Start>> {
-        events::read(&self.folder.path().join(events::EVENTS))
+        events::read(&self.folder.path().join(EVENTS))
     }
 }
 
@@ -60,32 +85,19 @@ impl Deref for Ran {
 pub fn run(program: &Path, inputs: &Inputs<'_>) -> anyhow::Result<Ran> {
     let folder = tempfile::Builder::new().prefix("simulation").tempdir()?;
     let path = |name: &str| folder.path().join(name);
-    fs::write(path("scenario.toml"), inputs.scenario)?;
-    fs::write(path("model.intent"), inputs.model)?;
+    fs::write(path(SCENARIO), inputs.scenario)?;
+    fs::write(path(MODEL), inputs.model)?;
     let samples = bytemuck::cast_slice::<Sample, u8>(inputs.samples);
-    fs::write(path("samples.i8"), samples)?;
-    fs::write(path("page"), inputs.page)?;
-    fs::write(path("calibration"), inputs.calibration)?;
-    let mut board = Command::new(program);
+    fs::write(path(SAMPLES), samples)?;
+    fs::write(path(PAGE), inputs.page)?;
+    fs::write(path(CALIBRATION), inputs.calibration)?;
+    let mut board = command(program, folder.path());
     if let Some(file) = inputs.install {
         fs::write(path("other.intent"), file)?;
         board.arg("--install").arg(path("other.intent"));
-        board.arg("--journal").arg(path("journal"));
     }
-    let ran = board
-        .arg(path("scenario.toml"))
-        .arg("--model")
-        .arg(path("model.intent"))
-        .arg("--samples")
-        .arg(path("samples.i8"))
-        .arg("--page")
-        .arg(path("page"))
-        .arg("--calibration")
-        .arg(path("calibration"))
-        .arg("--out")
-        .arg(folder.path())
-        .output()
-        .with_context(|| program.display().to_string())?;
+    let ran = board.output();
+    let ran = ran.with_context(|| program.display().to_string())?;
     let output = BoardOutput::new(folder.path());
     ensure!(
         ran.status.success(),
@@ -96,8 +108,8 @@ pub fn run(program: &Path, inputs: &Inputs<'_>) -> anyhow::Result<Ran> {
     );
     Ok(Ran {
         output,
-        region: fs::read(path("model.intent"))?,
-        calibration: fs::read(path("calibration"))?,
+        region: fs::read(path(MODEL))?,
+        calibration: fs::read(path(CALIBRATION))?,
         folder,
     })
 }

@@ -113,19 +113,19 @@ async fn carry_out(line: usize, command: Command) -> Answer<'static> {
         {
             Answer::Refused(Refusal::NoModel)
         }
-        Command::Bind(command) => match requests::BIND.ask(command).await {
-            Ok(binding) => Answer::Binding(binding),
-            Err(refusal) => Answer::Refused(refusal),
-        },
+        Command::Bind(command) => {
+            let bound = requests::BIND.ask(command).await;
+            bound.map_or_else(Answer::Refused, Answer::Binding)
+        }
         Command::Align(command) => ask_inference(InferenceRequest::Align(command)).await,
         Command::Gate(command) => ask_inference(InferenceRequest::Gate(command)).await,
         Command::Calibrate(command) => ask_inference(InferenceRequest::Calibrate(command)).await,
         Command::Lock(command) => ask_inference(InferenceRequest::Lock(command)).await,
         #[cfg(feature = "uf2")]
-        Command::Hid(command) => match requests::HID.ask(command).await {
-            Ok(settings) => Answer::Hid(settings),
-            Err(refusal) => Answer::Refused(refusal),
-        },
+        Command::Hid(command) => {
+            let set = requests::HID.ask(command).await;
+            set.map_or_else(Answer::Refused, Answer::Hid)
+        }
         // No USB.
         #[cfg(not(feature = "uf2"))]
         Command::Hid(_) => Answer::Refused(Refusal::Unknown),
@@ -135,15 +135,11 @@ async fn carry_out(line: usize, command: Command) -> Answer<'static> {
 }
 
 async fn ask_inference(request: InferenceRequest) -> Answer<'static> {
-    match requests::INFERENCE.ask(request).await {
-        Ok(done) => done.answer(calibration::answer),
-        Err(refusal) => Answer::Refused(refusal),
-    }
+    let done = requests::INFERENCE.ask(request).await;
+    done.map_or_else(Answer::Refused, |done| done.answer(calibration::answer))
 }
 
 async fn install(request: InstallationRequest) -> Answer<'static> {
-    match requests::INSTALLATION.ask(request).await {
-        Ok(progress) => Answer::Install(progress),
-        Err(refusal) => Answer::Refused(refusal),
-    }
+    let progress = requests::INSTALLATION.ask(request).await;
+    progress.map_or_else(Answer::Refused, Answer::Install)
 }

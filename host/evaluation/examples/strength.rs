@@ -153,7 +153,8 @@ fn labels(model: &Model<'_>, samples: &[Sample]) -> Vec<f64> {
 
 /// Strength were each label close.
 fn given(samples: &[Sample]) -> Vec<f64> {
-    let (mut normalizer, mut strength, mut newest) = (Normalizer::new(), Strength::new(), 0.0);
+    let (mut normalizer, mut strength, mut newest) =
+        (Normalizer::default(), Strength::default(), 0.0);
     let patch = |(place, patch): (usize, &[Sample])| {
         for &sample in patch {
             strength.push(sample);

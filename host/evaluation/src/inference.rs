@@ -21,7 +21,7 @@ pub use self::stream::Stream;
 /// Input of a model from the samples of a stream, from its beginning: preprocessed as in training, and as a board does
 /// it.
 pub fn input(samples: &[Sample], preprocessing: Preprocessing) -> Vec<CleanSample> {
-    let mut wearer = preprocessing.normalized.then(Normalizer::new);
+    let mut wearer = preprocessing.normalized.then(Normalizer::default);
     let samples = samples.iter().map(|&sample| match &mut wearer {
         Some(wearer) => wearer.push(sample),
         None => sample,

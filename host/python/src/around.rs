@@ -36,7 +36,7 @@ impl Patches {
         let model = file::Model::parse(&model.named.bytes).map_err(told)?;
         let preprocessing = model.header.preprocessing;
         Ok(Self {
-            normalizer: preprocessing.normalized.then(Normalizer::new),
+            normalizer: preprocessing.normalized.then(Normalizer::default),
             preprocessor: Preprocessor::new(preprocessing.median),
             rest: Vec::new(),
         })

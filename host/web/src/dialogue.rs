@@ -85,7 +85,7 @@ impl Dialogue {
             reported: None,
             installer: None,
         };
-        let reader = LineReader::new();
+        let reader = LineReader::default();
         Self { reader, state }
     }
 

@@ -565,7 +565,7 @@ mod tests {
     fn said(board: &mut SimulatedBoard, line: &str) -> (Option<Answer<'static>>, String) {
         board.receive(line.as_bytes());
         let lines = board.step(None, None);
-        let (mut reader, mut answer, mut comments) = (LineReader::new(), None, String::new());
+        let (mut reader, mut answer, mut comments) = (LineReader::default(), None, String::new());
         for byte in lines.bytes() {
             match reader.push(byte).transpose().unwrap() {
                 Some(Line::Answer(Answer::Refused(why))) => answer = Some(Answer::Refused(why)),

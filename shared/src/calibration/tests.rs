@@ -22,11 +22,8 @@ const GESTURES: [Shown; 4] = [
 
 fn file(width: usize, other: bool) -> Vec<u8> {
     let dimensions = Dimensions {
-        width,
-        layers: 1,
-        span: 4,
-        vocabulary: Vocabulary::Three,
         other,
+        ..Dimensions::new(Vocabulary::Three, width, 1, 4)
     };
     random_model(dimensions, 3).to_bytes().unwrap()
 }

@@ -23,11 +23,15 @@
 //! lost the old model, that is put back in use.
 
 pub mod journal;
+#[cfg(any(test, feature = "write"))]
+mod simulated_flash;
 #[cfg(test)]
 mod tests;
 mod transfer;
 
 use self::journal::Journal;
+#[cfg(any(test, feature = "write"))]
+pub use self::simulated_flash::SimulatedFlash;
 use self::transfer::PAGE_BLOCKS;
 pub use self::transfer::{BLOCK_BYTES, Block, PAGE_BYTES, Transfer};
 

@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 
 mod board;
 
-use board::{Board, Flash, send};
+use board::{Board, flash, send};
 
 /// Ten pages, the last not full, and the last block not either.
 const LENGTH: usize = 9 * PAGE_BYTES + 5 * BLOCK_BYTES + 7;
@@ -36,7 +36,7 @@ const fn next(block: u32) -> Result<InstallationProgress, Refused> {
 /// Two models, and a board that has both as such and the first one in use.
 fn started() -> (Vec<u8>, Vec<u8>, Board) {
     let (old, new) = (file(1), file(2));
-    let board = Board::start(Flash::of(&old), &[&old, &new]);
+    let board = Board::start(flash(&old), &[&old, &new]);
     (old, new, board)
 }
 
@@ -98,23 +98,16 @@ fn power_that_fails_at_any_operation_leaves_the_old_model_or_none_and_the_file_i
     let mut operation = 0;
     loop {
         operation += 1;
-        let mut board = Board::start(Flash::of(&old), &[&old, &new]);
-        board.flash.left = operation;
+        let mut board = Board::start(flash(&old), &[&old, &new]);
+        board.left = operation;
         if send(&mut board, &new).is_ok() {
             break;
         }
-        let written = board.flash.clone();
-        let mut board = Board::start(
-            Flash {
-                left: usize::MAX,
-                ..written
-            },
-            &[&old, &new],
-        );
+        let mut board = Board::start(board.flash, &[&old, &new]);
         // The first operation is the journal's; the last one too, when the file is whole.
         let expected = match operation {
             1 | 2 => Some(1),
-            _ if board.flash.holds(&new) => Some(2),
+            _ if board.flash.region.starts_with(&new) => Some(2),
             _ => None,
         };
         assert_eq!(board.in_use, expected, "operation {operation}");
@@ -136,7 +129,7 @@ fn power_that_fails_at_any_operation_leaves_the_old_model_or_none_and_the_file_i
 #[test]
 fn another_file_begins_from_the_start_and_the_same_one_goes_on() {
     let (old, new, other) = (file(1), file(2), file(3));
-    let mut board = Board::start(Flash::of(&old), &[&old, &new, &other]);
+    let mut board = Board::start(flash(&old), &[&old, &new, &other]);
     board.begin(transfer(&new)).unwrap();
     for number in [0, 64, 65, 66] {
         assert!(board.take(&new, number).unwrap().is_ok());
@@ -180,7 +173,7 @@ fn what_was_not_asked_for_changes_nothing() {
 #[test]
 fn a_first_block_that_is_not_ours_leaves_the_model_in_use() {
     let (old, new) = (file(1), file(0x90));
-    let mut board = Board::start(Flash::of(&old), &[&old]);
+    let mut board = Board::start(flash(&old), &[&old]);
     board.begin(transfer(&new)).unwrap();
     assert_eq!(board.take(&new, 0).unwrap(), Err(Refused::Model));
     assert_eq!(board.in_use, Some(1));

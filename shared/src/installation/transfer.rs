@@ -37,6 +37,16 @@ impl Block {
 }
 
 impl Transfer {
+    /// The exchange for a model file.
+    #[must_use]
+    pub fn of(file: &[u8]) -> Self {
+        let checksum = file.last_chunk().copied().unwrap_or_default();
+        Self {
+            length: file.len() as u32,
+            checksum: u32::from_le_bytes(checksum),
+        }
+    }
+
     /// Blocks of the file.
     #[must_use]
     pub const fn blocks(self) -> u32 {

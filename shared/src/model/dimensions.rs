@@ -39,6 +39,18 @@ pub struct Dimensions {
 }
 
 impl Dimensions {
+    /// Dimensions of a model that has no output for movement outside the vocabulary.
+    #[must_use]
+    pub const fn new(vocabulary: Vocabulary, width: usize, layers: usize, span: usize) -> Self {
+        Self {
+            width,
+            layers,
+            span,
+            vocabulary,
+            other: false,
+        }
+    }
+
     /// Outputs of the look-back head for each row: the classes, and movement outside the vocabulary.
     #[must_use]
     pub const fn row_outputs(&self) -> usize {

@@ -1,5 +1,7 @@
 //! Pseudo-random numbers for tests, benchmarks and random models.
 
+use crate::units::{CHANNELS, Sample};
+
 /// A splitmix64 generator: the same numbers from a seed on every machine.
 #[derive(Clone, Debug)]
 pub struct Noise(pub u64);
@@ -17,5 +19,18 @@ impl Noise {
     /// Uniform in -1..1.
     pub fn signed(&mut self) -> f32 {
         (self.bits() >> 40) as f32 / (1 << 23) as f32 - 1.0
+    }
+
+    /// The next sample of EMG, below this amplitude on every electrode.
+    pub fn sample(&mut self, amplitude: f32) -> Sample {
+        [(); CHANNELS].map(|()| (self.signed() * amplitude) as i8)
+    }
+
+    /// EMG of rest and effort in turn, 1.5 s each.
+    pub fn efforts(mut self) -> impl Iterator<Item = Sample> {
+        (0_usize..).map(move |index| {
+            let works = index / 300 % 2 == 1;
+            self.sample(if works { 90.0 } else { 3.0 })
+        })
     }
 }

@@ -41,15 +41,8 @@ pub struct Discovery {
 }
 
 impl Default for Discovery {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl Discovery {
     /// Discovery before the first attribute.
-    #[must_use]
-    pub const fn new() -> Self {
+    fn default() -> Self {
         Self {
             next: 1,
             of: None,
@@ -57,7 +50,9 @@ impl Discovery {
             subscriptions: Found::NONE,
         }
     }
+}
 
+impl Discovery {
     /// The attribute to read; none at the end.
     #[must_use]
     pub fn handle(&self) -> Option<u16> {
@@ -130,7 +125,7 @@ mod tests {
     type Table = Vec<Option<Vec<u8>>>;
 
     fn run(table: &Table) -> (Vec<Attribute>, Vec<u16>) {
-        let (mut discovery, mut found, mut read) = (Discovery::new(), Vec::new(), Vec::new());
+        let (mut discovery, mut found, mut read) = (Discovery::default(), Vec::new(), Vec::new());
         while let Some(handle) = discovery.handle() {
             read.push(handle);
             let value = table.get(usize::from(handle) - 1);

@@ -164,7 +164,7 @@ fn a_normalizing_pipeline_gives_the_labels_of_normalized_samples_and_knows_the_w
         normalized: true,
         ..Preprocessing::default()
     });
-    let mut wearer = Normalizer::new();
+    let mut wearer = Normalizer::default();
     let mut labels = 0;
     for index in 0..6000 {
         if index == 3000 {

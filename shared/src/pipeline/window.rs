@@ -61,7 +61,7 @@ impl Window {
         Self {
             preprocessing: Preprocessing::default(),
             preprocessor: Preprocessor::default(),
-            ring: SampleRing::new(),
+            ring: SampleRing::default(),
             behind: 0,
             newest_end: SampleIndex(0),
             next: SampleIndex(0),

@@ -74,15 +74,8 @@ pub struct Normalizer {
 }
 
 impl Default for Normalizer {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl Normalizer {
     /// A normalizer that knows nothing about the wearer.
-    #[must_use]
-    pub const fn new() -> Self {
+    fn default() -> Self {
         Self {
             sums: [Sums::ZERO; 2],
             count: 0,
@@ -92,7 +85,9 @@ impl Normalizer {
             offsets: [HALF; CHANNELS],
         }
     }
+}
 
+impl Normalizer {
     /// Level at rest, mean over the electrodes, in 1/65536 of a count; more than any level before the first 0.2 s are over.
     #[must_use]
     pub fn rest(&self) -> u32 {
@@ -214,7 +209,7 @@ mod tests {
     #[test]
     fn strong_and_weak_wearers_look_alike() {
         let used = |rest, contraction| {
-            let mut normalizer = Normalizer::new();
+            let mut normalizer = Normalizer::default();
             use_it(&mut normalizer, rest, contraction);
             let at_rest = level(&mut normalizer.clone(), emg(rest, SECOND));
             (at_rest, level(&mut normalizer, emg(contraction, SECOND)))
@@ -231,7 +226,7 @@ mod tests {
 
     #[test]
     fn a_hold_of_two_minutes_keeps_most_of_its_level() {
-        let mut normalizer = Normalizer::new();
+        let mut normalizer = Normalizer::default();
         use_it(&mut normalizer, 2, 20);
         let before = level(&mut normalizer, emg(20, SECOND));
         let after = level(&mut normalizer, emg(20, 120 * SECOND));
@@ -240,7 +235,7 @@ mod tests {
 
     #[test]
     fn an_hour_of_rest_amplifies_nothing() {
-        let mut normalizer = Normalizer::new();
+        let mut normalizer = Normalizer::default();
         use_it(&mut normalizer, 2, 20);
         let before = level(&mut normalizer.clone(), emg(20, SECOND));
         level(&mut normalizer, emg(2, 3600 * SECOND));
@@ -250,7 +245,7 @@ mod tests {
 
     #[test]
     fn a_stream_that_begins_in_a_contraction_finds_the_rest_once_it_is_seen() {
-        let mut normalizer = Normalizer::new();
+        let mut normalizer = Normalizer::default();
         // The weaker half of the signal is gone.
         assert!(level(&mut normalizer, emg(20, 3 * SECOND)) < 6.0);
         level(&mut normalizer, emg(2, 2 * SECOND));
@@ -270,7 +265,7 @@ mod tests {
     proptest! {
         #[test]
         fn rotating_the_armband_rotates_the_result(samples in samples(), turn in 0..CHANNELS) {
-            let (mut one, mut other) = (Normalizer::new(), Normalizer::new());
+            let (mut one, mut other) = (Normalizer::default(), Normalizer::default());
             for sample in samples {
                 let mut turned = sample;
                 turned.rotate_right(turn);
@@ -282,7 +277,7 @@ mod tests {
 
         #[test]
         fn a_sample_keeps_its_signs_whatever_comes(samples in samples()) {
-            let mut normalizer = Normalizer::new();
+            let mut normalizer = Normalizer::default();
             for sample in samples {
                 for (from, to) in sample.into_iter().zip(normalizer.push(sample)) {
                     prop_assert!(to == 0 || (from < 0) == (to < 0));

@@ -32,19 +32,6 @@ pub enum Origin {
 }
 
 impl SampleRing {
-    /// An empty ring.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self {
-            patches: [[[0; CHANNELS]; PATCH]; WINDOW_PATCHES],
-            current: 0,
-            filled: 0,
-            contiguous: 0,
-            bridged_in: [0; WINDOW_PATCHES],
-            bridged: 0,
-        }
-    }
-
     /// Takes a sample; returns whether it completes a patch, as every tenth sample since the last reset does.
     pub fn push(&mut self, sample: CleanSample, origin: Origin) -> bool {
         if self.filled == 0 {
@@ -117,8 +104,16 @@ impl SampleRing {
 }
 
 impl Default for SampleRing {
+    /// An empty ring.
     fn default() -> Self {
-        Self::new()
+        Self {
+            patches: [[[0; CHANNELS]; PATCH]; WINDOW_PATCHES],
+            current: 0,
+            filled: 0,
+            contiguous: 0,
+            bridged_in: [0; WINDOW_PATCHES],
+            bridged: 0,
+        }
     }
 }
 
@@ -133,7 +128,7 @@ mod tests {
 
     #[test]
     fn a_window_stays_full_for_ever() {
-        let mut ring = SampleRing::new();
+        let mut ring = SampleRing::default();
         for number in 0..WINDOW {
             ring.push(numbered(number), Origin::Received);
         }
@@ -149,7 +144,7 @@ mod tests {
 
     #[test]
     fn complete_patches_are_those_of_a_list() {
-        let mut ring = SampleRing::new();
+        let mut ring = SampleRing::default();
         let mut list = Vec::new();
         for reset_after in [7, 600, 605, 1_291] {
             ring.reset();

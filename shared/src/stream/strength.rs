@@ -74,15 +74,8 @@ pub struct Strength {
 }
 
 impl Default for Strength {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl Strength {
     /// Strength of a wearer about whom nothing is known.
-    #[must_use]
-    pub const fn new() -> Self {
+    fn default() -> Self {
         Self {
             sum: 0,
             count: 0,
@@ -90,7 +83,9 @@ impl Strength {
             ranges: [COMMON_RANGE; MAX_CLASSES - 1],
         }
     }
+}
 
+impl Strength {
     /// Takes a sample as the armband sent it.
     pub fn push(&mut self, sample: Sample) {
         self.sum += rectified(sample).into_iter().map(u32::from).sum::<u32>();
@@ -157,20 +152,23 @@ mod tests {
     fn the_curve_is_that_of_the_documentation() {
         // Of a range of 24 counts above a rest of 2.
         for (level, percent) in [(2, 0), (8, 33), (14, 60), (20, 82), (26, 100), (50, 100)] {
-            assert_eq!(last(&mut Strength::new(), Intent::Close, level, 2), percent);
+            assert_eq!(
+                last(&mut Strength::default(), Intent::Close, level, 2),
+                percent
+            );
         }
     }
 
     #[test]
     fn relax_has_none() {
-        let mut strength = Strength::new();
+        let mut strength = Strength::default();
         assert_eq!(last(&mut strength, Intent::Relax, 100, 1), 0);
-        assert_eq!(strength.ranges, Strength::new().ranges);
+        assert_eq!(strength.ranges, Strength::default().ranges);
     }
 
     #[test]
     fn nine_tenths_of_a_step_are_seen_after_400_ms() {
-        let mut strength = Strength::new();
+        let mut strength = Strength::default();
         last(&mut strength, Intent::Close, 2, 2);
         let level = |strength: &Strength| (strength.level - REST) / COUNT;
         for _ in 0..80 {
@@ -185,7 +183,7 @@ mod tests {
 
     #[test]
     fn a_stronger_label_is_the_whole_range_and_the_others_keep_theirs() {
-        let mut strength = Strength::new();
+        let mut strength = Strength::default();
         last(&mut strength, Intent::Close, 50, 20);
         // Half of it.
         assert_eq!(last(&mut strength, Intent::Close, 26, 2), 60);
@@ -194,7 +192,7 @@ mod tests {
 
     #[test]
     fn a_weak_wearer_has_the_whole_range_after_minutes_of_the_label() {
-        let mut strength = Strength::new();
+        let mut strength = Strength::default();
         assert_eq!(last(&mut strength, Intent::Open, 8, 2), 33);
         // An hour of rest forgets nothing.
         let before = strength.ranges;
@@ -206,7 +204,7 @@ mod tests {
 
     #[test]
     fn noise_is_not_amplified() {
-        let mut strength = Strength::new();
+        let mut strength = Strength::default();
         last(&mut strength, Intent::Open, 2, 7200);
         assert!(strength.ranges.iter().all(|&range| range >= MIN_RANGE));
     }
@@ -216,7 +214,7 @@ mod tests {
         fn it_is_a_percentage_whatever_comes_and_rises_with_the_level(
             samples: Vec<Sample>, label in prop::sample::select(&Intent::ALL[..]), rest: u32, louder in 0..=127_i8,
         ) {
-            let mut strength = Strength::new();
+            let mut strength = Strength::default();
             for sample in samples {
                 strength.push(sample);
                 strength.learn(label, rest);

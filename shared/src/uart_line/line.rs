@@ -90,15 +90,8 @@ pub struct LineReader {
 }
 
 impl Default for LineReader {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl LineReader {
     /// A reader before the first byte, which need not begin a line.
-    #[must_use]
-    pub const fn new() -> Self {
+    fn default() -> Self {
         Self {
             line: [0; MAX_LINE_BYTES],
             length: 0,
@@ -106,13 +99,15 @@ impl LineReader {
             is_lost: false,
         }
     }
+}
 
+impl LineReader {
     /// Takes a byte; if it ends a line, gives the line or why it is damaged.
     pub fn push(&mut self, byte: u8) -> Option<Result<Line<'_>, ParseError>> {
         if self.is_done {
             *self = Self {
                 line: self.line,
-                ..Self::new()
+                ..Self::default()
             };
         }
         if byte == b'$' && !(self.line[..self.length].starts_with(b"#")) {
@@ -170,7 +165,7 @@ mod tests {
 
     /// Each line written again, or `!` in place of a damaged one.
     fn read(bytes: &[u8]) -> Vec<String> {
-        let mut reader = LineReader::new();
+        let mut reader = LineReader::default();
         let mut lines = Vec::new();
         for &byte in bytes {
             if let Some(found) = reader.push(byte) {
@@ -209,13 +204,13 @@ mod tests {
 
     #[test]
     fn after_an_interruption_nothing_is_left_of_a_line() {
-        let mut reader = LineReader::new();
+        let mut reader = LineReader::default();
         for &byte in COMMENT.as_bytes().iter().take(10) {
             assert_eq!(reader.push(byte), None);
         }
         reader.interrupt();
         let LineReader { line, .. } = reader;
-        let fresh = LineReader::new();
+        let fresh = LineReader::default();
         assert_eq!(reader, LineReader { line, ..fresh });
     }
 }

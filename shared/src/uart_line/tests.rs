@@ -61,7 +61,7 @@ fn what_is_read_is_written_back_and_is_no_command() {
 
 /// A receiver at its own transmitter does not answer itself.
 fn is_no_command(text: &str) {
-    let mut reader = CommandReader::new();
+    let mut reader = CommandReader::default();
     let answer = text.bytes().find_map(|byte| reader.push(byte));
     assert_eq!(answer, None, "{text}");
 }

@@ -11,9 +11,6 @@ use shared::units::Millis;
 const MOST_ACTIONS: usize = 2 * 27 + 4;
 const EMG_BYTES: usize = 16;
 
-/// Service by which an armband is recognised.
-pub const CONTROL: Uuid = Uuid::Vendor(0x0001);
-
 pub const fn address(last: u8) -> Address {
     Address {
         kind: AddressKind::Public,
@@ -24,7 +21,7 @@ pub const fn address(last: u8) -> Address {
 pub fn advertisement() -> [u8; 18] {
     let mut data = [0; 18];
     data[..2].copy_from_slice(&[17, 0x06]);
-    data[2..].copy_from_slice(&CONTROL.to_le_bytes());
+    data[2..].copy_from_slice(&Uuid::CONTROL.to_le_bytes());
     data
 }
 

@@ -7,8 +7,8 @@ use nrf52::chip::ChipModel;
 use nrf52::softdevice::{SoftDevice, SoftDeviceKind};
 use nrf52::time::{HZ, ms};
 use nrf52::{Image, Machine};
-use shared::myo::{Address, binding};
-use virtual_armband::{Armband, Behaviour};
+use shared::myo::binding;
+use virtual_armband::{ADDRESS, Behaviour, armbands};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -26,14 +26,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         _ => ChipModel::Nrf52840,
     };
     let seconds: f64 = seconds.parse()?;
-    let address = Address::parse("FA:12:34:56:78:9A").map_err(|_| "no address")?;
     let samples = vec![[1; 8]; (seconds * 200.0) as usize];
-    let armband = Armband::new(address, -50, samples).of_wearer(Behaviour::default(), 0);
     let mut machine = Machine::new(model, image, kind.map(SoftDevice::new), 1);
-    machine.air_mut().armbands = vec![armband];
+    machine.air_mut().armbands = armbands(Behaviour::default(), None, samples, 0);
     let memory = machine.chip().bus.memory.clone();
     memory.program(0x5_8000, &std::fs::read(file)?);
-    memory.program(0x5_7000, &binding::to_record(address));
+    memory.program(0x5_7000, &binding::to_record(ADDRESS));
     let outcome = machine.run((seconds * HZ as f64) as u64);
     let text: Vec<u8> = machine
         .chip()

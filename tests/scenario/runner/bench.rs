@@ -1,26 +1,23 @@
 //! Boards that a scenario runs on.
 
-use std::fs;
 use std::path::Path;
 
 use anyhow::{Context as _, ensure};
 use myointent_tests::simulation::{self, Inputs};
-use myointent_tests::{found, shipped};
+use myointent_tests::{found, model_file};
 use shared::model::noise::Noise;
-use shared::myo::{Address, binding};
+use shared::myo::binding;
 use shared::units::Sample;
+use virtual_armband::ADDRESS;
 
 use super::expectation::Models;
 use super::file::{File, Page, Scenario, ScenarioModel, Signal};
 
-/// Address of the armband.
-const ARMBAND: &str = "FA:12:34:56:78:9A";
 /// Runs a scenario on the simulated board, in virtual time.
 pub fn simulate(file: &File, program: &Path) -> anyhow::Result<()> {
     let samples = found!(samples(&file.scenario)?);
-    let model = model(&file.scenario.model)?;
+    let model = model(&file.scenario.model);
     let other = file.scenario.install.as_deref().map(model_file);
-    let other = other.transpose()?;
     let ran = simulation::run(
         program,
         &Inputs {
@@ -53,9 +50,7 @@ pub fn samples(scenario: &Scenario) -> anyhow::Result<Option<Vec<Sample>>> {
     let Some(recording) = &scenario.recording else {
         return Ok(Some(synthetic(scenario.signal, count)));
     };
-    let Some(path) = myointent_tests::recorded(recording) else {
-        return Ok(None);
-    };
+    let path = found!(myointent_tests::recorded(recording), None);
     let mut samples = myointent::cli::replay::recording_of(&path, None, false)?.samples;
     ensure!(
         samples.len() >= count,
@@ -69,28 +64,26 @@ pub fn samples(scenario: &Scenario) -> anyhow::Result<Option<Vec<Sample>>> {
 
 fn synthetic(signal: Signal, count: usize) -> Vec<Sample> {
     let mut noise = Noise(5);
-    (0..count)
-        .map(|index| {
-            let works = index / 300 % 2 == 1;
-            [(); 8].map(|()| match signal {
-                Signal::Rest => (noise.signed() * 3.0) as i8,
-                Signal::Effort => (noise.signed() * if works { 90.0 } else { 3.0 }) as i8,
-                Signal::Saturated if noise.signed() < 0.0 => i8::MIN,
-                Signal::Saturated => i8::MAX,
-                Signal::Constant => 7,
-            })
-        })
-        .collect()
-}
-
-/// Reads a model of the repository.
-fn model_file(name: &str) -> anyhow::Result<Vec<u8>> {
-    fs::read(shipped(name)).with_context(|| name.to_owned())
+    match signal {
+        Signal::Effort => noise.efforts().take(count).collect(),
+        Signal::Rest => (0..count).map(|_| noise.sample(3.0)).collect(),
+        Signal::Saturated => {
+            let mut limit = || {
+                if noise.signed() < 0.0 {
+                    i8::MIN
+                } else {
+                    i8::MAX
+                }
+            };
+            (0..count).map(|_| [(); 8].map(|()| limit())).collect()
+        }
+        Signal::Constant => vec![[7; 8]; count],
+    }
 }
 
 /// Returns the content of the model's region.
-pub fn model(model: &ScenarioModel) -> anyhow::Result<Vec<u8>> {
-    let mut bytes = model_file("three-class")?;
+pub fn model(model: &ScenarioModel) -> Vec<u8> {
+    let mut bytes = model_file("three-class");
     let middle = bytes.len() / 2;
     match model {
         ScenarioModel::Shipped => {}
@@ -99,13 +92,12 @@ pub fn model(model: &ScenarioModel) -> anyhow::Result<Vec<u8>> {
         ScenarioModel::FlippedBit => bytes[middle] ^= 1,
         ScenarioModel::AnotherVersion => bytes[8] += 1,
     }
-    Ok(bytes)
+    bytes
 }
 
 /// Returns the content of the page of the bound armband.
 pub fn page(page: Page) -> Vec<u8> {
-    let armband = Address::parse(ARMBAND).expect("an address");
-    let mut record = binding::to_record(armband).to_vec();
+    let mut record = binding::to_record(ADDRESS).to_vec();
     match page {
         Page::Bound => {}
         Page::Erased => record.fill(0xff),

@@ -34,7 +34,7 @@ pub struct Expectation {
     /// Counters of the last report.
     counters: Option<Counters>,
     /// Milliseconds from the fault to safe pins, at most.
-    safe_within_ms: Option<u32>,
+    safe_within_ms: Option<u64>,
     /// True if raw samples must be those sent, from some sample on, without a hole.
     raw_without_holes: bool,
     /// Smallest number of lines with raw samples.
@@ -43,7 +43,7 @@ pub struct Expectation {
     counts: Vec<Count>,
     /// Mean and longest time from the newest sample that a label depends on to the pins, in tenths of a millisecond,
     /// over all labels that change the pins. Virtual time repeats, so both are exact.
-    delay_tenths_ms: Option<(u32, u32)>,
+    delay_tenths_ms: Option<(u64, u64)>,
     /// True if labels after an installation must be those of the new model, from the samples before and since.
     labels_of_installed: bool,
     /// True if the board may restart.

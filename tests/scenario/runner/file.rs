@@ -37,49 +37,11 @@ pub struct Scenario {
     pub on_sdc: bool,
     /// Expected result.
     pub expect: Expectation,
-
-    // For the board's surroundings; firmware/src/board/simulated/scenario.rs has their types.
-    pub run_seconds: f64,
-    /// Event after the last sample.
-    #[serde(default = "silence")]
-    pub end: String,
-    /// Factor by which the armband streams faster than a real one.
-    #[serde(default = "as_an_armband")]
-    pub pace: f64,
-    /// Index of the EMG characteristic that a stream starts with.
-    #[serde(default)]
-    pub first_lane: u8,
-    /// Faults of the armband.
-    #[serde(default)]
-    pub armband: Vec<Table>,
-    /// Another armband.
-    pub stranger: Option<Stranger>,
-    /// Actions of a person.
-    #[serde(default)]
-    pub person: Vec<Act>,
-    /// Fault of the board.
-    #[serde(rename = "fault")]
-    _fault: Option<Value>,
-    #[serde(rename = "interval_ms")]
-    _interval_ms: Option<Value>,
-    #[serde(rename = "packet_ms")]
-    _packet_ms: Option<Value>,
-    #[serde(rename = "page_fails")]
-    _page_fails: Option<Value>,
-    #[serde(rename = "power_fails_at")]
-    _power_fails_at: Option<Value>,
-    #[serde(rename = "power_fails_done")]
-    _power_fails_done: Option<Value>,
     /// Model that a person installs: a file of `models` without `.intent`.
     pub install: Option<String>,
-}
-
-const fn as_an_armband() -> f64 {
-    1.0
-}
-
-fn silence() -> String {
-    "silence".to_owned()
+    /// What the board's surroundings do.
+    #[serde(flatten)]
+    pub surroundings: virtual_armband::Scenario,
 }
 
 /// Synthetic EMG.
@@ -126,84 +88,6 @@ pub enum Page {
     HalfWritten,
     /// Record with a bit of the address changed.
     FlippedBit,
-}
-
-/// Another armband.
-#[derive(Deserialize, Clone)]
-#[serde(deny_unknown_fields)]
-pub struct Stranger {
-    /// Public address.
-    pub address: String,
-    /// Strength of its signal, dBm; the armband's own is -50.
-    pub rssi: i8,
-}
-
-/// Action of a person, once as many notifications were sent as `at` says.
-#[derive(Deserialize, Clone)]
-#[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Act {
-    /// Press of the button.
-    Press {
-        /// Notifications before.
-        at: usize,
-        /// Milliseconds until it is released.
-        for_ms: u64,
-    },
-    /// Line that is sent.
-    Send {
-        /// Notifications before.
-        at: usize,
-        /// Milliseconds from then on, or from the act before.
-        #[serde(default)]
-        after_ms: u64,
-        /// Body of the line.
-        command: String,
-    },
-    /// Bytes that are sent.
-    SendBytes {
-        /// Notifications before.
-        at: usize,
-        /// Text of which each character is a byte.
-        text: String,
-        /// Number of times that the text is sent.
-        #[serde(default = "once")]
-        times: usize,
-    },
-    /// Installation of a model, on the simulated board only.
-    Install {
-        /// Notifications before.
-        at: usize,
-        #[serde(default, rename = "pulled_after")]
-        _pulled_after: Vec<u32>,
-        #[serde(default, rename = "pulled_byte")]
-        _pulled_byte: Vec<usize>,
-        #[serde(default, rename = "pulled_ms")]
-        _pulled_ms: Option<u64>,
-    },
-}
-
-impl Act {
-    /// Returns the number of notifications before it.
-    pub const fn at(&self) -> usize {
-        match self {
-            Self::Press { at, .. }
-            | Self::Send { at, .. }
-            | Self::SendBytes { at, .. }
-            | Self::Install { at, .. } => *at,
-        }
-    }
-
-    /// Returns the milliseconds that it waits when those were sent and the act before is done.
-    pub const fn after_ms(&self) -> u64 {
-        match self {
-            Self::Send { after_ms, .. } => *after_ms,
-            _ => 0,
-        }
-    }
-}
-
-const fn once() -> usize {
-    1
 }
 
 /// File of a scenario, read.

@@ -30,6 +30,16 @@ impl Default for Behaviour {
     }
 }
 
+impl Behaviour {
+    /// Returns an armband's with these faults.
+    pub fn with(steps: Vec<ArmbandFault>) -> Self {
+        Self {
+            steps,
+            ..Self::default()
+        }
+    }
+}
+
 /// Event after the last sample.
 #[derive(Deserialize, Default, Clone, Copy, PartialEq, Eq, Debug)]
 #[serde(rename_all = "kebab-case")]

@@ -3,10 +3,11 @@
 use std::future;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
+use virtual_armband::BoardFault as Fault;
+
 use super::clock;
 use super::hardware;
 use super::power;
-use super::scenario::Fault;
 use crate::reset_reason::ResetReason;
 
 /// Labels sent before the fault: enough that both outputs and UART have shown one.

@@ -8,16 +8,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use embassy_time::{Duration, Instant, MockDriver};
+use virtual_armband::{EVENTS, LEVELS, LINES, PinLevels};
 
-use super::levels::Levels;
 use crate::messages::pin_state::{self, PinState};
-
-/// Every line that the program writes to its UART.
-const LINES: &str = "uart0.out";
-/// Every change of a level.
-const LEVELS: &str = "uart2.out";
-/// Log of events: a word, the microseconds since the start, and details.
-const EVENTS: &str = "events.out";
 
 static HARDWARE: Mutex<Option<Hardware>> = Mutex::new(None);
 
@@ -183,12 +176,16 @@ pub fn set_levels(state: PinState) {
             status: PinState::SAFE.status,
             ..state
         };
-        let levels = Levels {
-            now_us: now_us(),
-            last_received_us: hardware.last_received_us,
-            state: if hardware.has_expired { safe } else { state },
+        let state = if hardware.has_expired { safe } else { state };
+        let levels = PinLevels {
+            at_us: now_us(),
+            last_byte_us: hardware.last_received_us,
+            valid: state.status.valid(),
+            high: vec![state.status.label()],
+            armband: state.armband,
+            alignment_led: state.alignment_led,
         };
-        write(&mut hardware.levels, levels);
+        write(&mut hardware.levels, format_args!("{levels}\n"));
     });
 }
 

@@ -10,13 +10,11 @@ mod flash;
 mod hardware;
 #[cfg(unix)]
 mod hci;
-mod levels;
 #[cfg(test)]
 mod moments;
 mod person;
 mod power;
 mod radio;
-mod scenario;
 
 use std::cell::RefCell;
 #[cfg(unix)]
@@ -29,11 +27,10 @@ use anyhow::{Context as _, ensure};
 use clap::Parser as _;
 use embassy_executor::{Executor, Spawner};
 use embassy_time::{Duration, Instant, Timer};
-use shared::myo::Address;
 use shared::stream::strength::Percent;
 use shared::units::Sample;
 use static_cell::StaticCell;
-use virtual_armband::Armband;
+use virtual_armband::{BoardFault, Scenario, armbands};
 
 use super::{Board, BytesLost};
 use crate::flash::Region;
@@ -45,12 +42,6 @@ use crate::settings::{DEAD_MAN_MS, WATCHDOG_MS};
 use person::{BYTE_US, IS_DOWN, OVERRUN, RECEIVED, ScenarioPerson};
 use power::Arguments;
 use radio::SimulatedRadio;
-use scenario::{Fault, Scenario};
-
-/// The armband's address, a public one.
-const ARMBAND: &str = "FA:12:34:56:78:9A";
-/// Strength of its signal, dBm.
-const RSSI: i8 = -50;
 
 /// Surroundings of the board, from its start on.
 static SURROUNDINGS: OnceLock<Surroundings> = OnceLock::new();
@@ -169,7 +160,7 @@ pub fn start() -> Board {
         dead_man: DeadMan {
             packet_us: (scenario.packet_ms * 1000.0) as u64,
         },
-        reset_reason: arguments.reset_reason(),
+        reset_reason: arguments.reset.unwrap_or(ResetReason::Power),
     }
 }
 
@@ -189,14 +180,14 @@ pub async fn run_radio(_: Spawner, _: RadioParts, driver: &SessionDriver<'_>) {
         return;
     }
     fault::inject_at_start(scenario.fault);
-    let address = |text: &str| Address::parse(text).expect("an address of the scenario");
-    let new = |text: &str, rssi| Armband::new(address(text), rssi, samples.clone());
-    let worn = new(ARMBAND, RSSI).of_wearer(scenario.behaviour(), arguments.sent);
     hardware::sent(arguments.sent);
-    let stranger = scenario.stranger.as_ref();
-    let stranger = stranger.map(|other| new(&other.address, other.rssi));
-    let armbands = [Some(worn), stranger].into_iter().flatten();
-    let armbands: Vec<_> = armbands.map(RefCell::new).collect();
+    let armbands = armbands(
+        scenario.behaviour(),
+        scenario.stranger,
+        samples.clone(),
+        arguments.sent,
+    );
+    let armbands: Vec<_> = armbands.into_iter().map(RefCell::new).collect();
     let mut radio = SimulatedRadio {
         armbands: &armbands,
     };
@@ -208,7 +199,7 @@ pub async fn run_radio(_: Spawner, _: RadioParts, driver: &SessionDriver<'_>) {
 
 /// The UART's transmitter.
 pub struct LabelPort {
-    fault: Option<Fault>,
+    fault: Option<BoardFault>,
 }
 
 impl LabelPort {

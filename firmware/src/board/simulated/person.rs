@@ -10,8 +10,7 @@ use embassy_sync::pipe::Pipe;
 use shared::installation::{Block, InstallationProgress, Transfer};
 use shared::uart_line::answer::{Answer, Refusal};
 use shared::uart_line::command::Command;
-
-use super::scenario::Act;
+use virtual_armband::{Act, Acts, framed};
 
 /// Microseconds from the end of an answer to the next command: a PC's USB.
 const TURNAROUND_US: u64 = 1000;
@@ -45,9 +44,7 @@ pub static IS_DOWN: AtomicBool = AtomicBool::new(false);
 
 /// Carries out what the scenario asks for.
 pub struct ScenarioPerson {
-    acts: VecDeque<Act>,
-    /// Time from which on the next act waits.
-    waits_from_us: Option<u64>,
+    acts: Acts,
     sending: VecDeque<u8>,
     next_byte_us: u64,
     released_us: u64,
@@ -77,7 +74,6 @@ impl ScenarioPerson {
             .filter(|act| next == 0 || act.at() > next || goes_on(act));
         Self {
             acts: left.cloned().collect(),
-            waits_from_us: None,
             sending: VecDeque::new(),
             next_byte_us: 0,
             released_us: 0,
@@ -93,15 +89,7 @@ impl ScenarioPerson {
 
     /// Does what is due.
     pub fn act(&mut self, now_us: u64, next: usize) {
-        while let Some(act) = self.acts.front().filter(|act| act.at() <= next) {
-            let since = *self.waits_from_us.get_or_insert(now_us);
-            if now_us < since + act.after_us() {
-                break;
-            }
-            self.waits_from_us = None;
-            let Some(act) = self.acts.pop_front() else {
-                break;
-            };
+        while let Some(act) = self.acts.next_due(now_us, next) {
             match act {
                 Act::Press { for_ms, .. } => {
                     IS_DOWN.store(true, Ordering::Relaxed);
@@ -123,7 +111,7 @@ impl ScenarioPerson {
                     HEARD.lock().expect("nobody panics here").clear();
                     self.sender = Some(Sender {
                         due_us: now_us,
-                        next: Some(Command::Install(self.transfer())),
+                        next: Some(Command::Install(Transfer::of(&self.file))),
                         pulls: pulled_after.into_iter().zip(bytes).collect(),
                         pulled_us: pulled_ms * 1000,
                         pulled_until_us: 0,
@@ -144,20 +132,10 @@ impl ScenarioPerson {
             }
         }
     }
-}
-
-impl ScenarioPerson {
-    fn transfer(&self) -> Transfer {
-        let checksum = self.file.last_chunk().copied().unwrap_or_default();
-        Transfer {
-            length: self.file.len() as u32,
-            checksum: u32::from_le_bytes(checksum),
-        }
-    }
 
     /// Installs as a PC does: one command at a time, the block that is missing, and again where there is no answer.
     fn install(&mut self, now_us: u64) {
-        let transfer = self.transfer();
+        let transfer = Transfer::of(&self.file);
         let begin = Command::Install(transfer);
         let Some(sender) = &mut self.sender else {
             return;
@@ -190,10 +168,4 @@ impl ScenarioPerson {
             }
         }
     }
-}
-
-/// A line with the right checksum.
-fn framed(body: &str) -> String {
-    let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
-    format!("${body}*{sum:02X}\r\n")
 }

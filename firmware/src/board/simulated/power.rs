@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::sync::OnceLock;
 
-use clap::Parser;
+use anyhow::Context as _;
+use clap::{Parser, ValueEnum as _};
 
 use super::hardware;
 use crate::messages::pin_state::PinState;
@@ -51,7 +52,7 @@ pub struct Arguments {
     pub slowed: Option<u32>,
     /// Why the program starts, once it has started before.
     #[arg(long, hide = true, requires = "elapsed_us")]
-    pub reset: Option<Reset>,
+    pub reset: Option<ResetReason>,
     /// Microseconds of all starts before.
     #[arg(long, hide = true, default_value_t = 0)]
     pub elapsed_us: u64,
@@ -63,33 +64,11 @@ pub struct Arguments {
     pub sent: usize,
 }
 
-/// A reset that the program is told of by hardware.
-#[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq)]
-pub enum Reset {
-    Power,
-    Watchdog,
-    /// Reset by the program, after a panic.
-    Software,
-    /// Reset by the program, after the stack had grown too deep.
-    StackOverflow,
-}
-
 static ARGUMENTS: OnceLock<Arguments> = OnceLock::new();
 
 /// Keeps the arguments for the next start.
 pub fn keep(arguments: Arguments) -> &'static Arguments {
     ARGUMENTS.get_or_init(|| arguments)
-}
-
-impl Arguments {
-    pub const fn reset_reason(&self) -> ResetReason {
-        match self.reset {
-            None | Some(Reset::Power) => ResetReason::Power,
-            Some(Reset::Watchdog) => ResetReason::Watchdog,
-            Some(Reset::Software) => ResetReason::Software,
-            Some(Reset::StackOverflow) => ResetReason::StackOverflow,
-        }
-    }
 }
 
 /// Makes the outputs safe, writes a message, and resets, as a board does after a panic.
@@ -116,16 +95,11 @@ fn start_again(reason: ResetReason) -> anyhow::Result<i32> {
     };
     anyhow::ensure!(arguments.slowed.is_none(), "the PC's time has gone on");
     let elapsed = arguments.elapsed_us + hardware::now_us();
-    let reason = match reason {
-        ResetReason::Power => "power",
-        ResetReason::Software => "software",
-        ResetReason::Watchdog => "watchdog",
-        ResetReason::StackOverflow => "stack-overflow",
-    };
+    let reason = reason.to_possible_value().context("no such reason")?;
     let mut command = Command::new(std::env::current_exe()?);
     let status = command
         .args(std::env::args_os().skip(1))
-        .args(["--reset", reason])
+        .args(["--reset", reason.get_name()])
         .args(["--elapsed-us", &elapsed.to_string()])
         .args(["--starts", &(arguments.starts + 1).to_string()])
         .args(["--sent", &hardware::packets_sent().to_string()])

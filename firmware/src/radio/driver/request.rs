@@ -68,7 +68,7 @@ impl SessionDriver<'_> {
     /// Reads attributes until every characteristic is found, or to the end.
     async fn discover(&self, link: &impl Link) -> Handles {
         let mut handles = Handles::default();
-        let mut discovery = Discovery::new();
+        let mut discovery = Discovery::default();
         let mut value = [0; MAX_VALUE_BYTES];
         while let Some(handle) = discovery.handle() {
             let read = link.read(handle, &mut value).await;

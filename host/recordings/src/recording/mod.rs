@@ -97,7 +97,7 @@ impl Recording {
             other_movement: Vec::new(),
             notes: Vec::new(),
             findings: Vec::new(),
-            wearer: Normalizer::new(),
+            wearer: Normalizer::default(),
         }
     }
 

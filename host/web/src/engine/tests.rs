@@ -392,7 +392,7 @@ fn answer(
             match output {
                 Output::Event(Event::Installing(state)) => states.push(state),
                 Output::Line { line } => {
-                    let mut reader = CommandReader::new();
+                    let mut reader = CommandReader::default();
                     let command = line.bytes().find_map(|byte| reader.push(byte));
                     let checksum = Model::parse(SHIPPED).unwrap().checksum;
                     heard += &match command.unwrap().unwrap() {

@@ -30,13 +30,13 @@ fn run(
     mut board: impl FnMut(Command) -> Option<String>,
 ) -> (Result<(), InstallError>, Option<u32>, usize) {
     let mut installer = Installer::new(ModelFile::new(file).unwrap(), Millis(0));
-    let (mut reader, mut commands) = (LineReader::new(), 0);
+    let (mut reader, mut commands) = (LineReader::default(), 0);
     let mut now = Millis(0);
     loop {
         while let Some(command) = installer.command(now) {
             commands += 1;
             let Some(lines) = board(command) else {
-                reader = LineReader::new();
+                reader = LineReader::default();
                 installer.connected(now);
                 continue;
             };

@@ -6,55 +6,18 @@ use super::*;
 #[derive(Debug, PartialEq)]
 pub(super) struct PowerFailed;
 
-/// Memory that outlasts a loss of power: erased to ones, programmed to zeros.
-#[derive(Clone)]
-pub(super) struct Flash {
-    pub(super) region: Vec<u8>,
-    pub(super) journal: [u8; JOURNAL_BYTES],
-    /// Operations until power fails, in the middle of one.
-    pub(super) left: usize,
-}
-
-impl Flash {
-    pub(super) fn of(file: &[u8]) -> Self {
-        let mut region = file.to_vec();
-        region.resize(CAPACITY, 0xff);
-        Self {
-            region,
-            journal: [0xff; JOURNAL_BYTES],
-            left: usize::MAX,
-        }
-    }
-
-    /// Part of an operation that is done.
-    fn part(&mut self, of: usize) -> usize {
-        self.left -= 1;
-        if self.left == 0 { of / 2 } else { of }
-    }
-
-    fn power(&self) -> Result<(), PowerFailed> {
-        if self.left == 0 {
-            Err(PowerFailed)
-        } else {
-            Ok(())
-        }
-    }
-
-    pub(super) fn holds(&self, file: &[u8]) -> bool {
-        self.region.starts_with(file)
-    }
-
-    fn program(bytes: &mut [u8], content: &[u8]) {
-        for (byte, content) in bytes.iter_mut().zip(content) {
-            assert_eq!(*byte & content, *content, "written without an erasure");
-            *byte &= content;
-        }
-    }
+/// Flash whose region holds this file.
+pub(super) fn flash(file: &[u8]) -> SimulatedFlash {
+    let mut region = file.to_vec();
+    region.resize(CAPACITY, 0xff);
+    SimulatedFlash::new(region)
 }
 
 /// A board: its flash, and what a loss of power takes.
 pub(super) struct Board {
-    pub(super) flash: Flash,
+    pub(super) flash: SimulatedFlash,
+    /// Operations of flash until power fails, in the middle of one.
+    pub(super) left: usize,
     pub(super) installation: Installation,
     /// The model that is in use, by its first byte.
     pub(super) in_use: Option<u8>,
@@ -67,9 +30,10 @@ pub(super) struct Board {
 
 impl Board {
     /// A start; these are the files that count as models.
-    pub(super) fn start(flash: Flash, models: &[&[u8]]) -> Self {
-        let whole = models.iter().find(|model| flash.holds(model));
+    pub(super) fn start(flash: SimulatedFlash, models: &[&[u8]]) -> Self {
+        let whole = models.iter().find(|model| flash.region.starts_with(model));
         Self {
+            left: usize::MAX,
             in_use: whole.map(|model| model[0]),
             is_safe: whole.is_none(),
             failing: None,
@@ -116,57 +80,38 @@ impl Board {
         if let Some((_, refused)) = self.failing.take_if(|(failing, _)| *failing == step) {
             return Ok(Err(refused));
         }
+        let region = &self.flash.region;
         match step {
             InstallationStep::Suspend => {
                 self.is_safe = true;
                 self.in_use = None;
-                return Ok(Ok(()));
+                Ok(Ok(()))
             }
             InstallationStep::Verify => {
-                return Ok(self.flash.holds(file).then_some(()).ok_or(Refused::Model));
+                let is_whole = region.starts_with(file);
+                Ok(is_whole.then_some(()).ok_or(Refused::Model))
             }
             InstallationStep::Resume => {
-                let whole = self.models.iter().find(|model| self.flash.holds(model));
+                let whole = self.models.iter().find(|model| region.starts_with(model));
                 self.in_use = whole.map(|model| model[0]);
                 self.is_safe = whole.is_none();
-                return Ok(whole.map(|_| ()).ok_or(Refused::Model));
+                Ok(whole.map(|_| ()).ok_or(Refused::Model))
             }
-            _ => assert!(
-                self.is_safe && self.in_use.is_none(),
-                "{step:?} while a model is in use"
-            ),
-        }
-        let flash = &mut self.flash;
-        match step {
-            InstallationStep::EraseJournal | InstallationStep::EndJournal => {
-                let part = flash.part(JOURNAL_BYTES);
-                flash.journal[..part].fill(0xff);
-            }
-            InstallationStep::WriteJournal => {
-                let record = self.installation.record();
-                let part = flash.part(record.len());
-                Flash::program(&mut flash.journal[..part], &record);
-            }
-            InstallationStep::ErasePage(page) => {
-                let part = flash.part(PAGE_BYTES);
-                flash.region[page as usize * PAGE_BYTES..][..part].fill(0xff);
-            }
-            InstallationStep::WriteBlock(number) => {
-                let part = flash.part(BLOCK_BYTES);
-                let place = number as usize * BLOCK_BYTES;
-                let content = self.installation.content().0;
-                Flash::program(&mut flash.region[place..][..part], &content);
-            }
-            InstallationStep::MarkPage(page) => {
-                let part = flash.part(4);
-                Flash::program(
-                    &mut flash.journal[journal::mark(page) as usize..][..part],
-                    &[0; 4],
+            _ => {
+                assert!(
+                    self.is_safe && self.in_use.is_none(),
+                    "{step:?} while a model is in use"
                 );
+                self.left -= 1;
+                let power_fails = self.left == 0;
+                self.flash.carry_out(&self.installation, step, power_fails);
+                if power_fails {
+                    Err(PowerFailed)
+                } else {
+                    Ok(Ok(()))
+                }
             }
-            InstallationStep::Suspend | InstallationStep::Verify | InstallationStep::Resume => {}
         }
-        flash.power().map(Ok)
     }
 }
 

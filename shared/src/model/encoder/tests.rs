@@ -24,11 +24,8 @@ fn random((width, layers, span): Shape, seed: u64) -> (ModelParts, Vec<u8>) {
     };
     let parts = random_model(
         Dimensions {
-            width,
-            layers,
-            span,
-            vocabulary,
             other: seed % 3 == 1,
+            ..Dimensions::new(vocabulary, width, layers, span)
         },
         seed,
     );

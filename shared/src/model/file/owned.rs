@@ -176,11 +176,8 @@ mod tests {
 
     fn parts() -> ModelParts {
         let dimensions = Dimensions {
-            width: 24,
-            layers: 2,
-            span: 9,
-            vocabulary: Vocabulary::Five,
             other: true,
+            ..Dimensions::new(Vocabulary::Five, 24, 2, 9)
         };
         let mut parts = random_model(dimensions, 11);
         parts.preprocessing.normalized = true;

@@ -16,13 +16,7 @@ use crate::stream::smoother::Early;
 mod header;
 mod tensors;
 
-const SMALL: Dimensions = Dimensions {
-    width: 16,
-    layers: 1,
-    span: 5,
-    vocabulary: Vocabulary::Three,
-    other: false,
-};
+const SMALL: Dimensions = Dimensions::new(Vocabulary::Three, 16, 1, 5);
 
 fn small() -> ModelParts {
     random_model(SMALL, 11)

@@ -213,13 +213,7 @@ fn instants(look_ahead: usize, aligned_at: usize) -> Vec<u32> {
 }
 
 pub(super) fn model_of(seed: u64) -> (SmallEncoder, Smoother, ModelInput) {
-    let dimensions = Dimensions {
-        width: 16,
-        layers: 2,
-        span: 27,
-        vocabulary: Vocabulary::Three,
-        other: false,
-    };
+    let dimensions = Dimensions::new(Vocabulary::Three, 16, 2, 27);
     let bytes: &'static [u8] = random_model(dimensions, seed).to_bytes().unwrap().leak();
     let model = Model::parse(bytes).unwrap();
     let smoother = Smoother::new(EACH_PATCH, 3).unwrap();

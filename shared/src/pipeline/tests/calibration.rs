@@ -27,11 +27,8 @@ impl Wearer {
     /// A wearer after the first label, with a calibration begun.
     fn new(seed: u64) -> Self {
         let dimensions = Dimensions {
-            width: 16,
-            layers: 1,
-            span: 27,
-            vocabulary: Vocabulary::Three,
             other: true,
+            ..Dimensions::new(Vocabulary::Three, 16, 1, 27)
         };
         let file: &'static [u8] = random_model(dimensions, seed).to_bytes().unwrap().leak();
         let model = Model::parse(file).unwrap();

@@ -51,7 +51,7 @@ const CONTENT: &str =
     "AAcOFRwjKjE4P0ZNVFtiaXB3foWMk5qhqK+2vcTL0tng5+71/AMKERgfJi00O0JJUFdeZWxzeoGIj5adpKuyuQ";
 
 fn read(bytes: &[u8]) -> Vec<Result<Command, Refusal>> {
-    let mut reader = CommandReader::new();
+    let mut reader = CommandReader::default();
     bytes.iter().filter_map(|&byte| reader.push(byte)).collect()
 }
 
@@ -202,7 +202,7 @@ fn a_line_of_112_bytes_is_read_and_a_longer_one_refused_once() {
 
 #[test]
 fn after_lost_bytes_the_rest_of_the_line_is_ignored() {
-    let mut reader = CommandReader::new();
+    let mut reader = CommandReader::default();
     for byte in *b"$IDEN" {
         assert_eq!(reader.push(byte), None);
     }

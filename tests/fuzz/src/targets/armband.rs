@@ -1,11 +1,13 @@
 //! Armbands: their advertising data, attributes, notifications, and the flash record of the bound one.
 
 use shared::myo::binding::{RECORD_BYTES, from_record, to_record};
-use shared::myo::{Attribute, Characteristic, Discovery, MyoEvent, MyoSession, Phase, Settings};
+use shared::myo::{
+    Attribute, Characteristic, Discovery, MyoEvent, MyoSession, Phase, Settings, Uuid,
+};
 use shared::units::Millis;
 
 use crate::input::Input;
-use crate::radio::{CONTROL, FuzzLink, address};
+use crate::radio::{FuzzLink, address};
 
 /// Takes the data of one advertisement: the session follows only data that lists the armband's service.
 pub fn advertisement(data: &[u8]) {
@@ -44,7 +46,7 @@ fn lists_the_service(data: &[u8]) -> bool {
         let whole = value.len() / 16 * 16;
         let listed = value[..whole]
             .chunks(16)
-            .any(|uuid| uuid == CONTROL.to_le_bytes());
+            .any(|uuid| uuid == Uuid::CONTROL.to_le_bytes());
         if (kind == 6 || kind == 7) && listed {
             return true;
         }
@@ -56,7 +58,7 @@ fn lists_the_service(data: &[u8]) -> bool {
 /// Takes attributes of a device that calls itself an armband: a value for each read, short and with its length in front; 255: the read is refused.
 pub fn discovery(data: &[u8]) {
     let mut input = Input(data);
-    let mut discovery = Discovery::new();
+    let mut discovery = Discovery::default();
     let (mut reads, mut last, mut found) = (0, 0, Vec::new());
     while let Some(handle) = discovery.handle() {
         reads += 1;

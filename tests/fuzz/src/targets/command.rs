@@ -5,7 +5,7 @@ use shared::uart_line::command::{Command, CommandReader, MAX_COMMAND_BYTES};
 
 /// Takes bytes unchanged, then the same bytes as the body of a line.
 pub fn run(data: &[u8]) {
-    let mut reader = CommandReader::new();
+    let mut reader = CommandReader::default();
     for &byte in data {
         check(reader.push(byte));
     }

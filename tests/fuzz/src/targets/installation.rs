@@ -2,10 +2,9 @@
 
 use std::sync::LazyLock;
 
-use shared::installation::journal::{self, JOURNAL_BYTES};
 use shared::installation::{
     BLOCK_BYTES, Block, Installation, InstallationProgress, InstallationStep, PAGE_BYTES, Refused,
-    Transfer,
+    SimulatedFlash, Transfer, journal,
 };
 
 use crate::input::Input;
@@ -21,16 +20,9 @@ const OLD: u8 = 0x55;
 static FILE: LazyLock<Vec<u8>> =
     LazyLock::new(|| (0..LENGTH).map(|place| (place % 251) as u8).collect());
 
-struct Flash {
-    region: Vec<u8>,
-    journal: [u8; JOURNAL_BYTES],
-}
-
-impl Flash {
-    /// Returns true if a whole model lies here: the new one, or the old one unchanged.
-    fn has_model(&self) -> bool {
-        self.region.starts_with(&FILE) || self.region.iter().all(|byte| *byte == OLD)
-    }
+/// Returns true if a whole model lies here: the new one, or the old one unchanged.
+fn has_model(flash: &SimulatedFlash) -> bool {
+    flash.region.starts_with(&FILE) || flash.region.iter().all(|byte| *byte == OLD)
 }
 
 /// Takes events: a byte for the kind, then its arguments.
@@ -41,10 +33,7 @@ pub fn run(data: &[u8]) {
         length: LENGTH as u32,
         checksum: 7,
     };
-    let mut flash = Flash {
-        region: vec![OLD; CAPACITY],
-        journal: [0xff; JOURNAL_BYTES],
-    };
+    let mut flash = SimulatedFlash::new(vec![OLD; CAPACITY]);
     let mut installation = Installation::new(CAPACITY as u32);
     let mut in_use = true;
     while !input.is_empty() {
@@ -52,7 +41,7 @@ pub fn run(data: &[u8]) {
         if kind < 0x10 {
             // Power fails.
             installation = Installation::new(CAPACITY as u32);
-            in_use = flash.has_model();
+            in_use = has_model(&flash);
             continue;
         }
         if kind < 0x30 {
@@ -96,7 +85,7 @@ pub fn run(data: &[u8]) {
                 InstallationStep::Suspend => in_use = false,
                 InstallationStep::Resume => {
                     // After a failure at the first block, the remains of an earlier transfer may be no model.
-                    in_use = flash.has_model();
+                    in_use = has_model(&flash);
                     assert!(in_use || number == 0, "in use, and not whole");
                 }
                 InstallationStep::Verify => {}
@@ -104,7 +93,7 @@ pub fn run(data: &[u8]) {
             }
             let outcome = match step {
                 InstallationStep::Verify if !flash.region.starts_with(file) => Err(Refused::Model),
-                InstallationStep::Resume if !flash.has_model() => Err(Refused::Model),
+                InstallationStep::Resume if !has_model(&flash) => Err(Refused::Model),
                 InstallationStep::Suspend | InstallationStep::Resume if !success => {
                     Err(Refused::Busy)
                 }
@@ -112,36 +101,11 @@ pub fn run(data: &[u8]) {
                 _ => Ok(()),
             };
             if outcome.is_ok() {
-                write(&mut flash, &installation, step);
+                flash.carry_out(&installation, step, false);
             }
             if installation.done(outcome).is_err() {
                 assert_eq!(installation.step(), None);
             }
         }
-    }
-}
-
-fn write(flash: &mut Flash, installation: &Installation, step: InstallationStep) {
-    match step {
-        InstallationStep::EraseJournal | InstallationStep::EndJournal => flash.journal.fill(0xff),
-        InstallationStep::WriteJournal => program(&mut flash.journal, &installation.record()),
-        InstallationStep::MarkPage(page) => {
-            program(&mut flash.journal[journal::mark(page) as usize..], &[0; 4])
-        }
-        InstallationStep::ErasePage(page) => {
-            flash.region[page as usize * PAGE_BYTES..][..PAGE_BYTES].fill(0xff);
-        }
-        InstallationStep::WriteBlock(number) => program(
-            &mut flash.region[number as usize * BLOCK_BYTES..],
-            &installation.content().0,
-        ),
-        InstallationStep::Suspend | InstallationStep::Verify | InstallationStep::Resume => {}
-    }
-}
-
-/// Programs bytes as flash does: it can only clear bits.
-fn program(bytes: &mut [u8], content: &[u8]) {
-    for (byte, content) in bytes.iter_mut().zip(content) {
-        *byte &= content;
     }
 }

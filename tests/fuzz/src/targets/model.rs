@@ -53,11 +53,8 @@ static BASES: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     ];
     let models = dimensions.map(|(width, layers, span, vocabulary)| {
         let dimensions = Dimensions {
-            width,
-            layers,
-            span,
-            vocabulary,
             other: span < 4,
+            ..Dimensions::new(vocabulary, width, layers, span)
         };
         let model = random::random_model(dimensions, width as u64 + span as u64);
         model.to_bytes().expect("a model as the trainer writes it")

@@ -16,7 +16,7 @@ pub fn run(data: &[u8]) {
 
 /// Feeds bytes to the reader: what it finds is a line, and it takes the next line after any bytes.
 fn stream(data: &[u8]) {
-    let mut reader = LineReader::new();
+    let mut reader = LineReader::default();
     for &byte in data {
         if let Some(Ok(line)) = reader.push(byte) {
             let written = line.to_string();
@@ -60,7 +60,7 @@ fn check(line: &[u8]) {
 
 /// Checks that a receiver connected to its own transmitter does not answer itself.
 fn is_not_answered(line: &str) {
-    let mut reader = CommandReader::new();
+    let mut reader = CommandReader::default();
     let answer = line.bytes().find_map(|byte| reader.push(byte));
     assert_eq!(answer, None, "the device answers its own line {line:?}");
 }

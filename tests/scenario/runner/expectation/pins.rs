@@ -51,11 +51,11 @@ impl Expectation {
         for (report, pins) in labels.zip(pins) {
             ensure!(pins.high == [report.status.label()], "{pins:?}: {report}");
             // A sample takes five milliseconds; the first one is due by then.
-            let sampled = began + 5000 * (report.emitted.0 + 1);
+            let sampled = began + 5000 * (u64::from(report.emitted.0) + 1);
             delays.push((pins.at_us - sampled + 50) / 100);
         }
         let longest = *delays.iter().max().context("no label")?;
-        let mean = delays.iter().sum::<u32>() / delays.len() as u32;
+        let mean = delays.iter().sum::<u64>() / delays.len() as u64;
         ensure!(
             (mean, longest) == expected,
             "mean and longest delay {:?} of {}, expected {expected:?}",

@@ -66,7 +66,7 @@ impl Fake {
         let (slave, stop) = (Arc::new(slave), Arc::new(AtomicBool::new(false)));
         let (drive, line, stopped) = (folder.path().to_owned(), slave.clone(), stop.clone());
         let thread = std::thread::spawn(move || {
-            let mut reader = CommandReader::new();
+            let mut reader = CommandReader::default();
             let mut bytes = [0; 64];
             let (mut is_running, mut was_touched) = (false, false);
             let Kept {

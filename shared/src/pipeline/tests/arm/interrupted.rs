@@ -1,5 +1,7 @@
 //! Decisions that something ends before the model has decided.
 
+use AlignmentState::{Cancelled, Disconnected, PoorMargin, Waiting};
+
 use super::super::alignment::SmallEncoder;
 use super::*;
 
@@ -8,45 +10,29 @@ type Event = fn(&mut Pipeline<'static, SmallEncoder>, Millis);
 
 /// Events that end a decision with nothing changed; the state that the line then says.
 const ENDS: [(&str, Event, AlignmentState); 8] = [
-    (
-        "a gap",
-        |pipeline, now| _ = pipeline.gap(now, 6),
-        AlignmentState::PoorMargin,
-    ),
+    ("a gap", |own, now| _ = own.gap(now, 6), PoorMargin),
     (
         "silence",
-        |pipeline, now| _ = pipeline.tick(now.plus(600)),
-        AlignmentState::PoorMargin,
+        |own, now| _ = own.tick(now.plus(600)),
+        PoorMargin,
     ),
-    (
-        "a stall",
-        |pipeline, now| _ = pipeline.stalled(now),
-        AlignmentState::PoorMargin,
-    ),
+    ("a stall", |own, now| _ = own.stalled(now), PoorMargin),
     (
         "disconnection",
-        |pipeline, now| _ = pipeline.disconnected(now),
-        AlignmentState::Disconnected,
+        |own, now| _ = own.disconnected(now),
+        Disconnected,
     ),
-    (
-        "installation",
-        |pipeline, now| _ = pipeline.suspend(now),
-        AlignmentState::Cancelled,
-    ),
+    ("installation", |own, now| _ = own.suspend(now), Cancelled),
     (
         "a refused model",
-        |pipeline, now| _ = pipeline.refuse_model(now),
-        AlignmentState::Cancelled,
+        |own, now| _ = own.refuse_model(now),
+        Cancelled,
     ),
-    (
-        "a command",
-        |pipeline, _| pipeline.cancel_alignment(),
-        AlignmentState::Cancelled,
-    ),
+    ("a command", |own, _| own.cancel_alignment(), Cancelled),
     (
         "another beginning",
-        |pipeline, _| pipeline.begin_alignment(Arm::Unknown),
-        AlignmentState::Waiting,
+        |own, _| own.begin_alignment(Arm::Unknown),
+        Waiting,
     ),
 ];
 
@@ -85,8 +71,8 @@ fn what_ends_a_decision_changes_nothing() {
             let news = deciding.take_alignment_report().unwrap();
             assert_eq!(news.state, state, "{name} {later}");
             assert_eq!(news.alignment, Alignment::NONE, "{name}");
-            assert_eq!(news.quality.is_some(), state == AlignmentState::PoorMargin);
-            let waits = state == AlignmentState::Waiting;
+            assert_eq!(news.quality.is_some(), state == PoorMargin);
+            let waits = state == Waiting;
             let phase = [AlignmentPhase::None, AlignmentPhase::Waiting][usize::from(waits)];
             assert_eq!(deciding.alignment_phase(), phase, "{name}");
             assert_eq!(deciding.alignment(), Alignment::NONE);

@@ -91,7 +91,7 @@ pub fn count<const WIDTH: usize, const SLOTS: usize>(
     let mut pipeline = Pipeline::of_model(model, encoder, &mut memory).expect("good settings");
 
     let mut preprocessor = Preprocessor::new(model.header.preprocessing.median);
-    let mut ring = SampleRing::new();
+    let mut ring = SampleRing::default();
     let [mut state, mut probed_state] = [encoder.fresh(), encoder.fresh()];
     let mut smoother: Smoother<MAX_LOGITS, LOOK_BACK> =
         Smoother::new(settings, encoder.classes()).expect("good settings");

@@ -1,14 +1,24 @@
-//! Log of the pins: `PINS <time us> <last HCI byte us> valid=0 relax=0 ... pinch=0 armband=0 alignment=0`.
+//! Files that a board of the tests writes, and a line of the pins' one:
+//! `PINS <time us> <last HCI byte us> valid=0 relax=0 ... pinch=0 armband=0 alignment=0`.
+
+use std::fmt;
 
 use shared::intent::Intent;
+
+/// Name of the file with the lines of UART0.
+pub const LINES: &str = "uart0.out";
+/// Name of the file with every change of the pins' levels.
+pub const LEVELS: &str = "uart2.out";
+/// Name of the simulated board's log of events: a word, the microseconds since the start, and details.
+pub const EVENTS: &str = "events.out";
 
 /// State of the pins from one instant on.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct PinLevels {
-    /// Time of the board's clock, in microseconds; wraps after 71 minutes.
-    pub at_us: u32,
+    /// Time of the board's clock, in microseconds.
+    pub at_us: u64,
     /// Time at which the newest byte from the controller was received, on the same clock.
-    pub last_byte_us: u32,
+    pub last_byte_us: u64,
     /// Level of the `valid` pin.
     pub valid: bool,
     /// Intents whose pin is high.
@@ -54,9 +64,32 @@ impl PinLevels {
 
     /// Returns the microseconds since the newest byte from the controller; 0 if it was received while the line was
     /// being written.
-    pub const fn since_last_byte_us(&self) -> u32 {
-        let passed = self.at_us.wrapping_sub(self.last_byte_us);
-        if passed > i32::MAX as u32 { 0 } else { passed }
+    pub const fn since_last_byte_us(&self) -> u64 {
+        self.at_us.saturating_sub(self.last_byte_us)
+    }
+}
+
+impl fmt::Display for PinLevels {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            at_us,
+            last_byte_us,
+            valid,
+            high,
+            armband,
+            alignment_led,
+        } = self;
+        write!(
+            formatter,
+            "PINS {at_us} {last_byte_us} valid={}",
+            u8::from(*valid)
+        )?;
+        for intent in Intent::ALL {
+            let level = u8::from(high.contains(&intent));
+            write!(formatter, " {}={level}", intent.name())?;
+        }
+        let [armband, alignment] = [*armband, *alignment_led].map(u8::from);
+        write!(formatter, " armband={armband} alignment={alignment}")
     }
 }
 
@@ -65,9 +98,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn levels_and_times_are_read_and_anything_else_is_no_line() {
-        let line = "PINS 5200 5000 valid=1 relax=0 open=1 close=0 wave-in=0 wave-out=0 pinch=0 armband=1 alignment=1\r\n";
-        let pins = PinLevels::parse(line).unwrap();
+    fn levels_and_times_are_read_as_written_and_anything_else_is_no_line() {
+        let line = "PINS 5200 5000 valid=1 relax=0 open=1 close=0 wave-in=0 wave-out=0 pinch=0 armband=1 alignment=1";
+        let pins = PinLevels::parse(&format!("{line}\r\n")).unwrap();
+        assert_eq!(pins.to_string(), line);
         assert!(pins.valid && pins.armband && pins.alignment_led);
         assert_eq!(pins.high, [Intent::Open]);
         assert_eq!(pins.since_last_byte_us(), 200);
