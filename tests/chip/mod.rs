@@ -226,7 +226,7 @@ impl Board {
             Built::Xiao => (ChipModel::Nrf52840, ChipPins::XIAO, None),
             Built::Feather => (ChipModel::Nrf52840, ChipPins::FEATHER, None),
             Built::NiceNano => (ChipModel::Nrf52840, ChipPins::NICE_NANO, None),
-            _ => (ChipModel::Nrf52840, ChipPins::NRF52840, None),
+            Built::Nrf52840Sdc => (ChipModel::Nrf52840, ChipPins::NRF52840, None),
         };
         let softdevice = kind.map(SoftDevice::new);
         let mut machine = Machine::new(model, image, softdevice, 0x6d79_6f21);

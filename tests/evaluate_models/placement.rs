@@ -12,7 +12,7 @@ use shared::units::CHANNELS;
 use super::{evaluate, evaluated, model, with_model};
 use crate::small::{folder, in_folder, recordings};
 
-/// Everybody with the armband turned by so many places, with or without an alignment.
+/// Selection of everybody, with the armband turned by so many places, with or without an alignment.
 fn turned(places: u8, align: bool) -> Selection {
     Selection {
         worn: Worn {

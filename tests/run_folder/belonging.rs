@@ -123,8 +123,9 @@ fn a_model_and_a_recording_are_never_replaced_by_what_a_command_writes() {
     let (model, recording) = ("mine.intent", "data/s1/s1_synthetic_1.csv");
     let before = [model, recording].map(|name| fs::read(bench.path(name)).unwrap());
 
-    let gate = "gate @mine.intent --other 1 --out @mine.intent";
-    fails(&paths(&bench.folder, gate), "exists already");
+    let shipped = myointent_tests::shipped("three-class");
+    let gate = format!("gate {} --other 1 --out @mine.intent", shipped.display());
+    fails(&paths(&bench.folder, &gate), "exists already");
     let predict = |out| {
         let line = format!("predict --model @mine.intent --recording @{recording} --out @{out}");
         paths(&bench.folder, &line)

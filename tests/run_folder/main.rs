@@ -15,7 +15,7 @@ use presets::config::ResolvedConfig;
 use recordings::{LoadOptions, load};
 use small::{folder, paths, process, recordings, run, small_preset};
 
-/// Folder with recordings, `data`, and presets, `small.toml` and `edited.toml`. In lines, `@name` is a path in it.
+/// Folder with recordings, `data`, and presets: `small.toml` and, once edited, `edited.toml`. In lines, `@name` is a path in it.
 struct Bench {
     folder: PathBuf,
 }

@@ -73,6 +73,7 @@ impl Score {
             .collect()
     }
 
+    /// Adds the means over people.
     fn with_means(mut self) -> Self {
         let mean = |measure: Measure| Some((measure.name().to_owned(), measure.mean(&self)?));
         self.means = Measure::ALL.into_iter().filter_map(mean).collect();
@@ -132,7 +133,7 @@ pub fn score_all(
 }
 
 /// Scores a candidate under one condition: a row for each data set among the recordings, and one over all of them if
-/// there are several; each for the people of either [`Group`], if there are any. Labels are lag-compensated.
+/// there are several; each for the people of either [`Group`], if there are any. True labels are lag-compensated.
 pub fn score(
     candidate: &Candidate,
     recordings: &[EvaluatedRecording],
@@ -162,7 +163,7 @@ fn labels(
     Ok(labels.collect::<Result<_, _>>()?)
 }
 
-/// Scores the labels of a model or of any program, in the order of the recordings: rows as of [`score`].
+/// Scores the labels of a model or of any program, in the order of the recordings, by lag-compensated true labels: rows as of [`score`].
 pub fn score_labels(
     model: &System,
     labels: &[SmoothedLabels],
@@ -174,6 +175,7 @@ pub fn score_labels(
     rows(model, labels, recordings, vocabulary, look_ahead, truth)
 }
 
+/// Rows of a condition by either kind of true labels.
 fn rows(
     model: &System,
     labels: &[SmoothedLabels],

@@ -42,7 +42,7 @@ pub fn load_model<M: Module>(
 }
 
 /// Values of a model's weights, in the order in which the module visits them.
-pub fn values(model: &impl Module) -> Vec<f32> {
+pub(crate) fn values(model: &impl Module) -> Vec<f32> {
     let mut values = Values(Vec::new());
     model.visit(&mut values);
     values.0

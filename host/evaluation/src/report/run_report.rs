@@ -19,7 +19,7 @@ use presets::config::ResolvedConfig;
 /// Name of the report in a run folder.
 const REPORT: &str = "report.html";
 
-/// Writes the report of a run's models into its folder; returns the file.
+/// Writes the report of a run's models into its folder, if it has any; returns the place of the file.
 pub fn write(
     folder: &RunFolder,
     config: &ResolvedConfig,

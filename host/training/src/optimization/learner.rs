@@ -57,7 +57,7 @@ pub struct WeightedMetric {
 }
 
 impl WeightedMetric {
-    /// Metric of a loss that is a mean over `weight` values.
+    /// Metric of a loss, with its weight in the mean over batches.
     pub fn of_loss(name: &'static str, loss: &Tensor<1>, weight: f64) -> Self {
         Self {
             name,

@@ -85,6 +85,7 @@ pub fn kept(context: &RunContext) -> Result<(Results, Evaluation), StepError> {
     Ok((results, evaluation))
 }
 
+/// Recordings of the people whom a run holds out.
 fn held_out(context: &RunContext) -> Result<Vec<EvaluatedRecording>, StepError> {
     let recordings = EvaluatedRecording::of_role(&context.config, &context.library, Role::HeldOut);
     if recordings.is_empty() {

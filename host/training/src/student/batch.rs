@@ -134,7 +134,7 @@ mod tests {
         outputs: 3,
     };
 
-    /// A stream of 20 patches of one label, or of none, with movement outside the vocabulary.
+    /// Corpus of one stream of 20 patches: of one label, or of none and then with movement outside the vocabulary.
     fn corpus(label: Option<Intent>, other: bool) -> Corpus {
         let samples = 20 * PATCH;
         let mut stream = Stream::new(vec![[1; CHANNELS]; samples], vec![label; samples]);

@@ -93,9 +93,7 @@ fn a_checkpoint_of_another_model_is_refused_with_what_differs() {
             },
             CLASSES,
             &[
-                "are missing",
-                "action_embedding.weight",
-                "transformer_encoder.layers.0.self_attn.in_proj_bias",
+                "these tensors are missing: action_embedding.weight, transformer_encoder.layers.0.self_attn.in_proj_bias;",
             ],
         ),
         (
