@@ -42,6 +42,19 @@ fn trials(folder: &Path) -> anyhow::Result<Vec<Trial>> {
         LEFT_OUT => Ok(()),
         other => Err(format!("{other} scenarios say `not_on_chip`, expected {LEFT_OUT}").into()),
     }));
+    // Its fields are those of two types.
+    let wrong = files
+        .first()
+        .map(|file| format!("colour = 1\n{}", file.text));
+    let refused = "a_key_that_no_scenario_has_is_refused";
+    trials.push(Trial::test(refused, move || {
+        match toml::from_str::<file::Scenario>(&wrong.unwrap_or_default()) {
+            Err(error) if error.to_string().contains("`colour`") => Ok(()),
+            other => {
+                Err(format!("expected an error about the key, found {:?}", other.err()).into())
+            }
+        }
+    }));
     for file in files {
         // The image that the README flashes, and the one without a SoftDevice.
         let images = [
