@@ -102,7 +102,7 @@ impl FileKind {
     pub const fn advice(self) -> &'static str {
         match self {
             Self::Empty => "copy or download it again",
-            Self::Zip | Self::Gzip => "unpack it",
+            Self::Zip | Self::Gzip | Self::Tar => "unpack it",
             Self::LfsPointer => "run `git lfs pull` in its repository",
             Self::Html => {
                 "a page of a web site was saved instead of the file: download the raw file"
@@ -173,6 +173,7 @@ mod tests {
             (b"\x89HDF\r\n\x1a\n", FileKind::Hdf5),
             (b"PK\x03\x04", FileKind::Zip),
             (b"\x1f\x8b\x08", FileKind::Gzip),
+            (&[&[b'a'; 257], &b"ustar"[..]].concat(), FileKind::Tar),
             (lfs.as_bytes(), FileKind::LfsPointer),
             (b"\n<!DOCTYPE html>\n<html>", FileKind::Html),
             (b"{\"a\": 1}", FileKind::Json),

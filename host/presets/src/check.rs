@@ -137,7 +137,7 @@ impl Preset {
             (!self.teacher_training.tasks.is_empty(), "teacher_training.tasks", "one task or more"),
             (divides(student.heads, student.d_model), "student.heads", "a divisor of d_model"),
             (student.receptive_field() <= WINDOW_PATCHES + 1 - LOOK_BACK, "student.span",
-                "layers * (span - 1) + 1 of at most 55 patches"),
+                "a span of which layers * (span - 1) + 1 is 55 patches at most"),
             (distillation.patches > student.span, "distillation.patches", "more than the span"),
             (!self.other() || !distillation.needs_teacher(), "distillation.teacher_share",
                 "0, or an ensemble, with data.other_movement = \"class\", which no teacher knows"),
@@ -165,6 +165,7 @@ impl Preset {
 
 #[cfg(test)]
 mod tests {
+    use super::BOUNDS;
     use crate::{BUILT_IN, Preset, PresetError};
 
     /// The key that is refused after an edit of the quickstart preset.
@@ -196,6 +197,34 @@ data.spliced_seconds | spliced_seconds = 180.0 | spliced_seconds = 1e15
 teacher_training.epochs | epochs = 5 | epochs = 9000000000000000000
 distillation.ensemble.members | temperature = 2.0 | temperature = 2.0 ; ensemble = { members = 9, epochs = 3 }
 distillation.ensemble.epochs | temperature = 2.0 | temperature = 2.0 ; ensemble = { members = 2, epochs = 1000001 }";
+
+    #[test]
+    fn each_bound_is_of_a_number_that_presets_have() {
+        let more = "
+            [teacher_training]
+            ema_decay = 0.9
+            augmentation = { gain = 0.1, rotation = 1 }
+            lora = { rank = 4, alpha = 8.0 }
+            [distillation]
+            ema_decay = 0.9
+            augmentation = { gain = 0.1, rotation = 1 }
+            ensemble = { members = 2, epochs = 3 }
+            [data]
+            daily_life = 0.1";
+        let mut written: toml::Table = BUILT_IN[0].1.parse().unwrap();
+        for (section, more) in more.parse::<toml::Table>().unwrap() {
+            let own = written.get_mut(&section).and_then(|own| own.as_table_mut());
+            own.unwrap().extend(more.as_table().unwrap().clone());
+        }
+        let preset = Preset::parse("whole", &toml::to_string(&written).unwrap()).unwrap();
+        let written = toml::Value::try_from(&preset).unwrap();
+        for (key, ..) in BOUNDS {
+            let mut parts = key.split('.');
+            let own = parts.try_fold(&written, |table, part| table.get(part));
+            let is_number = own.is_some_and(|own| own.is_float() || own.is_integer());
+            assert!(is_number, "{key}: {own:?}");
+        }
+    }
 
     #[test]
     fn values_that_no_training_or_model_survives_are_refused() {

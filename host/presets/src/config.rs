@@ -234,8 +234,7 @@ impl ResolvedConfig {
 /// Weight of every stream beside one of daily life, so that the share is met within a hundredth.
 const WEIGHT: usize = 100;
 
-/// Weight of `samples` samples that gives them a share of the total, beside `others` samples of weight [`WEIGHT`].
-// The preset's check allows shares from 0 to 0.9.
+/// Weight of `samples` samples that gives them a share of the total, 0 to 0.9, beside `others` samples of weight [`WEIGHT`].
 fn weight(share: f64, others: usize, samples: usize) -> usize {
     let others = (WEIGHT * others) as f64;
     let weight = share / (1.0 - share) * others / samples.max(1) as f64;

@@ -15,6 +15,16 @@ fn a_misspelt_name_is_refused_with_the_nearest_known_one() {
 }
 
 #[test]
+fn a_whole_data_set_may_be_held_out() {
+    let everybody = ["p1", "p2", "p3", "p4"].map(|name| format!("synthetic/{name}"));
+    let config = resolve(&everybody.each_ref().map(String::as_str), &[]).unwrap();
+    let by_name = resolve(&["synthetic"], &[]).unwrap();
+    assert_eq!(by_name.split, config.split);
+    let mut validation = config.split.validation.iter();
+    assert!(validation.all(|name| name.starts_with("own/")));
+}
+
+#[test]
 fn a_set_that_is_not_trained_on_by_default_is_used_where_it_is_named() {
     let library = Library {
         recordings: [

@@ -39,13 +39,12 @@ pub fn describe(folder: &Path, out: Option<&Path>) -> Result<(PathBuf, String), 
     let io = |source| LoadError::io(folder, source);
     let folder = dunce::canonicalize(folder).map_err(io)?;
     if !folder.is_dir() {
-        let problem =
-            "expected a folder, found a file: a description is of the recordings in a folder";
+        let problem = "expected a folder with recordings, which is what a description is of";
         return Err(LoadError::description(&folder, None, problem));
     }
     let path = out.map_or_else(|| folder.join(FILE_NAME), Path::to_owned);
     let exists = || {
-        let problem = "exists: correct it, or remove it and describe again";
+        let problem = "there is one already: correct it, or remove it and describe again";
         LoadError::description(&path, None, problem)
     };
     if path.exists() {
@@ -55,7 +54,7 @@ pub fn describe(folder: &Path, out: Option<&Path>) -> Result<(PathBuf, String), 
     let failed = |source: std::io::Error| match source.kind() {
         ErrorKind::AlreadyExists => exists(),
         _ => {
-            let problem = format!("cannot be written; --out FILE writes it elsewhere: {source}");
+            let problem = format!("it cannot be written: {source}; --out FILE writes it elsewhere");
             LoadError::description(&path, None, problem)
         }
     };

@@ -295,12 +295,14 @@ impl Pulses {
     /// Number of the gesture at each sample, 0 without a pulse. The pulse may go on after the last sample.
     fn words(&self, variables: &[Array], samples: usize) -> Result<Words, Damage> {
         let pulse = variable(variables, std::slice::from_ref(&self.variable))?;
+        let columns = pulse.shape.get(1).copied().unwrap_or(1);
         let (mut pulses, mut before) = (0, false);
         let gesture = |at: usize| {
             let Values::Numbers(values) = &pulse.values else {
                 return 0;
             };
-            let on = values.get(at).is_some_and(|&value| value > 0.0);
+            let first = values.get(at * columns);
+            let on = first.is_some_and(|&value| value > 0.0);
             pulses += usize::from(on && !before);
             before = on;
             if on {

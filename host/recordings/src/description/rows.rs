@@ -160,7 +160,7 @@ impl Description {
     pub(super) fn array(&self, array: &Array) -> Result<Rows, Damage> {
         let wrong = || {
             let expected =
-                "numbers, (n, 8), or (n, more) and the numbers of the columns in the description";
+                "numbers, (n, 8), or of more columns with a description that numbers eight of them";
             Damage::of_file(error::array(expected, &array.describe()))
         };
         let (Values::Numbers(values), &[_, width]) = (&array.values, &array.shape[..]) else {

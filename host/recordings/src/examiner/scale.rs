@@ -33,7 +33,7 @@ pub(crate) enum Scale {
     Counts,
     /// Whole multiples of the value of one count.
     Step(f64, Option<&'static str>),
-    /// Values that are multiples of no step: what they are, and how to make counts of them.
+    /// Values that no step makes counts of: what they are, and how to make counts of them.
     Other(&'static str, &'static str),
 }
 

@@ -44,7 +44,7 @@ pub fn runs<L: Copy + PartialEq>(labels: &[L]) -> Vec<Run<L>> {
         .collect()
 }
 
-/// Places, among runs, of those in a row that are gestures.
+/// Ranges of consecutive runs that are gestures, as indices of the runs.
 pub(crate) fn holds<L>(runs: &[Run<L>], is_gesture: impl Fn(&Run<L>) -> bool) -> Vec<Range<usize>> {
     let mut from = 0;
     let alike = runs.chunk_by(|a, b| is_gesture(a) == is_gesture(b));

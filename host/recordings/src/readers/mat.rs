@@ -36,7 +36,7 @@ fn bad(byte: usize, what: &str) -> Damage {
 /// The real numeric matrices of two axes in the bytes of a file, in their order; `descr` of each is its variable.
 ///
 /// # Errors
-/// Damage with the byte of the fault. No allocation exceeds the bound of a file.
+/// Damage with the byte of the fault. Unpacked variables take at most the bound of a file; their elements become numbers of 8 bytes.
 pub fn parse(bytes: &[u8]) -> Result<Vec<Array>, Damage> {
     match bytes.get(124..HEAD) {
         Some([0, 1, b'I', b'M']) => {}

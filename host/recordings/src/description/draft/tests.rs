@@ -150,7 +150,7 @@ fn an_existing_description_is_never_replaced() {
     let refusal = |path: &Path| describe(path, None).unwrap_err().to_string();
     describe(folder.path(), None).unwrap();
     for (below, words) in [
-        ("", "recordings.toml: exists: correct it"),
+        ("", "recordings.toml: there is one already: correct it"),
         ("a.csv", "expected a folder"),
     ] {
         let told = refusal(&folder.path().join(below));

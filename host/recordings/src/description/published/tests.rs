@@ -181,7 +181,7 @@ fn pulses_of_myoup_are_counted_and_rest_keeps_a_second_away() {
 }
 
 #[test]
-fn a_cut_row_of_cote_allard_names_its_byte() {
+fn a_cut_file_of_cote_allard_names_its_length_and_a_damaged_value_its_byte() {
     let path = "/d/PreTrainingDataset/Male3/training0/classe_15.DAT";
     // One value of many is damage, and no scale.
     let one = [&[1, 0].repeat(8 * 200)[..], &[1; 16]].concat();

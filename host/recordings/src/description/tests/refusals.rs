@@ -105,7 +105,7 @@ fn faults_of_a_file_name_line_and_column() {
         (scaled, good(), "whole multiples of 1000"),
         (plain, Vec::new(), "expected one row per sample"),
         (plain, b"PK\x03\x04".to_vec(), "as a description has them"),
-        (plain, array(7), "numbers of the columns in the description"),
+        (plain, array(7), "a description that numbers eight"),
         (&head.to_owned(), array(9), "(50, 9)"),
     ] {
         told(text, bytes, words);

@@ -49,6 +49,8 @@ impl Values {
                 .collect()
         }
         match self {
+            // Both orders are the same.
+            values if columns == 1 => values,
             Self::Numbers(values) => Self::Numbers(transposed(&values, columns)),
             Self::Text(values) => Self::Text(transposed(&values, columns)),
         }

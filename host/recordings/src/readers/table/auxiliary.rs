@@ -16,7 +16,7 @@ const FILLED_IN: &str = "bridged";
 /// Texts of the columns that are no channels, by column.
 pub(crate) type Texts<'t> = BTreeMap<usize, Vec<&'t str>>;
 
-/// What the columns beside the channels say of the rows.
+/// Findings in the columns beside the channels: clock, devices, marks of filled-in samples.
 #[derive(Default)]
 pub(crate) struct Auxiliary {
     /// Clock that gives the rate.

@@ -44,7 +44,7 @@ pub(crate) struct Columns {
 /// Reason why a text is no table that is read.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct TableError {
-    /// What was found, and where.
+    /// Fault, and its place.
     pub damage: Damage,
     /// Whether its columns show that it was meant as a recording.
     pub is_meant: bool,
