@@ -130,7 +130,7 @@ pub fn motions(labels: &[Option<Intent>], other_movement: &[Movement]) -> Vec<Mo
     motions
 }
 
-/// Labels and other movement of a recording, as [`Recording`](crate::Recording) holds them.
+/// Labels and other movement of a recording, as [`Recording`] holds them.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct GroundTruth {
     /// Label of each sample; none where no intent is known.
