@@ -91,10 +91,7 @@ impl Preset {
                 });
             }
         };
-        let value = |key: &str| {
-            let mut parts = key.split('.');
-            parts.try_fold(&written, |table, part| table.get(part))
-        };
+        let value = |key: &str| value(&written, key);
         let is_beyond = |&&(key, least, most, _): &&(&str, f64, f64, &str)| {
             let number = value(key).and_then(|own| {
                 let whole = || own.as_integer().map(|whole| whole as f64);
@@ -163,9 +160,15 @@ impl Preset {
     }
 }
 
+/// The value of a key such as `student.span`; none where a preset leaves it out.
+fn value<'w>(written: &'w toml::Value, key: &str) -> Option<&'w toml::Value> {
+    let mut parts = key.split('.');
+    parts.try_fold(written, |table, part| table.get(part))
+}
+
 #[cfg(test)]
 mod tests {
-    use super::BOUNDS;
+    use super::{BOUNDS, value};
     use crate::{BUILT_IN, Preset, PresetError};
 
     /// The key that is refused after an edit of the quickstart preset.
@@ -219,8 +222,7 @@ distillation.ensemble.epochs | temperature = 2.0 | temperature = 2.0 ; ensemble 
         let preset = Preset::parse("whole", &toml::to_string(&written).unwrap()).unwrap();
         let written = toml::Value::try_from(&preset).unwrap();
         for (key, ..) in BOUNDS {
-            let mut parts = key.split('.');
-            let own = parts.try_fold(&written, |table, part| table.get(part));
+            let own = value(&written, key);
             let is_number = own.is_some_and(|own| own.is_float() || own.is_integer());
             assert!(is_number, "{key}: {own:?}");
         }

@@ -39,7 +39,7 @@ pub struct Scenario {
     pub expect: Expectation,
     /// Model that a person installs: a file of `models` without `.intent`.
     pub install: Option<String>,
-    /// What the board's surroundings do.
+    /// Part that the board's surroundings carry out.
     #[serde(flatten)]
     pub surroundings: virtual_armband::Scenario,
 }

@@ -12,11 +12,11 @@ use super::{POSITION, POSITION_AGAIN};
 pub struct CheckpointError {
     /// The file.
     pub path: PathBuf,
-    /// What is wrong.
+    /// Fault of the file.
     pub why: Fault,
 }
 
-/// Why a checkpoint cannot be read or written.
+/// Reason why a checkpoint cannot be read or written.
 #[derive(Debug, Error)]
 #[expect(missing_docs, reason = "the messages say it")]
 pub enum Fault {
